@@ -11,11 +11,9 @@
 #include "core/base/stopwatch.h"
 #include "core/linear/dense_buffer.h"
 #include "core/problem/delassus.h"
-#include "solvers/islands.h"
 #include "solvers/parameters.h"
-#include "solvers/prepared_problem.h"
-#include "solvers/proved_claim.h"
 #include "solvers/registry.h"
+#include "solvers/solve_run.h"
 #include "solvers/stop_rule.h"
 
 namespace bipot {
@@ -28,71 +26,25 @@ SolveResult refuse(std::string message) {
   return result;
 }
 
-std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
-                             const SolverOptions& o) {
-  if (!(o.tol > 0) || !std::isfinite(o.tol)) {
-    return fmt::format("tol = {}, expected a positive finite number", o.tol);
-  }
-  if (o.max_iterations < 0) {
-    return fmt::format("max_iterations = {}, expected >= 0", o.max_iterations);
-  }
-  if (o.execution.threads < 1) {
-    return fmt::format("threads = {}, expected >= 1", o.execution.threads);
-  }
-  if (!has_path(o.execution.path)) {
-    return fmt::format("this machine has no {}", to_string(o.execution.path));
-  }
-  if (!(o.time_limit > 0)) return fmt::format("time_limit = {} s, expected > 0", o.time_limit);
-  if (o.s0.size() != 0 && o.s0.size() != p.num_rows()) {
-    return fmt::format("start s0 has size {}, expected {}", o.s0.size(), p.num_rows());
-  }
-  if (!o.s0.allFinite()) return "start s0 has a non-finite entry";
-  try {
-    Parameters(o.parameters, entry.parameters);
-  } catch (const std::invalid_argument& e) {
-    return fmt::format("solver {}: {}", entry.name, e.what());
-  }
-  if (p.dim > entry.max_dim) {
-    return fmt::format("solver {} handles contact dimensions up to {}, the problem has {}",
-                       entry.name, entry.max_dim, p.dim);
-  }
-  if (p.num_contacts() > entry.max_contacts) {
-    return fmt::format("solver {} handles at most {} contacts, the problem has {}", entry.name,
-                       entry.max_contacts, p.num_contacts());
-  }
-  return {};
-}
-
-/// Withdraws a claim that only the rounding of the criterion supports.
-void judge_in_extended_precision(const ContactProblem& problem, const SolverOptions& options,
-                                 SolveResult& result) {
-  if (result.status != SolveStatus::kConverged) return;
-  const ProvedClaim claim = prove_claim(problem, options, result.s, result.error);
-  if (claim.holds) return;
-  result.status = SolveStatus::kStalled;
-  result.message = fmt::format(
-      "stalled at rounding: guarded error {:.3e} in double, {:.3e} in extended "
-      "precision (it said: {})",
-      result.error.guarded(), claim.error, result.message);
-}
-
-/// Judges result.s on the original problem, writes s, u and error, withdraws false claims.
-void judge(const ContactProblem& problem, const SolverOptions& options,
-           ContactErrorEvaluator& evaluate, SolveResult& result) {
-  if (result.s.size() != problem.num_rows()) {
+/// Judges result.s, writes s, u and error, withdraws false claims, and those that only the rounding
+/// of the criterion supports.
+void judge(ContactSpace& space, const SolverOptions& options, SolveResult& result) {
+  const Eigen::Index rows = space.problem().num_rows();
+  if (space.any(result.s.size() != rows)) {
     result.message = fmt::format("the solver returned {} rows, expected {} (it said: {})",
-                                 result.s.size(), problem.num_rows(), result.message);
+                                 result.s.size(), rows, result.message);
     result.status = SolveStatus::kNumericalFailure;
-    result.s = Vector::Zero(problem.num_rows());
-  } else if (!result.s.allFinite()) {
+    result.s = Vector::Zero(rows);
+  } else if (space.any(!result.s.allFinite())) {
     result.message =
         fmt::format("the solver returned a non-finite impulse (it said: {})", result.message);
     result.status = SolveStatus::kNumericalFailure;
-    result.s = Vector::Zero(problem.num_rows());
+    result.s = Vector::Zero(rows);
   }
-  result.error = evaluate(result.s);
-  result.s = evaluate.impulse();
-  result.u = evaluate.velocity();
+  result.error = space.error(result.s);
+  space.find_worst(result.error);
+  result.s = space.impulse();
+  result.u = space.impulse_velocity();
 
   // Where there is nothing to do the raw (42) is 0/0: that claim is judged by the guarded error.
   const bool raw = options.stop == StopTest::kRaw42 && result.status == SolveStatus::kConverged;
@@ -109,6 +61,34 @@ void judge(const ContactProblem& problem, const SolverOptions& options,
     result.message = "the solver returned without a status";
     result.status = SolveStatus::kNumericalFailure;
   }
+  if (result.status != SolveStatus::kConverged) return;
+  const ProvedClaim claim = space.prove(options, result.s, result.error);
+  if (claim.holds) return;
+  result.status = SolveStatus::kStalled;
+  result.message = fmt::format(
+      "stalled at rounding: guarded error {:.3e} in double, {:.3e} in extended precision (it said: "
+      "{})",
+      result.error.guarded(), claim.error, result.message);
+}
+
+/// A run of the solver; failures become a status.
+SolveResult run(ContactSpace& space, const SolverEntry& entry, const SolverOptions& options) {
+  SolveResult result;
+  const auto failed = [&](std::string words) {
+    result.status = SolveStatus::kNumericalFailure;
+    result.message = fmt::format("{} failed{}", entry.name, words);
+    result.s = Vector::Zero(space.problem().num_rows());
+  };
+  try {
+    result = run_solver(entry, space, options);
+  } catch (const std::exception& e) {
+    require_common(space, e);
+    failed(fmt::format(": {}", e.what()));
+  } catch (...) {
+    if (space.whole() == nullptr) throw;
+    failed(" with something that is no exception");
+  }
+  return result;
 }
 
 /// The power of two that brings the free motion's energies u²/W_nn near 1 where they are beyond
@@ -163,10 +143,88 @@ SolveResult solve_with_islands_as_named(const SolverEntry& entry, const ContactP
   } catch (const std::invalid_argument& e) {
     return refuse(fmt::format("solver {}: {}", entry.name, e.what()));
   }
-  return solve(entry, problem, options);
+  return solve(entry, problem, std::move(options));
+}
+
+/// Whether the entry looks at SolverOptions::islands itself.
+bool looks_at_islands(const SolverEntry& entry) {
+  return std::any_of(entry.parameters.begin(), entry.parameters.end(),
+                     [](const ParameterSpec& s) { return s.name == kIslandsParameter.name; });
 }
 
 }  // namespace
+
+std::string refusal(const SolverEntry& entry, const ContactProblem& p, const SolverOptions& o) {
+  if (auto defect = validate(p); !defect.empty()) return defect;
+  if (!(o.tol > 0) || !std::isfinite(o.tol)) {
+    return fmt::format("tol = {}, expected a positive finite number", o.tol);
+  }
+  if (o.max_iterations < 0) {
+    return fmt::format("max_iterations = {}, expected >= 0", o.max_iterations);
+  }
+  if (o.execution.threads < 1) {
+    return fmt::format("threads = {}, expected >= 1", o.execution.threads);
+  }
+  if (!has_path(o.execution.path)) {
+    return fmt::format("this machine has no {}", to_string(o.execution.path));
+  }
+  if (!(o.time_limit > 0)) return fmt::format("time_limit = {} s, expected > 0", o.time_limit);
+  if (o.s0.size() != 0 && o.s0.size() != p.num_rows()) {
+    return fmt::format("start s0 has size {}, expected {}", o.s0.size(), p.num_rows());
+  }
+  if (!o.s0.allFinite()) return "start s0 has a non-finite entry";
+  try {
+    Parameters(o.parameters, entry.parameters);
+  } catch (const std::invalid_argument& e) {
+    return fmt::format("solver {}: {}", entry.name, e.what());
+  }
+  if (p.dim > entry.max_dim) {
+    return fmt::format("solver {} handles contact dimensions up to {}, the problem has {}",
+                       entry.name, entry.max_dim, p.dim);
+  }
+  if (p.num_contacts() > entry.max_contacts) {
+    return fmt::format("solver {} handles at most {} contacts, the problem has {}", entry.name,
+                       entry.max_contacts, p.num_contacts());
+  }
+  return {};
+}
+
+SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const SolverOptions& options,
+                     const Stopwatch& watch) {
+  SolveResult result;
+  result.s = Vector::Zero(space.problem().num_rows());
+  const ContactError none = space.error(result.s);
+  std::optional<ContactError> start;
+  if (space.any(options.s0.size() != 0) && none.guarded() != 0) {
+    start = space.error(start_of(space.problem(), options));
+  }
+  if (none.guarded() == 0) {
+    result.status = SolveStatus::kNothingToDo;
+    result.message = space.whole_contacts() == 0 ? "no contacts" : "s = 0 satisfies the law";
+  } else if (start && meets(options, *start) &&
+             space.prove(options, space.impulse(), *start).holds) {
+    result.status = SolveStatus::kConverged;
+    result.message = "the start meets the stop test";
+    result.s = start_of(space.problem(), options);
+  } else {
+    const double before = watch.seconds();
+    space.rest();  // until the end
+    result.s = Vector();
+    const auto run_with = [&](const SolverOptions& how) { result = run(space, entry, how); };
+    // The impulses of jammed bodies at rest in the step before may be beyond all measure of this
+    // one: no solver comes back from there with a digit that counts.
+    if (start && start->energy > kDivergenceFactor * none.energy) {
+      SolverOptions from_zero = options;
+      from_zero.s0 = Vector();
+      run_with(from_zero);
+    } else {
+      run_with(options);
+    }
+    result.setup_seconds += before;
+  }
+  judge(space, options, result);
+  return result;
+}
 
 SolveResult solve(std::string_view solver, const ContactProblem& problem, SolverOptions options) {
   const SolverEntry* entry = find_solver(solver);
@@ -174,20 +232,22 @@ SolveResult solve(std::string_view solver, const ContactProblem& problem, Solver
   return solve(*entry, problem, std::move(options));
 }
 
-SolveResult solve(const SolverEntry& entry, const ContactProblem& problem, SolverOptions options) {
+SolveResult solve(const SolverEntry& given_entry, const ContactProblem& problem,
+                  SolverOptions options) {
   if (options.parameters.count(std::string(kIslandsParameter.name)) > 0) {
-    return solve_with_islands_as_named(entry, problem, options);
+    return solve_with_islands_as_named(given_entry, problem, std::move(options));
   }
-  if (auto defect = validate(problem); !defect.empty()) return refuse(std::move(defect));
-  if (auto defect = validate_options(entry, problem, options); !defect.empty()) {
+  if (auto defect = refusal(given_entry, problem, options); !defect.empty()) {
     return refuse(std::move(defect));
   }
   if (const int exponent = velocity_exponent(problem); exponent != 0) {
-    return solve_in_other_units(entry, problem, options, exponent);
+    return solve_in_other_units(given_entry, problem, std::move(options), exponent);
   }
   try {
     take_dense_buffer();
     const Stopwatch watch;
+    const bool cut = options.islands.value_or(false) && !looks_at_islands(given_entry);
+    const SolverEntry entry = cut ? on_islands(given_entry) : given_entry;
     const ContactProblem* given = &problem;
     ContactProblem with_delassus;
     // With a general A the operator is W itself: assembled once, for everybody in this solve.
@@ -197,55 +257,8 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem, Solve
       with_delassus.W = assemble_delassus(problem.A, problem.H, problem.dim);
       given = &with_delassus;
     }
-    PreparedProblem prepared(*given, options.execution.threads);
-    ContactErrorEvaluator& evaluate = prepared.criterion();
-    options.prepared = &prepared;
-
-    SolveResult result;
-    result.s = Vector::Zero(problem.num_rows());
-    const ContactError none = evaluate(result.s);
-    std::optional<ContactError> start;
-    if (options.s0.size() != 0 && none.guarded() != 0) start = evaluate(options.s0);
-    if (none.guarded() == 0) {
-      result.status = SolveStatus::kNothingToDo;
-      result.message = problem.num_contacts() == 0 ? "no contacts" : "s = 0 satisfies the law";
-    } else if (start && meets(options, *start) &&
-               prove_claim(*given, options, evaluate.impulse(), *start).holds) {
-      result.status = SolveStatus::kConverged;
-      result.message = "the start meets the stop test";
-      result.s = options.s0;
-    } else {
-      const double before = watch.seconds();
-      evaluate.rest();  // until the end
-      result.s = Vector();
-      try {
-        const bool by_islands = options.islands.value_or(entry.by_islands);
-        const auto run = [&](const SolverOptions& how) {
-          return by_islands ? solve_islands(entry, *given, how) : entry.run(*given, how);
-        };
-        // What jammed bodies at rest had to bear in the step before may be beyond all measure of this one:
-        // no solver comes back from there with a digit that counts.
-        if (start && start->energy > kDivergenceFactor * none.energy) {
-          SolverOptions from_zero = options;
-          from_zero.s0 = Vector();
-          result = run(from_zero);
-        } else {
-          result = run(options);
-        }
-      } catch (const std::exception& e) {
-        result.status = SolveStatus::kNumericalFailure;
-        result.message = fmt::format("{} failed: {}", entry.name, e.what());
-        result.s = Vector::Zero(problem.num_rows());
-      } catch (...) {
-        result.status = SolveStatus::kNumericalFailure;
-        result.message = fmt::format("{} failed with something that is no exception", entry.name);
-        result.s = Vector::Zero(problem.num_rows());
-      }
-      result.setup_seconds += before;
-    }
-    judge(problem, options, evaluate, result);
-    judge_in_extended_precision(*given, options, result);
-    return result;
+    WholeSpace space(*given, options.execution.threads);
+    return solve_in(space, entry, options, watch);
   } catch (const std::exception& e) {  // out of memory, an indefinite general mass matrix
     SolveResult result;
     result.status = SolveStatus::kNumericalFailure;

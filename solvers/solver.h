@@ -14,7 +14,7 @@
 
 namespace bipot {
 
-class PreparedProblem;  // solvers/prepared_problem.h
+class SolveRun;  // solvers/solve_run.h
 
 enum class SolveStatus {
   kNotRun,
@@ -54,17 +54,12 @@ struct SolverOptions {
   int max_iterations = 1000000;                                 ///< >= 0
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds, > 0
   Vector s0;                                                    ///< start; empty: s = 0
-  /// What SolverEntry::attempt left, for the solver that goes on from there; empty: none was made.
-  Vector best;
-  /// Whether parts of the problem that do not couple are solved one by one (solvers/islands.h);
-  /// nothing: as the solver's entry says. Only with the guarded test. Also a parameter: "islands".
+  /// Whether parts of the problem that do not couple are solved one by one
+  /// (solvers/auto/islands.h); nothing: `auto` does, the others do not. Only with the guarded test.
+  /// Also a parameter: "islands".
   std::optional<bool> islands;
-  /// How much of the tolerance this problem may use up as a part of a larger one.
-  ErrorShare share;
   Execution execution;  ///< threads and instructions: the result's bits do not depend on them
   std::map<std::string, std::string> parameters;  ///< e.g. {"omega", "1.6"}; see SolverEntry
-  /// What solve() made of the problem for this run; it sets this itself.
-  PreparedProblem* prepared = nullptr;
   std::function<bool()> cancelled;  ///< polled at every iteration; true ends the solve: Ctrl-C
   std::function<void(const IterationRecord&)> on_iteration;  ///< history, at the judged iterations
 };
@@ -102,7 +97,8 @@ struct ParameterSpec {
   std::string_view unit = {};  ///< numbers and integers; empty: a pure number
 };
 
-/// A parameter that every solver takes, through solve(): text for SolverOptions::islands.
+/// A parameter that every solver takes, through solve(): text for SolverOptions::islands. A solver
+/// that has it among its own parameters looks at that option itself; for others solve() does.
 inline constexpr ParameterSpec kIslandsParameter{
     .name = "islands",
     .kind = ParameterSpec::Kind::kChoice,
@@ -110,11 +106,19 @@ inline constexpr ParameterSpec kIslandsParameter{
     .choices = "on|off",
     .help = "solve parts that are not coupled one by one (any solver; guarded stop test)"};
 
+/// How a solver runs where the problem lies on several processes.
+enum class Parallel {
+  kNo,           ///< on the first process, which has the whole problem then
+  kYes,          ///< on all; the iterates depend on the processes
+  kReproducible  ///< on all; the iterates are those of any number of processes, sums aside
+};
+class Parameters;  // solvers/parameters.h
+
 /// A row of the registry, or a solver that a caller brings along.
 struct SolverEntry {
   std::string_view name;
   std::string_view summary;  ///< one line with the citation
-  std::function<SolveResult(const ContactProblem&, const SolverOptions&)> run;
+  std::function<void(SolveRun&)> run;
   std::span<const ParameterSpec> parameters;
   bool needs_delassus = false;  ///< W must be present; solve() assembles it where it is not
   int max_dim = 3;              ///< largest contact dimension
@@ -122,10 +126,13 @@ struct SolverEntry {
   /// The iterates do not depend on `tol`, which decides only where they end: a solve to a loose
   /// tolerance is the beginning of the one to a tight tolerance, whatever the stop test.
   bool path_ignores_tolerance = false;
-  bool by_islands = false;  ///< what SolverOptions::islands is where it is left open
-  /// Tried on a problem before its parts are cut out (solvers/islands.h), which takes as long as a few
-  /// dozen sweeps. kNotRun: not worth it here. None: null.
-  SolveResult (*attempt)(const ContactProblem&, const SolverOptions&) = nullptr;
+  /// With these parameters; null: kNo.
+  Parallel (*parallel)(const Parameters&) = nullptr;
 };
+
+/// A solver as a function from problem and options to its result: SolverEntry::run of those who do
+/// not want to be judged on the way.
+std::function<void(SolveRun&)> run_of(
+    std::function<SolveResult(const ContactProblem&, const SolverOptions&)> solver);
 
 }  // namespace bipot

@@ -9,20 +9,19 @@
 
 namespace bipot {
 
-// When iterates are judged and what a judged one says: for the monitor of one process (monitor.h)
-// and for the one of several (distributed/distributed_monitor.h).
+// When iterates are judged and the consequences of a judgement, for SolveRun (solve_run.h).
 
-/// An energy this many times that of the free violation (of the start, should that have more) is divergence, not
-/// convergence.
+/// An energy this many times that of the free violation (of the start, should that have more) is
+/// divergence, not convergence.
 inline constexpr double kDivergenceFactor = 1e20;
 
-/// What the energies of iterates are held against: free_energy, that of s = 0 [J]; at iteration 0 that of a
-/// start that is beyond kDivergenceFactor of it, which is the caller's and no growth.
+/// What the energies of iterates are held against: free_energy, that of s = 0 [J]; at iteration 0
+/// that of a start that is beyond kDivergenceFactor of it, which is the caller's and no growth.
 double divergence_reference(int iteration, const ContactError& error, double free_energy);
 
 inline constexpr int kJudgedPortion = 32;
-/// One iterate is judged whenever the count has grown by its root or by 1/portion, whichever is more:
-/// where judging costs J iterations and the count of the last one is not known, intervals of
+/// One iterate is judged whenever the count has grown by its root or by 1/portion, whichever is
+/// more: where judging costs J iterations and the count of the last one is not known, intervals of
 /// sqrt(2 J k) around k cost the least, J of quick iterations is 3 to 10. `roots`: so many of the
 /// count instead of one.
 inline int next_judged(int iteration, int portion = kJudgedPortion, int roots = 1) {

@@ -81,7 +81,7 @@ def sentences(paragraph):
     begin = 0
     for end in re.finditer(r"[.!?][\"'”)\]*_]*(?=\s|$)", paragraph):
         sentence = paragraph[begin:end.end()].strip()
-        if sentence.endswith(ABBREVIATIONS):
+        if sentence.split()[-1].lstrip("(") in ABBREVIATIONS:
             continue
         yield sentence
         begin = end.end()

@@ -41,7 +41,7 @@ std::vector<std::string> solvers_of(const ExtremesFlags& flags) {
 
 bool quiet(const ExtremesFlags& flags) { return flags.quiet || flags.json == "-"; }
 
-/// Writes the one problem that the flags name as a file for `bipot solve`.
+/// The one problem that the flags name, as a file for `bipot solve`.
 int dump(const ExtremesFlags& flags) {
   ContactProblem problem;
   std::string title;

@@ -17,7 +17,7 @@ struct ExtremesFlags {
   std::optional<double> time_limit;  ///< CPU seconds of a cell
   std::string out;
   std::string json;          ///< "-": standard output
-  std::string dump_problem;  ///< FCLIB file for the one problem named by --only or --first
+  std::string dump_problem;  ///< FCLIB file for the one problem that --only or --first names
   int random_problems = 0, random_scenes = 0;
   std::uint64_t seed = 1;
   int first = 0;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -42,7 +43,8 @@ std::string domain_of(const ParameterSpec& spec) {
 /// The solver's own parameters, then the one that all solvers take.
 std::vector<ParameterSpec> all_parameters(const SolverEntry& entry) {
   std::vector<ParameterSpec> all(entry.parameters.begin(), entry.parameters.end());
-  all.push_back(kIslandsParameter);
+  const auto is_islands = [](const ParameterSpec& s) { return s.name == kIslandsParameter.name; };
+  if (std::none_of(all.begin(), all.end(), is_islands)) all.push_back(kIslandsParameter);
   return all;
 }
 

@@ -22,7 +22,7 @@
 #include "core/problem_files/problem_geometry.h"
 #include "solvers/analysis/existence.h"
 #include "solvers/auto/auto_plan.h"
-#include "solvers/islands.h"
+#include "solvers/auto/islands.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"

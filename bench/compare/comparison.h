@@ -40,8 +40,8 @@ struct ComparisonRow {
   static constexpr const char* kNotTried = "not tried";  ///< a status: see ComparisonOptions
 };
 
-/// The guarded error along one solve, at judged iterations (solvers/monitor.h), thinned to steps of
-/// a tenth beyond the 32nd. Of all tolerances of a solver the tightest that was run.
+/// The guarded error along one solve, at judged iterations (solvers/solve_run.h), thinned to steps
+/// of a tenth beyond the 32nd. Of all tolerances of a solver the tightest that was run.
 struct HistoryPoint {
   int iteration = 0;
   double seconds = 0;  ///< wall time since the solver began
@@ -118,8 +118,8 @@ struct Comparison {
 /// at tighter ones: those rows repeat the figures and say so. Where rows of a problem find further
 /// exact answers, the errors of its rows are measured again against the nearest (not those of rows
 /// that were kept from a comparison stopped in the midst of the problem). Throws FileError, and
-/// std::invalid_argument for an unknown solver, one that is named twice, or an `out` whose rows were
-/// made under other limits.
+/// std::invalid_argument for an unknown solver, one that is named twice, or an `out` whose rows
+/// were made under other limits.
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options);
 
 }  // namespace bipot

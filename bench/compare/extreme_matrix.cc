@@ -8,8 +8,8 @@
 #include <stdexcept>
 
 #include "bench/compare/isolated_jobs.h"
+#include "bench/measure/independent_check.h"
 #include "bench/measure/limited_solve.h"
-#include "bench/measure/second_opinion.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/report/json_output.h"
 #include "core/base/nearest_name.h"
@@ -96,8 +96,8 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
     cell.end = beyond ? CellEnd::kNotForIt : may_be ? CellEnd::kRefused : CellEnd::kUnsolved;
     return cell;
   }
-  const SecondOpinion opinion = second_opinion(problem, r.s);
-  cell.guarded = opinion.guarded;
+  const IndependentCheck check = independent_check(problem, r.s);
+  cell.guarded = check.guarded;
   const bool finite = r.s.allFinite() && r.u.allFinite();
   if (finite) {
     cell.energy_error = energy_created(r.s, r.u, problem);
@@ -105,10 +105,10 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
   }
   const bool claimed = is_success(r.status);
   // Where an energy underflows, no figure exists in double precision, nor is one claimed.
-  const bool confirmed = opinion.confirms(options.tol);
+  const bool confirmed = check.confirms(options.tol);
   if (!finite || (claimed && !confirmed) || (claimed && verdict == Existence::kNone)) {
     cell.end = CellEnd::kWrong;
-    if (finite) cell.message += fmt::format(" (second opinion {:.2e})", opinion.guarded);
+    if (finite) cell.message += fmt::format(" (independent check {:.2e})", check.guarded);
   } else if (claimed) {
     cell.end = CellEnd::kSolved;
   } else {
@@ -153,11 +153,11 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
       fail(false, std::string(to_string(r.status)), r.message);
       return step;
     }
-    const double guarded = p.num_contacts() == 0 ? 0 : second_opinion(p, r.s).guarded;
+    const double guarded = p.num_contacts() == 0 ? 0 : independent_check(p, r.s).guarded;
     if (!(guarded <= cell.guarded)) cell.guarded = guarded;
     if (!r.s.allFinite()) fail(true, "not finite", r.message);
     if (step.converged && !(guarded <= options.tol)) {
-      fail(true, "false claim", fmt::format("{} (second opinion {:.2e})", r.message, guarded));
+      fail(true, "false claim", fmt::format("{} (independent check {:.2e})", r.message, guarded));
     } else if (step.converged) {
       ++cell.steps_solved;
     } else {
@@ -216,7 +216,7 @@ void certify(ExtremeMatrix& matrix) {
           const ExistenceCertificate certificate = certify_existence(p);
           verdict = certificate.verdict;
           text = to_text(certificate);
-          if (c.solution) floor = second_opinion(p, c.solution()).guarded;
+          if (c.solution) floor = independent_check(p, c.solution()).guarded;
         }
       } catch (const std::invalid_argument& e) {
         text = std::string("refused: ") + e.what();

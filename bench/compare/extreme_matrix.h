@@ -11,7 +11,7 @@ namespace bipot {
 
 /// What became of one solver at one case.
 enum class CellEnd {
-  kSolved,    ///< claimed, and confirmed by the second opinion
+  kSolved,    ///< claimed, and confirmed by the independent check
   kUnsolved,  ///< not solved, and says why
   kBeyond,    ///< not solved, and the known solution itself misses the tolerance once it is rounded
   kNone,      ///< not solved, and it is proved that no solution exists
@@ -25,8 +25,8 @@ struct ExtremeCell {
   std::string name, solver;  ///< of the case, of the solver
   CellEnd end = CellEnd::kWrong;
   std::string status, message;
-  double guarded = kNaN;     ///< by bench/measure/second_opinion.h; of runs the worst step's   [-]
-  double true_error = kNaN;  ///< against what is known beforehand; NaN: nothing is        [-]
+  double guarded = kNaN;  ///< by bench/measure/independent_check.h; of runs the worst step's   [-]
+  double true_error = kNaN;    ///< against what is known beforehand; NaN: nothing is        [-]
   double energy_error = kNaN;  ///< energy that the contacts create, over what they move     [-]
   int iterations = 0;
   double cpu_seconds = 0;

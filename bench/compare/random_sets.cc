@@ -9,8 +9,8 @@
 #include "bench/compare/isolated_jobs.h"
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_scene.h"
+#include "bench/measure/independent_check.h"
 #include "bench/measure/limited_solve.h"
-#include "bench/measure/second_opinion.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/report/json_output.h"
 #include "solvers/analysis/existence.h"
@@ -36,10 +36,10 @@ Verdict judge(const ContactProblem& problem, const SolveResult& r, double tol) {
   v.message = fmt::format("{}: {}", to_string(r.status), r.message);
   if (v.refused) return v;
   v.not_finite = !r.s.allFinite() || !r.u.allFinite();
-  const SecondOpinion opinion = second_opinion(problem, r.s);
-  v.solved = is_success(r.status) && opinion.confirms(tol);
+  const IndependentCheck check = independent_check(problem, r.s);
+  v.solved = is_success(r.status) && check.confirms(tol);
   v.false_claim = is_success(r.status) && !v.solved;
-  if (is_success(r.status)) v.message += fmt::format(" (second opinion {:.2e})", opinion.guarded);
+  if (is_success(r.status)) v.message += fmt::format(" (independent check {:.2e})", check.guarded);
   return v;
 }
 
@@ -62,7 +62,7 @@ std::string problem_job(const RandomSetOptions& options, int index) {
   const ContactProblem& p = random.problem;
   Json record{{"planted", random.planted.size() > 0}, {"solves", Json::array()}};
   if (random.planted.size() > 0) {
-    record["plant_holds"] = second_opinion(p, random.planted).guarded <= options.tol / 10;
+    record["plant_holds"] = independent_check(p, random.planted).guarded <= options.tol / 10;
   }
   bool any_solved = false, first_solved = false;
   for (const std::string& solver : solvers_of(options, index)) {

@@ -17,7 +17,7 @@ struct RandomTally {
   int exists_unsolved = 0;          ///< of these: certified to have one, not solved
   int undecided = 0;                ///< of these: not solved, and undecided
   int missed_by_first = 0;          ///< solved by this solver, but not by the first one
-  int false_claims = 0;             ///< claimed convergence that the second opinion denies
+  int false_claims = 0;             ///< claimed convergence that the independent check denies
   int not_finite = 0;               ///< returned an entry that is not finite
   int crashed = 0, hung = 0;
   double cpu_seconds = 0;

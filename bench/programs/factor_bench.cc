@@ -31,7 +31,7 @@
 #include "solvers/interior/interior_run.h"
 #include "solvers/interior/interior_state.h"
 #include "solvers/interior/proximal_interior_point.h"
-#include "solvers/monitor.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
@@ -49,18 +49,18 @@ System system_of(const ContactProblem& p, int iterations) {
   SolverOptions options;
   options.max_iterations = iterations;
   options.tol = 1e-14;
-  IterationMonitor monitor(p, options);
-  monitor.judge_every_iteration();
-  InteriorSystem<2> system(p, monitor.evaluator().delassus(), ShiftedDelassus::Form::kBody);
+  SolveRun solve(p, options);
+  solve.judge_every_iteration();
+  InteriorSystem<2> system(p, solve.delassus(), ShiftedDelassus::Form::kBody);
   const double energy = spring_energy(system);
-  InteriorRun run(monitor);
+  InteriorRun run(solve);
   ProximalInteriorPointOptions stage;
   stage.far_iterations = iterations;
   InteriorState<2> z = cold_start(system, energy, 1), best = z;
   (void)proximal_interior_point(system, z, run, stage, best);
   if (!system.linearise(z, 0)) throw std::runtime_error("the matrix is singular");
   System out{
-      .K = system.shifted().matrix(), .iterations = run.iteration, .error = monitor.last_error()};
+      .K = system.shifted().matrix(), .iterations = run.iteration, .error = solve.last_error()};
   std::vector<double> R = system.shifted().blocks();
   for (std::size_t k = 0; k < R.size(); k += 4) R[k + 1] = R[k + 2] = 0;
   if (!system.shifted().factor(R)) throw std::runtime_error("the symmetric matrix is singular");

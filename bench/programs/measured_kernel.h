@@ -35,12 +35,16 @@ struct Packing {
         problem(step_problem(scene, state, false)),
         delassus(problem),
         scaling(equilibrated_scaling(problem, delassus.diagonal())),
-        lambda(kSpectralMargin * spectral_estimate(problem, delassus, scaling.velocity)) {
+        lambda(kSpectralMargin * largest_eigenvalue()) {
     if (!delassus.disks() || problem.dim != 2) {
       throw std::invalid_argument("not disks with friction");
     }
   }
   Vector start() const { return Vector::Zero(problem.num_rows()); }
+  double largest_eigenvalue() const {
+    WholeSpace space(problem);
+    return spectral_estimate(space, scaling.velocity);
+  }
   double bodies_per_contact() const {
     return static_cast<double>(delassus.disks()->surroundings()) / problem.num_contacts();
   }

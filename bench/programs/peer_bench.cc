@@ -39,6 +39,7 @@
 #include "core/base/nearest_name.h"
 #include "core/criterion/contact_error.h"
 #include "core/files/atomic_file.h"
+#include "core/problem/delassus.h"
 #include "solvers/registry.h"
 #ifdef BIPOT_WITH_SICONOS
 #include "solvers/methods/siconos.h"

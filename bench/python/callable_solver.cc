@@ -7,7 +7,6 @@
 
 #include "bench/python/arrays.h"
 #include "bench/python/python_problem.h"
-#include "solvers/monitor.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -24,19 +23,19 @@ std::string words_of(const py::error_already_set& e) {
 
 /// Data of callback(s); Python may keep the callback after the solve.
 struct Callback {
-  IterationMonitor* monitor = nullptr;
+  SolveRun* run = nullptr;
   int iterations = -1;  ///< completed ones: the start counts as none
   bool stop = false;
 
   bool operator()(const py::object& s) {
-    if (monitor == nullptr) throw std::runtime_error("the solve that this callback is of is over");
+    if (run == nullptr) throw std::runtime_error("the solve that this callback is of is over");
     const Vector x = to_vector(s, "s");
-    const Eigen::Index rows = monitor->best_impulse().size();
+    const Eigen::Index rows = run->problem().num_rows();
     if (rows != x.size()) {
       throw std::invalid_argument(fmt::format("s has size {}, expected {}", x.size(), rows));
     }
     const py::gil_scoped_release release;
-    if (!stop) stop = monitor->stop(++iterations, x);
+    if (!stop) stop = run->stop(++iterations, x);
     return stop;
   }
 };
@@ -50,21 +49,21 @@ SolverEntry CallableSolver::entry() const {
   SolverEntry entry;
   entry.name = name_;
   entry.summary = "a Python callable";
-  entry.run = [this](const ContactProblem& p, const SolverOptions& o) { return run(p, o); };
+  entry.run = [this](SolveRun& solve) { run(solve); };
   return entry;
 }
 
-SolveResult CallableSolver::run(const ContactProblem& problem, const SolverOptions& options) const {
-  IterationMonitor monitor(problem, options);
+void CallableSolver::run(SolveRun& run) const {
+  const ContactProblem& problem = run.problem();
   const py::gil_scoped_acquire lock;
   const auto callback = std::make_shared<Callback>();
-  callback->monitor = &monitor;
-  const auto detach = [](Callback* c) { c->monitor = nullptr; };
+  callback->run = &run;
+  const auto detach = [](Callback* c) { c->run = nullptr; };
   const std::unique_ptr<Callback, decltype(detach)> detached(callback.get(), detach);
   Vector s;
   try {
     const py::object answer = callable_(
-        std::make_shared<PythonProblem>(problem), options.tol,
+        std::make_shared<PythonProblem>(problem), run.options().tol,
         py::cpp_function([callback](const py::object& x) { return (*callback)(x); }, py::arg("s")));
     if (answer.is_none()) {
       throw std::runtime_error(
@@ -78,15 +77,15 @@ SolveResult CallableSolver::run(const ContactProblem& problem, const SolverOptio
   }
   SolveResult result;
   if (callback->stop) {
-    result = monitor.finish();
+    result = run.finish();
   } else {
     result.status = SolveStatus::kConverged;
     result.message = "returned an answer";
     result.iterations = std::max(0, callback->iterations);
-    result.solve_seconds = monitor.seconds();
+    result.solve_seconds = run.seconds();
   }
   result.s = std::move(s);
-  return result;
+  run.take(std::move(result));
 }
 
 ChosenSolver choose_solver(const py::object& solver, PythonWatch& watch) {

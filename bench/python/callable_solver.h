@@ -6,12 +6,12 @@
 #include <string>
 
 #include "bench/python/python_watch.h"
-#include "solvers/solver.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 
 /// A Python callable f(problem, tol, callback) -> s as a solver. callback(s) judges an iterate as
-/// those of the built-in solvers, at the cadence of IterationMonitor. It returns true for a stop:
+/// those of the built-in solvers, at the cadence of SolveRun. It returns true for a stop:
 /// the tolerance is met, or time is over, or the solve stagnates. The returned impulse is projected
 /// and judged once more by solve(). An answer without a stop is a claim of convergence. Exceptions
 /// of f are a failure of the solver with Python's text, except KeyboardInterrupt and the like,
@@ -25,7 +25,7 @@ class CallableSolver {
   SolverEntry entry() const;
 
  private:
-  SolveResult run(const ContactProblem& problem, const SolverOptions& options) const;
+  void run(SolveRun& run) const;
 
   std::string name_;
   pybind11::object callable_;

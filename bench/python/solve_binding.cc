@@ -76,10 +76,10 @@ class IterationCallback {
   PythonWatch& watch_;
 };
 
-HeldResult run_solver(const PythonProblem& given, const py::object& solver, double tol,
-                      const py::object& s0, double time_limit, const std::string& stop,
-                      int max_iterations, std::map<std::string, std::string> parameters,
-                      const py::object& callback) {
+HeldResult solve_problem(const PythonProblem& given, const py::object& solver, double tol,
+                         const py::object& s0, double time_limit, const std::string& stop,
+                         int max_iterations, std::map<std::string, std::string> parameters,
+                         const py::object& callback) {
   PythonWatch watch;
   const ChosenSolver chosen = choose_solver(solver, watch);
   auto result = std::make_shared<PythonResult>();
@@ -284,7 +284,7 @@ std::vector<std::string> parameter_names(const std::string& solver) {
 void bind_solve(py::module_& module) {
   bind_iteration(module);
   bind_result(module);
-  module.def("solve", &run_solver, py::arg("problem"), py::arg("solver"), py::arg("tol"),
+  module.def("solve", &solve_problem, py::arg("problem"), py::arg("solver"), py::arg("tol"),
              py::arg("s0"), py::arg("time_limit"), py::arg("stop"), py::arg("max_iterations"),
              py::arg("parameters"), py::arg("callback"));
   module.def("solvers", &list_solvers);

@@ -10,6 +10,7 @@
 #include "core/criterion/error_terms.h"
 #include "core/criterion/plane_error.h"
 #include "core/problem/coulomb_cone.h"
+#include "core/problem/delassus.h"
 
 namespace bipot {
 namespace {
@@ -28,20 +29,6 @@ double ratio(double numerator, double denominator) {
 }
 
 }  // namespace
-
-ErrorSums& ErrorSums::operator+=(const ErrorSums& more) {
-  friction += more.friction;
-  gap += more.gap;
-  gap_clipped += more.gap_clipped;
-  penetration += more.penetration;
-  natural += more.natural;
-  moved += more.moved;
-  natural_rel += more.natural_rel;
-  impulse2 += more.impulse2;
-  free_energy += more.free_energy;
-  free_impulse2 += more.free_impulse2;
-  return *this;
-}
 
 ContactError error_of(const ErrorSums& total) {
   ContactError e;
@@ -71,10 +58,10 @@ ContactError error_of(const ErrorSums& part, const ErrorShare& share) {
   return e;
 }
 
-/// What is made of the problem once.
+/// Data of the problem that do not depend on s.
 struct ContactErrorEvaluator::Prepared {
   ErrorWeights weights;
-  ErrorSums free;  ///< the terms that do not depend on s
+  ErrorSums free;  ///< free_energy and free_impulse2
 
   Prepared(const ContactProblem& p, const Vector& delassus_diagonal)
       : weights(error_weights(p, delassus_diagonal)) {
@@ -86,8 +73,9 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int 
                                              const ErrorShare& share)
     : problem_(problem),
       threads_(threads),
-      delassus_(problem, DelassusOperator::Form::kAuto, threads),
-      prepared_(std::make_shared<const Prepared>(problem, delassus_.diagonal())),
+      delassus_(
+          std::make_unique<DelassusOperator>(problem, DelassusOperator::Form::kAuto, threads)),
+      prepared_(std::make_shared<const Prepared>(problem, delassus_->diagonal())),
       share_(share),
       s_(zeros(problem.num_rows())),
       u_(zeros(problem.num_rows())) {}
@@ -96,16 +84,26 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made,
                                              const ErrorShare& share)
     : problem_(made.problem_),
       threads_(made.threads_),
-      delassus_(made.delassus_),
+      delassus_(std::make_unique<DelassusOperator>(*made.delassus_)),
       prepared_(made.prepared_),
       share_(share),
       s_(zeros(problem_.num_rows())),
       u_(zeros(problem_.num_rows())) {}
 
+ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made)
+    : ContactErrorEvaluator(made, made.share_) {
+  sums_ = made.sums_;
+  s_ = made.s_;
+  u_ = made.u_;
+}
+
+ContactErrorEvaluator::ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept = default;
+ContactErrorEvaluator::~ContactErrorEvaluator() = default;
+
 void ContactErrorEvaluator::rest() {
   s_.resize(0);
   u_.resize(0);
-  delassus_.rest();
+  delassus_->rest();
 }
 
 double ContactErrorEvaluator::energy_at_rest() const {
@@ -117,10 +115,7 @@ ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s
     s_ = zeros(problem_.num_rows());
     u_ = zeros(problem_.num_rows());
   }
-  const bool scaled = problem_.row_scale.size() != 0;
-  return dispatch_dim(problem_.dim, [&](auto d) {
-    return scaled ? evaluate<d(), true>(s) : evaluate<d(), false>(s);
-  });
+  return dispatch_form(problem_, [&](auto d, auto scaled) { return evaluate<d(), scaled()>(s); });
 }
 
 /// s <- its projection on the cones of the contacts [begin, end).
@@ -134,7 +129,7 @@ PieceSums ContactErrorEvaluator::sums(int begin, int end) const {
   const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
   PieceSums e;
   for (int c = begin; c < end; ++c) {
-    const ContactTerms terms =
+    const ContactTerms<double> terms =
         add_error_terms<D, kScaled>(problem_, c, s_, u_, w_nn[c], rho_nn[c], rho_nat[c], e);
     if (terms.violation > e.worst_gap) {
       e.worst_gap = terms.violation;
@@ -158,8 +153,7 @@ PlaneContacts ContactErrorEvaluator::plane_contacts() const {
 
 template <int D, bool kScaled>
 ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) {
-  // What a piece needs stays in the cache from one step to the next: on large problems the memory is
-  // what all this waits for.
+  // Each step works on a piece while it is in the cache: large problems wait for memory.
   const int contacts = problem_.num_contacts();
   run_pieces(threads_, contacts, [&](int begin, int end) {
     s_.segment(begin * D, (end - begin) * D) = s.segment(begin * D, (end - begin) * D);
@@ -169,15 +163,15 @@ ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) 
       project<D, kScaled>(begin, end);
     }
   });
-  const bool disks = delassus_.disks().has_value();
+  const bool disks = delassus_->disks().has_value();
   if (disks) {
-    delassus_.move_disks(s_);
+    delassus_->move_disks(s_);
   } else {
-    delassus_.velocity(s_, u_);
+    delassus_->velocity(s_, u_);
   }
   std::vector<PieceSums> pieces(to_size((contacts + kPieceItems - 1) / kPieceItems));
   run_pieces(threads_, contacts, [&](int begin, int end) {
-    if (disks) delassus_.disk_velocity(begin, end, u_);
+    if (disks) delassus_->disk_velocity(begin, end, u_);
     PieceSums& piece = pieces[to_size(begin / kPieceItems)];
     if constexpr (D == 2) {
       piece = sum_plane_errors(plane_contacts(), begin, end);
@@ -199,17 +193,10 @@ ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) 
 }
 
 ErrorSums ContactErrorEvaluator::part(int contact) const {
-  const bool scaled = problem_.row_scale.size() != 0;
-  ErrorSums part = dispatch_dim(problem_.dim, [&](auto d) -> ErrorSums {
-    return scaled ? sums<d(), true>(contact, contact + 1) : sums<d(), false>(contact, contact + 1);
+  ErrorSums part = dispatch_form(problem_, [&](auto d, auto scaled) -> ErrorSums {
+    return sums<d(), scaled()>(contact, contact + 1);
   });
-  const int first = contact * problem_.dim;
-  for (int k = 0; k < problem_.dim; ++k) {
-    const double b = problem_.u_free[first + k] / physical_row_scale(problem_, first + k);
-    const double rho = prepared_->weights.rho_nat[contact];
-    part.free_impulse2 += rho * rho * b * b;
-    if (k == 0 && b < 0) part.free_energy = 0.5 * prepared_->weights.rho_nn[contact] * b * b;
-  }
+  add_free_terms(problem_, prepared_->weights, contact, part);
   return part;
 }
 

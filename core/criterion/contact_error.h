@@ -4,13 +4,12 @@
 
 #include "core/base/types.h"
 #include "core/problem/contact_problem.h"
-#include "core/problem/delassus.h"
 
 namespace bipot {
 
-/// The shared criterion (data/manual/explanation/criterion.md), evaluated from a problem and an impulse alone. With s
-/// projected on K_mu, u = W s / (1 + e) + b, û = u + mu |u_t| n, x⁻ = max(-x, 0), sums over the
-/// contacts and everything in physical variables (row_scale taken out):
+/// The shared criterion (data/manual/explanation/criterion.md), evaluated from a problem and an
+/// impulse alone. s is projected on K_mu, and everything is in physical variables (row_scale taken
+/// out). With u = W s / (1 + e) + b, û = u + mu |u_t| n, x⁻ = max(-x, 0) and sums over the contacts:
 ///
 ///   G  = Σ [(mu s_n |u_t| + s_t·u_t)₊ + s_n |u_n|]          power that the law leaves unexplained
 ///   V  = Σ ½ (u_n⁻)² / W_nn                                 energy of the penetration velocity
@@ -18,8 +17,9 @@ namespace bipot {
 ///   E  = max(½ sᵀ W s, Σ ½ (b_n⁻)² / W_nn)                  energy that the contacts move
 ///   η² = Σ ½ W_nn |s - P_K(s - û / W_nn)|² / max(D, θ E)    natural map, in energy
 ///
-/// and ε = (G + V) / max(D, θ E). What stands in ( )₊ is >= 0 on the cone but for rounding. A
-/// numerator 0 gives 0, a positive one over 0 infinity. All dimensionless; NaN where undefined.
+/// and ε = (G + V) / max(D, θ E). The term in ( )₊ is >= 0 on the cone except for rounding. A
+/// numerator 0 gives 0; a positive one over 0 gives infinity. All are dimensionless, and NaN where
+/// undefined.
 struct ContactError {
   double epsilon = kNaN;  ///< (G + V) / max(D, theta E): guarded form of (42)
   double eta = kNaN;      ///< natural map in energy, same denominator
@@ -31,41 +31,58 @@ struct ContactError {
   double friction_power = kNaN;  ///< D                                                        [J]
   double energy = kNaN;          ///< E: energy that the contacts move, or would have to move  [J]
 
-  /// max(epsilon, eta): what every solver stops on and is judged by.
+  /// max(epsilon, eta): every solver stops on it and is judged by it.
   double guarded() const { return epsilon > eta || epsilon != epsilon ? epsilon : eta; }
 };
 
-/// θ: weight of E against D in the denominator (data/manual/explanation/criterion.md, "Why the denominator").
+/// θ: weight of E against D in the denominator (data/manual/explanation/criterion.md, "Why the
+/// denominator").
 inline constexpr double kTheta = 0.1;
 
-/// What contacts add to the sums of the criterion. Contacts that do not couple (W has no block
-/// between them) add up: the sums of a whole are those of its parts.
-struct ErrorSums {
-  double friction = 0;     ///< D                                                            [J]
-  double gap = 0;          ///< G                                                            [J]
-  double gap_clipped = 0;  ///< G with penetrating u_n set to 0, as (42) has it              [J]
-  double penetration = 0;  ///< V                                                            [J]
-  double natural = 0;      ///< Σ ½ W_nn |s - P_K(s - û / W_nn)|²                            [J]
-  double moved = 0;        ///< sᵀ W s                                                       [J]
-  double natural_rel = 0;  ///< Σ |s - P_K(s - rho û)|²                                 [N² s²]
-  double impulse2 = 0;     ///< Σ |s|²                                                  [N² s²]
-  double free_energy = 0;  ///< Σ ½ (b_n⁻)² / W_nn                                           [J]
-  double free_impulse2 = 0;  ///< Σ |rho b|²                                             [N² s²]
+/// Sums of the criterion over contacts, for every number type (contact_terms.h). Contacts that do
+/// not couple (W has no block between them) add up: the sums of a whole are those of its parts.
+template <class Real>
+struct ErrorSumsOf {
+  Real friction{};       ///< D                                                             [J]
+  Real gap{};            ///< G                                                             [J]
+  Real gap_clipped{};    ///< G with penetrating u_n set to 0, as (42) has it               [J]
+  Real penetration{};    ///< V                                                             [J]
+  Real natural{};        ///< Σ ½ W_nn |s - P_K(s - û / W_nn)|²                             [J]
+  Real moved{};          ///< sᵀ W s                                                        [J]
+  Real natural_rel{};    ///< Σ |s - P_K(s - rho û)|²                                  [N² s²]
+  Real impulse2{};       ///< Σ |s|²                                                   [N² s²]
+  Real free_energy{};    ///< Σ ½ (b_n⁻)² / W_nn                                            [J]
+  Real free_impulse2{};  ///< Σ |rho b|²                                               [N² s²]
 
-  ErrorSums& operator+=(const ErrorSums& more);
-  bool operator==(const ErrorSums&) const = default;
+  ErrorSumsOf& operator+=(const ErrorSumsOf& more) {
+    friction += more.friction;
+    gap += more.gap;
+    gap_clipped += more.gap_clipped;
+    penetration += more.penetration;
+    natural += more.natural;
+    moved += more.moved;
+    natural_rel += more.natural_rel;
+    impulse2 += more.impulse2;
+    free_energy += more.free_energy;
+    free_impulse2 += more.free_impulse2;
+    return *this;
+  }
+  bool operator==(const ErrorSumsOf&) const requires std::is_same_v<Real, double>
+  = default;
 };
+using ErrorSums = ErrorSumsOf<double>;
 
+class DelassusOperator;  // core/problem/delassus.h
 struct PieceSums;
 struct PlaneContacts;
 
 /// The criterion of these sums; the worst contacts are left open (-1).
 ContactError error_of(const ErrorSums& sums);
 
-/// How the contacts of a problem that is a part of a larger one are to be judged: together with the
-/// sums of the other parts that are settled. Epsilon and eta are divided by `share`, the part of the
-/// tolerance that may be used up by then; and where `alone` > 0, the part's own error times `alone`
-/// counts instead where that is smaller. The default judges the problem as it stands.
+/// How to judge a problem that is a part of a larger one: together with `others`, the sums of the
+/// parts that are settled. Epsilon and eta are divided by `share`, the part of the tolerance that may
+/// be used up by then. If `alone` > 0, the part's own error times `alone` counts where that is
+/// smaller. The default judges the problem alone.
 struct ErrorShare {
   ErrorSums others;
   double share = 1;  ///< in (0, 1]
@@ -74,40 +91,42 @@ struct ErrorShare {
   bool operator==(const ErrorShare&) const = default;
 };
 
-/// The criterion of a part with these sums, judged so; the worst contacts are left open (-1).
+/// The criterion of a part with these sums and this share; the worst contacts are left open (-1).
 ContactError error_of(const ErrorSums& part, const ErrorShare& share);
 
 /// Evaluates the criterion many times on one problem without allocation. s is projected on K_mu
-/// first (the paper asks for it), velocities are recomputed from the projected s. Where the problem
-/// carries a row_scale, everything is measured in physical variables. Copies and threads: as for
-/// DelassusOperator; sums are taken in pieces (core/base/parallel.h), with the same bits for any number
-/// of threads.
+/// first, as the paper asks, and velocities are recomputed from the projected s. Copies and threads:
+/// as for DelassusOperator. Sums are taken in pieces (core/base/parallel.h), with the same bits for
+/// any number of threads.
 class ContactErrorEvaluator {
  public:
   explicit ContactErrorEvaluator(const ContactProblem& problem, int threads = 1,
                                  const ErrorShare& share = {});
   explicit ContactErrorEvaluator(ContactProblem&&, int = 1,
                                  const ErrorShare& = {}) = delete;  // would dangle
-  /// One more for the problem of `made`, which judges with a share of its own; it costs what a copy
-  /// of a DelassusOperator costs.
+  /// Another evaluator for the problem of `made`, with its own share, at the cost of a copy of a
+  /// DelassusOperator.
   ContactErrorEvaluator(const ContactErrorEvaluator& made, const ErrorShare& share);
+  ContactErrorEvaluator(const ContactErrorEvaluator& made);
+  ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept;
+  ~ContactErrorEvaluator();
 
   ContactError operator()(const Eigen::Ref<const Vector>& s);
 
   /// Projected impulse and its velocity of the last evaluation, in the problem's variables.
   const Vector& impulse() const { return s_; }
   const Vector& velocity() const { return u_; }
-  const DelassusOperator& delassus() const { return delassus_; }
+  const DelassusOperator& delassus() const { return *delassus_; }
 
-  /// E where s = 0.
+  /// E of the impulse s = 0.
   double energy_at_rest() const;
 
-  /// Lets go of what an evaluation works in, and with it of impulse(), velocity() and part(): for
-  /// callers who keep the evaluator while others use memory. The next evaluation makes it anew.
+  /// Releases the scratch memory, and with it impulse(), velocity() and part(), for callers that keep
+  /// the evaluator while others use memory. The next evaluation allocates it again.
   void rest();
 
-  /// What the problem, without the others of its share, and what one contact of it added up to at
-  /// the last evaluation.
+  /// Sums of the problem, without the others of its share, and of one contact, at the last
+  /// evaluation.
   const ErrorSums& sums() const { return sums_; }
   ErrorSums part(int contact) const;
 
@@ -123,7 +142,7 @@ class ContactErrorEvaluator {
 
   const ContactProblem& problem_;
   int threads_;
-  DelassusOperator delassus_;
+  std::unique_ptr<DelassusOperator> delassus_;
   std::shared_ptr<const Prepared> prepared_;
   ErrorShare share_;
   ErrorSums sums_;

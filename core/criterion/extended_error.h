@@ -5,13 +5,13 @@
 namespace bipot {
 
 /// The guarded error max(ε, η) of contact_error.h with projections, velocities and sums in extended
-/// precision (64-bit significand): its rounding is 2^-11 of that in double precision (rounding_bound.h).
-/// Velocities through the bodies where A is diagonal, else by W; undefined (NaN) without either. The
-/// same bits for any number of threads.
+/// precision (64-bit significand). Its rounding is 2^-11 of that in double precision
+/// (rounding_bound.h). Velocities go through the bodies if A is diagonal, else by W; without either
+/// the error is NaN. The same bits for any number of threads.
 double extended_guarded_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                               const ErrorShare& share = {}, int threads = 1);
 
-/// The same in quadruple precision (113-bit significand, in software: fifty times as slow).
+/// The same in quadruple precision (113-bit significand), in software and hence slow.
 double quadruple_guarded_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                                const ErrorShare& share = {}, int threads = 1);
 

@@ -7,81 +7,70 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/criterion/error_terms.h"
 #include "core/problem/coulomb_cone.h"
+#include "core/problem/delassus.h"
 
 namespace bipot {
 namespace {
 
-/// Physical values of one contact: those of the criterion and the impulse as it was given.
+/// One contact as the criterion sees it, and its impulse as given, in physical variables.
 template <int D>
-struct ContactValues {
-  double mu = 0, w_nn = 0;
-  Local<D> given, s, u;
+struct GivenContact {
+  PhysicalContact<double, D> judged;
+  FrameVector<double, D> given;
+
+  /// given - P_K(given).
+  FrameVector<double, D> off_cone() const { return given - onto_cone<D>(given, judged.mu); }
 };
 
 template <int D>
-ContactValues<D> contact_values(const ContactProblem& p, const Vector& diagonal,
-                                const Eigen::Ref<const Vector>& given,
-                                const ImpulseVerdict& verdict, int c) {
-  ContactValues<D> x{p.mu[c], diagonal[c * D], local<D>(given, c), local<D>(verdict.s, c),
-                     local<D>(verdict.u, c)};
-  if (p.row_scale.size() == 0) return x;
-  const Local<D> r = local<D>(p.row_scale, c);
-  if constexpr (D > 1) x.mu *= r[0] / r[1];
-  x.w_nn *= r[0] * r[0];
-  x.given = x.given.cwiseQuotient(r);
-  x.s = x.s.cwiseQuotient(r);
-  x.u = x.u.cwiseQuotient(r);
-  return x;
+GivenContact<D> given_contact(const ContactProblem& p, const Vector& diagonal, const Vector& given,
+                              const ImpulseVerdict& verdict, int c) {
+  FrameVector<double, D> r;
+  for (int k = 0; k < D; ++k) r[k] = physical_row_scale(p, c * D + k);
+  const double w_nn = r[0] * r[0] * diagonal[c * D];
+  return {physical_contact<true>(frame_vector<D>(verdict.s, c), frame_vector<D>(verdict.u, c),
+                                 frame_vector<D>(p.u_free, c), r, p.mu[c], w_nn, 1 / w_nn),
+          frame_vector<D>(given, c) / r};
 }
 
-/// Energies of one contact: what it adds to G + V and to the sum under eta², and how far off the
-/// cone it was given.
+/// Energies of one contact: its parts of G + V and of the sum under eta², and the distance of the
+/// impulse as given from the cone.
 struct ContactEnergies {
   double law = 0, natural = 0, cone = 0;
 };
 
 template <int D>
-ContactEnergies contact_energies(const ContactValues<D>& x) {
-  ContactEnergies e;
-  e.cone = 0.5 * x.w_nn * (x.given - project_coulomb_cone<D>(x.given, x.mu)).squaredNorm();
-  const double slip = tangential_norm<D>(x.u);
-  double power = x.mu * x.s[0] * slip;
-  for (int k = 1; k < D; ++k) power += x.s[k] * x.u[k];
-  const double closing = positive_part(-x.u[0]);
-  e.law = positive_part(power) + x.s[0] * std::abs(x.u[0]) + 0.5 * closing * closing / x.w_nn;
-  if (x.s[0] == 0 && x.u[0] >= 0) return e;
-  const Local<D> moved = x.s - de_saxce_velocity<D>(x.u, x.mu) / x.w_nn;
-  e.natural = 0.5 * x.w_nn * (x.s - project_coulomb_cone<D>(moved, x.mu)).squaredNorm();
-  return e;
+ContactEnergies contact_energies(const GivenContact<D>& x) {
+  ErrorSums sums;
+  const ContactTerms<double> terms = add_law_terms(x.judged, law_terms(x.judged), sums);
+  return {terms.violation, sums.natural, natural_energy(x.judged.w_nn, x.off_cone())};
 }
 
 template <int D>
-std::vector<ContactFault> find_faults(const ContactValues<D>& x) {
+std::vector<ContactFault> find_faults(const GivenContact<D>& x) {
   using Kind = ContactFault::Kind;
   std::vector<ContactFault> faults;
   const auto add = [&faults](Kind kind, double size, double energy) {
     if (energy > 0) faults.push_back({kind, size, energy});
   };
-  const double off_cone = contact_energies(x).cone;
-  const double given_t = tangential_norm<D>(x.given);
+  const auto& [s, u, slip, mu, w_nn, rho_nn, moved] = x.judged;
+  const double off_cone = natural_energy(w_nn, x.off_cone());
   if (x.given[0] < 0) {
     add(Kind::kPulls, x.given[0], off_cone);
   } else {
-    add(Kind::kOutsideCone, given_t - x.mu * x.given[0], off_cone);
+    add(Kind::kOutsideCone, tangential_norm<D>(x.given) - mu * x.given[0], off_cone);
   }
-  const double u_n = x.u[0];
-  if (u_n < 0) {
-    add(Kind::kPenetrates, u_n, 0.5 * u_n * u_n / x.w_nn - x.s[0] * u_n);
+  const LawTerms<double> law = law_terms(x.judged);
+  if (u[0] < 0) {
+    add(Kind::kPenetrates, u[0], law.penetration + law.normal);
   } else {
-    add(Kind::kActsAcrossGap, u_n, x.s[0] * u_n);
+    add(Kind::kActsAcrossGap, u[0], law.normal);
   }
   if constexpr (D > 1) {
-    const double slip = tangential_norm<D>(x.u);
-    double power = x.mu * x.s[0] * slip;
-    for (int k = 1; k < D; ++k) power += x.s[k] * x.u[k];
-    const bool inside = tangential_norm<D>(x.s) < kConeEdge * x.mu * x.s[0];
-    add(inside ? Kind::kSlidesInside : Kind::kNotOpposed, slip, power);
+    const bool inside = tangential_norm<D>(s) < kConeEdge * mu * s[0];
+    add(inside ? Kind::kSlidesInside : Kind::kNotOpposed, slip, law.excess);
   }
   std::stable_sort(faults.begin(), faults.end(), [](const ContactFault& a, const ContactFault& b) {
     return a.energy > b.energy;
@@ -89,7 +78,12 @@ std::vector<ContactFault> find_faults(const ContactValues<D>& x) {
   return faults;
 }
 
-/// Siconos' own: û and the projection in the problem's variables, rho = 1.
+template <int D>
+Vector to_vector(const FrameVector<double, D>& x) {
+  return Eigen::Map<const Local<D>>(x.component);
+}
+
+/// The stop test of Siconos: û and the projection in the problem's variables, rho = 1.
 template <int D>
 double siconos_map(const ContactProblem& p, const Eigen::Ref<const Vector>& s, const Vector& u) {
   double sum = 0;
@@ -115,22 +109,23 @@ void check_impulse(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
 }
 
 template <int D>
-void judge_contacts(const ContactProblem& p, const Eigen::Ref<const Vector>& given,
-                    const Vector& diagonal, std::size_t worst, ImpulseVerdict& verdict) {
+void judge_contacts(const ContactProblem& p, const Vector& given, const Vector& diagonal,
+                    std::size_t worst, ImpulseVerdict& verdict) {
   const int contacts = p.num_contacts();
   std::vector<double> rank(to_size(contacts));
   double off_cone = 0;
   for (int c = 0; c < contacts; ++c) {
-    const auto x = contact_values<D>(p, diagonal, given, verdict, c);
-    const ContactEnergies e = contact_energies<D>(x);
+    const GivenContact<D> x = given_contact<D>(p, diagonal, given, verdict, c);
+    const ContactEnergies e = contact_energies(x);
     const bool by_natural = verdict.error.eta > verdict.error.epsilon;
     rank[to_size(c)] = (by_natural ? e.natural : e.law) + e.cone;
     off_cone += e.cone;
-    if (-x.u[0] > verdict.penetration_velocity) {
-      verdict.penetration_velocity = -x.u[0];
+    if (-x.judged.u[0] > verdict.penetration_velocity) {
+      verdict.penetration_velocity = -x.judged.u[0];
       verdict.penetration_contact = c;
     }
-    const double violation = (x.given - project_coulomb_cone<D>(x.given, x.mu)).norm();
+    const FrameVector<double, D> off = x.off_cone();
+    const double violation = std::sqrt(dot(off, off));
     if (violation > verdict.cone_violation) {
       verdict.cone_violation = violation;
       verdict.cone_contact = c;
@@ -147,13 +142,13 @@ void judge_contacts(const ContactProblem& p, const Eigen::Ref<const Vector>& giv
     return rank[to_size(a)] != rank[to_size(b)] ? rank[to_size(a)] > rank[to_size(b)] : a < b;
   });
   for (auto it = order.begin(); it != end && rank[to_size(*it)] > 0; ++it) {
-    const auto x = contact_values<D>(p, diagonal, given, verdict, *it);
+    const GivenContact<D> x = given_contact<D>(p, diagonal, given, verdict, *it);
     verdict.worst.push_back({.contact = *it,
-                             .mu = x.mu,
-                             .s = x.given,
-                             .u = x.u,
+                             .mu = x.judged.mu,
+                             .s = to_vector(x.given),
+                             .u = to_vector(x.judged.u),
                              .share = rank[to_size(*it)] / total,
-                             .faults = find_faults<D>(x)});
+                             .faults = find_faults(x)});
   }
 }
 
@@ -180,7 +175,7 @@ std::string_view to_string(ContactFault::Kind kind) {
 std::string sentence(const JudgedContact& c) {
   using Kind = ContactFault::Kind;
   std::string text = fmt::format("contact {}", c.contact);
-  // Faults of a hundredth of the contact's largest one would only hide it.
+  // Smaller faults than a hundredth of the contact's largest one are left out.
   constexpr double kWorthSaying = 1e-2;
   const double s_t = c.s.size() > 1 ? c.s.tail(c.s.size() - 1).norm() : 0;
   bool first = true;

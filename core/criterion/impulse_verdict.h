@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-/// A way in which one contact breaks the law, with the energy that it takes in the criterion.
+/// A way in which one contact violates the law, with its energy in the criterion.
 struct ContactFault {
   enum class Kind {
     kPulls,          ///< s_n < 0 as given; size s_n                                       [N s]
@@ -39,38 +39,37 @@ struct JudgedContact {
 /// "contact 12: penetrates at 3.2e-03 m/s; slides at 1.0e-02 m/s inside the cone (...)".
 std::string sentence(const JudgedContact& contact);
 
-/// What can be said of an impulse, whoever computed it. But for `cone`, `cone_violation`,
-/// `siconos_map` and what JudgedContact has as given, everything is that of the impulse projected
-/// on K_mu, as the criterion wants it (data/manual/explanation/criterion.md).
+/// Judgement of an impulse of any origin. `cone`, `cone_violation`, `siconos_map` and JudgedContact::s
+/// are those of the impulse as given. Everything else is that of the impulse projected on K_mu, as
+/// the criterion asks (data/manual/explanation/criterion.md).
 struct ImpulseVerdict {
   ContactError error;
-  /// How far the impulse as given lies from K_mu, in the measure of eta, which does not see it:
-  /// sqrt(Σ ½ W_nn |s - P_K(s)|² / max(D, theta E)). 0 inside; a solver's own result is inside.
+  /// Distance of the impulse as given from K_mu in the measure of eta, which does not see it:
+  /// sqrt(Σ ½ W_nn |s - P_K(s)|² / max(D, theta E)). 0 inside; the result of a solver is inside.
   double cone = kNaN;
-  /// ‖s - P_K(s - û)‖ / max(‖b‖, ‖s‖, ‖u‖) in the problem's variables, of the impulse as given:
-  /// what Siconos Numerics 4.4 stops on. Not independent of units: it adds N s to m/s.
+  /// ‖s - P_K(s - û)‖ / max(‖b‖, ‖s‖, ‖u‖) in the problem's variables, of the impulse as given: the
+  /// stop test of Siconos Numerics 4.4. It depends on units, since it adds N s to m/s.
   double siconos_map = kNaN;
   double penetration_velocity = 0;  ///< largest -u_n, 0: nothing approaches              [m/s]
   int penetration_contact = -1;     ///< where
   double cone_violation = 0;        ///< largest |s - P_K(s)| of a contact                 [N s]
   int cone_contact = -1;
   ContactCount count;
-  std::vector<JudgedContact> worst;  ///< from the worst down, those with a fault alone
+  std::vector<JudgedContact> worst;  ///< from the worst down, only those with a fault
   Vector s;                          ///< projected, the problem's variables              [N s]
   Vector u;                          ///< W s + u_free, the problem's variables           [m/s]
 
-  /// max(epsilon, eta, cone): what a tolerance is held against.
+  /// max(epsilon, eta, cone), to be compared with a tolerance.
   double guarded() const;
 };
 
-/// Judges any impulse of a sound problem: s has m finite entries, the problem's variables. Names at
-/// most `worst` contacts, ranked as ContactError ranks its worst one, by terms of epsilon or of
-/// eta², whichever of epsilon and eta is larger. Throws std::invalid_argument for a wrong size or
-/// an entry that is not finite.
+/// Judges any impulse of a valid problem: s has m finite entries in the problem's variables. Names at
+/// most `worst` contacts. They are ranked by their terms of epsilon or of eta², whichever of epsilon
+/// and eta is larger. Throws std::invalid_argument for a wrong size or an entry that is not finite.
 ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                      int worst = 5);
 
-/// The verdict in words: "within the tolerance 1e-08: error 3.1e-09", or "not within ...: ...; " and
+/// The verdict in words: "within the tolerance 1e-08: error 3.1e-09", or "not within ...: ...; " with
 /// the worst contact.
 std::string sentence(const ImpulseVerdict& verdict, double tol);
 

@@ -3,13 +3,13 @@
 #include <cstring>
 
 #include "core/base/instruction_sets.h"
+#include "core/criterion/contact_terms.h"
 
 namespace bipot {
 namespace {
 
-// Every kLanes-th contact is added to the same sum. So many sums lie in as many registers as the
-// machine's width asks for: g++ makes twice as slow code of vectors that are wider than registers
-// as of single numbers.
+// Every kLanes-th contact is added to the same sum. These sums lie in as many registers as the
+// machine's width needs: g++ makes slow code of vectors that are wider than registers.
 constexpr int kLanes = 8;
 
 template <int kWidth>
@@ -33,8 +33,8 @@ struct Registers<8> {
   [[maybe_unused]] static constexpr Whole kCount{0, 1, 2, 3, 4, 5, 6, 7};
 };
 
-/// The arrays of contacts [first, first + count), where count < kLanes, followed by contacts that
-/// add nothing.
+/// The arrays of the contacts [first, first + count) with count < kLanes, filled up with contacts
+/// that add nothing.
 struct LastContacts {
   double s[2 * kLanes] = {}, u[2 * kLanes] = {}, b[2 * kLanes] = {}, row_scale[2 * kLanes],
                mu[kLanes] = {}, w_nn[kLanes] = {}, rho_nn[kLanes] = {}, rho_nat[kLanes] = {};
@@ -75,19 +75,9 @@ struct Kernel {
     std::memcpy(&values, from, sizeof values);
     return values;
   }
-  [[gnu::always_inline]] static Values magnitude(Values x) {
-    return reinterpret_cast<Values>(reinterpret_cast<Whole>(x) & 0x7fffffffffffffffLL);
-  }
-  [[gnu::always_inline]] static Values positive_part(Values x) { return 0.5 * (x + magnitude(x)); }
-  [[gnu::always_inline]] static Values cut_off(Values x, Values radius) {
-    const Values above = x < -radius ? -radius : x;
-    return above > radius ? radius : above;
-  }
 
   /// A vector of the frame of each contact.
-  struct Frames {
-    Values n, t;
-  };
+  using Frames = FrameVector<Values, 2>;
   [[gnu::always_inline]] static Frames frames_at(const double* pairs) {
     const Values a = load(pairs), b = load(pairs + kWidth);
     if constexpr (kWidth == 2) {
@@ -102,105 +92,59 @@ struct Kernel {
   [[gnu::always_inline]] static void put(const Frames& x, double* pairs) {
     Values a, b;
     if constexpr (kWidth == 2) {
-      a = __builtin_shufflevector(x.n, x.t, 0, 2);
-      b = __builtin_shufflevector(x.n, x.t, 1, 3);
+      a = __builtin_shufflevector(x[0], x[1], 0, 2);
+      b = __builtin_shufflevector(x[0], x[1], 1, 3);
     } else if constexpr (kWidth == 4) {
-      a = __builtin_shufflevector(x.n, x.t, 0, 4, 1, 5);
-      b = __builtin_shufflevector(x.n, x.t, 2, 6, 3, 7);
+      a = __builtin_shufflevector(x[0], x[1], 0, 4, 1, 5);
+      b = __builtin_shufflevector(x[0], x[1], 2, 6, 3, 7);
     } else {
-      a = __builtin_shufflevector(x.n, x.t, 0, 8, 1, 9, 2, 10, 3, 11);
-      b = __builtin_shufflevector(x.n, x.t, 4, 12, 5, 13, 6, 14, 7, 15);
+      a = __builtin_shufflevector(x[0], x[1], 0, 8, 1, 9, 2, 10, 3, 11);
+      b = __builtin_shufflevector(x[0], x[1], 4, 12, 5, 13, 6, 14, 7, 15);
     }
     std::memcpy(pairs, &a, sizeof a);
     std::memcpy(pairs + kWidth, &b, sizeof b);
   }
-  [[gnu::always_inline]] static Frames quotient(const Frames& x, const Frames& y) {
-    return {x.n / y.n, x.t / y.t};
-  }
-  [[gnu::always_inline]] static Values product(const Frames& x, const Frames& y) {
-    return x.n * y.n + x.t * y.t;
-  }
-
-  /// project_coulomb_cone<2>().
-  [[gnu::always_inline]] static Frames project(const Frames& tau, Values mu) {
-    const Values edge = (tau.n + mu * magnitude(tau.t)) / (1 + mu * mu);
-    const Values sn = positive_part(edge > tau.n ? edge : tau.n);
-    return {sn, cut_off(tau.t, mu * sn)};
-  }
-
-  /// |x - P_K(x - rho hat)|².
-  [[gnu::always_inline]] static Values missed(const Frames& x, const Frames& hat, Values mu,
-                                              Values rho) {
-    const Frames to = project({x.n - rho * hat.n, x.t - rho * hat.t}, mu);
-    const Frames off{x.n - to.n, x.t - to.t};
-    return product(off, off);
-  }
-
-  /// The sums of add_error_terms() in one register each.
-  struct Sums {
-    Values friction{}, gap{}, gap_clipped{}, penetration{}, natural{}, moved{}, natural_rel{},
-        impulse2{};
+  /// The sums in one register each, and the worst contact of each lane.
+  struct Sums : ErrorSumsOf<Values> {
     Values worst_gap = Values{} - 1, worst_natural = Values{} - 1;
     Whole worst_epsilon = Whole{} - 1, worst_eta = Whole{} - 1;
   };
 
-  /// Contacts from `first` on, of which `valid` count; the arrays of p begin with them.
+  /// Contacts from `first` on; the arrays of p begin with them.
   template <bool kScaled>
-  [[gnu::always_inline]] static void add(const PlaneContacts& p, int first, int valid, Sums& e) {
-    Frames x = frames_at(p.s), u = frames_at(p.u);
-    const Frames b = frames_at(p.b);
-    e.moved += product(x, {u.n - b.n, u.t - b.t});
-    Values mu = load(p.mu);
-    if constexpr (kScaled) {
-      const Frames r = frames_at(p.row_scale);
-      x = quotient(x, r);
-      u = quotient(u, r);
-      mu = mu * r.n / r.t;
-    }
-    const Values w_nn = load(p.w_nn), rho_nn = load(p.rho_nn), rho_nat = load(p.rho_nat);
-    const Values slip = magnitude(u.t);
-    const Values dissipated = mu * x.n * slip;
-    const Values tangential = positive_part(dissipated + x.t * u.t);
-    const Values opening = positive_part(u.n), closing = positive_part(-u.n);
-    const Values gap = tangential + x.n * magnitude(u.n);
-    const Values penetration = 0.5 * rho_nn * closing * closing;
-    e.friction += dissipated;
-    e.gap += gap;
-    e.gap_clipped += tangential + x.n * opening;
-    e.penetration += penetration;
-    e.impulse2 += product(x, x);
+  [[gnu::always_inline]] static void add(const PlaneContacts& p, int first, Sums& e) {
+    Frames r;
+    if constexpr (kScaled) r = frames_at(p.row_scale);
+    const auto contacts = physical_contact<kScaled>(frames_at(p.s), frames_at(p.u), frames_at(p.b),
+                                                    r, load(p.mu), load(p.w_nn), load(p.rho_nn));
+    const LawTerms<Values> law = law_terms(contacts);
+    const ContactTerms<Values> terms = add_law_terms(contacts, law, e);
+    add_reported_terms(contacts, law, load(p.rho_nat), e);
 
-    const Frames hat{u.n + mu * slip, u.t};
-    const Whole lawful = (x.n == 0) & (u.n >= 0);
-    const Values natural = 0.5 * w_nn * missed(x, hat, mu, rho_nn);
-    e.natural += lawful ? Values{} : natural;
-    e.natural_rel += lawful ? Values{} : missed(x, hat, mu, rho_nat);
-
-    const Whole counts = Registers<kWidth>::kCount < valid;
     const Whole contact = Registers<kWidth>::kCount + first;
-    const Values violation = gap + penetration;
-    const Whole worse = counts & (violation > e.worst_gap);
-    e.worst_gap = worse ? violation : e.worst_gap;
+    const Whole worse = terms.violation > e.worst_gap;
+    e.worst_gap = worse ? terms.violation : e.worst_gap;
     e.worst_epsilon = worse ? contact : e.worst_epsilon;
-    const Whole farther = counts & ~lawful & (natural > e.worst_natural);
-    e.worst_natural = farther ? natural : e.worst_natural;
+    const Whole farther = terms.natural > e.worst_natural;
+    e.worst_natural = farther ? terms.natural : e.worst_natural;
     e.worst_eta = farther ? contact : e.worst_eta;
   }
 
   /// All lanes of one sum, in one order.
-  [[gnu::always_inline]] static double total(const Sums* parts, Values Sums::*sum) {
+  [[gnu::always_inline]] static double total(const Sums* parts, Values ErrorSumsOf<Values>::*sum) {
     double lanes[kLanes];
     for (int k = 0; k < kLanes; ++k) lanes[k] = (parts[k / kWidth].*sum)[k % kWidth];
     return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
            ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
   }
-  [[gnu::always_inline]] static void find_worst(const Sums* parts, Values Sums::*values,
+  /// The worst of the contacts before `end`, behind which those of LastContacts lie.
+  [[gnu::always_inline]] static void find_worst(const Sums* parts, int end, Values Sums::*values,
                                                 Whole Sums::*contacts, double& worst,
                                                 int& contact) {
     for (int k = 0; k < kLanes; ++k) {
       const int c = static_cast<int>((parts[k / kWidth].*contacts)[k % kWidth]);
       const double value = (parts[k / kWidth].*values)[k % kWidth];
-      if (c < 0 || value < worst || (value == worst && c > contact)) continue;
+      if (c < 0 || c >= end || value < worst || (value == worst && c > contact)) continue;
       worst = value;
       contact = c;
     }
@@ -213,14 +157,14 @@ struct Kernel {
     for (; c + kLanes <= end; c += kLanes) {
       for (int part = 0; part < kParts; ++part) {
         const int first = c + part * kWidth;
-        add<kScaled>(from(p, first), first, kWidth, parts[part]);
+        add<kScaled>(from(p, first), first, parts[part]);
       }
     }
     if (c < end) {
       const LastContacts last(p, c, end - c);
       for (int part = 0; part < kParts; ++part) {
         const int first = part * kWidth;
-        add<kScaled>(from(last.arrays(), first), c + first, end - c - first, parts[part]);
+        add<kScaled>(from(last.arrays(), first), c + first, parts[part]);
       }
     }
     PieceSums sums;
@@ -232,8 +176,10 @@ struct Kernel {
     sums.moved = total(parts, &Sums::moved);
     sums.natural_rel = total(parts, &Sums::natural_rel);
     sums.impulse2 = total(parts, &Sums::impulse2);
-    find_worst(parts, &Sums::worst_gap, &Sums::worst_epsilon, sums.worst_gap, sums.worst_epsilon);
-    find_worst(parts, &Sums::worst_natural, &Sums::worst_eta, sums.worst_natural, sums.worst_eta);
+    find_worst(parts, end, &Sums::worst_gap, &Sums::worst_epsilon, sums.worst_gap,
+               sums.worst_epsilon);
+    find_worst(parts, end, &Sums::worst_natural, &Sums::worst_eta, sums.worst_natural,
+               sums.worst_eta);
     return sums;
   }
   [[gnu::always_inline]] static PieceSums sum(const PlaneContacts& p, int begin, int end) {
@@ -242,15 +188,9 @@ struct Kernel {
 
   template <bool kScaled>
   [[gnu::always_inline]] static void project_some(const PlaneContacts& p, double* s) {
-    Frames x = frames_at(s);
-    Values mu = load(p.mu);
-    if constexpr (kScaled) {
-      const Frames r = frames_at(p.row_scale);
-      x = project(quotient(x, r), mu * r.n / r.t);
-      put({x.n * r.n, x.t * r.t}, s);
-    } else {
-      put(project(x, mu), s);
-    }
+    Frames r;
+    if constexpr (kScaled) r = frames_at(p.row_scale);
+    put(physical_projection<kScaled>(frames_at(s), r, load(p.mu)), s);
   }
   template <bool kScaled>
   [[gnu::always_inline]] static void project(const PlaneContacts& p, int begin, int end,

@@ -1,10 +1,11 @@
 #pragma once
 
 #include "core/criterion/contact_error.h"
+#include "core/criterion/rounded.h"
 
 namespace bipot {
 
-/// How far rounding may put the criterion of contact_error.h from its exact value.
+/// A bound on the effect of rounding on the criterion of contact_error.h.
 struct RoundingBound {
   double epsilon = 0;  ///< |computed - exact|  [-]
   double eta = 0;
@@ -20,20 +21,21 @@ enum class Precision {
 };
 
 /// Running error analysis of one evaluation (Higham, Accuracy and Stability of Numerical Algorithms,
-/// §3): every sum of n products is off by at most n unit roundoffs times the sum of the absolute
-/// values, and these bounds go through the formulas of the criterion to first order, times 1.01. It
-/// covers the projection of s on the cones, velocities by either form of the operator, and weights.
-/// Order of summation does not matter. Without underflow and overflow, which solve() scales away.
-/// With share.alone, where the smaller of two figures counts, it says how much larger the exact one
-/// may be. s on the cone to rounding. Infinite where the denominator is rounding only. Cost: two
-/// passes through H, or one through W.
+/// §3). Every sum of n products is off by at most n unit roundoffs times the sum of the absolute
+/// values. These bounds go through the formulas of the criterion (rounded.h), and the result is taken
+/// times 1.01. The bound covers the projection of s on the cones, velocities by either form of the
+/// operator, and weights; it does not depend on the order of summation. With share.alone the smaller
+/// of two figures counts, and the bound says how much larger the exact one may be.
+///
+/// Limits: no underflow or overflow, which solve() scales away; s on the cone to rounding. Infinite
+/// where the denominator is rounding alone. Cost: two passes through H, or one through W.
 RoundingBound rounding_bound(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                              Precision precision, const ErrorShare& share = {});
 
-// The same in parts, of a problem of which nobody has the whole (solvers/distributed): what bodies are
-// pushed by, what contacts have, the bound. A must be diagonal.
+// The same in three steps, for a problem of which no process has the whole (solvers/parallel):
+// momenta of the bodies, sums over the contacts, bound. A must be diagonal.
 
-/// H s in n degrees of freedom, with what its rounding is made of.
+/// H s in n degrees of freedom, with the size and number of its summands.
 struct RoundedMomentum {
   Vector momentum;  ///< Σ H s                                                             [N s]
   Vector size;      ///< Σ |H s|
@@ -41,22 +43,17 @@ struct RoundedMomentum {
 };
 RoundedMomentum rounded_momentum(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
 
-/// Sums of the criterion over contacts with their errors in double precision. Those of parts add up.
-struct RoundedSums {
-  ErrorSums value;
-  double gap = 0, friction = 0, moved = 0, free_energy = 0;  ///< errors [J], the gap's with V's
-  double natural = 0;  ///< Σ ½ W_nn |error of N|², a norm's square [J]
-
-  RoundedSums& operator+=(const RoundedSums& more);
-};
-/// Of all contacts of a problem. Errors are infinite where it has neither W nor a diagonal A. The
-/// same bits for any number of threads.
+/// Sums of the criterion over contacts with their errors in double precision; that of `natural` is
+/// Σ ½ W_nn |error of N|², the square of a norm. The sums of parts add up.
+using RoundedSums = ErrorSumsOf<Rounded>;
+/// Sums over all contacts of a problem. Errors are infinite if it has neither W nor a diagonal A.
+/// The same bits for any number of threads.
 RoundedSums rounded_sums(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                          int threads = 1);
-/// The same with the momenta of its degrees of freedom from whoever pushes them.
+/// The same with given momenta of its degrees of freedom.
 RoundedSums rounded_sums(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                          const RoundedMomentum& pushed, int threads = 1);
-/// `contacts`: how many were added up. In a higher precision the errors are those in double, scaled.
+/// `contacts`: number of summands. In a higher precision the errors are those in double, scaled.
 RoundingBound rounding_bound(const RoundedSums& sums, int contacts, Precision precision,
                              const ErrorShare& share = {});
 

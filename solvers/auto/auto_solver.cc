@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -15,7 +16,7 @@
 #include "core/base/stopwatch.h"
 #include "core/criterion/contact_error.h"
 #include "solvers/auto/auto_plan.h"
-#include "solvers/prepared_problem.h"
+#include "solvers/auto/islands.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -30,7 +31,11 @@ using std::string_view_literals::operator""sv;
 // kTightenLeast     100     iterations    of the solver that succeeded, however small its budget
 // kTightenMost      4000    iterations    the same, however large
 // kTightenByFactor  40      iterations    of newton and ipm: some dozen factorisations
+// kFirstRound       512     iterations    in parallel, doubled from round to round
+// kRounds           16      rounds        in parallel: 2^24 iterations
+// kRoundsToSecondOrder 3    rounds        in parallel, between two of ipm on the root process
 constexpr double kNearTolerances = 10, kTighter = 0.1;
+constexpr int kFirstRound = 512, kRounds = 16, kRoundsToSecondOrder = 3;
 constexpr int kFreedFrom = 6000, kTightenLeast = 100, kTightenMost = 4000, kTightenByFactor = 40;
 
 /// Its parameters by name.
@@ -77,27 +82,56 @@ class Forecast {
   bool failed_ = false;
 };
 
+/// The race on several processes: rounds of first order, each from the best impulse so far, with a
+/// budget that doubles from round to round; after the third, and after every third from there on,
+/// one of second order on the root process.
+std::vector<AutoStage> plan_in_parallel() {
+  std::vector<AutoStage> stages;
+  const auto add = [&](std::string_view solver, int budget, std::string_view reason) {
+    stages.push_back({.solver = solver,
+                      .start = AutoStage::Start::kBest,
+                      .min_iterations = budget,
+                      .max_iterations = budget,
+                      .reason = reason});
+  };
+  for (int round = 0; round < kRounds; ++round) {
+    const int budget = kFirstRound << round;
+    for (const std::string_view solver : {"apgd", "anderson", "pgs"}) {
+      add(solver, budget, "first order, from the best impulse");
+    }
+    if ((round + 1) % kRoundsToSecondOrder != 0) continue;
+    add("ipm", AutoStage::kUnlimited, "where first order does not arrive");
+  }
+  add("pgs", AutoStage::kUnlimited, "last resort");
+  return stages;
+}
+
 /// The race in progress.
 class Race {
  public:
-  Race(const ContactProblem& p, const SolverOptions& options)
-      : p_(p), options_(options), evaluate_(criterion_of(p, options)), inner_(options) {
-    inner_.best = inner_.s0 = Vector();  // of the stages: their own
-    best_.s = start_of(p, options);
-    best_error_ = evaluate_(best_.s).guarded();
+  /// `attempted`: the impulse that an attempt left, whose first stage is not run again; or empty.
+  Race(SolveRun& run, const Vector& attempted)
+      : run_(run),
+        p_(run.problem()),
+        options_(run.options()),
+        space_(run.space()),
+        inner_(options_),
+        attempted_(attempted.size() != 0) {
+    inner_.s0 = Vector();  // of the stages: their own
+    best_.s = run.start();
+    best_error_ = space_.error(best_.s).guarded();
     if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
     start_error_ = best_error_;
-    if (options.best.size() == 0) return;
-    const double error = evaluate_(options.best).guarded();
+    if (!attempted_) return;
+    const double error = space_.error(attempted).guarded();
     if (error < best_error_) {
-      best_.s = options.best;
+      best_.s = attempted;
       best_error_ = error;
     }
   }
 
   SolveResult run() {
-    const bool attempted = options_.best.size() != 0;
-    race([&](const AutoStage& stage) { return !(attempted && stage.on_whole_only); });
+    race([&](const AutoStage& stage) { return !(attempted_ && stage.on_whole_only); });
     return finish();
   }
 
@@ -111,18 +145,21 @@ class Race {
   template <class Chosen>
   void race(const Chosen& chosen) {
     const std::vector<AutoStage> stages =
-        plan_auto(p_, evaluate_.delassus(), is_warm(options_), options_.tol);
+        alone() ? plan_auto(p_, run_.delassus(), is_warm(options_), options_.tol)
+                : plan_in_parallel();
     for (const AutoStage& stage : stages) {
       if (chosen(stage) && finished(stage)) return;
     }
   }
+
+  bool alone() { return space_.whole() != nullptr; }
 
   /// Runs the stage; true when nothing is to follow.
   bool finished(const AutoStage& stage) {
     if (out_of_budget()) return true;
     if (best_error_ > stage.largest_error) return false;
     run_stage(stage);
-    if (!ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
+    if (alone() && !ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
         best_natural_map_ > options_.tol) {
       tighten(stage);
     }
@@ -130,7 +167,7 @@ class Race {
   }
 
   bool out_of_budget() {
-    if (watch_.seconds() >= options_.time_limit) {
+    if (run_.late()) {
       last_ = SolveStatus::kTimeLimit;
     } else if (iterations_ >= options_.max_iterations) {
       last_ = SolveStatus::kIterationLimit;
@@ -152,11 +189,11 @@ class Race {
       inner_.s0 = own != own_.end() ? own->second : options_.s0;
     }
     inner_.s0 *= stage.of_start;
-    inner_.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
+    inner_.time_limit = std::max(options_.time_limit - run_.seconds(), 1e-9);
     inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
     inner_.parameters = parameters_of(stage);
     Forecast forecast(stage, inner_.tol, options_.stop);
-    const double stage_start = watch_.seconds();
+    const double stage_start = run_.seconds();
     inner_.on_iteration = [&](const IterationRecord& r) {
       forecast.record(r);
       if (!options_.on_iteration || (iterations_ > 0 && r.iteration == 0)) return;
@@ -169,13 +206,17 @@ class Race {
       return forecast.failed() || (options_.cancelled && options_.cancelled());
     };
     SolveResult result;
-    evaluate_.rest();
+    space_.rest();
     // What the stage before has left is in pieces that the next one's arrays do not fit into.
     if (!trail_.empty() && p_.num_contacts() > kFreedFrom) return_freed_memory();
     try {
       const SolverEntry& entry = require_solver(stage.solver);
-      result = entry.run(entry.needs_delassus ? with_delassus() : p_, inner_);
+      const bool lacks_delassus = alone() && entry.needs_delassus && !p_.has_delassus();
+      const ErrorShare share = alone() ? run_.whole().share() : ErrorShare{};
+      result = lacks_delassus ? run_solver(entry, with_delassus(), inner_, share)
+                              : run_.nested(entry, inner_, share);
     } catch (const std::exception& e) {
+      require_common(space_, e);
       result.status = SolveStatus::kNumericalFailure;
       result.message = e.what();
     }
@@ -184,8 +225,8 @@ class Race {
     last_ = result.status;
     double error = std::numeric_limits<double>::infinity();
     ContactError measured;
-    if (result.s.size() == p_.num_rows() && result.s.allFinite()) {
-      measured = evaluate_(result.s);
+    if (!space_.any(result.s.size() != p_.num_rows() || !result.s.allFinite())) {
+      measured = space_.error(result.s);
       error = measured.guarded();
       own_.insert_or_assign(std::string(stage.solver), result.s);
       last_s_ = result.s;
@@ -197,9 +238,8 @@ class Race {
     }
     // Loops inside a solver see no difference between being stopped and being out of time.
     const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
-    const bool by_caller = stopped && options_.cancelled && options_.cancelled();
-    const bool given_up =
-        stopped && !by_caller && forecast.failed() && watch_.seconds() < options_.time_limit;
+    const bool by_caller = stopped && run_.cancelled();
+    const bool given_up = stopped && !by_caller && forecast.failed() && !run_.late();
     if (by_caller) last_ = SolveStatus::kInterrupted;
     trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver,
                           result.iterations, given_up ? "given up" : to_string(last_), error);
@@ -213,15 +253,15 @@ class Race {
   }
 
   /// The problem with W in it, assembled by the first stage that needs it.
-  const ContactProblem& with_delassus() {
-    if (p_.has_delassus()) return p_;
-    if (!with_delassus_.has_delassus()) {
+  WholeSpace& with_delassus() {
+    if (!delassus_space_) {
       const Stopwatch setup;
       with_delassus_ = p_;
       with_delassus_.W = assemble_delassus(p_.A, p_.H, p_.dim);
+      delassus_space_.emplace(with_delassus_, options_.execution.threads);
       best_.setup_seconds += setup.seconds();
     }
-    return with_delassus_;
+    return *delassus_space_;
   }
 
   /// The natural map lags behind the guarded error: on to a smaller one, by the solver that
@@ -259,16 +299,18 @@ class Race {
     best_.status = last_;
     best_.message = fmt::format("stages: {}", trail_.empty() ? "none was run" : trail_);
     best_.iterations = iterations_;
-    best_.solve_seconds = watch_.seconds() - best_.setup_seconds;
+    best_.solve_seconds = run_.seconds() - best_.setup_seconds;
     return std::move(best_);
   }
 
-  const Stopwatch watch_;
+  SolveRun& run_;
   const ContactProblem& p_;
   const SolverOptions& options_;
   ContactProblem with_delassus_;
-  ContactErrorEvaluator evaluate_;
+  std::optional<WholeSpace> delassus_space_;  // of that
+  ContactSpace& space_;
   SolverOptions inner_;
+  bool attempted_;
   SolveResult best_;
   std::map<std::string, Vector, std::less<>> own_;
   Vector last_s_;  // of the last stage
@@ -282,12 +324,14 @@ class Race {
 
 }  // namespace
 
-SolveResult solve_auto(const ContactProblem& p, const SolverOptions& options) {
-  return Race(p, options).run();
-}
+void run_race(SolveRun& run, const Vector& attempted) { run.take(Race(run, attempted).run()); }
 
-SolveResult attempt_auto(const ContactProblem& p, const SolverOptions& options) {
-  return Race(p, options).attempt();
+void attempt_race(SolveRun& run) { run.take(Race(run, Vector()).attempt()); }
+
+void solve_auto(SolveRun& run) {
+  const bool islands = run.space().whole() != nullptr && run.options().islands.value_or(true);
+  if (!islands) return run_race(run, Vector());
+  solve_islands(run, {.run = &run_race, .attempt = &attempt_race});
 }
 
 }  // namespace bipot

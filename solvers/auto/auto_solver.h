@@ -1,6 +1,6 @@
 #pragma once
 
-#include "solvers/solver.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 
@@ -12,11 +12,16 @@ namespace bipot {
 /// No stage is hidden: when all fail, the status is that of the last one and the impulse the best
 /// one. `iterations` is the sum over stages, whose iterations differ much in cost.
 ///
-/// options.best: what attempt_auto left; its first stage is not run again.
-SolveResult solve_auto(const ContactProblem& problem, const SolverOptions& options);
+/// Parts that do not couple are solved one by one (islands.h) unless options.islands is false. On
+/// several processes the race has rounds of first order, and no islands.
+void solve_auto(SolveRun& run);
+
+/// The race alone. `attempted`: the impulse that attempt_race() left, whose stages are not run
+/// again; or empty.
+void run_race(SolveRun& run, const Vector& attempted);
 
 /// The stages alone that are to be tried before parts are cut out: most of what is easy is solved
-/// by then. kNotRun where there is none.
-SolveResult attempt_auto(const ContactProblem& problem, const SolverOptions& options);
+/// by then. A result without a status where there is none.
+void attempt_race(SolveRun& run);
 
 }  // namespace bipot

@@ -14,15 +14,14 @@
 #include "solvers/auto/contact_islands.h"
 #include "solvers/auto/few_contacts.h"
 #include "solvers/auto/island_problem.h"
-#include "solvers/islands.h"
-#include "solvers/prepared_problem.h"
-#include "solvers/proved_claim.h"
+#include "solvers/auto/islands.h"
+#include "solvers/registry.h"
 
 namespace bipot {
 namespace {
 
 // What the parts before the last may use up of the tolerance together with all that is settled, and
-// by themselves: solvers/islands.h.
+// by themselves: solvers/auto/islands.h.
 constexpr double kShareBeforeLast = 0.5, kAloneFactor = 12;
 
 // Islands of up to so many contacts, and of about one size, are tried together: making a problem of
@@ -43,13 +42,17 @@ bool is_open(const ContactProblem& p, std::span<const int> contacts) {
 /// One solve, part by part.
 class IslandRun {
  public:
-  IslandRun(const SolverEntry& entry, const ContactProblem& p, const SolverOptions& options,
+  /// `best`: of an attempt on the whole, or empty.
+  IslandRun(SolveRun& run, const IslandSolver& solver, const SolverOptions& options, Vector best,
             const ContactIslands& islands)
-      : entry_(entry),
-        p_(p),
+      : run_(run),
+        solver_(solver),
+        p_(run.problem()),
         options_(options),
+        share_(run.whole().share()),
+        best_(std::move(best)),
         islands_(islands),
-        evaluate_(criterion_of(p, options)) {}
+        evaluate_(run.whole().evaluator()) {}
 
   /// Puts s = 0 where that obeys the law and keeps starts that are good enough. The number of
   /// contacts that are left.
@@ -57,7 +60,7 @@ class IslandRun {
     const ContactError error = evaluate_(start_of(p_, options_));
     s_ = evaluate_.impulse();
     total_ = evaluate_.sums();
-    settled_ = options_.share.others;
+    settled_ = share_.others;
     if (options_.on_iteration) {
       start_ = {.iteration = 0,
                 .seconds = watch_.seconds(),
@@ -74,7 +77,7 @@ class IslandRun {
         left_.push_back(k);
       }
     }
-    if (options_.best.size() != 0) together_ += keep_good(options_.best, left_);
+    if (best_.size() != 0) together_ += keep_good(best_, left_);
     int contacts_left = 0;
     for (const int k : left_) contacts_left += static_cast<int>(islands_.of(k).size());
     return contacts_left;
@@ -89,7 +92,7 @@ class IslandRun {
     for (std::size_t k = 0; k < left_.size(); ++k) {
       // After a failure nothing makes the whole meet the tolerance: the last is a part like others.
       const bool last = k + 1 == left_.size() && failed_ == 0;
-      if (last && is_nearly_all(left_[k])) return on_the_whole(options_.best);
+      if (last && is_nearly_all(left_[k])) return on_the_whole(best_);
       if (!solve_island(left_[k], last)) break;
     }
     return finish();
@@ -102,10 +105,10 @@ class IslandRun {
     share.others = settled_;
     const auto rest = [](double all, double part) { return std::max(all - part, 0.0); };
     share.others.free_energy =
-        options_.share.others.free_energy + rest(total_.free_energy, own.free_energy);
+        share_.others.free_energy + rest(total_.free_energy, own.free_energy);
     share.others.free_impulse2 =
-        options_.share.others.free_impulse2 + rest(total_.free_impulse2, own.free_impulse2);
-    share.share = options_.share.share;
+        share_.others.free_impulse2 + rest(total_.free_impulse2, own.free_impulse2);
+    share.share = share_.share;
     if (last) return share;
     share.share *= kShareBeforeLast * islands_.start[to_size(island) + 1] / p_.num_contacts();
     share.alone = kAloneFactor;
@@ -172,13 +175,13 @@ class IslandRun {
     std::sort(left_.begin(), left_.end());
   }
 
-  /// Makes the attempt of the solver on islands of about one size at once, those without friction by
-  /// themselves. Where that does not arrive, each is looked at, and those that are not good enough
-  /// are left with what it found. The last island is left in any case.
+  /// Makes the attempt of the solver on islands of about one size at once, those without friction
+  /// by themselves. Where that does not arrive, each is looked at, and those that are not good
+  /// enough are left with what it found. The last island is left in any case.
   void solve_groups() {
     // Sweeps over disks fill vectors; what accelerates other problems does better on each island.
-    const bool pays = entry_.attempt != nullptr && evaluate_.delassus().disks();
-    if (!pays || options_.best.size() != 0 || left_.size() < 3) return;
+    const bool pays = solver_.attempt && evaluate_.delassus().disks();
+    if (!pays || best_.size() != 0 || left_.size() < 3) return;
     std::map<std::pair<int, bool>, std::vector<int>> groups;
     std::vector<int> left;
     for (std::size_t k = 0; k + 1 < left_.size(); ++k) {
@@ -209,11 +212,11 @@ class IslandRun {
     }
     std::sort(contacts.begin(), contacts.end());
     const IslandProblem part = cut(contacts);
-    PreparedProblem prepared(part.problem, options_.execution.threads);
-    SolverOptions inner = inner_options(part, prepared, contacts, islands.back(), false);
+    WholeSpace space(part.problem, options_.execution.threads);
+    const ErrorShare share = share_of(islands.back(), free_sums(contacts), false);
     SolveResult result;
     try {
-      result = entry_.attempt(part.problem, inner);
+      result = run_solver(attempt_entry(), space, inner_options(part), share);
     } catch (const std::exception& e) {
       result.message = e.what();
     }
@@ -221,8 +224,8 @@ class IslandRun {
     const bool usable = result.s.size() == part.problem.num_rows() && result.s.allFinite();
     if (usable && is_success(result.status)) {
       part.scatter(result.s, p_.dim, s_);
-      prepared.criterion()(result.s);
-      settled_ += prepared.criterion().sums();
+      space.error(result.s);
+      settled_ += space.evaluator().sums();
       together_ += static_cast<int>(islands.size());
       return;
     }
@@ -249,23 +252,34 @@ class IslandRun {
   }
   double time_left() const { return options_.time_limit - watch_.seconds(); }
 
-  /// For the solver on islands up to this one, which have these contacts.
-  SolverOptions inner_options(const IslandProblem& part, PreparedProblem& prepared,
-                              std::span<const int> contacts, int island, bool last) const {
-    ErrorSums own_free;
+  /// Sums at s = 0 of these contacts.
+  ErrorSums free_sums(std::span<const int> contacts) const {
+    ErrorSums free;
     for (const int c : contacts) {
       const ErrorSums sums = evaluate_.part(c);
-      own_free.free_energy += sums.free_energy;
-      own_free.free_impulse2 += sums.free_impulse2;
+      free.free_energy += sums.free_energy;
+      free.free_impulse2 += sums.free_impulse2;
     }
+    return free;
+  }
+  /// For the solver on a part.
+  SolverOptions inner_options(const IslandProblem& part) const {
     SolverOptions inner = options_;
     inner.s0 = part.gather(s_);
-    inner.best = part.gather(options_.best);
-    inner.prepared = &prepared;
-    inner.share = share_of(island, own_free, last);
     inner.time_limit = std::max(time_left(), 1e-9);
     inner.on_iteration = nullptr;
     return inner;
+  }
+  /// The solver that goes on from an attempt's impulse, as rows of the problem that it is run on.
+  SolverEntry entry_from(Vector best) const {
+    SolverEntry entry = run_.entry();
+    entry.run = [this, best = std::move(best)](SolveRun& run) { solver_.run(run, best); };
+    return entry;
+  }
+  SolverEntry attempt_entry() const {
+    SolverEntry entry = run_.entry();
+    entry.run = solver_.attempt;
+    return entry;
   }
 
   /// False where nothing is to follow.
@@ -273,14 +287,15 @@ class IslandRun {
     const std::span<const int> contacts = islands_.of(island);
     const int size = static_cast<int>(contacts.size());
     const IslandProblem part = cut(contacts);
-    PreparedProblem prepared(part.problem, options_.execution.threads);
-    SolverOptions inner = inner_options(part, prepared, contacts, island, last);
-    if (tried_of_.contains(island)) inner.best = part.gather(tried_);
+    WholeSpace space(part.problem, options_.execution.threads);
+    SolverOptions inner = inner_options(part);
     if (last && options_.on_iteration) inner.on_iteration = history_of(part, size);
     const double before = watch_.seconds();
     SolveResult result;
     try {
-      result = entry_.run(part.problem, inner);
+      const Vector& best = tried_of_.contains(island) ? tried_ : best_;
+      const ErrorShare share = share_of(island, free_sums(contacts), last);
+      result = run_solver(entry_from(part.gather(best)), space, inner, share);
     } catch (const std::exception& e) {
       result.status = SolveStatus::kNumericalFailure;
       result.message = e.what();
@@ -306,8 +321,8 @@ class IslandRun {
       return result.status != SolveStatus::kTimeLimit && result.status != SolveStatus::kInterrupted;
     }
     if (!last) {
-      prepared.criterion()(part.gather(s_));
-      settled_ += prepared.criterion().sums();
+      space.error(part.gather(s_));
+      settled_ += space.evaluator().sums();
     }
     return true;
   }
@@ -341,7 +356,7 @@ class IslandRun {
     std::string text = fmt::format("{} islands: {} open, {} kept, {} of few contacts, ",
                                    islands_.count(), open_, kept_, few_);
     if (together_ > 0) text += fmt::format("{} together, ", together_);
-    text += fmt::format("{} by {}", by_solver_, entry_.name);
+    text += fmt::format("{} by {}", by_solver_, run_.entry().name);
     if (by_solver_ == 1) text += ", " + costliest_;
     if (by_solver_ > 1) text += ", the costliest with " + costliest_;
     return text;
@@ -358,7 +373,7 @@ class IslandRun {
                              .error = error,
                              .count = count_contacts(p_, s_)});
     }
-    if (meets(options_, error) && prove_claim(p_, options_, s_, error).holds) {
+    if (meets(options_, error) && run_.space().prove(options_, s_, error).holds) {
       result_.status = SolveStatus::kConverged;
     } else if (failed_ > 0) {
       result_.message =
@@ -378,7 +393,6 @@ class IslandRun {
     SolverOptions inner = options_;
     inner.s0 = std::move(s_);
     s_ = Vector();  // which may have got the other's memory
-    inner.best = best;
     evaluate_.rest();
     inner.time_limit = std::max(time_left(), 1e-9);
     const int before = iterations(0, 0);
@@ -393,7 +407,7 @@ class IslandRun {
     }
     SolveResult result;
     try {
-      result = entry_.run(p_, inner);
+      result = run_.nested(entry_from(best), inner, share_);
     } catch (const std::exception& e) {
       result.status = SolveStatus::kNumericalFailure;
       result.message = e.what();
@@ -407,12 +421,15 @@ class IslandRun {
   }
 
   const Stopwatch watch_;
-  const SolverEntry& entry_;
+  SolveRun& run_;
+  const IslandSolver& solver_;
   const ContactProblem& p_;
   const SolverOptions& options_;
+  const ErrorShare share_;
+  const Vector best_;  // of an attempt, or empty
   const ContactIslands& islands_;
   IterationRecord start_;  // where somebody wants it
-  ContactErrorEvaluator evaluate_;
+  ContactErrorEvaluator& evaluate_;
   std::optional<IslandCutter> cut_;  // of the first part that is cut out
   ErrorSums total_;                  // of the whole at its start; its free terms do not change
   ErrorSums settled_;                // what is settled; its free terms are not used
@@ -433,39 +450,42 @@ constexpr double kMostContacts = 0.75;
 
 }  // namespace
 
-SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
-                          const SolverOptions& options) {
+void solve_islands(SolveRun& run, const IslandSolver& solver) {
+  const ContactProblem& p = run.problem();
+  const SolverOptions& options = run.options();
   if (options.stop != StopTest::kGuarded || options.max_iterations == 0) {
-    return entry.run(p, options);
+    return solver.run(run, Vector());
   }
   const ContactIslands islands = contact_islands(p);
-  if (islands.count() <= 1) return entry.run(p, options);
-  std::optional<IslandRun> run;
-  const auto settle = [&](const SolverOptions& how) {
-    run.emplace(entry, p, how, islands);
-    return run->settle();
+  if (islands.count() <= 1) return solver.run(run, Vector());
+  std::optional<IslandRun> parts;
+  const auto settle = [&](const SolverOptions& how, const Vector& best) {
+    parts.emplace(run, solver, how, best, islands);
+    return parts->settle();
   };
-  // What is large is not tried as a whole: the largest part is, and the others in groups.
-  const bool attempts = entry.attempt != nullptr && options.best.size() == 0 &&
-                        p.num_contacts() <= kLargeCopy &&
+  // A large problem is not tried as a whole: the largest part is, and the others in groups.
+  const bool attempts = solver.attempt && p.num_contacts() <= kLargeCopy &&
                         islands.of(islands.count() - 1).size() > 1;
-  const Stopwatch watch;
   if (!attempts || is_warm(options)) {
-    const int left = settle(options);
-    if (!attempts || left < kMostContacts * p.num_contacts()) return run->solve_left();
+    const int left = settle(options, Vector());
+    if (!attempts || left < kMostContacts * p.num_contacts()) {
+      return run.take(parts->solve_left());
+    }
   }
-  const SolveResult first = entry.attempt(p, options);
+  SolverEntry entry = run.entry();
+  entry.run = solver.attempt;
+  run.space().rest();
+  const SolveResult first = run.nested(entry, options, run.whole().share());
   if (first.status == SolveStatus::kNotRun) {
-    if (!run) settle(options);
-    return run->solve_left();
+    if (!parts) settle(options, Vector());
+    return run.take(parts->solve_left());
   }
   const bool over = is_success(first.status) || first.status == SolveStatus::kTimeLimit ||
                     first.status == SolveStatus::kInterrupted ||
                     first.iterations >= options.max_iterations;
-  if (over) return first;
-  const double seconds = watch.seconds();
+  if (over) return run.take(first);
+  const double seconds = run.seconds();
   SolverOptions rest = options;
-  rest.best = first.s;
   rest.time_limit = std::max(options.time_limit - seconds, 1e-9);
   rest.max_iterations -= first.iterations;
   if (options.on_iteration) {
@@ -476,13 +496,21 @@ SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
       options.on_iteration(record);
     };
   }
-  settle(rest);
-  SolveResult result = run->solve_left();
+  settle(rest, first.s);
+  SolveResult result = parts->solve_left();
   result.message = fmt::format("the whole: {}; then {}", first.message, result.message);
   result.iterations += first.iterations;
   result.setup_seconds += first.setup_seconds;
   result.solve_seconds += first.solve_seconds;
-  return result;
+  run.take(std::move(result));
+}
+
+SolverEntry on_islands(const SolverEntry& entry) {
+  SolverEntry cut = entry;
+  cut.run = [inner = entry.run](SolveRun& run) {
+    solve_islands(run, {.run = [&](SolveRun& part, const Vector&) { inner(part); }});
+  };
+  return cut;
 }
 
 std::string explain_islands(const ContactProblem& p) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "solvers/monitor.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 
@@ -10,15 +10,15 @@ namespace bipot {
 /// stage.
 class InteriorRun {
  public:
-  explicit InteriorRun(IterationMonitor& m) : monitor(m) {}
-  IterationMonitor& monitor;
+  explicit InteriorRun(SolveRun& r) : run(r) {}
+  SolveRun& run;
   int iteration = 0;
 
   /// Counts one iteration and judges its impulse; true: end the solve.
   bool next(const Vector& s, double step) {
-    judged_ = monitor.due(++iteration);
+    judged_ = run.due(++iteration);
     // Slacks, multipliers and delta change even if s does not: an equal s is no stall here.
-    return monitor.stop(iteration, s, step, /*moving=*/true);
+    return run.stop(iteration, s, step, /*moving=*/true);
   }
   /// True if the last iterate was judged: the monitor's last error is then its own.
   bool judged() const { return judged_; }
@@ -28,7 +28,7 @@ class InteriorRun {
 };
 
 enum class StageEnd {
-  kStop,        ///< the monitor said stop
+  kStop,        ///< the run is over
   kLimit,       ///< the stage's own budget of iterations is used
   kStuck,       ///< no step is possible or no progress is made
   kFailed,      ///< a factorisation failed or a value is not finite

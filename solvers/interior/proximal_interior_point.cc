@@ -53,7 +53,7 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
       delta = std::max(5 * delta, kFirstDelta);
       if (delta > kLargestDelta) return StageEnd::kStuck;
       if (!system.linearise(z, delta)) return StageEnd::kFailed;
-      if (run.monitor.out_of_time()) break;
+      if (run.run.out_of_time()) break;
     }
     const Vector products = system.products(z.X, z.Y);
     const double tau = system.mean_product(products);
@@ -87,8 +87,8 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     }
     system.move(z, d, t);
     if (run.next(z.s, t)) return StageEnd::kStop;
-    if (run.judged() && run.monitor.last_error() < best_error) {
-      best_error = run.monitor.last_error();
+    if (run.judged() && run.run.last_error() < best_error) {
+      best_error = run.run.last_error();
       best = z;
     }
     if (best_error < 0.5 * progress_error) {
@@ -96,7 +96,7 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
       progress = k;
     }
     // Errors at large products are not informative.
-    if (run.monitor.last_error() > kFar) {
+    if (run.run.last_error() > kFar) {
       if (k < options.far_iterations) progress = k;
       if (k + 1 == options.far_iterations) {
         // Products fall faster than the residual: no forces are left to reduce it.
@@ -105,7 +105,7 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     }
     if (k - progress >= options.patience) return StageEnd::kStuck;
     if (best_error < kNear && run.judged() &&
-        run.monitor.last_error() > options.largest_growth * best_error) {
+        run.run.last_error() > options.largest_growth * best_error) {
       return StageEnd::kStuck;
     }
     if (t < kShortStep) delta = std::max(5 * delta, kShortStepDelta);

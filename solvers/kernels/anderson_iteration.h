@@ -8,6 +8,7 @@
 
 #include "core/base/types.h"
 #include "solvers/kernels/contact_scaling.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 
@@ -21,7 +22,8 @@ namespace bipot {
 template <class Products>
 class AndersonMemory {
  public:
-  AndersonMemory(Products products, Eigen::Index rows, int columns)
+  /// Keeps a reference to `products`.
+  AndersonMemory(Products& products, Eigen::Index rows, int columns)
       : products_(products),
         df_(rows, columns),
         dg_(rows, columns),
@@ -85,7 +87,7 @@ class AndersonMemory {
   /// The first columns of the ring buffers, up to the last one in use.
   int written() const { return newest_ + 1 >= size_ ? newest_ + 1 : static_cast<int>(df_.cols()); }
 
-  Products products_;
+  Products& products_;
   Eigen::MatrixXd df_, dg_, gram_;  // rings
   Eigen::MatrixXd factor_;          // scratch of combine()
   Vector right_, unit_;
@@ -94,23 +96,23 @@ class AndersonMemory {
 };
 
 /// map: s -> G(s), in the problem's variables.
-template <class Products, class Monitor>
-void iterate_anderson(Products products, const ContactScaling& scaling, const Vector& s0,
-                      int columns, Monitor& monitor, const std::function<void(Vector&)>& map) {
+inline void iterate_anderson(SolveRun& run, const ContactScaling& scaling, int columns,
+                             const std::function<void(Vector&)>& map) {
   constexpr double kLargestGrowth = 2;  // of the residual, over the smallest one accepted
-  AndersonMemory<Products> memory(products, s0.size(), columns);
-  Vector x = scaling.impulse.cwiseProduct(s0), s = s0, g(x.size()), f(x.size());
+  Vector s = run.start();
+  AndersonMemory<ContactSpace> memory(run.space(), s.size(), columns);
+  Vector x = scaling.impulse.cwiseProduct(s), g(x.size()), f(x.size());
   Vector f_before, g_before;
   double smallest = std::numeric_limits<double>::infinity();
   bool accelerated = false;
   bool known_before =
       false;  // not by sizes: a process without rows must still take part in all sums
-  for (int iteration = 0; !monitor.stop(iteration, s); ++iteration) {
+  for (int iteration = 0; !run.stop(iteration, s); ++iteration) {
     s = x.cwiseProduct(scaling.velocity);
     map(s);
     g = scaling.impulse.cwiseProduct(s);
     f = g - x;
-    const double residual = products.norm(f);
+    const double residual = run.space().norm(f);
     if (accelerated && !(residual <= kLargestGrowth * smallest)) {
       memory.clear();
       x = g_before;

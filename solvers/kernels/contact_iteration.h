@@ -1,18 +1,18 @@
 #pragma once
 
 #include "solvers/kernels/contact_sweep.h"
-#include "solvers/monitor.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 
 /// Jacobi sweeps: s_c <- update(c, s_c, u_c) for all contacts, with the velocities of the iterate
 /// before. `step` goes into the history.
 template <int D, class Update>
-void iterate_jacobi(const ContactProblem& p, const DelassusOperator& delassus, Vector s,
-                    double step, IterationMonitor& monitor, const Update& update) {
-  Vector u(p.num_rows());
-  for (int iteration = 0; !monitor.stop(iteration, s, step); ++iteration) {
-    delassus.velocity(s, u);
+void iterate_jacobi(SolveRun& run, double step, const Update& update) {
+  const ContactProblem& p = run.problem();
+  Vector s = run.start(), u(p.num_rows());
+  for (int iteration = 0; !run.stop(iteration, s, step); ++iteration) {
+    run.space().velocity(s, u);
     for (int c = 0; c < p.num_contacts(); ++c) {
       s.segment<D>(c * D) = update(c, local<D>(s, c), local<D>(u, c));
     }
@@ -21,12 +21,12 @@ void iterate_jacobi(const ContactProblem& p, const DelassusOperator& delassus, V
 
 /// Gauss-Seidel sweeps: the same with velocities updated after each contact.
 template <int D, class Update>
-void iterate_gauss_seidel(const ContactProblem& p, const Vector& s0, double step,
-                          IterationMonitor& monitor, const Update& update) {
+void iterate_gauss_seidel(SolveRun& run, double step, const Update& update) {
+  const ContactProblem& p = run.problem();
   with_sweep<D>(p, [&](auto sweep) {
-    sweep.reset(s0);
+    sweep.reset(run.start());
     int iteration = 0;
-    while (!(monitor.due(iteration) && monitor.stop(iteration, sweep.impulse(), step))) {
+    while (!(run.due(iteration) && run.stop(iteration, sweep.impulse(), step))) {
       for (int c = 0; c < p.num_contacts(); ++c) {
         sweep.set(c, update(c, sweep.impulse(c), sweep.velocity(c)));
       }

@@ -9,6 +9,7 @@
 #include "solvers/kernels/gradient_kernel.h"
 #include "solvers/kernels/patience.h"
 #include "solvers/kernels/spectral_estimate.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 
@@ -106,6 +107,23 @@ class GradientIteration final : public GradientKernel {
   Vector s_, x_, before_, y_, w_, w_before_, w_y_;
 };
 
+/// The Space of a GradientIteration with sums in double precision, taken by process.
+struct SpaceSums {
+  ContactSpace& space;
+
+  using Sum = double;
+  void velocity(const Vector& s, Vector& u) { space.velocity(s, u); }
+  template <class A, class B>
+  void add_dot(const A& a, const B& b, Sum& sum) const {
+    sum += a.dot(b);
+  }
+  GradientProgress total(Sum turn, Sum change2, Sum energy) {
+    double values[3] = {turn, change2, energy};
+    space.sum(values);
+    return {values[0], values[1], values[2]};
+  }
+};
+
 /// The map in use. With the choice "auto", a map that stagnates is replaced by the next of: split,
 /// cone, split without momentum.
 class MapRota {
@@ -134,22 +152,21 @@ class MapRota {
 inline constexpr int kUnwatchedSteps = 64;
 
 /// Iterates until the monitor stops it.
-template <class Monitor>
-void iterate_gradient(GradientKernel& kernel, MapRota rota, const Vector& s0, double lambda,
-                      double step, Monitor& monitor) {
-  kernel.reset(s0);
+inline void iterate_gradient(GradientKernel& kernel, MapRota rota, double lambda, double step,
+                             SolveRun& run) {
+  kernel.reset(run.start());
   GradientControl control{.lambda = lambda, .step = step};
   for (int iteration = 0;;) {
-    if (monitor.due(iteration)) {
-      if (monitor.stop(iteration, kernel.impulse(), step / control.lambda)) return;
-      if (rota.advance(iteration, monitor.best_error())) {
-        kernel.reset(monitor.best_impulse());
+    if (run.due(iteration)) {
+      if (run.stop(iteration, kernel.impulse(), step / control.lambda)) return;
+      if (rota.advance(iteration, run.best_error())) {
+        kernel.reset(run.best_impulse());
         control.t = 1;
       }
     }
     control.cone = rota.cone();
     control.momentum = rota.momentum();
-    const int count = monitor.undue(iteration, kUnwatchedSteps);
+    const int count = run.undue(iteration, kUnwatchedSteps);
     kernel.advance(count, control);
     iteration += count;
   }

@@ -1,9 +1,8 @@
 #pragma once
 
 #include "core/problem/coulomb_cone.h"
-#include "core/problem/delassus.h"
+#include "solvers/contact_space.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/solver.h"
 
 namespace bipot {
 
@@ -11,13 +10,16 @@ namespace bipot {
 struct PredictorSteps {
   ContactScaling scaling;
   Vector rho;  ///< one per contact, in the scaled variables
+
+  /// Of the first contact, for the history.
+  double first() const { return rho.size() > 0 ? rho[0] : kNaN; }
 };
 
 /// rho = paper: rho = (1 + e_n) m_i m_j / (m_i + m_j) = 1/W_nn of the step's operator, in physical
 /// variables, for the normal and tangential part alike. For a disk W_tt = 3 W_nn, so that a
 /// sticking contact lies outside the stable range of a fixed step. This choice reproduces the paper
 /// and its limits.
-PredictorSteps paper_steps(const ContactProblem& problem, const DelassusOperator& delassus);
+PredictorSteps paper_steps(ContactSpace& space);
 
 /// rho = stable [ours]: variables scaled so that W has a unit diagonal (one scale for all tangents
 /// of a contact; mu changes by the ratio of the scales), then
@@ -27,8 +29,10 @@ PredictorSteps paper_steps(const ContactProblem& problem, const DelassusOperator
 ///     is proved to converge.
 ///   - gauss-seidel: rho = 1. For mu = 0 each update minimises exactly along its coordinate, and
 ///     the cyclic sweep converges (Luo and Tseng 1992).
-PredictorSteps stable_steps(const ContactProblem& problem, const DelassusOperator& delassus,
-                            bool jacobi);
+PredictorSteps stable_steps(ContactSpace& space, bool jacobi);
+
+/// `uzawa` and `classical`: Jacobi's order runs on all processes.
+Parallel jacobi_in_parallel(const Parameters& parameters);
 
 /// Predictor-corrector (41) of every contact, in scaled variables.
 template <int D>

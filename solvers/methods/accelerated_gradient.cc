@@ -1,61 +1,68 @@
 #include "solvers/methods/accelerated_gradient.h"
 
-#include <string>
-
-#include "core/problem/coulomb_cone.h"
-#include "core/problem/delassus.h"
 #include "solvers/disks/tiled_gradient.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_iteration.h"
 #include "solvers/kernels/spectral_estimate.h"
-#include "solvers/monitor.h"
-#include "solvers/parameters.h"
+#include "solvers/parallel/disk_frontier.h"
 
 namespace bipot {
 namespace {
 
-/// The sums of an iteration on one process.
-struct LoneSums {
-  const DelassusOperator& delassus;
+/// Calls f(kernel) with the iteration on disks in vectors, where the problem is one of disks;
+/// whether it is.
+template <int D, class F>
+bool with_disk_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
+  const Execution& execution = run.options().execution;
+  if (DistributedSpace* const parts = run.space().parts()) {
+    if (parts->exact()) return false;
+    std::optional<DiskStructure> disks = DiskFrontier<D>::structure(*parts);
+    if (!disks) return false;
+    DiskFrontier<D> frontier(*parts);
+    TiledGradient<D> kernel(run.problem(), *disks, scaling, execution, &frontier);
+    disks.reset();  // packed: 48 bytes a contact less
+    f(kernel);
+    return true;
+  }
+  const auto& disks = run.delassus().disks();
+  if (!disks) return false;
+  TiledGradient<D> kernel(run.problem(), *disks, scaling, execution);
+  f(kernel);
+  return true;
+}
 
-  using Sum = double;
-  void velocity(const Vector& s, Vector& u) { delassus.velocity(s, u); }
-  template <class A, class B>
-  void add_dot(const A& a, const B& b, Sum& sum) const {
-    sum += a.dot(b);
+/// The same with the iteration through the operator.
+template <int D, class F>
+void with_any_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
+  DistributedSpace* const parts = run.space().parts();
+  if (parts != nullptr && parts->exact()) {
+    ExactSums sums{*parts};
+    GradientIteration<D, ExactSums> kernel(run.problem(), sums, scaling);
+    f(kernel);
+  } else {
+    SpaceSums sums{run.space()};
+    GradientIteration<D, SpaceSums> kernel(run.problem(), sums, scaling);
+    f(kernel);
   }
-  GradientProgress total(Sum turn, Sum change2, Sum energy) const {
-    return {turn, change2, energy};
-  }
-};
+}
 
 }  // namespace
 
-SolveResult solve_accelerated_gradient(const ContactProblem& p, const SolverOptions& options) {
-  const Parameters parameters(options.parameters, kAcceleratedGradientParameters);
-  const std::string map = parameters.choice("map");
-  const MapRota rota(map);
-  const double step = parameters.number("step");
-  IterationMonitor monitor(p, options);
-  const DelassusOperator& delassus = monitor.evaluator().delassus();
-  const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const double lambda = kSpectralMargin * spectral_estimate(p, delassus, scaling.velocity);
-  const Vector s0 = start_of(p, options);
-  monitor.end_setup();
-  dispatch_dim(p.dim, [&](auto d) {
-    constexpr int D = d();
-    if constexpr (D < 3) {
-      if (delassus.disks()) {
-        TiledGradient<D> kernel(p, *delassus.disks(), scaling, options.execution);
-        iterate_gradient(kernel, rota, s0, lambda, step, monitor);
-        return;
-      }
+void solve_accelerated_gradient(SolveRun& run) {
+  const MapRota rota(run.parameters().choice("map"));
+  const double step = run.parameters().number("step");
+  const ContactScaling scaling = equilibrated_scaling(run.problem(), run.space().diagonal());
+  const double lambda = kSpectralMargin * spectral_estimate(run.space(), scaling.velocity);
+  run.end_setup();
+  const auto iterate = [&](GradientKernel& kernel) {
+    iterate_gradient(kernel, rota, lambda, step, run);
+  };
+  dispatch_dim(run.problem().dim, [&](auto d) {
+    if constexpr (d() < 3) {
+      if (with_disk_kernel<d()>(run, scaling, iterate)) return;
     }
-    LoneSums sums{delassus};
-    GradientIteration<D, LoneSums> kernel(p, sums, scaling);
-    iterate_gradient(kernel, rota, s0, lambda, step, monitor);
+    with_any_kernel<d()>(run, scaling, iterate);
   });
-  return monitor.finish();
 }
 
 }  // namespace bipot

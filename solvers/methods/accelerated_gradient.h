@@ -43,8 +43,11 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 /// there is no proof of convergence. An unsymmetric W (rounded data) is used as it is.
 ///
 /// Deviations from the source: equilibrated variables, split map, no line search on the objective
-/// (with friction there is none), velocities at y from those at x and x⁻. Disks run in vectors and on
-/// threads (solvers/disks/tiled_gradient.h), with the same bits for any number of them.
-SolveResult solve_accelerated_gradient(const ContactProblem& problem, const SolverOptions& options);
+/// (with friction there is none), velocities at y from those at x and x⁻. Disks run in vectors and
+/// on threads (solvers/disks/tiled_gradient.h), with the same bits for any number of them.
+///
+/// In parallel the iterates are those of one process up to the order of the sums. An iteration is
+/// one exchange and one reduction of three numbers.
+void solve_accelerated_gradient(SolveRun& run);
 
 }  // namespace bipot

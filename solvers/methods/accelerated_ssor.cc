@@ -10,8 +10,7 @@
 #include "solvers/kernels/gradient_kernel.h"
 #include "solvers/kernels/local_updates.h"
 #include "solvers/kernels/patience.h"
-#include "solvers/monitor.h"
-#include "solvers/parameters.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
@@ -127,7 +126,7 @@ enum class StressesEnd {
 /// Where no stresses can be taken out of the sweeps.
 struct NoStresses {
   static bool due(double) { return false; }
-  static StressesEnd finish(int&, IterationMonitor&) { return StressesEnd::kNone; }
+  static StressesEnd finish(int&, SolveRun&) { return StressesEnd::kNone; }
 };
 
 /// The last part of the iteration on large packings, once.
@@ -142,25 +141,25 @@ class Stresses {
 
   bool due(double best_error) const { return !done_ && best_error < kSettled; }
   /// From the best impulse.
-  StressesEnd finish(int& iteration, IterationMonitor& monitor) {
+  StressesEnd finish(int& iteration, SolveRun& run) {
     done_ = true;
     DeflatedSweep kernel(sweep_, disks_, execution_);
-    if (!kernel.has_stresses() || monitor.out_of_time()) return StressesEnd::kNone;
+    if (!kernel.has_stresses() || run.out_of_time()) return StressesEnd::kNone;
     sweep_.relax(kOmega, kSweeps);
-    if (!kernel.reset(monitor.best_impulse())) return StressesEnd::kGivenUp;
-    double mark = monitor.best_error();
+    if (!kernel.reset(run.best_impulse())) return StressesEnd::kGivenUp;
+    double mark = run.best_error();
     for (int since = 0; since < kPatience;) {
-      const int count = monitor.undue(iteration, kJudged);
+      const int count = run.undue(iteration, kJudged);
       for (int k = 0; k < count; ++k) {
         if (!kernel.iterate()) return StressesEnd::kGivenUp;
         ++iteration;
       }
       since += count;
-      monitor.judge_next();
+      run.judge_next();
       // "moving": an impulse that stands still here is no stall, as the iteration before goes on.
-      if (monitor.stop(iteration, kernel.impulse(), kOmega, true)) return StressesEnd::kSolve;
-      if (monitor.best_error() <= 0.5 * mark) {
-        mark = monitor.best_error();
+      if (run.stop(iteration, kernel.impulse(), kOmega, true)) return StressesEnd::kSolve;
+      if (run.best_error() <= 0.5 * mark) {
+        mark = run.best_error();
         since = 0;
       }
     }
@@ -183,10 +182,9 @@ class Stresses {
 };
 
 template <class Kernel, class Stresses>
-void iterate(Kernel& kernel, const Vector& s0, Turns turns, Stresses stresses,
-             IterationMonitor& monitor) {
-  kernel.reset(s0);
-  monitor.end_setup();
+void iterate(Kernel& kernel, Turns turns, Stresses stresses, SolveRun& run) {
+  kernel.reset(run.start());
+  run.end_setup();
   double t = 1, beta = 0;
   const auto begin_again = [&](const Vector& s) {
     kernel.reset(s);
@@ -195,18 +193,18 @@ void iterate(Kernel& kernel, const Vector& s0, Turns turns, Stresses stresses,
     beta = 0;
   };
   for (int iteration = 0;;) {
-    if (monitor.due(iteration)) {
-      if (monitor.stop(iteration, kernel.impulse(), turns.omega())) return;
-      if (stresses.due(monitor.best_error())) {
-        const StressesEnd end = stresses.finish(iteration, monitor);
+    if (run.due(iteration)) {
+      if (run.stop(iteration, kernel.impulse(), turns.omega())) return;
+      if (stresses.due(run.best_error())) {
+        const StressesEnd end = stresses.finish(iteration, run);
         if (end == StressesEnd::kSolve) return;
-        if (end == StressesEnd::kGivenUp) begin_again(monitor.best_impulse());
+        if (end == StressesEnd::kGivenUp) begin_again(run.best_impulse());
       }
-      if (turns.advance(iteration, monitor.best_error())) {
-        begin_again(turns.afresh() ? s0 : monitor.best_impulse());
+      if (turns.advance(iteration, run.best_error())) {
+        begin_again(turns.afresh() ? run.start() : run.best_impulse());
       }
     }
-    const int count = monitor.undue(iteration, kUnwatched);
+    const int count = run.undue(iteration, kUnwatched);
     for (int k = 0; k < count; ++k) {
       const bool uphill = kernel.iterate(beta) > 0;
       if (uphill) kernel.refresh();
@@ -220,40 +218,38 @@ void iterate(Kernel& kernel, const Vector& s0, Turns turns, Stresses stresses,
 
 }  // namespace
 
-SolveResult solve_accelerated_ssor(const ContactProblem& p, const SolverOptions& options) {
-  const Parameters parameters(options.parameters, kAcceleratedSsorParameters);
+void solve_accelerated_ssor(SolveRun& run) {
+  const Parameters& parameters = run.parameters();
+  const ContactProblem& p = run.problem();
   const double given = parameters.number("omega");
   const int sweeps = parameters.integer("sweeps");
   const double side = side_of(p), omega = given > 0 ? given : relaxation_of(side, sweeps);
-  IterationMonitor monitor(p, options);
-  const DelassusOperator& delassus = monitor.evaluator().delassus();
+  const DelassusOperator& delassus = run.delassus();
+  const Execution& execution = run.options().execution;
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const Vector s0 = start_of(p, options);
   const Turns turns(omega, delassus.disks().has_value(), sweeps, parameters.integer("most_sweeps"),
                     side);
-  monitor.judge_half_as_often(delassus.disks() && p.num_contacts() >= kStreamed);
+  run.judge_half_as_often(delassus.disks() && p.num_contacts() >= kStreamed);
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();
     if constexpr (D < 3) {
       if (delassus.disks()) {
-        SymmetricSweep<D> kernel(p, *delassus.disks(), scaling, omega, sweeps, options.execution);
+        SymmetricSweep<D> kernel(p, *delassus.disks(), scaling, omega, sweeps, execution);
         if constexpr (D == 2) {
           const int least = parameters.integer("stresses_from");
-          iterate(kernel, s0, turns, Stresses(kernel, *delassus.disks(), least, options.execution),
-                  monitor);
+          iterate(kernel, turns, Stresses(kernel, *delassus.disks(), least, execution), run);
         } else {
-          iterate(kernel, s0, turns, NoStresses(), monitor);
+          iterate(kernel, turns, NoStresses(), run);
         }
         return;
       }
     }
-    const auto run = [&](auto& sweep, const auto& visit) {
-      ContactByContact kernel(p, scaling, sweep, visit, sweeps);
-      iterate(kernel, s0, turns, NoStresses(), monitor);
-    };
-    with_local_updates<D>(p, delassus, {.omega = omega}, false, run);
+    with_local_updates<D>(p, delassus, {.omega = omega}, false,
+                          [&](auto& sweep, const auto& visit) {
+                            ContactByContact kernel(p, scaling, sweep, visit, sweeps);
+                            iterate(kernel, turns, NoStresses(), run);
+                          });
   });
-  return monitor.finish();
 }
 
 }  // namespace bipot

@@ -68,6 +68,6 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 /// rows or, where that leaves vectors empty, as they fill them (solvers/disks/contact_tiles.h), with
 /// the same bits from every path and for any number of threads; other problems contact after contact
 /// in the given order on one.
-SolveResult solve_accelerated_ssor(const ContactProblem& problem, const SolverOptions& options);
+void solve_accelerated_ssor(SolveRun& run);
 
 }  // namespace bipot

@@ -15,8 +15,7 @@
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_penalties.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/monitor.h"
-#include "solvers/parameters.h"
+#include "solvers/solve_run.h"
 #include "solvers/systems/body_columns.h"
 
 namespace bipot {
@@ -112,9 +111,9 @@ class Resolvent {
 /// False when no penalty makes the matrix positive definite, or time is over before.
 template <int D>
 bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vector& y,
-                    const IterationMonitor& monitor) {
-  if (!monitor.out_of_time() && !resolvent.analyse(penalties)) return false;
-  for (int k = 0; k < kRaises && !monitor.out_of_time(); ++k) {
+                    SolveRun& run) {
+  if (!run.out_of_time() && !resolvent.analyse(penalties)) return false;
+  for (int k = 0; k < kRaises && !run.out_of_time(); ++k) {
     if (resolvent.factor(penalties)) return true;
     penalties.scale(10);
     y *= 0.1;
@@ -151,7 +150,7 @@ class Stages {
 
 template <int D>
 void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, Vector s0,
-             double rho, IterationMonitor& monitor) {
+             double rho, SolveRun& run) {
   Resolvent<D> resolvent(p, scaling.velocity);
   ContactPenalties<D> penalties(scaling.mu, rho);
   Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size());
@@ -164,25 +163,25 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
   if (s0.isZero(0)) y.setZero();
   for (Vector* start : {&velocity0, &s0, &scaling.impulse}) start->resize(0);
   const auto factor = [&](int iteration) {
-    if (factor_raising(resolvent, penalties, y, monitor)) return true;
-    if (!monitor.end_if_out_of_time(iteration)) {
-      monitor.end(SolveStatus::kNumericalFailure,
-                  fmt::format("factorisation failed up to rho = {:.2e}", penalties.rho()));
+    if (factor_raising(resolvent, penalties, y, run)) return true;
+    if (!run.end_if_out_of_time(iteration)) {
+      run.end(SolveStatus::kNumericalFailure,
+              fmt::format("factorisation failed up to rho = {:.2e}", penalties.rho()));
     }
     return false;
   };
   if (!factor(0)) return;
-  monitor.end_setup();
+  run.end_setup();
   Vector rhs(z.size()), z_before, y_judged = Vector::Zero(z.size());
   int next_balance = kFirstBalance;
   Stages stages;
   bool balanced = false;  // one rho for all, by residuals
   for (int iteration = 0;; ++iteration) {
-    if (monitor.due(iteration)) {
+    if (run.due(iteration)) {
       rhs = z.cwiseProduct(scaling.velocity);
       // A multiplier that still moves will move s later.
       const bool moving = (y - y_judged).norm() > kAtRest * y.norm();
-      if (monitor.stop(iteration, rhs, penalties.rho(), moving)) return;
+      if (run.stop(iteration, rhs, penalties.rho(), moving)) return;
       y_judged = y;
     }
     for (int c = 0; c < p.num_contacts(); ++c) {
@@ -208,7 +207,7 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
       adapts = (iteration + 1) % (kLook * kLooks) == 0;
     }
     if (adapts) {
-      change = stages.advance(iteration + 1, monitor.best_error());
+      change = stages.advance(iteration + 1, run.best_error());
       if (change == 0) {
         penalties.equalise(y);
         refactors = balanced = true;
@@ -238,19 +237,18 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
 
 }  // namespace
 
-SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
-  const Parameters parameters(options.parameters, kAdmmParameters);
-  IterationMonitor monitor(p, options);
-  const DelassusOperator& delassus = monitor.evaluator().delassus();
+void solve_admm(SolveRun& run) {
+  const Parameters& parameters = run.parameters();
+  const ContactProblem& p = run.problem();
+  const DelassusOperator& delassus = run.delassus();
   ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  Vector s0 = start_of(p, options);
+  Vector s0 = run.start();
   Vector velocity(p.num_rows());
   delassus.velocity(s0, velocity);
   dispatch_dim(p.dim, [&](auto d) {
     iterate<d()>(p, std::move(scaling), std::move(velocity), std::move(s0),
-                 parameters.number("rho"), monitor);
+                 parameters.number("rho"), run);
   });
-  return monitor.finish();
 }
 
 }  // namespace bipot

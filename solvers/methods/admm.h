@@ -40,6 +40,6 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
 /// above 25, rho is multiplied by the root of their ratio (relative residuals: Wohlberg 2017; the
 /// rule of OSQP), at intervals that grow with the iteration count. One iteration is one linear
 /// solve.
-SolveResult solve_admm(const ContactProblem& problem, const SolverOptions& options);
+void solve_admm(SolveRun& run);
 
 }  // namespace bipot

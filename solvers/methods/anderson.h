@@ -35,6 +35,7 @@ inline constexpr ParameterSpec kAndersonParameters[] = {
 /// (theirs accepts by a bound that falls with the number of accepted points); otherwise the plain
 /// G(x) of the last accepted point is taken and the memory is cleared. Every evaluation of G counts
 /// as one iteration, rejected ones too. With friction there is no proof of convergence.
-SolveResult solve_anderson(const ContactProblem& problem, const SolverOptions& options);
+void solve_anderson(SolveRun& run);
+Parallel anderson_in_parallel(const Parameters& parameters);
 
 }  // namespace bipot

@@ -26,6 +26,9 @@ inline constexpr ParameterSpec kClassicalParameters[] = {
 /// Variables and rho are those of uzawa (predictor_steps.h), so that the pair differs in the
 /// corrector alone. The stop test that goes with the classical method in the paper, the relative
 /// change of s between iterations, is SolverOptions::stop = kImpulse. Impulses replace forces.
-SolveResult solve_classical(const ContactProblem& problem, const SolverOptions& options);
+///
+/// In parallel, refresh = jacobi: the iterates of one process up to the bound of W's norm, which
+/// may be larger where driven walls take part. An iteration is one exchange.
+void solve_classical(SolveRun& run);
 
 }  // namespace bipot

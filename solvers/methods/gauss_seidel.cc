@@ -10,9 +10,8 @@
 #include "core/problem/delassus.h"
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/kernels/local_updates.h"
-#include "solvers/monitor.h"
-#include "solvers/parameters.h"
+#include "solvers/parallel/split_sweep.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
@@ -58,29 +57,29 @@ class SweepOrder {
 constexpr int kUnwatchedSweeps = 64;
 
 template <int D>
-void run_tiled(const ContactProblem& p, const DelassusOperator& delassus, const Vector& s0,
-               double omega, const Execution& execution, IterationMonitor& monitor) {
-  const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  TiledSweep<D> sweep(p, *delassus.disks(), scaling, omega, execution);
-  sweep.reset(s0);
-  monitor.end_setup();
+void sweep_tiles(SolveRun& run, double omega) {
+  const ContactProblem& p = run.problem();
+  const ContactScaling scaling = equilibrated_scaling(p, run.delassus().diagonal());
+  TiledSweep<D> sweep(p, *run.delassus().disks(), scaling, omega, run.options().execution);
+  sweep.reset(run.start());
+  run.end_setup();
   int iteration = 0;
-  while (!(monitor.due(iteration) && monitor.stop(iteration, sweep.impulse(), omega))) {
-    const int count = monitor.undue(iteration, kUnwatchedSweeps);
+  while (!(run.due(iteration) && run.stop(iteration, sweep.impulse(), omega))) {
+    const int count = run.undue(iteration, kUnwatchedSweeps);
     sweep.advance(count);
     iteration += count;
   }
 }
 
 template <int D>
-void run(const ContactProblem& p, const DelassusOperator& delassus, const Vector& s0,
-         bool explicit_delassus, SweepOrder& order, const LocalSettings& settings,
-         IterationMonitor& monitor) {
-  with_local_updates<D>(p, delassus, settings, explicit_delassus, [&](auto& sweep, auto visit) {
-    sweep.reset(s0);
-    monitor.end_setup();
+void sweep_contacts(SolveRun& run, bool explicit_delassus, SweepOrder& order,
+                    const LocalSettings& settings) {
+  with_sweep_of<D>(run, settings, explicit_delassus, [&](auto& sweep, auto visit, auto meet) {
+    sweep.reset(run.start());
+    run.end_setup();
     int iteration = 0;
-    while (!(monitor.due(iteration) && monitor.stop(iteration, sweep.impulse(), settings.omega))) {
+    while (!(run.due(iteration) && run.stop(iteration, sweep.impulse(), settings.omega))) {
+      meet();
       order.sweep(iteration, visit);
       ++iteration;
     }
@@ -89,28 +88,30 @@ void run(const ContactProblem& p, const DelassusOperator& delassus, const Vector
 
 }  // namespace
 
-SolveResult solve_gauss_seidel(const ContactProblem& p, const SolverOptions& options) {
-  const Parameters parameters(options.parameters, kGaussSeidelParameters);
+Parallel sweeps_in_parallel(const Parameters& parameters) {
+  const std::string order = parameters.choice("order");
+  const bool as_they_stand = order == "forward" || order == "symmetric";
+  return as_they_stand && parameters.choice("operator") == "auto" ? Parallel::kYes : Parallel::kNo;
+}
+
+void solve_gauss_seidel(SolveRun& run) {
+  const Parameters& parameters = run.parameters();
   const LocalSettings settings{.exact = parameters.choice("local") == "exact",
                                .local_iterations = parameters.integer("local_iterations"),
                                .omega = parameters.number("omega")};
-  SweepOrder order(parameters.choice("order"), p.num_contacts(),
+  SweepOrder order(parameters.choice("order"), run.problem().num_contacts(),
                    static_cast<unsigned>(parameters.number("seed")));
   const bool explicit_delassus = parameters.choice("operator") == "explicit";
-  IterationMonitor monitor(p, options);
-  const DelassusOperator& delassus = monitor.evaluator().delassus();
-  const Vector s0 = start_of(p, options);
   const bool tiled = parameters.choice("order") == "tiled";
-  dispatch_dim(p.dim, [&](auto d) {
+  dispatch_dim(run.problem().dim, [&](auto d) {
     if constexpr (d() < 3) {
-      if (tiled && delassus.disks() && !explicit_delassus) {
-        run_tiled<d()>(p, delassus, s0, settings.omega, options.execution, monitor);
+      if (tiled && run.delassus().disks() && !explicit_delassus) {
+        sweep_tiles<d()>(run, settings.omega);
         return;
       }
     }
-    run<d()>(p, delassus, s0, explicit_delassus, order, settings, monitor);
+    sweep_contacts<d()>(run, explicit_delassus, order, settings);
   });
-  return monitor.finish();
 }
 
 }  // namespace bipot

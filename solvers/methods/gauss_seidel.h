@@ -58,6 +58,10 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
 /// For mu = 0 and 0 < omega < 2 each update decreases a convex quadratic and the sweep converges
 /// (Luo and Tseng 1992); with friction there is no proof, exact local solutions can cycle where
 /// projections converge, and order and omega change what is reached.
-SolveResult solve_gauss_seidel(const ContactProblem& problem, const SolverOptions& options);
+///
+/// In parallel, order = forward and symmetric: sweeps of all processes at once, with split masses
+/// (solvers/parallel/split_sweep.h).
+void solve_gauss_seidel(SolveRun& run);
+Parallel sweeps_in_parallel(const Parameters& parameters);
 
 }  // namespace bipot

@@ -8,11 +8,10 @@
 #include <utility>
 
 #include "core/base/portable_random.h"
+#include "core/problem/delassus.h"
 #include "solvers/homotopy/path_follower.h"
 #include "solvers/homotopy/proximal_term.h"
-#include "solvers/methods/accelerated_gradient.h"
-#include "solvers/monitor.h"
-#include "solvers/parameters.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
@@ -73,19 +72,18 @@ constexpr int kIdleStages = 4;
 
 class Homotopy {
  public:
-  Homotopy(const ContactProblem& p, const SolverOptions& options)
-      : options_(options),
-        p_(p),
-        parameters_(options.parameters, kHomotopyParameters),
-        monitor_(p, options),
-        problem_(p, monitor_.evaluator().delassus().diagonal()),
-        follower_(problem_, [this] { return monitor_.out_of_time(); }),
+  explicit Homotopy(SolveRun& run)
+      : run_(run),
+        options_(run.options()),
+        parameters_(run.parameters()),
+        problem_(run.problem(), run.delassus().diagonal()),
+        follower_(problem_, [this] { return run_.out_of_time(); }),
         random_(static_cast<unsigned>(parameters_.integer("seed"))) {
-    monitor_.end_setup();
+    run_.end_setup();
   }
 
-  SolveResult run() {
-    if (!judge(start_of(p_, options_))) {
+  void operator()() {
+    if (!judge(run_.start())) {
       const std::string first = parameters_.choice("schedule");
       const int schedule = first == "bold" ? 0 : first == "cautious" ? 1 : 2;
       const double start_tol = parameters_.number("start_tol");
@@ -93,20 +91,17 @@ class Homotopy {
       for (const Chain& c : kChains) {
         if (c.looser > 1 && start_tol >= 1) continue;  // that start was had
         schedule_ = kSchedules[(schedule + c.schedule) % kNumSchedules];
-        if (!skip &&
-            (chain(start_of(p_, options_), std::min(1.0, c.looser * start_tol)) || at_rounding()))
+        if (!skip && (chain(run_.start(), std::min(1.0, c.looser * start_tol)) || at_rounding()))
           break;
         skip = false;
         if (shaken_chains()) break;
       }
       if (!ended_) {
-        monitor_.end(SolveStatus::kStalled, fmt::format("stalled after {}, best error {:.2e}",
-                                                        counted(), monitor_.best_error()));
+        run_.end(SolveStatus::kStalled,
+                 fmt::format("stalled after {}, best error {:.2e}", counted(), run_.best_error()));
       }
     }
-    SolveResult result = monitor_.finish();
-    result.iterations = iteration();
-    return result;
+    run_.set_iterations(iteration());
   }
 
  private:
@@ -118,7 +113,7 @@ class Homotopy {
         n.paths, n.turns, n.failed, n.newton, start_steps_);
   }
   bool end(SolveStatus status, std::string text) {
-    monitor_.end(status, std::move(text));
+    run_.end(status, std::move(text));
     return ended_ = true;
   }
 
@@ -140,13 +135,13 @@ class Homotopy {
 
   /// So close, it is rounding that another start would meet again.
   bool at_rounding() const {
-    return monitor_.best_error() <= std::min(10 * options_.tol, kRoundingError);
+    return run_.best_error() <= std::min(10 * options_.tol, kRoundingError);
   }
 
   /// Chains from the best impulse, shaken. True: everything ends here.
   bool shaken_chains() {
     for (int k = 0; k < kShakes; ++k) {
-      Vector s = monitor_.best_impulse();
+      Vector s = run_.best_impulse();
       for (double& x : s) x *= 1 + kShaken * random_.symmetric();
       chain_error_ = kInfinity;
       chain_end_ =
@@ -160,18 +155,17 @@ class Homotopy {
   /// Judges an impulse; true: everything ends here.
   bool judge(const Vector& s) {
     // What ends the solve belongs into its history.
-    if (!monitor_.due(iteration()) && monitor_.meets(s)) monitor_.judge_next();
-    if (monitor_.stop(iteration(), s, delta_, /*moving=*/true)) {
+    if (!run_.due(iteration()) && run_.meets(s)) run_.judge_next();
+    if (run_.stop(iteration(), s, delta_, /*moving=*/true)) {
       ended_ = true;
-      const SolveResult so_far = monitor_.finish();
-      if (so_far.status == SolveStatus::kConverged && follower_.counts().paths > 0) {
-        return end(so_far.status,
+      if (run_.status() == SolveStatus::kConverged && follower_.counts().paths > 0) {
+        return end(run_.status(),
                    fmt::format("{} test met after {}", to_string(options_.stop), counted()));
       }
       return true;
     }
-    if (monitor_.last_error() < chain_error_) {
-      chain_error_ = monitor_.last_error();
+    if (run_.last_error() < chain_error_) {
+      chain_error_ = run_.last_error();
       chain_best_ = s;
     }
     return false;
@@ -185,9 +179,9 @@ class Homotopy {
     inner.tol = wanted;
     inner.s0 = s;
     inner.max_iterations = limit;
-    inner.time_limit = std::max(monitor_.remaining_seconds(), 1e-9);
+    inner.time_limit = std::max(run_.remaining_seconds(), 1e-9);
     inner.cancelled = options_.cancelled;
-    const SolveResult start = solve_accelerated_gradient(p_, inner);
+    const SolveResult start = run_.nested("apgd", inner);
     start_steps_ += start.iterations;
     s = start.s;
     return judge(s);
@@ -233,7 +227,7 @@ class Homotopy {
     double best = last_error;
     anchor.array() /= problem_.impulse_unit.array();
     Vector s;
-    LawPoint point = lifted_point(anchor, monitor_.last_error());
+    LawPoint point = lifted_point(anchor, run_.last_error());
     const int longest =
         std::max(schedule_.least_pivots, problem_.num_contacts() / schedule_.contacts);
     int failures = 0, idle = 0;
@@ -248,7 +242,7 @@ class Homotopy {
       if (path == PathEnd::kSolved) {
         ++judged_;
         if (judge(s.cwiseProduct(problem_.impulse_unit))) return true;
-        const double error = monitor_.last_error();
+        const double error = run_.last_error();
         failures = 0;
         idle = error < 0.9 * best ? 0 : idle + 1;
         best = std::min(best, error);
@@ -295,19 +289,17 @@ class Homotopy {
 
   /// Says how it was stopped, in place of the number of iterations what they were.
   bool stopped() {
-    return monitor_.cancelled()
-               ? end(SolveStatus::kInterrupted,
-                     fmt::format("interrupted after {}, best error {:.2e}", counted(),
-                                 monitor_.best_error()))
-               : end(SolveStatus::kTimeLimit,
-                     fmt::format("time limit {} s reached after {}, best error {:.2e}",
-                                 options_.time_limit, counted(), monitor_.best_error()));
+    return run_.cancelled() ? end(SolveStatus::kInterrupted,
+                                  fmt::format("interrupted after {}, best error {:.2e}", counted(),
+                                              run_.best_error()))
+                            : end(SolveStatus::kTimeLimit,
+                                  fmt::format("time limit {} s reached after {}, best error {:.2e}",
+                                              options_.time_limit, counted(), run_.best_error()));
   }
 
+  SolveRun& run_;
   const SolverOptions& options_;
-  const ContactProblem& p_;
-  const Parameters parameters_;
-  IterationMonitor monitor_;
+  const Parameters& parameters_;
   LawProblem problem_;
   PathFollower follower_;
   PortableRandom random_;
@@ -322,8 +314,9 @@ class Homotopy {
 
 }  // namespace
 
-SolveResult solve_homotopy(const ContactProblem& p, const SolverOptions& options) {
-  return Homotopy(p, options).run();
+void solve_homotopy(SolveRun& run) {
+  Homotopy homotopy(run);
+  homotopy();
 }
 
 }  // namespace bipot

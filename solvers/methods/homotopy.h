@@ -65,6 +65,6 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
 /// keep failing, apgd makes a better start of the best impulse so far; where that brought nothing,
 /// another chain of starts begins, with the first start again: less or better prepared, or with
 /// another schedule of delta. After the last chain the solver ends with kStalled.
-SolveResult solve_homotopy(const ContactProblem& problem, const SolverOptions& options);
+void solve_homotopy(SolveRun& run);
 
 }  // namespace bipot

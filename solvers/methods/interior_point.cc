@@ -16,9 +16,7 @@
 #include "solvers/interior/proximal_interior_point.h"
 #include "solvers/interior/proximal_newton.h"
 #include "solvers/interior/taylor_path.h"
-#include "solvers/methods/accelerated_gradient.h"
-#include "solvers/monitor.h"
-#include "solvers/parameters.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
@@ -64,27 +62,26 @@ struct Contender {
 template <int D>
 class Driver {
  public:
-  Driver(const ContactProblem& p, const SolverOptions& options, const Parameters& parameters,
-         IterationMonitor& monitor, SystemFactor* elsewhere)
-      : p_(p),
-        options_(options),
-        monitor_(monitor),
-        system_(p, monitor.evaluator().delassus(), form(parameters), elsewhere),
-        run_(monitor),
+  Driver(SolveRun& run, const Parameters& parameters)
+      : p_(run.problem()),
+        options_(run.options()),
+        run_(run),
+        system_(p_, run.delassus(), form(parameters), run.factor()),
+        stages_(run),
         active_set_(system_),
         direct_(parameters.choice("direct") == "on"),
         paths_(parameters.choice("paths") == "on"),
         polish_(parameters.choice("polish") == "on"),
         rounds_(parameters.integer("rounds")),
         scale_(parameters.number("start_scale")),
-        energy_(monitor.out_of_time() ? 0 : spring_energy(system_)) {
+        energy_(run.out_of_time() ? 0 : spring_energy(system_)) {
     path_order_ = parameters.integer("order");
-    monitor.end_setup();
+    run.end_setup();
   }
 
   void operator()() {
-    const Vector s0 = start_of(p_, options_);
-    if (monitor_.stop(0, s0)) return;
+    const Vector s0 = run_.start();
+    if (run_.stop(0, s0)) return;
     if (polish_from(s0) == StageEnd::kStop) return;
     for (int round = 0; round < rounds_; ++round) {
       if (direct_ && attempt_directly(round) == StageEnd::kStop) return;
@@ -95,10 +92,10 @@ class Driver {
         if (take_turn(c, kFirstTurn << std::min(round, 16)) == StageEnd::kStop) return;
       }
     }
-    monitor_.end(SolveStatus::kStalled,
-                 fmt::format("no attempt and no path arrived in {} rounds and {} iterations, best "
-                             "error {:.2e}",
-                             rounds_, run_.iteration, monitor_.best_error()));
+    run_.end(SolveStatus::kStalled,
+             fmt::format("no attempt and no path arrived in {} rounds and {} iterations, best "
+                         "error {:.2e}",
+                         rounds_, stages_.iteration, run_.best_error()));
   }
 
   /// What was done, for the message.
@@ -112,8 +109,8 @@ class Driver {
       folds += c.path->folds();
       each += fmt::format("{}{} {}", each.empty() ? "" : ", ", c.name, c.path->series());
     }
-    if (paths == 0) return fmt::format("{} factorisations, no path", run_.iteration);
-    return fmt::format("{} factorisations, {} series on {} paths ({}), {} folds", run_.iteration,
+    if (paths == 0) return fmt::format("{} factorisations, no path", stages_.iteration);
+    return fmt::format("{} factorisations, {} series on {} paths ({}), {} folds", stages_.iteration,
                        series, paths, each, folds);
   }
 
@@ -127,21 +124,21 @@ class Driver {
 
   /// Newton from a good impulse; nothing from a bad one.
   StageEnd polish_from(const Vector& s) {
-    if (!polish_ || !(monitor_.last_error() < kPolishBelow)) return StageEnd::kLimit;
+    if (!polish_ || !(run_.last_error() < kPolishBelow)) return StageEnd::kLimit;
     active_set_.start(s);
-    if (active_set_(kActiveSetSteps, run_) == StageEnd::kStop) return StageEnd::kStop;
+    if (active_set_(kActiveSetSteps, stages_) == StageEnd::kStop) return StageEnd::kStop;
     return newton(s);
   }
   StageEnd newton(const Vector& s) {
     ProximalNewtonOptions options;
     options.max_iterations = kPolishSteps;
     return proximal_newton<D>(p_, system_.delassus(), system_.shifted(), system_.mobility(), s,
-                              run_, options);
+                              stages_, options);
   }
   StageEnd finish_status(const InteriorState<D>& z) {
     if (!polish_) return StageEnd::kLimit;
     active_set_.start(z);
-    return active_set_(kActiveSetSteps, run_);
+    return active_set_(kActiveSetSteps, stages_);
   }
 
   /// The proximal interior point from an equal-product start; impulses scale with the energy's
@@ -156,15 +153,15 @@ class Driver {
     options.largest_growth = kDirectGrowth;
     options.far_iterations = kDirectTrial;
     InteriorState<D> z = cold_start(system_, energy_, factor), best = z;
-    StageEnd end = proximal_interior_point(system_, z, run_, options, best);
+    StageEnd end = proximal_interior_point(system_, z, stages_, options, best);
     if (end == StageEnd::kSmallStart || end == StageEnd::kLargeStart) {
       const double other = end == StageEnd::kSmallStart ? kDirectOther : 1 / kDirectOther;
       z = cold_start(system_, energy_, other * factor);
       best = z;
-      end = proximal_interior_point(system_, z, run_, options, best);
+      end = proximal_interior_point(system_, z, stages_, options, best);
     }
     if (end == StageEnd::kStop) return StageEnd::kStop;
-    if (!(monitor_.best_error() < kPolishBelow)) return StageEnd::kLimit;
+    if (!(run_.best_error() < kPolishBelow)) return StageEnd::kLimit;
     if (finish_status(best) == StageEnd::kStop) return StageEnd::kStop;
     return polish_ ? newton(best.s) : StageEnd::kLimit;
   }
@@ -172,16 +169,16 @@ class Driver {
   /// The paths, in the order of their turns: next to the force network of a rough impulse, and the
   /// cold one. Where the rough impulse is bad its paths wait.
   void enter_paths() {
-    Vector network = monitor_.best_impulse();
-    double error = monitor_.best_error();
+    Vector network = run_.best_impulse();
+    double error = run_.best_error();
     if (!(error <= kNetworkError)) {
       SolverOptions rough;
       rough.tol = kNetworkError;
       rough.max_iterations = kNetworkIterations;
-      rough.time_limit = std::max(monitor_.remaining_seconds(), 1e-9);
+      rough.time_limit = std::max(run_.remaining_seconds(), 1e-9);
       rough.s0 = options_.s0;
       rough.cancelled = options_.cancelled;
-      network = solve_accelerated_gradient(p_, rough).s;
+      network = run_.nested("apgd", rough).s;
       error = contact_error(p_, network).guarded();
     }
     const bool good = error <= kNetworkError;
@@ -212,11 +209,11 @@ class Driver {
     const TaylorPath<D>& path = *c.path;
     for (int k = 0; k < budget || c.progresses(); ++k) {
       const PathStep step = c.path->advance();
-      if (run_.next(path.state().s, path.reach())) return StageEnd::kStop;
+      if (stages_.next(path.state().s, path.reach())) return StageEnd::kStop;
       if (step == PathStep::kRetracted) continue;
       if (step == PathStep::kEnded || c.over()) break;
       c.t.push_back(path.t());
-      const double error = monitor_.last_error();
+      const double error = run_.last_error();
       if (path.descending() && error < std::min(kEndgameBelow, kEndgameAgain * c.last_try)) {
         c.last_try = error;
         if (endgame(path.state(), error) == StageEnd::kStop) return StageEnd::kStop;
@@ -233,18 +230,18 @@ class Driver {
     options.max_iterations = near ? 15 : 25;
     options.patience = 12;
     InteriorState<D> end = z, best = z;
-    if (proximal_interior_point(system_, end, run_, options, best) == StageEnd::kStop) {
+    if (proximal_interior_point(system_, end, stages_, options, best) == StageEnd::kStop) {
       return StageEnd::kStop;
     }
-    if (!(monitor_.best_error() < kPolishBelow)) return StageEnd::kLimit;
+    if (!(run_.best_error() < kPolishBelow)) return StageEnd::kLimit;
     return finish_status(best);
   }
 
   const ContactProblem& p_;
   const SolverOptions& options_;
-  IterationMonitor& monitor_;
+  SolveRun& run_;
   InteriorSystem<D> system_;
-  InteriorRun run_;
+  InteriorRun stages_;
   ActiveSet<D> active_set_;
   bool direct_, paths_, polish_;
   int rounds_;
@@ -256,23 +253,14 @@ class Driver {
 
 }  // namespace
 
-SolveResult solve_interior_point(const ContactProblem& p, const SolverOptions& options) {
-  return interior_point_with(p, options, nullptr);
-}
-
-SolveResult interior_point_with(const ContactProblem& p, const SolverOptions& options,
-                                SystemFactor* elsewhere) {
-  const Parameters parameters(options.parameters, kInteriorPointParameters);
-  IterationMonitor monitor(p, options);
-  monitor.judge_every_iteration();
-  const std::string story = dispatch_dim(p.dim, [&](auto d) {
-    Driver<d()> driver(p, options, parameters, monitor, elsewhere);
+void solve_interior_point(SolveRun& run) {
+  run.judge_every_iteration();
+  const std::string story = dispatch_dim(run.problem().dim, [&](auto d) {
+    Driver<d()> driver(run, run.parameters());
     driver();
     return driver.story();
   });
-  SolveResult result = monitor.finish();
-  result.message += "; " + story;
-  return result;
+  run.remark("; " + story);
 }
 
 }  // namespace bipot

@@ -75,10 +75,6 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
 /// friction. d = 3 is the same in the algebra of the Lorentz cone.
 /// Related: Acary, Armand, Nguyen and Shpakovych (2024) solve the associated cone program by an
 /// interior point, Acary, Cadoux, Lemaréchal and Malick (2011) iterate on such programs.
-SolveResult solve_interior_point(const ContactProblem& problem, const SolverOptions& options);
-
-/// The same with the linear systems factored by another, `elsewhere`; null: by this process.
-SolveResult interior_point_with(const ContactProblem& problem, const SolverOptions& options,
-                                SystemFactor* elsewhere);
+void solve_interior_point(SolveRun& run);
 
 }  // namespace bipot

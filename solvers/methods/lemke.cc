@@ -8,8 +8,9 @@
 
 #include "core/base/portable_random.h"
 #include "core/linear/dense_factor.h"
+#include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/monitor.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
@@ -98,20 +99,20 @@ class Pivoting {
         inverse_(Dense::Identity(n_, n_)),
         values_(lcp.q) {}
 
-  Ending run(int max_pivots, const IterationMonitor& monitor) {
+  Ending run(int max_pivots, SolveRun& solve) {
     if (values_.minCoeff() >= 0) return Ending::kSolved;
     Vector column = inverse_ * this->column(2 * n_);
     int row = first_row();
     int entering = 2 * n_;
     for (;;) {
       if (pivots_ >= max_pivots) return Ending::kIterationLimit;
-      if (monitor.out_of_time()) return Ending::kOutOfTime;
+      if (solve.out_of_time()) return Ending::kOutOfTime;
       if (pivots_ >= kLongestPath * n_) return Ending::kLongPath;
       const int leaving = basis_[row];
       pivot(row, entering, column);
       ++pivots_;
       if (leaving == 2 * n_) return Ending::kSolved;
-      if (pivots_ % kRefresh == 0 && !refresh(monitor)) return Ending::kSingular;
+      if (pivots_ % kRefresh == 0 && !refresh(solve)) return Ending::kSingular;
       entering = leaving < n_ ? leaving + n_ : leaving - n_;
       column = inverse_ * this->column(entering);
       row = blocking_row(column);
@@ -205,13 +206,13 @@ class Pivoting {
   }
 
   /// Inverts the basis anew. False where it is singular.
-  bool refresh(const IterationMonitor& monitor) {
+  bool refresh(SolveRun& solve) {
     Dense basis(n_, n_);
     for (int i = 0; i < n_; ++i) basis.col(i) = column(basis_[i]);
     const DenseLu lu(basis);
     if (!lu.ok() || !(lu.reciprocal_condition() > 1e-15)) return false;
     // The longest part of all; without it the inverse at hand serves the last pivot.
-    if (monitor.out_of_time()) return true;
+    if (solve.out_of_time()) return true;
     inverse_ = lu.inverse();
     values_ = inverse_ * lcp_.q;
     return true;
@@ -228,16 +229,16 @@ class Pivoting {
 
 }  // namespace
 
-SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
-  IterationMonitor monitor(p, options);
-  const ContactScaling scaling = equilibrated_scaling(p, monitor.evaluator().delassus().diagonal());
+void solve_lemke(SolveRun& run) {
+  const ContactProblem& p = run.problem();
+  const SolverOptions& options = run.options();
+  const ContactScaling scaling = equilibrated_scaling(p, run.delassus().diagonal());
   const double unit = p.u_free.cwiseProduct(scaling.velocity).cwiseAbs().maxCoeff();
   const Complementarity lcp = stewart_trinkle(p, scaling, unit);
-  const Vector start = start_of(p, options);
-  monitor.end_setup();
+  run.end_setup();
 
   int pivots = 0;
-  if (!monitor.stop(0, start)) {
+  if (!run.stop(0, run.start())) {
     PortableRandom random(1996);
     std::string failures;
     double closest = std::numeric_limits<double>::infinity();
@@ -245,14 +246,14 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
       Vector cover(lcp.q.size());
       for (double& x : cover) x = 0.5 + random.uniform();
       Pivoting lemke(lcp, std::move(cover));
-      const Ending ending = lemke.run(options.max_iterations - pivots, monitor);
+      const Ending ending = lemke.run(options.max_iterations - pivots, run);
       pivots += lemke.pivots();
       if (ending == Ending::kIterationLimit) {
-        monitor.end(SolveStatus::kIterationLimit,
-                    fmt::format("iteration limit {} reached", options.max_iterations));
+        run.end(SolveStatus::kIterationLimit,
+                fmt::format("iteration limit {} reached", options.max_iterations));
         break;
       }
-      if (monitor.end_if_out_of_time(pivots)) break;
+      if (run.end_if_out_of_time(pivots)) break;
       std::string what = ending == Ending::kRay        ? "a ray"
                          : ending == Ending::kLongPath ? "no end within the longest path"
                                                        : "a singular basis";
@@ -265,38 +266,35 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
           if (d > 1) s[i * d + 1] = z[c + i] - z[2 * c + i];
         }
         s = unit * s.cwiseQuotient(scaling.impulse);
-        if (s.allFinite() && monitor.meets(s)) {
-          monitor.end(SolveStatus::kConverged,
-                      fmt::format("complementary basis after {} pivots{}", pivots,
-                                  attempt > 0 ? fmt::format(", covering vector {} (before: {})",
-                                                            attempt + 1, failures)
-                                              : ""));
+        if (s.allFinite() && run.meets(s)) {
+          run.end(SolveStatus::kConverged,
+                  fmt::format("complementary basis after {} pivots{}", pivots,
+                              attempt > 0 ? fmt::format(", covering vector {} (before: {})",
+                                                        attempt + 1, failures)
+                                          : ""));
           break;
         }
         // Not good enough yet: another covering vector may lead to a basis with less rounding.
-        if (s.allFinite()) closest = std::min(closest, monitor.last_error());
-        what = fmt::format("a basis of error {:.1e}", monitor.last_error());
+        if (s.allFinite()) closest = std::min(closest, run.last_error());
+        what = fmt::format("a basis of error {:.1e}", run.last_error());
       }
       failures += (failures.empty() ? "" : "; ") + what;
       if (attempt == kDraws - 1) {
         if (closest <= kNearlyExact) {
-          monitor.end(
-              SolveStatus::kStalled,
-              fmt::format("stalled: {} covering vectors, the closest basis of error {:.1e}, "
-                          "above the tolerance or not to be judged by the stop test",
-                          kDraws, closest));
+          run.end(SolveStatus::kStalled,
+                  fmt::format("stalled: {} covering vectors, the closest basis of error {:.1e}, "
+                              "above the tolerance or not to be judged by the stop test",
+                              kDraws, closest));
         } else {
-          monitor.end(SolveStatus::kNumericalFailure,
-                      fmt::format("pivoting from {} covering vectors ended on {} after {} pivots: "
-                                  "the problem has no solution, or rounding was too large",
-                                  kDraws, failures, pivots));
+          run.end(SolveStatus::kNumericalFailure,
+                  fmt::format("pivoting from {} covering vectors ended on {} after {} pivots: "
+                              "the problem has no solution, or rounding was too large",
+                              kDraws, failures, pivots));
         }
       }
     }
   }
-  SolveResult result = monitor.finish();
-  result.iterations = pivots;
-  return result;
+  run.set_iterations(pivots);
 }
 
 }  // namespace bipot

@@ -31,6 +31,6 @@ inline constexpr int kLemkeMaxContacts = 300;
 /// rounding. Where pivoting ends on a ray (in exact arithmetic only for problems without the
 /// copositivity property, e.g. without a solution; in floating point also by rounding) up to four
 /// more vectors are tried, and the message says so.
-SolveResult solve_lemke(const ContactProblem& problem, const SolverOptions& options);
+void solve_lemke(SolveRun& run);
 
 }  // namespace bipot

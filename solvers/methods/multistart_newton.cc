@@ -9,11 +9,11 @@
 
 #include "core/base/portable_random.h"
 #include "core/linear/dense_factor.h"
+#include "core/problem/delassus.h"
 #include "solvers/analysis/cancel_rounding.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/methods/gauss_seidel.h"
-#include "solvers/monitor.h"
-#include "solvers/parameters.h"
+#include "solvers/registry.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
@@ -174,19 +174,20 @@ Vector redrawn(Vector y, double share, PortableRandom& random, int dim) {
 
 }  // namespace
 
-SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions& options) {
-  const Parameters parameters(options.parameters, kMultistartNewtonParameters);
+void solve_multistart_newton(SolveRun& run) {
+  const ContactProblem& p = run.problem();
+  const SolverOptions& options = run.options();
+  const Parameters& parameters = run.parameters();
   const int starts = parameters.integer("starts"), steps = parameters.integer("steps_each");
-  IterationMonitor monitor(p, options);
-  monitor.judge_every_iteration();
-  const ContactScaling scaling = equilibrated_scaling(p, monitor.evaluator().delassus().diagonal());
+  run.judge_every_iteration();
+  const ContactScaling scaling = equilibrated_scaling(p, run.delassus().diagonal());
   const double largest = p.u_free.cwiseProduct(scaling.velocity).cwiseAbs().maxCoeff();
   StatusNewton newton(p, scaling, largest > 0 ? largest : 1);
   ContactErrorEvaluator evaluate(p);
   const double free_energy = evaluate(Vector::Zero(p.num_rows())).energy;
   PortableRandom random(static_cast<std::uint64_t>(parameters.integer("seed")));
-  const Vector s0 = start_of(p, options);
-  monitor.end_setup();
+  const Vector s0 = run.start();
+  run.end_setup();
 
   // An answer costs a step or two more to have it to rounding, which large friction may need: what
   // meets the tolerance in double need not in extended precision (solvers/proved_claim.h).
@@ -203,24 +204,24 @@ SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions
   };
 
   int iteration = 0, start = 0, cancellations = 0;
-  bool done = monitor.stop(0, s0);
+  bool done = run.stop(0, s0);
   const bool warm = s0.squaredNorm() > 0;
   Vector arrived;  // at the end of sweeps; Newton is to have it more exactly
   const auto begin = [&](int number) -> Vector {
     if (warm && number == 0) return newton.unknowns(s0);
     if (number > (warm ? 1 : 0)) {
       const bool near = number % 2 == 0;
-      return redrawn(newton.unknowns(monitor.best_impulse()), near ? kRedrawn : 1, random, p.dim);
+      return redrawn(newton.unknowns(run.best_impulse()), near ? kRedrawn : 1, random, p.dim);
     }
     SolverOptions sweeps = options;
     sweeps.parameters.clear();
     sweeps.on_iteration = nullptr;
     sweeps.max_iterations = std::min(kSweeps, options.max_iterations - iteration);
-    sweeps.time_limit = std::max(monitor.remaining_seconds(), 1e-9);
-    const SolveResult swept = solve_gauss_seidel(p, sweeps);
+    sweeps.time_limit = std::max(run.remaining_seconds(), 1e-9);
+    const SolveResult swept = run.nested(require_solver("pgs"), sweeps, run.whole().share());
     iteration += swept.iterations;
     if (is_success(swept.status)) arrived = swept.s;
-    if (iteration >= options.max_iterations) done = monitor.stop(iteration, swept.s, kNaN, true);
+    if (iteration >= options.max_iterations) done = run.stop(iteration, swept.s, kNaN, true);
     return newton.unknowns(swept.s);
   };
   for (; start < starts && !done; ++start) {
@@ -238,25 +239,23 @@ SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions
         ++cancellations;
         Vector s = newton.impulse(y);
         cancel_rounding(p, options, evaluate, s);
-        if (monitor.meets(s)) {
-          done = monitor.stop(++iteration, s, kNaN, true);
+        if (run.meets(s)) {
+          done = run.stop(++iteration, s, kNaN, true);
           break;
         }
       }
       // Another start changes what one step left alone: an equal impulse is no stall.
-      done = monitor.stop(++iteration, newton.impulse(y), kNaN, true);
+      done = run.stop(++iteration, newton.impulse(y), kNaN, true);
     }
-    if (!done && arrived.size() != 0) done = monitor.stop(iteration, arrived, kNaN, true);
-    done = done || monitor.end_if_out_of_time(iteration);
+    if (!done && arrived.size() != 0) done = run.stop(iteration, arrived, kNaN, true);
+    done = done || run.end_if_out_of_time(iteration);
   }
   if (!done) {
-    monitor.end(SolveStatus::kStalled,
-                fmt::format("none of {} starts arrived in {} Newton steps, best error {:.2e}",
-                            starts, iteration, monitor.best_error()));
+    run.end(SolveStatus::kStalled,
+            fmt::format("none of {} starts arrived in {} Newton steps, best error {:.2e}", starts,
+                        iteration, run.best_error()));
   }
-  SolveResult result = monitor.finish();
-  result.message += fmt::format("; {} start{}", start, start == 1 ? "" : "s");
-  return result;
+  run.remark(fmt::format("; {} start{}", start, start == 1 ? "" : "s"));
 }
 
 }  // namespace bipot

@@ -35,6 +35,6 @@ inline constexpr ParameterSpec kMultistartNewtonParameters[] = {
 /// did not lower the number of those that ask. The first one begins where up to 1000 sweeps of
 /// Gauss and Seidel from s0 end (from a start that is not 0: the second one). An iteration is one
 /// step or one such sweep.
-SolveResult solve_multistart_newton(const ContactProblem& problem, const SolverOptions& options);
+void solve_multistart_newton(SolveRun& run);
 
 }  // namespace bipot

@@ -15,12 +15,10 @@
 
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/methods/gauss_seidel.h"
 #include "solvers/methods/proximal_point.h"
-#include "solvers/monitor.h"
-#include "solvers/parameters.h"
 #include "solvers/petsc/newton_system.h"
 #include "solvers/petsc/petsc_session.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
@@ -30,12 +28,12 @@ static_assert(std::is_same_v<PetscScalar, double>, "PETSc with real double scala
 constexpr const char* kPrefix = "bipot_newton_";
 
 /// What the callbacks share.
-struct Run {
+struct NewtonRun {
   NewtonSystem* system = nullptr;
-  IterationMonitor* monitor = nullptr;
+  SolveRun* solve = nullptr;
   int iterations = 0;          // Newton steps of all proximal steps
   std::vector<Vector> recent;  // last iterates of this proximal step, the oldest is overwritten
-  bool stop = false;           // the monitor said so
+  bool stop = false;           // the solve is over
   double first_norm = 0;       // residual at the start of the proximal step
 };
 
@@ -48,7 +46,8 @@ constexpr std::size_t kLongestCycle = 6;
 // PETSc's LU (nested dissection, no pivoting) takes a third to a half of UMFPACK's time on packings
 // of 700 to 1400 contacts and twice as long at 7300.
 constexpr int kDenseRows = 4000;
-// UMFPACK's steps with AMD against METIS: 0.6 of the time with 7000 to 18 000 contacts (mixed form),
+// UMFPACK's steps with AMD against METIS: 0.6 of the time with 7000 to 18 000 contacts (mixed
+// form),
 // 0.85 with 30 000, 1.4 with 300 000.
 constexpr int kNestedRows = 200000;
 // Two iterates that differ by less, relative, are the same.
@@ -58,7 +57,7 @@ constexpr double kSame = 1e-13;
 constexpr double kSolvedAtRoundOff = 1e-8, kRounding = 1e-13;
 
 PetscErrorCode form_function(SNES, ::Vec z, ::Vec f, void* context) {
-  const auto* run = static_cast<Run*>(context);
+  const auto* run = static_cast<NewtonRun*>(context);
   const PetscScalar* in = nullptr;
   PetscScalar* out = nullptr;
   PetscCall(VecGetArrayRead(z, &in));
@@ -70,7 +69,7 @@ PetscErrorCode form_function(SNES, ::Vec z, ::Vec f, void* context) {
 }
 
 PetscErrorCode form_jacobian(SNES, ::Vec z, ::Mat, ::Mat J, void* context) {
-  const auto* run = static_cast<Run*>(context);
+  const auto* run = static_cast<NewtonRun*>(context);
   const PetscScalar* in = nullptr;
   PetscScalar* values = nullptr;
   PetscCall(VecGetArrayRead(z, &in));
@@ -85,7 +84,7 @@ PetscErrorCode form_jacobian(SNES, ::Vec z, ::Mat, ::Mat J, void* context) {
 
 PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscReal, PetscReal norm,
                                 SNESConvergedReason* reason, void* context) {
-  auto* run = static_cast<Run*>(context);
+  auto* run = static_cast<NewtonRun*>(context);
   *reason = SNES_CONVERGED_ITERATING;
   if (!std::isfinite(norm)) {
     *reason = SNES_DIVERGED_FNORM_NAN;
@@ -104,7 +103,7 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
     run->recent.clear();
   } else {
     ++run->iterations;
-    // A repeated iterate is for the outer loop to judge, which changes kappa: to the monitor it
+    // A repeated iterate is for the outer loop to judge, which changes kappa: to the run it
     // would be the end.
     bool repeated = false;
     for (const Vector& old : run->recent) repeated |= (s - old).norm() <= kSame * s.norm();
@@ -114,7 +113,7 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
                     : SNES_DIVERGED_LOCAL_MIN;
       return 0;
     }
-    if (run->monitor->stop(run->iterations, s, run->system->kappa())) {
+    if (run->solve->stop(run->iterations, s, run->system->kappa())) {
       run->stop = true;
       *reason = SNES_CONVERGED_FNORM_ABS;
       return 0;
@@ -212,7 +211,7 @@ class FactorElsewhere {
 class Snes {
  public:
   /// `elsewhere`: null where PETSc solves the systems.
-  Snes(Run& run, NewtonSystem::Residual residual, const std::string& linear,
+  Snes(NewtonRun& run, NewtonSystem::Residual residual, const std::string& linear,
        const std::string& line_search, int inner_iterations, SystemFactor* elsewhere)
       : Snes(run) {  // delegated: the destructor cleans up after a failure below, too
     const NewtonSystem& system = *run.system;
@@ -296,7 +295,7 @@ class Snes {
   }
 
  private:
-  explicit Snes(Run& run) : run_(run) {}
+  explicit Snes(NewtonRun& run) : run_(run) {}
 
   void choose_linear_solver(const std::string& linear) {
     KSP ksp = nullptr;
@@ -334,7 +333,7 @@ class Snes {
     check_petsc(VecRestoreArray(z_, &values), "VecRestoreArray");
   }
 
-  Run& run_;
+  NewtonRun& run_;
   SNES snes_ = nullptr;
   ::Mat J_ = nullptr;
   ::Vec z_ = nullptr, f_ = nullptr, lower_ = nullptr, upper_ = nullptr;
@@ -350,9 +349,8 @@ struct Settings {
   ProximalOptions loop;
 };
 
-/// Throws std::invalid_argument for a combination that the problem, or another's factor, does not
-/// allow.
-Settings settings_for(const ContactProblem& p, const Parameters& parameters, bool elsewhere) {
+/// Throws std::invalid_argument for a combination that the problem does not allow.
+Settings settings_for(const ContactProblem& p, const Parameters& parameters) {
   using Residual = NewtonSystem::Residual;
   Settings s;
   s.residual_name = parameters.choice("residual");
@@ -360,15 +358,6 @@ Settings settings_for(const ContactProblem& p, const Parameters& parameters, boo
                : s.residual_name == "fischer-burmeister" ? Residual::kFischerBurmeister
                                                          : Residual::kInequality;
   s.linear = parameters.choice("linear");
-  if (elsewhere) {
-    if (s.linear != "auto" && s.linear != "mumps") {
-      throw std::invalid_argument("several processes factor with MUMPS: linear = auto or mumps");
-    }
-    if (s.residual == Residual::kInequality) {
-      throw std::invalid_argument("residual snesvi solves its systems on one process");
-    }
-    s.linear = "mumps";
-  }
   if (s.linear == "auto") s.linear = p.num_rows() <= kDenseRows ? "petsc" : "umfpack";
   s.line_search = parameters.choice("line_search");
   s.start_sweeps = parameters.integer("start_sweeps");
@@ -393,39 +382,39 @@ Settings settings_for(const ContactProblem& p, const Parameters& parameters, boo
 }
 
 /// Start sweeps, then the proximal loop around SNES; returns what the message adds.
-std::string iterate(const ContactProblem& p, const SolverOptions& options, const Settings& settings,
-                    const Vector& start, Run& run, Snes& snes, IterationMonitor& monitor) {
+std::string iterate(SolveRun& solve, const Settings& settings, NewtonRun& run, Snes& snes) {
+  const SolverOptions& options = solve.options();
   SolverOptions sweeps;
   sweeps.max_iterations = settings.start_sweeps;
   sweeps.tol = options.tol;
-  sweeps.s0 = start;
-  sweeps.time_limit = std::max(monitor.remaining_seconds(), 1e-9);
+  sweeps.s0 = solve.start();
+  sweeps.time_limit = std::max(solve.remaining_seconds(), 1e-9);
   sweeps.cancelled = options.cancelled;
-  const SolveResult swept = solve_gauss_seidel(p, sweeps);
+  const SolveResult swept = solve.nested("pgs", sweeps);
   ProximalReport report;
-  if (monitor.meets(swept.s)) {
-    monitor.end(SolveStatus::kConverged, "stop test met by the start sweeps");
-  } else if (!monitor.end_if_out_of_time(0)) {
+  if (solve.meets(swept.s)) {
+    solve.end(SolveStatus::kConverged, "stop test met by the start sweeps");
+  } else if (!solve.end_if_out_of_time(0)) {
     const auto inner = [&](double kappa, const Vector& anchor) {
       InnerReport r = snes.solve(kappa, anchor, settings.inner_iterations);
-      if (r.outcome == InnerReport::Outcome::kSolved && monitor.meets(r.s)) {
+      if (r.outcome == InnerReport::Outcome::kSolved && solve.meets(r.s)) {
         // Between two judgements of the cadence, a proximal step ends on the solution.
-        monitor.end(SolveStatus::kConverged, fmt::format("{} test met after {} iterations",
-                                                         to_string(options.stop), run.iterations));
+        solve.end(SolveStatus::kConverged, fmt::format("{} test met after {} iterations",
+                                                       to_string(options.stop), run.iterations));
         r.outcome = InnerReport::Outcome::kStop;
       } else if (r.outcome != InnerReport::Outcome::kStop &&
-                 monitor.end_if_out_of_time(run.iterations)) {
+                 solve.end_if_out_of_time(run.iterations)) {
         r.outcome = InnerReport::Outcome::kStop;
       }
       return r;
     };
     try {
       report =
-          proximal_point(settings.loop, mean_diagonal(p, monitor.evaluator().delassus().diagonal()),
-                         swept.s, inner, monitor);
+          proximal_point(settings.loop, mean_diagonal(solve.problem(), solve.delassus().diagonal()),
+                         swept.s, inner, solve);
     } catch (const PetscFailure& e) {
-      monitor.end(SolveStatus::kNumericalFailure,
-                  fmt::format("{}; best error {:.2e}", e.what(), monitor.best_error()));
+      solve.end(SolveStatus::kNumericalFailure,
+                fmt::format("{}; best error {:.2e}", e.what(), solve.best_error()));
     }
   }
   return fmt::format(
@@ -435,72 +424,70 @@ std::string iterate(const ContactProblem& p, const SolverOptions& options, const
       swept.iterations, run.iterations, report.steps, report.failed, report.kappa);
 }
 
-SolveResult refuse(const ContactProblem& p, const std::string& message) {
-  SolveResult refused;
-  refused.status = SolveStatus::kInvalidInput;
-  refused.message = message;
-  refused.s = Vector::Zero(p.num_rows());
-  return refused;
-}
-
-/// On a problem that has W where the contact form needs it. `watch`: of the set-up.
-SolveResult run_newton(const ContactProblem& p, const SolverOptions& options,
-                       const Settings& settings, PetscOptions petsc_options, const Stopwatch& watch,
-                       SystemFactor* elsewhere) {
+/// On a problem that has W where the contact form needs it.
+void run_newton(SolveRun& solve, const Settings& settings, PetscOptions petsc_options,
+                SystemFactor* factor) {
   // Workspace of MUMPS, per cent; its 200 run out.
   petsc_options.add_default("mat_mumps_icntl_14", "1000");
+  const ContactProblem& p = solve.problem();
   if (settings.linear != "mumps") {
     const bool many = (settings.mixed ? p.num_dofs() : 0) + p.num_rows() > kNestedRows;
     petsc_options.add_default("mat_umfpack_ordering", many ? "METIS" : "AMD");
   }
   const PetscSession session(std::move(petsc_options));
 
-  IterationMonitor monitor(p, options, watch);
-  const Vector start = start_of(p, options);
-  NewtonSystem system(p, monitor.evaluator().delassus().diagonal(), settings.residual,
-                      settings.mixed);
-  Run run;
+  NewtonSystem system(p, solve.delassus().diagonal(), settings.residual, settings.mixed);
+  NewtonRun run;
   run.system = &system;
-  run.monitor = &monitor;
+  run.solve = &solve;
   Snes snes(run, settings.residual, settings.linear, settings.line_search,
-            settings.inner_iterations, elsewhere);
-  monitor.end_setup();
+            settings.inner_iterations, factor);
+  solve.end_setup();
 
-  std::string about;
-  if (!monitor.stop(0, start)) {
-    about = iterate(p, options, settings, start, run, snes, monitor);
-    const std::string unused = session.unused_options();
-    if (!unused.empty()) about += fmt::format("; PETSc did not use the options {}", unused);
+  if (solve.stop(0, solve.start())) return;
+  solve.remark(iterate(solve, settings, run, snes));
+  const std::string unused = session.unused_options();
+  if (!unused.empty()) solve.remark(fmt::format("; PETSc did not use the options {}", unused));
+}
+
+/// On the same problem with W. Time of the assembly is set-up.
+void run_with_delassus(SolveRun& solve, SystemFactor* factor) {
+  ContactProblem p = solve.problem();
+  p.W = assemble_delassus(p.A, p.H, p.dim);
+  const double before = solve.seconds();
+  SolverOptions options = solve.options();
+  options.time_limit = std::max(solve.remaining_seconds(), 1e-9);
+  if (options.on_iteration) {
+    options.on_iteration = [&](IterationRecord record) {
+      record.seconds += before;
+      solve.options().on_iteration(record);
+    };
   }
-  SolveResult result = monitor.finish();
-  result.message += about;
-  return result;
+  WholeSpace space(p, options.execution.threads);
+  SolveResult result = run_solver(solve.entry(), space, options, solve.whole().share(), factor);
+  result.setup_seconds += before;
+  solve.take(std::move(result));
 }
 
 }  // namespace
 
-SolveResult newton_snes_with(const ContactProblem& p, const SolverOptions& options,
-                             SystemFactor* elsewhere) {
-  const Stopwatch watch;
-  const Parameters parameters(options.parameters, kNewtonParameters);
+void solve_newton_snes(SolveRun& solve) {
+  const ContactProblem& p = solve.problem();
   Settings settings;
   std::optional<PetscOptions> petsc_options;
   try {
-    settings = settings_for(p, parameters, elsewhere != nullptr);
-    petsc_options.emplace(kPrefix, parameters.text("petsc"));
+    settings = settings_for(p, solve.parameters());
+    petsc_options.emplace(kPrefix, solve.parameters().text("petsc"));
   } catch (const std::invalid_argument& e) {
-    return refuse(p, e.what());
+    return solve.end(SolveStatus::kInvalidInput, e.what());
   }
-  if (settings.mixed || p.has_delassus()) {
-    return run_newton(p, options, settings, std::move(*petsc_options), watch, elsewhere);
-  }
-  ContactProblem with_delassus = p;
-  with_delassus.W = assemble_delassus(p.A, p.H, p.dim);
-  return run_newton(with_delassus, options, settings, std::move(*petsc_options), watch, elsewhere);
-}
-
-SolveResult solve_newton_snes(const ContactProblem& p, const SolverOptions& options) {
-  return newton_snes_with(p, options, nullptr);
+  const std::string linear = solve.parameters().choice("linear");
+  const bool can_share = (linear == "auto" || linear == "mumps") &&
+                         settings.residual != NewtonSystem::Residual::kInequality;
+  SystemFactor* const factor = can_share ? solve.factor() : nullptr;
+  if (!settings.mixed && !p.has_delassus()) return run_with_delassus(solve, factor);
+  if (factor != nullptr) settings.linear = "mumps";
+  run_newton(solve, settings, std::move(*petsc_options), factor);
 }
 
 }  // namespace bipot

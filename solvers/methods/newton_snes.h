@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/linear/system_factor.h"
 #include "solvers/methods/proximal_point.h"
 #include "solvers/solver.h"
 
@@ -55,20 +54,18 @@ inline constexpr ParameterSpec kNewtonParameters[] = {
 /// packing), after a start by Gauss-Seidel sweeps. An iteration is one Newton step.
 ///
 /// Unknowns are equilibrated, x = D^{1/2} s and y = diag(A)^{1/2} (v - v_free), over the norm of
-/// the free violation: residuals have no unit. Every iterate is judged by the monitor; SNES's own
+/// the free violation: residuals have no unit. Every iterate is judged by the run; SNES's own
 /// converged reasons decide nothing. The message reports the steps, the last kappa and PETSc's own
 /// reason where a step failed.
 ///
 /// The options string reaches PETSc's options database under the prefix `bipot_newton_`, for the
-/// time of the solve; options that PETSc did not use are named in the message. PETSc's start, at the
-/// first call of a process, counts as set-up; its errors become a status
+/// time of the solve; options that PETSc did not use are named in the message. PETSc's start, at
+/// the first call of a process, counts as set-up; its errors become a status
 /// (solvers/petsc/petsc_session.h).
-SolveResult solve_newton_snes(const ContactProblem& problem, const SolverOptions& options);
-
-/// The same with Newton's systems factored by another, `elsewhere`; null: as `linear` says.
-/// `elsewhere` takes linear = auto or mumps; residual = snesvi, whose systems change their size, is
-/// refused with it. A matrix that it cannot factor is a failed step, what it throws is thrown here.
-SolveResult newton_snes_with(const ContactProblem& problem, const SolverOptions& options,
-                             SystemFactor* elsewhere);
+///
+/// The run's factor, where it has one, factors Newton's systems with linear = auto and mumps, not
+/// with residual = snesvi, whose systems change their size. A matrix that it cannot factor is a
+/// failed step, what it throws is thrown here.
+void solve_newton_snes(SolveRun& run);
 
 }  // namespace bipot

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/parameters.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -87,13 +87,13 @@ class RegularisedProblem {
 }  // namespace
 
 ProximalReport proximal_point(const ProximalOptions& options, const Vector& weights, Vector start,
-                              const InnerSolve& inner, IterationMonitor& monitor) {
+                              const InnerSolve& inner, SolveRun& run) {
   ProximalReport report;
   double kappa = std::min(options.kappa, options.kappa_max);
   int still = 0;
   double failed_at = std::numeric_limits<double>::infinity();
-  // The monitor's errors are those of the last judged iterate; the anchor's own is kept here.
-  ContactErrorEvaluator judge = monitor.evaluator();
+  // The run's errors are those of the last judged iterate; the anchor's own is kept here.
+  ContactErrorEvaluator judge = run.whole().evaluator();
   double anchor_error = judge(start).guarded();
   for (;;) {
     report.kappa = kappa;
@@ -110,10 +110,10 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
       anchor_error = error;
       still = moved <= kStill * size ? still + 1 : 0;
       if (still >= kStillSteps) {
-        monitor.end(SolveStatus::kStalled,
-                    fmt::format("stalled at round-off: proximal steps no longer move, kappa = "
-                                "{:.1e}, best error {:.2e}",
-                                kappa, monitor.best_error()));
+        run.end(SolveStatus::kStalled,
+                fmt::format("stalled at round-off: proximal steps no longer move, kappa = "
+                            "{:.1e}, best error {:.2e}",
+                            kappa, run.best_error()));
         return report;
       }
       double next = kappa * growth(step.effort);
@@ -132,55 +132,52 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
     failed_at = kappa;
     kappa /= kShrink;
     if (kappa < options.kappa_min) {
-      monitor.end(SolveStatus::kStalled,
-                  fmt::format("the regularised problem is not solved even at kappa = {:.1e} ({}), "
-                              "best error {:.2e}",
-                              report.kappa, step.reason, monitor.best_error()));
+      run.end(SolveStatus::kStalled,
+              fmt::format("the regularised problem is not solved even at kappa = {:.1e} ({}), "
+                          "best error {:.2e}",
+                          report.kappa, step.reason, run.best_error()));
       return report;
     }
   }
 }
 
-SolveResult solve_proximal_point(const ContactProblem& p, const SolverOptions& options) {
-  const Parameters parameters(options.parameters, kProximalPointParameters);
+void solve_proximal_point(SolveRun& run) {
+  const ContactProblem& p = run.problem();
+  const SolverOptions& options = run.options();
+  const Parameters& parameters = run.parameters();
   const std::string name = parameters.text("inner");
   const SolverEntry* inner_solver = find_solver(name);
-  SolveResult refused;
-  refused.status = SolveStatus::kInvalidInput;
-  refused.s = Vector::Zero(p.num_rows());
   if (inner_solver == nullptr || name == "ppa") {
-    refused.message =
-        fmt::format("parameter inner = '{}': expected another solver of the table", name);
-    return refused;
+    return run.end(
+        SolveStatus::kInvalidInput,
+        fmt::format("parameter inner = '{}': expected another solver of the table", name));
   }
   SolverOptions inner_options;
   try {
     inner_options.parameters = parse_assignments(parameters.text("inner_parameters"));
     Parameters(inner_options.parameters, inner_solver->parameters);
   } catch (const std::invalid_argument& e) {
-    refused.message = fmt::format("inner solver {}: {}", name, e.what());
-    return refused;
+    return run.end(SolveStatus::kInvalidInput, fmt::format("inner solver {}: {}", name, e.what()));
   }
   if (p.dim > inner_solver->max_dim || p.num_contacts() > inner_solver->max_contacts) {
-    refused.message =
-        fmt::format("inner solver {} takes dimensions up to {} and at most {} contacts", name,
-                    inner_solver->max_dim, inner_solver->max_contacts);
-    return refused;
+    return run.end(SolveStatus::kInvalidInput,
+                   fmt::format("inner solver {} takes dimensions up to {} and at most {} contacts",
+                               name, inner_solver->max_dim, inner_solver->max_contacts));
   }
   inner_options.max_iterations = parameters.integer("inner_iterations");
   inner_options.cancelled = options.cancelled;
+  inner_options.islands = false;
 
-  IterationMonitor monitor(p, options);
-  const Vector weights = mean_diagonal(p, monitor.evaluator().delassus().diagonal());
+  const Vector weights = mean_diagonal(p, run.delassus().diagonal());
   RegularisedProblem regularised(p, weights);
-  ContactErrorEvaluator outer = monitor.evaluator();
-  Vector start = start_of(p, options);
-  monitor.end_setup();
+  ContactErrorEvaluator outer = run.whole().evaluator();
+  Vector start = run.start();
+  run.end_setup();
 
   long inner_iterations = 0;
   int iteration = 0;
   ProximalReport report;
-  if (!monitor.stop(0, start)) {
+  if (!run.stop(0, start)) {
     const auto inner = [&](double kappa, const Vector& anchor) {
       InnerReport out;
       const ContactProblem& sub = regularised.at(kappa, anchor);
@@ -192,8 +189,8 @@ SolveResult solve_proximal_point(const ContactProblem& p, const SolverOptions& o
                             (std::isfinite(share) ? std::min(share, 1.0) : 1.0);
       inner_options.tol = std::clamp(target, 1e-15, 0.1);
       inner_options.s0 = anchor;
-      inner_options.time_limit = std::max(monitor.remaining_seconds(), 1e-9);
-      SolveResult r = inner_solver->run(sub, inner_options);
+      inner_options.time_limit = std::max(run.remaining_seconds(), 1e-9);
+      SolveResult r = run_solver(*inner_solver, sub, inner_options);
       inner_iterations += r.iterations;
       const bool solved = is_success(r.status);
       out.s = std::move(r.s);
@@ -201,33 +198,31 @@ SolveResult solve_proximal_point(const ContactProblem& p, const SolverOptions& o
       out.effort = static_cast<double>(r.iterations) / inner_options.max_iterations;
       out.outcome = solved ? InnerReport::Outcome::kSolved : InnerReport::Outcome::kFailed;
       ++iteration;
-      // A failed step may leave the anchor as it was. To the monitor an iterate that repeats is the
+      // A failed step may leave the anchor as it was. To the run an iterate that repeats is the
       // end; here the next kappa may still move it.
       const bool fresh = out.s.size() == p.num_rows() && out.s.allFinite() &&
                          (out.s - anchor).norm() > kRoundOff * out.s.norm();
       bool stop = false;
       if (fresh) {
-        stop = monitor.stop(iteration, out.s, kappa);
+        stop = run.stop(iteration, out.s, kappa);
       } else if (iteration >= options.max_iterations) {
-        monitor.end(SolveStatus::kIterationLimit,
-                    fmt::format("iteration limit {} reached, best error {:.2e}", iteration,
-                                monitor.best_error()));
+        run.end(SolveStatus::kIterationLimit,
+                fmt::format("iteration limit {} reached, best error {:.2e}", iteration,
+                            run.best_error()));
         stop = true;
       } else {
-        stop = monitor.end_if_out_of_time(iteration);
+        stop = run.end_if_out_of_time(iteration);
       }
       if (stop) out.outcome = InnerReport::Outcome::kStop;
       return out;
     };
     const ProximalOptions loop{.kappa = parameters.number("kappa"),
                                .kappa_max = parameters.number("kappa_max")};
-    report = proximal_point(loop, weights, std::move(start), inner, monitor);
+    report = proximal_point(loop, weights, std::move(start), inner, run);
   }
-  SolveResult result = monitor.finish();
-  result.message += fmt::format(
+  run.remark(fmt::format(
       "; {} proximal steps ({} failed) of {} with {} iterations in all, last kappa {:.1e}",
-      report.steps, report.failed, name, inner_iterations, report.kappa);
-  return result;
+      report.steps, report.failed, name, inner_iterations, report.kappa));
 }
 
 }  // namespace bipot

@@ -3,8 +3,7 @@
 #include <functional>
 #include <string>
 
-#include "solvers/monitor.h"
-#include "solvers/solver.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 
@@ -30,7 +29,7 @@ struct InnerReport {
   enum class Outcome {
     kSolved,  ///< to the accuracy that the inner solver was asked for
     kFailed,  ///< s is its last iterate, for what it is worth
-    kStop     ///< the monitor said stop, or monitor.end() was called
+    kStop     ///< the run is over
   };
   Outcome outcome = Outcome::kFailed;
   Vector s;
@@ -46,11 +45,11 @@ struct ProximalReport {
   double kappa = 0;  ///< of the last inner problem
 };
 
-/// The outer loop, for every inner solver. `weights`: D, see mean_diagonal(). Runs until the inner solver reports kStop; sets the
-/// monitor's status itself where it cannot go on (kappa below its minimum, or no movement at the
-/// largest kappa).
+/// The outer loop, for every inner solver. `weights`: D, see mean_diagonal(). Runs until the inner
+/// solver reports kStop; ends the run itself where it cannot go on (kappa below its minimum, or no
+/// movement at the largest kappa).
 ProximalReport proximal_point(const ProximalOptions& options, const Vector& weights, Vector start,
-                              const InnerSolve& inner, IterationMonitor& monitor);
+                              const InnerSolve& inner, SolveRun& run);
 
 /// The parameters that every solver with this outer loop has.
 inline constexpr ParameterSpec kKappaParameter = {
@@ -90,6 +89,6 @@ inline constexpr ParameterSpec kProximalPointParameters[] = {
 /// `ppa`: the loop around another solver, by name. The inner tolerance follows the outer error: a
 /// tenth of it, converted between the two denominators of the criterion. An iteration is one
 /// regularised problem; the message gives the sum of inner iterations.
-SolveResult solve_proximal_point(const ContactProblem& problem, const SolverOptions& options);
+void solve_proximal_point(SolveRun& run);
 
 }  // namespace bipot

@@ -18,8 +18,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "solvers/monitor.h"
+#include "core/problem/delassus.h"
 #include "solvers/petsc/mpi_session.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
@@ -131,9 +132,10 @@ struct DeleteOptions {
   void operator()(::SolverOptions* options) const { solver_options_delete(options); }
 };
 
-SolveResult run(const Method& method, const ContactProblem& p, const SolverOptions& options) {
+void run_siconos(const Method& method, SolveRun& run) {
+  const ContactProblem& p = run.problem();
+  const SolverOptions& options = run.options();
   const bool planar = p.dim <= 2 && method.planar_id != 0;
-  IterationMonitor monitor(p, options);
   const SiconosProblem problem(p, planar ? 2 : 3, method.storage);
   const std::unique_ptr<::SolverOptions, DeleteOptions> theirs(
       solver_options_create(planar ? method.planar_id : method.spatial_id));
@@ -144,19 +146,19 @@ SolveResult run(const Method& method, const ContactProblem& p, const SolverOptio
   }
   numerics_set_verbose(0);
   ensure_mpi();  // Siconos' linear solver is MUMPS, and it leaves MPI to the caller
-  Vector s = start_of(p, options);
-  monitor.end_setup();
+  Vector s = run.start();
+  run.end_setup();
 
   int iteration = 0, calls = 0, idle = 0;
   int budget = method.first_calls_iterations;
   double tolerance = options.tol;
-  if (!monitor.stop(0, s)) {
+  if (!run.stop(0, s)) {
     Vector reaction = problem.reaction(s);
     Vector u(p.num_rows());
-    monitor.evaluator().delassus().velocity(s, u);
+    run.delassus().velocity(s, u);
     Vector velocity = problem.velocity(u);
     for (;;) {
-      const double best = monitor.best_error();
+      const double best = run.best_error();
       const int left = options.max_iterations - iteration;
       theirs->iparam[SICONOS_IPARAM_MAX_ITER] = std::min(budget, left);
       theirs->iparam[SICONOS_IPARAM_ITER_DONE] = 0;
@@ -170,34 +172,34 @@ SolveResult run(const Method& method, const ContactProblem& p, const SolverOptio
       const Vector before = s;
       s = problem.impulse(reaction);
       if (!s.allFinite()) {
-        monitor.end(SolveStatus::kNumericalFailure,
-                    fmt::format("Siconos returned a non-finite impulse (info {})", info));
+        run.end(SolveStatus::kNumericalFailure,
+                fmt::format("Siconos returned a non-finite impulse (info {})", info));
         break;
       }
       // A call that changed nothing has met its tolerance at once, or is stuck: the next one asks
       // for more.
       if (s != before) {
-        if (monitor.stop(iteration, s)) break;
-        if (monitor.meets(s)) {
-          monitor.end(SolveStatus::kConverged, fmt::format("{} test met after {} iterations",
-                                                           to_string(options.stop), iteration));
+        if (run.stop(iteration, s)) break;
+        if (run.meets(s)) {
+          run.end(SolveStatus::kConverged, fmt::format("{} test met after {} iterations",
+                                                       to_string(options.stop), iteration));
           break;
         }
       }
       if (iteration >= options.max_iterations) {
-        monitor.end(SolveStatus::kIterationLimit,
-                    fmt::format("iteration limit {} reached, best error {:.2e}",
-                                options.max_iterations, monitor.best_error()));
+        run.end(SolveStatus::kIterationLimit,
+                fmt::format("iteration limit {} reached, best error {:.2e}", options.max_iterations,
+                            run.best_error()));
         break;
       }
-      if (monitor.end_if_out_of_time(iteration)) break;
-      idle = monitor.best_error() < 0.99 * best ? 0 : idle + 1;
+      if (run.end_if_out_of_time(iteration)) break;
+      idle = run.best_error() < 0.99 * best ? 0 : idle + 1;
       const bool exhausted = info == 0 && tolerance <= kSmallestTolerance;
       if (exhausted || idle >= kIdleCalls) {
-        monitor.end(SolveStatus::kStalled,
-                    fmt::format("Siconos makes no progress (info {}, its tolerance {:.0e}), best "
-                                "error {:.2e}",
-                                info, tolerance, monitor.best_error()));
+        run.end(SolveStatus::kStalled,
+                fmt::format("Siconos makes no progress (info {}, its tolerance {:.0e}), best "
+                            "error {:.2e}",
+                            info, tolerance, run.best_error()));
         break;
       }
       if (info == 0) {
@@ -207,11 +209,9 @@ SolveResult run(const Method& method, const ContactProblem& p, const SolverOptio
       }
     }
   }
-  SolveResult result = monitor.finish();
-  result.iterations = iteration;
-  result.message += fmt::format("; Siconos {} ({}), {} calls, its last tolerance {:.0e}",
-                                method.name, planar ? "fc2d" : "fc3d", calls, tolerance);
-  return result;
+  run.set_iterations(iteration);
+  run.remark(fmt::format("; Siconos {} ({}), {} calls, its last tolerance {:.0e}", method.name,
+                         planar ? "fc2d" : "fc3d", calls, tolerance));
 }
 
 constexpr Method kNsgs{.name = "NSGS",
@@ -243,21 +243,11 @@ constexpr Method kLemke{.name = "LEMKE",
 
 }  // namespace
 
-SolveResult solve_siconos_nsgs(const ContactProblem& p, const SolverOptions& options) {
-  return run(kNsgs, p, options);
-}
-SolveResult solve_siconos_nsn_ac(const ContactProblem& p, const SolverOptions& options) {
-  return run(kNsnAc, p, options);
-}
-SolveResult solve_siconos_admm(const ContactProblem& p, const SolverOptions& options) {
-  return run(kAdmm, p, options);
-}
-SolveResult solve_siconos_prox(const ContactProblem& p, const SolverOptions& options) {
-  return run(kProx, p, options);
-}
-SolveResult solve_siconos_lemke(const ContactProblem& p, const SolverOptions& options) {
-  return run(kLemke, p, options);
-}
+void solve_siconos_nsgs(SolveRun& run) { run_siconos(kNsgs, run); }
+void solve_siconos_nsn_ac(SolveRun& run) { run_siconos(kNsnAc, run); }
+void solve_siconos_admm(SolveRun& run) { run_siconos(kAdmm, run); }
+void solve_siconos_prox(SolveRun& run) { run_siconos(kProx, run); }
+void solve_siconos_lemke(SolveRun& run) { run_siconos(kLemke, run); }
 
 struct SiconosNsgs::Impl {
   SiconosProblem problem;

@@ -15,16 +15,16 @@ namespace bipot {
 /// impulses are zero at a solution and are dropped. Units are chosen such that the mean of W_nn and
 /// the largest free velocity are one, as Siconos has absolute thresholds.
 ///
-/// Siconos decides by its own measure when to return, so each call is judged by the monitor and
+/// Siconos decides by its own measure when to return, so each call is judged by the run and
 /// repeated from where it ended: with a tenth of its tolerance where it claimed convergence, with
 /// more iterations where it ran into their limit. A call cannot be interrupted: a time limit is
 /// looked at between calls. Siconos ends the process on some internal errors; that cannot be caught
 /// here.
-SolveResult solve_siconos_nsgs(const ContactProblem& problem, const SolverOptions& options);
-SolveResult solve_siconos_nsn_ac(const ContactProblem& problem, const SolverOptions& options);
-SolveResult solve_siconos_admm(const ContactProblem& problem, const SolverOptions& options);
-SolveResult solve_siconos_prox(const ContactProblem& problem, const SolverOptions& options);
-SolveResult solve_siconos_lemke(const ContactProblem& problem, const SolverOptions& options);
+void solve_siconos_nsgs(SolveRun& run);
+void solve_siconos_nsn_ac(SolveRun& run);
+void solve_siconos_admm(SolveRun& run);
+void solve_siconos_prox(SolveRun& run);
+void solve_siconos_lemke(SolveRun& run);
 
 /// Siconos' NSGS as its own users call it: one call, from s = 0, to its own measure. For timing it;
 /// the solvers above are for solving.

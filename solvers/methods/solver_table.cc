@@ -1,4 +1,5 @@
 #include "solvers/auto/auto_solver.h"
+#include "solvers/kernels/predictor_steps.h"
 #include "solvers/methods/accelerated_gradient.h"
 #include "solvers/methods/accelerated_ssor.h"
 #include "solvers/methods/admm.h"
@@ -22,34 +23,46 @@
 namespace bipot {
 namespace {
 
+Parallel in_parallel(const Parameters&) { return Parallel::kYes; }
+Parallel reproducible(const Parameters&) { return Parallel::kReproducible; }
+
+constexpr ParameterSpec kAutoParameters[] = {{.name = kIslandsParameter.name,
+                                              .kind = kIslandsParameter.kind,
+                                              .default_value = "on",
+                                              .choices = kIslandsParameter.choices,
+                                              .help = kIslandsParameter.help}};
+
 const SolverEntry kSolvers[] = {
     {.name = "auto",
      .summary = "race of the solvers below, given up and taken up by their progress; see --explain",
      .run = &solve_auto,
-     .parameters = {},
-     .by_islands = true,
-     .attempt = &attempt_auto},
+     .parameters = kAutoParameters,
+     .parallel = &in_parallel},
     {.name = "uzawa",
      .summary = "bi-potential Uzawa, one predictor-corrector per contact (41)",
      .run = &solve_uzawa,
      .parameters = kUzawaParameters,
-     .path_ignores_tolerance = true},
+     .path_ignores_tolerance = true,
+     .parallel = &jacobi_in_parallel},
     {.name = "classical",
      .summary =
          "two predictor-correctors per contact, normal then friction (the paper's reference)",
      .run = &solve_classical,
      .parameters = kClassicalParameters,
-     .path_ignores_tolerance = true},
+     .path_ignores_tolerance = true,
+     .parallel = &jacobi_in_parallel},
     {.name = "pgs",
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
      .parameters = kGaussSeidelParameters,
-     .path_ignores_tolerance = true},
+     .path_ignores_tolerance = true,
+     .parallel = &sweeps_in_parallel},
     {.name = "apgd",
      .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
      .run = &solve_accelerated_gradient,
      .parameters = kAcceleratedGradientParameters,
-     .path_ignores_tolerance = true},
+     .path_ignores_tolerance = true,
+     .parallel = &reproducible},
     {.name = "assor",
      .summary = "symmetric successive over-relaxation with momentum (Li, Sun and Toh 2019)",
      .run = &solve_accelerated_ssor,
@@ -59,7 +72,8 @@ const SolverEntry kSolvers[] = {
      .summary = "safeguarded Anderson acceleration of Gauss-Seidel sweeps (Walker and Ni 2011)",
      .run = &solve_anderson,
      .parameters = kAndersonParameters,
-     .path_ignores_tolerance = true},
+     .path_ignores_tolerance = true,
+     .parallel = &anderson_in_parallel},
     {.name = "admm",
      .summary = "operator splitting with sparse Cholesky factors (Boyd et al. 2011)",
      .run = &solve_admm,

@@ -25,6 +25,9 @@ inline constexpr ParameterSpec kUzawaParameters[] = {
 ///
 /// The paper does not say when velocities are refreshed; both orders are offered. Impulses replace
 /// the paper's forces (s = h r), which removes 1/h from rho.
-SolveResult solve_uzawa(const ContactProblem& problem, const SolverOptions& options);
+///
+/// In parallel, refresh = jacobi: the iterates of one process up to the bound of W's norm, which
+/// may be larger where driven walls take part. An iteration is one exchange.
+void solve_uzawa(SolveRun& run);
 
 }  // namespace bipot

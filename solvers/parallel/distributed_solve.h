@@ -3,6 +3,7 @@
 #include <string_view>
 #include <vector>
 
+#include "solvers/parallel/distributed_space.h"
 #include "solvers/parallel/problem_piece.h"
 #include "solvers/parallel/process_group.h"
 #include "solvers/solver.h"
@@ -12,11 +13,10 @@ namespace bipot {
 /// How a problem is spread, and what the spread is made of.
 struct DistributedOptions {
   bool reproducible = false;  ///< exact sums: apgd has the same bits for any number of processes
-  /// Where the contacts are, for the partition; empty where nobody knows: the contact graph decides.
+  /// Where the contacts are, for the partition; empty where nobody knows: the contact graph
+  /// decides.
   std::vector<Vec3> contact_places;
-  /// Rows from which led solvers (ipm) have their systems factored by all processes; the first one
-  /// alone is quicker below (data/manual/explanation/parallel.md).
-  int shared_factor_rows = 20000;
+  int shared_factor_rows = kSharedFactorRows;
 };
 
 /// What a distributed solve counted, the same on all processes.
@@ -25,7 +25,7 @@ struct DistributedCounts {
   double imbalance = 1;   ///< most contacts of a process over their mean
   int most_contacts = 0;  ///< owned by one process
   int most_halo = 0;      ///< copies of others' contacts on one process
-  /// Of the iteration alone; messages and bytes of the process with the most.
+  /// Of the solve without its set-up; messages and bytes of the process with the most.
   Traffic traffic;
 };
 
@@ -34,10 +34,10 @@ struct DistributedResult {
   DistributedCounts counts;
 };
 
-/// solve() (solvers/solve.h) on all processes of the group: the same refusals, statuses, messages and
-/// the same last judgement on the original data, evaluated by all. `problem`, `options` and `extra`
-/// must be the same on every process (sums over them are compared; CommonFailure where they differ).
-/// Each cuts its piece (ProblemPiece) from the whole, so that
+/// solve() (solvers/solve.h) on all processes of the group: the same refusals, statuses, messages
+/// and the same last judgement on the original data, evaluated by all. `problem`, `options` and
+/// `extra` must be the same on every process (sums over them are compared; CommonFailure where they
+/// differ). Each cuts its piece (ProblemPiece) from the whole, so that
 /// set-up and result take memory and time of the whole on every process; the iteration takes its
 /// piece's. Results are the same bits on all processes, and for the same number of them.
 ///
@@ -57,9 +57,10 @@ struct PieceResult {
   DistributedCounts counts;
 };
 
-/// The same of the pieces of all processes, each of which brings its own: options.s0 has the rows of
-/// piece.own, or is empty on all processes (contact_places are of no use here). Nobody holds the whole, but the first process where a led
-/// solver works on it, or a claim is to be proved in more than double precision (whole_problem.h).
+/// The same of the pieces of all processes, each of which brings its own: options.s0 has the rows
+/// of piece.own, or is empty on all processes (contact_places are of no use here). Only the root
+/// process may hold the whole: for a solver that runs there, or for a claim that is proved in more
+/// than double precision (whole_problem.h).
 PieceResult distributed_solve(std::string_view solver, const ProblemPiece& piece,
                               const SolverOptions& options, ProcessGroup& group,
                               const DistributedOptions& extra = {});

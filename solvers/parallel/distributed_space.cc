@@ -1,10 +1,27 @@
 #include "solvers/parallel/distributed_space.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
-namespace bipot {
+#include "solvers/parallel/whole_problem.h"
+#include "solvers/solve.h"
+#include "solvers/solve_run.h"
 
-DistributedSpace::DistributedSpace(const ProblemPiece& piece, ProcessGroup& group, bool exact)
+namespace bipot {
+namespace {
+
+constexpr double ErrorSums::*kErrorFields[] = {&ErrorSums::friction,    &ErrorSums::gap,
+                                               &ErrorSums::gap_clipped, &ErrorSums::penetration,
+                                               &ErrorSums::natural,     &ErrorSums::moved,
+                                               &ErrorSums::natural_rel, &ErrorSums::impulse2,
+                                               &ErrorSums::free_energy, &ErrorSums::free_impulse2};
+constexpr std::size_t kFields = std::size(kErrorFields);
+
+}  // namespace
+
+DistributedSpace::DistributedSpace(const ProblemPiece& piece, ProcessGroup& group, bool exact,
+                                   WholeProblem* whole, int shared_factor_rows)
     : piece_(piece),
       group_(group),
       exact_(exact),
@@ -15,7 +32,9 @@ DistributedSpace::DistributedSpace(const ProblemPiece& piece, ProcessGroup& grou
       momentum_(piece.everywhere_inverse_mass.size()),
       halo_(piece.halo.size() * to_size(piece.own.dim)),
       s_all_(Vector::Zero(piece.with_halo.num_rows())),
-      u_all_(Vector::Zero(piece.with_halo.num_rows())) {
+      u_all_(Vector::Zero(piece.with_halo.num_rows())),
+      given_whole_(whole),
+      shared_factor_rows_(shared_factor_rows) {
   const ContactProblem& p = piece.with_halo;
   if (piece.disks && p.num_contacts() > 0) disks_.emplace(p, DelassusOperator::Form::kTwoPass);
   // All take the packed form or none does: it rounds in other places.
@@ -28,7 +47,10 @@ DistributedSpace::DistributedSpace(const ProblemPiece& piece, ProcessGroup& grou
       diagonal_[i] += it.value() * it.value() * inverse_own[it.row()];
     }
   }
+  weights_ = error_weights(piece.own, diagonal_);
 }
+
+DistributedSpace::~DistributedSpace() = default;
 
 const std::vector<double>& DistributedSpace::halo(const Vector& s) {
   exchange_->copy({s.data(), to_size(s.size())}, halo_, piece_.own.dim);
@@ -116,9 +138,188 @@ void DistributedSpace::body_velocities(const Vector& s, Vector& v) {
   }
 }
 
-double DistributedSpace::total(ExactSum& sum) {
-  group_.sum(sum.digits());
-  return sum.value();
+double DistributedSpace::norm_bound(const Vector& scale) {
+  const int d = piece_.own.dim;
+  Vector all;
+  with_halo(scale, all);
+  Vector sums = Vector::Zero(scale.size());
+  if (piece_.with_halo.has_velocities()) {
+    const SparseRows W = assemble_delassus(piece_.with_halo.A, piece_.with_halo.H, d);
+    const Vector absolute = SparseRows(W.cwiseAbs()) * all;
+    for (std::size_t k = 0; k < piece_.owned.size(); ++k) {
+      sums.segment(static_cast<Eigen::Index>(k) * d, d) = absolute.segment(piece_.owned[k] * d, d);
+    }
+  }
+  std::vector<double> pushes(piece_.everywhere_inverse_mass.size(), 0.0);
+  for (const auto& e : piece_.everywhere) {
+    pushes[to_size(e.dof)] += std::abs(e.value) * scale[e.row];
+  }
+  if (!pushes.empty()) sum(pushes);
+  for (const auto& e : piece_.everywhere) {
+    const std::size_t dof = to_size(e.dof);
+    sums[e.row] += std::abs(e.value) * piece_.everywhere_inverse_mass[dof] * pushes[dof];
+  }
+  double bound = sums.size() > 0 ? sums.cwiseProduct(scale).maxCoeff() : 0.0;
+  largest({&bound, 1});
+  return bound;
+}
+
+double DistributedSpace::dot(const Vector& a, const Vector& b) {
+  double value = 0;
+  if (exact_) {
+    ExactSum sum;
+    add_products(a, b, sum);
+    totals({&sum, 1}, {&value, 1});
+  } else {
+    value = a.dot(b);
+    group_.sum({&value, 1});
+  }
+  return value;
+}
+
+Vector DistributedSpace::products(const Eigen::MatrixXd& columns, int size, const Vector& f) {
+  Vector dots = Vector::Zero(size);
+  if (exact_) {
+    std::vector<ExactSum> sums(to_size(size));
+    for (int k = 0; k < size; ++k) add_products(columns.col(k), f, sums[to_size(k)]);
+    totals(sums, {dots.data(), to_size(size)});
+  } else {
+    dots = columns.leftCols(size).transpose() * f;
+    sum({dots.data(), to_size(size)});
+  }
+  return dots;
+}
+
+/// Sums of the contacts that are here, or, with `exact`, each contact's terms put into these.
+ErrorSums DistributedSpace::local_sums(ExactSum* exact) {
+  const ContactProblem& p = problem();
+  const bool scaled = p.row_scale.size() != 0;
+  worst_ = {};
+  ErrorSums sums;
+  dispatch_dim(p.dim, [&](auto d) {
+    constexpr int D = d();
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      ErrorSums part;
+      ErrorSums& to = exact != nullptr ? part : sums;
+      const auto add = [&](auto is_scaled) {
+        return add_error_terms<D, is_scaled()>(p, c, s_, u_, weights_.w_nn[c], weights_.rho_nn[c],
+                                               weights_.rho_nat[c], to);
+      };
+      const ContactTerms terms = scaled ? add(std::true_type{}) : add(std::false_type{});
+      add_free_terms(p, weights_, c, to);
+      if (exact != nullptr) {
+        for (std::size_t k = 0; k < kFields; ++k) exact[k] += part.*kErrorFields[k];
+      }
+      if (terms.violation > worst_.violation)
+        worst_ = {terms.violation, worst_.natural, c, worst_.eta};
+      if (terms.natural > worst_.natural)
+        worst_ = {worst_.violation, terms.natural, worst_.epsilon, c};
+    }
+  });
+  return sums;
+}
+
+ContactError DistributedSpace::error(const Eigen::Ref<const Vector>& s, std::span<double> more) {
+  const ContactProblem& p = problem();
+  s_ = s;
+  dispatch_dim(p.dim, [&](auto d) {
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      if (p.row_scale.size() != 0) {
+        project_physically<d(), true>(p, c, s_);
+      } else {
+        project_physically<d(), false>(p, c, s_);
+      }
+    }
+  });
+  velocity(s_, u_);
+  ErrorSums whole;
+  if (exact_) {
+    std::vector<ExactSum> sums(kFields + more.size());
+    local_sums(sums.data());
+    for (std::size_t k = 0; k < more.size(); ++k) sums[kFields + k] += more[k];
+    std::vector<double> values(sums.size());
+    totals(sums, values);
+    for (std::size_t k = 0; k < kFields; ++k) whole.*kErrorFields[k] = values[k];
+    for (std::size_t k = 0; k < more.size(); ++k) more[k] = values[kFields + k];
+  } else {
+    const ErrorSums local = local_sums(nullptr);
+    std::vector<double> values;
+    for (const auto field : kErrorFields) values.push_back(local.*field);
+    values.insert(values.end(), more.begin(), more.end());
+    sum(values);
+    for (std::size_t k = 0; k < kFields; ++k) whole.*kErrorFields[k] = values[k];
+    for (std::size_t k = 0; k < more.size(); ++k) more[k] = values[kFields + k];
+  }
+  return error_of(whole);
+}
+
+/// The whole's number of the contact with the largest value; the smallest number of equal ones.
+int DistributedSpace::number_of_largest(double value, int contact) {
+  double most = value;
+  largest({&most, 1});
+  double number = -kInfinity;
+  if (contact >= 0 && value == most) number = -piece_.number[to_size(contact)];
+  largest({&number, 1});
+  return std::isfinite(number) ? static_cast<int>(-number) : -1;
+}
+
+void DistributedSpace::find_worst(ContactError& error) {
+  error.worst_epsilon = number_of_largest(worst_.violation, worst_.epsilon);
+  error.worst_eta = number_of_largest(worst_.natural, worst_.eta);
+}
+
+double DistributedSpace::energy_at_rest() {
+  if (std::isnan(energy_at_rest_))
+    energy_at_rest_ = error(Vector::Zero(problem().num_rows())).energy;
+  return energy_at_rest_;
+}
+
+WholeProblem& DistributedSpace::whole_problem() {
+  if (given_whole_ != nullptr) return *given_whole_;
+  if (!gathered_) gathered_ = std::make_unique<GatheredWhole>(*this);
+  return *gathered_;
+}
+
+ProvedClaim DistributedSpace::prove(const SolverOptions& options, const Eigen::Ref<const Vector>& s,
+                                    const ContactError& error) {
+  if (options.stop != StopTest::kGuarded) return {};
+  return whole_problem().claim(options, s, error);
+}
+
+SolveResult DistributedSpace::solve_on_root(const SolverEntry& entry, const SolverOptions& given) {
+  SolverOptions options = given;
+  const bool started = group_.any(given.s0.size() > 0);
+  options.s0 = started ? whole_problem().join(start_of(problem(), given)) : Vector();
+  const bool shared = piece_.whole_contacts * piece_.own.dim >= shared_factor_rows_;
+  const ContactProblem& whole = whole_problem().on_first();
+  SolveResult result;
+  bool systems = false;  // the solver asked who factors them
+  group_.run_on_root([&](SystemFactor& factor) {
+    SolverEntry led = entry;
+    led.run = [&](SolveRun& run) {
+      if (shared) run.set_factor(&factor);
+      entry.run(run);
+      systems = run.factor_was_asked();
+    };
+    result = solve(led, whole, options);
+  });
+  // From the first process to all.
+  const bool first = group_.rank() == 0;
+  if (first && result.s.size() != whole.num_rows()) result.s = Vector::Zero(whole.num_rows());
+  const double figures[] = {static_cast<double>(result.status),
+                            static_cast<double>(result.iterations), result.setup_seconds,
+                            result.solve_seconds, systems ? 1.0 : 0.0};
+  const std::vector<double> known =
+      group_.gather(first ? std::span<const double>(figures) : std::span<const double>());
+  result.message = group_.first_text(first ? result.message : std::string());
+  result.message +=
+      shared && known[4] > 0 ? "; systems factored by all processes" : "; on the root process";
+  result.status = static_cast<SolveStatus>(static_cast<int>(known[0]));
+  result.iterations = static_cast<int>(known[1]);
+  result.setup_seconds = known[2];
+  result.solve_seconds = known[3];
+  result.s = whole_problem().part(result.s);
+  return result;
 }
 
 void DistributedSpace::totals(std::span<ExactSum> sums, std::span<double> values) {

@@ -6,37 +6,61 @@
 #include <span>
 #include <vector>
 
+#include "core/criterion/error_terms.h"
 #include "core/problem/delassus.h"
-#include "solvers/kernels/gradient_iteration.h"
+#include "solvers/contact_space.h"
+#include "solvers/kernels/gradient_kernel.h"
 #include "solvers/parallel/exact_sum.h"
 #include "solvers/parallel/problem_piece.h"
 
 namespace bipot {
 
-/// Products with W and sums over all contacts of a problem that lies on several processes. Vectors
-/// have the rows of this process's contacts (ProblemPiece::own). Everything is collective.
-///
-/// The product has the bits of one process, as each body adds up all its contacts in the order of the
-/// whole; but where degrees of freedom stand on every process, whose momentum is one more reduction.
-/// Sums are taken by process. With `exact`, all of them are ExactSums: then every number has the same
-/// bits for any number of processes.
-class DistributedSpace {
- public:
-  /// Keeps references, also to the group.
-  DistributedSpace(const ProblemPiece& piece, ProcessGroup& group, bool exact);
-  DistributedSpace(ProblemPiece&&, ProcessGroup&, bool) = delete;  // would dangle
+class WholeProblem;  // solvers/parallel/whole_problem.h
 
-  const ContactProblem& problem() const { return piece_.own; }
+/// Rows from which solvers on the root process have their systems factored by all processes; below,
+/// one is faster (data/manual/explanation/parallel.md).
+inline constexpr int kSharedFactorRows = 20000;
+
+/// The space of a problem that lies on several processes: vectors have the rows of this process's
+/// contacts (ProblemPiece::own). The criterion is that of core/criterion/contact_error.h: the same
+/// terms of the same contacts, added up over all processes in one reduction.
+///
+/// The product has the bits of one process, as each body adds up all its contacts in the order of
+/// the whole; but where degrees of freedom stand on every process, whose momentum is one more
+/// reduction. Sums are taken by process. With `exact`, all of them are ExactSums: then every number
+/// has the same bits for any number of processes.
+class DistributedSpace final : public ContactSpace {
+ public:
+  /// Keeps references, also to the group. `whole`: where somebody has the whole problem; null: it
+  /// is gathered on the first process when it is needed.
+  DistributedSpace(const ProblemPiece& piece, ProcessGroup& group, bool exact,
+                   WholeProblem* whole = nullptr, int shared_factor_rows = kSharedFactorRows);
+  DistributedSpace(ProblemPiece&&, ProcessGroup&, bool) = delete;  // would dangle
+  ~DistributedSpace() override;
+
+  const ContactProblem& problem() const override { return piece_.own; }
+  int whole_contacts() const override { return piece_.whole_contacts; }
+  const std::vector<int>* numbers() const override { return &piece_.number; }
+  DistributedSpace* parts() override { return this; }
   const ProblemPiece& piece() const { return piece_; }
   ProcessGroup& group() const { return group_; }
-  bool exact() const { return exact_; }
-  /// Diagonal of W in the rows that are here.
-  const Vector& diagonal() const { return diagonal_; }
+  bool exact() const override { return exact_; }
+  Vector diagonal() const override { return diagonal_; }
 
-  /// u = W s.
-  void apply(const Vector& s, Vector& u);
-  /// u = W s + u_free.
-  void velocity(const Vector& s, Vector& u);
+  void apply(const Vector& s, Vector& u) override;
+  void velocity(const Vector& s, Vector& u) override;
+  /// With degrees of freedom that stand on every process, their part is bounded by the sum of its
+  /// terms' sizes.
+  double norm_bound(const Vector& scale) override;
+
+  ContactError error(const Eigen::Ref<const Vector>& s, std::span<double> more = {}) override;
+  void find_worst(ContactError& error) override;
+  const Vector& impulse() const override { return s_; }
+  const Vector& impulse_velocity() const override { return u_; }
+  double energy_at_rest() override;
+  ProvedClaim prove(const SolverOptions& options, const Eigen::Ref<const Vector>& s,
+                    const ContactError& error) override;
+  SolveResult solve_on_root(const SolverEntry& entry, const SolverOptions& options) override;
   /// s of the contacts of the halo, in the order of piece().halo.
   const std::vector<double>& halo(const Vector& s);
   /// Whether the contacts of all processes are those of disks.
@@ -51,24 +75,11 @@ class DistributedSpace {
   /// H s in the degrees of freedom that every process has, of all contacts.
   const std::vector<double>& everywhere_momentum(const Vector& s);
 
-  /// Sums over all processes of what each has.
-  void sum(std::span<double> values) { group_.sum(values); }
-  template <class A, class B>
-  double dot(const A& a, const B& b) {
-    if (exact_) {
-      ExactSum sum;
-      add_products(a, b, sum);
-      return total(sum);
-    }
-    double value = a.dot(b);
-    group_.sum({&value, 1});
-    return value;
-  }
-  template <class A>
-  double norm(const A& a) {
-    return std::sqrt(dot(a, a));
-  }
-  double total(ExactSum& sum);
+  void sum(std::span<double> values) override { group_.sum(values); }
+  void largest(std::span<double> values) override { group_.largest(values); }
+  double dot(const Vector& a, const Vector& b) override;
+  double norm(const Vector& a) override { return std::sqrt(dot(a, a)); }
+  Vector products(const Eigen::MatrixXd& columns, int size, const Vector& f) override;
   /// All of them in one reduction.
   void totals(std::span<ExactSum> sums, std::span<double> values);
 
@@ -78,8 +89,15 @@ class DistributedSpace {
   }
 
  private:
+  struct Worst {
+    double violation = -1, natural = -1;
+    int epsilon = -1, eta = -1;
+  };
   void fill(const Vector& s);
   void product();
+  WholeProblem& whole_problem();
+  ErrorSums local_sums(ExactSum* exact);
+  int number_of_largest(double value, int contact);
 
   const ProblemPiece& piece_;
   ProcessGroup& group_;
@@ -93,26 +111,18 @@ class DistributedSpace {
   std::vector<double> momentum_, halo_;
   std::vector<std::int64_t> digits_;
   Vector s_all_, u_all_;
+
+  WholeProblem* given_whole_;
+  std::unique_ptr<WholeProblem> gathered_;  // on request
+  int shared_factor_rows_;
+  ErrorWeights weights_;
+  double energy_at_rest_ = kNaN;
+  Worst worst_;   // of the last error()
+  Vector s_, u_;  // the same
 };
 
-/// The sums of a projected gradient: doubles, taken by process.
-struct FastSums {
-  DistributedSpace& space;
-
-  using Sum = double;
-  void velocity(const Vector& s, Vector& u) { space.velocity(s, u); }
-  template <class A, class B>
-  void add_dot(const A& a, const B& b, Sum& sum) const {
-    sum += a.dot(b);
-  }
-  GradientProgress total(Sum turn, Sum change2, Sum energy) {
-    double values[3] = {turn, change2, energy};
-    space.sum(values);
-    return {values[0], values[1], values[2]};
-  }
-};
-
-/// The same, exact: one reduction of three long accumulators.
+/// The sums of a projected gradient (solvers/kernels/gradient_iteration.h), exact: one reduction of
+/// three long accumulators.
 struct ExactSums {
   DistributedSpace& space;
 

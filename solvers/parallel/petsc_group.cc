@@ -202,7 +202,7 @@ class PetscGroup : public ProcessGroup {
                                           std::span<const RemoteItem> copies) override {
     return std::make_unique<ForestExchange>(originals, copies, traffic_);
   }
-  void lend_hands(const std::function<void(SystemFactor&)>& work) override {
+  void run_on_root(const std::function<void(SystemFactor&)>& work) override {
     mumps_crew(work, *traffic_);
   }
 

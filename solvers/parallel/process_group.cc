@@ -48,7 +48,7 @@ class LoneProcess : public ProcessGroup {
   std::unique_ptr<Exchange> make_exchange(int, std::span<const RemoteItem> copies) override {
     return std::make_unique<LoneExchange>(copies);
   }
-  void lend_hands(const std::function<void(SystemFactor&)>& work) override {
+  void run_on_root(const std::function<void(SystemFactor&)>& work) override {
     LocalFactor factor(SparseLU::Strategy::kSymmetric);
     try {
       work(factor);

@@ -4,20 +4,13 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/linear/system_factor.h"
+#include "solvers/contact_space.h"
 
 namespace bipot {
-
-/// A failure that every process of a group knows of and throws at the same place: nobody waits for
-/// anybody. Whatever else one process throws must end them all (petsc_group.h).
-class CommonFailure : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// What one process sent and how often all of them met. Counted, not measured: the same on every
 /// machine.
@@ -88,10 +81,10 @@ class ProcessGroup {
   /// `originals`: how many this process owns.
   virtual std::unique_ptr<Exchange> make_exchange(int originals,
                                                   std::span<const RemoteItem> copies) = 0;
-  /// The first process does `work`, with a factor whose factorisations and solves all processes do
-  /// together; the others serve it until the work is done. What the work throws is a CommonFailure
-  /// on all of them.
-  virtual void lend_hands(const std::function<void(SystemFactor&)>& work) = 0;
+  /// The root process (rank 0) does `work`, with a factor whose factorisations and solves run on
+  /// all processes; the others serve it until the work is done. An exception of the work is a
+  /// CommonFailure on all of them.
+  virtual void run_on_root(const std::function<void(SystemFactor&)>& work) = 0;
 
   /// Whether any process says so.
   bool any(bool mine) {

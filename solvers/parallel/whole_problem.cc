@@ -268,11 +268,12 @@ RoundingBound distributed_rounding_bound(DistributedSpace& space, const Vector& 
   }
   RoundedSums sums;
   if (own.num_contacts() > 0) sums = rounded_sums(own, s, pushed);
-  ErrorSums& value = sums.value;
-  double* const fields[] = {&value.friction, &value.gap,         &value.penetration, &value.natural,
-                            &value.moved,    &value.free_energy, &sums.gap,          &sums.friction,
-                            &sums.moved,     &sums.free_energy,  &sums.natural};
-  std::array<double, std::size(fields)> totals{};
+  std::vector<double*> fields;
+  for (Rounded* sum : {&sums.friction, &sums.gap, &sums.penetration, &sums.natural, &sums.moved,
+                       &sums.free_energy}) {
+    fields.insert(fields.end(), {&sum->value, &sum->error});
+  }
+  std::vector<double> totals(fields.size());
   for (std::size_t k = 0; k < totals.size(); ++k) totals[k] = *fields[k];
   space.sum(totals);
   for (std::size_t k = 0; k < totals.size(); ++k) *fields[k] = totals[k];

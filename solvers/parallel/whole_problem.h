@@ -11,8 +11,8 @@
 
 namespace bipot {
 
-/// The whole of a problem that lies on several processes, for what cannot be done in pieces: a led
-/// solver, and the proof of a claim where double precision does not do. Everything is collective.
+/// The whole of a problem that lies on several processes: for solvers that run on the root process,
+/// and for the proof of a claim where double precision is not enough. Everything is collective.
 class WholeProblem {
  public:
   virtual ~WholeProblem() = default;

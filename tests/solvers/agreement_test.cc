@@ -108,7 +108,7 @@ TEST_P(Agreement, VelocitiesAndErrorsAreTheTrueOnes) {
     EXPECT_EQ(r.status, SolveStatus::kInvalidInput) << r.message;
     return;
   }
-  // The second opinion on what solve() says of s, converged or not.
+  // The independent check on what solve() says of s, converged or not.
   const NaiveError naive = naive_error(p, r.s);
   EXPECT_NEAR(naive.epsilon, r.error.epsilon, 1e-6 * r.error.epsilon + 1e-13);
   EXPECT_NEAR(naive.eta, r.error.eta, 1e-6 * r.error.eta + 1e-13);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "solvers/solve.h"
+#include "solvers/solve_run.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"
 
@@ -48,10 +49,10 @@ TEST(Registry, RowsSayWhetherTheirPathIgnoresTheTolerance) {
     }
     // The comparison does see a solver that looks at its tolerance.
     SolverEntry looks = require_solver("pgs");
-    looks.run = [](const ContactProblem& problem, const SolverOptions& options) {
-      SolverOptions own = options;
-      own.parameters["omega"] = options.tol < 1e-6 ? "1.1" : "1";
-      return require_solver("pgs").run(problem, own);
+    looks.run = [](SolveRun& run) {
+      SolverOptions own = run.options();
+      own.parameters["omega"] = own.tol < 1e-6 ? "1.1" : "1";
+      run.take(run.nested("pgs", own));
     };
     EXPECT_FALSE(begins_alike(looks, p));
   }

@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "core/base/types.h"
-#include "solvers/monitor.h"
 #include "solvers/registry.h"
+#include "solvers/solve_run.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -154,11 +154,10 @@ TEST(Solve, StatusStalledAtRoundOff) {
 TEST(Solve, StatusDivergedWhenTheIterateGrowsWithoutBound) {
   SolverEntry entry;
   entry.name = "growing";
-  entry.run = [](const ContactProblem& p, const SolverOptions& options) {
-    IterationMonitor monitor(p, options);
+  entry.run = [](SolveRun& run) {
+    const ContactProblem& p = run.problem();
     Vector s = Vector::Constant(p.num_rows(), 0.01);
-    for (int k = 0; !monitor.stop(k, s); ++k) s *= 10;
-    return monitor.finish();
+    for (int k = 0; !run.stop(k, s); ++k) s *= 10;
   };
   for (int dim = 1; dim <= 3; ++dim) {
     const SolveResult r = solve(entry, some_problem(dim));
@@ -173,16 +172,15 @@ TEST(Solve, WaitingAtZeroIsNeitherStalledNorConverged) {
   // Splitting methods may keep s = 0 for a while, with multipliers on the move.
   SolverEntry entry;
   entry.name = "late starter";
-  entry.run = [](const ContactProblem& p, const SolverOptions& options) {
-    IterationMonitor monitor(p, options);
+  entry.run = [](SolveRun& run) {
+    const ContactProblem& p = run.problem();
     SolverOptions inner;
     inner.tol = 1e-12;
     const Vector solution = solve("pgs", p, inner).s;
     Vector s = Vector::Zero(p.num_rows());
-    for (int k = 0; !monitor.stop(k, s); ++k) {
+    for (int k = 0; !run.stop(k, s); ++k) {
       if (k >= 3) s = solution;
     }
-    return monitor.finish();
   };
   for (const StopTest stop : {StopTest::kGuarded, StopTest::kImpulse}) {
     SolverOptions options;
@@ -197,11 +195,10 @@ TEST(Solve, WaitingAtZeroIsNeitherStalledNorConverged) {
 TEST(Solve, StatusDivergedWhenTheIterateIsNotANumber) {
   SolverEntry entry;
   entry.name = "not a number";
-  entry.run = [](const ContactProblem& p, const SolverOptions& options) {
-    IterationMonitor monitor(p, options);
+  entry.run = [](SolveRun& run) {
+    const ContactProblem& p = run.problem();
     Vector s = Vector::Zero(p.num_rows());
-    for (int k = 0; !monitor.stop(k, s); ++k) s[0] = kNaN;
-    return monitor.finish();
+    for (int k = 0; !run.stop(k, s); ++k) s[0] = kNaN;
   };
   for (int dim = 1; dim <= 3; ++dim) {
     const SolveResult r = solve(entry, some_problem(dim));
@@ -319,10 +316,10 @@ TEST(Solve, AssemblesTheOperatorForSolversThatNeedIt) {
   SolverEntry entry;
   entry.name = "needs W";
   entry.needs_delassus = true;
-  entry.run = [](const ContactProblem& p, const SolverOptions& options) {
+  entry.run = run_of([](const ContactProblem& p, const SolverOptions& options) {
     EXPECT_TRUE(p.has_delassus());
     return solve("pgs", p, options);
-  };
+  });
   ContactProblem p = some_problem();
   p.W = SparseRows();
   EXPECT_EQ(solve(entry, p).status, SolveStatus::kConverged);
@@ -333,7 +330,7 @@ TEST(Solve, AssemblesTheOperatorForSolversThatNeedIt) {
 SolverEntry saboteur(SolveResult (*run)(const ContactProblem&, const SolverOptions&)) {
   SolverEntry entry;
   entry.name = "saboteur";
-  entry.run = run;
+  entry.run = run_of(run);
   return entry;
 }
 

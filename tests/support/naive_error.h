@@ -4,8 +4,9 @@
 
 namespace bipot {
 
-/// The criterion once more, straight from its written definition: dense matrices, plain loops and
-/// nothing of core/ but the problem's fields. Slow; the second opinion of the agreement tests.
+/// The criterion straight from its written definition: dense matrices and plain loops. On purpose it
+/// uses nothing of core/ but the problem's fields, and repeats all formulas: the independent check
+/// of the agreement tests. Slow.
 struct NaiveError {
   double epsilon = 0, eta = 0, raw42 = 0;
   /// ‖s - P_K(s - rho û)‖ / max(‖s‖, ‖rho b‖), rho = d / tr W_cc.

@@ -13,9 +13,9 @@ namespace bipot {
 namespace {
 
 /// A table by hand: times in seconds, velocity errors; `guarded` decides what is solved.
-class Table {
+class RunTable {
  public:
-  Table& problem(const std::string& name, int dofs = 30, const std::string& series = "") {
+  RunTable& problem(const std::string& name, int dofs = 30, const std::string& series = "") {
     ProblemSummary p;
     p.name = name;
     p.contacts = 10;
@@ -25,8 +25,8 @@ class Table {
     made.problems.push_back(p);
     return *this;
   }
-  Table& row(const std::string& solver, double tol, double time, int iterations, double guarded,
-             double error) {
+  RunTable& row(const std::string& solver, double tol, double time, int iterations, double guarded,
+                double error) {
     ComparisonRow r;
     r.problem = made.problems.back().name;
     r.solver = solver;
@@ -44,7 +44,7 @@ class Table {
 
 /// Two problems, three solvers, two tolerances.
 Comparison small_table() {
-  Table t;
+  RunTable t;
   t.problem("p")
       .row("a", 1e-2, 1, 10, 1e-3, 1e-1)
       .row("a", 1e-4, 4, 40, 1e-5, 1e-3)
@@ -122,7 +122,7 @@ TEST(ComparisonMeasures, ProblemsWithoutATrustedReferenceAreRankedByTheGuardedEr
 
 TEST(ComparisonMeasures, FastestRowIsTheLoosestOfThoseThatTakeTheSameTime) {
   // The same work at three tolerances; the clock says 1, 0.97 and 0.96 s. A fourth is slower.
-  Table t;
+  RunTable t;
   t.problem("p")
       .row("a", 1e-1, 1.2, 1, 1e-9, 1e-9)
       .row("a", 1e-2, 1, 1, 1e-9, 1e-9)
@@ -173,7 +173,7 @@ TEST(ComparisonMeasures, RegretIsOverTheBestOfTheOthers) {
 
 TEST(ComparisonMeasures, QuantilesAreRanks) {
   // Ten cases with the ratios 1 to 10: the median is the fifth, nine tenths the ninth.
-  Table t;
+  RunTable t;
   for (int k = 1; k <= 10; ++k) {
     t.problem(fmt::format("p{}", k));
     t.row("auto", 1e-2, k, 1, 1e-3, 1e-3).row("a", 1e-2, 1, 1, 1e-3, 1e-3);
@@ -187,7 +187,7 @@ TEST(ComparisonMeasures, QuantilesAreRanks) {
 
 TEST(ComparisonMeasures, GrowthIsFittedToTheSolvedSizes) {
   // Iterations 2 N^(1/2), time N^(3/2) 1e-4 s for N = 100, 400, 1600; the largest was not solved.
-  Table t;
+  RunTable t;
   for (int n : {100, 400, 1600, 6400}) {
     t.problem(fmt::format("square:{}", n), 3 * n, "square");
     t.row("a", 1e-4, 1e-4 * std::pow(n, 1.5), static_cast<int>(2 * std::sqrt(n)),

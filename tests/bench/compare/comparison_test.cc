@@ -83,14 +83,15 @@ TEST(Comparison, HasARowForEachProblemSolverAndTolerance) {
 TEST(Comparison, JudgesSolversThatACallerBringsAlong) {
   SolverEntry honest, liar;
   honest.name = "honest";
-  honest.run = [](const ContactProblem& p, const SolverOptions& o) { return solve("ipm", p, o); };
+  honest.run =
+      run_of([](const ContactProblem& p, const SolverOptions& o) { return solve("ipm", p, o); });
   liar.name = "liar";
-  liar.run = [](const ContactProblem& p, const SolverOptions&) {
+  liar.run = run_of([](const ContactProblem& p, const SolverOptions&) {
     SolveResult r;
     r.status = SolveStatus::kConverged;
     r.s = Vector::Zero(p.num_rows());
     return r;
-  };
+  });
   ComparisonOptions options = quick({"pgs"}, {1e-6});
   options.foreign = {honest, liar};
   const Comparison c = compare(expand_targets({"square:4"}), options);

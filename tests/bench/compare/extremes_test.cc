@@ -13,7 +13,7 @@
 #include "bench/compare/isolated_jobs.h"
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_sets.h"
-#include "bench/measure/second_opinion.h"
+#include "bench/measure/independent_check.h"
 #include "core/criterion/extended_error.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -24,63 +24,63 @@
 namespace bipot {
 namespace {
 
-TEST(SecondOpinion, AgreesWithTheNaiveImplementation) {
+TEST(IndependentCheck, AgreesWithTheNaiveImplementation) {
   for (int dim = 1; dim <= 3; ++dim) {
     for (unsigned seed = 1; seed <= 5; ++seed) {
       Manufactured m = manufactured_problem(dim, 6, 9, seed, 0.6);
       m.problem.W = SparseRows();
-      EXPECT_LT(second_opinion(m.problem, m.s).guarded, 1e-12) << "d = " << dim;
+      EXPECT_LT(independent_check(m.problem, m.s).guarded, 1e-12) << "d = " << dim;
       // Off the law by about a tenth, also outside of the cones.
       Vector s = m.s;
       for (Eigen::Index i = 0; i < s.size(); ++i) s[i] += 0.1 * std::sin(7.0 * double(i) + seed);
-      const SecondOpinion opinion = second_opinion(m.problem, s);
+      const IndependentCheck check = independent_check(m.problem, s);
       const NaiveError naive = naive_error(m.problem, s);
-      EXPECT_NEAR(opinion.epsilon, naive.epsilon, 1e-10 * naive.epsilon) << "d = " << dim;
-      EXPECT_NEAR(opinion.eta, naive.eta, 1e-10 * naive.eta) << "d = " << dim;
-      EXPECT_GT(opinion.guarded, 1e-3);
+      EXPECT_NEAR(check.epsilon, naive.epsilon, 1e-10 * naive.epsilon) << "d = " << dim;
+      EXPECT_NEAR(check.eta, naive.eta, 1e-10 * naive.eta) << "d = " << dim;
+      EXPECT_GT(check.guarded, 1e-3);
     }
   }
 }
 
-TEST(SecondOpinion, TheExtendedErrorThatJudgesLargeFrictionAgrees) {
+TEST(IndependentCheck, TheExtendedErrorThatJudgesLargeFrictionAgrees) {
   for (int dim = 1; dim <= 3; ++dim) {
     for (const double mu : {0.4, 1e6}) {
       const Manufactured m = manufactured_problem(dim, 6, 9, 7, mu);
       Vector s = m.s;
       for (Eigen::Index i = 0; i < s.size(); ++i) s[i] *= 1 + 1e-5 * std::sin(3.0 * double(i));
-      const SecondOpinion global = second_opinion(m.problem, s);
+      const IndependentCheck global = independent_check(m.problem, s);
       const double extended = extended_guarded_error(m.problem, global.s);
-      EXPECT_NEAR(extended, second_opinion(m.problem, global.s).guarded, 1e-9 * extended)
+      EXPECT_NEAR(extended, independent_check(m.problem, global.s).guarded, 1e-9 * extended)
           << "d = " << dim << ", mu = " << mu;
     }
   }
 }
 
-TEST(SecondOpinion, ImpulsesThatPullAreNotOnTheCone) {
+TEST(IndependentCheck, ImpulsesThatPullAreNotOnTheCone) {
   // s_n = -1 at a frictionless contact is put at 0, where u_n = -1 violates the law.
   ContactProblem p = manufactured_problem(1, 2, 2, 1, 0).problem;
   p.u_free.setConstant(-1);
-  EXPECT_GT(second_opinion(p, Vector::Constant(2, -1.0)).guarded, 0.1);
-  EXPECT_TRUE(std::isnan(second_opinion(p, Vector::Constant(2, kNaN)).guarded));
+  EXPECT_GT(independent_check(p, Vector::Constant(2, -1.0)).guarded, 0.1);
+  EXPECT_TRUE(std::isnan(independent_check(p, Vector::Constant(2, kNaN)).guarded));
 }
 
 // One contact of 1 kg, b = -1, s = 1 - δ: ε = 20 δ - 10 δ², see tests/solvers/proved_claim_test.cc.
-TEST(SecondOpinion, ConfirmsNoClaimBeyondTheTolerance) {
+TEST(IndependentCheck, ConfirmsNoClaimBeyondTheTolerance) {
   ContactProblem p;
   p.dim = 1;
   p.W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView());
   p.u_free = Vector::Constant(1, -1);
   p.mu = Vector::Zero(1);
   const double delta = std::ldexp(1.0, -30), epsilon = 20 * delta - 10 * delta * delta;
-  const SecondOpinion opinion = second_opinion(p, Vector::Constant(1, 1 - delta));
-  EXPECT_NEAR(opinion.guarded, epsilon, 1e-15 * epsilon);
-  EXPECT_TRUE(opinion.confirms(epsilon * (1 + 1e-12)));
-  EXPECT_FALSE(opinion.confirms(epsilon * (1 - 1e-12)));
-  EXPECT_FALSE(SecondOpinion().confirms(1));
+  const IndependentCheck check = independent_check(p, Vector::Constant(1, 1 - delta));
+  EXPECT_NEAR(check.guarded, epsilon, 1e-15 * epsilon);
+  EXPECT_TRUE(check.confirms(epsilon * (1 + 1e-12)));
+  EXPECT_FALSE(check.confirms(epsilon * (1 - 1e-12)));
+  EXPECT_FALSE(IndependentCheck().confirms(1));
 }
 
 // 2^-20 - 2^60 + 2^60: 81 digits, which quadruple precision has and extended precision has not.
-TEST(SecondOpinion, SeesWhatExtendedPrecisionRoundsAway) {
+TEST(IndependentCheck, SeesWhatExtendedPrecisionRoundsAway) {
   ContactProblem p;
   p.dim = 1;
   Eigen::MatrixXd H(1, 3);
@@ -91,9 +91,9 @@ TEST(SecondOpinion, SeesWhatExtendedPrecisionRoundsAway) {
   p.u_free = Vector::Zero(3);
   p.mu = Vector::Zero(3);
   const double large = std::ldexp(1.0, 60), small = std::ldexp(1.0, -20);
-  const SecondOpinion opinion = second_opinion(p, Eigen::Vector3d(small, large, large));
-  EXPECT_EQ(opinion.u[0], small);
-  EXPECT_EQ(opinion.u[1], -small);
+  const IndependentCheck check = independent_check(p, Eigen::Vector3d(small, large, large));
+  EXPECT_EQ(check.u[0], small);
+  EXPECT_EQ(check.u[1], -small);
 }
 
 TEST(IsolatedJobs, ACrashAHangAndAnExceptionAreCountedAndTheOthersRun) {
@@ -140,7 +140,8 @@ TEST(RandomProblem, IsTheSameEveryTimeAndHoldsWhatItPlants) {
     descriptions.insert(a.description);
     EXPECT_EQ(a.planted.size() > 0, k % 2 == 0);
     if (k % 2 == 0) {
-      EXPECT_LT(second_opinion(a.problem, a.planted).guarded, 1e-9) << k << ": " << a.description;
+      EXPECT_LT(independent_check(a.problem, a.planted).guarded, 1e-9)
+          << k << ": " << a.description;
     }
   }
   EXPECT_GT(descriptions.size(), 90u);
@@ -152,7 +153,7 @@ TEST(RandomProblem, AClaimThatTheRaceDoesNotConfirmIsNotItsEnd) {
   const RandomProblem random = random_problem(1, 601);
   const SolveResult result = solve("auto", random.problem, {.tol = 1e-8, .time_limit = 10});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
-  EXPECT_LE(second_opinion(random.problem, result.s).guarded, 1e-8) << result.message;
+  EXPECT_LE(independent_check(random.problem, result.s).guarded, 1e-8) << result.message;
 }
 
 RandomSetOptions short_set(int count) {

@@ -82,8 +82,8 @@ TEST(Threads, JudgeAndMultiplyTheSameBits) {
     EXPECT_TRUE(same_bits(many.velocity(), one.velocity()));
     EXPECT_EQ(extended_guarded_error(p, s, {}, threads), extended_guarded_error(p, s));
     EXPECT_EQ(quadruple_guarded_error(p, s, {}, threads), quadruple_guarded_error(p, s));
-    EXPECT_EQ(rounded_sums(p, s, threads).natural, rounded_sums(p, s).natural);
-    EXPECT_EQ(rounded_sums(p, s, threads).gap, rounded_sums(p, s).gap);
+    EXPECT_EQ(rounded_sums(p, s, threads).natural.error, rounded_sums(p, s).natural.error);
+    EXPECT_EQ(rounded_sums(p, s, threads).gap.error, rounded_sums(p, s).gap.error);
   }
 }
 

@@ -18,6 +18,7 @@
 #include "solvers/auto/plan_tables.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "solvers/solve_run.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
@@ -86,7 +87,8 @@ TEST(AutoSolver, GivesUpWhatDoesNotPromiseAndSolvesAllTheSame) {
   EXPECT_LT(result.iterations, 20000);
 }
 
-/// Within a decade of the tolerance Anderson is let go on for a while, not to the end of its budget.
+/// Within a decade of the tolerance Anderson is let go on for a while, not to the end of its
+/// budget.
 TEST(AutoSolver, AndersonHasPatienceNearTheToleranceAndNoMore) {
   // Given by W alone: no disks, which begin with other sweeps.
   const SolveResult slow =
@@ -105,9 +107,9 @@ TEST(AutoSolver, SweepsNearALooseToleranceHavePatienceAndNoMore) {
   EXPECT_NE(result.message.find("assor 126: given up"), std::string::npos) << result.message;
 }
 
-/// Above 2500 contacts splitting makes the start of paths, below momentum. Where these do not arrive,
-/// the next begins a little off where the last one ended, then one from what a multiple of the caller's
-/// impulse leads to.
+/// Above 2500 contacts splitting makes the start of paths, below momentum. Where these do not
+/// arrive, the next begins a little off where the last one ended, then one from what a multiple of
+/// the caller's impulse leads to.
 TEST(AutoSolver, PathsThatDoNotArriveAreFollowedByOthersFromElsewhere) {
   for (const int side : {28, 36}) {  // 2268 and 3780 contacts or so
     const Scene<2> scene = make_family_scene("triangular", side);
@@ -155,7 +157,9 @@ TEST(AutoSolver, AStageStartsFromAMultipleOfTheCallersImpulse) {
   const Vector start = solve("pgs", p, options).s;
   options.s0 = start;
   options.max_iterations = 12000;
-  const std::string stages = solve_auto(p, options).message;
+  SolverOptions race_alone = options;
+  race_alone.islands = false;
+  const std::string stages = run_solver(*find_solver("auto"), p, race_alone).message;
   options.max_iterations = 2000;
   const auto ends = [&](double multiple) {
     options.s0 = multiple * start;
@@ -173,9 +177,9 @@ int stages_of(const ContactProblem& p, std::string_view solver) {
   }));
 }
 
-/// Above 4000 contacts, at tolerances such as 1e-3: splitting from several starts, each with a short path
-/// from where it ends, comes before long paths, long splitting after them. From 0 there are no multiples
-/// to start from.
+/// Above 4000 contacts, at tolerances such as 1e-3: splitting from several starts, each with a
+/// short path from where it ends, comes before long paths, long splitting after them. From 0 there
+/// are no multiples to start from.
 TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 40, 0.3, 10);
   ASSERT_GT(p.num_contacts(), 4000);
@@ -226,9 +230,9 @@ TEST(AutoSolver, ShortPathsComeBeforeLongOnesAtFairTolerances) {
   }
 }
 
-/// To tight tolerances, cold: up to 8000 contacts a short path from where some splitting ended, then
-/// more of it; a path from where the factorisations ended, beyond from the best impulse; then some
-/// from a little off where the last came nearest.
+/// To tight tolerances, cold: up to 8000 contacts a short path from where some splitting ended,
+/// then more of it; a path from where the factorisations ended, beyond from the best impulse; then
+/// some from a little off where the last came nearest.
 TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
   for (const int side : {40, 60}) {
     const ContactProblem p = lattice_step(Lattice::kTriangular, side, 0.3, 10);
@@ -264,8 +268,9 @@ TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
   }
 }
 
-/// Given W alone: in the plane a path follows the first sweeps, up to 1000 contacts, where Newton steps
-/// on W take longer; in space few contacts have a dozen factorisations next, more have Newton steps.
+/// Given W alone: in the plane a path follows the first sweeps, up to 1000 contacts, where Newton
+/// steps on W take longer; in space few contacts have a dozen factorisations next, more have Newton
+/// steps.
 TEST(AutoSolver, GivenWAloneExactAnswersComeSecond) {
   const auto second = [](const ContactProblem& p) {
     return std::string(serving(p, false, 1e-6).at(1).solver);
@@ -339,9 +344,10 @@ TEST(AutoSolver, NoPathsInSpace) {
   EXPECT_GT(stages_of(shipped_file("1d_square_20.hdf5"), "homotopy"), 0);
 }
 
-// 250 spheres under a plate (h = 5e-4 s, 50 N on 1 kg; steps 327 and 336): ipm meets 1e-3 in 66 iterations from either
-// start, or in 304 and 333 after 16 folds, admm in 8242; in 2e5 sweeps or steps of momentum nothing else does. So
-// neither may be cut off earlier, nor come after what never ends.
+// 250 spheres under a plate (h = 5e-4 s, 50 N on 1 kg; steps 327 and 336): ipm meets 1e-3 in 66
+// iterations from either start, or in 304 and 333 after 16 folds, admm in 8242; in 2e5 sweeps or
+// steps of momentum nothing else does. So neither may be cut off earlier, nor come after what never
+// ends.
 TEST(AutoSolver, InSpaceFactorisationsHaveTheirTime) {
   for (const bool warm : {false, true}) {
     const std::vector<AutoStage> stages = planned(shipped_file("3d_sphere_box_4.hdf5"), warm);

@@ -7,6 +7,7 @@
 
 #include "core/base/portable_random.h"
 #include "core/motion/time_stepping.h"
+#include "core/problem/delassus.h"
 #include "core/scene/scene_parts.h"
 #include "solvers/auto/island_problem.h"
 #include "tests/support/lattice_problem.h"

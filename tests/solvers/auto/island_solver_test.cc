@@ -10,10 +10,12 @@
 #include "core/problem_files/problem_file.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
+#include "solvers/auto/auto_solver.h"
 #include "solvers/auto/contact_islands.h"
-#include "solvers/islands.h"
+#include "solvers/auto/islands.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "solvers/solve_run.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
@@ -44,9 +46,9 @@ ContactProblem archipelago(int dim, unsigned seed, bool given_by_delassus) {
 }
 
 /// `auto` that cuts at once, without an attempt on the whole.
-SolverEntry cutting_auto() {
+SolverEntry cutting_auto(const IslandSolver& solver = {.run = &run_race}) {
   SolverEntry entry = *find_solver("auto");
-  entry.attempt = nullptr;
+  entry.run = [solver](SolveRun& run) { solve_islands(run, solver); };
   return entry;
 }
 
@@ -72,11 +74,13 @@ SolverEntry lazy_solver(std::vector<double>* errors) {
   return {.name = "lazy",
           .summary = "",
           .run =
-              [errors](const ContactProblem& p, const SolverOptions& options) {
-                SolveResult exact = find_solver("auto")->run(p, {.tol = 1e-13});
-                ContactErrorEvaluator evaluate(p, 1, options.share);
+              [errors](SolveRun& run) {
+                const ContactProblem& p = run.problem();
+                const SolveResult exact =
+                    run_solver(*find_solver("auto"), p, {.tol = 1e-13, .islands = false});
+                ContactErrorEvaluator evaluate(p, 1, run.whole().share());
                 // Within the tolerance by more than rounding, or no claim is proved.
-                SolverOptions proved = options;
+                SolverOptions proved = run.options();
                 proved.tol *= 1 - 1e-9;
                 double low = 0, high = 1;
                 for (int k = 0; k < 60; ++k) {
@@ -88,7 +92,7 @@ SolverEntry lazy_solver(std::vector<double>* errors) {
                 errors->push_back(contact_error(p, result.s).guarded());
                 result.status = SolveStatus::kConverged;
                 result.iterations = 1;
-                return result;
+                run.take(std::move(result));
               },
           .parameters = {}};
 }
@@ -202,7 +206,8 @@ TEST(Islands, APartIsJudgedAsAPieceOfTheWhole) {
 }
 
 TEST(Islands, SingleContactsAreSolvedInClosedForm) {
-  // Take-off; stick: s_n = 1/2, s_t = -0.1, inside the cone; slip: s_n = 1/2, |s_t| = mu s_n = 0.15.
+  // Take-off; stick: s_n = 1/2, s_t = -0.1, inside the cone; slip: s_n = 1/2, |s_t| = mu s_n =
+  // 0.15.
   for (const int dim : {2, 3}) {
     std::vector<ContactProblem> parts;
     Vector b_t = Vector::Zero(2);
@@ -308,11 +313,10 @@ TEST(Islands, SameBitsForAnyNumberOfThreads) {
   }
 }
 
-/// `auto` with another attempt.
-SolverEntry attempting(SolveResult (*attempt)(const ContactProblem&, const SolverOptions&)) {
-  SolverEntry entry = *find_solver("auto");
-  entry.attempt = attempt;
-  return entry;
+/// `auto` with another attempt, and with another solver for the parts.
+SolverEntry attempting(const std::function<void(SolveRun&)>& attempt,
+                       const decltype(IslandSolver::run)& parts = &run_race) {
+  return cutting_auto({.run = parts, .attempt = attempt});
 }
 
 /// Five sweeps, with a history of six records.
@@ -331,7 +335,8 @@ SolveResult half_done(const ContactProblem& p, const SolverOptions& options) {
 
 TEST(Islands, HistoryEndsWithTheErrorOfTheWhole) {
   const ContactProblem p = archipelago(2, 3, false);
-  for (const SolverEntry& entry : {cutting_auto(), *find_solver("auto"), attempting(&half_done)}) {
+  for (const SolverEntry& entry :
+       {cutting_auto(), *find_solver("auto"), attempting(run_of(&half_done))}) {
     std::vector<IterationRecord> records;
     SolverOptions options{.tol = 1e-8};
     options.on_iteration = [&](const IterationRecord& r) { records.push_back(r); };
@@ -353,13 +358,12 @@ TEST(Islands, HistoryEndsWithTheErrorOfTheWhole) {
 
 TEST(Islands, AnAttemptOnTheWholeThatArrivesIsAll) {
   const ContactProblem p = archipelago(2, 1, false);
-  SolverEntry entry = attempting([](const ContactProblem& q, const SolverOptions& options) {
+  const auto attempt = run_of([](const ContactProblem& q, const SolverOptions& options) {
     EXPECT_EQ(contact_islands(q).count(), 6);
     return solve("pgs", q, {.tol = options.tol});
   });
-  entry.run = [](const ContactProblem&, const SolverOptions&) -> SolveResult {
-    throw std::logic_error("nothing was left to do");
-  };
+  const SolverEntry entry = attempting(
+      attempt, [](SolveRun&, const Vector&) { throw std::logic_error("nothing was left to do"); });
   const SolveResult result = solve(entry, p, {.tol = 1e-6});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
   EXPECT_EQ(result.s, solve("pgs", p, {.tol = 1e-6}).s);
@@ -368,23 +372,21 @@ TEST(Islands, AnAttemptOnTheWholeThatArrivesIsAll) {
 TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
   const ContactProblem p = archipelago(2, 1, false);
   const Vector left = half_done(p, {.tol = 1e-9}).s;
-  SolverEntry entry = attempting(&half_done);
   int parts = 0;
-  entry.run = [&](const ContactProblem& part, const SolverOptions& options) {
+  SolverEntry entry = attempting(run_of(&half_done), [&](SolveRun& run, const Vector& best) {
     ++parts;
-    EXPECT_EQ(options.best.size(), part.num_rows());
+    EXPECT_EQ(best.size(), run.problem().num_rows());
     // Parts come out of the whole: what stands there are its numbers.
-    for (const double x : options.best)
-      EXPECT_NE(std::find(left.begin(), left.end(), x), left.end());
-    EXPECT_EQ(options.max_iterations, 995);
-    return find_solver("auto")->run(part, options);
-  };
+    for (const double x : best) EXPECT_NE(std::find(left.begin(), left.end(), x), left.end());
+    EXPECT_EQ(run.options().max_iterations, 995);
+    run_race(run, best);
+  });
   const SolveResult result = solve(entry, p, {.tol = 1e-9, .max_iterations = 1000});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
   EXPECT_GT(parts, 0);
   EXPECT_TRUE(has(result, "the whole: half done; then 6 islands")) << result.message;
   EXPECT_GT(result.iterations, 5);
-  entry.run = find_solver("auto")->run;
+  entry = attempting(run_of(&half_done));
   // From a warm start too, where that settles little; where it settles more than a quarter of the
   // contacts, the others are cut out at once.
   const SolveResult again = solve(entry, p, {.tol = 1e-9, .s0 = 0.5 * result.s});
@@ -412,19 +414,20 @@ SolveResult all_but_one(const ContactProblem& p, const SolverOptions& options) {
 
 TEST(Islands, WhatAnAttemptSolvedIsNotSolvedAgain) {
   const ContactProblem p = archipelago(2, 1, false);
-  SolverEntry entry = attempting(&all_but_one);
   std::vector<int> sizes;
-  entry.run = [&](const ContactProblem& part, const SolverOptions& options) {
-    sizes.push_back(part.num_contacts());
-    return find_solver("auto")->run(part, options);
-  };
+  const SolverEntry entry =
+      attempting(run_of(&all_but_one), [&](SolveRun& run, const Vector& best) {
+        sizes.push_back(run.problem().num_contacts());
+        run_race(run, best);
+      });
   const SolveResult result = solve(entry, p, {.tol = 1e-8});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
   EXPECT_EQ(sizes, std::vector<int>{14});
   EXPECT_LE(naive_error(p, result.s).guarded(), 1e-8);
 }
 
-/// Pyramids of 22 contacts side by side on the ground, each second one without friction, and one of 117.
+/// Pyramids of 22 contacts side by side on the ground, each second one without friction, and one of
+/// 117.
 ContactProblem pyramids(int small) {
   Scene<2> scene = make_family_scene("pyramid", 9);
   scene.materials = {"rough", "slippery"};
@@ -445,19 +448,20 @@ ContactProblem pyramids(int small) {
 using Sizes = std::vector<std::pair<int, int>>;  // dimensions and contacts
 Sizes* attempts = nullptr;                       // of the two functions below
 
-SolveResult arrives(const ContactProblem& p, const SolverOptions& options) {
-  attempts->push_back({p.dim, p.num_contacts()});
-  return find_solver("pgs")->run(p, options);
+void arrives(SolveRun& run) {
+  attempts->push_back({run.problem().dim, run.problem().num_contacts()});
+  run.take(run.nested(require_solver("pgs"), run.options(), run.whole().share()));
 }
-SolveResult leaves_half_of_them(const ContactProblem& p, const SolverOptions& options) {
+void leaves_half_of_them(SolveRun& run) {
+  const ContactProblem& p = run.problem();
   attempts->push_back({p.dim, p.num_contacts()});
-  SolveResult result = solve("pgs", p, {.tol = 1e-3 * options.tol});
+  SolveResult result = solve("pgs", p, {.tol = 1e-3 * run.options().tol});
   const ContactIslands islands = contact_islands(p);
   for (int k = 0; k < islands.count(); k += 2) {
     for (const int c : islands.of(k)) result.s.segment(c * p.dim, p.dim) *= 0.5;
   }
   result.status = SolveStatus::kIterationLimit;
-  return result;
+  run.take(std::move(result));
 }
 
 /// Above 4000 contacts there is no attempt on the whole: islands of about one size are tried at
@@ -468,12 +472,12 @@ TEST(Islands, ThoseOfOneSizeAreTriedTogether) {
   for (const bool done : {true, false}) {
     Sizes tried, solved;
     attempts = &tried;
-    SolverEntry entry = attempting(done ? &arrives : &leaves_half_of_them);
-    entry.run = [&](const ContactProblem& part, const SolverOptions& options) {
-      solved.push_back({part.dim, part.num_contacts()});
-      EXPECT_EQ(options.best.size() != 0, part.num_contacts() == 22);
-      return find_solver("auto")->run(part, options);
-    };
+    const SolverEntry entry =
+        attempting(done ? &arrives : &leaves_half_of_them, [&](SolveRun& run, const Vector& best) {
+          solved.push_back({run.problem().dim, run.problem().num_contacts()});
+          EXPECT_EQ(best.size() != 0, run.problem().num_contacts() == 22);
+          run_race(run, best);
+        });
     const SolveResult result = solve(entry, p, {.tol = 1e-6});
     EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
     EXPECT_LE(naive_error(p, result.s).guarded(), 1e-6);
@@ -485,8 +489,9 @@ TEST(Islands, ThoseOfOneSizeAreTriedTogether) {
   }
 }
 
-/// Of a large problem a part that is nearly all of it is not copied: the entry goes on with the whole,
-/// from where the small parts are settled, also after an attempt; and what it throws loses nothing.
+/// Of a large problem a part that is nearly all of it is not copied: the entry goes on with the
+/// whole, from where the small parts are settled, also after an attempt; and what it throws loses
+/// nothing.
 TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
   const ContactProblem large = triangular_lattice(40, {.tilt = 0.1});
   ASSERT_GT(large.num_contacts(), 4000);
@@ -494,23 +499,20 @@ TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
   const SideBySide sides = side_by_side({large, small});
   const ContactProblem& p = sides.problem;
   std::vector<int> contacts;
-  SolverEntry entry = cutting_auto();
-  entry.by_islands = true;
-  entry.run = [&](const ContactProblem& q, const SolverOptions& options) {
-    contacts.push_back(q.num_contacts());
-    EXPECT_EQ(options.s0.size(), q.num_rows());
-    EXPECT_GT(options.s0[2 * sides.place[1][0]], 0) << "the small part is settled";
-    return find_solver("auto")->run(q, options);
-  };
+  SolverEntry entry = cutting_auto({.run = [&](SolveRun& run, const Vector& best) {
+    contacts.push_back(run.problem().num_contacts());
+    EXPECT_EQ(run.options().s0.size(), run.problem().num_rows());
+    EXPECT_GT(run.options().s0[2 * sides.place[1][0]], 0) << "the small part is settled";
+    run_race(run, best);
+  }});
   const SolveResult result = solve(entry, p, {.tol = 1e-6});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
   EXPECT_EQ(contacts, std::vector<int>{p.num_contacts()});
   EXPECT_TRUE(has(result, "1 of few contacts, 0 by auto; then the whole")) << result.message;
   EXPECT_LE(naive_error(p, result.s).guarded(), 1e-6 * (1 + 1e-9));
 
-  entry.run = [](const ContactProblem&, const SolverOptions&) -> SolveResult {
-    throw std::runtime_error("no memory is left");
-  };
+  entry = cutting_auto(
+      {.run = [](SolveRun&, const Vector&) { throw std::runtime_error("no memory is left"); }});
   const SolveResult failed = solve(entry, p, {.tol = 1e-6});
   EXPECT_EQ(failed.status, SolveStatus::kNumericalFailure);
   EXPECT_TRUE(has(failed, "no memory is left")) << failed.message;
@@ -518,10 +520,10 @@ TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
 
   // Half of the contacts are not nearly all.
   contacts.clear();
-  entry.run = [&](const ContactProblem& q, const SolverOptions& options) {
-    contacts.push_back(q.num_contacts());
-    return find_solver("auto")->run(q, options);
-  };
+  entry = cutting_auto({.run = [&](SolveRun& run, const Vector& best) {
+    contacts.push_back(run.problem().num_contacts());
+    run_race(run, best);
+  }});
   const SolveResult halves = solve(entry, side_by_side({large, large}).problem, {.tol = 1e-3});
   EXPECT_EQ(halves.status, SolveStatus::kConverged) << halves.message;
   EXPECT_EQ(contacts, std::vector<int>(2, large.num_contacts()));
@@ -529,7 +531,8 @@ TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
 
 TEST(Islands, AnAttemptThatUsesUpTheIterationsIsTheEnd) {
   const ContactProblem p = archipelago(2, 1, false);
-  const SolveResult result = solve(attempting(&half_done), p, {.tol = 1e-9, .max_iterations = 5});
+  const SolveResult result =
+      solve(attempting(run_of(&half_done)), p, {.tol = 1e-9, .max_iterations = 5});
   EXPECT_EQ(result.status, SolveStatus::kIterationLimit) << result.message;
   EXPECT_EQ(result.iterations, 5);
   EXPECT_EQ(result.s, half_done(p, {.tol = 1e-9}).s);
@@ -539,14 +542,11 @@ TEST(Islands, APartThatFailsIsNamedAndTheOthersAreSolved) {
   const SolverEntry failing{.name = "failing",
                             .summary = "",
                             .run =
-                                [](const ContactProblem& p, const SolverOptions& options) {
-                                  if (p.num_contacts() != 14)
-                                    return find_solver("auto")->run(p, options);
-                                  SolveResult result;
-                                  result.status = SolveStatus::kStalled;
-                                  result.message = "not today";
-                                  result.s = Vector::Zero(p.num_rows());
-                                  return result;
+                                [](SolveRun& run) {
+                                  if (run.problem().num_contacts() != 14) {
+                                    return run_race(run, Vector());
+                                  }
+                                  run.end(SolveStatus::kStalled, "not today");
                                 },
                             .parameters = {}};
   const ContactProblem p = archipelago(2, 1, false);
@@ -573,13 +573,9 @@ TEST(Islands, TheTimeLimitHoldsForAllPartsTogether) {
   const SolverEntry slow{.name = "slow",
                          .summary = "",
                          .run =
-                             [](const ContactProblem& p, const SolverOptions& options) {
-                               EXPECT_LE(options.time_limit, 3600);
-                               SolveResult result;
-                               result.status = SolveStatus::kTimeLimit;
-                               result.message = "out of time";
-                               result.s = Vector::Zero(p.num_rows());
-                               return result;
+                             [](SolveRun& run) {
+                               EXPECT_LE(run.options().time_limit, 3600);
+                               run.end(SolveStatus::kTimeLimit, "out of time");
                              },
                          .parameters = {}};
   const SolveResult result =

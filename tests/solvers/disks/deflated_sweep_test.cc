@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/criterion/contact_error.h"
+#include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"

@@ -40,6 +40,10 @@ struct Setting {
         scaling(equilibrated_scaling(problem, delassus.diagonal())) {}
   const DiskStructure& disks() const { return *delassus.disks(); }
   Vector zero() const { return Vector::Zero(problem.num_rows()); }
+  double largest_eigenvalue() const {
+    WholeSpace space(problem);
+    return spectral_estimate(space, scaling.velocity);
+  }
 };
 
 template <int D>
@@ -58,7 +62,7 @@ Vector descended(const Setting& at, bool cone, const Execution& execution,
   gradient.reset(at.zero());
   GradientControl control;
   // Too small on purpose: it is raised on the way.
-  control.lambda = 0.8 * spectral_estimate(at.problem, at.delassus, at.scaling.velocity);
+  control.lambda = 0.8 * at.largest_eigenvalue();
   control.cone = cone;
   for (const int iterations : portions) gradient.advance(iterations, control);
   return gradient.impulse();
@@ -132,29 +136,16 @@ TEST(TiledKernels, ATiledSweepIsTheScalarSweepInItsOrder) {
   EXPECT_LT((s - scalar.impulse()).norm(), 1e-12 * s.norm());
 }
 
-/// The operator and the sums of one process, for the iteration that knows nothing of disks.
-struct PlainSums {
-  const DelassusOperator& delassus;
-  using Sum = double;
-  void velocity(const Vector& s, Vector& u) const { delassus.velocity(s, u); }
-  template <class A, class B>
-  void add_dot(const A& a, const B& b, Sum& sum) const {
-    sum += a.dot(b);
-  }
-  GradientProgress total(Sum turn, Sum change2, Sum energy) const {
-    return {turn, change2, energy};
-  }
-};
-
 // The same iterates as through the Delassus operator, restarts and raised eigenvalues among them.
 TEST(TiledKernels, ATiledGradientStepIsThatOfTheDelassusOperator) {
   for (const bool cone : {false, true}) {
     const Setting at(packing(2, false, 7));
-    PlainSums sums{at.delassus};
-    GradientIteration<2, PlainSums> plain(at.problem, sums, at.scaling);
+    WholeSpace space(at.problem);
+    SpaceSums sums{space};
+    GradientIteration<2, SpaceSums> plain(at.problem, sums, at.scaling);
     plain.reset(at.zero());
     GradientControl control;
-    control.lambda = 0.8 * spectral_estimate(at.problem, at.delassus, at.scaling.velocity);
+    control.lambda = 0.8 * at.largest_eigenvalue();
     control.cone = cone;
     plain.advance(40, control);
     const Vector s = descended<2>(at, cone, {}, {40});

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/criterion/contact_error.h"
-#include "solvers/monitor.h"
+#include "solvers/solve_run.h"
 #include "tests/support/manufactured.h"
 
 namespace bipot {
@@ -14,9 +14,9 @@ void expect_exact_from_nearby(int steps, double reached) {
   const Manufactured m = manufactured_problem(D, 30, 40, 3);
   SolverOptions options;
   options.tol = 1e-15;
-  IterationMonitor monitor(m.problem, options);
-  InteriorSystem<D> system(m.problem, monitor.evaluator().delassus(), ShiftedDelassus::Form::kAuto);
-  InteriorRun run(monitor);
+  SolveRun solve(m.problem, options);
+  InteriorSystem<D> system(m.problem, solve.delassus(), ShiftedDelassus::Form::kAuto);
+  InteriorRun run(solve);
   ActiveSet<D> active(system);
   // Perturbed by 1e-5: the status of every contact is still decided.
   Vector s0 = m.s;
@@ -24,7 +24,7 @@ void expect_exact_from_nearby(int steps, double reached) {
   EXPECT_GT(contact_error(m.problem, s0).guarded(), 1e-8);
   active.start(s0);
   active(steps, run);
-  EXPECT_LT(monitor.best_error(), reached) << D;
+  EXPECT_LT(solve.best_error(), reached) << D;
   EXPECT_LE(run.iteration, steps);
 }
 

@@ -28,7 +28,8 @@ class AndersonMemoryTest : public testing::Test {
 /// g - ΔG gamma of the last columns, gamma by a factorisation of ΔF that asks nothing.
 TEST_F(AndersonMemoryTest, CombinesByLeastSquaresOverTheLastColumns) {
   const int rows = 30, columns = 4;
-  AndersonMemory<PlainProducts> memory({}, rows, columns);
+  PlainProducts plain;
+  AndersonMemory<PlainProducts> memory(plain, rows, columns);
   Eigen::MatrixXd df(rows, 0), dg(rows, 0);
   Vector x;
   const auto append = [&](const Vector& f, const Vector& g) {
@@ -61,7 +62,8 @@ TEST_F(AndersonMemoryTest, CombinesByLeastSquaresOverTheLastColumns) {
 /// they had never been. After that the ring fills again.
 TEST_F(AndersonMemoryTest, LeavesOutWhatNewerColumnsSpan) {
   const int rows = 20;
-  AndersonMemory<PlainProducts> memory({}, rows, 5), fresh({}, rows, 5);
+  PlainProducts plain;
+  AndersonMemory<PlainProducts> memory(plain, rows, 5), fresh(plain, rows, 5);
   const Vector a = random(rows), b = random(rows), f = random(rows), g = random(rows);
   memory.append(random(rows), random(rows));
   memory.append(a + 2 * b, random(rows));
@@ -86,7 +88,8 @@ TEST_F(AndersonMemoryTest, LeavesOutWhatNewerColumnsSpan) {
 
 /// A difference of nothing, as where the iteration stands still, is no column.
 TEST_F(AndersonMemoryTest, StandsStillWithoutNaN) {
-  AndersonMemory<PlainProducts> memory({}, 6, 3);
+  PlainProducts plain;
+  AndersonMemory<PlainProducts> memory(plain, 6, 3);
   memory.append(Vector::Zero(6), Vector::Zero(6));
   Vector x;
   const Vector g = random(6);

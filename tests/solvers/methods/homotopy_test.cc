@@ -11,7 +11,9 @@
 
 #include "core/problem_files/problem_file.h"
 #include "solvers/homotopy/path_follower.h"
+#include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "solvers/solve_run.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/small_problems.h"

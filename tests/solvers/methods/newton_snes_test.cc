@@ -14,7 +14,9 @@
 #include "core/criterion/contact_error.h"
 #include "core/linear/sparse_factor.h"
 #include "core/linear/system_factor.h"
+#include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "solvers/solve_run.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -224,12 +226,18 @@ class OthersFactor final : public SystemFactor {
   Then then_;
 };
 
+SolveResult with_factor(const ContactProblem& p, const SolverOptions& options,
+                        SystemFactor* factor) {
+  WholeSpace space(p);
+  return run_solver(require_solver("newton"), space, options, {}, factor);
+}
+
 TEST(Newton, SystemsMayBeFactoredElsewhere) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
   SolverOptions options;
   options.parameters = {{"start_sweeps", "0"}};
   OthersFactor others;
-  const SolveResult r = newton_snes_with(p, options, &others);
+  const SolveResult r = with_factor(p, options, &others);
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
   const SolveResult own = newton(p, {{"linear", "umfpack"}});
   EXPECT_NEAR(r.iterations, own.iterations, 2) << "factors differ by rounding";
@@ -242,12 +250,12 @@ TEST(Newton, AFactorElsewhereThatRefusesOrThrowsIsSaid) {
   SolverOptions options;
   options.parameters = {{"start_sweeps", "0"}};
   OthersFactor refuses(3);
-  const SolveResult r = newton_snes_with(p, options, &refuses);
+  const SolveResult r = with_factor(p, options, &refuses);
   EXPECT_FALSE(is_success(r.status)) << r.message;
   EXPECT_TRUE(r.s.allFinite());
   EXPECT_NE(r.message.find("failed"), std::string::npos) << r.message;
   OthersFactor throws(3, OthersFactor::Then::kThrow);
-  EXPECT_THROW((void)newton_snes_with(p, options, &throws), std::runtime_error);
+  EXPECT_THROW((void)with_factor(p, options, &throws), std::runtime_error);
   EXPECT_EQ(newton(p).status, SolveStatus::kConverged);  // PETSc is as it was
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/problem/delassus.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"

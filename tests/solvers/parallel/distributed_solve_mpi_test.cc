@@ -5,15 +5,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "core/problem/delassus.h"
 #include "core/problem_files/problem_file.h"
 #include "solvers/parallel/contact_owners.h"
-#include "solvers/parallel/distributed_methods.h"
 #include "solvers/parallel/distributed_solve.h"
+#include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "solvers/solve_run.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
@@ -70,14 +72,28 @@ void expect_solved(const NamedProblem& p, const DistributedResult& out, double t
   EXPECT_TRUE(same_everywhere(out.result.u));
 }
 
+/// Those that run on the parts of a problem, and some that run on the first process.
+std::vector<std::string> several_solvers() {
+  std::vector<std::string> names{"admm", "ipm"};
+  if (find_solver("newton") != nullptr) names.push_back("newton");
+  for (const SolverEntry& entry : solver_table()) {
+    if (runs_on_parts(entry, {}) != Parallel::kNo) names.emplace_back(entry.name);
+  }
+  return names;
+}
+bool gets_near(const std::string& solver) {
+  return solver != "uzawa" && solver != "classical" && solver != "pgs";
+}
+
 TEST(DistributedSolve, EverySolverMeetsTheToleranceOfTheWhole) {
+  EXPECT_GE(several_solvers().size(), 9u);
   for (const NamedProblem& p : problems()) {
-    for (const DistributedSolver& solver : distributed_solvers()) {
+    for (const std::string& solver : several_solvers()) {
       SolverOptions options;
-      options.tol = solver.name == "uzawa" || solver.name == "pgs" ? 1e-3 : 1e-6;
+      options.tol = gets_near(solver) ? 1e-6 : 1e-3;
       options.max_iterations = 200000;
-      const DistributedResult out = distributed_solve(solver.name, p.problem, options, mpi_group());
-      expect_solved(p, out, options.tol, std::string(solver.name));
+      const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group());
+      expect_solved(p, out, options.tol, solver);
     }
   }
 }
@@ -98,8 +114,8 @@ TEST(DistributedSolve, VelocitiesAreThoseOfOneProcessWhereTheyAreUnique) {
 }
 
 TEST(DistributedSolve, AStartFarBeyondTheFreeMotionIsNoGrowth) {
-  // The energy is quadratic in s: a start of 1e14 times what carries the weights has some 1e28 times
-  // the energy of the free violation, 1e20 of which is divergence.
+  // The energy is quadratic in s: a start of 1e14 times what carries the weights has some 1e28
+  // times the energy of the free violation, 1e20 of which is divergence.
   const ContactProblem p = square_lattice(6, {.tilt = 0.05});
   Vector s0 = Vector::Zero(p.num_rows());
   for (int n = 0; n < p.num_rows(); n += p.dim) s0[n] = 1e14 * p.u_free.cwiseAbs().maxCoeff();
@@ -167,12 +183,12 @@ TEST(DistributedSolve, ReproducibleGradientHasTheSameBitsForAnyNumberOfProcesses
 
 TEST(DistributedSolve, TheSameProcessesGetTheSameBitsAgain) {
   const ContactProblem p = shipped("2d_pour12_170.hdf5");
-  for (const DistributedSolver& solver : distributed_solvers()) {
+  for (const std::string& solver : several_solvers()) {
     const SolverOptions options = first_iterations(300);
-    const DistributedResult a = distributed_solve(solver.name, p, options, mpi_group());
-    const DistributedResult b = distributed_solve(solver.name, p, options, mpi_group());
-    EXPECT_TRUE(a.result.s == b.result.s) << solver.name;
-    EXPECT_TRUE(a.result.error.epsilon == b.result.error.epsilon) << solver.name;
+    const DistributedResult a = distributed_solve(solver, p, options, mpi_group());
+    const DistributedResult b = distributed_solve(solver, p, options, mpi_group());
+    EXPECT_TRUE(a.result.s == b.result.s) << solver;
+    EXPECT_TRUE(a.result.error.epsilon == b.result.error.epsilon) << solver;
   }
 }
 
@@ -180,10 +196,9 @@ TEST(DistributedSolve, AProcessWithoutABodyTakesPart) {
   // One disk on a floor: of P processes P - 1 have nothing, and each of them is in every sum.
   const NamedProblem p{"one contact",
                        one_contact_problem(2, 1, 3, 0.5, -1, Vector::Constant(1, 0.3))};
-  for (const DistributedSolver& solver : distributed_solvers()) {
-    const DistributedResult out =
-        distributed_solve(solver.name, p.problem, {.tol = 1e-10}, mpi_group());
-    expect_solved(p, out, 1e-10, std::string(solver.name));
+  for (const std::string& solver : several_solvers()) {
+    const DistributedResult out = distributed_solve(solver, p.problem, {.tol = 1e-10}, mpi_group());
+    expect_solved(p, out, 1e-10, solver);
     // Sticks: s_n = 1 / 1, s_t = -0.3 / 3.
     EXPECT_NEAR(out.result.s[0], 1, 1e-4);
     EXPECT_NEAR(out.result.s[1], -0.1, 1e-4);
@@ -191,8 +206,8 @@ TEST(DistributedSolve, AProcessWithoutABodyTakesPart) {
   }
 }
 
-/// A disk of radius 3 in the middle of a ring of 24 disks of radius 0.45 that it pushes outwards, each
-/// held by a fixed wall outside: 24 contacts of the middle, 24 with the wall.
+/// A disk of radius 3 in the middle of a ring of 24 disks of radius 0.45 that it pushes outwards,
+/// each held by a fixed wall outside: 24 contacts of the middle, 24 with the wall.
 ContactProblem wheel(std::vector<Vec3>& places) {
   constexpr int kRing = 24;
   ContactProblem p;
@@ -243,10 +258,10 @@ TEST(DistributedSolve, ABodyMayTouchAllProcesses) {
   const ProblemPiece piece = cut_piece(p.problem, nodes, owners, mpi_group().rank());
   EXPECT_EQ(piece.sharers.back(), P);  // the middle is the last body
   EXPECT_EQ(piece.sharers.front(), 1);
-  for (const DistributedSolver& solver : distributed_solvers()) {
-    const DistributedResult out = distributed_solve(solver.name, p.problem, {.tol = 1e-8},
-                                                    mpi_group(), {.contact_places = places});
-    expect_solved(p, out, 1e-8, std::string(solver.name));
+  for (const std::string& solver : several_solvers()) {
+    const DistributedResult out = distributed_solve(solver, p.problem, {.tol = 1e-8}, mpi_group(),
+                                                    {.contact_places = places});
+    expect_solved(p, out, 1e-8, solver);
     EXPECT_LE(out.counts.imbalance, 1.2);  // an even part of the ring each
   }
   const SolverOptions few = first_iterations(20);
@@ -268,11 +283,11 @@ TEST(DistributedSolve, ADrivenWallMayBeCutByAllProcesses) {
   const DistributedResult same = distributed_solve("apgd", p.problem, few, mpi_group());
   EXPECT_LE((same.result.s - one.s).norm(), 1e-9 * one.s.norm());
   EXPECT_LE((same.result.u - one.u).norm(), 1e-9 * one.u.norm());
-  for (const DistributedSolver& solver : distributed_solvers()) {
+  for (const std::string& solver : several_solvers()) {
     SolverOptions options;
     options.tol = 1e-3;
-    const DistributedResult out = distributed_solve(solver.name, p.problem, options, mpi_group());
-    expect_solved(p, out, options.tol, std::string(solver.name));
+    const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group());
+    expect_solved(p, out, options.tol, solver);
   }
   SolverOptions options;
   options.tol = 1e-5;
@@ -382,15 +397,13 @@ TEST(DistributedSolve, RefusalsSayWhy) {
     return out.result.message;
   };
   const SolverOptions plain;
-  EXPECT_NE(refusal("lemke", p, plain).find("runs on one process"), std::string::npos);
+  EXPECT_NE(refusal("apdg", p, plain).find("apgd"), std::string::npos);
   EXPECT_NE(refusal("apgd", local_form(p), plain).find("W alone"), std::string::npos);
   ContactProblem coupled = p;
   coupled.A.coeffRef(0, 3) = coupled.A.coeffRef(3, 0) = 1e-3 * p.A.coeff(0, 0);
   coupled.A.makeCompressed();
   EXPECT_NE(refusal("apgd", coupled, plain).find("not diagonal"), std::string::npos);
   SolverOptions options;
-  options.parameters = {{"order", "shuffled"}};
-  EXPECT_NE(refusal("pgs", p, options).find("forward or symmetric"), std::string::npos);
   options.parameters = {{"nonsense", "1"}};
   EXPECT_NE(refusal("apgd", p, options).find("nonsense"), std::string::npos);
   options.parameters = {{"islands", "on"}};
@@ -399,6 +412,31 @@ TEST(DistributedSolve, RefusalsSayWhy) {
   // One process alone has a start of the wrong size: all refuse.
   if (mpi_group().rank() == mpi_group().size() - 1) start.s0 = Vector::Zero(1);
   EXPECT_NE(refusal("apgd", p, start).find("s0"), std::string::npos);
+}
+
+// With the bits of one process.
+TEST(DistributedSolve, OtherSolversAndParametersRunOnTheFirstProcess) {
+  const ContactProblem p = triangular_lattice(4, {.tilt = 0.1});
+  const std::pair<const char*, std::map<std::string, std::string>> ways[] = {
+      {"lemke", {}},
+      {"assor", {}},
+      {"pgs", {{"order", "shuffled"}}},
+      {"uzawa", {{"refresh", "gauss-seidel"}}}};
+  for (const auto& [solver, parameters] : ways) {
+    SolverOptions options;
+    options.tol = 1e-6;
+    options.parameters = parameters;
+    const SolveResult one = solve(solver, p, options);
+    const SolveResult out = distributed_solve(solver, p, options, mpi_group()).result;
+    EXPECT_EQ(out.status, SolveStatus::kConverged) << solver << ": " << out.message;
+    EXPECT_NE(out.message.find("on the root process"), std::string::npos) << out.message;
+    EXPECT_EQ(out.iterations, one.iterations) << solver;
+    EXPECT_TRUE(out.s == one.s) << solver;
+  }
+  SolverOptions exact;
+  exact.parameters = {{"order", "shuffled"}};
+  EXPECT_EQ(distributed_solve("pgs", p, exact, mpi_group(), {.reproducible = true}).result.status,
+            SolveStatus::kInvalidInput);
 }
 
 TEST(DistributedSolve, NothingToDoAndGoodStartsAreSeen) {

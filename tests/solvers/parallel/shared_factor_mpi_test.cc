@@ -1,4 +1,5 @@
-// Factorisations that all processes do together (ProcessGroup::lend_hands), and the solvers on them.
+// Factorisations that all processes do together (ProcessGroup::run_on_root), and the solvers on
+// them.
 
 #include <gtest/gtest.h>
 
@@ -49,7 +50,7 @@ void expect_solves(SystemFactor& factor, const SparseMatrix& A) {
 
 TEST(SharedFactor, SolvesWithOneMatrixAfterTheOther) {
   int signs[2] = {0, 0};
-  mpi_group().lend_hands([&](SystemFactor& factor) {
+  mpi_group().run_on_root([&](SystemFactor& factor) {
     for (const int size : {1, 2, 3, 40, 41}) {
       for (unsigned seed = 1; seed <= 4; ++seed) {  // the same pattern four times
         SCOPED_TRACE(size);
@@ -66,7 +67,7 @@ TEST(SharedFactor, SolvesWithOneMatrixAfterTheOther) {
 }
 
 TEST(SharedFactor, SaysWhatCannotBeFactoredAndGoesOn) {
-  mpi_group().lend_hands([&](SystemFactor& factor) {
+  mpi_group().run_on_root([&](SystemFactor& factor) {
     SparseMatrix A = banded(30, 4, 2);
     const SparseMatrix good = A;
     for (SparseMatrix::InnerIterator it(A, 17); it; ++it) it.valueRef() = 0;
@@ -80,7 +81,7 @@ TEST(SharedFactor, SaysWhatCannotBeFactoredAndGoesOn) {
 
 TEST(SharedFactor, AFailureOfTheWorkIsKnownToAll) {
   try {
-    mpi_group().lend_hands([](SystemFactor& factor) {
+    mpi_group().run_on_root([](SystemFactor& factor) {
       (void)factor.factor(banded(10, 3, 1));
       throw std::runtime_error("the work is too hard");
     });
@@ -157,15 +158,19 @@ TEST(SharedFactor, NewtonTakesTheStepsOfOneProcess) {
   }
 }
 
-TEST(SharedFactor, NewtonRefusesWhatNeedsOneProcess) {
-  const ContactProblem p = triangular_lattice(3, {.tilt = 0.1});
+TEST(SharedFactor, NewtonFactorsOnTheFirstProcessWhereTheOthersCannot) {
+  const ContactProblem p = triangular_lattice(3, {.dim = 1, .tilt = 0.1});
+  DistributedOptions shared;
+  shared.shared_factor_rows = 0;
   for (const auto& [name, value] :
-       {std::pair{"linear", "gmres"}, std::pair{"residual", "snesvi"}}) {
+       {std::pair{"linear", "umfpack"}, std::pair{"residual", "snesvi"}}) {
     SolverOptions options;
     options.parameters = {{name, value}};
-    const SolveResult refused = distributed_solve("newton", p, options, mpi_group()).result;
-    EXPECT_EQ(refused.status, SolveStatus::kInvalidInput);
-    EXPECT_NE(refused.message.find(name), std::string::npos) << refused.message;
+    const SolveResult alone = solve("newton", p, options);
+    const SolveResult out = distributed_solve("newton", p, options, mpi_group(), shared).result;
+    EXPECT_EQ(out.status, alone.status) << out.message;
+    EXPECT_EQ(out.s, alone.s) << name;
+    EXPECT_NE(out.message.find("on the root process"), std::string::npos) << out.message;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "bench/measure/second_opinion.h"
+#include "bench/measure/independent_check.h"
 
 #include <cmath>
 #include <limits>
@@ -86,11 +86,11 @@ Quad normal_diagonal(const ContactProblem& p, int row, bool by_bodies) {
 
 }  // namespace
 
-SecondOpinion second_opinion(const ContactProblem& p, const Vector& given) {
-  SecondOpinion opinion;
-  if (given.size() != p.num_rows() || !given.allFinite()) return opinion;
+IndependentCheck independent_check(const ContactProblem& p, const Vector& given) {
+  IndependentCheck check;
+  if (given.size() != p.num_rows() || !given.allFinite()) return check;
   const bool by_bodies = p.has_velocities() && is_diagonal(p.A);
-  if (!by_bodies && !p.has_delassus()) return opinion;
+  if (!by_bodies && !p.has_delassus()) return check;
   const int d = p.dim;
   const std::size_t rows = to_size(p.num_rows());
   Values r(rows, 1), s(rows), mu(to_size(p.num_contacts()), 0);
@@ -136,18 +136,18 @@ SecondOpinion second_opinion(const ContactProblem& p, const Vector& given) {
     }
   }
   const Quad scale = std::max(dissipation, std::max(energy, free_energy) / 10);
-  opinion.epsilon = static_cast<double>(quotient(gap + approach, scale));
-  opinion.eta = static_cast<double>(root(quotient(map, scale)));
-  opinion.guarded = std::isnan(opinion.epsilon) || std::isnan(opinion.eta)
-                        ? kNaN
-                        : std::max(opinion.epsilon, opinion.eta);
-  opinion.s.resize(p.num_rows());
-  opinion.u.resize(p.num_rows());
+  check.epsilon = static_cast<double>(quotient(gap + approach, scale));
+  check.eta = static_cast<double>(root(quotient(map, scale)));
+  check.guarded = std::isnan(check.epsilon) || std::isnan(check.eta)
+                      ? kNaN
+                      : std::max(check.epsilon, check.eta);
+  check.s.resize(p.num_rows());
+  check.u.resize(p.num_rows());
   for (std::size_t i = 0; i < rows; ++i) {
-    opinion.s[static_cast<Eigen::Index>(i)] = static_cast<double>(scaled[i]);
-    opinion.u[static_cast<Eigen::Index>(i)] = static_cast<double>(u[i] * r[i]);
+    check.s[static_cast<Eigen::Index>(i)] = static_cast<double>(scaled[i]);
+    check.u[static_cast<Eigen::Index>(i)] = static_cast<double>(u[i] * r[i]);
   }
-  return opinion;
+  return check;
 }
 
 }  // namespace bipot

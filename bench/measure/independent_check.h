@@ -5,11 +5,11 @@
 namespace bipot {
 
 /// Independent check of the criterion of data/manual/explanation/criterion.md in quadruple
-/// precision (113-bit significand), contact by contact from its definition. It shares no code with
-/// core/criterion/contact_error.h nor with any solver: an oracle for claims of convergence. Its
-/// rounding is negligible, 1e-18 of that in double precision. It works through the bodies if A is
-/// diagonal, else by W; NaN without either.
-struct SecondOpinion {
+/// precision (113-bit significand), contact by contact from its definition. On purpose it shares no
+/// code with core/criterion nor with any solver, and repeats all formulas: it judges claims of
+/// convergence. Its rounding is negligible, 1e-18 of that in double precision. It works through the
+/// bodies if A is diagonal, else by W; NaN without either.
+struct IndependentCheck {
   double epsilon = kNaN;
   double eta = kNaN;
   /// The larger one; NaN if either is, or if s has an entry that is not finite.
@@ -21,6 +21,6 @@ struct SecondOpinion {
   bool confirms(double tol) const { return guarded <= tol; }
 };
 
-SecondOpinion second_opinion(const ContactProblem& problem, const Vector& s);
+IndependentCheck independent_check(const ContactProblem& problem, const Vector& s);
 
 }  // namespace bipot

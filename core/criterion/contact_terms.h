@@ -1,0 +1,194 @@
+#pragma once
+
+#include "core/criterion/contact_error.h"
+#include "core/problem/coulomb_cone.h"
+
+namespace bipot {
+
+// The terms of the criterion (contact_error.h) of one contact, for every number type: double, lanes
+// (plane_error.cc), long double and Quadruple (extended_error.cc), and Rounded (rounded.h). Terms
+// are added by `a = a + b`, sums over contacts by `+=`: Rounded distinguishes the two.
+
+template <class Real, int D>
+[[gnu::always_inline]] inline FrameVector<Real, D> operator-(const FrameVector<Real, D>& a,
+                                                             const FrameVector<Real, D>& b) {
+  FrameVector<Real, D> c;
+  each_component<D>([&](int k) { c[k] = a[k] - b[k]; });
+  return c;
+}
+/// a_k / b_k.
+template <class Real, int D>
+[[gnu::always_inline]] inline FrameVector<Real, D> operator/(const FrameVector<Real, D>& a,
+                                                             const FrameVector<Real, D>& b) {
+  FrameVector<Real, D> c;
+  each_component<D>([&](int k) { c[k] = a[k] / b[k]; });
+  return c;
+}
+/// Normal part first, as Eigen adds up three products.
+template <class Real, int D>
+[[gnu::always_inline]] inline Real dot(const FrameVector<Real, D>& a,
+                                       const FrameVector<Real, D>& b) {
+  if constexpr (D == 1) return a[0] * b[0];
+  if constexpr (D == 2) return a[0] * b[0] + a[1] * b[1];
+  if constexpr (D == 3) return a[0] * b[0] + (a[1] * b[1] + a[2] * b[2]);
+}
+
+/// Physical friction coefficient, mu = mu_phys r_t / r_n; r: row_scale of the contact.
+template <class Real, int D>
+[[gnu::always_inline]] inline Real physical_friction(const Real& mu,
+                                                     const FrameVector<Real, D>& r) {
+  if constexpr (D == 1) return mu;
+  if constexpr (D > 1) return mu * r[0] / r[1];
+}
+
+/// The projection of s on the cone, taken in physical variables: the edge of the cone is the same
+/// set in both, the nearest point of the cone is not.
+template <bool kScaled, class Real, int D>
+[[gnu::always_inline]] inline FrameVector<Real, D> physical_projection(
+    const FrameVector<Real, D>& s, const FrameVector<Real, D>& r, const Real& mu) {
+  if constexpr (kScaled) {
+    FrameVector<Real, D> on_cone = onto_cone<D>(s / r, physical_friction(mu, r));
+    each_component<D>([&](int k) { on_cone[k] = on_cone[k] * r[k]; });
+    return on_cone;
+  } else {
+    return onto_cone<D>(s, mu);
+  }
+}
+
+/// Calls f(d, scaled) with integral constants: dimension, and whether the problem has a row_scale.
+template <class F>
+decltype(auto) dispatch_form(const ContactProblem& p, F&& f) {
+  return dispatch_dim(p.dim, [&](auto d) {
+    return p.row_scale.size() != 0 ? f(d, std::true_type{}) : f(d, std::false_type{});
+  });
+}
+
+/// One contact in physical variables, s on the cone.
+template <class Real, int D>
+struct PhysicalContact {
+  FrameVector<Real, D> s, u;
+  Real slip;              ///< |u_t|
+  Real mu, w_nn, rho_nn;  ///< rho_nn = 1 / w_nn
+  Real moved;             ///< what it adds to sᵀ W s
+};
+
+/// Of s, u = W s + b and b in the problem's variables, with physical w_nn and rho_nn. r is read only
+/// if kScaled.
+template <bool kScaled, class Real, int D>
+[[gnu::always_inline]] inline PhysicalContact<Real, D> physical_contact(
+    const FrameVector<Real, D>& s, const FrameVector<Real, D>& u, const FrameVector<Real, D>& b,
+    const FrameVector<Real, D>& r, const Real& mu, const Real& w_nn, const Real& rho_nn) {
+  // sᵀ W s is the same in both variables: (r s)ᵀ (W / r r) (r s).
+  const Real moved = dot(s, u - b);
+  PhysicalContact<Real, D> c{s, u, {}, mu, w_nn, rho_nn, moved};
+  if constexpr (kScaled) {
+    c.s = s / r;
+    c.u = u / r;
+    c.mu = physical_friction(mu, r);
+  }
+  c.slip = tangential_norm<D>(c.u);
+  return c;
+}
+
+/// ½ rho (u_n⁻)², the energy of an approach.
+template <class Real>
+[[gnu::always_inline]] inline Real approach_energy(const Real& rho, const Real& u_n) {
+  const Real closing = positive_part(Real(-u_n));
+  return 0.5 * rho * closing * closing;
+}
+
+/// The terms of D, G and V.
+template <class Real>
+struct LawTerms {
+  Real friction;     ///< mu s_n |u_t|
+  Real excess;       ///< (mu s_n |u_t| + s_t·u_t)₊
+  Real normal;       ///< s_n |u_n|
+  Real penetration;  ///< ½ (u_n⁻)² / W_nn
+};
+
+template <class Real, int D>
+[[gnu::always_inline]] inline LawTerms<Real> law_terms(const PhysicalContact<Real, D>& c) {
+  const Real friction = c.mu * c.s[0] * c.slip;
+  Real excess = friction;
+  if constexpr (D > 1) excess = excess + c.s[1] * c.u[1];
+  if constexpr (D > 2) excess = excess + c.s[2] * c.u[2];
+  return {friction, positive_part(excess), c.s[0] * absolute(c.u[0]),
+          approach_energy(c.rho_nn, c.u[0])};
+}
+
+/// Whether s_n = 0 and u_n >= 0, which is the law exactly: a projection would leave rounding. One
+/// comparison, s_n + u_n⁻ = 0, since g++ splits a conjunction of masks into lanes.
+template <class Real, int D>
+[[gnu::always_inline]] inline auto takes_off(const PhysicalContact<Real, D>& c) {
+  return c.s[0] + positive_part(Real(-c.u[0])) == 0;
+}
+
+/// N = s - P_K(s - rho û).
+template <class Real, int D>
+[[gnu::always_inline]] inline FrameVector<Real, D> natural_map(const PhysicalContact<Real, D>& c,
+                                                               const Real& rho) {
+  FrameVector<Real, D> step = c.u;
+  step[0] = modified_normal(c.u[0], c.slip, c.mu);
+  each_component<D>([&](int k) { step[k] = c.s[k] - rho * step[k]; });
+  return c.s - onto_cone<D>(step, c.mu);
+}
+
+/// ½ W_nn |N|².
+template <class Real, int D>
+[[gnu::always_inline]] inline Real natural_energy(const Real& w_nn, const FrameVector<Real, D>& N) {
+  return 0.5 * w_nn * dot(N, N);
+}
+
+/// What one contact adds to the numerators of epsilon and eta: how the worst one is found.
+template <class Real>
+struct ContactTerms {
+  Real violation;  ///< to G + V                                                   [J]
+  Real natural;    ///< to the natural map's sum; -1 where the contact takes off   [J]
+};
+
+/// Adds the contact to the sums that make epsilon and eta, but for the free one.
+template <class Real, int D>
+[[gnu::always_inline]] inline ContactTerms<Real> add_law_terms(const PhysicalContact<Real, D>& c,
+                                                               const LawTerms<Real>& law,
+                                                               ErrorSumsOf<Real>& e) {
+  const Real gap = law.excess + law.normal;
+  e.friction += law.friction;
+  e.gap += gap;
+  e.penetration += law.penetration;
+  e.moved += c.moved;
+  ContactTerms<Real> terms{gap + law.penetration, Real{} - 1};
+  const auto open = takes_off(c);
+  if (surely(open)) return terms;
+  const Real natural = natural_energy(c.w_nn, natural_map(c, c.rho_nn));
+  e.natural += select(open, Real{}, natural);
+  terms.natural = select(open, terms.natural, natural);
+  return terms;
+}
+
+/// Adds the contact to the sums that make the figures raw42 and natural_map.
+template <class Real, int D>
+[[gnu::always_inline]] inline void add_reported_terms(const PhysicalContact<Real, D>& c,
+                                                      const LawTerms<Real>& law,
+                                                      const Real& rho_nat, ErrorSumsOf<Real>& e) {
+  e.gap_clipped += law.excess + c.s[0] * positive_part(c.u[0]);
+  e.impulse2 += dot(c.s, c.s);
+  const auto open = takes_off(c);
+  if (surely(open)) return;
+  const FrameVector<Real, D> N = natural_map(c, rho_nat);
+  e.natural_rel += select(open, Real{}, dot(N, N));
+}
+
+/// The sums that make epsilon and eta, rounded to double.
+template <class Real>
+ErrorSums in_double(const ErrorSumsOf<Real>& e) {
+  ErrorSums sums;
+  sums.friction = static_cast<double>(e.friction);
+  sums.gap = static_cast<double>(e.gap);
+  sums.penetration = static_cast<double>(e.penetration);
+  sums.natural = static_cast<double>(e.natural);
+  sums.moved = static_cast<double>(e.moved);
+  sums.free_energy = static_cast<double>(e.free_energy);
+  return sums;
+}
+
+}  // namespace bipot

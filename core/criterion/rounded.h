@@ -1,0 +1,105 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/problem/coulomb_cone.h"
+
+namespace bipot {
+
+/// A number in double precision with a bound on its error: a number type for the templates of
+/// contact_terms.h. Every operation hands on the errors of its arguments and adds its own rounding
+/// (running error analysis: Higham, Accuracy and Stability of Numerical Algorithms, §3.3). Exact
+/// numbers convert. A comparison is true where it is certain.
+struct Rounded {
+  static constexpr double kUnit = 0x1p-53;  ///< unit roundoff
+
+  double value = 0;
+  double error = 0;  ///< |value - exact| at most
+
+  Rounded(double exact = 0) : value(exact) {}  // NOLINT(google-explicit-constructor)
+  Rounded(double computed, double bound) : value(computed), error(bound) {}
+
+  explicit operator double() const { return value; }
+
+  /// Adds to a sum over contacts. rounding_bound() accounts for the rounding of these sums, which
+  /// depends on the number of contacts.
+  Rounded& operator+=(const Rounded& x) {
+    value += x.value;
+    error += x.error;
+    return *this;
+  }
+  Rounded operator-() const { return {-value, error}; }
+  friend Rounded operator+(const Rounded& a, const Rounded& b) {
+    return rounded(a.value + b.value, a.error + b.error);
+  }
+  friend Rounded operator-(const Rounded& a, const Rounded& b) { return a + -b; }
+  friend Rounded operator*(const Rounded& a, const Rounded& b) {
+    return rounded(a.value * b.value,
+                   std::abs(a.value) * b.error + a.error * std::abs(b.value) + a.error * b.error);
+  }
+  /// To first order in the error of b.
+  friend Rounded operator/(const Rounded& a, const Rounded& b) {
+    const double quotient = a.value / b.value;
+    return rounded(quotient, (a.error + std::abs(quotient) * b.error) / std::abs(b.value));
+  }
+  friend bool operator==(const Rounded& a, double b) { return a.error == 0 && a.value == b; }
+
+ private:
+  static Rounded rounded(double value, double error) {
+    return {value, error + kUnit * std::abs(value)};
+  }
+};
+
+inline Rounded absolute(const Rounded& x) { return {std::abs(x.value), x.error}; }
+
+/// Exactly 0 where x is certainly negative.
+inline Rounded positive_part(const Rounded& x) {
+  return {std::max(x.value, 0.0), std::clamp(x.value + x.error, 0.0, x.error)};
+}
+
+/// The norm of the components `begin` to D - 1 of the values, with that of their errors: a norm is
+/// off by no more than that.
+template <int D>
+Rounded norm_of(const FrameVector<Rounded, D>& x, int begin) {
+  double value2 = 0, error2 = 0;
+  for (int k = begin; k < D; ++k) {
+    value2 += x[k].value * x[k].value;
+    error2 += x[k].error * x[k].error;
+  }
+  const double norm = std::sqrt(value2);
+  return {norm, std::sqrt(error2) + 2 * Rounded::kUnit * norm};
+}
+
+template <int D>
+Rounded tangential_norm(const FrameVector<Rounded, D>& x) {
+  return norm_of(x, 1);
+}
+
+/// A projection lengthens no difference: each component is off by at most the norm of the errors
+/// of tau, and by some twelve roundings of its own, those of mu included.
+template <int D>
+FrameVector<Rounded, D> onto_cone(const FrameVector<Rounded, D>& tau, const Rounded& mu) {
+  constexpr double kRoundings = 12;
+  FrameVector<double, D> values;
+  for (int k = 0; k < D; ++k) values[k] = tau[k].value;
+  values = onto_cone<D>(values, mu.value);
+  const Rounded norm = norm_of(tau, 0);
+  const double error = norm.error + kRoundings * Rounded::kUnit * norm.value;
+  FrameVector<Rounded, D> s;
+  for (int k = 0; k < D; ++k) s[k] = {values[k], error};
+  return s;
+}
+
+/// The square of a norm, hence the error is kept as that of the norm of the errors.
+template <int D>
+Rounded natural_energy(const Rounded& w_nn, const FrameVector<Rounded, D>& N) {
+  FrameVector<double, D> value, error;
+  for (int k = 0; k < D; ++k) {
+    value[k] = N[k].value;
+    error[k] = N[k].error + 0.5 * w_nn.error / w_nn.value * std::abs(N[k].value);
+  }
+  return {natural_energy(w_nn.value, value), natural_energy(w_nn.value, error)};
+}
+
+}  // namespace bipot

@@ -1,0 +1,237 @@
+#include "solvers/solve_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/large_pages.h"
+#include "core/base/parallel.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+const SolverEntry kNoSolver{};
+
+}  // namespace
+
+SolveRun::SolveRun(ContactSpace& space, const SolverEntry& entry, const SolverOptions& options)
+    : space_(space),
+      entry_(entry),
+      options_(options),
+      parameters_(options.parameters, entry.parameters),
+      free_energy_(space.energy_at_rest()) {
+  if (space.whole() == nullptr) next_poll_ = kPolled;
+}
+
+SolveRun::SolveRun(const ContactProblem& problem, const SolverOptions& options)
+    : own_space_(std::make_unique<WholeSpace>(problem, options.execution.threads)),
+      space_(*own_space_),
+      entry_(kNoSolver),
+      options_(options),
+      parameters_(options.parameters, {}),
+      free_energy_(space_.energy_at_rest()) {}
+
+bool SolveRun::due(int iteration) {
+  if (every_ || options_.stop == StopTest::kImpulse || iteration >= next_ ||
+      iteration >= options_.max_iterations) {
+    return true;
+  }
+  if (iteration < next_poll_) return false;
+  if (space_.whole() == nullptr) next_poll_ = iteration + kPolled;
+  if (out_of_time()) next_ = iteration;
+  return iteration >= next_;
+}
+
+int SolveRun::undue(int iteration, int most) const {
+  if (every_ || options_.stop == StopTest::kImpulse) return 1;
+  return std::clamp(std::min(next_, options_.max_iterations) - iteration, 1, most);
+}
+
+/// Whether the impulse that was judged last meets the stop test; keeps the best one.
+bool SolveRun::accept(double impulse_change) {
+  const double error = last_.guarded();
+  if (error < best_error_) {
+    best_error_ = error;
+    best_s_ = space_.impulse();
+  }
+  if (options_.stop == StopTest::kImpulse) return impulse_change <= options_.tol;
+  return bipot::meets(options_, last_) && space_.prove(options_, space_.impulse(), last_).holds;
+}
+
+bool SolveRun::meets(const Eigen::Ref<const Vector>& s) {
+  last_ = space_.error(s);
+  return accept(std::numeric_limits<double>::infinity());
+}
+
+/// Squared norms, of the rows here, of s and of its change since the iterate judged before, where
+/// that is known. In pieces, so that what is read comes from memory once.
+void SolveRun::replace_previous(const Eigen::Ref<const Vector>& s, bool known, double& norm2,
+                                double& change2) {
+  if (previous_.size() != s.size()) previous_ = large_vector(s.size());
+  for (Eigen::Index first = 0; first < s.size(); first += kPieceItems) {
+    const auto size = std::min<Eigen::Index>(kPieceItems, s.size() - first);
+    const auto now = s.segment(first, size);
+    auto before = previous_.segment(first, size);
+    if (known) {
+      norm2 += now.squaredNorm();
+      change2 += (now - before).squaredNorm();
+    }
+    before = now;
+  }
+}
+
+ContactCount SolveRun::count() {
+  ContactCount count = count_contacts(problem(), space_.impulse());
+  if (space_.whole() != nullptr) return count;
+  double counts[3] = {1.0 * count.take_off, 1.0 * count.stick, 1.0 * count.slip};
+  space_.sum(counts);
+  return {static_cast<int>(counts[0]), static_cast<int>(counts[1]), static_cast<int>(counts[2])};
+}
+
+bool SolveRun::stop(int iteration, const Eigen::Ref<const Vector>& s, double step, bool moving) {
+  iterations_ = iteration;
+  if (!due(iteration)) return false;
+  next_ = next_judged(iteration, portion_, roots_);
+
+  const bool known =
+      previous_.size() == s.size() && previous_iteration_ >= 0 && previous_iteration_ < iteration;
+  const bool comparable = previous_iteration_ >= 0 && previous_iteration_ == iteration - 1;
+  double exact_norm2 = 0, exact_change2 = 0;
+  const bool exact = space_.exact();
+  if (exact && known) {
+    exact_norm2 = space_.dot(s, s);
+    exact_change2 = space_.dot(s - previous_, s - previous_);
+  }
+  // In parallel the norms and the wishes to stop are added up with the criterion's sums.
+  const bool alone = space_.whole() != nullptr;
+  double more[4] = {0, 0, !alone && cancelled_here() ? 1.0 : 0.0,
+                    !alone && late_here() ? 1.0 : 0.0};
+  replace_previous(s, known, more[0], more[1]);
+  last_ = space_.error(s, more);
+  const double norm2 = exact ? exact_norm2 : more[0];
+  const double change2 = exact ? exact_change2 : more[1];
+  // Two iterates at 0 say nothing: 0/0. (0 is no solution here, or solve() had returned it.)
+  const double change =
+      known && norm2 > 0 ? std::sqrt(change2 / norm2) : std::numeric_limits<double>::infinity();
+  const bool met = accept(comparable ? change : std::numeric_limits<double>::infinity());
+
+  if (options_.on_iteration) {
+    options_.on_iteration({.iteration = iteration,
+                           .seconds = seconds(),
+                           .error = last_,
+                           .step = step,
+                           .count = count()});
+  }
+  free_energy_ = divergence_reference(iteration, last_, free_energy_);
+  if (met) {
+    best_s_ = space_.impulse();
+    best_error_ = last_.guarded();
+  }
+  StopVerdict verdict = stop_verdict(options_, {.iteration = iteration,
+                                                .error = last_,
+                                                .best_error = best_error_,
+                                                .free_energy = free_energy_,
+                                                .change = change,
+                                                .moving = moving,
+                                                .met = met});
+  if (verdict.status == SolveStatus::kNotRun) {
+    verdict = out_of_time_verdict(options_, alone ? cancelled_here() : more[2] > 0,
+                                  alone ? late_here() : more[3] > 0, iteration, best_error_);
+  }
+  if (verdict.status != SolveStatus::kNotRun) end(verdict.status, std::move(verdict.message));
+  previous_iteration_ = iteration;
+  return status_ != SolveStatus::kNotRun;
+}
+
+void SolveRun::end(SolveStatus status, std::string message) {
+  status_ = status;
+  message_ = std::move(message);
+}
+
+bool SolveRun::end_if_out_of_time(int iteration) {
+  StopVerdict verdict = out_of_time_verdict(options_, cancelled(), late(), iteration, best_error_);
+  if (verdict.status == SolveStatus::kNotRun) return false;
+  end(verdict.status, std::move(verdict.message));
+  return true;
+}
+
+bool SolveRun::cancelled() { return space_.any(cancelled_here()); }
+
+bool SolveRun::late() { return space_.any(late_here()); }
+
+bool SolveRun::out_of_time() { return space_.any(cancelled_here() || late_here()); }
+
+double SolveRun::remaining_seconds() const {
+  return std::max(0.0, options_.time_limit - seconds());
+}
+
+const Vector& SolveRun::best_impulse() {
+  if (best_s_.size() != problem().num_rows()) {
+    best_s_ = large_vector(problem().num_rows());
+    best_s_.setZero();
+  }
+  return best_s_;
+}
+
+SolveResult SolveRun::nested(const SolverEntry& entry, const SolverOptions& options,
+                             const ErrorShare& share) {
+  return run_solver(entry, space_, options, share, factor_);
+}
+
+SolveResult SolveRun::nested(std::string_view solver, const SolverOptions& options) {
+  return nested(require_solver(solver), options);
+}
+
+SolveResult SolveRun::finish() {
+  if (taken_) return *std::move(taken_);
+  SolveResult result;
+  result.status = status_;
+  result.message = message_ + remarks_;
+  result.s = best_impulse();
+  result.iterations = iterations_;
+  result.setup_seconds = setup_seconds_;
+  result.solve_seconds = seconds() - setup_seconds_;
+  return result;
+}
+
+SolveResult run_solver(const SolverEntry& entry, ContactSpace& space, const SolverOptions& options,
+                       const ErrorShare& share, SystemFactor* factor) {
+  const auto in = [&](ContactSpace& where) {
+    SolveRun run(where, entry, options);
+    run.set_factor(factor);
+    entry.run(run);
+    return run.finish();
+  };
+  if (space.whole() == nullptr) {
+    return runs_on_parts(entry, options) == Parallel::kNo ? space.solve_on_root(entry, options)
+                                                          : in(space);
+  }
+  WholeSpace own(*space.whole(), share);
+  return in(own);
+}
+
+SolveResult run_solver(const SolverEntry& entry, const ContactProblem& problem,
+                       const SolverOptions& options) {
+  WholeSpace space(problem, options.execution.threads);
+  return run_solver(entry, space, options);
+}
+
+Parallel runs_on_parts(const SolverEntry& entry, const SolverOptions& options) {
+  if (entry.parallel == nullptr) return Parallel::kNo;
+  return entry.parallel(Parameters(options.parameters, entry.parameters));
+}
+
+void require_common(ContactSpace& space, const std::exception& failure) {
+  if (space.whole() == nullptr && dynamic_cast<const CommonFailure*>(&failure) == nullptr) throw;
+}
+
+std::function<void(SolveRun&)> run_of(
+    std::function<SolveResult(const ContactProblem&, const SolverOptions&)> solver) {
+  return [solver = std::move(solver)](SolveRun& run) {
+    run.take(solver(run.problem(), run.options()));
+  };
+}
+
+}  // namespace bipot

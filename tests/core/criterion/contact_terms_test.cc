@@ -1,0 +1,90 @@
+#include "core/criterion/contact_terms.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/criterion/rounded.h"
+
+namespace bipot {
+namespace {
+
+template <class Real, int D>
+FrameVector<Real, D> as(const FrameVector<double, D>& x) {
+  FrameVector<Real, D> y;
+  each_component<D>([&](int k) { y[k] = Real(x[k]); });
+  return y;
+}
+
+/// Terms of a scaled contact with any numbers: s drawn, projected on the cone in physical variables.
+template <class Real, int D>
+ErrorSumsOf<Real> terms_of(unsigned seed, double mu) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> any(-1, 1), positive(0.1, 2);
+  FrameVector<double, D> s, u, b, r;
+  for (auto* x : {&s, &u, &b}) each_component<D>([&](int k) { (*x)[k] = any(random); });
+  r[0] = positive(random);
+  for (int k = 1; k < D; ++k) r[k] = k == 1 ? positive(random) : r[1];
+  const Real w_nn = positive(random), rho_nn = 1 / w_nn;
+  const auto on_cone = physical_projection<true>(as<Real>(s), as<Real>(r), Real(mu));
+  const auto contact = physical_contact<true>(on_cone, as<Real>(u), as<Real>(b), as<Real>(r),
+                                              Real(mu), w_nn, rho_nn);
+  ErrorSumsOf<Real> sums;
+  add_law_terms(contact, law_terms(contact), sums);
+  add_reported_terms(contact, law_terms(contact), Real(0.3), sums);
+  sums.free_energy += approach_energy(rho_nn, Real(b[0]));
+  return sums;
+}
+
+template <class Real>
+std::vector<Real> fields(const ErrorSumsOf<Real>& e) {
+  return {e.friction, e.gap,         e.gap_clipped, e.penetration, e.moved,
+          e.impulse2, e.natural_rel, e.free_energy, e.natural};
+}
+
+template <int D>
+void expect_bounds_to_hold() {
+  for (const double mu : {0.0, 0.4, 30.0}) {
+    for (unsigned seed = 1; seed <= 300; ++seed) {
+      const auto exact = fields(terms_of<Quadruple, D>(seed, mu));
+      const auto extended = fields(terms_of<long double, D>(seed, mu));
+      const auto computed = fields(terms_of<double, D>(seed, mu));
+      const auto rounded = fields(terms_of<Rounded, D>(seed, mu));
+      for (std::size_t k = 0; k < exact.size(); ++k) {
+        EXPECT_EQ(rounded[k].value, computed[k]) << "the same formulas";
+        double error = rounded[k].error;
+        // Its error is the square of a norm's, which is to be added to the norm.
+        if (k + 1 == exact.size()) error += 2 * std::sqrt(error * rounded[k].value);
+        EXPECT_LE(static_cast<double>(absolute<Quadruple>(computed[k] - exact[k])), error)
+            << "d = " << D << ", mu = " << mu << ", seed " << seed << ", sum " << k;
+        EXPECT_LE(rounded[k].error, 1e-11 * (1 + mu * mu));
+        EXPECT_LE(static_cast<double>(absolute<Quadruple>(extended[k] - exact[k])), error / 1000);
+      }
+    }
+  }
+}
+
+// The same formulas for all number types: they differ by rounding alone, within its bound.
+TEST(ContactTerms, NumberTypesDifferByTheirRounding) {
+  expect_bounds_to_hold<1>();
+  expect_bounds_to_hold<2>();
+  expect_bounds_to_hold<3>();
+}
+
+// s = 0 and u_n >= 0 is the law exactly. Within the error of u_n the natural map is bounded instead.
+TEST(ContactTerms, ARoundedContactTakesOffWhereThatIsCertain) {
+  PhysicalContact<Rounded, 2> c{{}, {}, 0, 0.5, 2, 0.5, 0};
+  c.u[0] = {1e-3, 1e-4};
+  EXPECT_TRUE(takes_off(c));
+  c.u[0] = {1e-5, 1e-4};
+  EXPECT_FALSE(takes_off(c));
+  ErrorSumsOf<Rounded> sums;
+  add_law_terms(c, law_terms(c), sums);
+  EXPECT_EQ(sums.natural.value, 0);
+  EXPECT_GT(sums.natural.error, 0);
+  c.s[0] = {1e-3, 1e-6};
+  EXPECT_FALSE(takes_off(c));
+}
+
+}  // namespace
+}  // namespace bipot
