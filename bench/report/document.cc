@@ -225,6 +225,7 @@ std::string to_text(const Document& document) {
   std::string out;
   if (!document.title.empty()) out += document.title + '\n';
   write_blocks(out, document.blocks);
+  for (std::size_t at; (at = out.find("\n\n\n")) != std::string::npos;) out.erase(at, 1);
   return out;
 }
 

@@ -124,15 +124,15 @@ std::string to_text(const SeveralAnswers& found) {
   if (!found.answers.empty()) {
     Table table{.columns = {{.name = "answer", .show = count_label},
                             {.name = "starts", .show = count_label},
-                            {.name = "error", .show = error_label},
-                            {.name = "kinetic", .show = value_label, .unit = "J"},
+                            {.name = "error", .show = compact_label},
+                            {.name = "energy", .show = value_label, .unit = "J"},
                             {.name = "open", .show = count_label},
                             {.name = "stick", .show = count_label},
                             {.name = "slip", .show = count_label},
-                            {.name = "velocity", .show = error_label},
-                            {.name = "fastest", .show = error_label},
-                            {.name = "kinetic", .show = error_label},
-                            {.name = "force", .show = error_label},
+                            {.name = "velocity", .show = compact_label},
+                            {.name = "fastest", .show = compact_label},
+                            {.name = "energy", .show = compact_label},
+                            {.name = "force", .show = compact_label},
                             {.name = "contacts", .show = count_label}},
                 .note =
                     "From velocity on: how far from answer 1, relative: velocities in the "

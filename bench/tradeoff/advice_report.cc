@@ -63,9 +63,9 @@ void add_errors(std::vector<TableCell>& cells, const Accuracy& error) {
 }
 
 std::vector<TableColumn> error_columns() {
-  return {{.name = "force", .show = error_label},
-          {.name = "penetr.", .show = error_label},
-          {.name = "energy", .show = error_label}};
+  return {{.name = "force", .show = compact_label},
+          {.name = "penetr.", .show = compact_label},
+          {.name = "energy", .show = compact_label}};
 }
 
 void append(std::vector<TableColumn>& columns, std::vector<TableColumn> more) {
