@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <type_traits>
 
@@ -47,7 +48,7 @@ template <class Real>
 template <class Real>
 [[gnu::always_inline]] inline Real root(const Real& x) {
   if constexpr (std::is_floating_point_v<Real>) {
-    return std::sqrt(x);
+    return Eigen::numext::sqrt(x);  // Eigen's has no test for errno
   } else {
     // A step of Newton's method doubles the digits of the root in long double.
     const Real near = std::sqrt(static_cast<long double>(x));

@@ -60,14 +60,13 @@ template <int D, class V, class Real>
     const Real tn = tau[0], tt = tangential_norm<D>(tau);
     if (mu * tt <= -tn) {
       each_component<D>([&](int k) { s[k] = Real(0); });
-    } else if (tt <= mu * tn) {
-      s = tau;
-    } else {
-      s[0] = (tn + mu * tt) / (1 + mu * mu);
-      const Real shrink = mu * s[0] / tt;
-      s[1] = shrink * tau[1];
-      s[2] = shrink * tau[2];
+      return s;
     }
+    if (tt <= mu * tn) return tau;
+    s[0] = (tn + mu * tt) / (1 + mu * mu);
+    const Real shrink = mu * s[0] / tt;
+    s[1] = shrink * tau[1];
+    s[2] = shrink * tau[2];
   }
   return s;
 }
