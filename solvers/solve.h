@@ -1,10 +1,7 @@
 #pragma once
 
-#include <string>
 #include <string_view>
 
-#include "core/base/stopwatch.h"
-#include "solvers/contact_space.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -22,15 +19,5 @@ SolveResult solve(std::string_view solver, const ContactProblem& problem,
 /// The same for an entry that need not stand in the registry.
 SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
                   SolverOptions options = {});
-
-// The parts of it, for whoever makes the space himself:
-
-/// Why solve() refuses, in a sentence; empty where it does not. `problem`: the contacts that are
-/// here.
-std::string refusal(const SolverEntry& entry, const ContactProblem& problem,
-                    const SolverOptions& options);
-/// All but the refusals. `watch`: runs since the set-up began. Collective.
-SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const SolverOptions& options,
-                     const Stopwatch& watch);
 
 }  // namespace bipot

@@ -174,6 +174,16 @@ SolveResult run_solver(const SolverEntry& entry, const ContactProblem& problem,
 /// parameters that it does not have.
 Parallel runs_on_parts(const SolverEntry& entry, const SolverOptions& options);
 
+// The parts of solve() (solve.h), for callers who make the space:
+
+/// Why solve() refuses, in a sentence; empty where it does not. `problem`: the contacts that are
+/// here.
+std::string refusal(const SolverEntry& entry, const ContactProblem& problem,
+                    const SolverOptions& options);
+/// All but the refusals. `watch`: runs since the set-up began. Collective.
+SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const SolverOptions& options,
+                     const Stopwatch& watch);
+
 /// For callers who go on after a failure: throws it again where not all processes know of it.
 void require_common(ContactSpace& space, const std::exception& failure);
 

@@ -1,5 +1,7 @@
 # Installs the build, builds the programs of tests/consumer against the package alone, and runs them
 # and the command. The installed headers are few, and include no other headers of the project.
+cmake_minimum_required(VERSION 3.25)
+
 set(prefix ${BUILD}/install_test)
 file(REMOVE_RECURSE ${prefix} ${BUILD}/consumer_test)
 set(check COMMAND_ERROR_IS_FATAL ANY)

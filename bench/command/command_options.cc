@@ -42,8 +42,7 @@ void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
 
 void add_untrusted_flag(CommandDeclaration& command, bool& untrusted) {
   command.flag("--untrusted", untrusted,
-               "Check the structure and sizes of HDF5 files before reading them; damage that the "
-               "HDF5 library does not notice can still end the program");
+               "Check HDF5 files before reading; unseen damage can still end bipot");
 }
 
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {

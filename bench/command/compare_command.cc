@@ -53,8 +53,7 @@ CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags) {
   command.flag("--try-all", flags.try_all,
                "Run solvers also after they were out of time at a looser tolerance or on a "
                "smaller problem of the series");
-  command.flag("--warm", flags.warm,
-               "Beside each row the same from the step before, where a file or scene has it");
+  command.flag("--warm", flags.warm, "Beside each row the same from the step before, where known");
   command
       .option("--scene-problems", flags.scene_problems,
               "Steps of a scene or a moving family (3; quick 1)")

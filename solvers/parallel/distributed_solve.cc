@@ -11,7 +11,6 @@
 #include "solvers/parallel/distributed_space.h"
 #include "solvers/parallel/whole_problem.h"
 #include "solvers/registry.h"
-#include "solvers/solve.h"
 #include "solvers/solve_run.h"
 
 namespace bipot {
