@@ -26,7 +26,7 @@ double WholeSpace::norm_bound(const Vector& scale) {
 ProvedClaim WholeSpace::prove(const SolverOptions& options, const Eigen::Ref<const Vector>& s,
                               const ContactError& error) {
   if (options.stop != StopTest::kGuarded || problem_.num_contacts() == 0) return {};
-  // A solver's last iterate comes here again with the result of solve().
+  // A solver's last iterate returns here with the result of solve().
   const bool plain = share_ == ErrorShare{};
   const bool known = plain && proof_->tol == options.tol && s.size() == proof_->impulse.size() &&
                      s == proof_->impulse;

@@ -15,91 +15,90 @@ namespace bipot {
 class DistributedSpace;  // solvers/parallel/distributed_space.h
 class WholeSpace;
 
-/// A failure that every process knows of and throws at the same place: nobody waits for anybody.
-/// Whatever else one process throws must end them all (solvers/parallel/petsc_group.h).
+/// A failure that every process knows of and throws at the same place, so that no process waits.
+/// Any other exception of one process must end them all (solvers/parallel/petsc_group.h).
 class CommonFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Where the impulses and velocities of a problem live: products with W, sums over all contacts,
-/// and the criterion. Vectors have the rows of problem(), which are all of them on one process
-/// (WholeSpace), or those of this process's contacts (DistributedSpace). Functions that are not
-/// const are collective: every process calls them, in the same order. One caller at a time.
+/// The space of a problem's impulses and velocities: products with W, sums over all contacts, and
+/// the criterion. Vectors have the rows of problem(): all of them on one process (WholeSpace), or
+/// those of this process's contacts (DistributedSpace). Functions that are not const are
+/// collective: every process calls them, in the same order. One caller at a time.
 class ContactSpace {
  public:
   virtual ~ContactSpace() = default;
   ContactSpace(const ContactSpace&) = delete;
   ContactSpace& operator=(const ContactSpace&) = delete;
 
-  /// The contacts that are here.
+  /// The contacts of this process.
   virtual const ContactProblem& problem() const = 0;
-  /// How many contacts all processes have.
+  /// Number of contacts of all processes.
   virtual int whole_contacts() const = 0;
-  /// Numbers in the whole of the contacts that are here, ascending; null: all are.
+  /// Numbers in the whole of the contacts of this process, ascending; null: all are here.
   virtual const std::vector<int>* numbers() const { return nullptr; }
-  /// This space where one process has the whole, else null; and where the problem lies on several.
+  /// This space if one process has the whole, else null; and in parallel.
   virtual WholeSpace* whole() { return nullptr; }
   virtual DistributedSpace* parts() { return nullptr; }
 
-  /// Diagonal of W, in the rows that are here.
+  /// Diagonal of W, in the rows of this process.
   virtual Vector diagonal() const = 0;
   /// u = W s.
   virtual void apply(const Vector& s, Vector& u) = 0;
   /// u = W s + u_free.
   virtual void velocity(const Vector& s, Vector& u) = 0;
-  /// ‖diag(scale) W diag(scale)‖_inf, an upper bound of the largest eigenvalue. Assembles W where
-  /// the problem does not bring it: the cheaper bound from |H| would depend on the scene's
-  /// direction.
+  /// ‖diag(scale) W diag(scale)‖_inf, an upper bound of the largest eigenvalue. Assembles W if the
+  /// problem has none: the cheaper bound from |H| would depend on the orientation of the scene.
   virtual double norm_bound(const Vector& scale) = 0;
 
   virtual double dot(const Vector& a, const Vector& b) = 0;
   virtual double norm(const Vector& a) = 0;
-  /// Of the first `size` columns with f.
+  /// Products of the first `size` columns with f.
   virtual Vector products(const Eigen::MatrixXd& columns, int size, const Vector& f) = 0;
-  /// Sums, and largest values, over all processes of what each has.
+  /// Sums, and largest values, over all processes.
   virtual void sum(std::span<double> values) = 0;
   virtual void largest(std::span<double> values) = 0;
-  /// Whether any process says so.
+  /// True if `mine` is true on any process.
   bool any(bool mine) {
     double value = mine ? 1 : 0;
     largest({&value, 1});
     return value > 0;
   }
-  /// Whether all sums are exact, with the same bits for any number of processes.
+  /// True if all sums are exact, with the same bits for any number of processes.
   virtual bool exact() const { return false; }
 
-  /// The criterion of the whole: projects s, takes its velocity, judges. `more`: numbers of each
-  /// process that become their sums, in the same reduction. The worst contacts may be left open
-  /// (-1).
+  /// The criterion of the whole: projects s, computes its velocity, judges. `more`: numbers of each
+  /// process that are summed in the same reduction. The worst contacts may be unknown (-1).
   virtual ContactError error(const Eigen::Ref<const Vector>& s, std::span<double> more = {}) = 0;
   /// Finds the worst contacts of the last error().
   virtual void find_worst(ContactError&) {}
   /// Projected impulse and its velocity of the last error().
   virtual const Vector& impulse() const = 0;
   virtual const Vector& impulse_velocity() const = 0;
-  /// The criterion's energy where s = 0.
+  /// The criterion's energy for s = 0.
   virtual double energy_at_rest() = 0;
-  /// Releases what error() works in, until the next time.
+  /// Releases the scratch memory of error(), until the next call.
   virtual void rest() {}
-  /// prove_claim() of the impulse s: the same answer on all processes.
+  /// prove_claim() of the impulse s: the same result on all processes.
   virtual ProvedClaim prove(const SolverOptions& options, const Eigen::Ref<const Vector>& s,
                             const ContactError& error) = 0;
-  /// Of a problem that lies on several processes: solve() on the first one, with the whole problem.
+  /// In parallel: solve() on the root process, with the whole problem.
   virtual SolveResult solve_on_root(const SolverEntry&, const SolverOptions&) { return {}; }
 
  protected:
   ContactSpace() = default;
 };
 
-/// A problem that one process has. Keeps a reference to it. What is made of the problem once is
-/// shared by all spaces that are made of one another: the operator, the criterion's weights and the
-/// last claim that was proved.
+/// A problem on one process. Keeps a reference to it. Data made once from the problem are shared by
+/// all spaces made from one another: the operator, the criterion's weights and the last proved
+/// claim.
 class WholeSpace final : public ContactSpace {
  public:
   explicit WholeSpace(const ContactProblem& problem, int threads = 1, const ErrorShare& share = {});
   explicit WholeSpace(ContactProblem&&, int = 1, const ErrorShare& = {}) = delete;  // would dangle
-  /// One more for the problem of `made`, for another caller, which judges with a share of its own.
+  /// Another space for the problem of `made`, for another caller, which judges with a share of its
+  /// own.
   WholeSpace(const WholeSpace& made, const ErrorShare& share);
 
   const ContactProblem& problem() const override { return problem_; }
@@ -133,7 +132,7 @@ class WholeSpace final : public ContactSpace {
                     const ContactError& error) override;
 
  private:
-  /// The last claim that was proved, judged without a share.
+  /// The last proved claim, judged without a share.
   struct Proof {
     double tol = kNaN;
     Vector impulse;

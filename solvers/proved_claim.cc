@@ -24,8 +24,8 @@ ProvedClaim prove_claim(const ContactProblem& p, const SolverOptions& options,
   const double extended = extended_guarded_error(p, s, share, threads);
   const double hidden_there = hidden(Precision::kExtended);
   claim.error = extended + hidden_there;
-  // In software only where the figure lies within its own rounding and that is no trifle: where it
-  // is one, the solver's next iterate is as good, and not at the tolerance to five digits.
+  // In software only if the error lies within its own rounding and matters. Else the solver's next
+  // iterate is as good, and not at the tolerance to five digits.
   const bool trifle = hidden_there <= kTrifle * options.tol;
   if (claim.error > options.tol && !(extended - hidden_there > options.tol) && !trifle) {
     claim.error = quadruple_guarded_error(p, s, share, threads) + hidden(Precision::kQuadruple);

@@ -20,12 +20,10 @@ const SolverEntry& require_solver(std::string_view name);
 
 std::vector<std::string> solver_names();
 
-/// The same solver on each part of a problem that is not coupled with the others, one by one
-/// (auto/islands.h).
+/// The same solver on each uncoupled part of a problem, one by one (auto/islands.h).
 SolverEntry on_islands(const SolverEntry& entry);
 
-/// For a name that find_solver() does not know: the nearest one, or the build option that this
-/// build lacks.
+/// For a name unknown to find_solver(): the nearest one, or the build option that this build lacks.
 std::string unknown_solver_message(std::string_view name);
 
 }  // namespace bipot

@@ -26,8 +26,8 @@ SolveResult refuse(std::string message) {
   return result;
 }
 
-/// Judges result.s, writes s, u and error, withdraws false claims, and those that only the rounding
-/// of the criterion supports.
+/// Judges result.s and writes s, u and error. Withdraws false claims, and those that only the
+/// rounding of the criterion supports.
 void judge(ContactSpace& space, const SolverOptions& options, SolveResult& result) {
   const Eigen::Index rows = space.problem().num_rows();
   if (space.any(result.s.size() != rows)) {
@@ -46,7 +46,7 @@ void judge(ContactSpace& space, const SolverOptions& options, SolveResult& resul
   result.s = space.impulse();
   result.u = space.impulse_velocity();
 
-  // Where there is nothing to do the raw (42) is 0/0: that claim is judged by the guarded error.
+  // Without contacts or violation the raw (42) is 0/0: that claim is judged by the guarded error.
   const bool raw = options.stop == StopTest::kRaw42 && result.status == SolveStatus::kConverged;
   const double measured = raw ? result.error.raw42 : result.error.guarded();
   const bool verifiable =
@@ -91,8 +91,8 @@ SolveResult run(ContactSpace& space, const SolverEntry& entry, const SolverOptio
   return result;
 }
 
-/// The power of two that brings the free motion's energies u²/W_nn near 1 where they are beyond
-/// what squares can hold; 0 for all but the most extreme data. Exact: the law is homogeneous.
+/// The power of two that brings the free motion's energies u²/W_nn near 1 if their squares overflow
+/// or underflow; 0 for all but extreme data. Exact: the law is homogeneous.
 int velocity_exponent(const ContactProblem& p) {
   constexpr int kSafe = 800;  // of 1022 binary decades
   bool any = false;
@@ -116,7 +116,8 @@ int velocity_exponent(const ContactProblem& p) {
   return std::abs(highest) <= kSafe ? 0 : -highest / 2;
 }
 
-/// Solves the problem with all velocities and impulses times 2^exponent, and takes it out again.
+/// Solves the problem with all velocities and impulses times 2^exponent, and converts the result
+/// back.
 SolveResult solve_in_other_units(const SolverEntry& entry, ContactProblem problem,
                                  SolverOptions options, int exponent) {
   const auto scale = [](Vector& x, int by) {
@@ -146,7 +147,7 @@ SolveResult solve_with_islands_as_named(const SolverEntry& entry, const ContactP
   return solve(entry, problem, std::move(options));
 }
 
-/// Whether the entry looks at SolverOptions::islands itself.
+/// True if the entry reads SolverOptions::islands itself.
 bool looks_at_islands(const SolverEntry& entry) {
   return std::any_of(entry.parameters.begin(), entry.parameters.end(),
                      [](const ParameterSpec& s) { return s.name == kIslandsParameter.name; });
@@ -211,8 +212,8 @@ SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const Solver
     space.rest();  // until the end
     result.s = Vector();
     const auto run_with = [&](const SolverOptions& how) { result = run(space, entry, how); };
-    // The impulses of jammed bodies at rest in the step before may be beyond all measure of this
-    // one: no solver comes back from there with a digit that counts.
+    // Impulses of jammed bodies at rest in the previous step may be huge beside this one: no solver
+    // recovers from there with significant digits.
     if (start && start->energy > kDivergenceFactor * none.energy) {
       SolverOptions from_zero = options;
       from_zero.s0 = Vector();
@@ -250,7 +251,7 @@ SolveResult solve(const SolverEntry& given_entry, const ContactProblem& problem,
     const SolverEntry entry = cut ? on_islands(given_entry) : given_entry;
     const ContactProblem* given = &problem;
     ContactProblem with_delassus;
-    // With a general A the operator is W itself: assembled once, for everybody in this solve.
+    // With a general A the operator is W itself: assembled once for this solve.
     const bool can_assemble = !problem.has_delassus() && problem.has_velocities();
     if (can_assemble && (entry.needs_delassus || !is_diagonal(problem.A))) {
       with_delassus = problem;

@@ -6,17 +6,17 @@
 
 namespace bipot {
 
-/// Runs the named solver on the problem: validates the problem and the options, returns at once
-/// where there is nothing to do or the start already meets the stop test (0 iterations), runs,
-/// projects the returned impulse on K_mu, and judges it on the original data. A claim of
-/// convergence that does not hold there is withdrawn (kNumericalFailure, with both figures in the
-/// message). Never throws for bad input, a failing solver or where memory
-/// runs out, OpenBLAS's buffer included: the status and the message say it. The options by value: a
-/// start that is moved in is not held twice.
+/// Runs the named solver on the problem. It validates the problem and the options. It returns at
+/// once if there are no contacts or the start already meets the stop test (0 iterations). It runs
+/// the solver, projects the returned impulse on K_mu, and judges it on the original data. A claim
+/// of convergence that does not hold there is withdrawn (kNumericalFailure, with both figures in
+/// the message). Never throws, neither for bad input nor a failing solver nor for lack of memory,
+/// that of OpenBLAS's buffer included: the status and the message report it. The options are passed
+/// by value, so that a start that is moved in is not stored twice.
 SolveResult solve(std::string_view solver, const ContactProblem& problem,
                   SolverOptions options = {});
 
-/// The same for an entry that need not stand in the registry.
+/// The same for an entry that need not be in the registry.
 SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
                   SolverOptions options = {});
 

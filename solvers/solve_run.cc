@@ -49,7 +49,7 @@ int SolveRun::undue(int iteration, int most) const {
   return std::clamp(std::min(next_, options_.max_iterations) - iteration, 1, most);
 }
 
-/// Whether the impulse that was judged last meets the stop test; keeps the best one.
+/// True if the impulse judged last meets the stop test; stores the best one.
 bool SolveRun::accept(double impulse_change) {
   const double error = last_.guarded();
   if (error < best_error_) {
@@ -65,8 +65,8 @@ bool SolveRun::meets(const Eigen::Ref<const Vector>& s) {
   return accept(std::numeric_limits<double>::infinity());
 }
 
-/// Squared norms, of the rows here, of s and of its change since the iterate judged before, where
-/// that is known. In pieces, so that what is read comes from memory once.
+/// Squared norms, over the rows of this process, of s and of its change since the iterate judged
+/// before, if that is known. In parts, so that data come from memory once.
 void SolveRun::replace_previous(const Eigen::Ref<const Vector>& s, bool known, double& norm2,
                                 double& change2) {
   if (previous_.size() != s.size()) previous_ = large_vector(s.size());
@@ -112,7 +112,7 @@ bool SolveRun::stop(int iteration, const Eigen::Ref<const Vector>& s, double ste
   last_ = space_.error(s, more);
   const double norm2 = exact ? exact_norm2 : more[0];
   const double change2 = exact ? exact_change2 : more[1];
-  // Two iterates at 0 say nothing: 0/0. (0 is no solution here, or solve() had returned it.)
+  // Two iterates at 0 give 0/0. (0 is no solution here, or solve() would have returned it.)
   const double change =
       known && norm2 > 0 ? std::sqrt(change2 / norm2) : std::numeric_limits<double>::infinity();
   const bool met = accept(comparable ? change : std::numeric_limits<double>::infinity());

@@ -13,42 +13,41 @@
 
 namespace bipot {
 
-/// One run of a solver: the space that it works in, its options and parameters, the clock, and the
-/// judge of its iterates, who decides when to stop. For one process and for several, which stop at
-/// the same iteration: whether one is out of time or was interrupted is asked with every judgement
-/// and every kPolled iterations.
+/// One run of a solver: its space, options and parameters, the clock, and the judge that decides
+/// when to stop. In parallel all processes stop at the same iteration: time and interruption are
+/// checked with every judgement and every kPolled iterations.
 ///
-/// Cadence: whenever the count k has grown by its root (the least that evaluations and iterations
-/// cost together) or, from k = 1024 on, by 1/32: the reported count is exact to 1/root k, then to 3
-/// %; solvers whose iteration is a factorisation have every one judged, `assor` one in 16 at last,
-/// where it streams through memory by three roots, 3/root k, before, and one in six where it takes
-/// stresses out. The impulse test compares consecutive iterates and is therefore evaluated at every
-/// iteration.
+/// Cadence: an iterate is judged when the count k has grown by its root (which minimises the cost
+/// of evaluations and iterations) or, from k = 1024 on, by 1/32. The reported count is then exact
+/// to 1/root k, later to 3 %. Solvers whose iteration is a factorisation have every iterate judged.
+/// `assor` has one in 16 judged at last; before, on streamed packings, the interval is three roots,
+/// and with deflation one in six. The impulse test compares consecutive iterates; it is evaluated
+/// at every iteration.
 ///
 /// The run keeps the best iterate by the guarded error; a solve that stops early returns it.
 class SolveRun {
  public:
-  /// Keeps references. Time counts from here.
+  /// Keeps references. Time counts from construction.
   SolveRun(ContactSpace& space, const SolverEntry& entry, const SolverOptions& options);
-  /// Of no solver of the table, on a problem that one process has.
+  /// For a solver outside the table, on a problem of one process.
   SolveRun(const ContactProblem& problem, const SolverOptions& options);
   SolveRun(ContactProblem&&, const SolverOptions&) = delete;  // would dangle
   SolveRun(const SolveRun&) = delete;
   SolveRun& operator=(const SolveRun&) = delete;
 
   ContactSpace& space() { return space_; }
-  /// The contacts that are here.
+  /// The contacts of this process.
   const ContactProblem& problem() const { return space_.problem(); }
   const SolverEntry& entry() const { return entry_; }
   const SolverOptions& options() const { return options_; }
   const Parameters& parameters() const { return parameters_; }
-  /// options.s0, or 0, in the rows that are here.
+  /// options.s0, or 0, in the rows of this process.
   Vector start() const { return start_of(problem(), options_); }
 
-  // Where one process has the whole problem:
+  // If one process has the whole problem:
   WholeSpace& whole() { return *space_.whole(); }
   const DelassusOperator& delassus() { return whole().delassus(); }
-  /// Factors the run's linear systems on all processes; null: this process does.
+  /// Factors the run's linear systems in parallel; null: this process factors alone.
   SystemFactor* factor() {
     factor_asked_ = true;
     return factor_;
@@ -57,11 +56,10 @@ class SolveRun {
   bool factor_was_asked() const { return factor_asked_; }
 
   /// For solvers whose iteration is a factorisation or more: every one is judged, whatever the
-  /// count, so that no stage of theirs is blind.
+  /// count, so that every stage sees its errors.
   void judge_every_iteration() { every_ = true; }
-  /// Half as often as others: few iterations, each cheaper than judging it. `much_cheaper`: as
-  /// where both stream through memory, the iteration once for several sweeps; a third as often
-  /// before.
+  /// Half as often as others: few iterations, each cheaper than judging it. `much_cheaper`: as for
+  /// both streaming through memory, the iteration once for several sweeps; a third as often before.
   void judge_half_as_often(bool much_cheaper = false) {
     portion_ = kJudgedPortion / 2;
     roots_ = much_cheaper ? 3 : 1;
@@ -70,28 +68,28 @@ class SolveRun {
   /// The next iterate is judged, whatever the cadence.
   void judge_next() { next_ = 0; }
 
-  /// Whether this iteration is judged; so is the one at which the caller or the clock ends the
-  /// solve. A solver that must do work to form s asks first.
+  /// True if this iteration is judged; so is the last one of a solve that the caller or the clock
+  /// ends. Ask first if forming s costs work.
   bool due(int iteration);
 
-  /// Iterations from `iteration` on to the next one that is judged, 1 to `most`: a solver may do so
-  /// many before it asks again. A caller's Ctrl-C and the time limit wait for them.
+  /// Number of iterations from `iteration` on to the next judged one, 1 to `most`: a solver may do
+  /// these without asking. A caller's Ctrl-C and the time limit wait for them.
   int undue(int iteration, int most) const;
 
-  /// Call after every iteration (iteration = number of completed iterations). True: stop now.
-  /// Does nothing unless due(iteration). `step` goes into the history. `moving`: the solver has a
-  /// state beside s (multipliers) that still changes, so that an equal s is not a stall.
+  /// Call after every iteration (iteration = number of completed iterations). True: stop now. No
+  /// effect unless due(iteration). `step` goes into the history. `moving`: a state of the solver
+  /// beside s (multipliers) still changes, so that an equal s is no stall.
   bool stop(int iteration, const Eigen::Ref<const Vector>& s,
             double step = std::numeric_limits<double>::quiet_NaN(), bool moving = false);
 
-  /// For solvers that find out by themselves that they are at their end, good or bad.
+  /// For solvers that detect their end themselves, successful or not.
   void end(SolveStatus status, std::string message);
 
-  /// Ends the solve where the caller asked for it (kInterrupted) or the time is over (kTimeLimit);
-  /// true: stop now. For work that stop() does not see, such as an inner solver that came back.
+  /// Ends the solve if the caller asked for it (kInterrupted) or the time is over (kTimeLimit);
+  /// true: stop now. For work outside of stop(), such as an inner solver that has returned.
   bool end_if_out_of_time(int iteration);
 
-  /// Judges s now, whatever the cadence, without stopping: true when it meets the stop test.
+  /// Judges s now, whatever the cadence, without stopping: true if it meets the stop test.
   bool meets(const Eigen::Ref<const Vector>& s);
 
   /// Guarded error of the last judged iterate and of the best one.
@@ -103,21 +101,21 @@ class SolveRun {
   double seconds() const { return watch_.seconds(); }
   bool cancelled();    ///< the caller asked to stop
   bool late();         ///< the time limit is reached
-  bool out_of_time();  ///< one or the other, for loops within an iteration
+  bool out_of_time();  ///< either of them, for loops within an iteration
   double remaining_seconds() const;
-  /// Ends the set-up phase: seconds so far are reported as setup_seconds.
+  /// Ends the set-up phase: seconds so far become setup_seconds.
   void end_setup() { setup_seconds_ = seconds(); }
 
-  /// For solvers that count otherwise than stop() was told.
+  /// For solvers whose count differs from that of stop().
   void set_iterations(int iterations) { iterations_ = iterations; }
-  /// Added to the message of the result.
+  /// Adds text to the message of the result.
   void remark(const std::string& text) { remarks_ += text; }
-  /// For solvers that have their result from elsewhere: it is that of the run.
+  /// For solvers with a result from elsewhere: it becomes that of the run.
   void take(SolveResult result) { taken_ = std::move(result); }
 
-  /// Another solver on the same problem, from options.s0, without the last judgement of solve().
-  /// Where the problem lies on several processes and the solver runs on one, on the first. `share`:
-  /// how much of the tolerance the whole problem may use up as a part of a larger one.
+  /// Another solver on the same problem, from options.s0, without the last judgement of solve(). In
+  /// parallel a solver for one process runs on the root process. `share`: part of the tolerance
+  /// that this problem may use as a part of a larger one.
   SolveResult nested(const SolverEntry& entry, const SolverOptions& options,
                      const ErrorShare& share = {});
   /// The same for a row of the table.
@@ -163,15 +161,14 @@ class SolveRun {
   std::optional<SolveResult> taken_;
 };
 
-/// A run of `entry` from beginning to end: what solve() does without its refusals and its last
-/// judgement. In a space of its own that is made of the one given, where that has the whole.
+/// A whole run of `entry`: solve() without its refusals and its last judgement. In a space of its
+/// own made from the given one, if that has the whole.
 SolveResult run_solver(const SolverEntry& entry, ContactSpace& space, const SolverOptions& options,
                        const ErrorShare& share = {}, SystemFactor* factor = nullptr);
 SolveResult run_solver(const SolverEntry& entry, const ContactProblem& problem,
                        const SolverOptions& options);
 
-/// How the entry runs with these options where the problem lies on several processes. Throws on
-/// parameters that it does not have.
+/// How the entry runs with these options in parallel. Throws for unknown parameters.
 Parallel runs_on_parts(const SolverEntry& entry, const SolverOptions& options);
 
 // The parts of solve() (solve.h), for callers who make the space:
@@ -184,7 +181,7 @@ std::string refusal(const SolverEntry& entry, const ContactProblem& problem,
 SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const SolverOptions& options,
                      const Stopwatch& watch);
 
-/// For callers who go on after a failure: throws it again where not all processes know of it.
+/// For callers who continue after a failure: rethrows it unless all processes know of it.
 void require_common(ContactSpace& space, const std::exception& failure);
 
 }  // namespace bipot

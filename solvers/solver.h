@@ -18,7 +18,7 @@ class SolveRun;  // solvers/solve_run.h
 
 enum class SolveStatus {
   kNotRun,
-  kConverged,    ///< the stop test holds; with the guarded test, re-checked by solve()
+  kConverged,    ///< the stop test holds; with the guarded test, confirmed by solve()
   kNothingToDo,  ///< no contacts, or s = 0 satisfies the law exactly
   kIterationLimit,
   kTimeLimit,
@@ -32,9 +32,9 @@ std::string_view to_string(SolveStatus status);
 /// kConverged or kNothingToDo.
 bool is_success(SolveStatus status);
 
-/// What is compared with `tol`. kGuarded is the project's measure, max(epsilon, eta); kRaw42 is
-/// the paper's own (never met where it is undefined); kImpulse is the classical test
-/// ‖s^{i+1} - s^i‖ / ‖s^{i+1}‖ between consecutive iterations.
+/// The quantity compared with `tol`. kGuarded is the project's measure, max(epsilon, eta). kRaw42
+/// is the paper's own (never met if undefined). kImpulse is the classical test ‖s^{i+1} - s^i‖ /
+/// ‖s^{i+1}‖ between consecutive iterations.
 enum class StopTest { kGuarded, kRaw42, kImpulse };
 std::string_view to_string(StopTest stop);
 
@@ -54,23 +54,23 @@ struct SolverOptions {
   int max_iterations = 1000000;                                 ///< >= 0
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds, > 0
   Vector s0;                                                    ///< start; empty: s = 0
-  /// Whether parts of the problem that do not couple are solved one by one
-  /// (solvers/auto/islands.h); nothing: `auto` does, the others do not. Only with the guarded test.
-  /// Also a parameter: "islands".
+  /// True: uncoupled parts of the problem are solved one by one (solvers/auto/islands.h). By
+  /// default `auto` does so, the others do not. Only with the guarded test. Also a parameter:
+  /// "islands".
   std::optional<bool> islands;
   Execution execution;  ///< threads and instructions: the result's bits do not depend on them
   std::map<std::string, std::string> parameters;  ///< e.g. {"omega", "1.6"}; see SolverEntry
-  std::function<bool()> cancelled;  ///< polled at every iteration; true ends the solve: Ctrl-C
+  std::function<bool()> cancelled;  ///< polled at every iteration; true ends the solve, for Ctrl-C
   std::function<void(const IterationRecord&)> on_iteration;  ///< history, at the judged iterations
 };
 
-/// Whether the error of one impulse meets options.stop. False for kImpulse: a single impulse says
-/// nothing about successive ones.
+/// True if the error of one impulse meets options.stop. False for kImpulse, which needs two
+/// impulses.
 bool meets(const SolverOptions& options, const ContactError& error);
 
-/// Where a solve begins: options.s0, or 0 where that is empty. Size m.
+/// Start of a solve: options.s0, or 0 if that is empty. Size m.
 Vector start_of(const ContactProblem& problem, const SolverOptions& options);
-/// Whether that is another than 0.
+/// True if the start is not 0.
 bool is_warm(const SolverOptions& options);
 
 struct SolveResult {
@@ -84,8 +84,8 @@ struct SolveResult {
   double solve_seconds = 0;  ///< wall time of the iteration, criterion included
 };
 
-/// One parameter of a solver. A number or integer must lie in [minimum, maximum]; a choice must be
-/// one of the words in `choices`, separated by '|'; a text is the solver's to check.
+/// One parameter of a solver. A number or integer must lie in [minimum, maximum]. A choice must be
+/// one of the words in `choices`, separated by '|'. The solver checks a text.
 struct ParameterSpec {
   enum class Kind { kNumber, kInteger, kChoice, kText };
   std::string_view name;
@@ -97,8 +97,8 @@ struct ParameterSpec {
   std::string_view unit = {};  ///< numbers and integers; empty: a pure number
 };
 
-/// A parameter that every solver takes, through solve(): text for SolverOptions::islands. A solver
-/// that has it among its own parameters looks at that option itself; for others solve() does.
+/// A parameter of every solver, through solve(): text for SolverOptions::islands. A solver with
+/// this parameter of its own reads that option itself; for others solve() does.
 inline constexpr ParameterSpec kIslandsParameter{
     .name = "islands",
     .kind = ParameterSpec::Kind::kChoice,
@@ -106,32 +106,32 @@ inline constexpr ParameterSpec kIslandsParameter{
     .choices = "on|off",
     .help = "solve parts that are not coupled one by one (any solver; guarded stop test)"};
 
-/// How a solver runs where the problem lies on several processes.
+/// How a solver runs in parallel.
 enum class Parallel {
-  kNo,           ///< on the first process, which has the whole problem then
+  kNo,           ///< on the root process, which then has the whole problem
   kYes,          ///< on all; the iterates depend on the processes
-  kReproducible  ///< on all; the iterates are those of any number of processes, sums aside
+  kReproducible  ///< on all; the iterates are those of any number of processes, except for sums
 };
 class Parameters;  // solvers/parameters.h
 
-/// A row of the registry, or a solver that a caller brings along.
+/// A row of the registry, or a solver of a caller.
 struct SolverEntry {
   std::string_view name;
   std::string_view summary;  ///< one line with the citation
   std::function<void(SolveRun&)> run;
   std::span<const ParameterSpec> parameters;
-  bool needs_delassus = false;  ///< W must be present; solve() assembles it where it is not
+  bool needs_delassus = false;  ///< W must be present; solve() assembles it if it is missing
   int max_dim = 3;              ///< largest contact dimension
   int max_contacts = std::numeric_limits<int>::max();  ///< beyond it: kInvalidInput, saying so
-  /// The iterates do not depend on `tol`, which decides only where they end: a solve to a loose
-  /// tolerance is the beginning of the one to a tight tolerance, whatever the stop test.
+  /// The iterates do not depend on `tol`, which only decides their end. A solve to a loose
+  /// tolerance is then the beginning of one to a tight tolerance, for any stop test.
   bool path_ignores_tolerance = false;
-  /// With these parameters; null: kNo.
+  /// For these parameters; null: kNo.
   Parallel (*parallel)(const Parameters&) = nullptr;
 };
 
-/// A solver as a function from problem and options to its result: SolverEntry::run of those who do
-/// not want to be judged on the way.
+/// A solver as a function from problem and options to its result: SolverEntry::run for solvers
+/// whose iterates are not judged.
 std::function<void(SolveRun&)> run_of(
     std::function<SolveResult(const ContactProblem&, const SolverOptions&)> solver);
 

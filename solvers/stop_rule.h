@@ -11,19 +11,18 @@ namespace bipot {
 
 // When iterates are judged and the consequences of a judgement, for SolveRun (solve_run.h).
 
-/// An energy this many times that of the free violation (of the start, should that have more) is
+/// An energy this many times that of the free violation (or of the start, if that has more) is
 /// divergence, not convergence.
 inline constexpr double kDivergenceFactor = 1e20;
 
-/// What the energies of iterates are held against: free_energy, that of s = 0 [J]; at iteration 0
-/// that of a start that is beyond kDivergenceFactor of it, which is the caller's and no growth.
+/// Reference for the energies of iterates: free_energy, that of s = 0 [J]. At iteration 0 it is
+/// that of a start beyond kDivergenceFactor of it, which is due to the caller and no growth.
 double divergence_reference(int iteration, const ContactError& error, double free_energy);
 
 inline constexpr int kJudgedPortion = 32;
-/// One iterate is judged whenever the count has grown by its root or by 1/portion, whichever is
-/// more: where judging costs J iterations and the count of the last one is not known, intervals of
-/// sqrt(2 J k) around k cost the least, J of quick iterations is 3 to 10. `roots`: so many of the
-/// count instead of one.
+/// The next iterate is judged when the count has grown by its root or by 1/portion, whichever is
+/// more. If judging costs J iterations and the last count is unknown, intervals of sqrt(2 J k)
+/// around k cost the least; J of quick iterations is 3 to 10. `roots`: number of roots.
 inline int next_judged(int iteration, int portion = kJudgedPortion, int roots = 1) {
   const int root = static_cast<int>(std::sqrt(static_cast<double>(iteration)));
   return iteration + std::max({1, roots * root, iteration / portion});
@@ -46,10 +45,10 @@ struct StopVerdict {
   std::string message;
 };
 
-/// All but the clock and the caller's wish to stop.
+/// All but the clock and the caller's stop.
 StopVerdict stop_verdict(const SolverOptions& options, const JudgedIterate& iterate);
 
-/// Where the caller asked for the end, or the time is over.
+/// Verdict if the caller asked for the end, or the time is over.
 StopVerdict out_of_time_verdict(const SolverOptions& options, bool cancelled, bool late,
                                 int iteration, double best_error);
 

@@ -24,8 +24,8 @@
 namespace bipot {
 namespace {
 
-/// Adds a judged iteration to a history, unless it comes too soon after the one before. The newest
-/// always stands at the end.
+/// Adds a judged iteration to a history, unless it is too close to the one before. The newest is
+/// always at the end.
 class HistoryRecorder {
  public:
   void operator()(const IterationRecord& r) {
@@ -46,7 +46,7 @@ class HistoryRecorder {
 struct Measurement {
   ComparisonRow row;
   std::vector<HistoryPoint> history;
-  Vector s;  ///< that the row is about; empty: none was found now
+  Vector s;  ///< impulse of the row; empty: none was found now
 };
 
 void write_errors(const TrueErrorEvaluator& true_error, const Vector& s, ComparisonRow& row) {
@@ -71,8 +71,8 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
   solver.execution.threads = options.threads;
   if (warm) solver.s0 = given.start;
   solver.time_limit = CpuLimit::kWallFactor * options.time_limit;
-  // Watching costs next to nothing beside the judgements themselves, and only the first repeat is
-  // watched.
+  // The cost of recording is negligible beside the judgements, and only the first repeat is
+  // recorded.
   HistoryRecorder recorder;
   solver.on_iteration = [&recorder](const IterationRecord& r) { recorder(r); };
   std::vector<double> setup, solve_time, total, cpu;
@@ -127,14 +127,14 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
   return made;
 }
 
-/// Makes the rows of one problem, and the problem itself only where one is missing.
+/// Makes the rows of one problem, and the problem itself only if one is missing.
 class ProblemRows {
  public:
   ProblemRows(const ProblemSource& source, const ComparisonOptions& options, ComparisonStore& store,
               const std::string& commit)
       : source_(source), options_(options), store_(store), commit_(commit) {}
 
-  /// `hopeless`: why the solver is not tried, empty when it is.
+  /// `hopeless`: reason why the solver is not tried, empty if it is.
   Measurement make(const SolverEntry& entry, double tol, bool warm, const ComparisonRow* looser,
                    const std::string& hopeless) {
     prepare();
@@ -167,10 +167,10 @@ class ProblemRows {
     return made;
   }
 
-  /// True when answers were found after the errors of some row were measured.
+  /// True if answers were found after the errors of some row were measured.
   bool has_stale_errors() const { return learned_; }
 
-  /// Measures the errors of a row again; false where its impulse is not known any more.
+  /// Measures the errors of a row again; false if its impulse is not known any more.
   bool renew_errors(ComparisonRow& row) const {
     const auto found = impulses_.find({row.solver, row.tol, row.warm});
     if (found == impulses_.end()) return false;
@@ -184,7 +184,7 @@ class ProblemRows {
     return problem_.start.size() == problem_.problem.num_rows() && problem_.start.size() > 0;
   }
 
-  /// Without the problem where no row was missing and the reference is kept.
+  /// Without the problem if no row was missing and the reference is kept.
   ProblemSummary summary() {
     if (!prepared_) {
       if (auto kept = store_.reference(source_.name)) {
@@ -213,7 +213,7 @@ class ProblemRows {
   }
 
  private:
-  /// An answer that nobody knew changes what errors are measured against.
+  /// A new answer changes the reference of the errors.
   void learn(const Measurement& made) {
     const ComparisonRow& row = made.row;
     impulses_[{row.solver, row.tol, row.warm}] = made.s;
@@ -276,12 +276,12 @@ class ProblemRows {
   TestProblem problem_;
   ReferenceSolution reference_;
   std::optional<TrueErrorEvaluator> true_error_;
-  /// By solver, tolerance and start: what the rows made here are about.
+  /// Impulses of the new rows by solver, tolerance and start.
   std::map<std::tuple<std::string, double, int>, Vector> impulses_;
   bool learned_ = false;
 };
 
-/// Which solver ran out of time where.
+/// Records the solvers that ran out of time, and on which problems.
 class TimeOuts {
  public:
   void add(const ProblemSource& source, const ComparisonRow& row) {
@@ -289,14 +289,14 @@ class TimeOuts {
     seen_.push_back({source.series, row.solver, source.name, source.size, row.tol});
   }
 
-  /// Why there is no hope, in words; empty when nothing is known.
+  /// Reason why a solve is hopeless, as text; empty if none is known.
   std::string reason(const ProblemSource& source, const SolverEntry& solver, double tol) const {
     if (solver.name == "auto") return {};
     for (const Seen& s : seen_) {
       if (s.solver != solver.name || s.tol < tol) continue;
       const bool smaller =
           !source.series.empty() && s.series == source.series && s.size < source.size;
-      // Where the path does not depend on the tolerance, the row is known without a run.
+      // If the path does not depend on the tolerance, the row is known without a run.
       const bool looser = s.problem == source.name && s.tol > tol && !solver.path_ignores_tolerance;
       if (smaller || looser) {
         return fmt::format("not tried: out of time on {} at tol {:g}", s.problem, s.tol);
@@ -326,7 +326,7 @@ class TableFiller {
         commit_(build_info().commit),
         store_(options) {}
 
-  /// False when it was interrupted.
+  /// False if it was interrupted.
   bool fill(const ProblemSource& source) {
     ProblemRows problem(source, options_, store_, commit_);
     const std::size_t first = table_.rows.size(), first_warm = table_.warm_rows.size();
@@ -382,14 +382,14 @@ class TableFiller {
     return true;
   }
 
-  /// The program is warm before the first solve that counts.
+  /// The program warms up before the first measured solve.
   void warm_up_once() {
     if (warmed_up_) return;
     for (const SolverEntry& solver : solver_table()) warm_up(solver);
     warmed_up_ = true;
   }
 
-  /// Of the rows from `first` on, in the table and on disk, where the later line counts.
+  /// For the rows from `first` on, in the table and on disk, where the later line counts.
   void renew_errors(const ProblemRows& problem, std::vector<ComparisonRow>& rows,
                     std::size_t first) {
     for (std::size_t i = first; i < rows.size(); ++i) {

@@ -24,18 +24,18 @@ struct ComparisonRow {
   double setup_min = kNaN, setup_median = kNaN, solve_min = kNaN,
          solve_median = kNaN;  ///< wall [s]
   double total_min = kNaN;     ///< least set-up + solve of one repeat, wall          [s]
-  double cpu_min = kNaN;       ///< least CPU time of one repeat, all of it           [s]
+  double cpu_min = kNaN;       ///< least CPU time of one repeat in all           [s]
   double epsilon = kNaN, eta = kNaN, guarded = kNaN, raw42 = kNaN, natural_map = kNaN;
   int take_off = 0, stick = 0, slip = 0;
   /// TrueError's fields, against the nearest known answer of the problem.
   double velocity_error = kNaN, force_error = kNaN, contact_force_error = kNaN;
   double penetration_velocity = kNaN, penetration = kNaN, dissipated = kNaN, energy_error = kNaN;
-  int answer = 0;      ///< that one: 1 the reference, 2, 3, ... others; 0: none is known
+  int answer = 0;      ///< that answer: 1 the reference, 2, 3, ... others; 0: none is known
   std::string commit;  ///< of the program that made the row
 
   bool solved() const { return guarded <= tol; }
-  /// What reports compare: CPU time. Waiting for a core that others use does not count, and all
-  /// solvers run on one.
+  /// Time that reports compare: CPU time. Waiting for a core does not count, and all solvers run on
+  /// one.
   double time() const { return cpu_min; }
   static constexpr const char* kNotTried = "not tried";  ///< a status: see ComparisonOptions
 };
@@ -54,19 +54,19 @@ struct History {
   std::vector<HistoryPoint> points;
 };
 
-/// What a comparison says of a problem.
+/// Summary of a problem.
 struct ProblemSummary {
   std::string name, target, origin;
-  std::string defect;  ///< why there is no problem: the file is not readable, the run failed
+  std::string defect;  ///< reason why there is no problem: the file is not readable, the run failed
   std::string series;  ///< see ProblemSource
   int contacts = 0, dim = 0, dofs = 0;
   std::string reference_solver;
   double reference_guarded = kNaN, reference_natural_map = kNaN;
   std::vector<ReferenceAttempt> attempts;
   /// Largest relative distance (energy norm) between velocities of attempts at the reference that
-  /// stand below 1e-9; NaN when there are fewer than two.
+  /// are below 1e-9; NaN with fewer than two.
   double velocity_spread = kNaN;
-  /// Exact answers that are known to be distinct, of attempts and rows alike; 0: no reference below
+  /// Number of known distinct exact answers, of attempts and rows alike; 0: no reference below
   /// 1e-9. More than one proves that there are several (solvers/analysis/distinct_answers.h).
   int answers = 0;
   AnswerSpread spread;  ///< between them
@@ -77,7 +77,8 @@ struct ProblemSummary {
 
 struct ComparisonOptions {
   std::vector<std::string> solvers;
-  /// Beside those of the table, after them; names of their own. What `name` views must live.
+  /// Solvers beside those of the table, after them; names of their own. The strings behind `name`
+  /// must live.
   std::vector<SolverEntry> foreign;
   std::vector<double> tols = {1e-2, 1e-4, 1e-6, 1e-8};
   double time_limit = 2;            ///< CPU seconds of one solve
@@ -85,16 +86,16 @@ struct ComparisonOptions {
   int repeat = 1;                   ///< solves behind each time, at least
   int threads = 1;                  ///< of each solve; CPU seconds are those of all of them
   double min_time = 0.02;  ///< a short solve is repeated until its repeats took this long [s]
-  /// Whether a solver runs after it was out of time on a smaller problem of the series, at the same
-  /// tolerance or a looser one, or on the same problem at a looser one. If not, these rows have the
-  /// status "not tried". `auto` always runs.
+  /// True: run a solver even after it ran out of time on a smaller problem of the series, at the
+  /// same tolerance or a looser one, or on the same problem at a looser one. Else these rows have
+  /// the status "not tried". `auto` always runs.
   bool try_all = false;
-  bool warm = false;  ///< each row once more from the problem's start, where it has one
+  bool warm = false;  ///< each row once more from the problem's start, if it has one
   /// rows.csv, history.csv, references/, problems/; empty: nothing is written.
   std::filesystem::path out;
   std::function<void(const ComparisonRow&, int done, int total)> on_row;
   std::function<bool()> interrupted;  ///< asked before each row
-  std::function<bool()> cancelled;    ///< asked inside solves: the row that it cuts short is left
+  std::function<bool()> cancelled;  ///< polled inside solves: a row that it cuts short is left out
   bool is_cancelled() const { return cancelled && cancelled(); }
 };
 
@@ -112,14 +113,13 @@ struct Comparison {
   std::string link_to(const ProblemSummary& problem) const;
 };
 
-/// Fills the table. Rows are appended to out/rows.csv as they finish; rows that stand there already
-/// (same problem, solver, tolerance and start) are kept as they are. A solver
-/// that ran into the time limit and whose iterates do not depend on the tolerance is not run again
-/// at tighter ones: those rows repeat the figures and say so. Where rows of a problem find further
-/// exact answers, the errors of its rows are measured again against the nearest (not those of rows
-/// that were kept from a comparison stopped in the midst of the problem). Throws FileError, and
-/// std::invalid_argument for an unknown solver, one that is named twice, or an `out` whose rows
-/// were made under other limits.
+/// Fills the table. Rows are appended to out/rows.csv as they finish; existing rows there (same
+/// problem, solver, tolerance and start) are kept. A solver that reached the time limit, and whose
+/// iterates do not depend on the tolerance, is not run again at tighter ones: those rows repeat the
+/// values and say so. If rows of a problem find further exact answers, the errors of its rows are
+/// measured again against the nearest. (Rows kept from a comparison that was stopped within the
+/// problem are excepted.) Throws FileError, and std::invalid_argument for an unknown solver, one
+/// that is named twice, or an `out` whose rows were made under other limits.
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options);
 
 }  // namespace bipot

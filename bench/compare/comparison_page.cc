@@ -36,7 +36,7 @@ std::string law_label(const PowerLaw& law) {
   return fmt::format("{:.2f} ± {:.2f}", law.exponent, law.confidence);
 }
 
-/// What is known of the problem's answers.
+/// Statement on the uniqueness of the problem's answer.
 std::string uniqueness(const ProblemSummary& p) {
   if (p.poor_reference()) {
     return "**No trusted reference**: solvers are ranked by the guarded error.";

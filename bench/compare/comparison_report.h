@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-/// What a reader must know to make the comparison again.
+/// Data that a reader needs to repeat the comparison.
 struct ReportContext {
   Provenance made;
   /// The command that makes the figures of one problem: "bipot compare {} --tols ...".
@@ -21,7 +21,7 @@ struct ReportContext {
 inline constexpr double kProfileAccuracies[] = {1e-1, 1e-2, 1e-4, 1e-6};
 inline constexpr double kBudgets[] = {0.01, 0.1, 1};
 
-/// What rows that met a tolerance are worth.
+/// True errors of rows that met a tolerance.
 Table meaning_table(const Comparison& comparison);
 /// The cases of a regret, the worst first.
 Table regret_table(const Regret& regret);
@@ -32,12 +32,12 @@ Json to_json(const Comparison& comparison, const ReportContext& context);
 std::string to_csv(const Comparison& comparison);
 /// For a terminal of 100 columns: problem x solver at the tightest tolerance, and the counts.
 std::string to_text(const Comparison& comparison);
-/// The page. `more` stands before the problem-by-problem part.
+/// The page. `more` comes before the problem-by-problem part.
 Document comparison_page(const Comparison& comparison, const ReportContext& context,
                          const Document& more = {});
 
-/// comparison.csv, success.csv, several.csv, comparison.json and report.html in a folder that
-/// exists. Throws FileError.
+/// Writes comparison.csv, success.csv, several.csv, comparison.json and report.html into an
+/// existing folder. Throws FileError.
 void write_report(const std::filesystem::path& folder, const Comparison& comparison,
                   const ReportContext& context, const Document& more = {});
 

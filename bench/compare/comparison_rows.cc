@@ -150,7 +150,7 @@ std::string to_csv(const History& history) {
 
 std::vector<History> read_csv_histories(const std::filesystem::path& path) {
   std::vector<History> histories;
-  // By problem and solver; where a solve was begun again its first iteration comes again.
+  // By problem and solver; a repeated first iteration marks a repeated solve.
   std::map<std::pair<std::string, std::string>, std::size_t> places;
   for (const std::vector<std::string>& fields : read_csv_table(path, history_csv_header(), 7)) {
     const double tol = std::strtod(fields[2].c_str(), nullptr);

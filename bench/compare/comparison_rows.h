@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-/// Rows as CSV: header, then one line a row, every number to the last bit.
+/// Rows as CSV: header, then one line for each row, every number to the last bit.
 std::string csv_header();
 std::string to_csv(const ComparisonRow& row);
 /// Throws FileError for a file of another kind. A last line that was cut off is dropped.
@@ -19,7 +19,7 @@ std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path);
 /// Histories as CSV: problem, solver, tol, iteration, seconds, epsilon, eta.
 std::string history_csv_header();
 std::string to_csv(const History& history);
-/// Throws FileError. Drops a cut last line; of several histories of a problem and solver the
+/// Throws FileError. Drops a cut last line. Of several histories of a problem and solver the
 /// tightest one counts, of equal ones the last.
 std::vector<History> read_csv_histories(const std::filesystem::path& path);
 
@@ -31,7 +31,7 @@ struct ComparisonColumn {
 };
 const std::vector<ComparisonColumn>& comparison_columns();
 
-/// All rows, the cold ones first. On pages those that did not meet their tolerance are marked.
+/// All rows, the cold ones first. Pages mark those that missed their tolerance.
 Table rows_table(const Comparison& comparison);
 
 }  // namespace bipot

@@ -9,11 +9,11 @@
 
 namespace bipot {
 
-/// How many problems of a size have several exact answers, and how far these are apart.
+/// Number of problems of a size with several exact answers, and the distances of these.
 struct SeveralShare {
   std::string_view size;  ///< SizeClass::name, or "all"
   int problems = 0;       ///< with contacts and a reference below 1e-9
-  int several = 0;        ///< of them, with two or more exact answers that are known
+  int several = 0;        ///< of them, those with two or more known exact answers
   /// Over those: NaN without one.
   double median_velocity = kNaN, largest_velocity = kNaN;
   double median_force = kNaN, largest_force = kNaN;
@@ -23,11 +23,12 @@ struct SeveralShare {
 /// For each size that has problems with a reference, then for all of them together.
 std::vector<SeveralShare> several_shares(const Comparison& comparison);
 
-/// They, as a table.
+/// The same as a table.
 Table several_shares_table(const std::vector<SeveralShare>& shares);
-/// The problems that have several: a line of several.csv each.
+/// The problems with several answers: a line of several.csv each.
 Table several_problems_table(const Comparison& comparison);
-/// "2d_x: 3 exact answers, velocities up to 5.1e-02 apart, ..." and how many problems have several.
+/// "2d_x: 3 exact answers, velocities up to 5.1e-02 apart, ..." and the number of problems with
+/// several.
 std::string several_text(const Comparison& comparison);
 
 }  // namespace bipot

@@ -38,7 +38,7 @@ std::vector<SuccessCurve> success_curves(const Comparison& comparison) {
       curve.size = size.name;
       curve.solver = solver;
       for (const double tol : kTolerances) {
-        // 1e-12 as it is typed and as it is computed may differ in the last bit.
+        // 1e-12 as typed and as computed may differ in the last bit.
         if (tol > 0.999 * tightest) curve.points.push_back({tol, 0});
       }
       for (const ProblemSummary& problem : comparison.problems) {

@@ -18,21 +18,21 @@ struct SizeClass {
 };
 std::span<const SizeClass> size_classes();
 
-/// How many problems of a size one solver brings below a tolerance within the time limit.
+/// Number of problems of a size that one solver brings below a tolerance within the time limit.
 struct SuccessCurve {
   std::string_view size;  ///< SizeClass::name
   std::string solver;
   int problems = 0;  ///< of the size
   struct Point {
     double tol = 0;
-    int solved = 0;  ///< a row of the solver, whatever it was asked for, has guarded <= tol
+    int solved = 0;  ///< a row of the solver, at any requested tolerance, has guarded <= tol
   };
   std::vector<Point> points;  ///< from loose to tight
   double share(const Point& point) const { return static_cast<double>(point.solved) / problems; }
 };
 
 /// For each size with problems, and each solver. Tolerances are the powers of ten from 1e-3 to
-/// 1e-12 that are no tighter than the tightest of the table: beyond it nobody was asked.
+/// 1e-12, down to the tightest of the table.
 std::vector<SuccessCurve> success_curves(const Comparison& comparison);
 
 /// A row for each size, solver and tolerance.

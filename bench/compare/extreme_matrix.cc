@@ -20,9 +20,9 @@
 namespace bipot {
 namespace {
 
-constexpr double kEnergyGrace = 1e-6;  // of the energy moved: what the tolerance leaves
+constexpr double kEnergyGrace = 1e-6;  // of the energy moved: allowance for the tolerance
 
-/// NaN and infinity, which JSON cannot say, as text.
+/// NaN and infinity as text, since JSON has neither.
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(fmt::format("{}", x)); }
 double number(const Json& j) {
   return j.is_number() ? j.get<double>() : std::stod(j.get<std::string>());
@@ -55,8 +55,8 @@ void from_json(const std::string& text, ExtremeCell& c) {
   c.steps = j.at("steps").get<int>();
 }
 
-/// Work of the impulses on the mean velocities, which the law makes a loss, where it is a gain;
-/// over the energy that they move.
+/// Work of the impulses on the mean velocities if it is a gain (the law requires a loss), over the
+/// energy that they move.
 double energy_created(const Vector& s, const Vector& u, const ContactProblem& p) {
   double gain = 0, moved = 0;
   for (int c = 0; c < p.num_contacts(); ++c) {
@@ -104,7 +104,7 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
     if (of.true_error) cell.true_error = of.true_error(problem, r.s, r.u);
   }
   const bool claimed = is_success(r.status);
-  // Where an energy underflows, no figure exists in double precision, nor is one claimed.
+  // If an energy underflows, no error exists in double precision, and none is claimed.
   const bool confirmed = check.confirms(options.tol);
   if (!finite || (claimed && !confirmed) || (claimed && verdict == Existence::kNone)) {
     cell.end = CellEnd::kWrong;
@@ -201,7 +201,7 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
   return cell;
 }
 
-/// Proves what can be proved of each case, before any solver.
+/// Tries to prove the existence of each case before any solve.
 void certify(ExtremeMatrix& matrix) {
   for (const ExtremeCase& c : matrix.cases) {
     Existence verdict = Existence::kUndecided;

@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-/// What became of one solver at one case.
+/// Result of one solver at one case.
 enum class CellEnd {
   kSolved,    ///< claimed, and confirmed by the independent check
   kUnsolved,  ///< not solved, and says why
@@ -26,7 +26,7 @@ struct ExtremeCell {
   CellEnd end = CellEnd::kWrong;
   std::string status, message;
   double guarded = kNaN;  ///< by bench/measure/independent_check.h; of runs the worst step's   [-]
-  double true_error = kNaN;    ///< against what is known beforehand; NaN: nothing is        [-]
+  double true_error = kNaN;    ///< against known facts; NaN: there are none        [-]
   double energy_error = kNaN;  ///< energy that the contacts create, over what they move     [-]
   int iterations = 0;
   double cpu_seconds = 0;
@@ -57,17 +57,17 @@ struct MatrixOptions {
 };
 
 /// Measures every cell in a child process (isolated_jobs.h). Throws std::invalid_argument for an
-/// unknown solver and where `only` names no case.
+/// unknown solver and if `only` matches no case.
 ExtremeMatrix measure_extremes(const MatrixOptions& options);
 
-/// Of the cells of one solver, or of all where `solver` is empty.
+/// Counts over the cells of one solver, or over all if `solver` is empty.
 struct CellCounts {
   int solved = 0, unsolved = 0, beyond = 0, none = 0, refused = 0, not_for_it = 0, wrong = 0;
 };
 CellCounts count_cells(const ExtremeMatrix& matrix, const std::string& solver = {});
 
-/// The solvers that solved a case which `missed` was tried on and did not; empty where it did, or nobody
-/// did.
+/// The solvers that solved a case that `missed` tried and did not solve; empty if it did, or no
+/// solver did.
 std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,
                                           const std::string& missed = "auto");
 

@@ -11,7 +11,7 @@
 namespace bipot {
 namespace {
 
-/// How an end shows: on terminals, and as a look of pages.
+/// How an end is shown: on terminals, and in the style of pages.
 struct EndSign {
   const char *sign, *look;
 };
@@ -77,7 +77,7 @@ Table cases_table(const ExtremeMatrix& m) {
   return table;
 }
 
-/// What is known of a case, and what each solver made of it.
+/// Known facts of a case, and the result of each solver.
 void add_case(const ExtremeMatrix& m, std::size_t k, Document& page) {
   const ExtremeCase& c = m.cases[k];
   page.heading(c.name, c.name, 3);

@@ -7,17 +7,17 @@
 
 namespace bipot {
 
-/// The command that measures one cell again.
+/// The command that repeats one cell.
 std::string cell_command(const ExtremeCell& cell);
 
 /// A row for each cell: extremes.csv.
 Table cells_table(const ExtremeMatrix& matrix);
-/// Cases by solvers, a sign for each cell, the counts, and every wrong cell in words.
+/// Cases by solvers, a sign for each cell, the counts, and every wrong cell as text.
 std::string to_text(const ExtremeMatrix& matrix);
 /// The short form for a README: groups by solvers, cells solved of those that can be.
 std::string to_markdown(const ExtremeMatrix& matrix);
-/// The page: the matrix in colours, what each case is and what is known of it, and every cell with
-/// its figures. As JSON: cells and cases.
+/// The page: the matrix in colours, each case with its known facts, and every cell with its values.
+/// As JSON: cells and cases.
 Document extremes_page(const ExtremeMatrix& matrix, const Provenance& made);
 
 }  // namespace bipot

@@ -21,10 +21,10 @@
 namespace bipot {
 namespace {
 
-/// Every so many problems are certified even when they were solved.
+/// Interval of problems that are certified even if they were solved.
 constexpr int kCertifyEvery = 10;
 
-/// What one solve came to.
+/// Result of one solve.
 struct Verdict {
   bool refused = false, solved = false, false_claim = false, not_finite = false;
   std::string message;
@@ -49,7 +49,7 @@ Json to_json(const std::string& solver, const Verdict& v, double seconds) {
           {"seconds", seconds}};
 }
 
-/// The solvers that see problem `index`.
+/// The solvers that run on problem `index`.
 std::vector<std::string> solvers_of(const RandomSetOptions& options, int index) {
   std::vector<std::string> names = {options.solvers.front()};
   const int others = static_cast<int>(options.solvers.size()) - 1;
@@ -82,7 +82,7 @@ std::string problem_job(const RandomSetOptions& options, int index) {
   return json_text(record);
 }
 
-/// Adds up what the jobs say.
+/// Sums the results of the jobs.
 class Ledger {
  public:
   explicit Ledger(const RandomSetOptions& options) : options_(options) {
@@ -152,7 +152,7 @@ class Ledger {
     result_.findings.push_back({kind, index, solver, message});
   }
 
-  /// A crash or a hang, which goes to the account of the first solver: the job does not say more.
+  /// A crash or a hang is counted for the first solver: the job gives no more information.
   bool lost(int index, const JobEnd& end) {
     if (end.kind == JobEnd::Kind::kDone) return false;
     RandomTally& t = result_.tallies.front();
@@ -231,15 +231,15 @@ std::string scene_job(const RandomSetOptions& options, int index) {
     return step;
   };
   run.explicit_delassus = require_solver(name).needs_delassus;
-  // Impulses act through the mean of the velocities before and after: what contacts take is the
-  // loss.
+  // Impulses act through the mean of the velocities before and after: the energy taken by contacts
+  // is the loss.
   const bool must_dissipate = contacts_must_dissipate(scene);
   double loss = 0, scale = 0;
   run.on_step = [&](const SceneStep<2>& s) {
     const EnergyLedger& e = s.report.energy;
     const double now = e.friction_loss + e.shock_loss;
     scale = std::max({scale, e.kinetic, std::abs(now)});
-    // A step that obeys the law to the tolerance may be off by that share of its energy.
+    // A step that obeys the law to the tolerance may have an energy error of that fraction.
     if (must_dissipate && s.report.converged &&
         now < loss - force_energy(scene, s.report) - 1e-6 * scale) {
       record["grew"] = true;
@@ -266,7 +266,7 @@ RandomSetResult run_set(const RandomSetOptions& options,
   Ledger ledger(options);
   IsolatedJobs jobs;
   jobs.count = options.count;
-  // Twice the CPU limit of each solve, on a machine that does other things as well.
+  // Twice the CPU limit of each solve, since the machine has other work as well.
   jobs.seconds = std::max(30.0, 10.0 * solves_of_a_job * options.time_limit);
   jobs.job = [&](int k) { return job(options, options.first + k); };
   jobs.on_end = [&](int k, const JobEnd& end) {

@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// What a solver made of a random set, in problems (or steps, for scenes).
+/// Results of a solver on a random set, in problems (or steps, for scenes).
 struct RandomTally {
   std::string solver;
   int tried = 0, refused = 0;  ///< refused: not this solver's dimension or size
@@ -23,7 +23,7 @@ struct RandomTally {
   double cpu_seconds = 0;
 };
 
-/// One problem that needs a look.
+/// One problem that should be examined.
 struct RandomFinding {
   std::string kind;  ///< "false claim", "not solved", …
   int index = 0;
@@ -36,7 +36,7 @@ struct RandomSetOptions {
   std::uint64_t seed = 1;
   double tol = 1e-8;
   double time_limit = 2;  ///< CPU seconds of a solve
-  /// Which solvers see which problems: the first all of them, the others in turn.
+  /// Solvers of the problems: the first runs on all of them, the others in turn.
   std::vector<std::string> solvers;
   std::function<void(int done)> on_progress;
   std::function<bool()> interrupted;

@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// What a solver gains at one tolerance when it starts from the step before.
+/// Gain of a solver at one tolerance by starting from the previous step.
 struct WarmGain {
   std::string solver;
   double tol = 0;

@@ -20,8 +20,8 @@ namespace bipot {
 namespace {
 
 // The numbers of colours, markers and dashes have no common factor: they repeat together after 210
-// styles only. Colours: Okabe and Ito's, for the colour-blind, without the yellow that white
-// swallows.
+// styles only. Colours: those of Okabe and Ito for the colour-blind, without yellow, which is
+// invisible on white.
 constexpr std::array<const char*, 7> kColours = {"#000000", "#0072b2", "#d55e00", "#009e73",
                                                  "#cc79a7", "#56b4e9", "#e69f00"};
 struct Marker {
@@ -39,8 +39,8 @@ const auto& of_style(const Array& all, int style) {
   return all[static_cast<std::size_t>(std::max(0, style)) % all.size()];
 }
 
-/// As gnuplot reads it: nothing in single quotes has a meaning but the quote. Control characters
-/// become spaces.
+/// Text for gnuplot: in single quotes only the quote has a meaning. Control characters become
+/// spaces.
 std::string in_quotes(std::string_view text) {
   std::string out = "'";
   for (char c : text) {
@@ -62,13 +62,13 @@ std::string wrapped(const std::string& text, std::size_t width) {
 
 bool is_log(const ChartAxis& axis) { return axis.kind != ChartAxis::Kind::kLinear; }
 
-/// Whether a reference line stands within the limits that are given.
+/// True if a reference line lies within the given limits.
 bool allows(const ChartAxis& axis, double at) {
   return std::isfinite(at) && !(is_log(axis) && at <= 0) && !(axis.low && at < *axis.low) &&
          !(axis.high && at > *axis.high);
 }
 
-/// Where non-positive values go on a logarithmic axis: its limit, or the decade below all others.
+/// Place of non-positive values on a logarithmic axis: its limit, or the decade below all others.
 double floor_of(const ChartAxis& axis, const std::vector<double>& values) {
   if (axis.low && *axis.low > 0) return *axis.low;
   double least = std::numeric_limits<double>::infinity();
@@ -79,7 +79,7 @@ double floor_of(const ChartAxis& axis, const std::vector<double>& values) {
   return std::pow(10, std::floor(std::log10(least) + 1e-9));
 }
 
-/// The chart as gnuplot gets it: `page` for the element of a page, with the points' notes as
+/// The chart as input of gnuplot. `page`: for the element of a page, with the points' notes as
 /// labels "n<series>_<point>" that are replaced later; else a file with its title.
 class Script {
  public:
@@ -127,7 +127,7 @@ class Script {
         if (chart_.series[i].background == background) series(i);
       }
     }
-    // Constant functions take part in the range of the axis.
+    // Constant functions count for the range of the axis.
     for (const ChartLine& reference : horizontal()) {
       add_plot(fmt::format("{} with lines lw 1.5 dt (1,4) lc rgb '#777777' notitle",
                            number(reference.at)),
@@ -153,7 +153,7 @@ class Script {
 
   double width() const { return width_; }
   double height() const { return height_; }
-  /// What the pointer shows on each plot, in their order.
+  /// Text that the pointer shows on each plot, in their order.
   const std::vector<std::string>& tips() const { return tips_; }
 
  private:
@@ -180,8 +180,7 @@ class Script {
   double lifted_x(double x) const { return is_log(chart_.x) ? std::max(x, x_floor_) : x; }
   double lifted_y(double y) const { return is_log(chart_.y) ? std::max(y, y_floor_) : y; }
 
-  /// gnuplot lays the key out by itself, but takes its room from the axes: the drawing grows by as
-  /// much.
+  /// gnuplot takes the room of the key from the axes: the drawing grows by as much.
   void plan_key() {
     width_ = chart_.width;
     height_ = chart_.height;
@@ -206,7 +205,7 @@ class Script {
       const int columns = std::clamp(static_cast<int>(width_ / entry), 1, entries);
       const int rows = (entries + columns - 1) / columns;
       height_ += kKeyRow * (rows + 1);
-      // By rows: limits on columns are lowered to what fits below the axes alone.
+      // By rows: gnuplot limits columns to those that fit below the axes.
       line_key_ = fmt::format("set key outside below center vertical height 1 maxrows {}", rows);
     }
     line_key_ += " Left reverse samplen 2 spacing 1.15 font ',10.5' textcolor rgb '#1b1b1b'";
@@ -233,7 +232,7 @@ class Script {
         line(fmt::format("set {}tics add ('1 µs' 1e-6, '10 µs' 1e-5, '100 µs' 1e-4)", name));
         break;
     }
-    // An axis without data, or with one value, is given a range.
+    // An axis without data, or with one value, needs a range.
     std::vector<double> values = along_x ? xs_ : ys_;
     for (const ChartLine& l : along_x ? chart_.x_lines : horizontal()) {
       if (allows(axis, l.at)) values.push_back(l.at);
@@ -270,8 +269,8 @@ class Script {
     return is_log(axis) ? std::sqrt(first) * std::sqrt(last) : 0.5 * (first + last);
   }
 
-  /// gnuplot leaves out labels that stand on the frame, and markers with notes are labels: moved
-  /// inwards by less than anyone sees.
+  /// gnuplot leaves out labels on the frame, and markers with notes are labels: they are moved
+  /// inwards by an invisible amount.
   static double inside(const ChartAxis& axis, double v, double middle) {
     constexpr double kShift = 1e-9;
     return is_log(axis) ? v * std::pow(middle / v, kShift) : v + kShift * (middle - v);
@@ -357,7 +356,7 @@ class Script {
       };
       block(fmt::format("$filled{}_{}", index, note), marked[note], draw(marker.filled, colour),
             s.name);
-      // White below, so that no line runs through an empty marker.
+      // White below, so that no line crosses an empty marker.
       const std::string empty = fmt::format("$hollow{}_{}", index, note);
       block(empty, marked[note + 1], "using 1:2 with " + points(marker.filled, "#ffffff"), s.name);
       if (!marked[note + 1].empty()) {
@@ -404,7 +403,7 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
   }
 }
 
-/// The point that a label "n<series>_<point>" stands for.
+/// The point with the label "n<series>_<point>".
 const std::string& note_of(const Chart& chart, std::string_view label) {
   const std::string text(label);
   char* end = nullptr;
@@ -413,7 +412,7 @@ const std::string& note_of(const Chart& chart, std::string_view label) {
   return chart.series.at(series).points.at(point).note;
 }
 
-/// What a page needs of a drawing besides gnuplot's document.
+/// Additional data of a drawing for a page.
 struct Plan {
   double width, height;
   std::vector<std::string> tips;
@@ -504,7 +503,7 @@ void write_chart_files(const std::filesystem::path& folder, const std::string& n
                        const Chart& chart) {
   const std::string script = Script(chart, false).write();
   write_text_file(folder / (name + ".svg"), run_gnuplot(script));
-  // The output is named once the terminal is.
+  // The output is named after the terminal.
   write_text_file(folder / (name + ".gp"),
                   fmt::format("# gnuplot {0}.gp makes {0}.svg.\nset output {1}\n{2}", name,
                               in_quotes(name + ".svg"), script));

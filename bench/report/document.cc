@@ -19,7 +19,7 @@ struct Overloaded : Cases... {
   using Cases::operator()...;
 };
 
-/// Without the marks of strong words and the aims of links.
+/// Text without the marks of strong words and the targets of links.
 std::string plain(std::string_view text) {
   std::string out;
   for (const Span& span : spans_of(text)) {
@@ -87,7 +87,7 @@ Json value_json(const TableCell& cell) {
                     cell.value);
 }
 
-/// Quoted where it has more than letters, digits and dots.
+/// Quoted if it has other characters than letters, digits and dots.
 std::string csv_word(const std::string& text) {
   const bool bare = std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || std::string_view("_.+-").find(c) != std::string_view::npos;

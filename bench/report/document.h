@@ -22,7 +22,7 @@ namespace bipot {
 // and the end of a line breaks it. A link leads into the page or to a file beside it. Looks are
 // classes of bench/report/page_style.cc: good, weak, bad, none, grey, beyond, over, small, quote.
 
-/// A value, and what readers see of it. CSV and JSON have the value alone.
+/// A value, and its form for readers. CSV and JSON have the value alone.
 struct TableCell {
   TableCell() = default;  ///< empty in CSV, null in JSON
   TableCell(std::integral auto x) {
@@ -49,15 +49,16 @@ struct TableCell {
 
 struct TableColumn {
   std::string key;                        ///< in CSV and JSON; empty: not there
-  std::string name;                       ///< the heading; empty: readers do not see the column
+  std::string name;                       ///< the heading; empty: a column hidden from readers
   std::string (*show)(double) = nullptr;  ///< of numbers (labels.h), flush right; null: texts
   std::string unit;                       ///< shown in brackets behind the name
   std::string meaning;                    ///< shown when the pointer rests on the heading
-  bool filter = false;                    ///< of a sortable table: its values can be chosen
+  bool filter = false;  ///< of a sortable table: the reader can filter by its values
 };
 
 struct TableRow {
-  std::vector<TableCell> cells;  ///< one alone: a title of the rows below, neither in CSV nor JSON
+  /// A single one is a title of the rows below, absent in CSV and JSON.
+  std::vector<TableCell> cells;
   std::string look;
   std::string id;
 };
@@ -65,7 +66,7 @@ struct TableRow {
 struct Table {
   std::vector<TableColumn> columns;
   std::vector<TableRow> rows;
-  std::string key;      ///< in the JSON of a document; empty: not there
+  std::string key;      ///< in the JSON of a document; empty: not included
   std::string caption;  ///< above it
   std::string note;     ///< below it, small
   std::string look;     ///< "cards": rows are cards on small screens
@@ -83,11 +84,11 @@ struct Paragraph {
   std::string text, look;
 };
 
-/// A chart or an image. Neighbours stand in a grid.
+/// A chart or an image. Consecutive ones form a grid.
 struct Figure {
   std::optional<Chart> chart;
-  /// Of an image beside the page. With a chart: its SVG file, which write_figures makes, instead
-  /// of a drawing in the page.
+  /// Name of an image beside the page. With a chart: its SVG file, which write_figures makes,
+  /// instead of a drawing in the page.
   std::string file;
   std::string caption;
   std::string command;  ///< makes it again; empty: not said
@@ -100,7 +101,7 @@ struct Terms {
 };
 
 struct Block;
-/// Folded away on a page.
+/// Collapsed on a page.
 struct Details {
   std::string summary, id;
   bool open = false;
@@ -111,7 +112,7 @@ struct Block {
   std::variant<Heading, Paragraph, Table, Figure, Terms, Details> content;
 };
 
-/// Who made numbers, where and when.
+/// Origin of numbers: program, machine and date.
 struct Provenance {
   std::string name;     ///< of the command: "compare"
   std::string command;  ///< as it was typed
@@ -119,10 +120,10 @@ struct Provenance {
   BuildInfo build;
   int threads = 1;
 };
-/// Of this program, now.
+/// Provenance of this program, now.
 Provenance provenance(std::string name, std::string command);
 Terms to_terms(const Provenance& made);
-/// The members that JSON reports begin with.
+/// The first members of JSON reports.
 Json to_json(const Provenance& made);
 
 struct Document {
@@ -137,20 +138,20 @@ struct Document {
   void add(Figure figure);
   void add(Terms terms);
   void fold(std::string summary, Document inside, std::string id = {}, bool open = false);
-  /// The blocks of another document.
+  /// Appends the blocks of another document.
   void append(Document part);
 };
 
-/// What readers see of a cell and of a heading, marks included.
+/// Text of a cell and of a heading for readers, marks included.
 std::string text_of(const TableCell& cell, const TableColumn& column);
 std::string heading_of(const TableColumn& column);
-/// Whether the row is a title of those below it.
+/// True if the row is a title of the rows below it.
 bool is_title(const Table& table, const TableRow& row);
 
-/// A page that needs no other file but those that its figures name. Throws FileError where gnuplot
+/// A page that needs no other file except those named by its figures. Throws FileError if gnuplot
 /// cannot draw.
 std::string to_html(const Document& document);
-/// Lines of at most 100 columns, where words and first columns allow it; no figures.
+/// Lines of at most 100 columns, if words and first columns allow it; no figures.
 std::string to_text(const Document& document);
 std::string to_text(const Table& table);
 /// Rows of |cells|.

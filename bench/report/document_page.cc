@@ -10,7 +10,7 @@
 namespace bipot {
 namespace {
 
-/// Sorts and filters the tables that can be, opens all that is folded, and what a link leads to.
+/// Sorts and filters tables, and opens collapsed parts, also for the target of a link.
 constexpr std::string_view kScript = R"(
 (function(){
  document.querySelectorAll('section.sortable').forEach(section=>{
@@ -142,7 +142,7 @@ class PageWriter {
     add("</nav>\n");
   }
 
-  /// One block, or all figures of a grid. Returns the place behind them.
+  /// Writes one block, or all figures of a grid. Returns the index after them.
   std::size_t write_from(const std::vector<Block>& blocks, std::size_t k) {
     if (!std::holds_alternative<Figure>(blocks[k].content)) {
       std::visit([this](const auto& content) { write(content); }, blocks[k].content);

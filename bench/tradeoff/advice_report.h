@@ -13,8 +13,8 @@ Json to_json(const Scene<2>& scene, const Advice& advice, const Provenance& made
 /// The advice, its cost, the errors of time steps and solvers, and their evidence.
 Document advice_document(const Scene<2>& scene, const Advice& advice);
 
-/// The errors, each with its name, of the quantities with a goal: "force error 1.2e-03, energy error
-/// not measured". Of a goal itself as well.
+/// The errors, each with its name, of the quantities with a goal: "force error 1.2e-03, energy
+/// error not measured". Of a goal itself as well.
 std::string error_text(const Accuracy& error, const Accuracy& goal);
 
 }  // namespace bipot

@@ -21,7 +21,7 @@ Vector zeros(int size) {
   return v;
 }
 
-/// 0/0 is 0 (nothing moves and nothing is violated), x/0 is infinite.
+/// 0/0 is 0 (no motion and no violation), x/0 is infinite.
 double ratio(double numerator, double denominator) {
   if (numerator == 0) return 0;
   if (denominator == 0) return kInfinity;

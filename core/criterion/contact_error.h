@@ -9,7 +9,8 @@ namespace bipot {
 
 /// The shared criterion (data/manual/explanation/criterion.md), evaluated from a problem and an
 /// impulse alone. s is projected on K_mu, and everything is in physical variables (row_scale taken
-/// out). With u = W s / (1 + e) + b, û = u + mu |u_t| n, x⁻ = max(-x, 0) and sums over the contacts:
+/// out). With u = W s / (1 + e) + b, û = u + mu |u_t| n, x⁻ = max(-x, 0) and sums over the
+/// contacts:
 ///
 ///   G  = Σ [(mu s_n |u_t| + s_t·u_t)₊ + s_n |u_n|]          power that the law leaves unexplained
 ///   V  = Σ ½ (u_n⁻)² / W_nn                                 energy of the penetration velocity
@@ -23,7 +24,7 @@ namespace bipot {
 struct ContactError {
   double epsilon = kNaN;  ///< (G + V) / max(D, theta E): guarded form of (42)
   double eta = kNaN;      ///< natural map in energy, same denominator
-  double raw42 = kNaN;    ///< (42) as printed: normal penetration clipped, NaN where D = 0
+  double raw42 = kNaN;    ///< (42) as printed: normal penetration clipped, NaN if D = 0
   /// ‖s - P_K(s - rho û)‖ / max(‖s‖, ‖rho b‖), rho = d / tr W_cc of each contact c.
   double natural_map = kNaN;
   int worst_epsilon = -1;        ///< contact with the largest term of G + V
@@ -39,13 +40,13 @@ struct ContactError {
 /// denominator").
 inline constexpr double kTheta = 0.1;
 
-/// Sums of the criterion over contacts, for every number type (contact_terms.h). Contacts that do
-/// not couple (W has no block between them) add up: the sums of a whole are those of its parts.
+/// Sums of the criterion over contacts, for every number type (contact_terms.h). The sums of a
+/// whole are those of its uncoupled parts (W has no block between them).
 template <class Real>
 struct ErrorSumsOf {
   Real friction{};       ///< D                                                             [J]
   Real gap{};            ///< G                                                             [J]
-  Real gap_clipped{};    ///< G with penetrating u_n set to 0, as (42) has it               [J]
+  Real gap_clipped{};    ///< G with penetrating u_n set to 0, as in (42)               [J]
   Real penetration{};    ///< V                                                             [J]
   Real natural{};        ///< Σ ½ W_nn |s - P_K(s - û / W_nn)|²                             [J]
   Real moved{};          ///< sᵀ W s                                                        [J]
@@ -76,12 +77,12 @@ class DelassusOperator;  // core/problem/delassus.h
 struct PieceSums;
 struct PlaneContacts;
 
-/// The criterion of these sums; the worst contacts are left open (-1).
+/// The criterion of these sums; the worst contacts are unknown (-1).
 ContactError error_of(const ErrorSums& sums);
 
 /// How to judge a problem that is a part of a larger one: together with `others`, the sums of the
-/// parts that are settled. Epsilon and eta are divided by `share`, the part of the tolerance that may
-/// be used up by then. If `alone` > 0, the part's own error times `alone` counts where that is
+/// parts that are settled. Epsilon and eta are divided by `share`, the part of the tolerance that
+/// may be used up by then. If `alone` > 0, the part's own error times `alone` counts where that is
 /// smaller. The default judges the problem alone.
 struct ErrorShare {
   ErrorSums others;
@@ -95,9 +96,9 @@ struct ErrorShare {
 ContactError error_of(const ErrorSums& part, const ErrorShare& share);
 
 /// Evaluates the criterion many times on one problem without allocation. s is projected on K_mu
-/// first, as the paper asks, and velocities are recomputed from the projected s. Copies and threads:
-/// as for DelassusOperator. Sums are taken in pieces (core/base/parallel.h), with the same bits for
-/// any number of threads.
+/// first, as the paper asks, and velocities are recomputed from the projected s. Copies and
+/// threads: as for DelassusOperator. Sums are taken in pieces (core/base/parallel.h), with the same
+/// bits for any number of threads.
 class ContactErrorEvaluator {
  public:
   explicit ContactErrorEvaluator(const ContactProblem& problem, int threads = 1,
@@ -121,8 +122,8 @@ class ContactErrorEvaluator {
   /// E of the impulse s = 0.
   double energy_at_rest() const;
 
-  /// Releases the scratch memory, and with it impulse(), velocity() and part(), for callers that keep
-  /// the evaluator while others use memory. The next evaluation allocates it again.
+  /// Releases the scratch memory, and with it impulse(), velocity() and part(), for callers that
+  /// keep the evaluator while others use memory. The next evaluation allocates it again.
   void rest();
 
   /// Sums of the problem, without the others of its share, and of one contact, at the last
@@ -152,7 +153,7 @@ class ContactErrorEvaluator {
 /// One evaluation.
 ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
 
-/// How many contacts take off (s_n = 0), stick (inside the cone) and slip (on its edge).
+/// Number of contacts that take off (s_n = 0), stick (inside the cone) and slip (on its edge).
 struct ContactCount {
   int take_off = 0, stick = 0, slip = 0;
 };

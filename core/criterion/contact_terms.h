@@ -24,7 +24,7 @@ template <class Real, int D>
   each_component<D>([&](int k) { c[k] = a[k] / b[k]; });
   return c;
 }
-/// Normal part first, as Eigen adds up three products.
+/// Normal part first, in Eigen's order of three products.
 template <class Real, int D>
 [[gnu::always_inline]] inline Real dot(const FrameVector<Real, D>& a,
                                        const FrameVector<Real, D>& b) {
@@ -41,8 +41,8 @@ template <class Real, int D>
   if constexpr (D > 1) return mu * r[0] / r[1];
 }
 
-/// The projection of s on the cone, taken in physical variables: the edge of the cone is the same
-/// set in both, the nearest point of the cone is not.
+/// The projection of s on the cone, taken in physical variables: both variables have the same edge
+/// of the cone, but different nearest points.
 template <bool kScaled, class Real, int D>
 [[gnu::always_inline]] inline FrameVector<Real, D> physical_projection(
     const FrameVector<Real, D>& s, const FrameVector<Real, D>& r, const Real& mu) {
@@ -69,11 +69,11 @@ struct PhysicalContact {
   FrameVector<Real, D> s, u;
   Real slip;              ///< |u_t|
   Real mu, w_nn, rho_nn;  ///< rho_nn = 1 / w_nn
-  Real moved;             ///< what it adds to sᵀ W s
+  Real moved;             ///< its term of sᵀ W s
 };
 
-/// Of s, u = W s + b and b in the problem's variables, with physical w_nn and rho_nn. r is read only
-/// if kScaled.
+/// From s, u = W s + b and b in the problem's variables, with physical w_nn and rho_nn. r is read
+/// only if kScaled.
 template <bool kScaled, class Real, int D>
 [[gnu::always_inline]] inline PhysicalContact<Real, D> physical_contact(
     const FrameVector<Real, D>& s, const FrameVector<Real, D>& u, const FrameVector<Real, D>& b,
@@ -116,8 +116,8 @@ template <class Real, int D>
           approach_energy(c.rho_nn, c.u[0])};
 }
 
-/// Whether s_n = 0 and u_n >= 0, which is the law exactly: a projection would leave rounding. One
-/// comparison, s_n + u_n⁻ = 0, since g++ splits a conjunction of masks into lanes.
+/// True if s_n = 0 and u_n >= 0, which is the law exactly: a projection would leave rounding. A
+/// single comparison, s_n + u_n⁻ = 0, since g++ splits a conjunction of masks into lanes.
 template <class Real, int D>
 [[gnu::always_inline]] inline auto takes_off(const PhysicalContact<Real, D>& c) {
   return c.s[0] + positive_part(Real(-c.u[0])) == 0;
@@ -139,14 +139,14 @@ template <class Real, int D>
   return 0.5 * w_nn * dot(N, N);
 }
 
-/// What one contact adds to the numerators of epsilon and eta: how the worst one is found.
+/// Terms of one contact in the numerators of epsilon and eta, to find the worst one.
 template <class Real>
 struct ContactTerms {
   Real violation;  ///< to G + V                                                   [J]
-  Real natural;    ///< to the natural map's sum; -1 where the contact takes off   [J]
+  Real natural;    ///< to the natural map's sum; -1 if the contact takes off   [J]
 };
 
-/// Adds the contact to the sums that make epsilon and eta, but for the free one.
+/// Adds the contact to the sums of epsilon and eta, except the free one.
 template <class Real, int D>
 [[gnu::always_inline]] inline ContactTerms<Real> add_law_terms(const PhysicalContact<Real, D>& c,
                                                                const LawTerms<Real>& law,
@@ -165,7 +165,7 @@ template <class Real, int D>
   return terms;
 }
 
-/// Adds the contact to the sums that make the figures raw42 and natural_map.
+/// Adds the contact to the sums of raw42 and natural_map.
 template <class Real, int D>
 [[gnu::always_inline]] inline void add_reported_terms(const PhysicalContact<Real, D>& c,
                                                       const LawTerms<Real>& law,

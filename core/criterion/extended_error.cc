@@ -8,7 +8,7 @@
 namespace bipot {
 namespace {
 
-/// A row of W x, and W's diagonal there; in the problem's variables.
+/// A row of W x, and the diagonal entry of W; in the problem's variables.
 template <class Real>
 struct WideRow {
   Real moved = 0, diagonal = 0;
@@ -73,7 +73,7 @@ class DelassusProduct {
   const std::vector<Real>& x_;
 };
 
-/// Contact c of a stacked vector, or zeros where that is empty.
+/// Contact c of a stacked vector, or zeros if that is empty.
 template <class Real, int D>
 FrameVector<Real, D> wide(const Eigen::Ref<const Vector>& x, int c) {
   FrameVector<Real, D> v{};

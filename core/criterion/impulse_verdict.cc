@@ -14,7 +14,7 @@
 namespace bipot {
 namespace {
 
-/// One contact as the criterion sees it, and its impulse as given, in physical variables.
+/// One contact as judged by the criterion, and its impulse as given, in physical variables.
 template <int D>
 struct GivenContact {
   PhysicalContact<double, D> judged;

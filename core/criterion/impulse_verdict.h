@@ -16,8 +16,8 @@ struct ContactFault {
     kPulls,          ///< s_n < 0 as given; size s_n                                       [N s]
     kOutsideCone,    ///< |s_t| > mu s_n as given; size |s_t| - mu s_n                     [N s]
     kPenetrates,     ///< u_n < 0; size u_n                                                [m/s]
-    kActsAcrossGap,  ///< s_n > 0 where u_n > 0; size u_n                                  [m/s]
-    kSlidesInside,   ///< |u_t| > 0 where |s_t| < mu s_n; size |u_t|                       [m/s]
+    kActsAcrossGap,  ///< s_n > 0 although u_n > 0; size u_n                                  [m/s]
+    kSlidesInside,   ///< |u_t| > 0 although |s_t| < mu s_n; size |u_t|                       [m/s]
     kNotOpposed      ///< on the cone's edge, but s_t does not oppose u_t; size |u_t|      [m/s]
   };
   Kind kind;
@@ -26,22 +26,22 @@ struct ContactFault {
 };
 std::string_view to_string(ContactFault::Kind kind);
 
-/// One contact under judgement, physical variables (row_scale taken out).
+/// One judged contact, in physical variables (without row_scale).
 struct JudgedContact {
   int contact = -1;
   double mu = 0;     ///< physical friction coefficient                                     [-]
   Vector s;          ///< d, impulse as given                                             [N s]
-  Vector u;          ///< d, velocity that the impulses give, see ImpulseVerdict          [m/s]
+  Vector u;          ///< d, velocity from the impulses, see ImpulseVerdict          [m/s]
   double share = 0;  ///< of all contacts' energy in the criterion (and off the cone), 0 to 1 [-]
   std::vector<ContactFault> faults;  ///< from the largest energy down
 };
 
-/// "contact 12: penetrates at 3.2e-03 m/s; slides at 1.0e-02 m/s inside the cone (...)".
+/// As "contact 12: penetrates at 3.2e-03 m/s; slides at 1.0e-02 m/s inside the cone (...)".
 std::string sentence(const JudgedContact& contact);
 
-/// Judgement of an impulse of any origin. `cone`, `cone_violation`, `siconos_map` and JudgedContact::s
-/// are those of the impulse as given. Everything else is that of the impulse projected on K_mu, as
-/// the criterion asks (data/manual/explanation/criterion.md).
+/// Judgement of an impulse of any origin. `cone`, `cone_violation`, `siconos_map` and
+/// JudgedContact::s are those of the impulse as given. Everything else is that of the impulse
+/// projected on K_mu, as the criterion asks (data/manual/explanation/criterion.md).
 struct ImpulseVerdict {
   ContactError error;
   /// Distance of the impulse as given from K_mu in the measure of eta, which does not see it:
@@ -63,14 +63,15 @@ struct ImpulseVerdict {
   double guarded() const;
 };
 
-/// Judges any impulse of a valid problem: s has m finite entries in the problem's variables. Names at
-/// most `worst` contacts. They are ranked by their terms of epsilon or of eta², whichever of epsilon
-/// and eta is larger. Throws std::invalid_argument for a wrong size or an entry that is not finite.
+/// Judges any impulse of a valid problem: s has m finite entries in the problem's variables. Names
+/// at most `worst` contacts. They are ranked by their terms of epsilon or of eta², whichever of
+/// epsilon and eta is larger. Throws std::invalid_argument for a wrong size or an entry that is not
+/// finite.
 ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                      int worst = 5);
 
-/// The verdict in words: "within the tolerance 1e-08: error 3.1e-09", or "not within ...: ...; " with
-/// the worst contact.
+/// The verdict in words: "within the tolerance 1e-08: error 3.1e-09", or "not within ...: ...; "
+/// with the worst contact.
 std::string sentence(const ImpulseVerdict& verdict, double tol);
 
 }  // namespace bipot

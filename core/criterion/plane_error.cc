@@ -110,7 +110,7 @@ struct Kernel {
     Whole worst_epsilon = Whole{} - 1, worst_eta = Whole{} - 1;
   };
 
-  /// Contacts from `first` on; the arrays of p begin with them.
+  /// Contacts from `first` on; the arrays of p start with them.
   template <bool kScaled>
   [[gnu::always_inline]] static void add(const PlaneContacts& p, int first, Sums& e) {
     Frames r;

@@ -13,8 +13,8 @@ struct PieceSums : ErrorSums {
   void add(const PieceSums& later);
 };
 
-/// Arrays of the contacts of a problem with d = 2: two numbers of each in s, u, b and row_scale, one
-/// in the others.
+/// Arrays of the contacts of a problem with d = 2: two numbers of each in s, u, b and row_scale,
+/// one in the others.
 struct PlaneContacts {
   const double* s;  ///< on the cone
   const double* u;  ///< W s + b
@@ -26,8 +26,8 @@ struct PlaneContacts {
 
 /// The projection in physical variables and the sums of the criterion (contact_terms.h) for the
 /// contacts [begin, end), as many at once as the machine's registers hold. Compiled for several
-/// instruction sets, with the same bits from all: every eighth contact is added to the same sum, and
-/// these sums are added in one order.
+/// instruction sets, with the same bits from all: every eighth contact is added to the same sum,
+/// and these sums are added in one order.
 void project_on_plane_cones(const PlaneContacts& p, int begin, int end, double* s);
 PieceSums sum_plane_errors(const PlaneContacts& p, int begin, int end);
 

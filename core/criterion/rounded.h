@@ -8,9 +8,9 @@
 namespace bipot {
 
 /// A number in double precision with a bound on its error: a number type for the templates of
-/// contact_terms.h. Every operation hands on the errors of its arguments and adds its own rounding
-/// (running error analysis: Higham, Accuracy and Stability of Numerical Algorithms, §3.3). Exact
-/// numbers convert. A comparison is true where it is certain.
+/// contact_terms.h. Every operation propagates the errors of its arguments and adds its own
+/// rounding (running error analysis: Higham, Accuracy and Stability of Numerical Algorithms, §3.3).
+/// Exact numbers convert. A comparison is true if it is certain.
 struct Rounded {
   static constexpr double kUnit = 0x1p-53;  ///< unit roundoff
 
@@ -53,13 +53,13 @@ struct Rounded {
 
 inline Rounded absolute(const Rounded& x) { return {std::abs(x.value), x.error}; }
 
-/// Exactly 0 where x is certainly negative.
+/// Exactly 0 if x is certainly negative.
 inline Rounded positive_part(const Rounded& x) {
   return {std::max(x.value, 0.0), std::clamp(x.value + x.error, 0.0, x.error)};
 }
 
-/// The norm of the components `begin` to D - 1 of the values, with that of their errors: a norm is
-/// off by no more than that.
+/// The norm of the components `begin` to D - 1 of the values, with that of their errors, which
+/// bounds the error of the norm.
 template <int D>
 Rounded norm_of(const FrameVector<Rounded, D>& x, int begin) {
   double value2 = 0, error2 = 0;
@@ -76,8 +76,8 @@ Rounded tangential_norm(const FrameVector<Rounded, D>& x) {
   return norm_of(x, 1);
 }
 
-/// A projection lengthens no difference: each component is off by at most the norm of the errors
-/// of tau, and by some twelve roundings of its own, those of mu included.
+/// A projection lengthens no difference. The error of each component is at most the norm of the
+/// errors of tau, plus some twelve roundings of its own, those of mu included.
 template <int D>
 FrameVector<Rounded, D> onto_cone(const FrameVector<Rounded, D>& tau, const Rounded& mu) {
   constexpr double kRoundings = 12;
@@ -91,7 +91,7 @@ FrameVector<Rounded, D> onto_cone(const FrameVector<Rounded, D>& tau, const Roun
   return s;
 }
 
-/// The square of a norm, hence the error is kept as that of the norm of the errors.
+/// The square of a norm; therefore the error is stored as that of the norm of the errors.
 template <int D>
 Rounded natural_energy(const Rounded& w_nn, const FrameVector<Rounded, D>& N) {
   FrameVector<double, D> value, error;

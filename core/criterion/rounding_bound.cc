@@ -10,8 +10,8 @@
 namespace bipot {
 namespace {
 
-// Roundings of a product through H or W beside those of its sums: the projection of s (at most 10 of
-// each component), the inverse mass, the division by row_scale, the addition of u_free.
+// Roundings of a product through H or W beside those of its sums: the projection of s (at most 10
+// of each component), the inverse mass, the division by row_scale, the addition of u_free.
 constexpr double kOfAProduct = 16;
 // The packed form of disks may differ from H by 16 epsilons = 32 roundings an entry. An arm counts
 // twice in a product.
@@ -58,7 +58,7 @@ class RoundedBodyRows {
   const double own_;
 };
 
-/// Rows by W.
+/// Rows through W.
 class RoundedDelassusRows {
  public:
   RoundedDelassusRows(const ContactProblem& p, const Eigen::Ref<const Vector>& s) : p_(p), s_(s) {}
@@ -165,8 +165,8 @@ RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s, 
   return sums;
 }
 
-/// The errors in another precision, or slightly more: all are at most linear in the roundoff, except
-/// that of the natural map, a square.
+/// The errors in another precision, or slightly more: all are at most linear in the roundoff,
+/// except that of the natural map, a square.
 RoundedSums in_precision(RoundedSums sums, Precision precision) {
   const double ratio = unit_of(precision) / Rounded::kUnit;
   for (Rounded* sum :

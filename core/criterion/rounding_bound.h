@@ -20,12 +20,13 @@ enum class Precision {
   kQuadruple  ///< quadruple_guarded_error(), unit roundoff 2^-113
 };
 
-/// Running error analysis of one evaluation (Higham, Accuracy and Stability of Numerical Algorithms,
-/// §3). Every sum of n products is off by at most n unit roundoffs times the sum of the absolute
-/// values. These bounds go through the formulas of the criterion (rounded.h), and the result is taken
-/// times 1.01. The bound covers the projection of s on the cones, velocities by either form of the
-/// operator, and weights; it does not depend on the order of summation. With share.alone the smaller
-/// of two figures counts, and the bound says how much larger the exact one may be.
+/// Running error analysis of one evaluation (Higham, Accuracy and Stability of Numerical
+/// Algorithms, §3). Every sum of n products is off by at most n unit roundoffs times the sum of the
+/// absolute values. These bounds go through the formulas of the criterion (rounded.h), and the
+/// result is taken times 1.01. The bound covers the projection of s on the cones, velocities by
+/// either form of the operator, and weights; it does not depend on the order of summation. With
+/// share.alone the smaller of two figures counts, and the bound says how much larger the exact one
+/// may be.
 ///
 /// Limits: no underflow or overflow, which solve() scales away; s on the cone to rounding. Infinite
 /// where the denominator is rounding alone. Cost: two passes through H, or one through W.
@@ -43,7 +44,7 @@ struct RoundedMomentum {
 };
 RoundedMomentum rounded_momentum(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
 
-/// Sums of the criterion over contacts with their errors in double precision; that of `natural` is
+/// Sums of the criterion over contacts with their errors in double precision. That of `natural` is
 /// Σ ½ W_nn |error of N|², the square of a norm. The sums of parts add up.
 using RoundedSums = ErrorSumsOf<Rounded>;
 /// Sums over all contacts of a problem. Errors are infinite if it has neither W nor a diagonal A.

@@ -6,7 +6,7 @@
 namespace bipot {
 
 /// A factorisation of a sparse square matrix, wherever it is done: by this process alone
-/// (LocalFactor), or by several together (solvers/parallel/mumps_crew.h).
+/// (LocalFactor), or by several together (solvers/parallel/parallel_factor.h).
 class SystemFactor {
  public:
   virtual ~SystemFactor() = default;

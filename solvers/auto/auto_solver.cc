@@ -57,7 +57,7 @@ class Forecast {
       : stage_(stage), tol_(tol), stop_(stop) {}
 
   void record(const IterationRecord& r) {
-    // The difference of successive impulses is not in the record: nothing is predicted from it.
+    // The difference of successive impulses is not in the record: there is no forecast for it.
     if (stop_ == StopTest::kImpulse || stage_.max_iterations == AutoStage::kUnlimited) return;
     double error = r.error.guarded();
     if (stop_ == StopTest::kRaw42 && std::isfinite(r.error.raw42)) error = r.error.raw42;
@@ -106,7 +106,7 @@ std::vector<AutoStage> plan_in_parallel() {
   return stages;
 }
 
-/// The race in progress.
+/// The stages in progress.
 class Race {
  public:
   /// `attempted`: the impulse that an attempt left, whose first stage is not run again; or empty.
@@ -141,7 +141,7 @@ class Race {
   }
 
  private:
-  /// The stages that `chosen` takes, one after the other.
+  /// The stages that `chosen` selects, in sequence.
   template <class Chosen>
   void race(const Chosen& chosen) {
     const std::vector<AutoStage> stages =
@@ -154,7 +154,7 @@ class Race {
 
   bool alone() { return space_.whole() != nullptr; }
 
-  /// Runs the stage; true when nothing is to follow.
+  /// Runs the stage; true if none is to follow.
   bool finished(const AutoStage& stage) {
     if (out_of_budget()) return true;
     if (best_error_ > stage.largest_error) return false;
@@ -207,7 +207,7 @@ class Race {
     };
     SolveResult result;
     space_.rest();
-    // What the stage before has left is in pieces that the next one's arrays do not fit into.
+    // Memory of the previous stage is fragmented for the next one's arrays.
     if (!trail_.empty() && p_.num_contacts() > kFreedFrom) return_freed_memory();
     try {
       const SolverEntry& entry = require_solver(stage.solver);
@@ -231,12 +231,12 @@ class Race {
       own_.insert_or_assign(std::string(stage.solver), result.s);
       last_s_ = result.s;
     }
-    // W rounds otherwise than A and H: what meets the tolerance with the one may miss it with the
-    // others, and the race goes on.
+    // W rounds otherwise than A and H: an impulse that meets the tolerance with the one may miss it
+    // with the others, and the stages continue.
     if (is_success(last_) && options_.stop == StopTest::kGuarded && !(error <= inner_.tol)) {
       last_ = SolveStatus::kStalled;
     }
-    // Loops inside a solver see no difference between being stopped and being out of time.
+    // Loops inside a solver do not distinguish a stop from the end of their time.
     const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
     const bool by_caller = stopped && run_.cancelled();
     const bool given_up = stopped && !by_caller && forecast.failed() && !run_.late();
@@ -252,7 +252,7 @@ class Race {
     ended_ = stopped && !given_up;
   }
 
-  /// The problem with W in it, assembled by the first stage that needs it.
+  /// The problem with W, assembled by the first stage that needs it.
   WholeSpace& with_delassus() {
     if (!delassus_space_) {
       const Stopwatch setup;
@@ -292,7 +292,7 @@ class Race {
     if (options_.stop == StopTest::kGuarded && best_error_ <= options_.tol) {
       last_ = SolveStatus::kConverged;
     }
-    // A stage that diverged or broke down leaves the best impulse of the others: the race as a
+    // After a stage that diverged or failed the best impulse is that of the others. The solve as a
     // whole has stalled, unless nothing better than the start was found.
     const bool broke = last_ == SolveStatus::kDiverged || last_ == SolveStatus::kNumericalFailure;
     if (broke && best_error_ < start_error_) last_ = SolveStatus::kStalled;

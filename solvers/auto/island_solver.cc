@@ -24,22 +24,22 @@ namespace {
 // by themselves: solvers/auto/islands.h.
 constexpr double kShareBeforeLast = 0.5, kAloneFactor = 12;
 
-// Islands of up to so many contacts, and of about one size, are tried together: making a problem of
-// each takes as long as the sweeps that solve it.
+// Islands of up to this many contacts, and of about one size, are tried together: making a problem
+// of each takes as long as the sweeps that solve it.
 constexpr std::size_t kGrouped = 200;
 
-// A last island that is nearly all of a large problem is not cut out: the copy and all that is made
-// of it take 0.4 kB a contact, the others are settled and cost next to nothing.
+// A last island with this fraction of a large problem is not cut out: the copy costs much memory,
+// and the others are settled and cost next to nothing.
 constexpr double kNearlyAll = 0.9;
 constexpr int kLargeCopy = 4000;
 
-/// Whether s = 0 obeys the law at all of these contacts: nothing approaches.
+/// True if s = 0 obeys the law at all of these contacts: no bodies approach.
 bool is_open(const ContactProblem& p, std::span<const int> contacts) {
   return std::all_of(contacts.begin(), contacts.end(),
                      [&](int c) { return p.u_free[static_cast<Eigen::Index>(c) * p.dim] >= 0; });
 }
 
-/// One solve, part by part.
+/// One solve, island by island.
 class IslandRun {
  public:
   /// `best`: of an attempt on the whole, or empty.
@@ -54,8 +54,8 @@ class IslandRun {
         islands_(islands),
         evaluate_(run.whole().evaluator()) {}
 
-  /// Puts s = 0 where that obeys the law and keeps starts that are good enough. The number of
-  /// contacts that are left.
+  /// Sets s = 0 on islands where that obeys the law, and keeps starts that are accurate enough.
+  /// Returns the number of remaining contacts.
   int settle() {
     const ContactError error = evaluate_(start_of(p_, options_));
     s_ = evaluate_.impulse();
@@ -83,14 +83,15 @@ class IslandRun {
     return contacts_left;
   }
 
-  /// Solves what settle() left.
+  /// Solves the islands that settle() left.
   SolveResult solve_left() {
     if (options_.on_iteration) options_.on_iteration(start_);
     solve_few();
     solve_groups();
     result_.setup_seconds = watch_.seconds();
     for (std::size_t k = 0; k < left_.size(); ++k) {
-      // After a failure nothing makes the whole meet the tolerance: the last is a part like others.
+      // After a failure the whole cannot meet the tolerance: the last island is treated like the
+      // others.
       const bool last = k + 1 == left_.size() && failed_ == 0;
       if (last && is_nearly_all(left_[k])) return on_the_whole(best_);
       if (!solve_island(left_[k], last)) break;
@@ -121,7 +122,7 @@ class IslandRun {
     return sums;
   }
 
-  /// Takes the island as settled where its impulses of the last evaluation are good enough.
+  /// Marks the island as settled if its impulses of the last evaluation are accurate enough.
   bool settled(int island) {
     const ErrorSums own = sums_of(island);
     const ErrorShare share = share_of(island, own, false);
@@ -136,8 +137,8 @@ class IslandRun {
     return true;
   }
 
-  /// Takes over what these impulses are good enough for, of these islands; leaves the others in the
-  /// list. The number of the former.
+  /// Takes these impulses on those of the islands where they are accurate enough, and leaves the
+  /// others in the list. Returns the number of the former.
   int keep_good(const Vector& impulses, std::vector<int>& islands) {
     if (islands.empty()) return 0;
     evaluate_(impulses);
@@ -153,7 +154,7 @@ class IslandRun {
     return static_cast<int>(kept);
   }
 
-  /// Solves what has few contacts; the others are left.
+  /// Solves islands of few contacts; the others remain.
   void solve_few() {
     std::vector<int> solved, others;
     FewContacts few(p_, evaluate_.delassus());
@@ -175,11 +176,11 @@ class IslandRun {
     std::sort(left_.begin(), left_.end());
   }
 
-  /// Makes the attempt of the solver on islands of about one size at once, those without friction
-  /// by themselves. Where that does not arrive, each is looked at, and those that are not good
-  /// enough are left with what it found. The last island is left in any case.
+  /// Tries the solver's attempt on islands of about one size at once, those without friction
+  /// separately. If it fails, each is checked, and those that are not accurate enough remain, with
+  /// their impulses. The last island always remains.
   void solve_groups() {
-    // Sweeps over disks fill vectors; what accelerates other problems does better on each island.
+    // Sweeps over disks fill vectors; for other problems acceleration works better on each island.
     const bool pays = solver_.attempt && evaluate_.delassus().disks();
     if (!pays || best_.size() != 0 || left_.size() < 3) return;
     std::map<std::pair<int, bool>, std::vector<int>> groups;
@@ -200,7 +201,7 @@ class IslandRun {
     left_ = std::move(left);
   }
 
-  /// One of these groups. What it does not settle is added to `left`.
+  /// One of these groups. Islands that are not settled are added to `left`.
   void solve_group(const std::vector<int>& islands, std::vector<int>& left) {
     if (islands.size() < 2 || time_left() <= 0) {
       left.insert(left.end(), islands.begin(), islands.end());
@@ -282,7 +283,7 @@ class IslandRun {
     return entry;
   }
 
-  /// False where nothing is to follow.
+  /// False if none is to follow.
   bool solve_island(int island, bool last) {
     const std::span<const int> contacts = islands_.of(island);
     const int size = static_cast<int>(contacts.size());
@@ -327,7 +328,7 @@ class IslandRun {
     return true;
   }
 
-  /// Hands the records of the last island on: errors are those of the whole, contacts are added.
+  /// Passes the records of the last island on: errors are those of the whole, contacts are added.
   std::function<void(const IterationRecord&)> history_of(const IslandProblem& part, int size) {
     const ContactCount all = count_contacts(p_, s_);
     const ContactCount own = count_contacts(part.problem, part.gather(s_));
@@ -346,7 +347,7 @@ class IslandRun {
   void add_work(int iterations, int contacts) {
     work_ += static_cast<double>(iterations) * contacts;
   }
-  /// Iterations over the whole that the work so far amounts to, with more on some contacts.
+  /// Number of iterations over the whole that equals the work so far, with more on some contacts.
   int iterations(int more, int contacts) const {
     const double visits = work_ + static_cast<double>(more) * contacts;
     return static_cast<int>(std::ceil(visits / p_.num_contacts()));
@@ -366,7 +367,7 @@ class IslandRun {
     const ContactError error = evaluate_(s_);
     s_ = evaluate_.impulse();
     result_.message = account();
-    // Where no solver ran on a last part, nothing has told the end.
+    // If no solver ran on a last island, the end has not been recorded.
     if (options_.on_iteration && left_.empty()) {
       options_.on_iteration({.iteration = iterations(0, 0),
                              .seconds = watch_.seconds(),
@@ -379,7 +380,7 @@ class IslandRun {
       result_.message =
           fmt::format("{} of the {}; first {}", failed_, result_.message, first_failure_);
     } else {
-      // Rounding keeps the whole from what all of its parts had.
+      // Rounding keeps the whole from a tolerance that all of its islands meet.
       return on_the_whole(Vector());
     }
     result_.s = s_;
@@ -388,7 +389,7 @@ class IslandRun {
     return std::move(result_);
   }
 
-  /// On from where the parts are without cutting.
+  /// Continues on the whole, from the impulses of the islands.
   SolveResult on_the_whole(const Vector& best) {
     SolverOptions inner = options_;
     inner.s0 = std::move(s_);
@@ -432,11 +433,11 @@ class IslandRun {
   ContactErrorEvaluator& evaluate_;
   std::optional<IslandCutter> cut_;  // of the first part that is cut out
   ErrorSums total_;                  // of the whole at its start; its free terms do not change
-  ErrorSums settled_;                // what is settled; its free terms are not used
+  ErrorSums settled_;                // of the settled islands; its free terms are not used
   Vector s_;
   std::vector<int> left_;  // islands for the solver, the smaller ones first
   double work_ = 0;        // contacts visited
-  Vector tried_;           // what the attempts on groups found, in the islands that they left
+  Vector tried_;           // results of the attempts on groups, in the remaining islands
   std::set<int> tried_of_;
   int open_ = 0, kept_ = 0, few_ = 0, together_ = 0, by_solver_ = 0, failed_ = 0;
   double most_visits_ = 0;  // of a single island
@@ -444,8 +445,8 @@ class IslandRun {
   SolveResult result_;
 };
 
-/// Where a warm start has settled more than a quarter of the contacts, the others are cut out at
-/// once. Sweeps over all cost less than cutting where they arrive soon.
+/// If a warm start has settled more than a quarter of the contacts, the others are cut out at once.
+/// Sweeps over all cost less than cutting if they converge soon.
 constexpr double kMostContacts = 0.75;
 
 }  // namespace

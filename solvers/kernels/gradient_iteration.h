@@ -7,8 +7,8 @@
 #include "core/problem/coulomb_cone.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_kernel.h"
-#include "solvers/kernels/patience.h"
 #include "solvers/kernels/spectral_estimate.h"
+#include "solvers/kernels/stagnation_test.h"
 #include "solvers/solve_run.h"
 
 namespace bipot {
@@ -126,10 +126,10 @@ struct SpaceSums {
 
 /// The map in use. With the choice "auto", a map that stagnates is replaced by the next of: split,
 /// cone, split without momentum.
-class MapRota {
+class MapSchedule {
  public:
   /// `choice`: auto, split or cone.
-  explicit MapRota(const std::string& choice)
+  explicit MapSchedule(const std::string& choice)
       : auto_(choice == "auto"), phase_(choice == "cone" ? 1 : 0) {}
 
   bool cone() const { return phase_ == 1; }
@@ -137,7 +137,7 @@ class MapRota {
 
   /// Records the best error so far. True if the map changes: return to the best iterate.
   bool advance(int iteration, double best_error) {
-    if (!auto_ || !patience_.lost(iteration, best_error)) return false;
+    if (!auto_ || !stagnation_.stagnates(iteration, best_error)) return false;
     phase_ = (phase_ + 1) % 3;
     return true;
   }
@@ -145,27 +145,27 @@ class MapRota {
  private:
   bool auto_;
   int phase_ = 0;
-  Patience patience_{1000};
+  StagnationTest stagnation_{1000};
 };
 
 /// Largest number of iterations between two looks at the clock.
 inline constexpr int kUnwatchedSteps = 64;
 
 /// Iterates until the monitor stops it.
-inline void iterate_gradient(GradientKernel& kernel, MapRota rota, double lambda, double step,
-                             SolveRun& run) {
+inline void iterate_gradient(GradientKernel& kernel, MapSchedule schedule, double lambda,
+                             double step, SolveRun& run) {
   kernel.reset(run.start());
   GradientControl control{.lambda = lambda, .step = step};
   for (int iteration = 0;;) {
     if (run.due(iteration)) {
       if (run.stop(iteration, kernel.impulse(), step / control.lambda)) return;
-      if (rota.advance(iteration, run.best_error())) {
+      if (schedule.advance(iteration, run.best_error())) {
         kernel.reset(run.best_impulse());
         control.t = 1;
       }
     }
-    control.cone = rota.cone();
-    control.momentum = rota.momentum();
+    control.cone = schedule.cone();
+    control.momentum = schedule.momentum();
     const int count = run.undue(iteration, kUnwatchedSteps);
     kernel.advance(count, control);
     iteration += count;

@@ -9,8 +9,8 @@
 namespace bipot {
 namespace {
 
-/// Calls f(kernel) with the iteration on disks in vectors, where the problem is one of disks;
-/// whether it is.
+/// Calls f(kernel) with the vectorised iteration on disks. False if the problem is not one of
+/// disks.
 template <int D, class F>
 bool with_disk_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
   const Execution& execution = run.options().execution;
@@ -49,13 +49,13 @@ void with_any_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
 }  // namespace
 
 void solve_accelerated_gradient(SolveRun& run) {
-  const MapRota rota(run.parameters().choice("map"));
+  const MapSchedule schedule(run.parameters().choice("map"));
   const double step = run.parameters().number("step");
   const ContactScaling scaling = equilibrated_scaling(run.problem(), run.space().diagonal());
   const double lambda = kSpectralMargin * spectral_estimate(run.space(), scaling.velocity);
   run.end_setup();
   const auto iterate = [&](GradientKernel& kernel) {
-    iterate_gradient(kernel, rota, lambda, step, run);
+    iterate_gradient(kernel, schedule, lambda, step, run);
   };
   dispatch_dim(run.problem().dim, [&](auto d) {
     if constexpr (d() < 3) {

@@ -31,16 +31,16 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 /// Found. Comput. Math. 15, 2015). P is either
 ///   - cone: proj(y - (w + mu |w_t| n)/L, K_mu), the map (41), de Saxcé's term taken at y; or
 ///   - split: x_n = max(0, tau_n), then x_t = tau_t cut off at mu x_n (Alart and Curnier 1991).
-/// Both have exactly the solutions of Coulomb's law as fixed points. Split needs fewer iterations
-/// on lattices and piles, cone holds where split cycles (free pyramids). [ours] auto starts with
-/// split, and where the best error has not halved for as many iterations as it took so far (at
-/// least 1000) goes on from the best iterate with cone, then with split without momentum, and so
-/// on.
+/// The fixed points of both are exactly the solutions of Coulomb's law. Split needs fewer
+/// iterations on lattices and piles; cone is stable if split cycles (free pyramids). [ours] auto
+/// starts with split. If it stagnates (at least 1000 iterations), it continues from the best
+/// iterate with cone, then with split without momentum, and so on.
 ///
-/// L: 30 steps of the power method, with a margin of 5 %. Each step measures the curvature
-/// (x - x⁻)·W(x - x⁻)/‖x - x⁻‖² along the way; where it is above L, L is raised and momentum
-/// dropped. For mu = 0 this is FISTA on a convex quadratic, error O(1/k²); with friction
-/// there is no proof of convergence. An unsymmetric W (rounded data) is used as it is.
+/// L: 30 steps of the power method, with a margin of 5 %. Each step measures the curvature (x -
+/// x⁻)·W(x - x⁻)/‖x - x⁻‖². If it exceeds L, L is raised and momentum dropped.
+///
+/// Limits: for mu = 0 this is FISTA on a convex quadratic, error O(1/k²); with friction convergence
+/// is not proved. An unsymmetric W (rounded data) is used as it is.
 ///
 /// Deviations from the source: equilibrated variables, split map, no line search on the objective
 /// (with friction there is none), velocities at y from those at x and x⁻. Disks run in vectors and

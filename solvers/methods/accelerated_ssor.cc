@@ -9,26 +9,26 @@
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_kernel.h"
 #include "solvers/kernels/local_updates.h"
-#include "solvers/kernels/patience.h"
+#include "solvers/kernels/stagnation_test.h"
 #include "solvers/solve_run.h"
 
 namespace bipot {
 namespace {
 
-/// Iterations that may be done without a look at the clock.
+/// Largest number of iterations between two looks at the clock.
 constexpr int kUnwatched = 32;
-/// Contacts of disks from which on they stream through memory.
+/// Number of contacts from which the contacts of disks are streamed from memory.
 constexpr int kStreamed = 20000;
-/// Iterations of more than two sweeps diverge on large packings where omega is near 2.
+/// Iterations of more than two sweeps diverge on large packings if omega is near 2.
 constexpr double kOmegaOfMany = 1.6;
 
-/// Disks along a side of a packing with so many contacts.
+/// Disks along a side of a packing with this number of contacts.
 double side_of(const ContactProblem& p) {
   const double disks = p.num_contacts() / 3.0;
   return p.dim == 3 ? std::cbrt(disks) : std::sqrt(disks);
 }
 
-/// Two sweeps bear more of it than one, more than two less.
+/// Two sweeps allow a larger omega than one, more than two a smaller one.
 double relaxation_of(double side, int sweeps) {
   return std::clamp(2 / (1 + 11 / side), 1.0,
                     sweeps == 2   ? 1.91
@@ -36,34 +36,34 @@ double relaxation_of(double side, int sweeps) {
                                   : kOmegaOfMany);
 }
 
-/// What the iteration does in turns, beginning with over-relaxed sweeps and momentum.
+/// Schedule of the variants of the iteration, beginning with over-relaxed sweeps and momentum.
 class Turns {
  public:
-  /// `relaxable`: whether the kernel can change omega.
+  /// `relaxable`: the kernel can change omega.
   Turns(double omega, bool relaxable, int sweeps, int most_sweeps, double side)
       : omega_(omega),
         again_(relaxable ? std::min(omega, kOmegaOfMany) : omega),
         plain_(relaxable ? std::min(omega, 1.0) : omega),
         sweeps_(sweeps),
         most_sweeps_(std::max(sweeps, most_sweeps)),
-        patience_(200 + static_cast<int>(3 * side)) {}
+        stagnation_(200 + static_cast<int>(3 * side)) {}
 
   double omega() const {
     if (turn_ != 0) return plain_;
     return changes_ == 0 ? omega_ : again_;
   }
-  /// More where the error stands.
+  /// More sweeps if the error stagnates.
   int sweeps() const {
     const int more = sweeps_ * (changes_ == 0 ? 1 : changes_ < kTurns ? 4 : 8);
     return std::min(more, most_sweeps_);
   }
   bool momentum() const { return turn_ != 2; }
-  /// Whether this turn begins at the caller's start, else at the best impulse: what over-relaxation
-  /// leaves behind is no good start on piles.
+  /// True if this variant starts from the caller's start, false for the best impulse: the result of
+  /// over-relaxation is no good start on piles.
   bool afresh() const { return turn_ == 1 && changes_ == 1; }
-  /// Tells the best error so far. True where something else begins.
+  /// Records the best error so far. True if the variant changes.
   bool advance(int iteration, double best_error) {
-    if (!patience_.lost(iteration, best_error)) return false;
+    if (!stagnation_.stagnates(iteration, best_error)) return false;
     ++changes_;
     turn_ = (turn_ + 1) % kTurns;
     if (turn_ == 1 && plain_ == omega_) turn_ = 2;  // it would be the turn before once more
@@ -74,7 +74,7 @@ class Turns {
   static constexpr int kTurns = 3;
   double omega_, again_, plain_;
   int sweeps_, most_sweeps_;
-  Patience patience_;
+  StagnationTest stagnation_;
   int turn_ = 0, changes_ = 0;
 };
 
@@ -91,7 +91,7 @@ class ContactByContact {
         visit_(visit) {}
 
   void reset(const Vector& s) { now_ = before_ = s; }
-  /// The local updates keep their omega, and no turn asks for another.
+  /// The local updates keep their omega, and no variant asks for another.
   void relax(double, int sweeps) { sweeps_ = sweeps; }
   void refresh() {}  // every iteration has the velocities of its y
   const Vector& impulse() const { return now_; }
@@ -123,13 +123,13 @@ enum class StressesEnd {
   kGivenUp,  ///< the error stands
 };
 
-/// Where no stresses can be taken out of the sweeps.
+/// Stand-in if there is no deflation.
 struct NoStresses {
   static bool due(double) { return false; }
   static StressesEnd finish(int&, SolveRun&) { return StressesEnd::kNone; }
 };
 
-/// The last part of the iteration on large packings, once.
+/// The last stage of the iteration on large packings, once.
 class Stresses {
  public:
   Stresses(SymmetricSweep<2>& sweep, const DiskStructure& disks, int least,
@@ -140,7 +140,7 @@ class Stresses {
         done_(static_cast<int>(disks.contacts.size()) < least) {}
 
   bool due(double best_error) const { return !done_ && best_error < kSettled; }
-  /// From the best impulse.
+  /// Starts from the best impulse.
   StressesEnd finish(int& iteration, SolveRun& run) {
     done_ = true;
     DeflatedSweep kernel(sweep_, disks_, execution_);
@@ -156,7 +156,7 @@ class Stresses {
       }
       since += count;
       run.judge_next();
-      // "moving": an impulse that stands still here is no stall, as the iteration before goes on.
+      // "moving": an unchanged impulse is no stall here, since the main iteration continues.
       if (run.stop(iteration, kernel.impulse(), kOmega, true)) return StressesEnd::kSolve;
       if (run.best_error() <= 0.5 * mark) {
         mark = run.best_error();
@@ -167,13 +167,14 @@ class Stresses {
   }
 
  private:
-  /// The error from which on they are taken out: while it is above 1 they pull at contacts that
-  /// will slip, and moving packings need up to 1.8 times the iterations.
+  /// Error from which deflation starts: while it is above 1, the stresses load contacts that will
+  /// slip, and moving packings need more iterations.
   static constexpr double kSettled = 0.5;
   static constexpr double kOmega = 1.5;
   static constexpr int kSweeps = 4;
   static constexpr int kPatience = 24;  ///< iterations in which the error has to halve
-  static constexpr int kJudged = 6;     ///< one in so many: judging costs as much as three
+  /// Every sixth iteration is judged: judging costs as much as three.
+  static constexpr int kJudged = 6;
 
   SymmetricSweep<2>& sweep_;
   const DiskStructure& disks_;

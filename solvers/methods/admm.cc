@@ -23,16 +23,17 @@ namespace {
 
 constexpr int kFirstBalance = 20;          // iterations before the first change of rho
 constexpr double kBalanceInterval = 0.25;  // of the iterations so far, before the next one
-constexpr double kImbalance = 5;           // factor of rho below which it is left alone
+constexpr double kImbalance = 5;           // factor of rho below which it does not change
 constexpr double kLargestChange = 100;     // of rho at once
-constexpr double kSmallestRho = 1e-3;      // of balancing; smaller ones cost digits in the solve
+constexpr double kSmallestRho = 1e-3;      // of balancing; smaller ones lose digits in the solve
 constexpr double kAtRest = 4e-15;          // relative change of a multiplier at rest
 constexpr int kCorrections = 2;            // for the skew part of W
 constexpr int kRaises = 20;                // of rho by 10, for an indefinite W
-// Iterations between two looks at the statuses, looks between two changes of their penalties.
+// Iterations between two observations of the statuses, observations between two changes of their
+// penalties.
 constexpr int kLook = 25, kLooks = 3;
-// How rho is raised: after so many iterations that did not halve the error, in all by so much, and
-// for the last so much of that after more of them; after how many the rule is given up at the end.
+// Schedule of raising rho: number of iterations without halving the error before a raise, the total
+// factor, the factor of the last raises with their longer wait, and the wait before the rule ends.
 constexpr int kRaisePatience = 70, kLastPatience = 600, kEndPatience = 2000;
 constexpr double kRaisedBy = 300, kLastRaises = 5;
 constexpr double kOverRelaxation = 1.6;
@@ -53,7 +54,7 @@ class Resolvent {
     skew_.prune(0.0);
   }
 
-  /// What factor() does first: callers ask their clock in between. False: memory ran out.
+  /// First part of factor(): callers check their clock in between. False: memory ran out.
   bool analyse(const ContactPenalties<D>& penalties) {
     if (!body_) return factor_.analyse(shifted(penalties));
     if (!analysed_) analysed_ = factor_.analyse(body_->pattern());
@@ -85,7 +86,7 @@ class Resolvent {
   }
 
  private:
-  /// Blocks are whole, zeros too, so that one analysis serves all.
+  /// Blocks are whole, zeros included, so that one analysis serves all.
   const SparseMatrix& shifted(const ContactPenalties<D>& penalties) {
     SparseMatrix blocks(rows_, rows_);
     blocks.reserve(Eigen::VectorXi::Constant(rows_, D));
@@ -108,7 +109,7 @@ class Resolvent {
   Vector velocity_;
 };
 
-/// False when no penalty makes the matrix positive definite, or time is over before.
+/// False if no penalty makes the matrix positive definite, or the time is over.
 template <int D>
 bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vector& y,
                     SolveRun& run) {
@@ -121,10 +122,10 @@ bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vec
   return false;
 }
 
-/// Raises the penalty step by step while the best error does not fall.
+/// Raises the penalty step by step while the best error does not decrease.
 class Stages {
  public:
-  /// Factor for rho, 1 for no change; 0 when the last stage has failed too.
+  /// Factor for rho, 1 for no change; 0 if the last stage has failed too.
   double advance(int iteration, double best_error) {
     if (best_error <= 0.5 * mark_) {
       mark_ = best_error;
@@ -154,7 +155,7 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
   Resolvent<D> resolvent(p, scaling.velocity);
   ContactPenalties<D> penalties(scaling.mu, rho);
   Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size());
-  // Start of the multiplier: minus de Saxcé's velocity at s0, where that is not 0.
+  // Start of the multiplier: minus de Saxcé's velocity at s0, unless that is 0.
   for (int c = 0; c < p.num_contacts(); ++c) {
     const Local<D> w =
         velocity0.segment<D>(c * D).cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
@@ -179,7 +180,7 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
   for (int iteration = 0;; ++iteration) {
     if (run.due(iteration)) {
       rhs = z.cwiseProduct(scaling.velocity);
-      // A multiplier that still moves will move s later.
+      // A multiplier that still changes will change s later.
       const bool moving = (y - y_judged).norm() > kAtRest * y.norm();
       if (run.stop(iteration, rhs, penalties.rho(), moving)) return;
       y_judged = y;

@@ -25,21 +25,22 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
 /// -rho y tends to de Saxcé's velocity, so that |w_t| = rho |y_t| is updated in every iteration;
 /// for mu = 0, or |w_t| frozen, the method converges for every rho > 0.
 ///
-/// The linear system is solved with one sparse Cholesky factorisation (frontal_cholesky.h) per change of the
-/// penalties: where A and H are given through A + H M⁻¹ Hᵀ in the velocities (Woodbury), M = rho I
-/// or the penalties of the contacts, otherwise W + M itself. [ours] For an unsymmetric W the
-/// symmetric part is factored and the rest is taken in by two steps of residual correction; where
-/// W + M is not positive definite (rounded data) the penalties are raised tenfold.
+/// The linear system is solved with one sparse Cholesky factorisation (frontal_cholesky.h) per
+/// change of the penalties: where A and H are given through A + H M⁻¹ Hᵀ in the velocities
+/// (Woodbury), M = rho I or the penalties of the contacts, otherwise W + M itself. [ours] For an
+/// unsymmetric W the symmetric part is factored and the rest is taken in by two steps of residual
+/// correction; where W + M is not positive definite (rounded data) the penalties are raised
+/// tenfold.
 ///
 /// The penalties. A small rho is quick on packings whose forces reach everywhere, a large one where
 /// contacts slip and open. [ours] Each contact has a metric by what it does
 /// (kernels/contact_penalties.h), changed every 75 iterations. While the best error has not halved
 /// for 70, all are raised by sqrt(10), up to 60 times rho, then up to 300 times rho at intervals of
-/// 600. Where that does not halve it for 2000, they become one rho, which is then balanced: when the
-/// primal residual ‖x - z‖ / max(‖x‖, ‖z‖) and the dual residual ‖z⁺ - z‖ / ‖y‖ differ by a factor
-/// above 25, rho is multiplied by the root of their ratio (relative residuals: Wohlberg 2017; the
-/// rule of OSQP), at intervals that grow with the iteration count. One iteration is one linear
-/// solve.
+/// 600. Where that does not halve it for 2000, they become one rho, which is then balanced: when
+/// the primal residual ‖x - z‖ / max(‖x‖, ‖z‖) and the dual residual ‖z⁺ - z‖ / ‖y‖ differ by a
+/// factor above 25, rho is multiplied by the root of their ratio (relative residuals: Wohlberg
+/// 2017; the rule of OSQP), at intervals that grow with the iteration count. One iteration is one
+/// linear solve.
 void solve_admm(SolveRun& run);
 
 }  // namespace bipot

@@ -17,18 +17,19 @@ inline constexpr ParameterSpec kClassicalParameters[] = {
      .help = "velocities are refreshed after all contacts, or after each"},
 };
 
-/// The treatment that the paper compares with (its references [2] and [15]): two
-/// predictor-correctors per contact, the unilateral part first, then friction with the new s_n,
+/// The classical treatment, with which the paper compares its own (its references [2] and [15]). It
+/// has two predictor-correctors for each contact, first the unilateral part, then friction with the
+/// new s_n,
 ///
 ///     s_n <- max(0, s_n - rho u_n),      s_t <- s_t - rho u_t cut off at mu s_n,
 ///
 /// in place of the single one of the bi-potential method. Both parts use the same velocities.
-/// Variables and rho are those of uzawa (predictor_steps.h), so that the pair differs in the
-/// corrector alone. The stop test that goes with the classical method in the paper, the relative
-/// change of s between iterations, is SolverOptions::stop = kImpulse. Impulses replace forces.
+/// Variables and rho are those of uzawa (predictor_steps.h), so that only the corrector differs.
+/// The stop test of the classical method in the paper is the relative change of s between
+/// iterations: SolverOptions::stop = kImpulse. Impulses replace forces.
 ///
 /// In parallel, refresh = jacobi: the iterates of one process up to the bound of W's norm, which
-/// may be larger where driven walls take part. An iteration is one exchange.
+/// may be larger with driven walls. An iteration is one exchange.
 void solve_classical(SolveRun& run);
 
 }  // namespace bipot

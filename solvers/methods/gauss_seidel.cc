@@ -16,7 +16,7 @@
 namespace bipot {
 namespace {
 
-/// The order in which the contacts of each sweep are visited.
+/// The order of the contacts in each sweep.
 class SweepOrder {
  public:
   SweepOrder(const std::string& name, int contacts, unsigned seed)
@@ -53,7 +53,7 @@ class SweepOrder {
   std::mt19937 engine_;
 };
 
-/// Iterations that may be done without a look at the clock.
+/// Largest number of iterations between two looks at the clock.
 constexpr int kUnwatchedSweeps = 64;
 
 template <int D>

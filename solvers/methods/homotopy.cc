@@ -16,45 +16,43 @@
 namespace bipot {
 namespace {
 
-// Starts of a chain, prepared by apgd, each to a third of the error of the one before; the chain is
-// left after one that brought less than kGain.
+// Number of starts of a chain, prepared by apgd, each to a third of the error of the one before.
+// The chain ends after one that gained less than kGain.
 constexpr int kStarts = 6;
 constexpr double kGain = 0.9;
-// Iterations of a chain, for each contact and in all: those that arrive need up to 6.
+// Iterations of a chain, for each contact and in all.
 constexpr int kChainIterations = 6, kLeastChain = 5000;
-// Chains: where one ends is chance. Of 30 steps of a pour to 1e-8, among them all that were hard,
-// each schedule of delta left three, others each time; all of them together left none.
+// A chain of starts with one schedule of delta. Its end is a matter of chance; several schedules
+// complement each other.
 struct Chain {
   double looser;  // error of the first start in units of start_tol
   int schedule;   // after that of the parameter
 };
 constexpr Chain kChains[] = {{1, 0}, {1, 1}, {1, 2}, {10, 0}, {30, 1}, {3, 2}, {100, 0}, {0.3, 1}};
-// After each of them, so many chains of one start: the best impulse so far, every component changed
-// by up to kShaken of it. Of nine steps of 1700 contacts to 1e-8 that the first chain left, the
-// other chains solved two within 45 000 pivots; with these between them all nine, in 19 000 each.
-// Changed by half or twice as much, or in two thirds of the iterations, one or two were left.
+// Number of perturbed chains of one start after each of them: the best impulse so far, with every
+// component changed by up to kShaken of it.
 constexpr int kShakes = 6;
 constexpr double kShaken = 0.1;
 constexpr int kShakenIterations = 3, kLeastShaken = 2000;  // for each contact, at least
-// How delta goes on. After a path that failed `barrier` times its delta are not passed by for a
-// while: that figure fades with every path that arrives.
+// Schedule of delta. After a failed path, values up to `barrier` times its delta are avoided for a
+// while; the factor decreases with every successful path.
 struct Schedule {
   bool slow;  // the root of kDeltaShrink is taken
   double barrier, fade;
-  int least_pivots, contacts;  // a path may have so many, and one for so many contacts
+  int least_pivots, contacts;  // limits of the pivots of a path: at least, and for each contact
 };
 constexpr Schedule kSchedules[] = {
     {false, 3, 0.6, 200, 24}, {false, 4, 0.8, 200, 18}, {true, 0, 0, 200, 18}};
 constexpr int kNumSchedules = std::size(kSchedules);
-// A stall below it, and within ten tolerances, no other chain would mend: it is rounding.
+// A stall below it, and within ten tolerances, is rounding, which no other chain can reduce.
 constexpr double kRoundingError = 1e-10;
 // Paths from one start, failed ones included.
 constexpr int kStages = 60;
-// Failed paths in a row: those that left nothing, and those that left a turning point.
+// Failed paths in a row: those without a result, and those with a turning point.
 constexpr int kFailures = 7, kTurns = 20;
-// A turning point is taken as a start from that t on.
+// Least t of a turning point that serves as a start.
 constexpr double kUsefulTurn = 0.3;
-// Factors of delta after a path that failed.
+// Factors of delta after a failed path.
 constexpr double kRaise = 5, kRaiseAtTurn = 3;
 constexpr double kSmallestDelta = 1e-10, kLargestDelta = 1;
 // Factor of delta after a path that arrived.
@@ -65,9 +63,9 @@ constexpr int kStartIterations = 2000;
 constexpr double kLift = 1e-2;
 // Errors below this must not grow again while delta is below kFine.
 constexpr double kSettled = 1e-5, kFine = 1e-6;
-// Normal impulse minus velocity below that, relative to the mean: zero.
+// Normal impulse minus velocity below this, relative to the mean, counts as zero.
 constexpr double kNothing = 1e-10;
-// Stages at the smallest delta without a gain, before the solver gives up.
+// Stages at the smallest delta without a gain before the solver ends.
 constexpr int kIdleStages = 4;
 
 class Homotopy {
@@ -117,8 +115,8 @@ class Homotopy {
     return ended_ = true;
   }
 
-  /// Starts one after the other, each the best impulse so far of this chain, prepared by apgd to a
-  /// third of its error. True: everything ends here.
+  /// Starts in sequence, each the best impulse of this chain so far, prepared by apgd to a third of
+  /// its error. True: the solve ends.
   bool chain(Vector s, double wanted) {
     chain_error_ = kInfinity;
     chain_best_ = s;
@@ -133,12 +131,12 @@ class Homotopy {
     return false;
   }
 
-  /// So close, it is rounding that another start would meet again.
+  /// The error is due to rounding, which another start would meet again.
   bool at_rounding() const {
     return run_.best_error() <= std::min(10 * options_.tol, kRoundingError);
   }
 
-  /// Chains from the best impulse, shaken. True: everything ends here.
+  /// Chains from perturbed copies of the best impulse. True: the solve ends.
   bool shaken_chains() {
     for (int k = 0; k < kShakes; ++k) {
       Vector s = run_.best_impulse();
@@ -152,9 +150,9 @@ class Homotopy {
     return false;
   }
 
-  /// Judges an impulse; true: everything ends here.
+  /// Judges an impulse; true: the solve ends.
   bool judge(const Vector& s) {
-    // What ends the solve belongs into its history.
+    // The last impulse belongs into the history.
     if (!run_.due(iteration()) && run_.meets(s)) run_.judge_next();
     if (run_.stop(iteration(), s, delta_, /*moving=*/true)) {
       ended_ = true;
@@ -171,7 +169,7 @@ class Homotopy {
     return false;
   }
 
-  /// apgd from s to the error `wanted`. True: everything ends here.
+  /// apgd from s to the error `wanted`. True: the solve ends.
   bool prepare(Vector& s, double wanted) {
     const int limit = std::min(kStartIterations, options_.max_iterations - iteration());
     if (wanted >= 1 || limit <= 0) return false;
@@ -187,8 +185,8 @@ class Homotopy {
     return judge(s);
   }
 
-  /// The point of the manifold next to s. Bounded parameters next to zero are lifted by random
-  /// amounts: no ties, and no path that begins on a face.
+  /// The point of the manifold nearest to s. Bounded parameters near zero are perturbed at random:
+  /// this avoids ties, and paths that begin on a face.
   LawPoint lifted_point(const Vector& s, double error) {
     const Vector velocity = problem_.W * s + problem_.b;
     LawPoint point = nearest_point(problem_, s, velocity);
@@ -199,8 +197,8 @@ class Homotopy {
     if (impulse == 0) impulse = speed;
     const double lift = kLift * std::min(1.0, error / 1e-2);
     for (int i = 0; i < c; ++i) {
-      // A contact that neither pushes nor moves, as beside the columns of a square lattice, stays
-      // open along the whole path if it begins so.
+      // A contact without impulse and velocity, as beside the columns of a square lattice, stays
+      // open along the whole path if it begins open.
       if (std::abs(s[i * d] - velocity[i * d]) <= kNothing * std::max(impulse, speed)) {
         point.set(problem_, i, Cell::kTakeOff);
         point.value[i * d] = 0;
@@ -219,7 +217,7 @@ class Homotopy {
     return point;
   }
 
-  /// Paths from s with decreasing delta. True: everything ends here.
+  /// Paths from s with decreasing delta. True: the solve ends.
   bool stages(Vector anchor) {
     const double shrink = schedule_.slow ? std::sqrt(kDeltaShrink) : kDeltaShrink;
     delta_ = parameters_.number("delta");
@@ -272,7 +270,7 @@ class Homotopy {
         point = follower_.turning_point();
         point.find_bounds();
         point.impulse(problem_, anchor);
-        // F is 1 - t of what it was: where the error was just above the tolerance, that may do.
+        // F is 1 - t of its former value: an error just above the tolerance may now meet it.
         ++judged_;
         if (judge(anchor.cwiseProduct(problem_.impulse_unit))) return true;
         delta_ = std::min(kLargestDelta, kRaiseAtTurn * delta_);
@@ -287,7 +285,7 @@ class Homotopy {
     return false;
   }
 
-  /// Says how it was stopped, in place of the number of iterations what they were.
+  /// Reports the cause of the stop, and the kinds of iterations in place of their number.
   bool stopped() {
     return run_.cancelled() ? end(SolveStatus::kInterrupted,
                                   fmt::format("interrupted after {}, best error {:.2e}", counted(),

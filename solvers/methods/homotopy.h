@@ -40,31 +40,32 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .help = "of the random changes of starts"},
 };
 
-/// Exact path following on Coulomb's law as a piecewise linear manifold, d <= 2. Per contact the
-/// law has four cells (take-off, two of slip, stick; law_cells.h), and u = W s + u_free is linear
-/// in each. From a point p0 of the manifold next to an impulse s0, the path
+/// Exact path following on Coulomb's law as a piecewise linear manifold, d <= 2. For each contact
+/// the law has four cells (take-off, two of slip, stick; law_cells.h), and u = W s + u_free is
+/// linear in each. From a point p0 of the manifold next to an impulse s0, the path
 ///
 ///     u - W s - u_free - delta D (s - anchor) = (1 - t) r,    r: the residual of p0
 ///
-/// with D = diag W by what each contact bears (homotopy/proximal_term.h), is followed through the
-/// cells by pivots, one exchange of a column each, as Lemke's algorithm follows its own (Lemke 1965; Eaves 1976 for paths of piecewise linear equations in general). At
-/// t = 1 it has solved the proximal problem exactly; its impulse is the anchor of the next, with a
-/// smaller delta. The fixed points solve the problem itself, whatever delta, to rounding: the linear
-/// systems are refined by residuals in 80 bits. Folds, where t turns back, are part of the path.
+/// with D = diag W by the load of each contact (homotopy/proximal_term.h), is followed through the
+/// cells by pivots, one exchange of a column each. Lemke's algorithm follows its path in this way
+/// (Lemke 1965; Eaves 1976 for piecewise linear equations in general). At t = 1 the proximal
+/// problem is solved exactly. Its impulse is the anchor of the next one, with a smaller delta. The
+/// fixed points solve the problem itself to rounding, for any delta: the linear systems are refined
+/// by residuals in 80 bits. Folds, where t turns back, are part of the path.
 ///
-/// [ours] The cells used directly instead of a complementarity problem with four rows a contact; an
-/// arbitrary start, prepared by apgd; the orientation of the start by the sign of a determinant,
-/// which tells the component that leads to a solution; proximal stages, large delta first, because
-/// at small delta the path of an arbitrary start is often closed; from a path that failed, its
-/// turning point nearest to t = 1 as the next anchor, and a larger delta. That point is judged too:
-/// its error is mostly below that of the path's start.
+/// [ours] The cells are used directly instead of a complementarity problem with four rows for each
+/// contact. The start is arbitrary, prepared by apgd. Its orientation follows from the sign of a
+/// determinant, which tells the component that leads to a solution. Proximal stages start with a
+/// large delta, since at small delta the path of an arbitrary start is often closed. After a failed
+/// path, its turning point nearest to t = 1 is the next anchor, with a larger delta. That point is
+/// judged too: its error is mostly below that of the path's start.
 ///
-/// W may be singular. An iteration is a step of apgd, a pivot, or an impulse
-/// judged at a path's end or turning point. Deterministic: `seed` fixes
-/// the lifts of the starts. The message counts pivots, turns, paths and failed paths. Where paths
-/// keep failing, apgd makes a better start of the best impulse so far; where that brought nothing,
-/// another chain of starts begins, with the first start again: less or better prepared, or with
-/// another schedule of delta. After the last chain the solver ends with kStalled.
+/// W may be singular. An iteration is a step of apgd, a pivot, or an impulse judged at a path's end
+/// or turning point. Deterministic: `seed` fixes the perturbations of the starts. The message
+/// counts pivots, turns, paths and failed paths. If paths keep failing, apgd improves the best
+/// impulse so far to a better start. If that fails, another chain of starts begins with the first
+/// start again: less or better prepared, or with another schedule of delta. After the last chain
+/// the solver ends with kStalled.
 void solve_homotopy(SolveRun& run);
 
 }  // namespace bipot

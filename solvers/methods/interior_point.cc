@@ -21,32 +21,33 @@
 namespace bipot {
 namespace {
 
-constexpr double kPolishBelow = 1e-5;   // guarded error from which Newton is worth a try
+constexpr double kPolishBelow = 1e-5;   // guarded error from which Newton is tried
 constexpr double kEndgameBelow = 1e-4;  // and from which the proximal interior point is, on a path
-constexpr double kEndgameAgain = 0.1;   // fall of the error before the endgame is tried again
+constexpr double kEndgameAgain = 0.1;   // decrease of the error before the endgame is tried again
 constexpr int kActiveSetSteps = 3, kPolishSteps = 15;
 constexpr int kDirectPatience = 12;
-constexpr int kDirectTrial = 10;      // iterations after which a start was too small or large and
-constexpr double kDirectOther = 30;   // is made so much larger or smaller: forces of large packings
-constexpr double kDirectGrowth = 10;  // of the error over the best one: the attempt runs away
-// Factor of the energy of the direct attempts of each round, in turn.
+constexpr int kDirectTrial = 10;  // iterations after which a start counts as too small or too large
+constexpr double kDirectOther = 30;   // factor by which such a start changes
+constexpr double kDirectGrowth = 10;  // of the error over the best one: the attempt diverges
+// Factor of the energy of the direct attempts of each round.
 constexpr double kDirectScales[] = {1, 10, 0.1, 100};
 
 constexpr double kColdFactor = 10;      // of the cold path's start
 constexpr double kNetworkError = 1e-2;  // of an impulse whose force network is worth keeping
 constexpr int kNetworkIterations = 2000;
-constexpr int kFirstTurn = 30;  // series of a path's turn in round 0, doubled each round
-// A path whose t fell by the factor over so many series keeps its turn.
+constexpr int kFirstTurn = 30;  // series of a path in round 0, doubled each round
+// A path whose t decreased by the factor over this number of series continues.
 constexpr int kProgressSeries = 10;
 constexpr double kProgressFall = 0.3;
 constexpr double kSmallestT = 1e-18;  // of a path; products are then below round-off
 
-/// A path that takes turns with others.
+/// A path that alternates with others.
 template <int D>
 struct Contender {
   std::string name;
   bool cold = true;
-  double products = 0;  ///< of the start: factor of the cold one; of the network's normal energy
+  /// Of the start: factor of the cold one, of the network's normal energy for others.
+  double products = 0;
   int first_round = 0;
   std::unique_ptr<TaylorPath<D>> path = nullptr;  ///< from its first turn on
   double last_try = kInfinity;                    ///< error of the last endgame
@@ -98,7 +99,7 @@ class Driver {
                          rounds_, stages_.iteration, run_.best_error()));
   }
 
-  /// What was done, for the message.
+  /// Description of the stages for the message.
   std::string story() const {
     int paths = 0, series = 0, folds = 0;
     std::string each;
@@ -122,7 +123,7 @@ class Driver {
     return ShiftedDelassus::Form::kAuto;
   }
 
-  /// Newton from a good impulse; nothing from a bad one.
+  /// Newton from an accurate impulse; no effect on a bad one.
   StageEnd polish_from(const Vector& s) {
     if (!polish_ || !(run_.last_error() < kPolishBelow)) return StageEnd::kLimit;
     active_set_.start(s);
@@ -142,9 +143,9 @@ class Driver {
   }
 
   /// The proximal interior point from an equal-product start; impulses scale with the energy's
-  /// factor, as in cold_start(). A start that is too small (the forces of a large packing have to
-  /// grow from contact to contact) or too large shows soon, and so does it where the other one is no
-  /// better.
+  /// factor, as in cold_start(). A start that is too small (the forces of a large packing grow from
+  /// contact to contact) or too large is soon detected, and so is a case in which the other one is
+  /// no better.
   StageEnd attempt_directly(int round) {
     const std::size_t turn = static_cast<std::size_t>(round) % std::size(kDirectScales);
     const double factor = scale_ * kDirectScales[turn];
@@ -166,8 +167,8 @@ class Driver {
     return polish_ ? newton(best.s) : StageEnd::kLimit;
   }
 
-  /// The paths, in the order of their turns: next to the force network of a rough impulse, and the
-  /// cold one. Where the rough impulse is bad its paths wait.
+  /// The paths, in their order: near the force network of a rough impulse, and the cold one. Paths
+  /// of a bad rough impulse wait.
   void enter_paths() {
     Vector network = run_.best_impulse();
     double error = run_.best_error();

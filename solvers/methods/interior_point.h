@@ -49,32 +49,31 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
 };
 
 /// Primal-dual interior point on the exact Coulomb law, d = 1, 2, 3. One iteration is one
-/// factorisation, each is judged; the start estimate takes one more. Rounds of stages, the first
-/// that meets the stop test ends:
+/// factorisation, and each is judged; the estimate of the start takes one more. The solver runs
+/// rounds of two stages until one meets the stop test:
 ///
 ///   1. Direct: the proximal interior point (proximal_interior_point.h) from an equal-product start
-///      (equal_product_start.h), given up after 12 iterations without halving the error, or when
-///      the error is above 1 after 10: then once more from products 30 times as large. Packings at
-///      rest and two thirds of the flowing ones arrive in 10 to 30 factorisations. Later rounds try
+///      (equal_product_start.h). It ends after 12 iterations without halving the error, or if the
+///      error is above 1 after 10: then once more from products 30 times as large. Later rounds try
 ///      10, 0.1 and 100 times the start.
 ///   2. Paths (taylor_path.h): the central path from equal products, followed through its folds by
-///      Taylor series, which is the method and the finding of Nguyen, Armand and Acary (2025): the
-///      path of the exact law is analytic, leads to a solution and is not monotone. Which of the
-///      paths is short cannot be told beforehand, so several take turns of 30 series, doubled each
-///      round: from next to the force network of a rough impulse (the best one so far where its
-///      error is below 1e-2, else up to 2000 iterations of apgd, which are not counted; products
-///      1e-2, 1e-3, 1e-1 of its energy), and the cold one from products ten times the energy of
-///      the spring estimate. A path keeps its turn while t falls fast. Where the network is bad
-///      the cold path comes first.
-///   Endgame of a path whose error is below 1e-4, and again at every decade below: active set
-///   (active_set.h, below 1e-5), proximal interior point, active set.
+///      Taylor series, the method and the finding of Nguyen, Armand and Acary (2025). The path of
+///      the exact law is analytic, leads to a solution and is not monotone. Which path is short is
+///      not known beforehand. Therefore several alternate after 30 series, doubled each round: from
+///      near the force network of a rough impulse, and the cold one from products ten times the
+///      energy of the spring estimate. The rough impulse is the best one so far if its error is
+///      below 1e-2, else that of up to 2000 iterations of apgd, which are not counted; products are
+///      1e-2, 1e-3, 1e-1 of its energy. A path continues while t decreases fast. If the network is
+///      bad the cold path comes first.
+/// Endgame of a path whose error is below 1e-4, and again at every decade below: active set
+/// (active_set.h, below 1e-5), proximal interior point, active set.
 ///
-/// A start s0 with an error below 1e-5 is handed to the active set and to proximal Newton
-/// (proximal_newton.h). Nothing guarantees an end at a solution (a path may be too long, or none
-/// exist): the status says stalled. Contacts with mu = 0 have one pair only, no regularised
-/// friction. d = 3 is the same in the algebra of the Lorentz cone.
-/// Related: Acary, Armand, Nguyen and Shpakovych (2024) solve the associated cone program by an
-/// interior point, Acary, Cadoux, Lemaréchal and Malick (2011) iterate on such programs.
+/// A start s0 with an error below 1e-5 goes to the active set and to proximal Newton
+/// (proximal_newton.h). Limits: an end at a solution is not guaranteed (a path may be too long, or
+/// none exist); the status is then kStalled. Contacts with mu = 0 have one pair only, no
+/// regularised friction. d = 3 is the same in the algebra of the Lorentz cone. Related: Acary,
+/// Armand, Nguyen and Shpakovych (2024) solve the associated cone program by an interior point;
+/// Acary, Cadoux, Lemaréchal and Malick (2011) iterate on such programs.
 void solve_interior_point(SolveRun& run);
 
 }  // namespace bipot

@@ -17,19 +17,20 @@ namespace {
 
 using Dense = Eigen::MatrixXd;
 
-// Entries of an entering column below this, relative to its largest, are zeros.
+// Entries of an entering column below this, relative to its largest, count as zero.
 constexpr double kZero = 1e-10;
 // Ratios a / b that differ by less are ties: kTie relative, and kNoise / b for the rounding of a
 // (all data are of size one).
 constexpr double kTie = 1e-11, kNoise = 1e-13;
-// Longest path of one covering vector, per row of the complementarity problem. The longest one met
-// that ended took 28 (free pyramid of 11 rows, mu = 0.5); a cycle through rounding has no end.
+// Longest path of one covering vector, for each row of the complementarity problem; a cycle through
+// rounding has no end.
 constexpr int kLongestPath = 40;
 // Pivots between two inversions of the basis.
 constexpr int kRefresh = 64;
-// Covering vectors that are tried.
+// Number of covering vectors tried.
 constexpr int kDraws = 5;
-constexpr double kNearlyExact = 1e-6;  // guarded error of a basis that only rounding keeps away
+// Guarded error of a basis that only rounding keeps from the tolerance.
+constexpr double kNearlyExact = 1e-6;
 
 /// w = M z + q, 0 <= w ⟂ z >= 0.
 struct Complementarity {
@@ -39,8 +40,8 @@ struct Complementarity {
 };
 
 /// The law in equilibrated impulses x = impulse ∘ s, over the largest free velocity. Blocks of z:
-/// normal, b+, b-, l, each with one entry per contact. Where friction is large, normal impulses are
-/// small beside the tangential ones: z_n is max(1, mu) x_n.
+/// normal, b+, b-, l, each with one entry for each contact. With large friction, normal impulses
+/// are small beside the tangential ones: z_n is max(1, mu) x_n.
 Complementarity stewart_trinkle(const ContactProblem& p, const ContactScaling& scaling,
                                 double unit) {
   const int c = p.num_contacts(), d = p.dim;
@@ -205,13 +206,13 @@ class Pivoting {
     basis_[row] = entering;
   }
 
-  /// Inverts the basis anew. False where it is singular.
+  /// Inverts the basis again. False if it is singular.
   bool refresh(SolveRun& solve) {
     Dense basis(n_, n_);
     for (int i = 0; i < n_; ++i) basis.col(i) = column(basis_[i]);
     const DenseLu lu(basis);
     if (!lu.ok() || !(lu.reciprocal_condition() > 1e-15)) return false;
-    // The longest part of all; without it the inverse at hand serves the last pivot.
+    // The longest operation; without it the inverse at hand serves the last pivot.
     if (solve.out_of_time()) return true;
     inverse_ = lu.inverse();
     values_ = inverse_ * lcp_.q;
@@ -274,7 +275,7 @@ void solve_lemke(SolveRun& run) {
                                           : ""));
           break;
         }
-        // Not good enough yet: another covering vector may lead to a basis with less rounding.
+        // Not accurate enough: another covering vector may lead to a basis with less rounding.
         if (s.allFinite()) closest = std::min(closest, run.last_error());
         what = fmt::format("a basis of error {:.1e}", run.last_error());
       }

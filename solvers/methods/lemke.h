@@ -4,16 +4,12 @@
 
 namespace bipot {
 
-/// Measured limit of one dense inverse of 4 rows a contact: square and triangular lattices, random
-/// networks and settled piles of up to 300 contacts end on a solution of error < 1e-11 after 2 to 7
-/// pivots a contact, within 10 to 20 s; 60 contacts take 0.02 s. Free pyramids have long paths:
-/// 145 contacts (10 rows) 2000 to 5000 pivots, 176 contacts 19 000, and from 210 contacts on no end
-/// within a minute.
+/// Practical limit of one dense inverse of 4 rows for each contact.
 inline constexpr int kLemkeMaxContacts = 300;
 
 /// Exact reference for tiny problems, d <= 2: Coulomb's law as a linear complementarity problem
-/// with a copositive matrix (Stewart and Trinkle 1996) and Lemke's pivoting on it. Per contact the
-/// unknowns are s_n, the two parts b+, b- >= 0 of s_t = b+ - b-, and the sliding speed l:
+/// with a copositive matrix (Stewart and Trinkle 1996) and Lemke's pivoting on it. For each contact
+/// the unknowns are s_n, the two parts b+, b- >= 0 of s_t = b+ - b-, and the sliding speed l:
 ///
 ///     0 <= u_n              ⟂  s_n >= 0
 ///     0 <= l + u_t          ⟂  b+  >= 0
@@ -21,16 +17,16 @@ inline constexpr int kLemkeMaxContacts = 300;
 ///     0 <= mu s_n - b+ - b-  ⟂  l   >= 0
 ///
 /// (d = 1: the first line alone.) W may be singular. Ties in the ratio test are broken
-/// lexicographically, so pivoting cannot cycle; the basis inverse is kept dense and rebuilt from
-/// the data at intervals, and the final basis is solved afresh with refinement. The start s0 is not
+/// lexicographically, so that pivoting cannot cycle. The basis inverse is dense and rebuilt from
+/// the data at intervals. The final basis is solved again with refinement. The start s0 is not
 /// used: pivoting begins at s = 0. An iteration is one pivot.
 ///
 /// Deviations: variables are equilibrated, and a normal impulse counts max(1, mu) times, as the
-/// tangential ones are that large. The covering vector is drawn (fixed seed): with a vector
-/// of ones, symmetric scenes have ties at most vertices, and free pyramids of 8 rows cycled through
-/// rounding. Where pivoting ends on a ray (in exact arithmetic only for problems without the
-/// copositivity property, e.g. without a solution; in floating point also by rounding) up to four
-/// more vectors are tried, and the message says so.
+/// tangential ones are that large. The covering vector is drawn (fixed seed): with a vector of
+/// ones, symmetric scenes have ties at most vertices, and rounding can cause cycles. Pivoting may
+/// end on a ray: in exact arithmetic only for problems without the copositivity property, e.g.
+/// without a solution, in floating point also by rounding. Then up to four more vectors are tried,
+/// and the message says so.
 void solve_lemke(SolveRun& run);
 
 }  // namespace bipot

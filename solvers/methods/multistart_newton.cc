@@ -18,26 +18,27 @@
 namespace bipot {
 namespace {
 
-// Sweeps of Gauss and Seidel before the first start: packings at rest, whose many statuses on the
-// edge no Newton step finds.
+// Gauss-Seidel sweeps before the first start, for packings at rest: no Newton step finds their many
+// statuses on the edge.
 constexpr int kSweeps = 1000;
-// Steps after which a start is left that has not come to fewer contradictions.
+// Number of steps without fewer contradictions after which a start is given up.
 constexpr int kPatience = 10;
 // First steps of a start: all statuses follow.
 constexpr int kWholeSteps = 6;
-// Later a status that contradicts its contact is changed with this probability: pure steps end in
-// cycles. Shares of 0.2 to 0.5 serve alike (46 to 54 of 59 hard problems), 1 worse (45).
+// Probability that a status that contradicts its contact changes in later steps: pure steps end in
+// cycles.
 constexpr double kShare = 0.3;
-// Every other start is the best impulse so far with this share of the contacts drawn anew.
+// Share of contacts drawn again in every other start, which begins at the best impulse so far.
 constexpr double kRedrawn = 0.15;
 constexpr int kPolish = 4;
-// At large friction, iterates with an error of so many tolerances may be answers but for rounding:
-// so many of them are treated for it.
+// At large friction, iterates with an error of up to this many tolerances may be answers but for
+// rounding, which is then reduced.
 constexpr double kNearlyThere = 10;
 constexpr int kCancellations = 20;
-// An impulse of that many times the energy of the free violation comes from a singular step.
+// An impulse of more than this many times the energy of the free violation comes from a singular
+// step.
 constexpr double kWild = 1e16;
-// Singular values below this, relative to the largest, are zeros: W of a hyperstatic packing.
+// Singular values below this, relative to the largest, count as zero: W of a hyperstatic packing.
 constexpr double kRankTolerance = 1e-14;
 
 /// The equations of the class comment in the unknowns y_t = x_t and y_n = max(1, mu) x_n. At most a
@@ -66,8 +67,8 @@ class StatusNewton {
   Vector impulse(const Vector& y) const { return impulse_.cwiseProduct(y); }
   Vector unknowns(const Vector& s) const { return s.cwiseQuotient(impulse_); }
 
-  /// Takes over the statuses that y asks for, each change with probability `share`. The number of
-  /// contacts that asked for another.
+  /// Changes the statuses as y requires, each with probability `share`. Returns the number of
+  /// contacts that require another one.
   int update(const Vector& y, double share, PortableRandom& random) {
     w_.noalias() = W_ * y + b_;
     int contradictions = 0;
@@ -80,7 +81,7 @@ class StatusNewton {
     return contradictions;
   }
 
-  /// y after one step with the statuses as they are; false where it is not finite.
+  /// y after one step with the present statuses; false if it is not finite.
   bool step(Vector& y) {
     closed_.clear();
     for (std::size_t c = 0; c < statuses_.size(); ++c) {
@@ -127,7 +128,7 @@ class StatusNewton {
     return Status::kStick;
   }
 
-  /// y_t - r y_n e(y_t - w_t), whose direction turns by (I - e eᵀ)/norm; its rows begin behind `at`.
+  /// y_t - r y_n e(y_t - w_t), whose direction turns by (I - e eᵀ)/norm; its rows start at `at`.
   void slip(int contact, int at, const Vector& y) {
     const int n = contact * dim_, tangents = dim_ - 1;
     Vector e = tangential(n, y);
@@ -162,7 +163,8 @@ class StatusNewton {
   Eigen::MatrixXd jacobian_;
 };
 
-/// y with each contact's entries drawn anew with probability `share`: in (-1, 1), normals positive.
+/// y with the entries of each contact drawn again with probability `share`: in (-1, 1), normals
+/// positive.
 Vector redrawn(Vector y, double share, PortableRandom& random, int dim) {
   for (Eigen::Index n = 0; n < y.size(); n += dim) {
     if (share < 1 && random.uniform() >= share) continue;
@@ -189,8 +191,9 @@ void solve_multistart_newton(SolveRun& run) {
   const Vector s0 = run.start();
   run.end_setup();
 
-  // An answer costs a step or two more to have it to rounding, which large friction may need: what
-  // meets the tolerance in double need not in extended precision (solvers/proved_claim.h).
+  // One or two more steps bring an answer to rounding, which large friction may need. An impulse
+  // that meets the tolerance in double precision may miss it in extended precision
+  // (solvers/proved_claim.h).
   const auto polish = [&](Vector& y, double error) {
     for (int k = 0; k < kPolish && error <= options.tol; ++k) {
       Vector next = y;
@@ -206,7 +209,7 @@ void solve_multistart_newton(SolveRun& run) {
   int iteration = 0, start = 0, cancellations = 0;
   bool done = run.stop(0, s0);
   const bool warm = s0.squaredNorm() > 0;
-  Vector arrived;  // at the end of sweeps; Newton is to have it more exactly
+  Vector arrived;  // result of the sweeps, which Newton then improves
   const auto begin = [&](int number) -> Vector {
     if (warm && number == 0) return newton.unknowns(s0);
     if (number > (warm ? 1 : 0)) {
@@ -244,7 +247,7 @@ void solve_multistart_newton(SolveRun& run) {
           break;
         }
       }
-      // Another start changes what one step left alone: an equal impulse is no stall.
+      // Another start changes an impulse that one step left unchanged: this is no stall.
       done = run.stop(++iteration, newton.impulse(y), kNaN, true);
     }
     if (!done && arrived.size() != 0) done = run.stop(iteration, arrived, kNaN, true);

@@ -27,7 +27,7 @@ static_assert(std::is_same_v<PetscScalar, double>, "PETSc with real double scala
 
 constexpr const char* kPrefix = "bipot_newton_";
 
-/// What the callbacks share.
+/// Data of the callbacks.
 struct NewtonRun {
   NewtonSystem* system = nullptr;
   SolveRun* solve = nullptr;
@@ -37,23 +37,21 @@ struct NewtonRun {
   double first_norm = 0;       // residual at the start of the proximal step
 };
 
-// Residual of one proximal step, relative to what the step itself still changes.
+// Residual of one proximal step, relative to the effect of its proximal term.
 constexpr double kForcing = 0.1;
-// Residuals are of size one; below this there is only rounding.
+// Residuals are of size one; below this only rounding remains.
 constexpr double kResidualFloor = 1e-15;
-// Nonsmooth Newton cycles between active sets; periods up to this are recognised.
+// Nonsmooth Newton cycles between active sets; longest period that is recognised.
 constexpr std::size_t kLongestCycle = 6;
-// PETSc's LU (nested dissection, no pivoting) takes a third to a half of UMFPACK's time on packings
-// of 700 to 1400 contacts and twice as long at 7300.
+// Rows up to which PETSc's LU (nested dissection, no pivoting) is used in place of UMFPACK, which
+// is quicker beyond.
 constexpr int kDenseRows = 4000;
-// UMFPACK's steps with AMD against METIS: 0.6 of the time with 7000 to 18 000 contacts (mixed
-// form),
-// 0.85 with 30 000, 1.4 with 300 000.
+// Rows up to which UMFPACK uses AMD in place of METIS.
 constexpr int kNestedRows = 200000;
-// Two iterates that differ by less, relative, are the same.
+// Two iterates that differ by less, relative, count as equal.
 constexpr double kSame = 1e-13;
-// A repeated iterate whose residual is this small against the first one, or against the impulses,
-// is a solution at round-off.
+// A repeated iterate with a residual this small, relative to the first one or to the impulses, is a
+// solution at round-off.
 constexpr double kSolvedAtRoundOff = 1e-8, kRounding = 1e-13;
 
 PetscErrorCode form_function(SNES, ::Vec z, ::Vec f, void* context) {
@@ -103,8 +101,8 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
     run->recent.clear();
   } else {
     ++run->iterations;
-    // A repeated iterate is for the outer loop to judge, which changes kappa: to the run it
-    // would be the end.
+    // A repeated iterate goes to the outer loop, which changes kappa: to the run it would be the
+    // end.
     bool repeated = false;
     for (const Vector& old : run->recent) repeated |= (s - old).norm() <= kSame * s.norm();
     if (repeated) {
@@ -129,8 +127,8 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
   return 0;
 }
 
-/// A SystemFactor as PETSc's preconditioner. PETSc is C: what the factor throws is kept, and PETSc
-/// told of an error.
+/// A SystemFactor as PETSc's preconditioner. PETSc is C: exceptions of the factor are kept, and
+/// PETSc gets an error code.
 class FactorElsewhere {
  public:
   explicit FactorElsewhere(SystemFactor& factor) : factor_(factor) {}
@@ -210,7 +208,7 @@ class FactorElsewhere {
 /// Owns the PETSc objects of one solve.
 class Snes {
  public:
-  /// `elsewhere`: null where PETSc solves the systems.
+  /// `elsewhere`: null if PETSc solves the systems.
   Snes(NewtonRun& run, NewtonSystem::Residual residual, const std::string& linear,
        const std::string& line_search, int inner_iterations, SystemFactor* elsewhere)
       : Snes(run) {  // delegated: the destructor cleans up after a failure below, too
@@ -381,7 +379,7 @@ Settings settings_for(const ContactProblem& p, const Parameters& parameters) {
   return s;
 }
 
-/// Start sweeps, then the proximal loop around SNES; returns what the message adds.
+/// Start sweeps, then the proximal loop around SNES; returns an addition to the message.
 std::string iterate(SolveRun& solve, const Settings& settings, NewtonRun& run, Snes& snes) {
   const SolverOptions& options = solve.options();
   SolverOptions sweeps;
@@ -424,10 +422,10 @@ std::string iterate(SolveRun& solve, const Settings& settings, NewtonRun& run, S
       swept.iterations, run.iterations, report.steps, report.failed, report.kappa);
 }
 
-/// On a problem that has W where the contact form needs it.
+/// On a problem with W, if the contact form needs it.
 void run_newton(SolveRun& solve, const Settings& settings, PetscOptions petsc_options,
                 SystemFactor* factor) {
-  // Workspace of MUMPS, per cent; its 200 run out.
+  // Workspace of MUMPS in per cent; its default of 200 can run out.
   petsc_options.add_default("mat_mumps_icntl_14", "1000");
   const ContactProblem& p = solve.problem();
   if (settings.linear != "mumps") {

@@ -14,7 +14,7 @@ namespace bipot {
 namespace {
 
 constexpr double kShrink = 5;
-// Factor of kappa after a solved step, by the share of its iteration limit that it needed.
+// Factor of kappa after a solved step, by the fraction of its iteration limit that it needed.
 double growth(double effort) {
   if (effort <= 0.2) return 10;
   if (effort <= 0.4) return 3;
@@ -22,16 +22,16 @@ double growth(double effort) {
 }
 // Factor of kappa near a value that failed before.
 constexpr double kCautious = 1.5;
-// An iterate that differs from its anchor by less than this, relative, is the anchor.
+// An iterate that differs from its anchor by less than this, relative, equals the anchor.
 constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
-// Solved steps that move by less than this, relative, change only rounding errors; so many of them
-// in a row are the end.
+// Solved steps that move by less than this, relative, change only rounding errors; a row of them
+// ends the loop.
 constexpr double kStill = 1e-12;
 constexpr int kStillSteps = 10;
 
 double denominator(const ContactError& e) { return std::max(e.friction_power, kTheta * e.energy); }
 
-/// "a=1,b=2" as a map; throws on a piece without '='.
+/// "a=1,b=2" as a map; throws on a part without '='.
 std::map<std::string, std::string> parse_assignments(const std::string& text) {
   std::map<std::string, std::string> out;
   std::string_view rest = text;
@@ -49,7 +49,8 @@ std::map<std::string, std::string> parse_assignments(const std::string& text) {
   return out;
 }
 
-/// The regularised problem; the matrix is built once per kappa, the right-hand side per anchor.
+/// The regularised problem; the matrix is built once for each kappa, the right-hand side for each
+/// anchor.
 class RegularisedProblem {
  public:
   RegularisedProblem(const ContactProblem& p, const Vector& weights)
@@ -92,7 +93,7 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
   double kappa = std::min(options.kappa, options.kappa_max);
   int still = 0;
   double failed_at = std::numeric_limits<double>::infinity();
-  // The run's errors are those of the last judged iterate; the anchor's own is kept here.
+  // The run's errors are those of the last judged iterate; the anchor's own is stored here.
   ContactErrorEvaluator judge = run.whole().evaluator();
   double anchor_error = judge(start).guarded();
   for (;;) {
@@ -183,7 +184,7 @@ void solve_proximal_point(SolveRun& run) {
       const ContactProblem& sub = regularised.at(kappa, anchor);
       const ContactError now = outer(anchor);
       // Errors are energies over energies: a tenth of the outer numerator, over the inner
-      // denominator. From s = 0 the two denominators are equal up to a rounding.
+      // denominator. From s = 0 the two denominators are equal up to rounding.
       const double share = denominator(now) / denominator(ContactErrorEvaluator(sub)(anchor));
       const double target = 0.1 * std::max(std::min(now.guarded(), 1.0), options.tol) *
                             (std::isfinite(share) ? std::min(share, 1.0) : 1.0);
@@ -198,8 +199,8 @@ void solve_proximal_point(SolveRun& run) {
       out.effort = static_cast<double>(r.iterations) / inner_options.max_iterations;
       out.outcome = solved ? InnerReport::Outcome::kSolved : InnerReport::Outcome::kFailed;
       ++iteration;
-      // A failed step may leave the anchor as it was. To the run an iterate that repeats is the
-      // end; here the next kappa may still move it.
+      // A failed step may leave the anchor unchanged. To the run a repeated iterate is the end;
+      // here the next kappa may still change it.
       const bool fresh = out.s.size() == p.num_rows() && out.s.allFinite() &&
                          (out.s - anchor).norm() > kRoundOff * out.s.norm();
       bool stop = false;

@@ -8,16 +8,16 @@
 namespace bipot {
 
 /// Proximal point method (Rockafellar 1976; for Coulomb's law a heuristic, as the law is not
-/// monotone): around the anchor s_k the law is solved with
+/// monotone). Around the anchor s_k the law is solved with
 ///
 ///     u = (W + D / kappa) s + (u_free - D s_k / kappa),      s_{k+1} = its solution,
 ///
-/// D = diag(W_nn, W_tt) of each contact (tangents averaged), so that kappa has no unit. The term
-/// vanishes at a fixed point: nothing is left of the regularisation there, however W is.
+/// D = diag(W_nn, W_tt) of each contact (tangents averaged), so that kappa is dimensionless. The
+/// term vanishes at a fixed point: no regularisation remains there, for any W.
 ///
-/// kappa follows the inner solver: a solved step multiplies it, the more the less it cost; a failed
-/// one divides it, and stays at the anchor unless the inner iterate is closer to the solution. The
-/// value that failed is approached again by small factors only.
+/// kappa follows the inner solver: a solved step multiplies it, the more the less it cost. A failed
+/// one divides it, and the anchor stays unless the inner iterate is closer to the solution. The
+/// failed value is approached again by small factors only.
 struct ProximalOptions {
   double kappa = 100;       ///< first value                                                [-]
   double kappa_min = 1e-3;  ///< below: the solve is given up                               [-]
@@ -27,8 +27,8 @@ struct ProximalOptions {
 /// Outcome of one regularised problem.
 struct InnerReport {
   enum class Outcome {
-    kSolved,  ///< to the accuracy that the inner solver was asked for
-    kFailed,  ///< s is its last iterate, for what it is worth
+    kSolved,  ///< to the accuracy requested of the inner solver
+    kFailed,  ///< s is its last iterate, of any quality
     kStop     ///< the run is over
   };
   Outcome outcome = Outcome::kFailed;
@@ -46,7 +46,7 @@ struct ProximalReport {
 };
 
 /// The outer loop, for every inner solver. `weights`: D, see mean_diagonal(). Runs until the inner
-/// solver reports kStop; ends the run itself where it cannot go on (kappa below its minimum, or no
+/// solver reports kStop. Ends the run itself if it cannot continue (kappa below its minimum, or no
 /// movement at the largest kappa).
 ProximalReport proximal_point(const ProximalOptions& options, const Vector& weights, Vector start,
                               const InnerSolve& inner, SolveRun& run);

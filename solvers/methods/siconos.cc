@@ -27,7 +27,7 @@ namespace {
 
 enum class Storage { kDense, kBlocks, kTriplets };
 
-/// What one row of the registry asks Siconos for.
+/// Request to Siconos of one row of the registry.
 struct Method {
   const char* name;
   int planar_id;   // fc2d solver, 0: none
@@ -37,9 +37,9 @@ struct Method {
   int inner_iterations = 0;  // of Siconos' inner solver; 0: its default
 };
 
-// Siconos' own tolerance is never asked below this.
+// Least tolerance requested of Siconos.
 constexpr double kSmallestTolerance = 1e-16;
-// Calls in a row that do not improve the best iterate; then the solver is at its end.
+// Number of calls in a row without a better best iterate at which the solver ends.
 constexpr int kIdleCalls = 5;
 
 double* copy_to_c(const Vector& x) {
@@ -140,7 +140,7 @@ void run_siconos(const Method& method, SolveRun& run) {
   const std::unique_ptr<::SolverOptions, DeleteOptions> theirs(
       solver_options_create(planar ? method.planar_id : method.spatial_id));
   if (theirs == nullptr) throw std::runtime_error("Siconos: solver_options_create failed");
-  // What one outer iteration may take: a call cannot be interrupted.
+  // Upper limit of one outer iteration: a call cannot be interrupted.
   if (method.inner_iterations > 0) {
     theirs->internalSolvers[0]->iparam[SICONOS_IPARAM_MAX_ITER] = method.inner_iterations;
   }
@@ -167,7 +167,7 @@ void run_siconos(const Method& method, SolveRun& run) {
           planar ? fc2d_driver(problem.get(), reaction.data(), velocity.data(), theirs.get())
                  : fc3d_driver(problem.get(), reaction.data(), velocity.data(), theirs.get());
       ++calls;
-      // Some solvers do not count, none may loop for nothing.
+      // Some solvers do not count; none may loop without effect.
       iteration += std::max(1, theirs->iparam[SICONOS_IPARAM_ITER_DONE]);
       const Vector before = s;
       s = problem.impulse(reaction);
@@ -176,8 +176,8 @@ void run_siconos(const Method& method, SolveRun& run) {
                 fmt::format("Siconos returned a non-finite impulse (info {})", info));
         break;
       }
-      // A call that changed nothing has met its tolerance at once, or is stuck: the next one asks
-      // for more.
+      // A call without any change has met its tolerance at once, or is stuck: the next one requests
+      // more.
       if (s != before) {
         if (run.stop(iteration, s)) break;
         if (run.meets(s)) {

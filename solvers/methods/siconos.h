@@ -26,23 +26,23 @@ void solve_siconos_admm(SolveRun& run);
 void solve_siconos_prox(SolveRun& run);
 void solve_siconos_lemke(SolveRun& run);
 
-/// Siconos' NSGS as its own users call it: one call, from s = 0, to its own measure. For timing it;
-/// the solvers above are for solving.
+/// Siconos' NSGS as its own users call it: one call, from s = 0, to its own measure. For
+/// measurements; the solvers above are for solving.
 class SiconosNsgs {
  public:
-  /// What solves one contact of a sweep: the planar NSGS has its own, exact, and no choice; the
-  /// others belong to the NSGS in space, in which a planar problem has a tangent that does nothing.
+  /// Solver of one contact of a sweep. The planar NSGS has its own, exact, and no choice. The
+  /// others belong to the NSGS in 3D, in which a planar problem has an inert tangent.
   enum class Local { kPlanar, kNewton, kNewtonAndProjection, kProjection, kQuartic };
 
-  /// Copies the problem (d >= 1, with W) into Siconos' blocks and units. `freezing`: sweeps that a
-  /// settled contact is left out of, 0 for none. Throws std::invalid_argument for kPlanar in space.
+  /// Copies the problem (d >= 1, with W) into Siconos' blocks and units. `freezing`: sweeps that
+  /// skip a settled contact, 0 for none. Throws std::invalid_argument for kPlanar in 3D.
   SiconosNsgs(const ContactProblem& problem, Local local, int freezing);
   ~SiconosNsgs();
   SiconosNsgs(const SiconosNsgs&) = delete;
   SiconosNsgs& operator=(const SiconosNsgs&) = delete;
 
-  /// Sweeps from s = 0 until Siconos' residual is at most `tol`, at most `max_sweeps`; whether
-  /// Siconos says that it is.
+  /// Sweeps from s = 0 until Siconos' residual is at most `tol`, at most `max_sweeps`; true if
+  /// Siconos reports success.
   bool run(double tol, int max_sweeps);
 
   Vector impulse()

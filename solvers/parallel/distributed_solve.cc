@@ -16,8 +16,7 @@
 namespace bipot {
 namespace {
 
-/// A sentence where the solve is refused, empty where it can be done. `p`: the whole, or what this
-/// process has of it.
+/// A sentence if the solve is refused, else empty. `p`: the whole, or the part of this process.
 std::string refuse_input(std::string_view name, const ContactProblem& p, const SolverOptions& o,
                          const DistributedOptions& extra) {
   const SolverEntry* const entry = find_solver(name);
@@ -42,7 +41,7 @@ std::string refuse_input(std::string_view name, const ContactProblem& p, const S
   return {};
 }
 
-/// Throws on all processes where these figures are not the same on each.
+/// Throws on all processes if these numbers differ among them.
 void require_same(std::span<const double> figures, ProcessGroup& group) {
   std::vector<double> both;
   for (const double x : figures) {
@@ -57,7 +56,7 @@ void require_same(std::span<const double> figures, ProcessGroup& group) {
   group.fail_where_any(same ? "" : "the processes were given different problems");
 }
 
-/// Throws on all processes where they were given different problems.
+/// Throws on all processes if they were given different problems.
 void require_one_problem(const ContactProblem& p, const SolverOptions& o, ProcessGroup& group) {
   const double s0 = o.s0.size() > 0 ? o.s0.sum() : 0;
   const double figures[] = {static_cast<double>(p.num_rows()),

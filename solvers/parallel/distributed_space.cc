@@ -37,7 +37,7 @@ DistributedSpace::DistributedSpace(const ProblemPiece& piece, ProcessGroup& grou
       shared_factor_rows_(shared_factor_rows) {
   const ContactProblem& p = piece.with_halo;
   if (piece.disks && p.num_contacts() > 0) disks_.emplace(p, DelassusOperator::Form::kTwoPass);
-  // All take the packed form or none does: it rounds in other places.
+  // All use the packed form or none does: it rounds differently.
   all_disks_ = !group.any(p.num_contacts() > 0 && !(disks_ && disks_->disks()));
   if (!all_disks_) disks_.reset();
   const Vector inverse_own = piece.own.A.diagonal().cwiseInverse();
@@ -85,7 +85,7 @@ const std::vector<double>& DistributedSpace::everywhere_momentum(const Vector& s
   return momentum_;
 }
 
-/// u_all_ <- W s_all_, right in the rows of the owned contacts.
+/// u_all_ <- W s_all_, valid in the rows of the owned contacts.
 void DistributedSpace::product() {
   if (disks_) {
     disks_->apply(s_all_, u_all_);
@@ -190,7 +190,7 @@ Vector DistributedSpace::products(const Eigen::MatrixXd& columns, int size, cons
   return dots;
 }
 
-/// Sums of the contacts that are here, or, with `exact`, each contact's terms put into these.
+/// Sums of the contacts here, or with `exact` the same with each contact's terms added to these.
 ErrorSums DistributedSpace::local_sums(ExactSum* exact) {
   const ContactProblem& p = problem();
   const bool scaled = p.row_scale.size() != 0;
@@ -253,7 +253,7 @@ ContactError DistributedSpace::error(const Eigen::Ref<const Vector>& s, std::spa
   return error_of(whole);
 }
 
-/// The whole's number of the contact with the largest value; the smallest number of equal ones.
+/// The whole's number of the contact with the largest value; of equal ones the smallest number.
 int DistributedSpace::number_of_largest(double value, int contact) {
   double most = value;
   largest({&most, 1});
@@ -303,7 +303,7 @@ SolveResult DistributedSpace::solve_on_root(const SolverEntry& entry, const Solv
     };
     result = solve(led, whole, options);
   });
-  // From the first process to all.
+  // From the root process to all.
   const bool first = group_.rank() == 0;
   if (first && result.s.size() != whole.num_rows()) result.s = Vector::Zero(whole.num_rows());
   const double figures[] = {static_cast<double>(result.status),

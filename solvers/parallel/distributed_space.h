@@ -17,22 +17,22 @@ namespace bipot {
 
 class WholeProblem;  // solvers/parallel/whole_problem.h
 
-/// Rows from which solvers on the root process have their systems factored by all processes; below,
-/// one is faster (data/manual/explanation/parallel.md).
+/// Rows from which the systems of solvers on the root process are factored in parallel; below, one
+/// process is faster (data/manual/explanation/parallel.md).
 inline constexpr int kSharedFactorRows = 20000;
 
-/// The space of a problem that lies on several processes: vectors have the rows of this process's
-/// contacts (ProblemPiece::own). The criterion is that of core/criterion/contact_error.h: the same
-/// terms of the same contacts, added up over all processes in one reduction.
+/// The space of a distributed problem: vectors have the rows of this process's contacts
+/// (ProblemPiece::own). The criterion is that of core/criterion/contact_error.h: the same terms of
+/// the same contacts, summed over all processes in one reduction.
 ///
-/// The product has the bits of one process, as each body adds up all its contacts in the order of
-/// the whole; but where degrees of freedom stand on every process, whose momentum is one more
+/// The product has the bits of one process, as each body sums all its contacts in the order of the
+/// whole. Excepted are degrees of freedom that are on every process, whose momentum is one more
 /// reduction. Sums are taken by process. With `exact`, all of them are ExactSums: then every number
 /// has the same bits for any number of processes.
 class DistributedSpace final : public ContactSpace {
  public:
-  /// Keeps references, also to the group. `whole`: where somebody has the whole problem; null: it
-  /// is gathered on the first process when it is needed.
+  /// Keeps references, also to the group. `whole`: access to the whole problem; null: it is
+  /// gathered on the root process when needed.
   DistributedSpace(const ProblemPiece& piece, ProcessGroup& group, bool exact,
                    WholeProblem* whole = nullptr, int shared_factor_rows = kSharedFactorRows);
   DistributedSpace(ProblemPiece&&, ProcessGroup&, bool) = delete;  // would dangle
@@ -49,8 +49,8 @@ class DistributedSpace final : public ContactSpace {
 
   void apply(const Vector& s, Vector& u) override;
   void velocity(const Vector& s, Vector& u) override;
-  /// With degrees of freedom that stand on every process, their part is bounded by the sum of its
-  /// terms' sizes.
+  /// With degrees of freedom on every process, their part is bounded by the sum of the absolute
+  /// values of its terms.
   double norm_bound(const Vector& scale) override;
 
   ContactError error(const Eigen::Ref<const Vector>& s, std::span<double> more = {}) override;
@@ -63,7 +63,7 @@ class DistributedSpace final : public ContactSpace {
   SolveResult solve_on_root(const SolverEntry& entry, const SolverOptions& options) override;
   /// s of the contacts of the halo, in the order of piece().halo.
   const std::vector<double>& halo(const Vector& s);
-  /// Whether the contacts of all processes are those of disks.
+  /// True if the contacts of all processes are those of disks.
   bool disks() const { return all_disks_; }
   /// piece().with_halo as disks. Requires disks(), and a contact here.
   const DiskStructure& halo_disks() const { return *disks_->disks(); }

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "core/base/types.h"
-#include "solvers/parallel/mumps_crew.h"
+#include "solvers/parallel/parallel_factor.h"
 #include "solvers/petsc/petsc_session.h"
 
 namespace bipot {
@@ -117,7 +117,7 @@ class PetscGroup : public ProcessGroup {
   int rank() const override { return rank_; }
   int size() const override { return size_; }
 
-  // Gathered and added by rank here: MPI_Allreduce may add in another order another time.
+  // Gathered and summed by rank here: MPI_Allreduce may change the order from call to call.
   void sum(std::span<double> values) override {
     gather_blocks(values, MPI_DOUBLE);
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -148,34 +148,34 @@ class PetscGroup : public ProcessGroup {
     count(mine.size_bytes());
     return all;
   }
-  std::vector<Parcel> deliver(std::vector<Parcel> parcels) override {
+  std::vector<Buffer> deliver(std::vector<Buffer> buffers) override {
     std::vector<int> sizes(to_size(size_), 0), coming(to_size(size_), 0);
     for (std::size_t r = 0; r < sizes.size(); ++r) {
-      if (parcels.at(r).size() > to_size(std::numeric_limits<int>::max())) {
+      if (buffers.at(r).size() > to_size(std::numeric_limits<int>::max())) {
         throw std::runtime_error("MPI: more than 2^31 values in a message");
       }
-      sizes[r] = static_cast<int>(parcels[r].size());
+      sizes[r] = static_cast<int>(buffers[r].size());
     }
     check_mpi(MPI_Alltoall(sizes.data(), 1, MPI_INT, coming.data(), 1, MPI_INT, PETSC_COMM_WORLD),
               "MPI_Alltoall");
     count(to_size(size_) * sizeof(int));
-    std::vector<Parcel> received(to_size(size_));
+    std::vector<Buffer> received(to_size(size_));
     std::vector<MPI_Request> requests;
     for (int r = 0; r < size_; ++r) {
-      Parcel& from = received[to_size(r)];
+      Buffer& from = received[to_size(r)];
       if (r == rank_) {
-        from = std::move(parcels[to_size(r)]);
+        from = std::move(buffers[to_size(r)]);
       } else if (coming[to_size(r)] > 0) {
         from.resize(to_size(coming[to_size(r)]));
-        check_mpi(MPI_Irecv(from.data(), coming[to_size(r)], MPI_DOUBLE, r, kParcelTag,
+        check_mpi(MPI_Irecv(from.data(), coming[to_size(r)], MPI_DOUBLE, r, kBufferTag,
                             PETSC_COMM_WORLD, &requests.emplace_back()),
                   "MPI_Irecv");
       }
     }
     for (int r = 0; r < size_; ++r) {
-      const Parcel& to = parcels[to_size(r)];
+      const Buffer& to = buffers[to_size(r)];
       if (r == rank_ || to.empty()) continue;
-      check_mpi(MPI_Isend(to.data(), sizes[to_size(r)], MPI_DOUBLE, r, kParcelTag, PETSC_COMM_WORLD,
+      check_mpi(MPI_Isend(to.data(), sizes[to_size(r)], MPI_DOUBLE, r, kBufferTag, PETSC_COMM_WORLD,
                           &requests.emplace_back()),
                 "MPI_Isend");
       ++traffic_->messages;
@@ -203,7 +203,7 @@ class PetscGroup : public ProcessGroup {
     return std::make_unique<ForestExchange>(originals, copies, traffic_);
   }
   void run_on_root(const std::function<void(SystemFactor&)>& work) override {
-    mumps_crew(work, *traffic_);
+    run_with_parallel_factor(work, *traffic_);
   }
 
  private:
@@ -229,7 +229,7 @@ class PetscGroup : public ProcessGroup {
               "MPI_Allgather");
     return counts;
   }
-  /// Where each rank's values begin, and the end.
+  /// Start of each rank's values, and the end.
   static std::vector<int> starts_of(const std::vector<int>& counts) {
     std::vector<int> starts{0};
     std::int64_t end = 0;
@@ -243,7 +243,7 @@ class PetscGroup : public ProcessGroup {
     return starts;
   }
 
-  static constexpr int kParcelTag = 4711;  // PETSc takes its tags from a communicator of its own
+  static constexpr int kBufferTag = 4711;  // PETSc takes its tags from a communicator of its own
   int rank_ = 0, size_ = 1;
   std::vector<double> blocks_;
 };
@@ -251,7 +251,7 @@ class PetscGroup : public ProcessGroup {
 }  // namespace
 
 std::unique_ptr<ProcessGroup> petsc_group() {
-  // PETSc stays once it is there; the session's lock goes, for solvers that use PETSc alone.
+  // PETSc stays initialised; the session's lock is released, for solvers that use PETSc alone.
   { const PetscSession start(PetscOptions("", "")); }
   return std::make_unique<PetscGroup>();
 }

@@ -43,7 +43,7 @@ class LoneProcess : public ProcessGroup {
   std::vector<double> gather(std::span<const double> mine) override {
     return {mine.begin(), mine.end()};
   }
-  std::vector<Parcel> deliver(std::vector<Parcel> parcels) override { return parcels; }
+  std::vector<Buffer> deliver(std::vector<Buffer> buffers) override { return buffers; }
   std::string first_text(const std::string& mine) override { return mine; }
   std::unique_ptr<Exchange> make_exchange(int, std::span<const RemoteItem> copies) override {
     return std::make_unique<LoneExchange>(copies);

@@ -12,15 +12,15 @@
 
 namespace bipot {
 
-/// What one process sent and how often all of them met. Counted, not measured: the same on every
+/// Messages of one process and number of collective calls. Counted, not measured: the same on every
 /// machine.
 struct Traffic {
   std::int64_t messages = 0;       ///< to single other processes
   std::int64_t bytes = 0;          ///< in these
   std::int64_t reductions = 0;     ///< in which all take part
-  std::int64_t reduced_bytes = 0;  ///< what this process put into them
+  std::int64_t reduced_bytes = 0;  ///< part of this process in them
 
-  /// Adds what came between two readings.
+  /// Adds the difference of two readings.
   void add_since(const Traffic& before, const Traffic& now) {
     messages += now.messages - before.messages;
     bytes += now.bytes - before.bytes;
@@ -35,10 +35,10 @@ struct RemoteItem {
   int original = 0;  ///< the item's number among the owner's originals
 };
 
-/// Numbers for one process, or from one: as many as there are.
-using Parcel = std::vector<double>;
+/// Message for one process, or from one, of any length.
+using Buffer = std::vector<double>;
 
-/// Items of which each has one original, with its owner, and copies wherever they are needed.
+/// Exchange of items that have one original each, with its owner, and copies on other processes.
 /// Collective: every process of the group calls, with the same block.
 class Exchange {
  public:
@@ -46,19 +46,19 @@ class Exchange {
   Exchange(const Exchange&) = delete;
   Exchange& operator=(const Exchange&) = delete;
 
-  /// Each copy becomes what its original is. `block` values an item.
+  /// Each copy is set to its original. `block` values for each item.
   virtual void copy(std::span<const double> originals, std::span<double> copies, int block) = 0;
-  /// Each copy is added to its original; in an order that depends on the graph alone.
+  /// Each copy is added to its original, in an order that depends on the graph alone.
   virtual void add(std::span<const double> copies, std::span<double> originals, int block) = 0;
 
  protected:
   Exchange() = default;
 };
 
-/// The processes that work on one problem. One implementation for a lone process, which does
-/// nothing (lone_process()), one on MPI through PETSc (petsc_group.h): nobody else knows MPI.
-/// Everything but rank(), size() and traffic() is collective. Sums of doubles are taken by rank, so
-/// that the same processes get the same bits again, all of them the same.
+/// The processes that work on one problem. There are two implementations: for a single process,
+/// without effect (lone_process()), and on MPI through PETSc (petsc_group.h), the only code that
+/// knows MPI. All but rank(), size() and traffic() is collective. Sums of doubles are taken by
+/// rank, so that the same processes get the same bits again, all of them the same.
 class ProcessGroup {
  public:
   virtual ~ProcessGroup() = default;
@@ -72,27 +72,27 @@ class ProcessGroup {
   virtual void largest(std::span<double> values) = 0;
   /// The values of all processes, rank after rank, on every process.
   virtual std::vector<double> gather(std::span<const double> mine) = 0;
-  /// Parcel r of each process goes to process r; returned are those for this process, by sender.
-  /// What a process sends itself is no message. The others are told first how much comes: one more
-  /// meeting of all (Traffic::reductions), with a number for each process.
-  virtual std::vector<Parcel> deliver(std::vector<Parcel> parcels) = 0;
-  /// The text of the lowest rank that has one, on every process; empty where none has.
+  /// Buffer r of each process goes to process r; returned are those for this process, by sender. A
+  /// buffer to itself is no message. The others learn its size first: one more reduction
+  /// (Traffic::reductions), with a number for each process.
+  virtual std::vector<Buffer> deliver(std::vector<Buffer> buffers) = 0;
+  /// The text of the lowest rank that has one, on every process; empty if none has.
   virtual std::string first_text(const std::string& mine) = 0;
-  /// `originals`: how many this process owns.
+  /// `originals`: number of items that this process owns.
   virtual std::unique_ptr<Exchange> make_exchange(int originals,
                                                   std::span<const RemoteItem> copies) = 0;
-  /// The root process (rank 0) does `work`, with a factor whose factorisations and solves run on
-  /// all processes; the others serve it until the work is done. An exception of the work is a
+  /// The root process (rank 0) does `work`, with a factor whose factorisations and solves run in
+  /// parallel; the others serve it until the work is done. An exception of the work is a
   /// CommonFailure on all of them.
   virtual void run_on_root(const std::function<void(SystemFactor&)>& work) = 0;
 
-  /// Whether any process says so.
+  /// True if `mine` is true on any process.
   bool any(bool mine) {
     double value = mine ? 1 : 0;
     largest({&value, 1});
     return value > 0;
   }
-  /// Throws CommonFailure on every process where any has a reason.
+  /// Throws CommonFailure on every process if any has a reason.
   void fail_where_any(const std::string& reason) {
     if (const std::string first = first_text(reason); !first.empty()) throw CommonFailure(first);
   }
@@ -103,7 +103,7 @@ class ProcessGroup {
   std::shared_ptr<Traffic> traffic_ = std::make_shared<Traffic>();
 };
 
-/// A group of one: sums are what they were, and there is nothing to copy but one's own.
+/// A group of one: sums are unchanged, and copies are those of its own items.
 std::unique_ptr<ProcessGroup> lone_process();
 
 }  // namespace bipot

@@ -8,16 +8,16 @@
 
 namespace bipot {
 
-// Gauss-Seidel sweeps over the contacts that are here. Where the problem lies on several processes,
-// each sweeps over its contacts with the velocities that the others left, all at once. A body that
-// n processes push counts in each sweep with 1/n of its mass (mass splitting: Tonge, Benevolenski
-// and Voroshilov, ACM Trans. Graph. 31, 2012). By Cauchy and Schwarz the split operator is a bound,
-// W <= W~ = diag(W_1, ..., W_P). So for mu = 0 a sweep lowers the majorant
-// s·b + ½ s_k·W s_k + (s - s_k)·W s_k + ½ (s - s_k)·W~ (s - s_k), and with it the energy: it
-// converges where Gauss-Seidel does. With friction there is no proof, as on one process. The
-// iterates depend on the processes; one sweep is one exchange.
+// Gauss-Seidel sweeps over the contacts of this process. In parallel all processes sweep at once
+// over their contacts, with the velocities that the others left. A body shared by n processes
+// counts in each sweep with 1/n of its mass (mass splitting: Tonge, Benevolenski and Voroshilov,
+// ACM Trans. Graph. 31, 2012). By Cauchy and Schwarz the split operator is a bound, W <= W~ =
+// diag(W_1, ..., W_P). For mu = 0 a sweep therefore lowers the majorant s·b + ½ s_k·W s_k + (s -
+// s_k)·W s_k + ½ (s - s_k)·W~ (s - s_k), and with it the energy: it converges whenever Gauss-Seidel
+// does. With friction convergence is not proved, as on one process. The iterates depend on the
+// number of processes; one sweep is one exchange.
 
-/// Whether sweeps can follow the velocities of these contacts: disks, or at most two bodies each.
+/// True if sweeps can follow the velocities of these contacts: disks, or at most two bodies each.
 template <int D>
 bool can_sweep(const ContactProblem& split) {
   constexpr int kPlanar = D == 1 ? 2 : 3;
@@ -25,8 +25,8 @@ bool can_sweep(const ContactProblem& split) {
          TwoPassSweep<D, 6>::fits(split);
 }
 
-/// The contacts of this process with the masses of their bodies divided among the processes that
-/// push them.
+/// The contacts of this process, with the masses of their bodies divided among the processes that
+/// share them.
 inline ContactProblem split_masses(const ProblemPiece& piece) {
   ContactProblem split = piece.own;
   for (int dof = 0; dof < split.num_dofs(); ++dof) {
@@ -36,14 +36,14 @@ inline ContactProblem split_masses(const ProblemPiece& piece) {
 }
 
 /// Calls f(sweep, visit, meet) with the sweep of this process: as with_local_updates(), and meet()
-/// takes over the velocities that the other processes left.
+/// reads the velocities of the other processes.
 template <int D, class F>
 void with_split_sweep(DistributedSpace& space, const LocalSettings& settings, F&& f) {
   const ContactProblem split = split_masses(space.piece());
   space.group().fail_where_any(
       can_sweep<D>(split) ? "" : "sweeps on several processes need contacts of one or two bodies");
   if (split.num_contacts() == 0) {
-    // Nothing to sweep over, but the others wait for this process's part in sums and exchanges.
+    // An empty sweep: the others wait for this process's part in sums and exchanges.
     DiskSweep<D> nothing(split, DiskStructure{{}, {DiskStructure::Body{}}});
     Vector u;
     f(
@@ -52,7 +52,7 @@ void with_split_sweep(DistributedSpace& space, const LocalSettings& settings, F&
   }
   const DelassusOperator delassus(split, DelassusOperator::Form::kTwoPass);
   with_local_updates<D>(split, delassus, settings, false, [&](auto& sweep, auto visit) {
-    // can_sweep() keeps the explicit form out.
+    // can_sweep() excludes the explicit form.
     if constexpr (!std::is_same_v<std::decay_t<decltype(sweep)>, ExplicitSweep<D>>) {
       Vector u;
       f(sweep, visit, [&] {

@@ -7,61 +7,61 @@
 namespace bipot {
 namespace {
 
-/// What a process tells of its contacts: their problem, and where they stand in the whole.
-Parcel to_parcel(const ProblemPiece& piece) {
+/// Message on the contacts of a process: their problem, and their numbers in the whole.
+Buffer to_buffer(const ProblemPiece& piece) {
   const ContactProblem& p = piece.own;
   const int d = p.dim;
   const bool scaled = p.row_scale.size() != 0;
-  Parcel parcel{static_cast<double>(d), static_cast<double>(p.num_dofs()),
+  Buffer buffer{static_cast<double>(d), static_cast<double>(p.num_dofs()),
                 static_cast<double>(p.num_contacts()), scaled ? 1.0 : 0.0};
   const Vector mass = p.A.diagonal();
   for (int k = 0; k < p.num_dofs(); ++k) {
-    parcel.insert(parcel.end(),
+    buffer.insert(buffer.end(),
                   {static_cast<double>(piece.dof_number[to_size(k)]), mass[k], p.v_free[k]});
   }
   for (int c = 0; c < p.num_contacts(); ++c) {
-    parcel.insert(parcel.end(), {static_cast<double>(piece.number[to_size(c)]), p.mu[c]});
+    buffer.insert(buffer.end(), {static_cast<double>(piece.number[to_size(c)]), p.mu[c]});
     for (int row = c * d; row < (c + 1) * d; ++row) {
       const int entries = p.H.outerIndexPtr()[row + 1] - p.H.outerIndexPtr()[row];
-      parcel.insert(parcel.end(),
+      buffer.insert(buffer.end(),
                     {p.u_free[row], scaled ? p.row_scale[row] : 1.0, static_cast<double>(entries)});
       for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
-        parcel.insert(parcel.end(), {static_cast<double>(it.row()), it.value()});
+        buffer.insert(buffer.end(), {static_cast<double>(it.row()), it.value()});
       }
     }
   }
-  return parcel;
+  return buffer;
 }
 
-/// Reads the parcels of all processes on the first one.
+/// Reads the messages of all processes on the root process.
 class WholeReader {
  public:
-  explicit WholeReader(const std::vector<Parcel>& parcels) : parcels_(parcels) {}
+  explicit WholeReader(const std::vector<Buffer>& buffers) : buffers_(buffers) {}
 
   ContactProblem read(std::vector<std::vector<int>>& number) {
     read_heads();
     read_dofs();
-    number.assign(parcels_.size(), {});
+    number.assign(buffers_.size(), {});
     ContactProblem p;
     p.dim = dim_;
     p.mu.resize(contacts_);
     p.u_free.resize(contacts_ * dim_);
     if (scaled_) p.row_scale.resize(contacts_ * dim_);
     std::vector<Eigen::Triplet<double>> entries;
-    for (std::size_t r = 0; r < parcels_.size(); ++r) {
+    for (std::size_t r = 0; r < buffers_.size(); ++r) {
       std::size_t at = kHead + kOfDof * to_size(dofs_of_[r]);
       for (int k = 0; k < contacts_of_[r]; ++k) {
-        const int c = static_cast<int>(parcels_[r][at++]);
+        const int c = static_cast<int>(buffers_[r][at++]);
         number[r].push_back(c);
-        p.mu[c] = parcels_[r][at++];
+        p.mu[c] = buffers_[r][at++];
         for (int row = c * dim_; row < (c + 1) * dim_; ++row) {
-          p.u_free[row] = parcels_[r][at++];
-          if (scaled_) p.row_scale[row] = parcels_[r][at];
+          p.u_free[row] = buffers_[r][at++];
+          if (scaled_) p.row_scale[row] = buffers_[r][at];
           ++at;
-          const int count = static_cast<int>(parcels_[r][at++]);
+          const int count = static_cast<int>(buffers_[r][at++]);
           for (int e = 0; e < count; ++e, at += 2) {
-            const std::size_t dof = to_size(static_cast<int>(parcels_[r][at]));
-            entries.emplace_back(place_[r][dof], row, parcels_[r][at + 1]);
+            const std::size_t dof = to_size(static_cast<int>(buffers_[r][at]));
+            entries.emplace_back(place_[r][dof], row, buffers_[r][at + 1]);
           }
         }
       }
@@ -77,42 +77,42 @@ class WholeReader {
   static constexpr std::size_t kHead = 4, kOfDof = 3;
 
   void read_heads() {
-    for (const Parcel& parcel : parcels_) {
-      dofs_of_.push_back(static_cast<int>(parcel.at(1)));
-      contacts_of_.push_back(static_cast<int>(parcel.at(2)));
+    for (const Buffer& buffer : buffers_) {
+      dofs_of_.push_back(static_cast<int>(buffer.at(1)));
+      contacts_of_.push_back(static_cast<int>(buffer.at(2)));
       contacts_ += contacts_of_.back();
-      // Who has no contacts may know nothing of the others' rows.
+      // A process without contacts may not know the others' rows.
       if (contacts_of_.back() == 0) continue;
-      dim_ = static_cast<int>(parcel[0]);
-      scaled_ = parcel[3] > 0;
+      dim_ = static_cast<int>(buffer[0]);
+      scaled_ = buffer[3] > 0;
     }
   }
   /// A body in contacts of several processes has its rows once.
   void read_dofs() {
     std::vector<int> keys;
     const auto key = [&](std::size_t r, int k) {
-      return static_cast<int>(parcels_[r][kHead + kOfDof * to_size(k)]);
+      return static_cast<int>(buffers_[r][kHead + kOfDof * to_size(k)]);
     };
-    for (std::size_t r = 0; r < parcels_.size(); ++r) {
+    for (std::size_t r = 0; r < buffers_.size(); ++r) {
       for (int k = 0; k < dofs_of_[r]; ++k) keys.push_back(key(r, k));
     }
     std::sort(keys.begin(), keys.end());
     keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
     mass_.resize(static_cast<Eigen::Index>(keys.size()));
     v_free_.resize(mass_.size());
-    place_.resize(parcels_.size());
-    for (std::size_t r = 0; r < parcels_.size(); ++r) {
+    place_.resize(buffers_.size());
+    for (std::size_t r = 0; r < buffers_.size(); ++r) {
       for (int k = 0; k < dofs_of_[r]; ++k) {
         const auto at = std::lower_bound(keys.begin(), keys.end(), key(r, k)) - keys.begin();
         place_[r].push_back(static_cast<int>(at));
         const std::size_t from = kHead + kOfDof * to_size(k);
-        mass_[at] = parcels_[r][from + 1];
-        v_free_[at] = parcels_[r][from + 2];
+        mass_[at] = buffers_[r][from + 1];
+        v_free_[at] = buffers_[r][from + 2];
       }
     }
   }
 
-  const std::vector<Parcel>& parcels_;
+  const std::vector<Buffer>& buffers_;
   int dim_ = 2, contacts_ = 0;
   bool scaled_ = false;
   std::vector<int> dofs_of_, contacts_of_;
@@ -120,17 +120,17 @@ class WholeReader {
   Vector mass_, v_free_;
 };
 
-/// Everything to the first process.
-std::vector<Parcel> to_first(ProcessGroup& group, Parcel parcel) {
-  std::vector<Parcel> parcels(to_size(group.size()));
-  parcels[0] = std::move(parcel);
-  return group.deliver(std::move(parcels));
+/// Sends everything to the root process.
+std::vector<Buffer> to_first(ProcessGroup& group, Buffer buffer) {
+  std::vector<Buffer> buffers(to_size(group.size()));
+  buffers[0] = std::move(buffer);
+  return group.deliver(std::move(buffers));
 }
 
 ContactProblem gather_with_numbers(const ProblemPiece& piece, ProcessGroup& group,
                                    std::vector<std::vector<int>>& number) {
-  const std::vector<Parcel> parcels = to_first(group, to_parcel(piece));
-  return group.rank() == 0 ? WholeReader(parcels).read(number) : ContactProblem{};
+  const std::vector<Buffer> buffers = to_first(group, to_buffer(piece));
+  return group.rank() == 0 ? WholeReader(buffers).read(number) : ContactProblem{};
 }
 
 }  // namespace
@@ -179,13 +179,13 @@ const ContactProblem& GatheredWhole::on_first() {
 Vector GatheredWhole::join(const Vector& part) {
   on_first();
   const int d = space_.problem().dim;
-  const std::vector<Parcel> parcels =
-      to_first(space_.group(), Parcel(part.data(), part.data() + part.size()));
+  const std::vector<Buffer> buffers =
+      to_first(space_.group(), Buffer(part.data(), part.data() + part.size()));
   Vector whole(whole_->num_rows());
   for (std::size_t r = 0; r < number_.size(); ++r) {
     for (std::size_t c = 0; c < number_[r].size(); ++c) {
       for (int k = 0; k < d; ++k) {
-        whole[number_[r][c] * d + k] = parcels[r].at(c * to_size(d) + to_size(k));
+        whole[number_[r][c] * d + k] = buffers[r].at(c * to_size(d) + to_size(k));
       }
     }
   }
@@ -195,13 +195,13 @@ Vector GatheredWhole::join(const Vector& part) {
 Vector GatheredWhole::part(const Vector& whole) {
   on_first();
   const int d = space_.problem().dim;
-  std::vector<Parcel> parcels(to_size(space_.group().size()));
+  std::vector<Buffer> buffers(to_size(space_.group().size()));
   for (std::size_t r = 0; r < number_.size(); ++r) {
     for (const int c : number_[r]) {
-      for (int k = 0; k < d; ++k) parcels[r].push_back(whole[c * d + k]);
+      for (int k = 0; k < d; ++k) buffers[r].push_back(whole[c * d + k]);
     }
   }
-  const Parcel mine = space_.group().deliver(std::move(parcels)).front();
+  const Buffer mine = space_.group().deliver(std::move(buffers)).front();
   return Eigen::Map<const Vector>(mine.data(), static_cast<Eigen::Index>(mine.size()));
 }
 

@@ -11,21 +11,21 @@
 
 namespace bipot {
 
-/// The whole of a problem that lies on several processes: for solvers that run on the root process,
-/// and for the proof of a claim where double precision is not enough. Everything is collective.
+/// The whole of a distributed problem: for solvers that run on the root process, and for the proof
+/// of a claim if double precision is not enough. All is collective.
 class WholeProblem {
  public:
   virtual ~WholeProblem() = default;
   WholeProblem(const WholeProblem&) = delete;
   WholeProblem& operator=(const WholeProblem&) = delete;
 
-  /// On the first process; what the others get is nothing to rely on.
+  /// On the root process; not valid on others.
   virtual const ContactProblem& on_first() = 0;
-  /// The rows of all processes in the order of the whole, on the first process.
+  /// The rows of all processes in the order of the whole, on the root process.
   virtual Vector join(const Vector& part) = 0;
-  /// The rows of each process of what the first one has.
+  /// The rows of each process, from those of the whole on the root process.
   virtual Vector part(const Vector& whole) = 0;
-  /// prove_claim() of the impulse s, rows that are here: the same answer on all processes.
+  /// prove_claim() of the impulse s, in the rows of this process: the same result on all processes.
   virtual ProvedClaim claim(const SolverOptions& options, const Vector& s,
                             const ContactError& error) = 0;
 
@@ -33,7 +33,7 @@ class WholeProblem {
   WholeProblem() = default;
 };
 
-/// Where every process has the whole. Join() leaves it on all of them, and all prove a claim.
+/// If every process has the whole. join() leaves it on all of them, and all prove a claim.
 class KnownWhole : public WholeProblem {
  public:
   /// Keeps references.
@@ -47,7 +47,7 @@ class KnownWhole : public WholeProblem {
                     const ContactError& error) override {
     return prove_claim(whole_, options, join(s), error);
   }
-  /// The rows of this process of what all of them have.
+  /// The rows of this process, from those of the whole on all of them.
   Vector mine(const Vector& whole) const;
 
  private:
@@ -56,9 +56,9 @@ class KnownWhole : public WholeProblem {
   ProcessGroup& group_;
 };
 
-/// Where nobody has the whole: the first process gathers it when it is asked for the first time. A
-/// claim is proved in double precision by all, each with the bound of its contacts (core/problem/
-/// rounding_bound.h), and only what that leaves open is gathered.
+/// If no process has the whole: the root process gathers it at the first request. A claim is proved
+/// in double precision by all, each with the bound of its contacts
+/// (core/criterion/rounding_bound.h). The whole is gathered only if that is not enough.
 class GatheredWhole : public WholeProblem {
  public:
   /// Keeps the reference.
@@ -76,11 +76,11 @@ class GatheredWhole : public WholeProblem {
   std::vector<std::vector<int>> number_;  // on the first: of each process's contacts
 };
 
-/// Where the whole of these pieces is wanted for itself: on the first process, elsewhere an empty
+/// Gathers the whole of these parts for its own sake: on the root process, elsewhere an empty
 /// problem. Collective.
 ContactProblem gather_problem(const ProblemPiece& piece, ProcessGroup& group);
 
-/// rounding_bound() in double precision of the impulse s, rows that are here. Collective.
+/// rounding_bound() in double precision of the impulse s, in the rows of this process. Collective.
 RoundingBound distributed_rounding_bound(DistributedSpace& space, const Vector& s);
 
 }  // namespace bipot

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/release.h"
-#include "solvers/simulation/body_parcel.h"
+#include "solvers/simulation/body_buffer.h"
 
 namespace bipot {
 namespace {
@@ -38,8 +38,8 @@ State<D> frame_of(const State<D>& state) {
 }
 
 template <int D>
-void put_contacts(const std::vector<ContactOutcome<D>>& contacts, Parcel& parcel) {
-  for (const ContactOutcome<D>& c : contacts) put(c, parcel);
+void put_contacts(const std::vector<ContactOutcome<D>>& contacts, Buffer& buffer) {
+  for (const ContactOutcome<D>& c : contacts) put(c, buffer);
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ DomainState<D> cut_state(const State<D>& whole, const CellTree& cells, int rank)
 
 template <int D>
 State<D> gather_state(const DomainState<D>& state, ProcessGroup& group) {
-  std::vector<Parcel> bodies(to_size(group.size())), contacts(to_size(group.size()));
+  std::vector<Buffer> bodies(to_size(group.size())), contacts(to_size(group.size()));
   for (std::size_t k = 0; k < state.numbers.size(); ++k) {
     put(state.numbers[k], state.here.bodies[k], bodies[0]);
   }
@@ -88,24 +88,24 @@ State<D> gather_state(const DomainState<D>& state, ProcessGroup& group) {
     whole.bodies.resize(to_size(state.bodies));
     std::vector<char> there(whole.bodies.size(), 0);
     std::size_t count = 0;
-    for (Parcel& parcel : bodies) {
-      for (ParcelReader reader(parcel); !reader.at_end(); ++count) {
+    for (Buffer& buffer : bodies) {
+      for (BufferReader reader(buffer); !reader.at_end(); ++count) {
         NumberedBody<D> next = take_body<D>(reader);
         if (std::exchange(there.at(to_size(next.number)), 1) != 0) {
           failure = fmt::format("{} {} is on two processes", kBodyName<D>, next.number);
         }
         whole.bodies[to_size(next.number)] = std::move(next.body);
       }
-      release(parcel);
+      release(buffer);
     }
     if (failure.empty() && count != whole.bodies.size()) {
       failure = fmt::format("{} of {} {}s are on no process", whole.bodies.size() - count,
                             whole.bodies.size(), kBodyName<D>);
     }
-    for (Parcel& parcel : contacts) {
-      ParcelReader reader(parcel);
+    for (Buffer& buffer : contacts) {
+      BufferReader reader(buffer);
       while (!reader.at_end()) whole.contacts.push_back(take_contact<D>(reader));
-      release(parcel);
+      release(buffer);
     }
     sort_by_bodies(whole.contacts);
   }
@@ -116,20 +116,20 @@ State<D> gather_state(const DomainState<D>& state, ProcessGroup& group) {
 template <int D>
 CellTree cut_cells_again(const DomainState<D>& state, ProcessGroup& group) {
   const std::vector<double> weights = contact_weights<D>(state.numbers, state.here.contacts);
-  std::vector<Parcel> parcels(to_size(group.size()));
+  std::vector<Buffer> buffers(to_size(group.size()));
   for (std::size_t k = 0; k < state.numbers.size(); ++k) {
     const Vec3 x = in_space<D>(state.here.bodies[k].x);
-    parcels[0].insert(parcels[0].end(),
+    buffers[0].insert(buffers[0].end(),
                       {static_cast<double>(state.numbers[k]), x[0], x[1], x[2], weights[k]});
   }
-  parcels = group.deliver(std::move(parcels));
+  buffers = group.deliver(std::move(buffers));
   std::vector<double> tree;
   if (group.rank() == 0) {
     // In the order of the whole, so that the cells do not depend on the distribution.
     std::vector<Vec3> places(to_size(state.bodies));
     std::vector<double> weight(places.size(), 0.0);
-    for (const Parcel& parcel : parcels) {
-      for (ParcelReader reader(parcel); !reader.at_end();) {
+    for (const Buffer& buffer : buffers) {
+      for (BufferReader reader(buffer); !reader.at_end();) {
         const std::size_t k = to_size(reader.integer());
         places.at(k) = reader.vector<3>();
         weight[k] = reader.number();
@@ -142,7 +142,7 @@ CellTree cut_cells_again(const DomainState<D>& state, ProcessGroup& group) {
 
 template <int D>
 int migrate(const CellTree& cells, ProcessGroup& group, DomainState<D>& state) {
-  std::vector<Parcel> bodies(to_size(group.size())), contacts(to_size(group.size()));
+  std::vector<Buffer> bodies(to_size(group.size())), contacts(to_size(group.size()));
   const auto all_contacts = std::exchange(state.here.contacts, {});
   const auto all_bodies = std::exchange(state.here.bodies, {});
   const auto all_numbers = std::exchange(state.numbers, {});
@@ -169,11 +169,11 @@ int migrate(const CellTree& cells, ProcessGroup& group, DomainState<D>& state) {
   bodies = group.deliver(std::move(bodies));
   contacts = group.deliver(std::move(contacts));
   std::vector<NumberedBody<D>> come;
-  for (const Parcel& parcel : bodies) {
-    for (ParcelReader reader(parcel); !reader.at_end();) come.push_back(take_body<D>(reader));
+  for (const Buffer& buffer : bodies) {
+    for (BufferReader reader(buffer); !reader.at_end();) come.push_back(take_body<D>(reader));
   }
-  for (const Parcel& parcel : contacts) {
-    for (ParcelReader reader(parcel); !reader.at_end();) {
+  for (const Buffer& buffer : contacts) {
+    for (BufferReader reader(buffer); !reader.at_end();) {
       state.here.contacts.push_back(take_contact<D>(reader));
     }
   }

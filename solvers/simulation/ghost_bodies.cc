@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/motion/midpoint.h"
-#include "solvers/simulation/body_parcel.h"
+#include "solvers/simulation/body_buffer.h"
 
 namespace bipot {
 namespace {
@@ -62,7 +62,7 @@ std::vector<Reach<D>> gather_reaches(const Reach<D>& mine, double& largest_radiu
 template <int D>
 LocalBodies<D> with_ghosts(const Scene<D>& scene, const DomainState<D>& state,
                            ProcessGroup& group) {
-  std::vector<Parcel> parcels(to_size(group.size()));
+  std::vector<Buffer> buffers(to_size(group.size()));
   {
     const std::vector<Body<D>> bodies = free_midpoint(scene, state.here).bodies;
     Reach<D> mine;
@@ -79,18 +79,18 @@ LocalBodies<D> with_ghosts(const Scene<D>& scene, const DomainState<D>& state,
       if (!theirs.meets(mine)) continue;
       for (std::size_t k = 0; k < bodies.size(); ++k) {
         if (!theirs.meets(bodies[k])) continue;
-        put(state.numbers[k], state.here.bodies[k], parcels[to_size(r)]);
+        put(state.numbers[k], state.here.bodies[k], buffers[to_size(r)]);
       }
     }
   }
-  parcels = group.deliver(std::move(parcels));
+  buffers = group.deliver(std::move(buffers));
   struct Ghost {
     NumberedBody<D> body;
     int owner;
   };
   std::vector<Ghost> ghosts;
   for (int r = 0; r < group.size(); ++r) {
-    for (ParcelReader reader(parcels[to_size(r)]); !reader.at_end();) {
+    for (BufferReader reader(buffers[to_size(r)]); !reader.at_end();) {
       ghosts.push_back({take_body<D>(reader), r});
     }
   }

@@ -12,7 +12,7 @@
 
 #include "core/base/release.h"
 #include "core/scene/contact_detection.h"
-#include "solvers/simulation/body_parcel.h"
+#include "solvers/simulation/body_buffer.h"
 
 namespace bipot {
 namespace {
@@ -54,7 +54,7 @@ template <int D>
 void number_contacts(const LocalBodies<D>& local, int bodies, ProcessGroup& group,
                      LocalContacts<D>& contacts) {
   const BodyRanges ranges(bodies, group.size());
-  std::vector<Parcel> parcels(to_size(group.size()));
+  std::vector<Buffer> buffers(to_size(group.size()));
   std::vector<int> counts, range_of;  // of each body with own contacts, ascending
   for (std::size_t c = 0; c < contacts.own.size();) {
     std::size_t end = c;
@@ -62,15 +62,15 @@ void number_contacts(const LocalBodies<D>& local, int bodies, ProcessGroup& grou
     const int body = local.numbers[to_size(contacts.own[c].i)];
     counts.push_back(static_cast<int>(end - c));
     range_of.push_back(ranges.of(body));
-    Parcel& to = parcels[to_size(range_of.back())];
+    Buffer& to = buffers[to_size(range_of.back())];
     to.insert(to.end(), {static_cast<double>(body), static_cast<double>(end - c)});
     c = end;
   }
-  parcels = group.deliver(std::move(parcels));
+  buffers = group.deliver(std::move(buffers));
   const int first = ranges.first(group.rank()), end = ranges.first(group.rank() + 1);
   std::vector<int> before(to_size(end - first) + 1, 0);
-  for (const Parcel& parcel : parcels) {
-    for (ParcelReader reader(parcel); !reader.at_end();) {
+  for (const Buffer& buffer : buffers) {
+    for (BufferReader reader(buffer); !reader.at_end();) {
       const int body = reader.integer();
       before.at(to_size(body - first) + 1) = reader.integer();
     }
@@ -84,18 +84,18 @@ void number_contacts(const LocalBodies<D>& local, int bodies, ProcessGroup& grou
   for (const double total : totals) whole += total;
   if (whole > std::numeric_limits<int>::max()) throw CommonFailure("more than 2^31 contacts");
   contacts.whole = static_cast<int>(whole);
-  for (Parcel& parcel : parcels) {
-    Parcel answer;
-    for (ParcelReader reader(parcel); !reader.at_end(); reader.number()) {
+  for (Buffer& buffer : buffers) {
+    Buffer answer;
+    for (BufferReader reader(buffer); !reader.at_end(); reader.number()) {
       answer.push_back(lower + before[to_size(reader.integer() - first)]);
     }
-    parcel = std::move(answer);
+    buffer = std::move(answer);
   }
-  parcels = group.deliver(std::move(parcels));
-  std::vector<std::size_t> next(parcels.size(), 0);
+  buffers = group.deliver(std::move(buffers));
+  std::vector<std::size_t> next(buffers.size(), 0);
   for (std::size_t k = 0; k < counts.size(); ++k) {
     const std::size_t r = to_size(range_of[k]);
-    const int number = static_cast<int>(parcels[r].at(next[r]++));
+    const int number = static_cast<int>(buffers[r].at(next[r]++));
     for (int c = 0; c < counts[k]; ++c) contacts.number.push_back(number + c);
   }
 }
@@ -109,18 +109,18 @@ void find_places(const LocalBodies<D>& local, int bodies, ProcessGroup& group,
     return std::pair(local.numbers[to_size(c.i)],
                      j < here ? local.numbers[j] : bodies + static_cast<int>(j - here));
   };
-  std::vector<Parcel> parcels(to_size(group.size()));
+  std::vector<Buffer> buffers(to_size(group.size()));
   for (const int k : contacts.halo) {
     const Contact<D>& c = contacts.all[to_size(k)];
     const auto [i, j] = bodies_of(c);
-    Parcel& to = parcels[to_size(local.owner[to_size(c.i)])];
+    Buffer& to = buffers[to_size(local.owner[to_size(c.i)])];
     to.insert(to.end(), {static_cast<double>(i), static_cast<double>(j)});
   }
-  parcels = group.deliver(std::move(parcels));
+  buffers = group.deliver(std::move(buffers));
   std::string failure;
-  for (Parcel& parcel : parcels) {
-    Parcel answer;
-    for (ParcelReader reader(parcel); !reader.at_end();) {
+  for (Buffer& buffer : buffers) {
+    Buffer answer;
+    for (BufferReader reader(buffer); !reader.at_end();) {
       const int i = reader.integer();
       const std::pair wanted(i, reader.integer());
       const auto at = std::lower_bound(
@@ -132,15 +132,15 @@ void find_places(const LocalBodies<D>& local, int bodies, ProcessGroup& group,
       }
       answer.push_back(static_cast<double>(at - contacts.own.begin()));
     }
-    parcel = std::move(answer);
+    buffer = std::move(answer);
   }
   group.fail_where_any(failure);
-  parcels = group.deliver(std::move(parcels));
-  std::vector<std::size_t> next(parcels.size(), 0);
+  buffers = group.deliver(std::move(buffers));
+  std::vector<std::size_t> next(buffers.size(), 0);
   for (const int k : contacts.halo) {
     const int owner = local.owner[to_size(contacts.all[to_size(k)].i)];
     const std::size_t r = to_size(owner);
-    contacts.copies.push_back({owner, static_cast<int>(parcels[r].at(next[r]++))});
+    contacts.copies.push_back({owner, static_cast<int>(buffers[r].at(next[r]++))});
   }
 }
 

@@ -7,8 +7,8 @@ namespace bipot {
 /// Equal disks (spheres for the cubic lattice) at rest, one time step under gravity. Values are in
 /// units chosen by the caller: a change of units multiplies radius, mass and so on alike.
 ///
-/// Written without the scenes, the detection and the assembly of core/ on purpose: an independent check
-/// on them, and the only lattices with d = 3. Scenes of lattices: core/scene/scene_family.h.
+/// Written without the scenes, the detection and the assembly of core/ on purpose: an independent
+/// check on them, and the only lattices with d = 3. Scenes of lattices: core/scene/scene_family.h.
 struct LatticeOptions {
   int dim = 2;              ///< 1: no tangential rows, no rotations
   double mu = 0.3;          ///<                                                               [-]

@@ -4,9 +4,9 @@
 
 namespace bipot {
 
-/// The criterion straight from its written definition: dense matrices and plain loops. On purpose it
-/// uses nothing of core/ but the problem's fields, and repeats all formulas: the independent check
-/// of the agreement tests. Slow.
+/// The criterion straight from its written definition: dense matrices and plain loops. On purpose
+/// it uses nothing of core/ but the problem's fields, and repeats all formulas: the independent
+/// check of the agreement tests. Slow.
 struct NaiveError {
   double epsilon = 0, eta = 0, raw42 = 0;
   /// ‖s - P_K(s - rho û)‖ / max(‖s‖, ‖rho b‖), rho = d / tr W_cc.

@@ -22,8 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Where OpenBLAS does not know this processor, the command starts again with kernels that fit: with all of
-/// its arguments, and once.
+/// Where OpenBLAS does not know this processor, the command starts again with kernels that fit:
+/// with all of its arguments, and once.
 TEST_F(Command, RunsOnKernelsOfThisProcessor) {
   const auto asked = [](const std::string& arguments) {
     return run_command_line("sh -c \"env -u OPENBLAS_CORETYPE OPENBLAS_VERBOSE=2 " BIPOT_COMMAND
@@ -470,8 +470,8 @@ TEST_F(Command, AStepThatIsNotSolvedLeavesItsProblemAndSaysWhatToTry) {
   EXPECT_EQ(split.out.find("smaller-step"), std::string::npos) << split.out;
 }
 
-// A long step of disks that land on each other: with these limits three of the first 26 steps are taken in
-// parts, one of them before step 18 and two after it. A restart goes on as the run did.
+// A long step of disks that land on each other: with these limits three of the first 26 steps are
+// taken in parts, one of them before step 18 and two after it. A restart goes on as the run did.
 TEST_F(Command, ARestartGoesOnAcrossSplitStepsBitForBit) {
   std::string text = content(source_folder().string() + "/data/scenes/compaction_100.toml");
   text.replace(text.find("every ="), text.find('\n', text.find("every =")) - text.find("every ="),

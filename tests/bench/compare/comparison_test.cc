@@ -600,8 +600,9 @@ TEST(ComparisonReport, PageStandsAlone) {
 }
 
 TEST(Comparison, TakesFamiliesAndScenesOfSpheres) {
-  // 1 + 4 + 9 cannon balls; each but those at the floor has four below it: 9 + 4·4 + 4 contacts, and those of a layer touch:
-  // 12 in 3 x 3, 4 in 2 x 2. Without friction velocities and resultants are unique: solvers agree to their tolerance.
+  // 1 + 4 + 9 cannon balls; each but those at the floor has four below it: 9 + 4·4 + 4 contacts,
+  // and those of a layer touch: 12 in 3 x 3, 4 in 2 x 2. Without friction velocities and resultants
+  // are unique: solvers agree to their tolerance.
   TargetOptions targets;
   targets.scene_problems = 2;
   targets.scene_steps = 20;

@@ -179,8 +179,8 @@ TEST(RandomSets, NothingIsWrongInAShortOne) {
   EXPECT_GT(result.certificates, 10);
 }
 
-// 44 contacts of 10 bodies without friction, W alone: impulses so large beside the energy that ε in double precision was
-// 9.8e-9 where it is 1.6e-8, and auto took it. One of 10 000.
+// 44 contacts of 10 bodies without friction, W alone: impulses so large beside the energy that ε in
+// double precision was 9.8e-9 where it is 1.6e-8, and auto took it. One of 10 000.
 TEST(RandomSets, RoundingOfLargeSelfStressIsNoClaim) {
   RandomSetOptions options = short_set(1);
   options.seed = 1;

@@ -166,8 +166,8 @@ Trade with_witness(Trade trade, double value) {
 }
 
 TEST(TradeAnalysis, WhatOtherExactAnswersDoIsAFloor) {
-  // The step is exact and the solver's error 0.5 tol: alone, 1e-6 is needed. Another solver ends 0.02
-  // away at the same tolerance: then the 0.005 of 1e-2 are nobody's digits.
+  // The step is exact and the solver's error 0.5 tol: alone, 1e-6 is needed. Another solver ends
+  // 0.02 away at the same tolerance: then the 0.005 of 1e-2 are nobody's digits.
   const Trade alone = manufactured(1, 0, [](double tol, double, int) { return 1 + 0.5 * tol; });
   EXPECT_EQ(*analyse_trade(alone).at(0).sufficient_tol, 1e-6);
   const Trade trade = with_witness(alone, 1.02);
@@ -321,8 +321,9 @@ TEST(TradeRun, RefusesScenesWhoseBodiesComeAndGo) {
 }
 
 TEST(TradeRun, AClusterIsOneBody) {
-  // A dumbbell of 3 kg falls flat on a floor 5 mm below, without restitution: it loses m g h, lies with its centre of mass a
-  // radius above its lowest point, and the floor carries it. Springs have no clusters.
+  // A dumbbell of 3 kg falls flat on a floor 5 mm below, without restitution: it loses m g h, lies
+  // with its centre of mass a radius above its lowest point, and the floor carries it. Springs have
+  // no clusters.
   const TemporaryFolder folder;
   TradeOptions options;
   options.targets = {scene_file(folder, "dumbbell", R"(

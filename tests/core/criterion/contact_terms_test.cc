@@ -16,7 +16,8 @@ FrameVector<Real, D> as(const FrameVector<double, D>& x) {
   return y;
 }
 
-/// Terms of a scaled contact with any numbers: s drawn, projected on the cone in physical variables.
+/// Terms of a scaled contact with any numbers: s drawn, projected on the cone in physical
+/// variables.
 template <class Real, int D>
 ErrorSumsOf<Real> terms_of(unsigned seed, double mu) {
   std::mt19937 random(seed);
@@ -71,7 +72,8 @@ TEST(ContactTerms, NumberTypesDifferByTheirRounding) {
   expect_bounds_to_hold<3>();
 }
 
-// s = 0 and u_n >= 0 is the law exactly. Within the error of u_n the natural map is bounded instead.
+// s = 0 and u_n >= 0 is the law exactly. Within the error of u_n the natural map is bounded
+// instead.
 TEST(ContactTerms, ARoundedContactTakesOffWhereThatIsCertain) {
   PhysicalContact<Rounded, 2> c{{}, {}, 0, 0.5, 2, 0.5, 0};
   c.u[0] = {1e-3, 1e-4};

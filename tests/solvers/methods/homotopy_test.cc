@@ -186,8 +186,8 @@ TEST(Homotopy, AnotherChainOfStartsArrivesWhereTheFirstStops) {
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 
-/// Impulses are judged where a path arrived, and at the turning points of others: so many iterations
-/// are neither pivots nor steps of apgd.
+/// Impulses are judged where a path arrived, and at the turning points of others: so many
+/// iterations are neither pivots nor steps of apgd.
 TEST(Homotopy, TurningPointsThatItGoesOnFromAreJudged) {
   const SolveResult r = homotopy(shipped("2d_pyramid_20_mu05"), 1e-8, kFromZero);
   ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;

@@ -13,7 +13,7 @@
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/distributed_space.h"
 #include "solvers/parallel/whole_problem.h"
-#include "solvers/simulation/body_parcel.h"
+#include "solvers/simulation/body_buffer.h"
 #include "solvers/simulation/domain_piece.h"
 #include "solvers/solve.h"
 #include "tests/solvers/parallel/mpi_group.h"
@@ -51,7 +51,7 @@ struct CutStep {
 };
 
 template <int D>
-void put_all(const Contact<D>& c, int number, Parcel& out) {
+void put_all(const Contact<D>& c, int number, Buffer& out) {
   out.insert(out.end(), {static_cast<double>(c.i), static_cast<double>(c.j), c.gap});
   out.insert(out.end(), c.n.begin(), c.n.end());
   out.push_back(number);
@@ -61,7 +61,7 @@ template <int D>
 void expect_whole_detection(const Scene<D>& scene, ProcessGroup& group) {
   const CutStep<D> cut(scene, group);
   // Every process writes down its own contacts, all read the whole list.
-  Parcel mine;
+  Buffer mine;
   for (std::size_t k = 0; k < cut.contacts.own.size(); ++k) {
     put_all<D>(cut.numbered(cut.contacts.own[k]), cut.contacts.number[k], mine);
   }
@@ -243,14 +243,14 @@ TEST(Domains, EverySolverOfPiecesIsJudgedAsOnTheWhole) {
         EXPECT_EQ(out.result.status, SolveStatus::kNothingToDo);
         continue;
       }
-      Parcel mine;
+      Buffer mine;
       for (int c = 0; c < d.piece.own.num_contacts(); ++c) {
         mine.push_back(d.piece.number[to_size(c)]);
         for (int k = 0; k < whole.dim; ++k) mine.push_back(out.result.s[c * whole.dim + k]);
       }
-      const Parcel all = group.gather(mine);
+      const Buffer all = group.gather(mine);
       Vector impulse = Vector::Zero(whole.num_rows());
-      for (ParcelReader reader(all); !reader.at_end();) {
+      for (BufferReader reader(all); !reader.at_end();) {
         const int c = reader.integer();
         for (int k = 0; k < whole.dim; ++k) impulse[c * whole.dim + k] = reader.number();
       }
@@ -274,14 +274,14 @@ TEST(Domains, AClaimAtRoundingIsProvedOnTheWholeOrNotMade) {
   for (const double tol : {1e-12, 1e-15, 1e-17}) {
     const PieceResult out =
         distributed_solve("ipm", d.piece, {.tol = tol, .max_iterations = 200}, group);
-    Parcel mine;
+    Buffer mine;
     for (int c = 0; c < d.piece.own.num_contacts(); ++c) {
       mine.push_back(d.piece.number[to_size(c)]);
       for (int k = 0; k < whole.dim; ++k) mine.push_back(out.result.s[c * whole.dim + k]);
     }
-    const Parcel all = group.gather(mine);
+    const Buffer all = group.gather(mine);
     Vector impulse = Vector::Zero(whole.num_rows());
-    for (ParcelReader reader(all); !reader.at_end();) {
+    for (BufferReader reader(all); !reader.at_end();) {
       const int c = reader.integer();
       for (int k = 0; k < whole.dim; ++k) impulse[c * whole.dim + k] = reader.number();
     }
@@ -304,14 +304,14 @@ TEST(Domains, WhatDoubleLeavesOpenIsProvedOnTheGatheredWhole) {
     const PieceResult out =
         distributed_solve("apgd", d.piece, {.tol = 1e-9, .max_iterations = 100000}, group);
     ASSERT_EQ(out.result.status, SolveStatus::kConverged) << out.result.message;
-    Parcel mine;
+    Buffer mine;
     for (int c = 0; c < d.piece.own.num_contacts(); ++c) {
       mine.push_back(d.piece.number[to_size(c)]);
       for (int k = 0; k < whole.dim; ++k) mine.push_back(out.result.s[c * whole.dim + k]);
     }
-    const Parcel all = group.gather(mine);
+    const Buffer all = group.gather(mine);
     Vector impulse = Vector::Zero(whole.num_rows());
-    for (ParcelReader reader(all); !reader.at_end();) {
+    for (BufferReader reader(all); !reader.at_end();) {
       const int c = reader.integer();
       for (int k = 0; k < whole.dim; ++k) impulse[c * whole.dim + k] = reader.number();
     }
@@ -356,7 +356,7 @@ TEST(Domains, GhostsAreCounted) {
     EXPECT_GT(counted[2], 0);
     EXPECT_LT(counted[2], static_cast<std::int64_t>(whole.bodies.size()) * (group.size() - 1));
   }
-  // The box of the bodies and the sizes of the parcels: two meetings.
+  // The box of the bodies and the sizes of the buffers: two meetings.
   EXPECT_EQ(meetings, 2);
 }
 

@@ -1,4 +1,4 @@
-#include "solvers/parallel/mumps_crew.h"
+#include "solvers/parallel/parallel_factor.h"
 
 // The deprecated C++ bindings would need a library of their own.
 #define OMPI_SKIP_MPICXX 1
@@ -43,15 +43,15 @@ struct Order {
 
 /// The part of each process in factorisations and solves. PETSc has the matrix Aᵀ: a column of A is
 /// a row of its own.
-class Crew {
+class FactorGroup {
  public:
-  explicit Crew(Traffic& traffic) : traffic_(traffic) {
+  explicit FactorGroup(Traffic& traffic) : traffic_(traffic) {
     MPI_Comm_rank(PETSC_COMM_WORLD, &rank_);
     MPI_Comm_size(PETSC_COMM_WORLD, &processes_);
   }
-  ~Crew() { clear(); }
-  Crew(const Crew&) = delete;
-  Crew& operator=(const Crew&) = delete;
+  ~FactorGroup() { clear(); }
+  FactorGroup(const FactorGroup&) = delete;
+  FactorGroup& operator=(const FactorGroup&) = delete;
 
   int rank() const { return rank_; }
 
@@ -224,9 +224,9 @@ class Crew {
 };
 
 /// The factor as used by the root process.
-class CrewFactor final : public SystemFactor {
+class ParallelFactor final : public SystemFactor {
  public:
-  explicit CrewFactor(Crew& crew) : crew_(crew) {}
+  explicit ParallelFactor(FactorGroup& group) : group_(group) {}
 
   [[nodiscard]] bool factor(const SparseMatrix& A) override {
     const int* const starts = A.outerIndexPtr();
@@ -239,49 +239,49 @@ class CrewFactor final : public SystemFactor {
       rows_.assign(rows, rows + A.nonZeros());
     }
     const Order order{Order::kFactor, static_cast<int>(A.cols()), same ? 0 : 1};
-    return crew_.factor(crew_.give(order), &A);
+    return group_.factor(group_.give(order), &A);
   }
   void solve(const Vector& b, Vector& x) override {
-    crew_.give({.kind = Order::kSolve});
-    crew_.solve(&b, &x);
+    group_.give({.kind = Order::kSolve});
+    group_.solve(&b, &x);
   }
-  int determinant_sign() const override { return crew_.determinant_sign(); }
+  int determinant_sign() const override { return group_.determinant_sign(); }
 
  private:
-  Crew& crew_;
+  FactorGroup& group_;
   std::vector<int> starts_, rows_;
 };
 
-void lead(Crew& crew, const std::function<void(SystemFactor&)>& work) {
+void lead(FactorGroup& group, const std::function<void(SystemFactor&)>& work) {
   std::string failure;
   try {
-    CrewFactor factor(crew);
+    ParallelFactor factor(group);
     work(factor);
   } catch (const std::exception& e) {
     failure = e.what();
     if (failure.empty()) failure = "failed without a reason";
   }
   if (failure.empty()) {
-    crew.give({.kind = Order::kDone});
+    group.give({.kind = Order::kDone});
     return;
   }
   const int length = static_cast<int>(failure.size());
-  crew.give({.kind = Order::kFailed, .size = length});
-  throw CommonFailure(crew.give_text(failure, length));
+  group.give({.kind = Order::kFailed, .size = length});
+  throw CommonFailure(group.give_text(failure, length));
 }
 
-void serve(Crew& crew) {
+void serve(FactorGroup& group) {
   while (true) {
-    const Order order = crew.give({});
+    const Order order = group.give({});
     switch (order.kind) {
       case Order::kFactor:
-        (void)crew.factor(order, nullptr);  // the first process knows the outcome as well
+        (void)group.factor(order, nullptr);  // the first process knows the outcome as well
         break;
       case Order::kSolve:
-        crew.solve(nullptr, nullptr);
+        group.solve(nullptr, nullptr);
         break;
       case Order::kFailed:
-        throw CommonFailure(crew.give_text({}, order.size));
+        throw CommonFailure(group.give_text({}, order.size));
       default:
         return;
     }
@@ -290,12 +290,12 @@ void serve(Crew& crew) {
 
 }  // namespace
 
-void mumps_crew(const std::function<void(SystemFactor&)>& work, Traffic& traffic) {
-  Crew crew(traffic);
-  if (crew.rank() == 0) {
-    lead(crew, work);
+void run_with_parallel_factor(const std::function<void(SystemFactor&)>& work, Traffic& traffic) {
+  FactorGroup group(traffic);
+  if (group.rank() == 0) {
+    lead(group, work);
   } else {
-    serve(crew);
+    serve(group);
   }
 }
 

@@ -8,11 +8,11 @@
 namespace bipot {
 
 /// Reads the numbers of a buffer in sequence. Throws std::out_of_range past the end.
-class ParcelReader {
+class BufferReader {
  public:
-  explicit ParcelReader(const Parcel& parcel) : parcel_(parcel) {}
-  bool at_end() const { return next_ == parcel_.size(); }
-  double number() { return parcel_.at(next_++); }
+  explicit BufferReader(const Buffer& buffer) : buffer_(buffer) {}
+  bool at_end() const { return next_ == buffer_.size(); }
+  double number() { return buffer_.at(next_++); }
   int integer() { return static_cast<int>(number()); }
   template <int N>
   Eigen::Matrix<double, N, 1> vector() {
@@ -22,7 +22,7 @@ class ParcelReader {
   }
 
  private:
-  const Parcel& parcel_;
+  const Buffer& buffer_;
   std::size_t next_ = 0;
 };
 
@@ -35,15 +35,15 @@ struct NumberedBody {
 
 /// Appends all data of a body, without clusters.
 template <int D>
-void put(int number, const Body<D>& body, Parcel& parcel);
+void put(int number, const Body<D>& body, Buffer& buffer);
 template <int D>
-NumberedBody<D> take_body(ParcelReader& parcel);
+NumberedBody<D> take_body(BufferReader& buffer);
 
 /// Appends all results of a nonsmooth step at a contact outside a periodic cell.
 template <int D>
-void put(const ContactOutcome<D>& contact, Parcel& parcel);
+void put(const ContactOutcome<D>& contact, Buffer& buffer);
 template <int D>
-ContactOutcome<D> take_contact(ParcelReader& parcel);
+ContactOutcome<D> take_contact(BufferReader& buffer);
 
 /// Sorts by i, then by j.
 template <int D>

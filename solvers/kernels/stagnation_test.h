@@ -7,11 +7,11 @@ namespace bipot {
 
 /// Stagnation test: true once the best error has not halved during max(least, k) iterations, where
 /// k is the iteration at which it last did.
-class Patience {
+class StagnationTest {
  public:
-  explicit Patience(int least) : least_(least), iterations_(least) {}
+  explicit StagnationTest(int least) : least_(least), iterations_(least) {}
   /// Records the best error so far. True if the iteration stagnates.
-  bool lost(int iteration, double best_error) {
+  bool stagnates(int iteration, double best_error) {
     if (best_error <= 0.5 * mark_) {
       mark_ = best_error;
       mark_iteration_ = iteration;
