@@ -79,7 +79,7 @@ class ContactSpace {
   /// The criterion's energy for s = 0.
   virtual double energy_at_rest() = 0;
   /// Releases the scratch memory of error(), until the next call.
-  virtual void rest() {}
+  virtual void release_scratch() {}
   /// prove_claim() of the impulse s: the same result on all processes.
   virtual ProvedClaim prove(const SolverOptions& options, const Eigen::Ref<const Vector>& s,
                             const ContactError& error) = 0;
@@ -127,7 +127,7 @@ class WholeSpace final : public ContactSpace {
   const Vector& impulse() const override { return evaluator_.impulse(); }
   const Vector& impulse_velocity() const override { return evaluator_.velocity(); }
   double energy_at_rest() override { return evaluator_.energy_at_rest(); }
-  void rest() override { evaluator_.rest(); }
+  void release_scratch() override { evaluator_.release_scratch(); }
   ProvedClaim prove(const SolverOptions& options, const Eigen::Ref<const Vector>& s,
                     const ContactError& error) override;
 

@@ -117,7 +117,7 @@ Table rows_table(const Comparison& comparison) {
   for (const auto* rows : {&comparison.rows, &comparison.warm_rows}) {
     for (const ComparisonRow& row : *rows) {
       std::vector<TableCell> cells = cells_of(row);
-      cells[static_cast<std::size_t>(status - table.columns.begin())].rest(row.message);
+      cells[static_cast<std::size_t>(status - table.columns.begin())].tipped(row.message);
       cells.emplace_back(std::find(pareto.begin(), pareto.end(), &row) != pareto.end());
       table.add(std::move(cells), row.solved() ? "" : "bad");
     }

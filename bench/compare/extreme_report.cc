@@ -110,8 +110,8 @@ void add_case(const ExtremeMatrix& m, std::size_t k, Document& page) {
     const std::string steps =
         cell->steps > 1 ? fmt::format(" ({} of {} steps)", cell->steps_solved, cell->steps) : "";
     table.add({solver, TableCell(to_string(cell->end)).as(sign_of(cell->end).look),
-               TableCell(cell->status + steps).rest(cell->message), cell->guarded, cell->true_error,
-               cell->energy_error, cell->iterations, cell->cpu_seconds},
+               TableCell(cell->status + steps).tipped(cell->message), cell->guarded,
+               cell->true_error, cell->energy_error, cell->iterations, cell->cpu_seconds},
               cell->end == CellEnd::kWrong ? "bad" : "");
   }
   page.add(std::move(table));
@@ -242,7 +242,7 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
       [](const ExtremeCell& cell) {
         const bool figure = std::isfinite(cell.guarded) && cell.end != CellEnd::kNotForIt;
         return TableCell(figure ? error_label(cell.guarded) : "")
-            .rest(cell.status + ": " + cell.message)
+            .tipped(cell.status + ": " + cell.message)
             .as(sign_of(cell.end).look);
       },
       [](const ExtremeCase& c) { return fmt::format("[{0}](#{0})", c.name); });

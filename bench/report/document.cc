@@ -108,7 +108,7 @@ TableCell& TableCell::shown(std::string x) {
   text = std::move(x);
   return *this;
 }
-TableCell& TableCell::rest(std::string x) {
+TableCell& TableCell::tipped(std::string x) {
   tip = std::move(x);
   return *this;
 }

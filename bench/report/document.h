@@ -37,9 +37,9 @@ struct TableCell {
   TableCell(std::string_view x) : value(std::string(x)) {}
   TableCell(std::string x) : value(std::move(x)) {}
 
-  TableCell& shown(std::string x);  ///< sets `text`
-  TableCell& rest(std::string x);   ///< sets `tip`
-  TableCell& as(std::string x);     ///< sets `look`
+  TableCell& shown(std::string x);   ///< sets `text`
+  TableCell& tipped(std::string x);  ///< sets `tip`
+  TableCell& as(std::string x);      ///< sets `look`
 
   std::variant<std::monostate, bool, long, double, std::string> value;
   std::optional<std::string> text;  ///< shown instead of the value

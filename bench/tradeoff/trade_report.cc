@@ -62,10 +62,10 @@ Table error_table(const SceneTrade& s) {
     const TradeQuantity& quantity = s.scene->quantities[q];
     const TradeQuantityErrors& e = s.quantities[q];
     std::vector<TableCell> cells = {
-        TableCell(quantity.name).rest(quantity.meaning),
+        TableCell(quantity.name).tipped(quantity.meaning),
         TableCell(fmt::format("{} {}", value_label(e.reference), quantity.unit))
-            .rest(e.reference_kind),
-        TableCell(e.step_error).rest(e.step_error_kind)};
+            .tipped(e.reference_kind),
+        TableCell(e.step_error).tipped(e.step_error_kind)};
     if (nearby) cells.emplace_back(e.noise);
     if (other) cells.emplace_back(e.choice);
     for (const double x : e.solver_error) {
@@ -151,7 +151,7 @@ Table setting_table(const SceneTrade& s) {
       name += fmt::format(", k_n = {:.3g} N/m", cell.stiffness);
     }
     std::vector<TableCell> cells = {name,
-                                    TableCell(cell.status).rest(cell.message),
+                                    TableCell(cell.status).tipped(cell.message),
                                     cell.cpu_per_second,
                                     cell.iterations,
                                     cell.penetration,

@@ -100,10 +100,10 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made)
 ContactErrorEvaluator::ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept = default;
 ContactErrorEvaluator::~ContactErrorEvaluator() = default;
 
-void ContactErrorEvaluator::rest() {
+void ContactErrorEvaluator::release_scratch() {
   s_.resize(0);
   u_.resize(0);
-  delassus_->rest();
+  delassus_->release_scratch();
 }
 
 double ContactErrorEvaluator::energy_at_rest() const {

@@ -124,7 +124,7 @@ class ContactErrorEvaluator {
 
   /// Releases the scratch memory, and with it impulse(), velocity() and part(), for callers that
   /// keep the evaluator while others use memory. The next evaluation allocates it again.
-  void rest();
+  void release_scratch();
 
   /// Sums of the problem, without the others of its share, and of one contact, at the last
   /// evaluation.

@@ -45,7 +45,7 @@ class DelassusOperator {
   /// Diagonal d x d block of contact c, row-major storage of d*d values.
   Eigen::MatrixXd diagonal_block(int contact) const;
   /// Frees the scratch memory; the next product allocates it anew.
-  void rest() { velocity_.resize(0); }
+  void release_scratch() { velocity_.resize(0); }
   /// Diagonal of W, size m.
   Vector diagonal() const;
   /// The packed H of disks; empty if the two-pass form is not used or finds other bodies.

@@ -394,7 +394,7 @@ class IslandRun {
     SolverOptions inner = options_;
     inner.s0 = std::move(s_);
     s_ = Vector();  // which may have got the other's memory
-    evaluate_.rest();
+    evaluate_.release_scratch();
     inner.time_limit = std::max(time_left(), 1e-9);
     const int before = iterations(0, 0);
     if (options_.on_iteration) {
@@ -475,7 +475,7 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
   }
   SolverEntry entry = run.entry();
   entry.run = solver.attempt;
-  run.space().rest();
+  run.space().release_scratch();
   const SolveResult first = run.nested(entry, options, run.whole().share());
   if (first.status == SolveStatus::kNotRun) {
     if (!parts) settle(options, Vector());

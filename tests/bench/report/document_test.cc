@@ -24,7 +24,7 @@ Table solver_table() {
                           {"", "time", seconds_label, "CPU", "the least of all"}},
               .key = "solvers",
               .note = "See [below](#made)."};
-  table.add({"a<b", 1e-6, 0.1 + 0.2, TableCell(0.3).rest("0.3 s \"all\"").as("good")});
+  table.add({"a<b", 1e-6, 0.1 + 0.2, TableCell(0.3).tipped("0.3 s \"all\"").as("good")});
   table.add({"others"});
   table.add({"c,\"d\"", kNaN, {}, TableCell("never").as("bad")}, "bad", "second");
   return table;

@@ -422,7 +422,7 @@ TEST(ContactErrorEvaluator, RestsBetweenEvaluations) {
     const Vector s = 0.9 * made.s;
     const ContactError before = evaluate(s);
     const Vector u = evaluate.velocity(), impulse = evaluate.impulse();
-    evaluate.rest();
+    evaluate.release_scratch();
     EXPECT_EQ(evaluate.velocity().size(), 0);
     ContactErrorEvaluator copy(evaluate, {});
     for (ContactErrorEvaluator* again : {&evaluate, &copy}) {
