@@ -103,7 +103,7 @@ CommandDeclaration add_paper_command(CommandLine& line, PaperFlags& flags) {
       .value_name("FILE");
   command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
   command.footer(
-      "Ends with 1 when a check does not hold or an item failed.\n"
+      "Ends with 1 when a check is refuted or an item failed; what a short run cannot decide is said.\n"
       "Examples:\n"
       "  bipot paper --out out/paper\n"
       "  bipot paper --only table1,fig10 --quick --json -");
@@ -178,9 +178,9 @@ int paper_command(const PaperFlags& flags) {
                           entry.held(), entry.checks(), entry.wall_seconds)
             : fmt::format("{:<11} {}: {}\n", entry.name, to_string(entry.status), entry.message);
     for (const Claim& n : entry.result.claims) {
-      if (n.holds.value_or(true)) continue;
-      summary += fmt::format("  does not hold: {}: {}, expected {}\n", n.quantity,
-                             to_text(n.measured, n.unit, n.digits), n.expected);
+      if (n.holds.value_or(n.reason.empty())) continue;
+      summary += fmt::format("  {}: {}: {}, expected {}\n", n.holds ? "does not hold" : "undecided",
+                             n.quantity, measured_text(n), n.expected);
     }
     report.items[i] = std::move(entry);
     write_report(folder, "results.json", report);

@@ -85,8 +85,8 @@ CommandDeclaration add_validate_command(CommandLine& line, ValidateFlags& flags)
   command.footer(
       "Each row has its source, the expected value, what is measured at several tolerances, the\n"
       "error bar, and the loosest tolerance from which on it is right to 1 %.\n"
-      "Ends with 1 when a row does not hold at the tightest tolerance, with 0 otherwise (a row whose\n"
-      "error bar is too wide is undecided).\n"
+      "Ends with 1 when a row is refuted at the tightest tolerance: off by more than two error bars\n"
+      "and what is allowed. With 0 otherwise (between, a row is undecided).\n"
       "Examples:\n"
       "  bipot validate --quick --out out/validate\n"
       "  bipot validate --only disk,four_spheres\n"

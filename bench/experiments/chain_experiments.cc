@@ -57,7 +57,7 @@ ValidationExperiment stiffness() {
                      "under the force",
                      "rigid bodies: the force is balanced at once", "0", Expectation::equal(0),
                      1e-6, "a hundred times the tightest tolerance",
-                     "none: one deterministic run, Gauss–Seidel (`pgs`), warm start")};
+                     "discretisation: one deterministic run, Gauss–Seidel (`pgs`), warm start")};
   e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
   e.run = [](double tol, const ValidationContext& context) {
@@ -103,7 +103,7 @@ ValidationExperiment speed_of_sound() {
                 "Unger, Brendel, Wolf and Kertész 2002 (abstract: unconverged chains are elastic, "
                 "sound is finite); c = √k d/h for k sweeps derived in chain_experiments.cc",
                 "1", Expectation::equal(1), 0.05, "damping by the higher modes, 40 disks",
-                "none: one deterministic run", false),
+                "discretisation: one deterministic run", false),
             validation_row(kChain, "chain_sound_sweeps",
                            "exponent of that speed against the sweeps, 1 to 16", "the same", "1/2",
                            Expectation::equal(0.5), 0.05, "k θ² is not small for many sweeps",
@@ -154,8 +154,7 @@ ValidationExperiment speed_of_sound() {
       speeds.push_back(turns > 0 ? 2 * (kDisks + 1) * kChainStep / turns : kNaN);
     }
     const PowerLaw law = fit_power_law(counts, speeds);
-    outcome.seen = {{speeds[0]},
-                    {law.exponent, std::isfinite(law.confidence) ? law.confidence : 0}};
+    outcome.seen = {{speeds[0]}, {law.exponent, law.confidence}};
     outcome.figures = {figure};
     return outcome;
   };
@@ -195,7 +194,7 @@ ValidationExperiment sweeps_needed() {
       counts.push_back(sweeps[1] - sweeps[0]);
     }
     const PowerLaw law = fit_power_law(lengths, counts);
-    outcome.seen = {{law.exponent, std::isfinite(law.confidence) ? law.confidence : 0}};
+    outcome.seen = {{law.exponent, law.confidence}};
     return outcome;
   };
   return e;

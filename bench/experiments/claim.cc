@@ -74,6 +74,18 @@ void give_command(std::vector<Part>& parts, const std::string& command) {
 
 }  // namespace
 
+double Expectation::error(double value) const {
+  if (std::isnan(value)) return kNaN;
+  return std::max({low - value, value - high, 0.0}) / scale;
+}
+
+std::optional<bool> decide(double off, double bar, double widest) {
+  constexpr double kRefuted = 2;  // bars
+  if (std::isnan(off) || off > kRefuted * bar) return false;
+  if (off <= bar && bar <= widest) return true;
+  return std::nullopt;
+}
+
 Claim& Findings::state(std::string name, double measured, std::string unit, std::string quantity,
                        int digits) {
   return check(std::move(name), measured, std::move(unit), std::move(quantity), {}, {}, digits);
@@ -88,6 +100,18 @@ Claim& Findings::check(std::string name, double measured, std::string unit, std:
                                    .expected = std::move(expected),
                                    .holds = holds,
                                    .digits = digits});
+}
+
+Claim& Findings::test(std::string name, double measured, std::string unit, std::string quantity,
+                      std::string expected, const Expectation& range, double bar,
+                      std::string bar_is, int digits) {
+  const double off = range.scale * range.error(measured);
+  Claim& claim = check(std::move(name), measured, std::move(unit), std::move(quantity),
+                       std::move(expected), decide(off, bar), digits);
+  claim.bar = bar;
+  claim.bar_is = std::move(bar_is);
+  if (!claim.holds) claim.reason = "too few samples: off by more than one bar, less than two";
+  return claim;
 }
 
 void Findings::draw(std::string name, std::string caption, Chart chart, std::optional<int> after) {
@@ -112,6 +136,9 @@ void complete(Findings& findings, const std::string& command) {
     }
   }
   give_command(findings.claims, command);
+  for (Claim& claim : findings.claims) {
+    if (claim.holds && claim.bar_is.empty()) claim.bar_is = "discretisation: the limit given";
+  }
   give_command(findings.figures, command);
   give_command(findings.tables, command);
   visit_texts(findings, [&](std::string& text) { text = filled(text, findings.claims); });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,28 @@
 #include "core/base/types.h"
 
 namespace bipot {
+
+/// Expected value of an observable: one value, or an interval with one or two ends. Errors are in
+/// units of `scale`.
+struct Expectation {
+  double low = -kInfinity, high = kInfinity;
+  double scale = 1;  ///< > 0
+
+  static Expectation equal(double value) {
+    return {value, value, value == 0 ? 1 : std::abs(value)};
+  }
+  static Expectation at_least(double low, double scale = 1) { return {low, kInfinity, scale}; }
+  static Expectation at_most(double high, double scale = 1) { return {-kInfinity, high, scale}; }
+  static Expectation between(double low, double high, double scale) { return {low, high, scale}; }
+
+  /// Distance of a value from the interval, relative to the scale: 0 inside, NaN for NaN.
+  double error(double value) const;
+};
+
+/// Verdict on a value that lies `off` outside of what is expected. `bar`: half width of its 95 %
+/// error bar, in the unit of `off`. Within one bar it holds. Beyond two, where chance does not lead,
+/// it is refuted. Between them, or with a bar wider than `widest`, it is undecided: none.
+std::optional<bool> decide(double off, double bar, double widest = kInfinity);
 
 /// Expected value of a quantity, its source, and the measured value. A row of `bipot paper` and of
 /// `bipot validate`.
@@ -22,7 +45,7 @@ struct Claim {
   int digits = 4;             ///< significant, as the page writes it
   std::string source;         ///< citation or argument; empty: `expected` says it
   double bar = 0;             ///< half width of the error bar, 0: none
-  std::string bar_is;         ///< meaning of the error bar
+  std::string bar_is;         ///< meaning of the error bar: samples, or discretisation
   std::string reason;         ///< why it does not hold or is undecided
   std::string note;           ///< a remark on the measurement
 };
@@ -58,13 +81,18 @@ struct Findings {
   /// Adds a number with an expected value; without `holds` both are shown side by side.
   Claim& check(std::string name, double measured, std::string unit, std::string quantity,
                std::string expected, std::optional<bool> holds, int digits = 4);
+  /// The same with an error bar, see decide().
+  Claim& test(std::string name, double measured, std::string unit, std::string quantity,
+              std::string expected, const Expectation& range, double bar, std::string bar_is,
+              int digits = 4);
   /// Adds a chart after the paragraph `after`.
   void draw(std::string name, std::string caption, Chart chart, std::optional<int> after = {});
   /// Adds the picture <name>.svg of the folder.
   void show(std::string name, std::string caption, std::optional<int> after = {});
 };
 
-/// Replaces "{name}" by the claims' values; gives `command` to all without one. Throws
+/// Replaces "{name}" by the claims' values; gives `command` to all without one, and says of checks
+/// without a bar that their limit is the discretisation. Throws
 /// std::invalid_argument for a placeholder that names no claim, two claims of one name, or a figure
 /// with neither or both of chart and file.
 void complete(Findings& findings, const std::string& command);

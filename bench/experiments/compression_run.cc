@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/measure/statistics.h"
+
 namespace bipot {
 namespace {
 
@@ -97,6 +99,21 @@ CompressionPhase summarise(std::span<const Sample> samples) {
     phase.contacts.add(s.contacts_only);
   }
   phase.horizontal = std::sqrt(phase.horizontal);
+  constexpr std::size_t kBlocks = 8;
+  std::vector<double> variations, sides;
+  for (std::size_t b = 0; b < kBlocks && samples.size() >= kBlocks; ++b) {
+    const std::size_t from = b * samples.size() / kBlocks, to = (b + 1) * samples.size() / kBlocks;
+    double variation = 0, side = 0;
+    for (const Sample& s : samples.subspan(from, to - from)) {
+      const WindowStatistics w = window_statistics(s.windows);
+      variation += w.variation / static_cast<double>(to - from);
+      side += w.horizontal / static_cast<double>(to - from);
+    }
+    variations.push_back(variation);
+    sides.push_back(side);
+  }
+  phase.variation_bar = mean_value(variations).confidence;
+  phase.horizontal_bar = mean_value(sides).confidence;
   phase.vertical = std::sqrt(phase.vertical);
   phase.mean_windows = window_statistics(windows);
   for (std::size_t lag = 0; lag <= kLags && lag + 1 < samples.size(); ++lag) {

@@ -31,6 +31,8 @@ struct CompressionPhase {
   double variation = 0;                         ///< of the windows of each step, mean
   double horizontal = 0, vertical = 0;          ///< imbalances of each step, rms
   WindowStatistics mean_windows;                ///< of the mean pressures of the windows
+  /// 95 % of `variation` and of the mean over steps of `horizontal`, from 8 blocks of time.
+  double variation_bar = kNaN, horizontal_bar = kNaN;
   MeanContacts contacts;
   std::vector<double> correlation;  ///< of the forces against the lag, from 0 to kLags steps
 };

@@ -22,7 +22,7 @@ ValidationExperiment bouncing() {
       kMotion, "ball_bounces", "root of the ratio of heights of a ball before and after a bounce",
       "Newton's restitution, energy in free flight", "e_n = 0.6", Expectation::equal(kRestitution),
       0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
-      "the place of the impact is known to v h", "none: one deterministic run")};
+      "the place of the impact is known to v h", "discretisation: one deterministic run")};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
@@ -64,7 +64,7 @@ ValidationExperiment swinging() {
       Expectation::equal(4 * std::sqrt(kLength / kGravity) *
                          std::comp_ellint_1(std::sin(kStart / 2))),
       1e-3, "time step: h/T = 5e-4, and shocks as the normal turns",
-      "none: one deterministic run")};
+      "discretisation: one deterministic run")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-7};
   e.run = [](double tol, const ValidationContext& context) {

@@ -47,12 +47,12 @@ ValidationExperiment groove_forces() {
                      "programmes (CLP): no tolerance of a solver enters",
                      "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
                      Expectation::equal(groove_end(-1) - groove_end(1)), 1e-7,
-                     "tolerance of the programmes, 1e-9", "none"),
+                     "tolerance of the programmes, 1e-9", "discretisation: 1e-9"),
       validation_row(kIndeterminacy, "groove_force",
                      "how far outside that interval a solver's force is, over the weight; worst of "
                      "random starts",
                      "the same interval", "at most 0", Expectation::at_most(0, 1), 1e-6,
-                     "a hundred times the tightest tolerance", "none: the worst of all")};
+                     "a hundred times the tightest tolerance", "discretisation: the worst of all")};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
@@ -131,7 +131,7 @@ ValidationExperiment spread() {
                      "the larger spread",
                      "sets of admissible forces are nested (derived)", "at most 0",
                      Expectation::at_most(0, 1), 1e-6, "tolerance of the linear programmes",
-                     "none: the worst of all")};
+                     "discretisation: the worst of all")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
   e.quick_tols = {10, 1, 1e-1, 1e-4};
   e.run = [](double tol, const ValidationContext& context) {
@@ -174,8 +174,7 @@ ValidationExperiment spread() {
                               .exponent);
     }
     const MeanValue mean = mean_value(exponents);
-    outcome.seen = {{mean.mean, std::isfinite(mean.confidence) ? mean.confidence : 0, extra},
-                    {fall, 0, extra}};
+    outcome.seen = {{mean.mean, mean.confidence, extra}, {fall, 0, extra}};
     outcome.figures = {figure};
     return outcome;
   };

@@ -76,7 +76,7 @@ Counted count_packing(const Scene<2>& scene, const State<2>& state) {
 
 Observation over_seeds(const std::vector<double>& values, std::string note = "") {
   const MeanValue mean = mean_value(values);
-  return {mean.mean, std::isfinite(mean.confidence) ? mean.confidence : 0, std::move(note)};
+  return {mean.mean, mean.confidence, std::move(note)};
 }
 
 ValidationRow packing_row(std::string name, std::string quantity, std::string source,

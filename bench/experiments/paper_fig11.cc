@@ -284,17 +284,19 @@ class Fig11 {
                   2);
     result_.state("side_most", *std::max_element(samples.sides.begin(), samples.sides.end()), "",
                   "largest", 2);
-    result_.check("roughness", rough.mean, "diameters",
-                  "rms deviation of the surface from its mean height", "flat: below one diameter",
-                  rough.mean < 1, 2);
-    result_.check("slope", slope.mean, "°", "slope of the surface, mean of the packings",
-                  fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest),
-                  std::abs(slope.mean) < steepest, 2);
+    const char* packings = "95 % over packings (seeds)";
+    result_.test("roughness", rough.mean, "diameters",
+                 "rms deviation of the surface from its mean height", "flat: below one diameter",
+                 Expectation::at_most(1), rough.confidence, packings, 2);
+    const Expectation flat = Expectation::between(-steepest, steepest, 1);
+    result_.test("slope", slope.mean, "°", "slope of the surface, mean of the packings",
+                 fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest), flat,
+                 slope.confidence, packings, 2);
     result_.state("slope_confidence", slope.confidence, "°",
                   "half width of its 95 % confidence interval", 2);
-    result_.check("heap", heap.mean, "°", "fall of the surface from the middle to the sides",
-                  fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest),
-                  std::abs(heap.mean) < steepest, 2);
+    result_.test("heap", heap.mean, "°", "fall of the surface from the middle to the sides",
+                 fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest), flat,
+                 heap.confidence, packings, 2);
     result_.state("heap_confidence", heap.confidence, "°",
                   "half width of its 95 % confidence interval", 2);
     result_.ours.emplace_back(
@@ -314,10 +316,12 @@ class Fig11 {
     result_.state("tail_confidence", rate.confidence, "",
                   "half width of its 95 % confidence interval, from the packings", 1);
     result_.state("tail_forces", pooled.points, "", "forces in these tails");
-    result_.check("tail_distance", pooled.distance, "",
-                  "largest distance between the distributions of the tail and of the fit",
-                  fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
-                  pooled.distance <= critical, 2);
+    result_.test("tail_distance", pooled.distance, "",
+                 "largest distance between the distributions of the tail and of the fit",
+                 fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
+                 Expectation::at_most(critical),
+                 1.96 * 0.26 / std::sqrt(static_cast<double>(pooled.points)),
+                 "95 % of Kolmogorov's distribution", 2);
     result_.state("tail_rate_layers", layer_rate.mean, "", "β with ⟨f⟩ of each of eight layers", 2);
     result_.state("tail_layers_confidence", layer_rate.confidence, "",
                   "half width of its 95 % confidence interval", 1);

@@ -135,10 +135,11 @@ ValidationExperiment janssen() {
                      "floor and walls together over the weight, while the floor sinks slowly",
                      "momentum in the mean", "1", Expectation::equal(1), 1e-2, "finite time",
                      "95 % over 6 blocks of time"),
-      validation_row(
-          kSilo, "silo_coulomb", "upward friction of the walls over μ times their normal force",
-          "Coulomb at every contact (exact)", "at most 1", Expectation::at_most(1, 1), 1e-6,
-          "rounding; impulses are admissible by construction", "none: it holds at every instant"),
+      validation_row(kSilo, "silo_coulomb",
+                     "upward friction of the walls over μ times their normal force",
+                     "Coulomb at every contact (exact)", "at most 1", Expectation::at_most(1, 1),
+                     1e-6, "rounding; impulses are admissible by construction",
+                     "discretisation: it holds at every instant"),
       validation_row(
           kSilo, "janssen_saturates",
           "floor load of the tallest filling (4 to 6 widths) over that of half its height",
@@ -149,7 +150,7 @@ ValidationExperiment janssen() {
           "screening length fitted to the load against depth, over L/(2 m K) with the walls' own m and K "
           "measured independently",
           "balance of a layer, derived in silo_experiments.cc", "1", Expectation::equal(1), 0.2,
-          "m and K are not the same at all depths", "none: one fit")};
+          "m and K are not the same at all depths", "discretisation: one fit")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
   e.run = [](double tol, const ValidationContext& context) {

@@ -51,7 +51,7 @@ ValidationRow exact_row(std::string name, std::string quantity, std::string form
   return validation_row(kExact, std::move(name), std::move(quantity), kMechanics,
                         std::move(formula), Expectation::equal(value), 1e-6,
                         "the scheme is exact here; a hundred times the tightest tolerance",
-                        "none: one deterministic run");
+                        "discretisation: one deterministic run");
 }
 
 template <int D>
@@ -98,7 +98,7 @@ ValidationExperiment threshold(bool block) {
       block ? "tan θ = 0.3640" : (D == 2 ? "tan θ / 3 = 0.1213" : "2/7 tan θ = 0.1040"), critical);
   row.allowed = 2e-3;
   row.allowed_why = "sliding is told from rolling at 1e-3 of free fall; bisection 1e-4";
-  row.claim.bar_is = "none: bisection to 1e-4";
+  row.claim.bar_is = "discretisation: bisection to 1e-4";
   e.rows = {row};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [critical, block](double tol, const ValidationContext& context) {

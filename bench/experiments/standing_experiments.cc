@@ -32,7 +32,7 @@ ValidationRow standing_row(std::string name, std::string quantity, std::string s
   return validation_row(kStanding, std::move(name), std::move(quantity), std::move(source),
                         std::move(formula), Expectation::equal(value), 2e-3,
                         "rest is told from motion at 1e-4 of free fall; bisection 1e-4",
-                        "none: bisection to 1e-4");
+                        "discretisation: bisection to 1e-4");
 }
 
 /// A heap of equal bodies on the floor, law 0 between them and law 1 at the floor.

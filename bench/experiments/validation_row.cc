@@ -8,11 +8,6 @@
 
 namespace bipot {
 
-double Expectation::error(double value) const {
-  if (std::isnan(value)) return kNaN;
-  return std::max({low - value, value - high, 0.0}) / scale;
-}
-
 ValidationRow validation_row(std::string group, std::string name, std::string quantity,
                              std::string source, std::string formula, Expectation range,
                              double allowed, std::string allowed_why, std::string bar,

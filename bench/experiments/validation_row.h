@@ -15,27 +15,10 @@ namespace bipot {
 /// holds" in "at which tolerance?".
 inline constexpr double kRightTo = 1e-2;
 
-/// Expected value of an observable: one value, or an interval with one or two ends. Errors are in
-/// units of `scale`.
-struct Expectation {
-  double low = -kInfinity, high = kInfinity;
-  double scale = 1;  ///< > 0
-
-  static Expectation equal(double value) {
-    return {value, value, value == 0 ? 1 : std::abs(value)};
-  }
-  static Expectation at_least(double low, double scale) { return {low, kInfinity, scale}; }
-  static Expectation at_most(double high, double scale) { return {-kInfinity, high, scale}; }
-  static Expectation between(double low, double high, double scale) { return {low, high, scale}; }
-
-  /// Distance of a value from the interval, relative to the scale: 0 inside, NaN for NaN.
-  double error(double value) const;
-};
-
 /// One measurement of an observable.
 struct Observation {
   double value = kNaN;
-  double bar = 0;  ///< half width of the error bar
+  double bar = 0;  ///< half width of the 95 % error bar of samples; NaN, infinite: unknown
   std::string note;
 };
 

@@ -48,6 +48,7 @@ void judge(ValidationRow& row) {
   claim.holds = false;
   claim.reason.clear();
   for (ValidationPoint& p : row.points) {
+    if (std::isnan(p.seen.bar)) p.seen.bar = kInfinity;
     p.error = row.range.error(p.seen.value);
     p.right = std::isfinite(p.error) && p.seen.bar <= kWidestBar * scale &&
               p.error <= std::max(kRightTo, row.allowed) + p.seen.bar / scale;
@@ -61,14 +62,12 @@ void judge(ValidationRow& row) {
   const ValidationPoint& best = *row.measured();
   const double bar = best.seen.bar / scale;
   claim.measured = best.seen.value;
-  claim.bar = best.seen.bar;
-  if (!(bar <= kWidestBar)) {
-    claim.holds.reset();
+  claim.bar = best.seen.bar + row.allowed * scale;
+  claim.holds = decide(std::max(0.0, best.error - row.allowed), bar, kWidestBar);
+  if (!claim.holds) {
     claim.reason = fmt::format("the error bar at {} is {} of its scale: too few samples to say",
                                tolerance_label(best.tol), compact_label(bar));
-  } else if (best.error <= row.allowed + bar) {
-    claim.holds = true;
-  } else {
+  } else if (!*claim.holds) {
     claim.reason =
         fmt::format("off by {} of its scale at {}, {} are allowed", compact_label(best.error),
                     tolerance_label(best.tol), compact_label(row.allowed + bar));

@@ -76,6 +76,18 @@ TEST(Validate, ARunThatMissesItsToleranceDoesNotCount) {
 TEST(Validate, ABarWidensWhatIsAllowed) {
   EXPECT_FALSE(judged(Expectation::equal(1), 0, {point(0.1, 1.2)}).holds());
   EXPECT_TRUE(judged(Expectation::equal(1), 0, {point(0.1, 1.2, 0.3)}).holds());
+  // Between one and two bars chance may lead there; beyond two it does not, whatever their width.
+  const ValidationRow between = judged(Expectation::equal(1), 0, {point(0.1, 1.2, 0.15)});
+  EXPECT_TRUE(between.undecided());
+  EXPECT_NE(between.claim.reason.find("too few samples"), std::string::npos);
+  const ValidationRow refuted = judged(Expectation::equal(1), 0, {point(0.1, 1.2, 0.09)});
+  EXPECT_FALSE(refuted.holds() || refuted.undecided());
+  const ValidationRow far = judged(Expectation::equal(1), 0, {point(0.1, 3, 0.9)});
+  EXPECT_FALSE(far.holds() || far.undecided());
+  // What is allowed is part of the bar that is shown: 0.1 of the scale 2 and 0.3.
+  EXPECT_DOUBLE_EQ(judged(Expectation::equal(2), 0.1, {point(0.1, 2.2, 0.3)}).claim.bar, 0.5);
+  // A bar that nobody knows decides nothing.
+  EXPECT_TRUE(judged(Expectation::equal(1), 0, {point(0.1, 1, kNaN)}).undecided());
   // But one that is wider than half the scale says nothing, and nothing is right for its sake.
   const ValidationRow wide = judged(Expectation::equal(1), 0, {point(0.1, 1.2, 0.6)});
   EXPECT_FALSE(wide.holds());
@@ -227,6 +239,26 @@ TEST(Validate, TheQuickPageHasEveryRowAndNoNaN) {
   EXPECT_EQ(report.items.size(), groups_of(page).size());
   for (const std::string& group : groups_of(page)) {
     EXPECT_FALSE(error_chart(page, group).series.empty()) << group;
+  }
+}
+
+/// As --quick measures it: every row has an error bar and none is refuted. A planted value does not
+/// pass: an equality is moved to twice what is expected, a bound to beyond what was measured.
+TEST(Validate, QuickRowsHaveBarsAndRefutePlantedValues) {
+  ValidationContext context;
+  context.quick = true;
+  for (const ValidationExperiment& e : flow_experiments()) {
+    for (ValidationRow& row : run_experiment(e, context).rows) {
+      EXPECT_GT(row.claim.bar, 0) << row.claim.name;
+      EXPECT_TRUE(row.holds() || row.undecided()) << row.claim.name << ": " << row.claim.reason;
+      ASSERT_NE(row.measured(), nullptr);
+      const Observation seen = row.measured()->seen;
+      row.range = std::isfinite(row.range.low) && std::isfinite(row.range.high)
+                      ? Expectation::equal(3 * row.range.high)
+                      : Expectation::at_least(seen.value + 3 * seen.bar, row.range.scale);
+      judge(row);
+      EXPECT_FALSE(row.holds() || row.undecided()) << row.claim.name << ": " << row.claim.reason;
+    }
   }
 }
 
