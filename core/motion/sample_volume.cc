@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -12,8 +13,7 @@
 namespace bipot {
 namespace {
 
-constexpr int kPrism = 64;   // sides that stand for a cylinder
-constexpr int kSides = 256;  // from which the sample is touched
+constexpr int kPrism = 64;  // sides that stand for a cylinder
 
 Vec3 centre_at_middle(const Sphere& s, double step) { return s.x - 0.5 * step * s.v; }
 
@@ -31,12 +31,69 @@ void put_in_order(std::vector<Vec3>& corners, const Vec3& n) {
   for (std::size_t k = 0; k < corners.size(); ++k) corners[k] = by_angle[k].second;
 }
 
-/// Directions that cover the sphere evenly: a spiral with the golden angle.
-Vec3 side(int k) {
-  const double height = 1 - (2 * k + 1.0) / kSides;
-  const double angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
-  const double width = std::sqrt(1 - height * height);
-  return Vec3(width * std::cos(angle), width * std::sin(angle), height);
+/// Directions that cover the sphere evenly, and the triangles between them, outward.
+struct Directions {
+  std::vector<Vec3> normals;
+  std::vector<std::array<int, 3>> triangles;
+  double reach = 1;  // at which the triangles enclose the volume of the unit sphere
+};
+
+double enclosed_by(const std::vector<std::array<int, 3>>& triangles,
+                   const std::vector<Vec3>& corners) {
+  double sum = 0;
+  for (const auto& [a, b, c] : triangles) {
+    sum += corners[to_size(a)].dot(corners[to_size(b)].cross(corners[to_size(c)]));
+  }
+  return sum / 6;
+}
+
+/// An icosahedron whose triangles are cut in four three times: 642 directions.
+Directions icosphere() {
+  Directions d;
+  const double golden = std::numbers::phi;
+  for (const double a : {-1.0, 1.0}) {
+    for (const double b : {-golden, golden}) {
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3 n = Vec3::Zero();
+        n[axis] = a;
+        n[(axis + 1) % 3] = b;
+        d.normals.push_back(n.normalized());
+      }
+    }
+  }
+  // Neighbours of the icosahedron are 2 apart where its corners have a norm of sqrt(1 + golden²).
+  const double side = 2 / std::hypot(1, golden);
+  const auto joined = [&](int a, int b) {
+    return std::abs((d.normals[to_size(a)] - d.normals[to_size(b)]).norm() - side) < 0.1;
+  };
+  for (int a = 0; a < 12; ++a) {
+    for (int b = a + 1; b < 12; ++b) {
+      for (int c = b + 1; c < 12; ++c) {
+        if (!joined(a, b) || !joined(b, c) || !joined(c, a)) continue;
+        const bool outward = enclosed_by({{a, b, c}}, d.normals) > 0;
+        d.triangles.push_back(outward ? std::array{a, b, c} : std::array{a, c, b});
+      }
+    }
+  }
+  for (int level = 0; level < 3; ++level) {
+    std::map<std::pair<int, int>, int> middles;
+    const auto middle = [&](int a, int b) {
+      const auto [at, is_new] =
+          middles.try_emplace(std::minmax(a, b), static_cast<int>(d.normals.size()));
+      if (is_new) {
+        d.normals.push_back((d.normals[to_size(a)] + d.normals[to_size(b)]).normalized());
+      }
+      return at->second;
+    };
+    std::vector<std::array<int, 3>> finer;
+    for (const auto& [a, b, c] : d.triangles) {
+      const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+    }
+    d.triangles = std::move(finer);
+  }
+  d.reach = std::cbrt(4 * std::numbers::pi / 3 / enclosed_by(d.triangles, d.normals));
+  return d;
 }
 
 /// A sphere at mid-step, reduced to the data for its tangent planes.
@@ -46,15 +103,14 @@ struct Ball {
 };
 
 /// Spheres that may extend farthest in some direction. Excluded are those within the hull of 26
-/// others, which lie far out along 26 rays. The hull of their centres is not computed: it contains
+/// others, which lie far out along 26 rays from the origin, the middle of all. The hull of their centres is not computed: it contains
 /// the tetrahedra between the mean of the 26 and three that are neighbours by direction.
-std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const Box<3>& box) {
+std::vector<Ball> outer_spheres(const std::vector<Ball>& all) {
   constexpr double kInside = 1 - 1e-3, kFlat = 1e-3;
   const auto at = [](const Vec3& ways) {
     const Eigen::Vector3i k = ways.cast<int>() + Eigen::Vector3i::Ones();
     return to_size(9 * k[0] + 3 * k[1] + k[2]);
   };
-  const Vec3 middle = 0.5 * (box.lower + box.upper);
   std::array<Vec3, 27> corners;  // the middle one is the mean
   Vec3 mean = Vec3::Zero();
   double smallest = kInfinity;
@@ -64,7 +120,7 @@ std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const Box<3>& box)
     const Ball* farthest = &all[0];
     double reach = -kInfinity;
     for (const Ball& s : all) {
-      const Vec3 x = s.x - middle;
+      const Vec3& x = s.x;
       const double along = x.dot(ways) / ways.norm();
       const double here = along - 0.5 * std::sqrt(std::max(0.0, x.squaredNorm() - along * along));
       if (here > reach) {
@@ -279,18 +335,29 @@ double sample_measure(const State<3>& state, double step) {
   if (const double enclosed = enclosed_volume(state, step, box); std::isfinite(enclosed)) {
     return enclosed;
   }
-  ConvexBody body(box.lower, box.upper);
   std::vector<Ball> all;
   all.reserve(state.bodies.size());
-  for (const Sphere& s : state.bodies) all.push_back({centre_at_middle(s, step), s.radius});
-  const std::vector<Ball> outer = outer_spheres(all, box);
-  for (int k = 0; k < kSides; ++k) {
-    const Vec3 out = side(k);
-    double reach = -kInfinity;
-    for (const Ball& ball : outer) reach = std::max(reach, ball.x.dot(out) + ball.radius);
-    body.clip(reach * out, -out);
+  const Vec3 middle = 0.5 * (box.lower + box.upper);
+  for (const Sphere& s : state.bodies) {
+    all.push_back({centre_at_middle(s, step) - middle, s.radius});
   }
-  return body.volume();
+  constexpr std::size_t kFew = 100;  // for fewer, to look for outer ones costs more than it saves
+  const std::vector<Ball> outer = all.size() < kFew ? all : outer_spheres(all);
+  static const Directions directions = icosphere();
+  std::vector<Vec3> touched;
+  touched.reserve(directions.normals.size());
+  for (const Vec3& out : directions.normals) {
+    const Ball* farthest = outer.data();
+    double reach = -kInfinity;
+    for (const Ball& ball : outer) {
+      if (const double here = ball.x.dot(out) + ball.radius; here > reach) {
+        reach = here;
+        farthest = &ball;
+      }
+    }
+    touched.push_back(farthest->x + directions.reach * farthest->radius * out);
+  }
+  return enclosed_by(directions.triangles, touched);
 }
 
 }  // namespace bipot

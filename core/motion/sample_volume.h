@@ -26,8 +26,8 @@ void clip_by_cylinder(ConvexBody& body, const Vec3& point, const Wall<3>& wall);
 
 /// Volume of the sample, for the mean stress, at mid-step. 0 without spheres. It is the volume
 /// enclosed by the walls (half-spaces, hollow cylinders), if that contains the spheres. Else it is
-/// the volume enclosed by the tangent planes of the sample in 256 directions, slightly more than
-/// its convex hull. [m³]
+/// about that of the convex hull: planes of 642 directions touch the sample, and the points where
+/// they touch span triangles. Exact for one sphere, and within 1 % for a row. [m³]
 double sample_measure(const State<3>& state, double step);
 
 }  // namespace bipot

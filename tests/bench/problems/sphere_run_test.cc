@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <variant>
 
 #include "bench/problems/scene_catalogue.h"
 #include "core/files/hdf5_file.h"
+#include "core/run_files/observable_output.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
@@ -134,6 +137,34 @@ TEST(SphereRun, WritesWhatParaViewAndPeopleLookAt) {
   const Sphere& first = state.bodies[to_size(state.contacts[0].contact.i)];
   EXPECT_EQ(ends[0], first.x[0]);
   EXPECT_EQ(ends[2], first.x[2]);
+}
+
+// A ball rolls down a ramp with nearly no inertia I: it has g sin(a) t / (1 + I/(m r²)) after a time
+// t. A sample that no wall encloses is as large as the ball, and a row of the ledger is cheap: 1000
+// rows cost less than a second even on a busy machine.
+TEST(SphereRun, OneBallOnARampHasItsVolumeInEachRow) {
+  const TemporaryFolder folder;
+  Scene<3> scene = one_law<3>({.mu = 0.5});
+  scene.title = "ramp";
+  scene.gravity = 9.81 * Vec3(std::sin(0.1111), 0, -std::cos(0.1111));
+  scene.bodies = {round_body<3>(Vec3(0, 0, 0.1), 0.1, 1)};
+  scene.bodies[0].mass = 1;
+  scene.bodies[0].inertia = 7e-7;
+  scene.walls = {half_space<3>(Vec3::Zero(), Vec3::UnitZ())};
+  scene.step = 1e-3;
+  scene.num_steps = 1000;
+  scene.output.picture = false;
+  State<3> state = initial_state(scene);
+  RunFolderOptions files;
+  files.folder = folder.path() / "run";
+  const auto run = run_scene(scene, state, {.folder = files});
+  EXPECT_EQ(run.totals.converged, 1000);
+  EXPECT_NEAR(state.bodies[0].v[0], 9.81 * std::sin(0.1111) / (1 + 7e-5), 1e-9);
+  const NumberTable ledger = read_number_table(files.folder / "ledger.csv");
+  ASSERT_EQ(ledger.rows.size(), 1000u);
+  const double ball = 4e-3 * std::numbers::pi / 3;
+  for (const auto& row : ledger.rows) ASSERT_NEAR(row[ledger.column("volume")], ball, 1e-8 * ball);
+  EXPECT_LT(run.output_seconds, 1);
 }
 
 TEST(SphereRun, SpringsAreRefused) {

@@ -62,21 +62,44 @@ TEST(SampleVolume, IsWhatAPipeEncloses) {
   EXPECT_LT(sample_measure(state, 0), 1);
 }
 
-// Touched from 256 sides, 4π/256 of the sphere each, about as wide as a cone of half angle d =
-// 0.125: the planes lie outside, so the volume is larger, by about 3/4 d² = 1.2 %. A row is its
-// length times the round cross-section and the two caps; fewer sides touch that along lines.
+// One sphere counts exactly. A row of two, 4 m apart: its length times the round cross-section, and
+// the two caps. 642 directions lie 0.14 apart, 46 around the row: polygons of 46 corners would miss
+// (2π/46)²/6 = 0.3 % of the round, and the radius is chosen 0.3 % larger for the sphere.
 TEST(SampleVolume, IsNearlyTheHullWithoutWalls) {
   const double round = 4 * std::numbers::pi / 3 * 8;
   State<3> state;
   state.bodies = {round_body<3>(Vec3(5, 6, 7), 2, 2)};
-  EXPECT_GT(sample_measure(state, 0), round);
-  EXPECT_LT(sample_measure(state, 0), 1.015 * round);
+  EXPECT_NEAR(sample_measure(state, 0), round, 1e-12 * round);
   state.walls = {half_space<3>(Vec3(0, 0, 5), Vec3::UnitZ())};  // a floor encloses nothing
-  EXPECT_LT(sample_measure(state, 0), 1.015 * round);
+  EXPECT_NEAR(sample_measure(state, 0), round, 1e-12 * round);
   state.bodies.push_back(round_body<3>(Vec3(9, 6, 7), 2, 2));
   const double row = round + 4 * std::numbers::pi * 4;
-  EXPECT_GT(sample_measure(state, 0), row);
-  EXPECT_LT(sample_measure(state, 0), 1.04 * row);
+  EXPECT_NEAR(sample_measure(state, 0), row, 0.01 * row);
+}
+
+// Eight spheres of radius 1e-3 at the corners of a box of 1 x 2 x 3 m: the box, its six faces times
+// the radius (22 m²), the edges as quarters of cylinders (24 m, 2e-5) and one sphere.
+TEST(SampleVolume, OfABoxOfSpheresIsTheBox) {
+  State<3> state;
+  for (int k = 0; k < 8; ++k) {
+    state.bodies.push_back(round_body<3>(Vec3(k & 1, k & 2, 0.75 * (k & 4)), 1e-3, 2));
+  }
+  EXPECT_NEAR(sample_measure(state, 0), 6 + 22e-3 + 2e-5, 0.01 * 22e-3);
+}
+
+// 500 spheres on a spiral around a ball of radius 10 m: between the ball itself and that of radius
+// 11 m, and as large as the hull of their centres (a ball, less 2 % for its 500 corners) and 1 m.
+TEST(SampleVolume, OfAShellOfSpheres) {
+  State<3> state;
+  for (int k = 0; k < 500; ++k) {
+    const double height = 1 - (2 * k + 1.0) / 500, angle = k * 2.399963;
+    const double width = std::sqrt(1 - height * height);
+    state.bodies.push_back(
+        round_body<3>(10 * Vec3(width * std::cos(angle), width * std::sin(angle), height), 1, 2));
+  }
+  const double ball = 4 * std::numbers::pi / 3 * 1331;
+  EXPECT_GT(sample_measure(state, 0), 0.97 * ball);
+  EXPECT_LT(sample_measure(state, 0), 1.005 * ball);
 }
 
 // Planes that touch a sample touch its outermost spheres: it does not matter what lies within. The
