@@ -18,7 +18,7 @@ set(folders
   "core/observables = core/motion"
   "core/files = core/base"
   "core/problem_files = core/files core/motion"
-  "core/scene_files = core/scene"
+  "core/scene_files = core/files core/scene"
   "core/run_files = core/files core/observables core/problem_files"
   "core/pictures = core/files core/motion"
   "solvers = core/criterion"

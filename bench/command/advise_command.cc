@@ -3,22 +3,21 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "bench/command/exit_code.h"
-#include "bench/command/interrupt.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/scene_rewrite.h"
 #include "bench/report/json_output.h"
 #include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/advise.h"
 #include "core/base/file_error.h"
+#include "core/base/interrupt.h"
 #include "core/base/types.h"
 #include "core/files/atomic_file.h"
+#include "core/files/input_file.h"
 #include "core/scene_files/scene_file.h"
 
 namespace bipot {
@@ -52,12 +51,7 @@ void write_scene(const AdviseFlags& flags, const std::string& text, const Scene<
        .warm_start = t.warm,
        .comment = fmt::format("bipot advise, {} ({})", error_text(advice.goal, advice.goal),
                               to_string(advice.status))});
-  AtomicFile file(flags.write);
-  std::ofstream out(file.draft(), std::ios::binary);
-  out << written;
-  out.close();
-  if (!out) throw FileError(flags.write, "", "cannot be written");
-  file.commit();
+  write_text_file(flags.write, written);
 }
 
 /// Checked before the work, not after it.
@@ -129,9 +123,8 @@ CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
 int advise_command(const AdviseFlags& flags) {
   check_destinations(flags);
   const fs::path path = find_scene(flags.scene);
-  std::ostringstream content;
-  content << std::ifstream(path).rdbuf();
-  const Scene<2> scene = parse_scene(content.str(), path.string());
+  const std::string text = read_text_file(path);
+  const Scene<2> scene = parse_scene(text, path.string());
   AdviseOptions options;
   options.goal = {flags.force.value_or(kNaN), flags.penetration.value_or(kNaN),
                   flags.energy.value_or(kNaN)};
@@ -155,7 +148,7 @@ int advise_command(const AdviseFlags& flags) {
   }
   if (!quiet) fmt::print("{}", to_text(advice_document(scene, advice)));
   if (!flags.write.empty() && advice.choice >= 0) {
-    write_scene(flags, content.str(), scene, advice);
+    write_scene(flags, text, scene, advice);
     if (!quiet) fmt::print("\nadvice written into {}\n", flags.write);
   }
   return exit_code_of(advice.status);

@@ -2,8 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
+#include <filesystem>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -24,6 +29,7 @@
 #include "bench/command/trade_command.h"
 #include "bench/command/validate_command.h"
 #include "bench/report/json_output.h"
+#include "core/base/printable_text.h"
 #include "core/base/version.h"
 #include "solvers/parallel/launch.h"
 
@@ -76,10 +82,14 @@ std::string command_name(const std::vector<Command>& commands, int argc, const c
   return {};
 }
 
-/// Writes a refusal into the JSON file as well.
+/// Writes a refusal into the JSON file as well. The result of an earlier command stays there.
 void write_refusal(const std::string& destination, const std::string& command,
                    const std::string& message, ExitCode code) {
   if (destination.empty() || !is_speaker()) return;
+  if (destination != "-" && std::filesystem::exists(destination)) {
+    fmt::print(stderr, "bipot: {} is kept as it was\n", destination);
+    return;
+  }
   try {
     write_json({{"command", command},
                 {"version", program_version()},
@@ -133,7 +143,7 @@ int run_command_line(int argc, const char* const* argv) {
     return refuse(parsed.refusal, kExitBadInput);
   }
   const auto say_and_refuse = [&](const std::exception& e, ExitCode code) {
-    fmt::print(stderr, "bipot: {}\n", e.what());
+    fmt::print(stderr, "bipot: {}\n", printable(e.what()));
     return refuse(e.what(), code);
   };
   try {
@@ -159,11 +169,23 @@ int run_command_line(int argc, const char* const* argv) {
   }
 }
 
+/// A script must not take the rest of an output for the whole.
+int with_written_output(int exit_code) {
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return exit_code;
+  fmt::print(stderr, "bipot: standard output: {}\n",
+             errno != 0 ? std::strerror(errno) : "not everything was written");
+  // What is left in its buffer would fail again, in each library that flushes it.
+  [[maybe_unused]] const std::FILE* nowhere = std::freopen("/dev/null", "w", stdout);
+  return kExitIo;
+}
+
 }  // namespace
 
 int bipot_command(int argc, const char* const* argv) {
   keep_others_quiet();
-  const int exit_code = run_command_line(argc, argv);
+  const int exit_code = with_written_output(run_command_line(argc, argv));
   // The root process returns the exit code for all: mpirun would kill it if another one ended with
   // a failure.
   return is_speaker() ? exit_code : 0;

@@ -40,11 +40,6 @@ void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
                "Exact sums: the same bits for any number of processes");
 }
 
-void add_untrusted_flag(CommandDeclaration& command, bool& untrusted) {
-  command.flag("--untrusted", untrusted,
-               "Check HDF5 files before reading; unseen damage can still end bipot");
-}
-
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
   command.option("--solver", flags.name, "One of `bipot list solvers`")
       .value_name("NAME")

@@ -28,9 +28,6 @@ void add_threads_flag(CommandDeclaration& command, int& threads);
 /// --reproducible.
 void add_reproducible_flag(CommandDeclaration& command, bool& reproducible);
 
-/// --untrusted.
-void add_untrusted_flag(CommandDeclaration& command, bool& untrusted);
-
 /// Choices of the command line for the solver; unset entries leave the scene's or the default
 /// choice.
 struct SolverFlags {

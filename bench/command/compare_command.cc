@@ -6,13 +6,13 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
 #include "bench/command/watched_trade.h"
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/report/json_output.h"
 #include "bench/tradeoff/trade_report.h"
+#include "core/base/interrupt.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -65,7 +65,6 @@ CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags) {
               "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
               "trade` does; 'set' is its own set")
       .value_name("SCENES");
-  add_untrusted_flag(command, flags.untrusted);
   command.flag("--quick", flags.quick, "Loose limits and the small benchmark, for a first look");
   command
       .option("--out", flags.out,
@@ -108,7 +107,6 @@ int compare_command(const CompareFlags& flags) {
   TargetOptions scenes;
   scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
   scenes.quick = flags.quick;
-  scenes.untrusted = flags.untrusted;
   scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
   if (!flags.out.empty()) require_plotting_tool();
   const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);

@@ -23,7 +23,6 @@ struct CompareFlags {
   std::optional<int> scene_steps;     ///< all; quick 100
   /// Scenes run as a whole, beside the problems; "set": the set of `bipot trade`.
   std::vector<std::string> whole_runs;
-  bool untrusted = false;  ///< check the structure of HDF5 files first
   bool quick = false, quiet = false;
   std::string out, json;
 };

@@ -9,7 +9,6 @@
 #include <system_error>
 
 #include "bench/command/exit_code.h"
-#include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
 #include "bench/compare/extreme_matrix.h"
 #include "bench/compare/extreme_report.h"
@@ -17,6 +16,7 @@
 #include "bench/compare/random_sets.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
+#include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
 #include "core/problem_files/fclib_file.h"
 #include "solvers/registry.h"

@@ -1,9 +1,11 @@
 #include "bench/command/judge_command.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
-#include <fstream>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <vector>
@@ -31,7 +33,7 @@ ImpulseLayout layout_of(const JudgeFlags& flags) {
 /// An existing file without the required content is bad input.
 template <class Read>
 auto readable(const std::string& path, Read read) {
-  if (!std::ifstream(path)) throw FileError(path, "", "cannot be opened");
+  if (::access(path.c_str(), R_OK) != 0) throw FileError(path, "", std::strerror(errno));
   try {
     return read();
   } catch (const FileError& e) {
@@ -45,10 +47,7 @@ Vector impulse_of(const JudgeFlags& flags, const ProblemFile& file) {
     throw std::invalid_argument(flags.problem +
                                 ": no /solution to judge; name a file with --impulses");
   }
-  return readable(path, [&] {
-    if (flags.untrusted) Hdf5File::check_structure(path);
-    return read_impulses(path, file.problem, layout_of(flags));
-  });
+  return readable(path, [&] { return read_impulses(path, file.problem, layout_of(flags)); });
 }
 
 /// Null for no contact.
@@ -157,7 +156,6 @@ CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
       .option("--json", flags.json,
               "Write the verdict as JSON; '-': standard output, with nothing else")
       .value_name("FILE");
-  add_untrusted_flag(command, flags.untrusted);
   command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal: the exit code says it");
   command.footer(
       "Ends with 0 where the largest of ε, η and the distance to the cone is within --tol, with 1\n"
@@ -170,8 +168,7 @@ CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
 }
 
 int judge_command(const JudgeFlags& flags) {
-  const ProblemFile file =
-      readable(flags.problem, [&] { return read_problem(flags.problem, flags.untrusted); });
+  const ProblemFile file = readable(flags.problem, [&] { return read_problem(flags.problem); });
   require_writable(flags.json);
   const ImpulseVerdict verdict = judge(file.problem, impulse_of(flags, file), flags.worst);
   const int code = verdict.guarded() <= flags.tol ? kExitConverged : kExitNotConverged;

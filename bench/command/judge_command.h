@@ -15,7 +15,6 @@ struct JudgeFlags {
   double factor = 1;
   int worst = 5;  ///< contacts that are named
   bool quiet = false;
-  bool untrusted = false;  ///< check the structure of HDF5 files first
   std::string json;
 };
 

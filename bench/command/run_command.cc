@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -14,7 +12,6 @@
 
 #include "bench/command/exit_code.h"
 #include "bench/command/failure_text.h"
-#include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
 #include "bench/command/run_processes.h"
 #include "bench/command/run_summary.h"
@@ -24,8 +21,10 @@
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
+#include "core/base/interrupt.h"
 #include "core/base/stopwatch.h"
 #include "core/base/version.h"
+#include "core/files/input_file.h"
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene_files/scene_file.h"
@@ -353,10 +352,7 @@ int run_command(const RunFlags& flags) {
   AnyScene scene;
   together([&] {
     const fs::path path = find_scene(flags.scene);
-    std::ifstream file(path);
-    std::ostringstream content;
-    content << file.rdbuf();
-    text = content.str();
+    text = read_text_file(path);
     scene = parse_any_scene(text, path.string());
   });
   return std::visit([&](auto&& any) { return run_in(flags, std::move(any), text); },

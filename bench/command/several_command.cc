@@ -11,11 +11,11 @@
 #include <string>
 
 #include "bench/command/exit_code.h"
-#include "bench/command/interrupt.h"
 #include "bench/problems/several_picture.h"
 #include "bench/report/json_output.h"
 #include "bench/report/several_report.h"
 #include "core/base/file_error.h"
+#include "core/base/interrupt.h"
 #include "core/base/version.h"
 #include "core/problem_files/fclib_file.h"
 #include "solvers/analysis/several_answers.h"

@@ -1,21 +1,25 @@
 #include "bench/command/solve_command.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "bench/command/exit_code.h"
-#include "bench/command/interrupt.h"
 #include "bench/command/run_processes.h"
 #include "bench/command/several_command.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
+#include "core/base/interrupt.h"
 #include "core/base/version.h"
+#include "core/files/atomic_file.h"
 #include "core/problem/delassus.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
@@ -117,7 +121,6 @@ CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
                "Say whether a solution exists at all, by a proof that is checked in extended "
                "precision");
   add_reproducible_flag(command, flags.reproducible);
-  add_untrusted_flag(command, flags.untrusted);
   add_common_flags(command, flags.common);
   command
       .option("--solution", flags.solution,
@@ -166,7 +169,7 @@ bool close(const Vector& a, const Vector& b) {
 /// another problem.
 void check_solution_file(const std::string& path, const ContactProblem& problem) {
   require_writable(path);
-  if (path.empty() || !std::ifstream(path)) return;
+  if (path.empty() || !std::filesystem::exists(path)) return;
   std::optional<ProblemFile> there;
   try {
     there = read_fclib(path);
@@ -202,10 +205,10 @@ struct SolveTask {
   DistributedOptions distributed;
 };
 
-ProblemFile read_file(const std::string& path, bool untrusted) {
-  if (!std::ifstream(path)) throw FileError(path, "", "cannot be opened");
+ProblemFile read_file(const std::string& path) {
+  if (::access(path.c_str(), R_OK) != 0) throw FileError(path, "", std::strerror(errno));
   try {
-    return read_problem(path, untrusted);
+    return read_problem(path);
   } catch (const FileError& e) {
     throw std::invalid_argument(e.what());  // readable, but not a problem: bad input
   }
@@ -215,7 +218,7 @@ ProblemFile read_file(const std::string& path, bool untrusted) {
 SolveTask prepare(const SolveFlags& given) {
   SolveTask task;
   refuse_on_several_processes(given.common, given.explain ? "--explain" : "");
-  task.file = read_file(given.problem, given.untrusted);
+  task.file = read_file(given.problem);
   task.flags = is_speaker() ? with_folder(given) : given;
   const ContactProblem& problem = task.file.problem;
   if (is_speaker()) {
@@ -264,10 +267,13 @@ void write_solution(const SolveTask& task, const SolveResult& result) {
   const ContactProblem& problem = task.file.problem;
   const std::string& path = task.flags.solution;
   if (path.empty() || problem.num_contacts() == 0) return;  // FCLIB has no empty problem
-  if (!std::ifstream(path)) write_fclib(path, problem, task.file.info);
   std::optional<Vector> v;
   if (problem.has_velocities()) v = body_velocities(problem, result.s);
-  write_fclib_solution(path, result.s, result.u, v);
+  if (std::filesystem::exists(path)) return write_fclib_solution(path, result.s, result.u, v);
+  AtomicFile file(path);
+  write_fclib(file.draft(), problem, task.file.info);
+  write_fclib_solution(file.draft(), result.s, result.u, v);
+  file.commit();
 }
 
 void explain(const SolveTask& task) {
@@ -284,7 +290,7 @@ void explain(const SolveTask& task) {
 int solve_command(const SolveFlags& given) {
   if (given.several) {
     together([&] { refuse_on_several_processes(given.common, "--several"); });
-    return several_command(given, read_file(given.problem, given.untrusted));
+    return several_command(given, read_file(given.problem));
   }
   SolveTask task;
   std::ofstream history;

@@ -18,7 +18,6 @@ struct SolveFlags {
   bool certify = false;        ///< say whether a solution exists, with proof
   std::string history;         ///< CSV of the judged iterations
   std::optional<int> several;  ///< starts of a search for several answers
-  bool untrusted = false;      ///< check the structure of HDF5 files first
   bool reproducible = false;   ///< exact sums, the same bits for any number of processes
 };
 

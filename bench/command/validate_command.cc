@@ -10,12 +10,12 @@
 #include <system_error>
 
 #include "bench/command/exit_code.h"
-#include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/validation_report.h"
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
+#include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
 #include "solvers/registry.h"
 

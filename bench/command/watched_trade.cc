@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
+#include "core/base/interrupt.h"
 
 namespace bipot {
 

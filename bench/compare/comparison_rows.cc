@@ -10,6 +10,7 @@
 #include "bench/compare/comparison_measures.h"
 #include "bench/report/csv_text.h"
 #include "bench/report/labels.h"
+#include "core/base/number_text.h"
 
 namespace bipot {
 namespace {
@@ -26,7 +27,7 @@ ComparisonColumn row_column(std::string key, std::string name, Value ComparisonR
     if constexpr (std::is_same_v<Value, std::string>) {
       r.*field = text;
     } else {
-      r.*field = static_cast<Value>(std::strtod(text.c_str(), nullptr));
+      r.*field = static_cast<Value>(number_at(text));
     }
   };
   return made;
@@ -153,11 +154,9 @@ std::vector<History> read_csv_histories(const std::filesystem::path& path) {
   // By problem and solver; a repeated first iteration marks a repeated solve.
   std::map<std::pair<std::string, std::string>, std::size_t> places;
   for (const std::vector<std::string>& fields : read_csv_table(path, history_csv_header(), 7)) {
-    const double tol = std::strtod(fields[2].c_str(), nullptr);
+    const double tol = number_at(fields[2]);
     const HistoryPoint point{static_cast<int>(std::strtol(fields[3].c_str(), nullptr, 10)),
-                             std::strtod(fields[4].c_str(), nullptr),
-                             std::strtod(fields[5].c_str(), nullptr),
-                             std::strtod(fields[6].c_str(), nullptr)};
+                             number_at(fields[4]), number_at(fields[5]), number_at(fields[6])};
     const auto [place, fresh] = places.try_emplace({fields[0], fields[1]}, histories.size());
     if (fresh) histories.push_back({fields[0], fields[1], tol, {}});
     History& history = histories[place->second];

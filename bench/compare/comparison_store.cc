@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "bench/compare/comparison_rows.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
+#include "core/files/atomic_file.h"
+#include "core/files/input_file.h"
 #include "core/problem_files/fclib_file.h"
 
 namespace bipot {
@@ -44,9 +45,7 @@ Json limits_json(const ComparisonOptions& o) {
 /// Opens for appending whole lines. A line that was cut off must not be continued by the next one.
 void open_for_lines(const fs::path& path, const std::string& header, std::ofstream& file) {
   if (fs::exists(path)) {
-    std::ifstream in(path, std::ios::binary);
-    const std::string whole((std::istreambuf_iterator<char>(in)), {});
-    in.close();
+    const std::string whole = read_text_file(path);
     if (const std::size_t end = whole.rfind('\n'); end + 1 != whole.size()) {
       fs::resize_file(path, end + 1);
     }
@@ -67,17 +66,16 @@ ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(opt
   if (failed) throw FileError(folder_, "", failed.message());
   const fs::path limits = folder_ / "limits.json";
   const std::string now = json_text(limits_json(options));
-  if (std::ifstream in(limits); in) {
+  if (fs::exists(limits)) {
     // Cut off: "<discarded>", which differs.
-    const std::string before = json_text(Json::parse(in, nullptr, false));
+    const std::string before = json_text(Json::parse(read_text_file(limits), nullptr, false));
     if (before != now) {
       throw std::invalid_argument(
           fmt::format("{}: rows were made under {}, not {}: name another folder", folder_.string(),
                       before, now));
     }
   } else {
-    std::ofstream out(limits);
-    out << json_text(limits_json(options), 2) << '\n';
+    write_text_file(limits, json_text(limits_json(options), 2) + '\n');
   }
   const fs::path rows = folder_ / "rows.csv", histories = folder_ / "history.csv";
   if (fs::exists(rows)) {

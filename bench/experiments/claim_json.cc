@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <fstream>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "bench/experiments/claim_report.h"
 #include "core/base/file_error.h"
+#include "core/files/input_file.h"
 
 namespace bipot {
 
@@ -320,10 +321,10 @@ Json to_json(const ClaimReport& report) {
 
 std::vector<ReportItem> read_items(const std::filesystem::path& file) {
   std::vector<ReportItem> items;
-  std::ifstream in(file);
-  if (!in) return items;
+  if (!std::filesystem::exists(file)) return items;
+  const std::string text = read_text_file(file);
   try {
-    const Json whole = Json::parse(in);
+    const Json whole = Json::parse(text);
     for (const Json& json : whole.at("items")) {
       Reader reader(json);
       list_fields(reader, items.emplace_back());

@@ -1,6 +1,8 @@
 #include "bench/measure/moving_problems.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -82,7 +84,14 @@ fs::path problem_cache_folder() {
   if (const fs::path own = folder("BIPOT_CACHE"); !own.empty()) return own;
   if (const fs::path cache = folder("XDG_CACHE_HOME"); !cache.empty()) return cache / "bipot";
   if (const fs::path home = folder("HOME"); !home.empty()) return home / ".cache" / "bipot";
-  return fs::temp_directory_path() / "bipot";
+  const fs::path shared = fs::temp_directory_path() / fmt::format("bipot-{}", ::getuid());
+  struct stat info {};
+  // Another user could have put a folder there, with problems in it.
+  if (::lstat(shared.c_str(), &info) == 0 &&
+      (!S_ISDIR(info.st_mode) || info.st_uid != ::getuid())) {
+    throw FileError(shared, "", "belongs to somebody else: set BIPOT_CACHE");
+  }
+  return shared;
 }
 
 std::vector<int> moving_steps(const std::string& family, int side, int count) {

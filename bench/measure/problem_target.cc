@@ -345,10 +345,10 @@ void add_moving(const std::string& target, const Family& family, const TargetOpt
   }
 }
 
-ProblemSource file_source(const fs::path& path, bool untrusted) {
-  return {path.stem().string(), path.string(), [path, untrusted] {
+ProblemSource file_source(const fs::path& path) {
+  return {path.stem().string(), path.string(), [path] {
             TestProblem made;
-            ProblemFile file = read_problem(path, untrusted);
+            ProblemFile file = read_problem(path);
             made.problem = std::move(file.problem);
             if (!file.guesses.empty()) made.start = std::move(file.guesses.front());
             made.origin = fmt::format("file {}", path.filename().string());
@@ -356,8 +356,7 @@ ProblemSource file_source(const fs::path& path, bool untrusted) {
           }};
 }
 
-void add_folder(const std::string& target, const TargetOptions& options,
-                std::vector<ProblemSource>& sources) {
+void add_folder(const std::string& target, std::vector<ProblemSource>& sources) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(target)) {
     const fs::path extension = entry.path().extension();
@@ -369,7 +368,7 @@ void add_folder(const std::string& target, const TargetOptions& options,
     throw std::invalid_argument(target + ": the folder has no .hdf5, .h5 or .dat file");
   }
   std::sort(files.begin(), files.end());
-  for (const fs::path& file : files) sources.push_back(file_source(file, options.untrusted));
+  for (const fs::path& file : files) sources.push_back(file_source(file));
 }
 
 template <int D>
@@ -401,10 +400,10 @@ void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& p
 
 void add_target(const std::string& target, const TargetOptions& options,
                 const std::shared_ptr<Piles>& piles, std::vector<ProblemSource>& sources) {
-  if (fs::is_directory(target)) return add_folder(target, options, sources);
+  if (fs::is_directory(target)) return add_folder(target, sources);
   if (fs::is_regular_file(target)) {
     if (fs::path(target).extension() == ".toml") return add_scene(target, options, sources);
-    sources.push_back(file_source(target, options.untrusted));
+    sources.push_back(file_source(target));
     return;
   }
   const std::vector<std::string> names = families();
@@ -437,9 +436,9 @@ void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& p
     add_target(target, options, piles, sources);
   }
   if (options.quick) return;
-  add_folder((data_folder() / "problems").string(), options, sources);
+  add_folder((data_folder() / "problems").string(), sources);
   if (const char* shared = std::getenv(kSharedProblems); shared != nullptr && *shared != 0) {
-    add_folder(shared, options, sources);
+    add_folder(shared, sources);
   }
 }
 

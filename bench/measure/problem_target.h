@@ -24,7 +24,6 @@ struct TargetOptions {
   int scene_problems = 3;  ///< number of steps of a scene or a moving family, evenly along its run
   int scene_steps = std::numeric_limits<int>::max();  ///< a run is cut there
   bool quick = false;                                 ///< the small benchmark
-  bool untrusted = false;                             ///< check the structure of HDF5 files first
 };
 
 /// The problems of the targets, in order. A target is

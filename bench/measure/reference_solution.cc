@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "bench/measure/cpu_limit.h"
@@ -10,6 +9,7 @@
 #include "core/base/file_error.h"
 #include "core/base/types.h"
 #include "core/files/atomic_file.h"
+#include "core/files/input_file.h"
 #include "core/problem/delassus.h"
 #include "core/problem/energy_norm.h"
 #include "solvers/registry.h"
@@ -154,19 +154,13 @@ void write_reference(const std::filesystem::path& path, const std::string& probl
   for (const Vector& other : reference.others) {
     j["others"].push_back(std::vector<double>(other.begin(), other.end()));
   }
-  AtomicFile file(path);
-  std::ofstream out(file.draft());
-  out << json_text(j) << '\n';
-  out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
-  file.commit();
+  write_text_file(path, json_text(j) + '\n');
 }
 
 ReferenceSolution read_reference(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  if (!in) throw FileError(path, "", "cannot be opened");
+  const std::string text = read_text_file(path);
   try {
-    const Json j = Json::parse(in);
+    const Json j = Json::parse(text);
     ReferenceSolution reference;
     reference.origin = j.at("origin").get<std::string>();
     reference.contacts = j.at("contacts").get<int>();

@@ -6,7 +6,9 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
+#include "core/files/input_file.h"
 
 namespace bipot {
 namespace {
@@ -46,7 +48,14 @@ std::vector<std::filesystem::path> shipped_scenes() {
 }
 
 std::filesystem::path find_scene(const std::string& path_or_name) {
-  if (std::filesystem::is_regular_file(path_or_name)) return path_or_name;
+  if (std::filesystem::exists(path_or_name)) {
+    try {
+      require_regular_file(path_or_name);
+    } catch (const FileError& e) {
+      throw std::invalid_argument(e.what());
+    }
+    return path_or_name;
+  }
   std::vector<std::string> names;
   for (const std::filesystem::path& scene : shipped_scenes()) {
     names.push_back(scene.stem().string());

@@ -124,7 +124,7 @@ HeldProblem make_problem(const py::kwargs& options) {
                                          name.is_none() ? "" : py::str(name).cast<std::string>());
 }
 
-HeldProblem read(const std::filesystem::path& path, bool untrusted) {
+HeldProblem read(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) {
     PyErr_SetString(PyExc_FileNotFoundError, (path.string() + ": no such file").c_str());
     throw py::error_already_set();
@@ -132,7 +132,7 @@ HeldProblem read(const std::filesystem::path& path, bool untrusted) {
   ProblemFile file;
   try {
     const py::gil_scoped_release release;
-    file = read_problem(path, untrusted);
+    file = read_problem(path);
   } catch (const FileError& e) {
     throw std::invalid_argument(e.what());  // readable, but not a problem
   }
@@ -305,7 +305,7 @@ but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)
                            p.has_velocities() ? fmt::format(", {} degrees of freedom", p.num_dofs())
                                               : ", given by W");
       });
-  module.def("read", &read, py::arg("path"), py::arg("untrusted"));
+  module.def("read", &read, py::arg("path"));
   module.def("write", &write, py::arg("problem"), py::arg("path"), py::arg("s"), py::arg("title"),
              py::arg("description"), py::arg("guesses"));
 }

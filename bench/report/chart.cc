@@ -14,6 +14,7 @@
 #include "bench/report/gnuplot.h"
 #include "bench/report/text_lines.h"
 #include "core/base/file_error.h"
+#include "core/base/number_text.h"
 #include "core/files/atomic_file.h"
 
 namespace bipot {
@@ -264,8 +265,8 @@ class Script {
       if (!axis.high) high = number(least + margin);
     }
     line(fmt::format("set {}range [{}:{}]", name, low, high));
-    const double first = low == "*" ? least : std::strtod(low.c_str(), nullptr);
-    const double last = high == "*" ? most : std::strtod(high.c_str(), nullptr);
+    const double first = low == "*" ? least : number_at(low);
+    const double last = high == "*" ? most : number_at(high);
     return is_log(axis) ? std::sqrt(first) * std::sqrt(last) : 0.5 * (first + last);
   }
 
@@ -518,7 +519,7 @@ void write_chart_files(const std::filesystem::path& folder, const std::string& n
 
 void require_plotting_tool() {
   const std::string version = run_gnuplot("set print '-'\nprint GPVAL_VERSION\n");
-  if (!(std::strtod(version.c_str(), nullptr) >= 5.4)) {
+  if (!(number_at(version) >= 5.4)) {
     throw FileError("gnuplot", "", fmt::format("version {}, expected 5.4 or later", version));
   }
 }

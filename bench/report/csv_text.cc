@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <sstream>
-
 #include "core/base/file_error.h"
+#include "core/files/input_file.h"
 
 namespace bipot {
 
@@ -39,11 +37,7 @@ std::vector<std::string> split_csv_line(std::string_view line) {
 
 std::vector<std::vector<std::string>> read_csv_table(const std::filesystem::path& path,
                                                      std::string_view header, std::size_t columns) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(path, "", "cannot be opened");
-  std::ostringstream content;
-  content << in.rdbuf();
-  const std::string text = content.str();
+  const std::string text = read_text_file(path);
   std::vector<std::vector<std::string>> rows;
   std::size_t begin = 0;
   for (int number = 1;; ++number) {

@@ -8,11 +8,16 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <thread>
 
 #include "core/base/file_error.h"
+#include "core/base/interrupt.h"
+#include "core/base/stopwatch.h"
 
 extern char** environ;
 
@@ -43,6 +48,26 @@ std::string content(std::FILE* file) {
   return text;
 }
 
+/// The status of a process that ended. One that is too slow, or an interrupt, ends it.
+int end_of(pid_t process, const std::string& program) {
+  constexpr double kPatience = 120;  // seconds for one chart
+  const Stopwatch since;
+  const bool asked_before = InterruptGuard::requested();
+  int status = 0;
+  while (true) {
+    const pid_t ended = waitpid(process, &status, WNOHANG);
+    if (ended == process) return status;
+    if (ended < 0 && errno != EINTR) throw FileError(program, "", std::strerror(errno));
+    const bool asked = !asked_before && InterruptGuard::requested();
+    if (asked || since.seconds() > kPatience) {
+      kill(process, SIGKILL);
+      waitpid(process, &status, 0);
+      throw FileError(program, "", asked ? "interrupted" : "does not end");
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+}
+
 }  // namespace
 
 std::string run_gnuplot(const std::string& script) {
@@ -67,10 +92,7 @@ std::string run_gnuplot(const std::string& script) {
                                 "gnuplot-nox",
                                 std::strerror(failed)));
   }
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0) {
-    if (errno != EINTR) throw FileError(program, "", std::strerror(errno));
-  }
+  const int status = end_of(process, program);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     throw FileError(
         program, "",

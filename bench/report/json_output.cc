@@ -1,5 +1,7 @@
 #include "bench/report/json_output.h"
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -7,6 +9,7 @@
 
 #include "core/base/file_error.h"
 #include "core/base/types.h"
+#include "core/files/atomic_file.h"
 
 namespace bipot {
 
@@ -28,10 +31,13 @@ double number_or_nan(const Json& json) { return json.is_null() ? kNaN : json.get
 void require_writable(const std::string& destination) {
   if (destination.empty() || destination == "-") return;
   std::error_code none;
-  const bool there = std::filesystem::exists(destination, none);
-  if (std::filesystem::is_directory(destination, none)) {
+  const auto status = std::filesystem::status(destination, none);
+  const bool there = std::filesystem::exists(status);
+  if (std::filesystem::is_directory(status)) {
     throw FileError(destination, "", "cannot be written: it is a folder");
   }
+  // Opening a pipe would wait for its reader.
+  if (there && !std::filesystem::is_regular_file(status)) return;
   const bool writable = std::ofstream(destination, std::ios::app).is_open();
   if (!there) std::filesystem::remove(destination, none);
   if (!writable) throw FileError(destination, "", "cannot be written");
@@ -39,13 +45,12 @@ void require_writable(const std::string& destination) {
 
 void write_json(const Json& json, const std::string& destination) {
   if (destination == "-") {
+    errno = 0;
     std::cout << json_text(json, 2) << std::endl;
+    if (!std::cout) throw FileError("standard output", "", std::strerror(errno));
     return;
   }
-  std::ofstream file(destination);
-  file << json_text(json, 2) << '\n';
-  file.close();
-  if (!file) throw FileError(destination, "", "cannot be written");
+  write_text_file(destination, json_text(json, 2) + '\n');
 }
 
 }  // namespace bipot

@@ -1,6 +1,9 @@
 #include "core/files/atomic_file.h"
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -9,15 +12,21 @@
 namespace bipot {
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), draft_(path_) {
+  std::error_code failed;
+  const auto type = std::filesystem::status(path_, failed).type();
+  using enum std::filesystem::file_type;
+  if (type == fifo || type == character || type == block || type == socket) return;
   draft_ += ".part";
 }
 
 AtomicFile::~AtomicFile() {
+  if (draft_ == path_) return;
   std::error_code ignored;  // nothing to remove after commit()
   std::filesystem::remove(draft_, ignored);
 }
 
 void AtomicFile::commit() {
+  if (draft_ == path_) return;
   std::error_code error;
   std::filesystem::rename(draft_, path_, error);
   if (error) throw FileError(path_, "", "cannot write: " + error.message());
@@ -25,10 +34,14 @@ void AtomicFile::commit() {
 
 void write_text_file(const std::filesystem::path& path, std::string_view text) {
   AtomicFile file(path);
+  errno = 0;
   std::ofstream out(file.draft(), std::ios::binary);
   out << text;
   out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
+  if (!out) {
+    const std::string reason = errno != 0 ? std::string(": ") + std::strerror(errno) : "";
+    throw FileError(path, "", "cannot be written" + reason);
+  }
   file.commit();
 }
 

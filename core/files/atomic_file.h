@@ -7,7 +7,7 @@ namespace bipot {
 
 /// A file that appears under its name whole or not at all, whenever the program dies. It is written
 /// under another name in the same folder, and commit() renames it in one step. Until then an
-/// earlier file of that name remains.
+/// earlier file of that name remains. A pipe or a device of that name is written to directly.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -25,7 +25,7 @@ class AtomicFile {
   std::filesystem::path path_, draft_;
 };
 
-/// The whole text as a file. Throws FileError.
+/// The whole text as a file. Throws FileError with the system's reason.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace bipot

@@ -10,6 +10,8 @@
 #include <mutex>
 #include <utility>
 
+#include "core/files/input_file.h"
+
 namespace bipot {
 namespace {
 
@@ -102,7 +104,7 @@ Hdf5File::Hdf5File(std::filesystem::path path, Mode mode)
     : path_(std::move(path)), turn_(take_turn()) {
   const Silence silence;
   if (mode != Mode::kCreate) {
-    if (!std::filesystem::exists(path_)) throw FileError(path_, "", "no such file");
+    require_regular_file(path_);
     if (!is_hdf5(path_)) throw FileError(path_, "", "not an HDF5 file");
     file_ =
         H5Fopen(path_.c_str(), mode == Mode::kRead ? H5F_ACC_RDONLY : H5F_ACC_RDWR, H5P_DEFAULT);
@@ -226,7 +228,7 @@ void Hdf5File::check_structure(const std::filesystem::path& path) {
   std::vector<std::string> datasets;
   std::string foreign;
   const auto note_link = [](hid_t, const char* name, const H5L_info_t* link, void* out) -> herr_t {
-    if (link->type == H5L_TYPE_HARD) return 0;
+    if (link->type == H5L_TYPE_HARD || link->type == H5L_TYPE_SOFT) return 0;
     *static_cast<std::string*>(out) = name;
     return 1;
   };
@@ -241,7 +243,8 @@ void Hdf5File::check_structure(const std::filesystem::path& path) {
       H5Ovisit(file.file_, H5_INDEX_NAME, H5_ITER_INC, note_dataset, &datasets) < 0) {
     throw FileError(path, "", "damaged: " + hdf5_reason());
   }
-  if (!foreign.empty()) throw FileError(path, "/" + foreign, "a link that is not a plain one");
+  if (!foreign.empty())
+    throw FileError(path, "/" + foreign, "a link to another file is not followed");
   hsize_t bytes = 0;
   H5Fget_filesize(file.file_, &bytes);
   for (const std::string& name : datasets) {
@@ -249,10 +252,6 @@ void Hdf5File::check_structure(const std::filesystem::path& path) {
     const Handle dataset(H5Dopen2(file.file_, name.c_str(), H5P_DEFAULT), H5Dclose);
     const Handle type(H5Dget_type(dataset), H5Tclose);
     const Handle made(H5Dget_create_plist(dataset), H5Pclose);
-    const H5T_class_t kind = H5Tget_class(type);
-    if (kind != H5T_FLOAT && kind != H5T_INTEGER && kind != H5T_STRING) {
-      throw FileError(path, name, "neither numbers nor text");
-    }
     const H5D_layout_t layout = H5Pget_layout(made);
     const hsize_t stored = H5Dget_storage_size(dataset), needed = count * H5Tget_size(type);
     if (layout == H5D_CHUNKED) continue;

@@ -37,10 +37,9 @@ class Hdf5File {
   /// True if the file starts with the HDF5 signature, whatever its name. False if there is no file.
   static bool is_hdf5(const std::filesystem::path& path);
 
-  /// Refuses an HDF5 file from an unknown source before its data are read: links to other files,
-  /// storage outside of the file, datasets larger than their storage, other types than numbers and
-  /// texts. Other files pass. The library reads all headers for it; damage that the library itself
-  /// does not notice can still end the program.
+  /// Refuses an HDF5 file before its data are read: links to other files, storage outside of the
+  /// file, datasets larger than their storage. Other files pass. The library reads all headers for
+  /// it; damage that the library itself does not notice can still end the program.
   static void check_structure(const std::filesystem::path& path);
 
   bool exists(const std::string& name) const;

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -14,6 +12,7 @@
 
 #include "core/base/file_error.h"
 #include "core/files/hdf5_file.h"
+#include "core/files/input_file.h"
 #include "core/problem_files/npy_file.h"
 
 namespace bipot {
@@ -59,9 +58,7 @@ std::string_view without_brackets(const std::filesystem::path& path, std::string
 }
 
 TextTable read_text(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(path, "", "cannot open");
-  const std::string content((std::istreambuf_iterator<char>(in)), {});
+  const std::string content = read_text_file(path);
   if (content.find('\0') != std::string::npos) {
     throw FileError(path, "", "neither a text file nor .npy nor HDF5");
   }
@@ -178,8 +175,8 @@ Vector arrange(const TextTable& table, std::size_t contacts, std::size_t dim,
 
 Vector read_impulses(const std::filesystem::path& path, const ContactProblem& problem,
                      const ImpulseLayout& layout) {
-  if (!std::filesystem::exists(path)) throw FileError(path, "", "no such file");
-  if (std::filesystem::is_directory(path)) throw FileError(path, "", "is a folder");
+  require_regular_file(path);
+  Hdf5File::check_structure(path);
   TextTable table = read_table(path);
   const std::size_t contacts = to_size(problem.num_contacts()), dim = to_size(problem.dim);
   const bool with_tangents = dim == 1 && table.values.size() >= 2 * contacts && contacts > 0;

@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 
 #include "core/base/file_error.h"
+#include "core/files/input_file.h"
 
 namespace bipot {
 namespace {
@@ -19,12 +19,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "values are copied as they stand");
 
 constexpr std::string_view kMagic = "\x93NUMPY";
-
-std::string content_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(path, "", "cannot open");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// The text after 'key': in the header, which is a Python dictionary.
 std::string_view entry(const std::filesystem::path& path, std::string_view header,
@@ -92,7 +86,7 @@ bool is_npy(const std::filesystem::path& path) {
 }
 
 NpyArray read_npy(const std::filesystem::path& path) {
-  const std::string content = content_of(path);
+  const std::string content = read_text_file(path);
   const std::string_view all = content;
   if (!all.starts_with(kMagic) || all.size() < 12) throw FileError(path, "", "not a .npy file");
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(all[k]); };

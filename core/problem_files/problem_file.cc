@@ -1,16 +1,15 @@
 #include "core/problem_files/problem_file.h"
 
-#include "core/base/file_error.h"
 #include "core/files/hdf5_file.h"
+#include "core/files/input_file.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/siconos_text_file.h"
 
 namespace bipot {
 
-ProblemFile read_problem(const std::filesystem::path& path, bool untrusted) {
-  if (!std::filesystem::exists(path)) throw FileError(path, "", "no such file");
-  if (std::filesystem::is_directory(path)) throw FileError(path, "", "is a folder");
-  if (untrusted) Hdf5File::check_structure(path);
+ProblemFile read_problem(const std::filesystem::path& path) {
+  require_regular_file(path);
+  Hdf5File::check_structure(path);
   return Hdf5File::is_hdf5(path) ? read_fclib(path) : read_siconos_text(path);
 }
 

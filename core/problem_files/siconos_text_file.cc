@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -15,6 +13,7 @@
 
 #include "core/base/file_error.h"
 #include "core/base/types.h"
+#include "core/files/input_file.h"
 #include "core/problem_files/problem_form.h"
 
 namespace bipot {
@@ -25,10 +24,7 @@ using Triplets = std::vector<Eigen::Triplet<double>>;
 /// Words of a text, separated by white space, with the line of each for messages.
 class Words {
  public:
-  explicit Words(const std::filesystem::path& path) : path_(path) {
-    std::ifstream in(path, std::ios::binary);
-    if (!in) throw FileError(path, "", "cannot open");
-    text_.assign(std::istreambuf_iterator<char>(in), {});
+  explicit Words(const std::filesystem::path& path) : path_(path), text_(read_text_file(path)) {
     if (text_.find('\0') != std::string::npos) throw FileError(path, "", "not a text file");
   }
 

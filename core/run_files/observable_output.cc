@@ -5,13 +5,14 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/number_text.h"
 #include "core/files/atomic_file.h"
+#include "core/files/input_file.h"
 #include "core/observables/observables.h"
 
 namespace bipot {
@@ -150,15 +151,6 @@ std::vector<std::vector<double>> rows_from(const NumberTable& table, double star
   return rows;
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-  AtomicFile target(path);
-  std::ofstream out(target.draft(), std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FileError(target.draft(), "", "cannot write");
-  target.commit();
-}
-
 /// Ratios of means, not means of ratios: tau/P and the inertial number are those of the mean stress
 /// and the mean shear rate.
 template <int D>
@@ -188,7 +180,7 @@ void write_means(const fs::path& folder, double starts) {
       (D == 2 ? std::sqrt(means["mean_mass"] / means["pressure"])
               : means["mean_diameter"] * std::sqrt(means["density"] / means["pressure"]));
   text += fmt::format("inertial_number_of_means,{:.17g},nan,{}\n", inertial, rows.size());
-  write_text(folder / "observables_mean.csv", text);
+  write_text_file(folder / "observables_mean.csv", text);
 }
 
 template <int D>
@@ -207,7 +199,7 @@ void write_profile_means(const fs::path& folder, double starts) {
     for (const Sum& sum : sums) text += fmt::format(",{:.17g}", sum.mean());
     text += "\n";
   }
-  write_text(folder / "profile_mean.csv", text);
+  write_text_file(folder / "profile_mean.csv", text);
 }
 
 void write_force_means(const fs::path& folder, double starts) {
@@ -231,7 +223,7 @@ void write_force_means(const fs::path& folder, double starts) {
     text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g}\n", number, b.low, b.high, b.count,
                         total > 0 ? b.count / total / (b.high - b.low) : kNaN);
   }
-  write_text(folder / "forces_mean.csv", text);
+  write_text_file(folder / "forces_mean.csv", text);
 }
 
 template <int D>
@@ -271,8 +263,7 @@ std::size_t NumberTable::column(const std::string& name) const {
 }
 
 NumberTable read_number_table(const fs::path& path) {
-  std::ifstream in(path);
-  if (!in) throw FileError(path, "", "cannot be opened");
+  std::istringstream in(read_text_file(path));
   NumberTable table;
   std::string line, cell;
   std::getline(in, line);
@@ -281,7 +272,7 @@ NumberTable read_number_table(const fs::path& path) {
   while (std::getline(in, line)) {
     std::stringstream cells(line);
     std::vector<double> row;
-    while (std::getline(cells, cell, ',')) row.push_back(std::strtod(cell.c_str(), nullptr));
+    while (std::getline(cells, cell, ',')) row.push_back(number_at(cell));
     if (row.size() != table.names.size()) {
       throw FileError(path, "",
                       fmt::format("row {} has {} numbers for {} columns", table.rows.size() + 1,

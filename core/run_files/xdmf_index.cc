@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -129,8 +129,7 @@ void XdmfIndex::add(const FrameEntry& frame) {
 }
 
 void XdmfIndex::write(const std::filesystem::path& path) const {
-  AtomicFile target(path);
-  std::ofstream out(target.draft(), std::ios::binary);
+  std::ostringstream out;
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
   for (const auto& [name, grids] : {std::pair{"disks", &disks_},
                                     {"contacts", &contacts_},
@@ -143,9 +142,7 @@ void XdmfIndex::write(const std::filesystem::path& path) const {
         << *grids << "  </Grid>\n";
   }
   out << "</Domain>\n</Xdmf>\n";
-  out.close();
-  if (!out) throw FileError(target.draft(), "", "cannot write");
-  target.commit();
+  write_text_file(path, out.str());
 }
 
 }  // namespace bipot

@@ -8,16 +8,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <set>
-#include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "core/base/nearest_name.h"
 #include "core/base/types.h"
+#include "core/files/input_file.h"
 #include "core/scene/generators.h"
 #include "core/scene_files/scene_cell.h"
 #include "core/scene_files/scene_clusters.h"
@@ -53,6 +53,10 @@ void read_materials(const SceneTable& root, Scene<D>& scene) {
   scene.materials = root.words("materials");
   if (scene.materials.empty()) scene.materials = {"default"};
   const std::size_t count = scene.materials.size();
+  constexpr std::size_t kMostMaterials = 1000;  // laws are a table of all pairs
+  if (count > kMostMaterials) {
+    root.fail("materials", fmt::format("{} names, expected at most {}", count, kMostMaterials));
+  }
   if (std::set<std::string>(scene.materials.begin(), scene.materials.end()).size() != count) {
     root.fail("materials", "names must differ");
   }
@@ -342,17 +346,33 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source) {
   return scene;
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) throw SceneFileError(fmt::format("{}: cannot be opened", path.string()));
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+/// The parser follows the parts of a dotted key by recursion, without a limit of its own.
+bool has_endless_key(std::string_view text) {
+  constexpr int kMostDots = 256;  // its limit for arrays and inline tables
+  int dots = 0;
+  char closing = 0;  // of a string or comment
+  for (const char c : text) {
+    if (closing != 0) {
+      if (c == closing || c == '\n') closing = 0;
+    } else if (c == '"' || c == '\'') {
+      closing = c;
+    } else if (c == '#') {
+      closing = '\n';
+    } else if (c == '.') {
+      if (++dots > kMostDots) return true;
+    } else if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) {
+      dots = 0;
+    }
+  }
+  return false;
 }
 
 }  // namespace
 
 AnyScene parse_any_scene(const std::string& text, const std::string& source) {
+  if (has_endless_key(text)) {
+    throw SceneFileError(fmt::format("{}: a key has more than 256 parts", source));
+  }
   toml::table parsed;
   try {
     parsed = toml::parse(text, source);
@@ -376,11 +396,11 @@ Scene<2> parse_scene(const std::string& text, const std::string& source) {
 }
 
 Scene<2> read_scene(const std::filesystem::path& path) {
-  return parse_scene(text_of(path), path.string());
+  return parse_scene(read_text_file(path), path.string());
 }
 
 AnyScene read_any_scene(const std::filesystem::path& path) {
-  return parse_any_scene(text_of(path), path.string());
+  return parse_any_scene(read_text_file(path), path.string());
 }
 
 }  // namespace bipot

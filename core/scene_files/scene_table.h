@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/base/nearest_name.h"
+#include "core/base/printable_text.h"
 #include "core/base/types.h"
 #include "core/scene_files/scene_file.h"
 
@@ -90,7 +91,7 @@ class SceneTable {
     if (!has(key)) return std::string(fallback);
     const auto value = table_.get(key)->value_exact<std::string>();
     if (!value) fail(key, "expected a string");
-    return *value;
+    return printable(*value);
   }
   std::string one_of(std::string_view key, std::string_view fallback,
                      const std::vector<std::string>& choices) const {
@@ -127,7 +128,7 @@ class SceneTable {
     for (const toml::node& node : *array) {
       const auto value = node.value_exact<std::string>();
       if (!value) fail(key, "expected an array of strings");
-      values.push_back(*value);
+      values.push_back(printable(*value));
     }
     return values;
   }

@@ -4,12 +4,26 @@
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
+#include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 
 namespace bipot {
 namespace {
+
+/// Open MPI ends the program if it cannot write its files.
+void find_writable_folder() {
+  std::error_code unknown;
+  const std::filesystem::path usual = std::filesystem::temp_directory_path(unknown);
+  for (const std::filesystem::path& folder : {usual, std::filesystem::path("/tmp")}) {
+    if (folder.empty() || ::access(folder.c_str(), W_OK | X_OK) != 0) continue;
+    if (folder != usual) setenv("OMPI_MCA_orte_tmpdir_base", folder.c_str(), 0);
+    return;
+  }
+  throw std::runtime_error("MPI needs a folder that it can write to: set TMPDIR");
+}
 
 class MpiSession {
  public:
@@ -17,6 +31,7 @@ class MpiSession {
     int alive = 0;
     MPI_Initialized(&alive);
     if (alive) return;  // the host program uses MPI itself
+    find_writable_folder();
     setenv("OMPI_MCA_opal_signal", "", 0);
     // A single process needs no daemon: without this Open MPI starts one (orted) and leaves it.
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);

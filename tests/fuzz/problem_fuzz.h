@@ -20,7 +20,7 @@ inline int read_fuzzed_problem(const std::uint8_t* data, std::size_t size) {
   if (file == nullptr || std::fwrite(data, 1, size, file) != size) std::abort();
   std::fclose(file);
   try {
-    const bipot::ProblemFile read = bipot::read_problem(kPath, /*untrusted=*/true);
+    const bipot::ProblemFile read = bipot::read_problem(kPath);
     if (!bipot::validate(read.problem).empty()) std::abort();
   } catch (const bipot::FileError& e) {
     if (std::string(e.what()).find(kPath.string()) == std::string::npos) std::abort();

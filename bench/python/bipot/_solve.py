@@ -14,15 +14,13 @@ Solver = str | Callable[[Problem, float, Callable[[Any], bool]], Any]
 _SOLVE_OPTIONS = ["solver", "tol", "s0", "time_limit", "stop", "max_iterations", "callback"]
 
 
-def read(path: str | os.PathLike[str], *, untrusted: bool = False) -> Problem:
+def read(path: str | os.PathLike[str]) -> Problem:
     """The problem of a file: FCLIB HDF5 or Siconos text, the content decides.
 
-    untrusted: check the structure and sizes of an HDF5 file before its data are read. Damage that
-    the HDF5 library does not notice can still end the program.
     `solution` and `guesses` of what is returned are the file's, where it has any.
     Raises FileNotFoundError, and ValueError with the reason for a file that is no sound problem.
     """
-    return _bipot.read(os.fspath(path), untrusted)
+    return _bipot.read(os.fspath(path))
 
 
 @named_options

@@ -194,6 +194,7 @@ TEST_F(Command, EveryCommandSaysInItsJsonWhyItRefuses) {
     EXPECT_EQ(j["exit_code"], code) << words;
     EXPECT_EQ(j["status"], code == 4 ? "input or output failed" : "invalid input") << words;
     EXPECT_FALSE(j["message"].get<std::string>().empty()) << words;
+    fs::remove(path("refusal.json"));
     bipot(words + " --json=" + path("refusal.json"));
     EXPECT_EQ(json::parse(content(path("refusal.json"))), j) << words;
   }

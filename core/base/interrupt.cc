@@ -1,4 +1,4 @@
-#include "bench/command/interrupt.h"
+#include "core/base/interrupt.h"
 
 #include <csignal>
 

@@ -1,0 +1,144 @@
+// What surrounds the program: files that are none, outputs that cannot be written, hostile texts,
+// signals.
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/files/hdf5_file.h"
+#include "tests/bench/command/command_fixture.h"
+#include "tests/support/source_folder.h"
+
+namespace bipot {
+namespace {
+
+std::string shipped_problem() {
+  return source_folder().string() + "/data/problems/2d_pyramid_10.hdf5";
+}
+
+/// One disk above a floor.
+std::string scene_with(const std::string& first_lines) {
+  return first_lines + R"(
+[time]
+step = 1e-3
+steps = 2
+[contact]
+mu = 0.3
+[[walls]]
+name = "floor"
+point = [0, 0]
+normal = [0, 1]
+[[disks]]
+position = [0, 1]
+radius = 0.5
+mass = 1
+)";
+}
+
+/// The command with an end after ten seconds (124), if it waits.
+Outcome limited(const std::string& arguments) {
+  return run_command_line("timeout 10 " BIPOT_COMMAND, arguments);
+}
+
+/// What it says on standard error.
+std::string complaint(const std::string& arguments, const std::string& output = "/dev/null") {
+  return run_command_line("sh -c '" BIPOT_COMMAND " " + arguments + " 2>&1 >" + output + "'", "")
+      .out;
+}
+
+TEST_F(Command, OnlyRegularFilesAreRead) {
+  const std::string pipe = path("pipe.hdf5");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& words : std::initializer_list<std::string>{
+           "solve " + pipe, "judge " + pipe, "judge " + shipped_problem() + " --impulses " + pipe,
+           "run " + pipe, "compare " + pipe + " --quick", "solve /dev/zero", "run /dev/zero",
+           "judge " + shipped_problem() + " --impulses /dev/zero", "run " + folder_.string()}) {
+    EXPECT_EQ(limited(words).exit_code, 2) << words;
+  }
+}
+
+TEST_F(Command, OutputThatIsNotWrittenIsAFailure) {
+  const std::string scene = write("one.toml", scene_with(""));
+  for (const std::string& words : std::initializer_list<std::string>{
+           "solve " + shipped_problem() + " --tol 1e-3 --json -",
+           "solve " + shipped_problem() + " --tol 1e-3", std::string("list scenes"),
+           std::string("--help"), "run " + scene + " --out " + path("out")}) {
+    EXPECT_EQ(bipot(words + " >/dev/full").exit_code, 4) << words;
+  }
+  EXPECT_NE(complaint("list scenes --json -", "/dev/full").find("No space left"),
+            std::string::npos);
+}
+
+TEST_F(Command, AFailureReplacesNoEarlierResult) {
+  const std::string file = path("verdict.json");
+  ASSERT_EQ(bipot("solve " + shipped_problem() + " --tol 1e-3 --json " + file).exit_code, 0);
+  const std::string verdict = content(file);
+  EXPECT_EQ(bipot("solve no_such_file --json " + file).exit_code, 4);
+  EXPECT_EQ(content(file), verdict);
+  EXPECT_EQ(bipot("solve no_such_file --json " + path("new.json")).exit_code, 4);
+  EXPECT_EQ(nlohmann::json::parse(content(path("new.json")))["exit_code"], 4);
+}
+
+TEST_F(Command, KeysWithManyPartsAreRefused) {
+  std::string key = "a";
+  for (int k = 0; k < 50000; ++k) key += ".a";
+  EXPECT_EQ(bipot("run " + write("deep.toml", key + " = 1\n")).exit_code, 2);
+  EXPECT_EQ(bipot("run " + write("deep_table.toml", "[" + key + "]\n")).exit_code, 2);
+  // Dots elsewhere do not count.
+  const std::string dots(1000, '.');
+  const std::string scene = scene_with("title = \"" + dots + "\"  # " + dots + "\n");
+  EXPECT_EQ(bipot("run " + write("dots.toml", scene) + " --out " + path("dots")).exit_code, 0);
+}
+
+TEST_F(Command, TitlesHarmNeitherTerminalNorPicture) {
+  const std::string scene = scene_with(R"(title = "a\u001b]0;own\u0007\uFFFE\U0010FFFF b")");
+  const Outcome run = bipot("run " + write("title.toml", scene) + " --out " + path("out"));
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.out.find('\x1b'), std::string::npos);
+  EXPECT_EQ(run.out.find('\x07'), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(path("out/summary.json")));
+  EXPECT_TRUE(std::filesystem::exists(path("out/forces.svg")));
+  // Nor do keys in messages.
+  const std::string key = write("key.toml", "\"\\u001b[2J\" = 1\n" + scene_with(""));
+  EXPECT_EQ(complaint("run " + key).find('\x1b'), std::string::npos);
+}
+
+TEST_F(Command, TablesOfAllPairsOfMaterialsHaveALimit) {
+  std::string names = "\"m0\"";
+  for (int k = 1; k < 20000; ++k) names += ", \"m" + std::to_string(k) + "\"";
+  const std::string scene = write("many.toml", scene_with("materials = [" + names + "]\n"));
+  EXPECT_EQ(limited("run " + scene).exit_code, 2);
+}
+
+TEST_F(Command, ProblemFilesCannotReadOtherFiles) {
+  std::filesystem::copy_file(shipped_problem(), path("linked.hdf5"));
+  {
+    Hdf5File file(path("linked.hdf5"), Hdf5File::Mode::kAppend);
+    file.remove("/fclib_global/vectors/mu");
+    file.link("/fclib_global/vectors/mu", shipped_problem(), "/fclib_global/vectors/mu");
+  }
+  EXPECT_EQ(bipot("solve " + path("linked.hdf5")).exit_code, 2);
+}
+
+TEST_F(Command, MpiFindsAFolderForItsFiles) {
+  const Outcome solve =
+      run_command_line("TMPDIR=/proc/nowhere " BIPOT_COMMAND,
+                       "solve " + shipped_problem() + " --solver newton --tol 1e-6");
+  EXPECT_EQ(solve.exit_code, 0);
+}
+
+/// A gnuplot that hangs does not outlive the signal.
+TEST_F(Command, ASignalEndsTheWaitForGnuplot) {
+  const std::string gnuplot = write("gnuplot", "#!/bin/sh\nexec sleep 600\n");
+  ASSERT_EQ(chmod(gnuplot.c_str(), 0700), 0);
+  const Outcome run = run_command_line(
+      "PATH=" + folder_.string() + ":$PATH timeout --kill-after=20 3 " BIPOT_COMMAND,
+      "compare square:4 --quick --solvers pgs --out " + path("out"));
+  EXPECT_NE(run.exit_code, 137);  // timeout had to kill it
+}
+
+}  // namespace
+}  // namespace bipot
