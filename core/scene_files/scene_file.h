@@ -18,7 +18,8 @@ struct SceneFileError : std::runtime_error {
 using AnyScene = std::variant<Scene<2>, Scene<3>>;
 
 /// Reads a TOML scene in 2D; data/manual/reference/scenes.md describes every key. Unknown keys are
-/// refused with the nearest valid name. Scenes in 3D (dim = 3) are refused. Throws SceneFileError.
+/// refused with the nearest valid name. Scenes in 3D (dim = 3) are refused. Throws SceneFileError,
+/// and FileError if there is no such file.
 Scene<2> read_scene(const std::filesystem::path& path);
 
 /// Reads a scene in 2D or 3D.

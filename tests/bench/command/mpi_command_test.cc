@@ -142,7 +142,7 @@ TEST_F(MpiCommand, AProcessThatFailsEndsTheRunWithItsMessage) {
   // The second process cannot read its file: the first one says so for it.
   const Outcome unread = pair(good, std::string(BIPOT_COMMAND) + " solve /nowhere");
   EXPECT_EQ(unread.exit_code, 4);
-  EXPECT_EQ(count(unread.out, "bipot: /nowhere: cannot be opened"), 1) << unread.out;
+  EXPECT_EQ(count(unread.out, "bipot: /nowhere: No such file"), 1) << unread.out;
   const Outcome different =
       pair(good, std::string(BIPOT_COMMAND) + " solve " + problem("2d_pour12_250"));
   EXPECT_EQ(different.exit_code, 3);

@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "core/base/file_error.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/source_folder.h"
 
@@ -512,7 +513,7 @@ TEST(SceneFile, AMissingFileIsNamed) {
   try {
     read_scene("no/such/scene.toml");
     FAIL();
-  } catch (const SceneFileError& e) {
+  } catch (const FileError& e) {
     EXPECT_NE(std::string(e.what()).find("no/such/scene.toml"), std::string::npos);
   }
 }
