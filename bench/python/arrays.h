@@ -38,13 +38,23 @@ inline pybind11::array_t<double> copy_of(const Vector& x) {
 }
 
 /// A one-dimensional array-like of real numbers, copied. Throws TypeError or ValueError with the
-/// name of the argument (bipot/_arrays.py).
+/// name of the argument; masked entries are refused.
 Vector to_vector(pybind11::handle array_like, std::string_view name);
+
+/// A number. Throws TypeError for anything else, a text or a truth value included.
+double to_number(pybind11::handle number, std::string_view name);
 
 /// A matrix of scipy.sparse, or a two-dimensional array, copied with duplicates summed, explicit
 /// zeros dropped and indices sorted. Throws as to_vector.
 SparseMatrix to_columns(pybind11::handle matrix, std::string_view name);
 SparseRows to_rows(pybind11::handle matrix, std::string_view name);
+
+/// (rows, columns, indptr, indices, data), copies; and the matrix of such a tuple. Throws
+/// std::invalid_argument.
+template <class Sparse>
+pybind11::tuple parts_of(const Sparse& matrix);
+template <class Sparse>
+Sparse from_parts(const pybind11::tuple& parts, std::string_view name);
 
 /// scipy.sparse.csc_matrix or csr_matrix, of read-only views.
 pybind11::object scipy_view(const SparseMatrix& matrix, pybind11::handle owner);

@@ -13,4 +13,7 @@ void bind_compare(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);
 void bind_advise(pybind11::module_& module);
 
+/// Objects of the class are made by the module alone: `Class.__new__(Class)` would have no data.
+void refuse_new(const pybind11::object& bound);
+
 }  // namespace bipot

@@ -175,7 +175,9 @@ std::vector<std::shared_ptr<PythonProblem>> load_problems(const std::vector<std:
 }  // namespace
 
 void bind_compare(py::module_& module) {
-  py::class_<PythonComparison>(module, "Comparison")
+  py::class_<PythonComparison> comparison(module, "Comparison");
+  refuse_new(comparison);
+  comparison
       .def_property_readonly("complete",
                              [](const PythonComparison& self) { return self.comparison.complete; })
       .def("columns", &columns_of)

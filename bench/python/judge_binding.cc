@@ -40,9 +40,10 @@ py::list faults_of(const JudgedContact& contact) {
 }
 
 void bind_contact(py::module_& module) {
-  py::class_<JudgedContact, HeldContact>(module, "JudgedContact",
-                                         "A contact that breaks the law; str() says how.")
-      .def_readonly("contact", &JudgedContact::contact, "Its number.")
+  py::class_<JudgedContact, HeldContact> bound(module, "JudgedContact",
+                                               "A contact that breaks the law; str() says how.");
+  refuse_new(bound);
+  bound.def_readonly("contact", &JudgedContact::contact, "Its number.")
       .def_readonly("mu", &JudgedContact::mu, "Physical friction coefficient.")
       .def_property_readonly(
           "s", [](const HeldContact& c) { return view_of(c->s, py::cast(c)); },
@@ -67,8 +68,10 @@ void bind_judge(py::module_& module) {
   const auto of_error = [](auto ContactError::*field) {
     return [field](const ImpulseVerdict& v) { return v.error.*field; };
   };
-  py::class_<ImpulseVerdict, HeldVerdict>(module, "Verdict",
-                                          "What can be said of an impulse, see `judge`.")
+  py::class_<ImpulseVerdict, HeldVerdict> verdict(module, "Verdict",
+                                                  "What can be said of an impulse, see `judge`.");
+  refuse_new(verdict);
+  verdict
       .def_property_readonly("epsilon", of_error(&ContactError::epsilon),
                              "Guarded form of the paper's (42).")
       .def_property_readonly("eta", of_error(&ContactError::eta), "Natural map in energy.")
@@ -123,10 +126,16 @@ void bind_judge(py::module_& module) {
           "u", [](const HeldVerdict& v) { return view_of(v->u, py::cast(v)); },
           "(m,) W s + u_free of it [m/s]; a read-only view.")
       .def(
-          "within", [](const ImpulseVerdict& v, double tol) { return v.guarded() <= tol; },
+          "within",
+          [](const ImpulseVerdict& v, const py::object& tol) {
+            return v.guarded() <= to_number(tol, "tol");
+          },
           py::arg("tol"), "guarded <= tol.")
       .def(
-          "sentence", [](const ImpulseVerdict& v, double tol) { return sentence(v, tol); },
+          "sentence",
+          [](const ImpulseVerdict& v, const py::object& tol) {
+            return sentence(v, to_number(tol, "tol"));
+          },
           py::arg("tol"), "As `bipot judge` says it.")
       .def("__repr__", [](const ImpulseVerdict& v) {
         return fmt::format("<bipot.Verdict: ε {:.2e}, η {:.2e}, cone {:.2e}{}>", v.error.epsilon,

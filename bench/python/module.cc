@@ -3,6 +3,8 @@
 
 #include <pybind11/stl.h>
 
+#include <string>
+
 #include "bench/python/bindings.h"
 #include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
@@ -10,6 +12,13 @@
 #include "core/scene_files/scene_file.h"
 
 namespace py = pybind11;
+
+void bipot::refuse_new(const py::object& bound) {
+  const std::string name = py::str(bound.attr("__name__"));
+  bound.attr("__new__") = py::cpp_function([name](const py::args&, const py::kwargs&) {
+    throw py::type_error("bipot." + name + " is made by the functions of bipot alone");
+  });
+}
 
 PYBIND11_MODULE(_bipot, module) {
   module.doc() = "Native part of the package bipot.";

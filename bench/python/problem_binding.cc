@@ -4,15 +4,16 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
 #include "bench/python/python_problem.h"
 #include "core/base/file_error.h"
-#include "core/base/nearest_name.h"
 #include "core/problem/delassus.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
@@ -56,10 +57,55 @@ int infer_dim(const py::object& given, Eigen::Index rows, Vector& mu, bool one_m
   return static_cast<int>(rows / contacts);
 }
 
+/// The value of an option; None if it is not given.
+py::object option(const py::kwargs& options, const char* name) {
+  return options.contains(name) ? py::object(options[name]) : py::object(py::none());
+}
+
+/// The value of an option that has two names.
+py::object option(const py::kwargs& options, const char* name, const char* other) {
+  py::object value = option(options, name), same = option(options, other);
+  if (!value.is_none() && !same.is_none()) {
+    throw std::invalid_argument(fmt::format("give {} or {}, not both", name, other));
+  }
+  return value.is_none() ? same : value;
+}
+
+/// Throws TypeError for a value without a keyword, or with one that is not valid.
+void require_keywords(const py::args& arguments, const py::kwargs& options, const char* form,
+                      std::initializer_list<std::string_view> valid) {
+  if (arguments.size() > 0) {
+    throw py::type_error(fmt::format("expected keywords: {}", form));
+  }
+  for (const auto& [key, value] : options) {
+    if (std::find(valid.begin(), valid.end(), key.cast<std::string_view>()) != valid.end()) {
+      continue;
+    }
+    py::list names;
+    for (const std::string_view one : valid) names.append(py::str(one.data(), one.size()));
+    py::module_::import("bipot._names").attr("refuse_unknown")(py::make_tuple(key), names);
+  }
+}
+
+void require_size(const char* field, Eigen::Index size, Eigen::Index expected) {
+  if (size == expected) return;
+  throw std::invalid_argument(fmt::format("{} has size {}, expected {}", field, size, expected));
+}
+
+bool is_one_number(const py::object& x) {
+  return PyFloat_Check(x.ptr()) != 0 || PyLong_Check(x.ptr()) != 0 ||
+         (py::hasattr(x, "ndim") && x.attr("ndim").cast<int>() == 0);
+}
+
+/// One number, or an array-like.
+Vector to_numbers(const py::object& x, const char* name) {
+  return is_one_number(x) ? Vector::Constant(1, to_number(x, name)) : to_vector(x, name);
+}
+
 /// Both or neither of the bodies' matrices, W or these.
-void require_a_form(const py::object& A, const py::object& H, const py::object& W,
+void require_a_form(const py::object& A, bool wrenches, const py::object& W,
                     const py::object& v_free) {
-  if (A.is_none() != H.is_none()) {
+  if (A.is_none() == wrenches) {
     throw std::invalid_argument(A.is_none() ? "H is given without A" : "A is given without H");
   }
   if (A.is_none() && W.is_none()) throw std::invalid_argument("neither W nor (A, H) is given");
@@ -69,48 +115,124 @@ void require_a_form(const py::object& A, const py::object& H, const py::object& 
   }
 }
 
-/// The value of an option; None if it is not given.
-py::object option(const py::kwargs& options, const char* name) {
-  return options.contains(name) ? py::object(options[name]) : py::object(py::none());
+/// A and H, or the Jacobian J = Hᵀ in the place of H.
+void take_bodies(ContactProblem& p, const py::object& A, const py::object& H, const py::object& J) {
+  p.A = to_columns(A, "A");
+  p.H = H.is_none() ? SparseMatrix(to_rows(J, "J").transpose()) : to_columns(H, "H");
+  const Eigen::Index n = p.A.rows(), rows = p.H.rows(), columns = p.H.cols();
+  if (rows == n || columns != n || p.A.cols() != n) return;
+  throw std::invalid_argument(
+      H.is_none()
+          ? fmt::format("J is {0} x {1}, expected m x {0}; did you pass H = J^T? Give it as H=", n,
+                        rows)
+          : fmt::format("H is {1} x {0}, expected {0} x m; did you pass J = H^T? Give it as J=", n,
+                        rows));
 }
 
-void refuse_unknown(const py::kwargs& options) {
-  const std::vector<std::string> valid = {"A",  "H",   "W",         "v_free", "u_free",
-                                          "mu", "dim", "row_scale", "name"};
-  for (const auto& [key, value] : options) {
-    const auto name = key.cast<std::string>();
-    if (std::find(valid.begin(), valid.end(), name) == valid.end()) {
-      throw py::type_error(unknown_name_message("option", name, valid));
-    }
+/// Hᵀ v in physical variables.
+Vector at_contacts(const PythonProblem& given, const ContactProblem& p, const Vector& v,
+                   const char* name) {
+  require_size(name, v.size(), p.H.rows());
+  Vector u = p.H.transpose() * v;
+  if (given.restitution.size() > 0) u = u.cwiseProduct(p.row_scale);
+  return u;
+}
+
+/// Coefficients of restitution by row, from one number or one for each contact (their normals),
+/// or one for each row.
+Vector restitution_by_row(const py::object& given, const ContactProblem& p) {
+  const Vector e = to_numbers(given, "restitution");
+  const Eigen::Index contacts = p.num_contacts(), rows = p.num_rows();
+  if (!((e.array() >= 0) && (e.array() <= 1)).all()) {
+    throw std::invalid_argument("restitution: expected numbers from 0 to 1");
+  }
+  if (e.size() == rows) return e;
+  if (e.size() != 1 && e.size() != contacts) {
+    throw std::invalid_argument(
+        fmt::format("restitution has size {}, expected 1, {} or {}", e.size(), contacts, rows));
+  }
+  Vector by_row = Vector::Zero(rows);
+  for (Eigen::Index c = 0; c < contacts; ++c) by_row[c * p.dim] = e[e.size() == 1 ? 0 : c];
+  return by_row;
+}
+
+/// Value of u at s = 0 in the symmetric variables (data/manual/explanation/method.md, §3), from the
+/// physical one and the velocities before the impact.
+Vector symmetric_velocity(const PythonProblem& given, const ContactProblem& p,
+                          const py::kwargs& options) {
+  const py::object at_bodies = option(options, "v_before");
+  const py::object before = option(options, "v_before", "u_before");
+  if (before.is_none()) {
+    throw std::invalid_argument(
+        "restitution needs the velocities before the impact: v_before (n) or u_before (m)");
+  }
+  const Vector u = at_bodies.is_none()
+                       ? to_vector(before, "u_before")
+                       : at_contacts(given, p, to_vector(before, "v_before"), "v_before");
+  require_size("u_before", u.size(), p.num_rows());
+  return (p.u_free + given.restitution.cwiseProduct(u)).cwiseQuotient(p.row_scale);
+}
+
+/// From physical friction to that of the symmetric variables.
+void scale_friction(ContactProblem& p) {
+  for (Eigen::Index c = 0; p.dim > 1 && c < p.mu.size(); ++c) {
+    p.mu[c] *= p.row_scale[c * p.dim + 1] / p.row_scale[c * p.dim];
   }
 }
 
-HeldProblem make_problem(const py::kwargs& options) {
-  refuse_unknown(options);
-  const py::object A = option(options, "A"), H = option(options, "H"), W = option(options, "W");
+/// From physical variables to the symmetric ones.
+void take_restitution(PythonProblem& given, ContactProblem& p, const py::kwargs& options) {
+  given.restitution = restitution_by_row(option(options, "restitution"), p);
+  p.row_scale = (1 + given.restitution.array()).sqrt();
+  const Vector inverse = p.row_scale.cwiseInverse();
+  for (int k = 0; k < p.H.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator it(p.H, k); it; ++it) it.valueRef() *= inverse[it.col()];
+  }
+  for (int k = 0; k < p.W.outerSize(); ++k) {
+    for (SparseRows::InnerIterator it(p.W, k); it; ++it) {
+      it.valueRef() *= inverse[it.row()] * inverse[it.col()];
+    }
+  }
+  p.u_free = symmetric_velocity(given, p, options);
+  scale_friction(p);
+}
+
+void require_sound(const std::string& defect) {
+  if (!defect.empty()) throw std::invalid_argument(defect);
+}
+
+HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
+  require_keywords(arguments, options, "Problem(A=, H=, v_free=, mu=) or Problem(W=, u_free=, mu=)",
+                   {"A", "H", "J", "M", "W", "v_free", "u_free", "mu", "dim", "row_scale",
+                    "restitution", "v_before", "u_before", "name"});
+  const py::object A = option(options, "A", "M"), W = option(options, "W");
+  const bool wrenches = !option(options, "H", "J").is_none();
   const py::object v_free = option(options, "v_free"), u_free = option(options, "u_free");
   const py::object mu = option(options, "mu"), row_scale = option(options, "row_scale");
-  require_a_form(A, H, W, v_free);
+  const bool shocks = !option(options, "restitution").is_none();
+  require_a_form(A, wrenches, W, v_free);
+  auto made = std::make_shared<PythonProblem>();
   ContactProblem p;
   if (!A.is_none()) {
-    p.A = to_columns(A, "A");
-    p.H = to_columns(H, "H");
+    take_bodies(p, A, option(options, "H"), option(options, "J"));
     p.v_free = to_vector(v_free, "v_free");
   }
   if (!W.is_none()) p.W = to_rows(W, "W");
   if (mu.is_none()) throw std::invalid_argument("mu is missing");
-  if (!u_free.is_none()) {
-    p.u_free = to_vector(u_free, "u_free");
-  } else if (!A.is_none() && p.v_free.size() == p.H.rows()) {
-    p.u_free = p.H.transpose() * p.v_free;
-  } else {
-    throw std::invalid_argument("u_free is missing");
-  }
-  const bool one_mu = py::module_::import("numpy").attr("ndim")(mu).cast<int>() == 0;
-  p.mu = to_vector(one_mu ? py::object(py::make_tuple(mu)) : mu, "mu");
-  p.dim = infer_dim(option(options, "dim"), p.u_free.size(), p.mu, one_mu);
+  if (u_free.is_none() && A.is_none()) throw std::invalid_argument("u_free is missing");
+  p.u_free =
+      u_free.is_none() ? at_contacts(*made, p, p.v_free, "v_free") : to_vector(u_free, "u_free");
+  p.mu = to_numbers(mu, "mu");
+  p.dim = infer_dim(option(options, "dim"), p.u_free.size(), p.mu, is_one_number(mu));
   if (!row_scale.is_none()) p.row_scale = to_vector(row_scale, "row_scale");
-  if (std::string defect = validate(p); !defect.empty()) throw std::invalid_argument(defect);
+  require_sound(validate(p));
+  if (shocks) {
+    if (!row_scale.is_none()) throw std::invalid_argument("row_scale is given with restitution");
+    take_restitution(*made, p, options);
+    require_sound(validate(p));
+  } else if (options.contains("v_before") || options.contains("u_before")) {
+    throw std::invalid_argument("velocities before the impact are given without restitution");
+  }
   // As for problems from files: with a general A the operator is W itself, assembled once for all.
   if (p.has_velocities() && !p.has_delassus() && p.num_rows() > 0 && !is_diagonal(p.A)) {
     try {
@@ -120,8 +242,80 @@ HeldProblem make_problem(const py::kwargs& options) {
     }
   }
   const py::object name = option(options, "name");
-  return std::make_shared<PythonProblem>(std::move(p),
-                                         name.is_none() ? "" : py::str(name).cast<std::string>());
+  if (!name.is_none()) made->name = py::str(name).cast<std::string>();
+  made->problem = std::make_shared<const ContactProblem>(std::move(p));
+  return made;
+}
+
+HeldProblem update(const PythonProblem& self, const py::args& arguments,
+                   const py::kwargs& options) {
+  require_keywords(arguments, options, "update(u_free=, v_free=, mu=)",
+                   {"u_free", "v_free", "mu", "v_before", "u_before"});
+  const py::object u_free = option(options, "u_free"), v_free = option(options, "v_free");
+  const py::object mu = option(options, "mu");
+  auto made = std::make_shared<PythonProblem>();
+  made->name = self.name;
+  made->restitution = self.restitution;
+  ContactProblem p = *self.problem;
+  if (!v_free.is_none()) {
+    if (!p.has_velocities()) {
+      throw std::invalid_argument("v_free is given without A and H");
+    }
+    p.v_free = to_vector(v_free, "v_free");
+  }
+  const bool shocks = made->restitution.size() > 0;
+  if (!u_free.is_none() || !v_free.is_none()) {
+    p.u_free =
+        u_free.is_none() ? at_contacts(*made, p, p.v_free, "v_free") : to_vector(u_free, "u_free");
+    require_size("u_free", p.u_free.size(), self.problem->num_rows());
+    if (shocks) p.u_free = symmetric_velocity(*made, p, options);
+  } else if (options.contains("v_before") || options.contains("u_before")) {
+    throw std::invalid_argument("give v_free or u_free with the velocities before the impact");
+  }
+  if (!mu.is_none()) {
+    p.mu = to_numbers(mu, "mu");
+    if (is_one_number(mu)) p.mu = Vector::Constant(self.problem->num_contacts(), p.mu[0]);
+    require_size("mu", p.mu.size(), self.problem->num_contacts());
+    if (shocks) scale_friction(p);
+  }
+  require_sound(validate_vectors(p));
+  made->problem = std::make_shared<const ContactProblem>(std::move(p));
+  return made;
+}
+
+/// All of a problem, for pickle.
+py::tuple parts_of_problem(const PythonProblem& self) {
+  const ContactProblem& p = *self.problem;
+  const auto part = [](const auto& matrix, bool there) {
+    return there ? py::object(parts_of(matrix)) : py::object(py::none());
+  };
+  py::list guesses;
+  for (const Vector& guess : self.guesses) guesses.append(copy_of(guess));
+  return py::make_tuple(p.dim, part(p.A, p.has_velocities()), part(p.H, p.has_velocities()),
+                        part(p.W, p.has_delassus()), copy_of(p.v_free), copy_of(p.u_free),
+                        copy_of(p.mu), copy_of(p.row_scale), copy_of(self.restitution), self.name,
+                        copy_of(self.solution), guesses);
+}
+
+HeldProblem problem_of_parts(const py::tuple& parts) {
+  if (parts.size() != 12) throw std::invalid_argument("not the parts of a Problem");
+  auto made = std::make_shared<PythonProblem>();
+  ContactProblem p;
+  p.dim = parts[0].cast<int>();
+  if (!parts[1].is_none()) p.A = from_parts<SparseMatrix>(parts[1], "A");
+  if (!parts[2].is_none()) p.H = from_parts<SparseMatrix>(parts[2], "H");
+  if (!parts[3].is_none()) p.W = from_parts<SparseRows>(parts[3], "W");
+  p.v_free = to_vector(parts[4], "v_free");
+  p.u_free = to_vector(parts[5], "u_free");
+  p.mu = to_vector(parts[6], "mu");
+  p.row_scale = to_vector(parts[7], "row_scale");
+  require_sound(validate(p));
+  made->restitution = to_vector(parts[8], "restitution");
+  made->name = parts[9].cast<std::string>();
+  made->solution = to_vector(parts[10], "solution");
+  for (const py::handle guess : parts[11]) made->guesses.push_back(to_vector(guess, "guesses"));
+  made->problem = std::make_shared<const ContactProblem>(std::move(p));
+  return made;
 }
 
 HeldProblem read(const std::filesystem::path& path) {
@@ -214,21 +408,34 @@ auto vector_property(Vector ContactProblem::*field, bool optional) {
 
 void bind_problem(py::module_& module) {
   py::class_<PythonProblem, HeldProblem> problem(
-      module, "Problem", R"(One frictional contact problem, checked and immutable.
+      module, "Problem", py::is_final(), R"(One frictional contact problem, checked and immutable.
 
 Either bodies, A (n, n) symmetric positive definite [kg, kg m²], H (n, m) and v_free (n,)
 [m/s, rad/s], or W (m, m) [1/kg], or both; u_free (m,) [m/s], H^T v_free where it is left out with
-bodies; mu (c,), or one number with `dim`. Matrices are anything of scipy.sparse, or dense arrays;
-duplicates are summed, explicit zeros dropped; integers and float32 become float64. Everything is
-copied. dim (1, 2 or 3 rows a contact) is len(u_free) / len(mu) where it is not given.
-row_scale (m,): sqrt(1 + e) of each row of a problem with restitution (data/manual/explanation/method.md).
+bodies; mu (c,), or one number with `dim`. M is another name of A; J (m, n), the Jacobian H^T, may
+stand for H. Matrices are anything of scipy.sparse, or dense arrays; duplicates are summed, explicit
+zeros dropped; integers and float32 become float64. Everything is copied. dim (1, 2 or 3 rows a
+contact) is len(u_free) / len(mu) where it is not given.
+
+restitution: e_n for all contacts, (c,) for each, or (m,) for each row, from 0 to 1, with the
+velocities before the impact, v_before (n,) or u_before (m,) = H^T v_before; all else as without it.
+u of the solution is then r (u_after + e u_before) / (1 + e) and s is r times the impulse, with
+r = sqrt(1 + e) = `row_scale`: `Result.impulse` and `Result.v` are physical. H, W, u_free and mu of
+the problem are scaled likewise (data/manual/explanation/method.md, section 3); row_scale (m,) is for
+problems that are given in these variables.
 
 Raises ValueError with the field and both sizes, or the entry and its value; TypeError for what is
 no array of real numbers or an option that does not exist.
 
 All arrays and matrices that it returns are read-only views into the problem, without copies,
 but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)");
-  problem.def(py::init(&make_problem));
+  // Made by __new__, not by __init__: no Problem exists without its data, and none changes.
+  problem.attr("__new__") =
+      py::cpp_function([](const py::handle&, const py::args& arguments, const py::kwargs& options) {
+        return make_problem(arguments, options);
+      });
+  problem.attr("__init__") = py::cpp_function(
+      [](const py::object&, const py::args&, const py::kwargs&) {}, py::is_method(problem));
   const auto matrix = [](const auto& m, bool there, const HeldProblem& self) -> py::object {
     if (!there) return py::none();
     return scipy_view(m, py::cast(self));
@@ -293,6 +500,18 @@ but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)
             return list;
           },
           "Impulses to start from, of the file or scene, each (m,) [N s].")
+      .def(
+          "update", &update,
+          R"(The same bodies and contacts with other u_free (m,), v_free (n,), mu: a new problem, in
+microseconds. u_free follows v_free where it is not given. With restitution all are physical, and
+v_before or u_before comes with v_free or u_free. Raises as the constructor.)")
+      .def("__reduce__",
+           [](const PythonProblem& self) {
+             return py::make_tuple(py::module_::import("bipot._pickle").attr("problem_of"),
+                                   py::make_tuple(parts_of_problem(self)));
+           })
+      .def("__copy__", [](const HeldProblem& self) { return self; })
+      .def("__deepcopy__", [](const HeldProblem& self, const py::dict&) { return self; })
       .def("delassus", &delassus,
            "W = H^T A^-1 H (m, m) [1/kg], assembled where the problem does not have it.")
       .def("velocity", &velocities, py::arg("s"), "u = W s + u_free (m,) [m/s].")
@@ -305,6 +524,7 @@ but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)
                            p.has_velocities() ? fmt::format(", {} degrees of freedom", p.num_dofs())
                                               : ", given by W");
       });
+  module.def("_problem_of_parts", &problem_of_parts, py::arg("parts"));
   module.def("read", &read, py::arg("path"));
   module.def("write", &write, py::arg("problem"), py::arg("path"), py::arg("s"), py::arg("title"),
              py::arg("description"), py::arg("guesses"));

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/types.h"
@@ -16,7 +17,10 @@ struct PythonProblem {
   std::string name;             ///< for readers; empty: none
   Vector solution;              ///< reference of the file that it was read from; empty: none
   std::vector<Vector> guesses;  ///< likewise, impulses to start from
+  Vector restitution;           ///< of each row, where it was given with physical data; else empty
 
+  PythonProblem() = default;  ///< the problem is to be set
+  explicit PythonProblem(std::shared_ptr<const ContactProblem> p) : problem(std::move(p)) {}
   explicit PythonProblem(ContactProblem p, std::string called = {})
       : problem(std::make_shared<const ContactProblem>(std::move(p))), name(std::move(called)) {}
 };

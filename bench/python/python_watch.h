@@ -16,6 +16,8 @@ class PythonWatch {
   void stop() { stopped_ = true; }
   /// Ends the computation; `thrown` is thrown by rethrow(). The first one counts.
   void keep(std::exception_ptr thrown);
+  /// True if something was kept.
+  bool raised() const { return thrown_ != nullptr; }
   /// Call with Python's lock held, after the computation.
   void rethrow() const;
 

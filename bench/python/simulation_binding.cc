@@ -1,8 +1,12 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,6 +24,8 @@
 #include "bench/python/python_problem.h"
 #include "bench/python/python_watch.h"
 #include "core/base/nearest_name.h"
+#include "core/run_files/run_output.h"
+#include "core/run_files/run_reader.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_stepper.h"
@@ -169,7 +175,9 @@ struct SimulationChoice {
 template <int D>
 class PythonSimulation {
  public:
-  PythonSimulation(Scene<D> scene, const SimulationChoice& choice) : scene_(std::move(scene)) {
+  /// `text`: of the scene, for its copies.
+  PythonSimulation(Scene<D> scene, std::string text, const SimulationChoice& choice)
+      : scene_(std::move(scene)), text_(std::move(text)) {
     choose(choice);
     state_ = initial_state(scene_);
   }
@@ -177,9 +185,24 @@ class PythonSimulation {
   PythonSimulation& operator=(const PythonSimulation&) = delete;
 
   const Scene<D>& scene() const { return scene_; }
+  const std::string& text() const { return text_; }
   const State<D>& state() const {
     require_rest();
     return state_;
+  }
+
+  /// Writes the state into an empty folder, bit for bit, as a run does. Throws FileError.
+  void save(const std::filesystem::path& folder) const {
+    require_rest();
+    Scene<D> now = scene_;  // Python may have set forces
+    for (std::size_t k = 0; k < now.walls.size(); ++k) now.walls[k].force = state_.walls[k].force;
+    RunWriter<D> writer(folder, now, text_);
+    writer.frame(state_);
+    writer.close();
+  }
+  void load(const std::filesystem::path& folder) {
+    require_rest();
+    state_ = read_state<D>(folder);
   }
 
   Step<D> advance() {
@@ -281,6 +304,7 @@ class PythonSimulation {
   }
 
   Scene<D> scene_;
+  std::string text_;
   State<D> state_;
   bool stepping_ = false;  // read and written with Python's lock held
   PythonWatch watch_;
@@ -310,7 +334,7 @@ void set_wall(PythonSimulation<D>& self, const py::object& which, const py::obje
   }
   if (!force.is_none()) {
     require(Motion::kDriven, "force", "force");
-    const auto f = force.cast<double>();
+    const double f = to_number(force, "force");
     if (!std::isfinite(f)) throw std::invalid_argument(fmt::format("force = {} is not finite", f));
     wall.force = f;
   }
@@ -380,6 +404,7 @@ void bind_state(py::module_& module) {
   py::class_<PythonState<D>, std::shared_ptr<PythonState<D>>> state(
       module, D == 2 ? "State" : "SphereState",
       "A copy of where everything is; arrays are read-only views into it.");
+  refuse_new(state);
   bind_bodies<D>(state);
   state
       .def_property_readonly(
@@ -398,6 +423,7 @@ void bind_step(py::module_& module) {
   using PythonStep = PythonStep<D>;
   py::class_<PythonStep, Step<D>> step(module, D == 2 ? "Step" : "SphereStep",
                                        "One step that was taken.");
+  refuse_new(step);
   bind_bodies<D>(step);
   const auto of_report = [](auto StepReport<D>::*field) {
     return [field](const PythonStep& s) { return s.report.*field; };
@@ -454,10 +480,16 @@ from.)")
       });
 }
 
-/// A simulation of disks or of spheres, as the scene has them.
-py::object make_simulation(const std::string& scene, const py::object& solver,
-                           std::optional<double> tol, std::optional<int> max_iterations,
-                           std::optional<bool> warm_start,
+std::string content_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// A simulation of disks or of spheres, as the scene has them. `scene`: file or shipped scene, or
+/// the name in messages of the text.
+py::object make_simulation(const std::string& scene, const std::optional<std::string>& given,
+                           const py::object& solver, std::optional<double> tol,
+                           std::optional<int> max_iterations, std::optional<bool> warm_start,
                            std::map<std::string, std::string> parameters,
                            std::optional<double> step, std::optional<int> num_steps,
                            std::optional<double> friction) {
@@ -469,11 +501,15 @@ py::object make_simulation(const std::string& scene, const py::object& solver,
                                 .step = step,
                                 .friction = friction,
                                 .num_steps = num_steps};
+  const std::string source = given ? scene : find_scene(scene).string();
+  std::string text = given ? *given : content_of(source);
+  AnyScene read = parse_any_scene(text, source);
   return std::visit(
-      [&]<int D>(Scene<D>&& read) {
-        return py::cast(std::make_unique<PythonSimulation<D>>(std::move(read), choice));
+      [&]<int D>(Scene<D>& one) {
+        return py::cast(
+            std::make_unique<PythonSimulation<D>>(std::move(one), std::move(text), choice));
       },
-      read_any_scene(find_scene(scene)));
+      read);
 }
 
 template <int D>
@@ -481,13 +517,18 @@ void bind_simulation_in(py::module_& module) {
   using Simulation = PythonSimulation<D>;
   bind_state<D>(module);
   bind_step<D>(module);
-  py::class_<Simulation>(module, D == 2 ? "Simulation" : "SphereSimulation")
-      .def("advance", &Simulation::advance)
+  py::class_<Simulation> simulation(module, D == 2 ? "Simulation" : "SphereSimulation");
+  refuse_new(simulation);
+  simulation.def("advance", &Simulation::advance)
       .def_property_readonly("state",
                              [](const Simulation& s) {
                                return std::make_shared<PythonState<D>>(PythonState<D>{s.state()});
                              })
       .def("set_wall", &set_wall<D>, py::arg("wall"), py::arg("velocity"), py::arg("force"))
+      .def("save", &Simulation::save, py::arg("folder"))
+      .def("load", &Simulation::load, py::arg("folder"))
+      .def_property_readonly("text", &Simulation::text)
+      .def_property_readonly("source", [](const Simulation& s) { return s.scene().source; })
       .def_property_readonly("title", [](const Simulation& s) { return s.scene().title; })
       .def_property_readonly("time", [](const Simulation& s) { return s.state().time; })
       .def_property_readonly("steps_done", [](const Simulation& s) { return s.state().step; })
@@ -502,8 +543,8 @@ void bind_simulation(py::module_& module) {
   py::register_exception<StepFailure>(module, "StepError", PyExc_RuntimeError);
   bind_simulation_in<2>(module);
   bind_simulation_in<3>(module);
-  module.def("make_simulation", &make_simulation, py::arg("scene"), py::arg("solver"),
-             py::arg("tol"), py::arg("max_iterations"), py::arg("warm_start"),
+  module.def("make_simulation", &make_simulation, py::arg("scene"), py::arg("text"),
+             py::arg("solver"), py::arg("tol"), py::arg("max_iterations"), py::arg("warm_start"),
              py::arg("parameters"), py::arg("step"), py::arg("num_steps"), py::arg("friction"));
 }
 

@@ -1,10 +1,19 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <set>
+#include <stdexcept>
 #include <string>
+#include <thread>
+#include <type_traits>
 #include <vector>
 
 #include "bench/python/arrays.h"
@@ -12,6 +21,7 @@
 #include "bench/python/callable_solver.h"
 #include "bench/python/python_problem.h"
 #include "bench/python/python_watch.h"
+#include "core/base/version.h"
 #include "core/problem/delassus.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
@@ -49,6 +59,7 @@ py::dtype history_type() {
 struct PythonResult {
   std::shared_ptr<const ContactProblem> problem;
   std::string solver;
+  double tol = 0;
   SolveResult solve;
   ContactCount count;
   std::vector<HistoryRow> history;
@@ -72,49 +83,219 @@ class IterationCallback {
   }
 
  private:
-  const py::object& callback_;
+  py::object callback_;
   PythonWatch& watch_;
+};
+
+/// What all solves of a call share.
+struct SolveRequest {
+  py::object solver;  ///< a name or a callable
+  double tol, time_limit;
+  std::string stop;
+  int max_iterations;
+  std::map<std::string, std::string> parameters;
+  py::object callback;  ///< or None
+};
+
+/// One solve; all but run() with Python's lock held.
+class PythonSolve {
+ public:
+  /// `stop`: ends the solve; must outlive it.
+  PythonSolve(const PythonProblem& given, const SolveRequest& request, const py::object& s0,
+              const std::atomic<bool>& stop)
+      : chosen_(choose_solver(request.solver, watch_)),
+        tell_(request.callback, watch_),
+        result_(std::make_shared<PythonResult>()) {
+    result_->problem = given.problem;
+    result_->solver = std::string(chosen_.entry.name);
+    result_->tol = options_.tol = request.tol;
+    options_.time_limit = request.time_limit;
+    options_.stop = parse_stop_test(request.stop);
+    options_.max_iterations = request.max_iterations;
+    options_.parameters = request.parameters;
+    if (!s0.is_none()) {
+      options_.s0 = to_vector(s0, "s0");
+      if (options_.s0.size() == 0 && given.problem->num_rows() > 0) {
+        throw std::invalid_argument(
+            fmt::format("start s0 has size 0, expected {}", given.problem->num_rows()));
+      }
+    }
+    options_.cancelled = [this, &stop] { return stop || watch_.stopped(); };
+    const bool told = !request.callback.is_none();
+    options_.on_iteration = [this, told](const IterationRecord& record) {
+      result_->history.push_back(row_of(record));
+      if (told) tell_(result_->history.back());
+    };
+  }
+  PythonSolve(const PythonSolve&) = delete;  // the options refer to it
+  PythonSolve& operator=(const PythonSolve&) = delete;
+
+  /// Without Python's lock.
+  void run() {
+    result_->solve = solve(chosen_.entry, *result_->problem, std::move(options_));
+    if (result_->solve.status == SolveStatus::kInvalidInput) return;
+    result_->count = count_contacts(*result_->problem, result_->solve.s);
+  }
+  /// True if Python code raised, or Ctrl-C was pressed.
+  bool raised() const { return watch_.raised(); }
+  /// Throws what Python code raised, and std::invalid_argument for bad input.
+  HeldResult finish() const {
+    watch_.rethrow();
+    if (result_->solve.status == SolveStatus::kInvalidInput) {
+      throw std::invalid_argument(result_->solve.message);
+    }
+    return result_;
+  }
+
+ private:
+  PythonWatch watch_;
+  ChosenSolver chosen_;
+  IterationCallback tell_;
+  HeldResult result_;
+  SolverOptions options_;
 };
 
 HeldResult solve_problem(const PythonProblem& given, const py::object& solver, double tol,
                          const py::object& s0, double time_limit, const std::string& stop,
                          int max_iterations, std::map<std::string, std::string> parameters,
                          const py::object& callback) {
-  PythonWatch watch;
-  const ChosenSolver chosen = choose_solver(solver, watch);
-  auto result = std::make_shared<PythonResult>();
-  result->problem = given.problem;
-  result->solver = std::string(chosen.entry.name);
-  SolverOptions options;
-  options.tol = tol;
-  options.time_limit = time_limit;
-  options.stop = parse_stop_test(stop);
-  options.max_iterations = max_iterations;
-  options.parameters = std::move(parameters);
-  if (!s0.is_none()) {
-    options.s0 = to_vector(s0, "s0");
-    if (options.s0.size() == 0 && given.problem->num_rows() > 0) {
-      throw std::invalid_argument(
-          fmt::format("start s0 has size 0, expected {}", given.problem->num_rows()));
-    }
-  }
-  options.cancelled = [&watch] { return watch.stopped(); };
-  const IterationCallback tell(callback, watch);
-  const bool told = !callback.is_none();
-  options.on_iteration = [&](const IterationRecord& record) {
-    result->history.push_back(row_of(record));
-    if (told) tell(result->history.back());
-  };
+  const std::atomic<bool> never = false;
+  PythonSolve one(given,
+                  {.solver = solver,
+                   .tol = tol,
+                   .time_limit = time_limit,
+                   .stop = stop,
+                   .max_iterations = max_iterations,
+                   .parameters = std::move(parameters),
+                   .callback = callback},
+                  s0, never);
   {
     const py::gil_scoped_release release;
-    result->solve = solve(chosen.entry, *given.problem, options);
+    one.run();
+  }
+  return one.finish();
+}
+
+/// Runs the solves on so many threads, each as if it were alone. The calling thread looks after
+/// Ctrl-C. Without Python's lock.
+void run_all(const std::vector<std::unique_ptr<PythonSolve>>& solves, int threads,
+             std::atomic<bool>& stop, PythonWatch& watch) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  int active = std::min(threads, static_cast<int>(solves.size()));
+  std::atomic<std::size_t> next = 0;
+  std::vector<std::thread> workers;
+  const auto work = [&] {
+    for (std::size_t k = next++; k < solves.size() && !stop; k = next++) {
+      solves[k]->run();
+      if (solves[k]->raised()) stop = true;
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    --active;
+    changed.notify_one();
+  };
+  for (int k = active; k > 0; --k) workers.emplace_back(work);
+  std::unique_lock<std::mutex> lock(mutex);
+  while (!changed.wait_for(lock, std::chrono::milliseconds(50), [&] { return active == 0; })) {
+    lock.unlock();  // Python code in the workers may hold Python's lock
+    if (watch.stopped()) stop = true;
+    lock.lock();
+  }
+  lock.unlock();
+  for (std::thread& worker : workers) worker.join();
+}
+
+std::vector<HeldResult> solve_all(const std::vector<std::shared_ptr<PythonProblem>>& problems,
+                                  const py::object& solver, double tol,
+                                  const std::vector<py::object>& s0, double time_limit,
+                                  const std::string& stop, int max_iterations,
+                                  std::map<std::string, std::string> parameters, int threads) {
+  const SolveRequest request{.solver = solver,
+                             .tol = tol,
+                             .time_limit = time_limit,
+                             .stop = stop,
+                             .max_iterations = max_iterations,
+                             .parameters = std::move(parameters),
+                             .callback = py::none()};
+  std::atomic<bool> over = false;
+  PythonWatch watch;
+  std::vector<std::unique_ptr<PythonSolve>> solves;
+  for (std::size_t k = 0; k < problems.size(); ++k) {
+    const py::object start = s0.empty() ? py::object(py::none()) : s0[k];
+    solves.push_back(std::make_unique<PythonSolve>(*problems[k], request, start, over));
+  }
+  {
+    const py::gil_scoped_release release;
+    run_all(solves, threads, over, watch);
   }
   watch.rethrow();
-  if (result->solve.status == SolveStatus::kInvalidInput) {
-    throw std::invalid_argument(result->solve.message);
+  for (const auto& one : solves) {
+    if (one->raised()) one->finish();
   }
-  result->count = count_contacts(*given.problem, result->solve.s);
-  return result;
+  std::vector<HeldResult> results;
+  for (std::size_t k = 0; k < solves.size(); ++k) {
+    try {
+      results.push_back(solves[k]->finish());
+    } catch (const std::invalid_argument& e) {
+      throw std::invalid_argument(fmt::format("problem {}: {}", k, e.what()));
+    }
+  }
+  return results;
+}
+
+/// The bytes of plain data, for pickle, and the data again.
+template <class Plain>
+py::bytes bytes_of(const Plain* data, std::size_t count) {
+  static_assert(std::is_trivially_copyable_v<Plain>);
+  return {reinterpret_cast<const char*>(data), count * sizeof(Plain)};
+}
+template <class Plain>
+std::vector<Plain> plain_of(const py::handle& bytes) {
+  const auto text = bytes.cast<std::string>();
+  std::vector<Plain> data(text.size() / sizeof(Plain));
+  if (text.size() != data.size() * sizeof(Plain)) {
+    throw std::invalid_argument("not the parts of a Result");
+  }
+  std::copy_n(text.data(), text.size(), reinterpret_cast<char*>(data.data()));
+  return data;
+}
+
+/// All of a result, for pickle; for the same version alone.
+py::tuple parts_of_result(const PythonResult& r) {
+  const SolveResult& x = r.solve;
+  return py::make_tuple(program_version(), std::make_shared<PythonProblem>(r.problem), r.solver,
+                        r.tol, static_cast<int>(x.status), x.message, copy_of(x.s), copy_of(x.u),
+                        bytes_of(&x.error, 1), x.iterations, x.setup_seconds, x.solve_seconds,
+                        bytes_of(&r.count, 1), bytes_of(r.history.data(), r.history.size()));
+}
+
+HeldResult result_of_parts(const py::tuple& parts) {
+  if (parts.size() != 14 || parts[0].cast<std::string>() != program_version()) {
+    throw std::invalid_argument(
+        fmt::format("a Result that another version pickled; this is bipot {}", program_version()));
+  }
+  auto r = std::make_shared<PythonResult>();
+  r->problem = parts[1].cast<std::shared_ptr<PythonProblem>>()->problem;
+  r->solver = parts[2].cast<std::string>();
+  r->tol = parts[3].cast<double>();
+  SolveResult& x = r->solve;
+  x.status = static_cast<SolveStatus>(parts[4].cast<int>());
+  x.message = parts[5].cast<std::string>();
+  x.s = to_vector(parts[6], "s");
+  x.u = to_vector(parts[7], "u");
+  x.error = plain_of<ContactError>(parts[8]).at(0);
+  x.iterations = parts[9].cast<int>();
+  x.setup_seconds = parts[10].cast<double>();
+  x.solve_seconds = parts[11].cast<double>();
+  r->count = plain_of<ContactCount>(parts[12]).at(0);
+  r->history = plain_of<HistoryRow>(parts[13]);
+  return r;
+}
+
+/// s without the scale of restitution.
+Vector impulse_of(const PythonResult& r) {
+  const Vector& scale = r.problem->row_scale;
+  return scale.size() == 0 ? r.solve.s : Vector(r.solve.s.cwiseQuotient(scale));
 }
 
 py::object worst_contact(const ContactError& error) {
@@ -133,6 +314,7 @@ void bind_iteration(py::module_& module) {
   py::class_<HistoryRow> iteration(
       module, "Iteration",
       "One judged iteration, as a callback of `solve` gets it; the fields of `Result.history`.");
+  refuse_new(iteration);
   iteration.def_readonly("iteration", &HistoryRow::iteration, "Number of completed iterations.")
       .def_readonly("seconds", &HistoryRow::seconds, "Wall time since the solver began [s].")
       .def_readonly("epsilon", &HistoryRow::epsilon, "Guarded form of the paper's (42).")
@@ -154,17 +336,22 @@ void bind_result(py::module_& module) {
   const auto of_error = [](auto ContactError::*field) {
     return [field](const PythonResult& r) { return r.solve.error.*field; };
   };
-  py::class_<PythonResult, HeldResult>(
+  py::class_<PythonResult, HeldResult> result(
       module, "Result",
       R"(How a solve ended. Arrays are read-only views; errors are those of s, judged once more on the
-original problem.)")
-      .def_readonly("solver", &PythonResult::solver, "Its name.")
+original problem. True in a condition if it converged.)");
+  refuse_new(result);
+  result.def_readonly("solver", &PythonResult::solver, "Its name.")
+      .def_readonly("tol", &PythonResult::tol, "What was asked for.")
       .def_property_readonly(
           "s", [](const HeldResult& r) { return view_of(r->solve.s, py::cast(r)); },
           "(m,) impulse in the friction cone [N s].")
       .def_property_readonly(
           "u", [](const HeldResult& r) { return view_of(r->solve.u, py::cast(r)); },
           "(m,) W s + u_free [m/s].")
+      .def_property_readonly(
+          "impulse", [](const PythonResult& r) { return copy_of(impulse_of(r)); },
+          "(m,) physical impulse, a copy: s / row_scale with restitution, else s [N s].")
       .def_property_readonly(
           "v",
           [](const HeldResult& r) -> py::object {
@@ -218,6 +405,14 @@ original problem.)")
           },
           R"(Structured array of the judged iterations: iteration, seconds, epsilon, eta, guarded,
 raw42, natural_map, step, take_off, stick, slip. A read-only view.)")
+      .def("__bool__", [](const PythonResult& r) { return is_success(r.solve.status); })
+      .def("__reduce__",
+           [](const PythonResult& r) {
+             return py::make_tuple(py::module_::import("bipot._pickle").attr("result_of"),
+                                   py::make_tuple(parts_of_result(r)));
+           })
+      .def("__copy__", [](const HeldResult& r) { return r; })
+      .def("__deepcopy__", [](const HeldResult& r, const py::dict&) { return r; })
       .def("__repr__", &representation);
 }
 
@@ -287,6 +482,10 @@ void bind_solve(py::module_& module) {
   module.def("solve", &solve_problem, py::arg("problem"), py::arg("solver"), py::arg("tol"),
              py::arg("s0"), py::arg("time_limit"), py::arg("stop"), py::arg("max_iterations"),
              py::arg("parameters"), py::arg("callback"));
+  module.def("solve_all", &solve_all, py::arg("problems"), py::arg("solver"), py::arg("tol"),
+             py::arg("s0"), py::arg("time_limit"), py::arg("stop"), py::arg("max_iterations"),
+             py::arg("parameters"), py::arg("threads"));
+  module.def("_result_of_parts", &result_of_parts, py::arg("parts"));
   module.def("solvers", &list_solvers);
   module.def("parameter_names", &parameter_names, py::arg("solver"));
 }

@@ -90,28 +90,13 @@ bool is_diagonal(const SparseMatrix& A) {
   return true;
 }
 
-std::string validate(const ContactProblem& p) {
+std::string validate_vectors(const ContactProblem& p) {
   if (p.dim < 1 || p.dim > 3) return fmt::format("dim = {}, expected 1, 2 or 3", p.dim);
   const Eigen::Index rows = static_cast<Eigen::Index>(p.dim) * p.mu.size();
   if (auto e = check_size("u_free", p.u_free.size(), rows); !e.empty()) return e;
-  if (rows > 0 && !p.has_delassus() && !p.has_velocities()) {
-    return "neither W nor (A, H) is given";
-  }
-  if (p.has_delassus()) {
-    if (auto e = check_size("W (rows)", p.W.rows(), rows); !e.empty()) return e;
-    if (auto e = check_size("W (columns)", p.W.cols(), rows); !e.empty()) return e;
-    if (!p.W.isCompressed()) return "W is not compressed: call makeCompressed()";
-    if (auto e = check_finite_entries("W", p.W); !e.empty()) return e;
-  }
   if (p.has_velocities()) {
-    if (auto e = check_size("H (columns)", p.H.cols(), rows); !e.empty()) return e;
-    if (auto e = check_size("A (rows)", p.A.rows(), p.H.rows()); !e.empty()) return e;
-    if (auto e = check_size("A (columns)", p.A.cols(), p.H.rows()); !e.empty()) return e;
     if (auto e = check_size("v_free", p.v_free.size(), p.H.rows()); !e.empty()) return e;
-    if (auto e = check_finite_entries("H", p.H); !e.empty()) return e;
-    if (auto e = check_finite_entries("A", p.A); !e.empty()) return e;
     if (auto e = check_finite("v_free", p.v_free); !e.empty()) return e;
-    if (auto e = check_mass_matrix(p.A); !e.empty()) return e;
   }
   if (auto e = check_finite("u_free", p.u_free); !e.empty()) return e;
   if (auto e = check_finite("mu", p.mu); !e.empty()) return e;
@@ -132,6 +117,29 @@ std::string validate(const ContactProblem& p) {
                            p.row_scale[c * 3 + 1], p.row_scale[c * 3 + 2]);
       }
     }
+  }
+  return {};
+}
+
+std::string validate(const ContactProblem& p) {
+  if (auto e = validate_vectors(p); !e.empty()) return e;
+  const Eigen::Index rows = p.u_free.size();
+  if (rows > 0 && !p.has_delassus() && !p.has_velocities()) {
+    return "neither W nor (A, H) is given";
+  }
+  if (p.has_delassus()) {
+    if (auto e = check_size("W (rows)", p.W.rows(), rows); !e.empty()) return e;
+    if (auto e = check_size("W (columns)", p.W.cols(), rows); !e.empty()) return e;
+    if (!p.W.isCompressed()) return "W is not compressed: call makeCompressed()";
+    if (auto e = check_finite_entries("W", p.W); !e.empty()) return e;
+  }
+  if (p.has_velocities()) {
+    if (auto e = check_size("H (columns)", p.H.cols(), rows); !e.empty()) return e;
+    if (auto e = check_size("A (rows)", p.A.rows(), p.H.rows()); !e.empty()) return e;
+    if (auto e = check_size("A (columns)", p.A.cols(), p.H.rows()); !e.empty()) return e;
+    if (auto e = check_finite_entries("H", p.H); !e.empty()) return e;
+    if (auto e = check_finite_entries("A", p.A); !e.empty()) return e;
+    if (auto e = check_mass_matrix(p.A); !e.empty()) return e;
   }
   return check_delassus_diagonal(p);
 }

@@ -50,4 +50,7 @@ bool is_diagonal(const SparseMatrix& A);
 /// rounded data of other codes are solved as they are.
 std::string validate(const ContactProblem& problem);
 
+/// The part of it that concerns the vectors: sizes, finite values, mu, row_scale.
+std::string validate_vectors(const ContactProblem& problem);
+
 }  // namespace bipot

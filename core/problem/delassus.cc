@@ -1,5 +1,6 @@
 #include "core/problem/delassus.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <numeric>
 #include <span>
@@ -137,7 +138,19 @@ SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
   return W;
 }
 
+/// For a robot's joints, say: sparse algebra would cost more than the solve.
+SparseRows assemble_few(const SparseMatrix& A, const SparseMatrix& H) {
+  const Eigen::LLT<Eigen::MatrixXd> factor{Eigen::MatrixXd(A)};
+  const Eigen::MatrixXd half = factor.matrixL().solve(Eigen::MatrixXd(H));
+  if (factor.info() != Eigen::Success || !half.allFinite()) {
+    throw std::runtime_error("the mass matrix A is not positive definite");
+  }
+  const Eigen::MatrixXd W = half.transpose() * half;
+  return SparseRows((0.5 * (W + W.transpose())).sparseView());
+}
+
 SparseRows assemble_general(const SparseMatrix& A, const SparseMatrix& H) {
+  if (A.rows() <= 64 && H.cols() <= 256) return assemble_few(A, H);
   SparseCholesky factor;
   if (!factor.factor(A)) throw std::runtime_error("the mass matrix A is not positive definite");
   const SparseMatrix velocity = factor.solve(H);

@@ -11,8 +11,8 @@ namespace bipot {
 
 /// W = Hᵀ A⁻¹ H in block rows. Every d x d block that couples two contacts is stored whole, columns
 /// sorted. With diagonal A, cost and memory are linear in the number of contact pairs that share a
-/// body, and the result is symmetric bit for bit. Else sparse Cholesky (CHOLMOD); throws
-/// std::runtime_error if A is not positive definite.
+/// body, and the result is symmetric bit for bit. Else Cholesky, dense for few bodies,
+/// sparse (CHOLMOD) for many; throws std::runtime_error if A is not positive definite.
 SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int dim);
 
 /// s -> W s, by the cheaper form that the problem offers. With a diagonal A: two passes through H

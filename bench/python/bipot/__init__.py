@@ -3,6 +3,7 @@
     p = bipot.Problem(A=A, H=H, v_free=v, u_free=b, mu=mu)   # or W=, u_free=, mu=
     r = bipot.solve(p, tol=1e-8)                              # r.s, r.status, r.epsilon, ...
     e = bipot.judge(p, s)                                     # of anybody's impulse
+    rs = bipot.solve([p, p.update(v_free=v2)], threads=2)     # a list of results
     t = bipot.compare([p, "pile:18"], solvers=["apgd", mine], tols=[1e-2, 1e-6])
     for step in bipot.Simulation("scene.toml"): ...
 
@@ -19,19 +20,27 @@ KeyboardInterrupt. Nothing prints. data/manual/tutorial/python.md is a tutorial,
 errors.
 """
 
-from ._bipot import (
-    Iteration,
-    JudgedContact,
-    Problem,
-    Result,
-    SphereState,
-    SphereStep,
-    State,
-    Step,
-    StepError,
-    Verdict,
-    __version__,
-)
+try:
+    from ._bipot import (
+        Iteration,
+        JudgedContact,
+        Problem,
+        Result,
+        SphereState,
+        SphereStep,
+        State,
+        Step,
+        StepError,
+        Verdict,
+        __version__,
+    )
+except ModuleNotFoundError as error:
+    if error.name != "bipot._bipot":
+        raise
+    from ._missing import how_to_build
+
+    raise ImportError(how_to_build()) from None
+from . import _display, _plot
 from ._advise import Advice, advise
 from ._compare import Comparison, compare, problems
 from ._simulation import Simulation

@@ -8,7 +8,8 @@ import os
 from typing import Any, Sequence
 
 from . import _bipot
-from ._names import named_options
+from ._display import table
+from ._names import flag, integer, named_options, number
 
 
 class Advice(dict):
@@ -30,6 +31,19 @@ class Advice(dict):
 
     def __repr__(self) -> str:
         return f"<bipot.Advice {self.status}: {self.message}>"
+
+    def _repr_html_(self) -> str:
+        return table(
+            "bipot.Advice",
+            [
+                ("status", self.status),
+                ("why", self.message),
+                ("solver", self.solver),
+                ("tolerance", self.tol),
+                ("warm start", self.warm_start),
+                ("time step", self.step and f"{self.step:g} s"),
+            ],
+        )
 
 
 @named_options
@@ -56,19 +70,19 @@ def advise(
     Raises ValueError for a scene or a goal that is refused, KeyboardInterrupt.
     """
 
-    def goal(x: float | None) -> float:
-        return math.nan if x is None else x
+    def goal(x: float | None, name: str) -> float:
+        return math.nan if x is None else number(x, name)
 
     text = _bipot.advise(
         os.fspath(scene),
-        goal(force_error),
-        goal(penetration),
-        goal(energy),
+        goal(force_error, "force_error"),
+        goal(penetration, "penetration"),
+        goal(energy, "energy"),
         list(solvers),
-        time_limit,
-        0 if window is None else window,
-        samples,
-        fresh,
-        keep_step,
+        number(time_limit, "time_limit"),
+        0 if window is None else number(window, "window"),
+        integer(samples, "samples"),
+        integer(fresh, "fresh"),
+        flag(keep_step, "keep_step"),
     )
     return Advice(json.loads(text))

@@ -8,7 +8,7 @@ from typing import Any, Callable, Iterable, Mapping, Sequence
 
 from . import _bipot
 from ._bipot import Problem
-from ._names import named_options, solver_name
+from ._names import flag, integer, named_options, number, optional, solver_name, text
 from ._solve import Solver
 
 Target = str | Problem | tuple[str, Problem]
@@ -116,16 +116,16 @@ def compare(
         sources,
         names,
         callables,
-        [float(tol) for tol in tols],
-        time_limit,
-        reference_time_limit,
-        repeat,
-        min_time,
-        try_all,
-        warm,
+        [number(tol, "tols") for tol in tols],
+        number(time_limit, "time_limit"),
+        number(reference_time_limit, "reference_time_limit"),
+        integer(repeat, "repeat"),
+        number(min_time, "min_time"),
+        flag(try_all, "try_all"),
+        flag(warm, "warm"),
         os.fspath(out) if out is not None else "",
-        scene_problems,
-        scene_steps,
+        integer(scene_problems, "scene_problems"),
+        optional(integer, scene_steps, "scene_steps"),
         on_row,
         f"bipot.compare([{shown}], solvers={list(given)}, tols={list(tols)})",
     )
@@ -137,7 +137,11 @@ def problems(
     *targets: str, scene_problems: int = 3, scene_steps: int | None = None
 ) -> list[Problem]:
     """The problems of what `compare` takes as text: files, folders, scenes, families ("pile:18")."""
-    return _bipot.problems(list(targets), scene_problems, scene_steps)
+    return _bipot.problems(
+        [text(target, "target") for target in targets],
+        integer(scene_problems, "scene_problems"),
+        optional(integer, scene_steps, "scene_steps"),
+    )
 
 
 def _source(target: Any, place: int) -> Any:

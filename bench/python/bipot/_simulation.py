@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterator
+import pathlib
+import tempfile
+from typing import Any, Iterator, Mapping
 
 from . import _bipot
 from ._bipot import SphereState, SphereStep, State, Step
-from ._names import parameter_texts, refuse_unknown
+from ._display import table
+from ._names import flag, integer, number, optional, parameter_texts, refuse_unknown, text
 from ._solve import Solver
+from ._toml import to_toml
 
 _OPTIONS = [
     "solver",
@@ -21,14 +25,36 @@ _OPTIONS = [
 ]
 
 
+class _SceneText(str):
+    """The text of a scene in the place of its name."""
+
+
+def _restored(
+    cls: type, options: dict[str, Any], source: str, text: str, files: dict[str, bytes]
+) -> Simulation:
+    """The simulation of `Simulation.__reduce__`."""
+    made = cls.__new__(cls)
+    made._options = options
+    made._make(source, text)
+    with tempfile.TemporaryDirectory() as folder:
+        for name, content in files.items():
+            path = pathlib.Path(folder, name)
+            path.parent.mkdir(exist_ok=True)
+            path.write_bytes(content)
+        made._native.load(folder)
+    return made
+
+
 class Simulation:
-    """A scene file (TOML), or a shipped scene by name, that is taken step by step.
+    """A scene that is taken step by step: a scene file (TOML), a shipped scene by name, or a
+    dictionary with the keys of a scene file. `Simulation.from_text` takes the text of a file.
 
         sim = bipot.Simulation("scene.toml")
         for step in sim:
             print(step.time, step.positions[:, 1].max())
 
-    Iterating goes on to the number of steps that the scene plans; `advance()` takes one step more.
+    A simulation is its own iterator, so that `next(sim)` takes a step. Iterating goes on to the
+    number of steps that the scene plans; `advance()` takes one step more.
     Each `Step` is a snapshot: its arrays are read-only views into it (problem, positions,
     velocities, angles, spins, radii, masses), its contacts and walls are copies. A scene in 3D
     has `SphereStep`s: positions, velocities and spins have three columns, `orientations` (unit
@@ -40,13 +66,15 @@ class Simulation:
         num_steps and friction (of all pairs). Other options are the solver's parameters. A scene of
         springs and dashpots (model dem) gets rigid contacts where a solver is named.
 
+    copy.deepcopy and pickle keep the state bit for bit, with walls as Python set them.
+
     For one thread at a time. Raises ValueError for a scene or an option that is refused, TypeError
     for one that does not exist.
     """
 
     def __init__(
         self,
-        scene: str | os.PathLike[str],
+        scene: str | os.PathLike[str] | Mapping[str, Any],
         *,
         solver: Solver | None = None,
         tol: float | None = None,
@@ -58,21 +86,68 @@ class Simulation:
         **parameters: float | int | str,
     ) -> None:
         refuse_unknown(parameters, [*_OPTIONS, *_bipot.parameter_names("")])
-        self._native = _bipot.make_simulation(
-            os.fspath(scene),
-            solver,
-            tol,
-            max_iterations,
-            warm_start,
-            parameter_texts(parameters),
-            step,
-            num_steps,
-            friction,
+        self._options = dict(
+            solver=solver,
+            tol=optional(number, tol, "tol"),
+            max_iterations=optional(integer, max_iterations, "max_iterations"),
+            warm_start=optional(flag, warm_start, "warm_start"),
+            parameters=parameter_texts(parameters),
+            step=optional(number, step, "step"),
+            num_steps=optional(integer, num_steps, "num_steps"),
+            friction=optional(number, friction, "friction"),
+        )
+        if isinstance(scene, Mapping):
+            scene = _SceneText(to_toml(scene))
+        if isinstance(scene, _SceneText):
+            self._make("scene", str(scene))
+            return
+        path = os.fspath(scene)
+        if "\n" in path:
+            raise ValueError("scene: this is the text of a scene; give it to Simulation.from_text")
+        self._make(path, None)
+
+    def _make(self, source: str, text: str | None) -> None:
+        self._native = _bipot.make_simulation(source, text, **self._options)
+
+    @classmethod
+    def from_text(cls, toml: str, **options: Any) -> Simulation:
+        """The simulation of a scene that is given as text (TOML); options as above."""
+        return cls(_SceneText(text(toml, "toml")), **options)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        with tempfile.TemporaryDirectory() as folder:
+            self._native.save(folder)
+            files = {
+                str(path.relative_to(folder)): path.read_bytes()
+                for path in pathlib.Path(folder).rglob("*.h5")
+            }
+        return _restored, (type(self), self._options, self._native.source, self._native.text, files)
+
+    def __repr__(self) -> str:
+        return (
+            f"<bipot.Simulation {self.title or self._native.source}: step {self.steps_done} of "
+            f"{self.num_steps}, t = {self.time:g} s, {len(self.state.radii)} bodies>"
+        )
+
+    def _repr_html_(self) -> str:
+        return table(
+            f"bipot.Simulation {self.title}",
+            [
+                ("scene", self._native.source),
+                ("steps", f"{self.steps_done} of {self.num_steps}, each {self.step_size:g} s"),
+                ("t", f"{self.time:g} s"),
+                ("bodies", len(self.state.radii)),
+                ("walls", len(self.walls)),
+            ],
         )
 
     def __iter__(self) -> Iterator[Step | SphereStep]:
-        while self.steps_done < self.num_steps:
-            yield self.advance()
+        return self
+
+    def __next__(self) -> Step | SphereStep:
+        if self.steps_done >= self.num_steps:
+            raise StopIteration
+        return self.advance()
 
     def advance(self) -> Step | SphereStep:
         """Takes one step. A step whose solve did not converge is taken and says so (`converged`,

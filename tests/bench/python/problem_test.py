@@ -219,12 +219,118 @@ def test_wrong_types_are_refused_by_name():
     )
     message = refusal(TypeError, W=W, ufree=b, mu=[1])
     assert "unknown option 'ufree'; did you mean 'u_free'?" in message
+    for name, meant in (("friction", "mu"), ("jacobian", "J"), ("mass_matrix", "A"), ("b", "u_free")):
+        message = refusal(TypeError, **{"W": W, "u_free": b, "mu": [1], name: 1})
+        assert message.startswith(f"unknown option '{name}'; did you mean '{meant}'?")
+    with pytest.raises(TypeError, match="expected keywords: Problem"):
+        bipot.Problem(W, b, [1])
+    assert "u_free: setting an array element" in refusal(W=W, u_free=[[1, 2], [3]], mu=[1])
+
+
+def test_masked_entries_are_refused():
+    W, b = np.eye(2), np.array([-1.0, 0])
+    hidden = np.ma.array(b, mask=[True, False])
+    assert refusal(W=W, u_free=hidden, mu=[1]) == "u_free has masked entries: give a number for each"
+    assert "W has masked" in refusal(W=np.ma.masked_equal(W, 0), u_free=b, mu=[1])
+    rows = [np.ma.array([1.0, 0.0], mask=[0, 1]), [0.0, 1.0]]
+    assert "W has masked" in refusal(W=rows, u_free=b, mu=[1])
+    with pytest.raises(ValueError, match="s has masked"):
+        bipot.judge(one_contact(-1, 0), np.ma.array([1.0, 0.0], mask=True))
+    whole = bipot.Problem(W=W, u_free=np.ma.array(b, mask=False), mu=[1])
+    assert np.array_equal(whole.u_free, b)
+
+
+def test_no_object_exists_without_its_data():
+    p = one_contact(-1, 0)
+    with pytest.raises(ValueError, match="neither W nor"):
+        bipot.Problem.__new__(bipot.Problem)
+    r, v = bipot.solve(p), bipot.judge(p, [1, 0])
+    sim = bipot.Simulation("sliding_cylinder")
+    for thing in (r, v, sim.advance(), sim.state, sim._native):
+        with pytest.raises(TypeError, match="is made by the functions of bipot"):
+            type(thing).__new__(type(thing))
+        with pytest.raises(TypeError):
+            type(thing)()
+    p.__init__(W=np.eye(4), u_free=[0, 0, 0, 0], mu=[1, 1])  # a second one changes nothing
+    assert p.num_contacts == 1
+    with pytest.raises(TypeError, match="not an acceptable base type"):
+        type("Mine", (bipot.Problem,), {})
+
+
+def test_a_pickled_array_file_is_refused(tmp_path):
+    np.save(tmp_path / "p.npy", np.array([{}], dtype=object), allow_pickle=True)
+    with pytest.raises(ValueError, match="p.npy"):
+        bipot.read(tmp_path / "p.npy")
+
+
+def test_a_jacobian_is_the_transpose(lattice):
+    """J = H^T with M = A, as robots have them: J is m x n."""
+    p = lattice
+    for J in (p.H.T, p.H.T.toarray(), p.H.T.tocoo()):
+        q = bipot.Problem(M=p.A, J=J, v_free=p.v_free, u_free=p.u_free, mu=p.mu)
+        same(q.H, p.H)
+        same(q.A, p.A)
+    H, v = np.arange(12.0).reshape(6, 2) + 1, np.zeros(6)
+    assert refusal(A=np.eye(6), H=H.T, v_free=v, mu=[0.5]) == (
+        "H is 2 x 6, expected 6 x m; did you pass J = H^T? Give it as J="
+    )
+    assert refusal(M=np.eye(6), J=H, v_free=v, mu=[0.5]) == (
+        "J is 6 x 2, expected m x 6; did you pass H = J^T? Give it as H="
+    )
+    assert bipot.Problem(M=np.eye(6), J=H.T, v_free=v, mu=[0.5]).num_rows == 2
+    assert "give H or J, not both" in refusal(A=np.eye(6), H=H, J=H.T, v_free=v, mu=[0.5])
+    assert "give A or M, not both" in refusal(A=np.eye(6), M=np.eye(6), H=H, v_free=v, mu=[0.5])
+
+
+def test_a_ball_bounces_with_friction():
+    """1 kg meets the ground with (-1, 0.5) m/s, e_n = 0.8, mu = 0.1, not turning. u_n after is
+    0.8, so s_n = 1.8; friction slips with s_t = -0.18, and u_t after is 0.5 - 0.18 = 0.32."""
+    u = np.array([-1, 0.5])
+    by_bodies = dict(A=np.eye(2), H=np.eye(2), v_free=u, v_before=u)
+    by_contacts = dict(W=np.eye(2), u_free=u, u_before=u)
+    for given in (by_bodies, by_contacts):
+        for e in (0.8, [0.8], [0.8, 0.0]):
+            p = bipot.Problem(**given, mu=[0.1], restitution=e)
+            r = bipot.solve(p, tol=1e-12)
+            assert np.allclose(r.impulse, [1.8, -0.18], atol=1e-9)
+            assert np.allclose(p.row_scale, [1.8**0.5, 1])
+            after = p.row_scale * r.u - np.array([0.8, 0]) * u  # r' u' is (1 + e) times the mean
+            assert np.allclose(after, [0.8, 0.32], atol=1e-9)
+            if r.v is not None:
+                assert np.allclose(r.v, [0.8, 0.32], atol=1e-9)
+    # Twice as fast: all is twice as much. With e = 0 the ball stays.
+    fast = p.update(u_free=2 * u, u_before=2 * u)
+    assert np.allclose(bipot.solve(fast, tol=1e-12).impulse, [3.6, -0.36], atol=1e-9)
+    dead = bipot.Problem(**by_bodies, mu=[0.1], restitution=0)
+    assert np.allclose(bipot.solve(dead, tol=1e-12).v, [0, 0.4], atol=1e-9)
+    # A bouncing sphere of d = 3 and friction that is scaled back: mu 0.3 after an update.
+    rough = bipot.Problem(W=np.eye(3), u_free=[-1, 0.3, 0.4], u_before=[-1, 0.3, 0.4], mu=[0.1],
+                          restitution=0.8).update(mu=0.2)
+    assert np.allclose(bipot.solve(rough, tol=1e-12).impulse, [1.8, -0.216, -0.288], atol=1e-9)
+
+
+def test_restitution_that_is_not_whole_is_refused():
+    W, u = np.eye(2), [-1.0, 0.5]
+    given = dict(W=W, u_free=u, mu=[0.1])
+    assert "needs the velocities before the impact" in refusal(**given, restitution=0.8)
+    assert "expected numbers from 0 to 1" in refusal(**given, restitution=1.5, u_before=u)
+    assert "restitution has size 3, expected 1, 1 or 2" in refusal(
+        **given, restitution=[0, 0, 0], u_before=u
+    )
+    assert "u_before has size 1, expected 2" in refusal(**given, restitution=0.8, u_before=[1])
+    assert "without restitution" in refusal(**given, u_before=u)
+    assert "row_scale is given with restitution" in refusal(
+        **given, restitution=0.8, u_before=u, row_scale=[1, 1]
+    )
+    assert "give v_before or u_before, not both" in refusal(
+        **given, restitution=0.8, u_before=u, v_before=u
+    )
+    p = bipot.Problem(**given, restitution=0.8, u_before=u)
+    with pytest.raises(ValueError, match="needs the velocities before"):
+        p.update(u_free=u)
 
 
 def test_indices_beyond_32_bits_are_refused():
-    class Huge:
-        """Looks like scipy's, without the memory."""
-
     W = sparse.csr_matrix((2**31, 2))
     assert "at most 2147483647 of each can be stored" in refusal(W=W, u_free=[0, 0], mu=[1])
 

@@ -26,6 +26,66 @@ def test_a_scene_is_taken_step_by_step():
     assert sim.advance().step == 11  # further than the scene plans
 
 
+def test_a_simulation_is_its_iterator():
+    sim = bipot.Simulation("square_lattice", num_steps=3)
+    assert iter(sim) is sim
+    assert [next(sim).step, next(sim).step] == [1, 2]
+    assert [s.step for s in sim] == [3]
+    with pytest.raises(StopIteration):
+        next(sim)
+
+
+SLIDE = """
+title = "a slide"
+[contact]
+mu = 0.2
+[[disks]]
+position = [0, 0.5]
+radius = 0.5
+mass = 2
+velocity = [3, 0]
+[[walls]]
+name = "floor \\"1\\""
+point = [0, 0]
+normal = [0, 1]
+[time]
+step = 0.01
+steps = 5
+"""
+
+
+def test_a_scene_may_be_a_text_or_a_dictionary(tmp_path):
+    """After 0.05 s of sliding the disk is slower by mu g t."""
+    (tmp_path / "slide.toml").write_text(SLIDE)
+    as_dict = {
+        "title": "a slide",
+        "contact": {"mu": np.float32(0.2).item()},
+        "disks": [dict(position=np.array([0, 0.5]), radius=0.5, mass=2, velocity=(3, 0))],
+        "walls": [dict(name='floor "1"', point=[0, 0], normal=[np.int64(0), 1])],
+        "time": {"step": 0.01, "steps": 5},
+    }
+    as_dict["contact"]["mu"] = 0.2
+    sims = [
+        bipot.Simulation(tmp_path / "slide.toml", tol=1e-10),
+        bipot.Simulation.from_text(SLIDE, tol=1e-10),
+        bipot.Simulation(as_dict, tol=1e-10),
+    ]
+    speeds = [[step.velocities[0, 0] for step in sim][-1] for sim in sims]
+    assert speeds[0] == speeds[1] == speeds[2] == pytest.approx(3 - 0.2 * 9.81 * 0.05)
+    assert [sim.walls[0]["name"] for sim in sims] == ['floor "1"'] * 3
+    assert [sim.title for sim in sims] == ["a slide"] * 3
+    with pytest.raises(ValueError, match="scene.*frictoin"):
+        bipot.Simulation({**as_dict, "contact": {"frictoin": 1}})
+    with pytest.raises(ValueError, match="scene:2: .*frictoin"):
+        bipot.Simulation.from_text("[contact]\nfrictoin = 1")
+    with pytest.raises(ValueError, match="give it to Simulation.from_text"):
+        bipot.Simulation(SLIDE)
+    with pytest.raises(TypeError, match="contact.mu: expected a number, .*got object"):
+        bipot.Simulation({**as_dict, "contact": {"mu": object()}})
+    with pytest.raises(TypeError, match="did you mean 'step'"):
+        bipot.Simulation.from_text(SLIDE, dt=0.1)
+
+
 def test_arrays_of_a_step_are_views_of_a_snapshot():
     sim = bipot.Simulation("bouncing_ball")
     first = sim.advance()

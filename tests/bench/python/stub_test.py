@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import os
 import pathlib
 import subprocess
 import sys
@@ -23,10 +24,9 @@ def test_the_stub_names_what_there_is():
     there = {n for n in vars(_bipot) if not n.startswith("_")}
     assert classes.keys() | functions == there
     for name, node in classes.items():
-        named = {n.name for n in node.body if isinstance(n, ast.FunctionDef)} - {"__init__"}
-        for base in node.bases:
-            if base.id in classes:  # Step has all that State has
-                named |= {n.name for n in classes[base.id].body if isinstance(n, ast.FunctionDef)}
+        nodes = [node, *(classes[base.id] for base in node.bases if base.id in classes)]  # Step: State
+        named = {n.name for one in nodes for n in one.body if isinstance(n, ast.FunctionDef)}
+        named = {name for name in named if not name.startswith("_")}
         if name != "StepError":
             assert named == members(getattr(_bipot, name)), name
 
@@ -64,11 +64,43 @@ def test_options_are_keywords():
         assert len(positional) <= 2 and inspect.Parameter.KEYWORD_ONLY in kinds
 
 
+def test_a_dense_problem_needs_no_scipy():
+    code = """
+import sys
+sys.modules["scipy"] = None
+import bipot
+import numpy as np
+p = bipot.Problem(A=np.eye(2), H=np.eye(2), v_free=[-1, 0.75], mu=[0.5])
+assert np.allclose(bipot.solve(p, tol=1e-10).s, [1, -0.5])
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_module_that_is_not_built_says_what_to_build(tmp_path):
+    """bench/run.sh builds the command alone; another Python finds a module that is not its own."""
+    package = tmp_path / "bipot"
+    package.mkdir()
+    for source in pathlib.Path(bipot.__file__).parent.glob("*.py"):
+        (package / source.name).write_text(source.read_text())
+
+    def refusal():
+        run = subprocess.run(
+            [sys.executable, "-c", "import bipot"], capture_output=True, text=True, cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        )
+        assert run.returncode == 1
+        return run.stderr.strip().splitlines()[-1]
+
+    assert "is not built" in refusal() and "--target bipot_python" in refusal()
+    (package / "_bipot.cpython-27-linux-gnu.so").touch()
+    assert "built for cpython-27-linux-gnu, this is Python 3" in refusal()
+
+
 def test_the_module_loads_without_numpy():
     """Another python3 of the same version may lack it; what needs arrays says so."""
     code = """
 import sys
-sys.modules["numpy"] = sys.modules["scipy"] = None
+sys.modules["numpy"] = sys.modules["scipy"] = sys.modules["matplotlib"] = None
 import bipot
 assert any(row["name"] == "auto" for row in bipot.solvers())
 try:

@@ -27,7 +27,7 @@ def test_the_tutorial_runs_and_prints_what_it_says():
     assert printed[1].strip() == re.search(r"# (u_free has size 3.*)", TEXT).group(1)
     assert printed[2].split("\n")[0] == re.search(r"It says `(.*?)`", TEXT).group(1)
     assert "apgd: converged" in printed[3]
-    assert "projected_gradient" in printed[4]
+    assert "projected_gradient" in printed[5]
 
 
 def test_the_lines_of_the_readme_run():
