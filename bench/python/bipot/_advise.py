@@ -78,7 +78,7 @@ def advise(
         goal(force_error, "force_error"),
         goal(penetration, "penetration"),
         goal(energy, "energy"),
-        list(solvers),
+        [solvers] if isinstance(solvers, str) else list(solvers),
         number(time_limit, "time_limit"),
         0 if window is None else number(window, "window"),
         integer(samples, "samples"),

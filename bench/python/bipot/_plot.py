@@ -57,12 +57,19 @@ def plot_bodies(self, axes=None):
             those = c["status"] == status
             if those.any():
                 axes.add_collection(
-                    LineCollection(lines[those], linewidths=widths[those], color=colour, label=label)
+                    LineCollection(lines[those], linewidths=widths[those], color=colour)
                 )
+                axes.plot([], [], color=colour, label=label)  # for the legend
         axes.legend(loc="upper right")
 
-    if len(x):
-        low, high = (x - radii[:, None]).min(axis=0), (x + radii[:, None]).max(axis=0)
+    low, high = x - radii[:, None], x + radii[:, None]
+    for wall in self.walls:  # planes have no end
+        if wall["radius"] is not None or wall["b"] is not None:
+            for end in (wall["a"], wall["b"] or wall["a"]):
+                place, reach = np.array([end[k] for k in seen]), wall["radius"] or 0
+                low, high = np.vstack([low, place - reach]), np.vstack([high, place + reach])
+    if len(low):
+        low, high = low.min(axis=0), high.max(axis=0)
         margin = 0.05 * (high - low).max()
         axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     axes.set_aspect("equal")

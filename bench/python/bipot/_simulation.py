@@ -164,7 +164,8 @@ class Simulation:
         The wall keeps it until it is set again. Raises ValueError for a wall that does not exist or
         moves otherwise.
         """
-        self._native.set_wall(wall, velocity, force)
+        which = wall if isinstance(wall, str) else integer(wall, "wall")
+        self._native.set_wall(which, velocity, force)
 
     @property
     def state(self) -> State | SphereState:

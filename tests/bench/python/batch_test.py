@@ -160,6 +160,13 @@ def test_a_pickle_that_was_changed_is_refused():
         function(("0.0.1", *parts[1:]))
 
 
+def test_what_cannot_be_pickled_says_so():
+    step = bipot.Simulation("bouncing_ball").advance()
+    for thing in (step, bipot.judge(chain(1), [1, 0])):
+        with pytest.raises(TypeError, match="cannot pickle 'bipot._bipot"):
+            pickle.dumps(thing)
+
+
 def solved(p):
     return bipot.solve(p, tol=1e-6)
 

@@ -122,6 +122,7 @@ def test_more_names_lead_to_the_right_one():
         (lambda: bipot.write(1, "p.hdf5"), "problem: expected a bipot.Problem, got int 1"),
         (lambda: bipot.Simulation("bouncing_ball", step="a"), "step: expected a number"),
         (lambda: bipot.Simulation("bouncing_ball", warm_start=2), "warm_start: expected True or"),
+        (lambda: bipot.Simulation("bouncing_ball").set_wall(0.5, force=1), "wall: expected an integer"),
         (lambda: bipot.advise("bouncing_ball", energy="a"), "energy: expected a number"),
         (lambda: bipot.compare("pile:4", tols=["a"]), "tols: expected a number"),
         (lambda: bipot.problems(4), "target: expected a text, got int 4"),

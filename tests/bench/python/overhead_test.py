@@ -47,3 +47,31 @@ def test_large_problems_go_over_in_little_time():
     print(f"Problem of 1e5 contacts: {1e3 * made:.1f} ms, views {1e3 * viewed:.2f} ms")
     assert made < 1 and viewed < 0.05
     assert chain(2).num_contacts == 2
+
+
+def best(call, times=300):
+    seconds = []
+    for _ in range(times):
+        begin = time.perf_counter()
+        call()
+        seconds.append(time.perf_counter() - begin)
+    return 1e6 * min(seconds)
+
+
+def small_problems():
+    """One contact, and eight in space with coordinates that are not coupled, and coupled."""
+    rng = np.random.default_rng(0)
+    A, H, v = np.diag(rng.uniform(1, 2, 24)), rng.normal(size=(24, 24)), rng.normal(size=24)
+    yield "one", dict(W=np.diag([1.0, 3.0]), u_free=[-1, 0.75], mu=[0.5])
+    yield "eight", dict(A=A, H=H, v_free=v, mu=[0.5] * 8)
+    yield "eight, sparse", dict(A=sparse.csc_matrix(A), H=sparse.csc_matrix(H), v_free=v, mu=[0.5] * 8)
+    yield "eight, coupled", dict(A=A + 0.1, H=H, v_free=v, mu=[0.5] * 8)
+
+
+@pytest.mark.parametrize("name, data", small_problems())
+def test_a_problem_costs_no_more_than_its_solve(name, data):
+    p = bipot.Problem(**data)
+    made, solved = best(lambda: bipot.Problem(**data)), best(lambda: bipot.solve(p, tol=1e-6))
+    changed = best(lambda: p.update(u_free=p.u_free))
+    print(f"{name}: Problem {made:.1f} us, update {changed:.1f} us, solve {solved:.1f} us")
+    assert made <= solved and changed <= 0.5 * solved

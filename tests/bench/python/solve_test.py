@@ -205,6 +205,7 @@ except KeyboardInterrupt:
     "call",
     [
         'bipot.solve(p, solver="pgs", tol=1e-15, time_limit=60)',
+        'bipot.solve([p] * 4, solver="pgs", tol=1e-15, time_limit=60, threads=2)',
         "list(sim)",
         'bipot.compare(p, solvers=["pgs"], tols=[1e-15], time_limit=60)',
         'bipot.advise("collapse_1000", force_error=1e-3)',
