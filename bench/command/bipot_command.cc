@@ -10,6 +10,7 @@
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -143,8 +144,10 @@ int run_command_line(int argc, const char* const* argv) {
     return refuse(parsed.refusal, kExitBadInput);
   }
   const auto say_and_refuse = [&](const std::exception& e, ExitCode code) {
-    fmt::print(stderr, "bipot: {}\n", printable(e.what()));
-    return refuse(e.what(), code);
+    const bool full = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
+    const std::string message = full ? "not enough memory" : printable(e.what());
+    fmt::print(stderr, "bipot: {}\n", message);
+    return refuse(message, code);
   };
   try {
     for (const Command& c : commands) {
