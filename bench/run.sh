@@ -7,4 +7,4 @@ cmake --preset release
 cmake --build --preset release --target bipot
 scene="${1:-compaction}"
 shift || true
-build/release/bipot run "$scene" --out "out/$(basename "$scene" .toml)" "$@"
+build/release/bipot run "$scene" --overwrite "$@"

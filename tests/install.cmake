@@ -34,7 +34,7 @@ execute_process(COMMAND ${prefix}/bin/bipot list scenes OUTPUT_VARIABLE scenes $
 if(NOT scenes MATCHES "compaction")
   message(FATAL_ERROR "the installed command does not list the installed scenes: ${scenes}")
 endif()
-execute_process(COMMAND ${prefix}/bin/bipot run sliding_cylinder --steps 5 -q ${check})
+execute_process(COMMAND ${prefix}/bin/bipot run sliding_cylinder --steps 5 -q --overwrite ${check})
 if(PYTHON)
   set(folder ${BUILD}/install_test_python)  # away from the sources
   file(MAKE_DIRECTORY ${folder})

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
@@ -14,6 +17,7 @@
 #include "bench/command/failure_text.h"
 #include "bench/command/progress_bar.h"
 #include "bench/command/run_processes.h"
+#include "bench/command/run_start.h"
 #include "bench/command/run_summary.h"
 #include "bench/measure/peak_memory.h"
 #include "bench/problems/observable_charts.h"
@@ -24,6 +28,7 @@
 #include "core/base/interrupt.h"
 #include "core/base/stopwatch.h"
 #include "core/base/version.h"
+#include "core/files/folder_lock.h"
 #include "core/files/input_file.h"
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
@@ -73,7 +78,9 @@ void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
 /// Applies the command line's changes, and checks the result before anything is written.
 template <int D>
 void apply_flags(const RunFlags& flags, Scene<D>& scene) {
-  if (flags.steps) scene.num_steps = *flags.steps;  // with --restart: from there
+  if (flags.steps && flags.duration) {
+    throw std::invalid_argument("give --steps or --duration: one decides the other");
+  }
   if (flags.step_size) scene.step = *flags.step_size;
   scene.solver = merged(scene.solver, flags.solver);
   if (flags.model) {
@@ -90,7 +97,35 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
 }
 
-/// Output that the flags ask for; no folder without --out.
+/// Steps that remain: of the flags, else up to the end of the scene, which is a time or a number
+/// of steps.
+template <int D>
+int remaining_steps(const RunFlags& flags, const Scene<D>& scene, const State<D>& state) {
+  if (flags.steps) return *flags.steps;
+  if (!flags.duration && scene.duration == 0) return scene.num_steps - state.step;
+  // Of the whole duration where all steps have the same size: a restart ends with the same step.
+  const bool whole =
+      !flags.duration && std::abs(state.time - state.step * scene.step) < 1e-6 * scene.step;
+  const double duration = flags.duration ? *flags.duration
+                          : whole        ? scene.duration
+                                         : scene.duration - state.time;
+  const double steps = std::round(duration / scene.step) - (whole ? state.step : 0);
+  if (!(steps < std::numeric_limits<int>::max())) {
+    throw std::invalid_argument(
+        fmt::format("{:.3g} s are too many steps of {:.3g} s", duration, scene.step));
+  }
+  return std::max(static_cast<int>(steps), 0);
+}
+
+/// Says so where flags change the time that the scene would simulate, else nothing.
+template <int D>
+std::string changed_time(double planned, const Scene<D>& scene, const State<D>& state) {
+  const double ends = state.time + scene.step * (scene.num_steps - state.step);
+  if (std::abs(ends - planned) <= 0.6 * scene.step) return {};
+  return fmt::format("the run ends at t = {:.6g} s, the scene at {:.6g} s", ends, planned);
+}
+
+/// Output that the flags ask for.
 RunFolderOptions folder_options(const RunFlags& flags, const std::string& scene_text) {
   using Problems = RunFolderOptions::Problems;
   RunFolderOptions folder;
@@ -100,16 +135,30 @@ RunFolderOptions folder_options(const RunFlags& flags, const std::string& scene_
   folder.problems = flags.dump_problems == "all"      ? Problems::kAll
                     : flags.dump_problems == "failed" ? Problems::kFailed
                                                       : Problems::kNone;
-  folder.resume = !flags.common.out.empty() && !flags.restart.empty() &&
-                  fs::exists(folder.folder) &&
+  folder.resume = !flags.restart.empty() && fs::exists(folder.folder) &&
                   fs::equivalent(folder.folder, run_folder(flags.restart));
   return folder;
 }
 
-void make_folder(const fs::path& folder) {
+/// Makes the folder of the results and holds it. Throws std::invalid_argument if another run writes
+/// into it, or if an earlier one lies there and the flags do not say what becomes of it.
+std::unique_ptr<FolderLock> claim_folder(const RunFlags& flags, const RunFolderOptions& options) {
+  const fs::path& folder = options.folder;
+  if (flags.overwrite && options.resume) {
+    throw std::invalid_argument("--restart goes on in " + folder.string() +
+                                ", --overwrite would delete it: give one");
+  }
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileError(folder, "", "cannot create: " + error.message());
+  auto lock = std::make_unique<FolderLock>(folder);
+  const std::vector<int> steps = steps_in_folder(folder);
+  if (!steps.empty() && !options.resume && !flags.overwrite) {
+    throw std::invalid_argument(
+        fmt::format("{} holds a run of {} steps: --restart {} or --overwrite", folder.string(),
+                    steps.back(), folder.string()));
+  }
+  return lock;
 }
 
 /// A run that was complete already. Its files do not change.
@@ -163,15 +212,19 @@ struct PreparedRun {
   Scene<D> scene;
   State<D> state;
   SceneRunOptions<D> options;
+  std::unique_ptr<FolderLock> lock;  // of the folder of the results, on the speaker
+  StartReport start;
+  std::string note;         // on the simulated time
   std::string whole_state;  // reason why this process has the whole state; empty: it has a part
 };
 
-/// Reads and checks, up to the last refusal before anything is written. `text`: of the scene's
-/// file.
+/// Reads and checks, up to the last refusal before a result is written; the folder is made. `text`:
+/// of the scene's file.
 template <int D>
 PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::string& text) {
   PreparedRun<D> run;
   refuse_on_several_processes(flags.common, "");
+  const double planned = scene.step * scene.num_steps;
   apply_flags(flags, scene);
   run.scene = std::move(scene);
   SceneRunOptions<D>& options = run.options;
@@ -184,16 +237,25 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
   options.reproducible = flags.reproducible;
   if (on_several_processes() || flags.reproducible) options.processes = &run_processes();
   const SceneStepper<D> refuses(run.scene, options);
-  if (flags.common.out.empty() && !flags.dump_problems.empty()) {
-    throw std::invalid_argument("--dump-problems needs --out DIR");
-  }
-  run.state = flags.restart.empty() ? initial_state(run.scene) : read_state<D>(flags.restart);
-  if (const std::string mismatch = restart_mismatch(run.scene, run.state); !mismatch.empty()) {
-    throw std::invalid_argument(flags.restart + " does not fit the scene: " + mismatch);
-  }
-  if (flags.steps) run.scene.num_steps = run.state.step + *flags.steps;
-  options.steps = run.scene.num_steps - run.state.step;
   options.folder = folder_options(flags, text);
+  if (!flags.restart.empty()) {
+    run.state = read_state<D>(flags.restart);
+    if (const std::string mismatch = restart_mismatch(run.scene, run.state); !mismatch.empty()) {
+      throw std::invalid_argument(flags.restart + " does not fit the scene: " + mismatch);
+    }
+  }
+  options.steps = remaining_steps(flags, run.scene, run.state);
+  run.scene.num_steps = run.state.step + *options.steps;
+  run.note = changed_time(planned, run.scene, run.state);
+  if (!flags.restart.empty() && *options.steps == 0) return run;
+  if (is_speaker()) run.lock = claim_folder(flags, options.folder);
+  if (flags.restart.empty()) {
+    const fs::path picture = is_speaker() ? options.folder.folder / "start.png" : fs::path();
+    std::error_code no_matter;
+    if (is_speaker()) fs::remove(picture, no_matter);
+    run.start = check_start(run.scene, picture, options.threads);
+    run.state = initial_state(run.scene);
+  }
   run.whole_state = needs_whole_state(run.scene, options);
   return run;
 }
@@ -244,15 +306,12 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   const Scene<D>& scene = prepared.scene;
   const State<D>& state = prepared.state;
   const fs::path& folder = prepared.options.folder.folder;
-  if (!flags.restart.empty() && state.step >= scene.num_steps) {
+  if (!flags.restart.empty() && *prepared.options.steps == 0) {
     return is_speaker() ? nothing_to_do(flags, scene, state, quiet) : int{kExitConverged};
   }
   together([&] {
     if (!is_speaker()) return;
-    if (!folder.empty()) {
-      if (scene.observables) require_plotting_tool();
-      make_folder(folder);
-    }
+    if (scene.observables) require_plotting_tool();
     require_writable(flags.common.json);  // may lie in the folder that was just made
   });
 
@@ -264,7 +323,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   if (run.domains) run_processes().largest(peak);
   const auto [status, exit_code] = outcome_of(run);
   if (!is_speaker()) return exit_code;
-  if (scene.observables && !folder.empty()) draw_observables(folder);
+  if (scene.observables) draw_observables(folder);
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", run.failure->what());
     if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
@@ -273,8 +332,15 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   }
   fmt::print(stderr, "{}", taken.advice);
   if (!flags.common.quiet) fmt::print(stderr, "{}", taken.warning);
-  const RunSummary<D> summary{scene,           state,           run, status, exit_code,
-                              watch.seconds(), flags.common.out};
+  const RunSummary<D> summary{.scene = scene,
+                              .state = state,
+                              .run = run,
+                              .status = status,
+                              .exit_code = exit_code,
+                              .wall_seconds = watch.seconds(),
+                              .out = flags.common.out,
+                              .start = prepared.start,
+                              .note = prepared.note};
   Json json = to_json(summary);
   if (prepared.options.processes != nullptr) json["processes"] = launched_processes();
   std::string state_text;
@@ -283,7 +349,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
     json["state"] = state_text;
   }
   if (run.domains) json["domains"] = to_json(*run.domains, peak[0]);
-  if (!folder.empty()) write_json(json, (folder / "summary.json").string());
+  write_json(json, (folder / "summary.json").string());
   if (!flags.common.json.empty()) write_json(json, flags.common.json);
   if (!quiet) {
     fmt::print("{}", to_text(summary));
@@ -307,7 +373,14 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
               "Number of steps instead of the scene's; with --restart: more steps")
       .value_name("N")
       .not_negative();
-  command.option("--step-size", flags.step_size, "Time step, instead of the scene's")
+  command
+      .option("--step-size", flags.step_size,
+              "Time step instead of the scene's, whose duration (or steps) stays")
+      .value_name("SECONDS")
+      .positive();
+  command
+      .option("--duration", flags.duration,
+              "Time to simulate, instead of the scene's; with --restart: more time")
       .value_name("SECONDS")
       .positive();
   command
@@ -329,6 +402,7 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
   dem("--substep", flags.substep, "SECONDS", "Largest substep (default: from the stability limit)");
   add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
+  command.flag("--overwrite", flags.overwrite, "Delete the run that DIR holds");
   command
       .option("--dump-problems", flags.dump_problems,
               "Write the steps' contact problems as FCLIB files into DIR/problems")
@@ -347,11 +421,16 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
   return command;
 }
 
-int run_command(const RunFlags& flags) {
+int run_command(const RunFlags& given) {
+  RunFlags flags = given;
   std::string text;
   AnyScene scene;
   together([&] {
     const fs::path path = find_scene(flags.scene);
+    if (flags.common.out.empty()) {
+      flags.common.out = flags.restart.empty() ? (fs::path("out") / path.stem()).string()
+                                               : run_folder(flags.restart).string();
+    }
     text = read_text_file(path);
     scene = parse_any_scene(text, path.string());
   });

@@ -10,8 +10,9 @@ struct RunFlags {
   SolverFlags solver;
   std::string scene;
   std::optional<int> steps;
-  std::optional<double> step_size;
+  std::optional<double> step_size, duration;
   std::string restart;                  ///< folder or run.h5 of an earlier run
+  bool overwrite = false;               ///< deletes a run in the folder of the results
   std::string dump_problems;            ///< "", "all" or "failed"
   std::string on_failure = "continue";  ///< or "stop", "smaller-step"
   std::optional<std::string> model;

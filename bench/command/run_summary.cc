@@ -71,6 +71,21 @@ std::string gates_text(const Scene<D>& scene, const State<D>& state) {
   return text;
 }
 
+/// Null if nothing overlapped.
+Json start_json(const StartReport& start) {
+  if (start.overlapping == 0) return nullptr;
+  Json json{{"overlapping", start.overlapping},
+            {"pair", start.pair},
+            {"depth", start.depth},
+            {"depth_over_radius", start.radii}};
+  if (start.push) {
+    json["pushed_apart"] = {{"rounds", start.push->rounds},
+                            {"way", start.push->way},
+                            {"way_over_radius", start.push->radii}};
+  }
+  return json;
+}
+
 }  // namespace
 
 template <int D>
@@ -114,6 +129,8 @@ Json to_json(const RunSummary<D>& s) {
                 {"iterations_max", t.max_iterations}});
   add_error(j, t.worst);
   j["worst_step"] = t.worst_step;
+  j["start"] = start_json(s.start);
+  j["note"] = s.note;
   j["penetration"] = t.penetration;
   j["energy"] = {{"kinetic", t.last.energy.kinetic},
                  {"potential", t.last.energy.potential},
@@ -165,6 +182,8 @@ std::string to_text(const RunSummary<D>& s) {
   if (const std::string why = message_of(s); !why.empty()) {
     fmt::format_to(add, "  reason       {}\n", why);
   }
+  if (!s.start.text.empty()) fmt::format_to(add, "  start        {}\n", s.start.text);
+  if (!s.note.empty()) fmt::format_to(add, "  note         {}\n", s.note);
   if (t.split > 0) fmt::format_to(add, "  split        {} steps taken in smaller parts\n", t.split);
   if (dem != nullptr) {
     fmt::format_to(add,
@@ -201,7 +220,7 @@ std::string to_text(const RunSummary<D>& s) {
                  "{:.2f}\n",
                  s.wall_seconds, t.detection_seconds, t.assembly_seconds, t.solve_seconds,
                  s.run.output_seconds);
-  if (!s.out.empty()) fmt::format_to(add, "  results in   {}\n", s.out);
+  fmt::format_to(add, "  results in   {}\n", s.out);
   return text;
 }
 

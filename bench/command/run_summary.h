@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "bench/command/run_start.h"
 #include "bench/report/json_output.h"
 #include "solvers/simulation/scene_run.h"
 
@@ -16,7 +17,9 @@ struct RunSummary {
   std::string status;
   int exit_code = 0;
   double wall_seconds = 0;  ///< of the whole command
-  std::string out;          ///< folder of the results; empty: none
+  std::string out;          ///< folder of the results
+  StartReport start;
+  std::string note;  ///< empty: none
 };
 
 /// summary.json; data/manual/reference/files.md describes the keys.

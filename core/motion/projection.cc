@@ -45,10 +45,10 @@ void displace(const AssembledStep& assembled, const Vector& way, State<D>& state
 
 template <int D>
 Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
-                            int threads, State<D>& state) {
+                            int threads, State<D>& state, double reach) {
   Projection result;
-  const std::vector<Contact<D>> contacts =
-      detect_contacts<D>(state.bodies, state.walls, scene.contact_distance, threads);
+  const std::vector<Contact<D>> contacts = detect_contacts<D>(
+      state.bodies, state.walls, std::max(scene.contact_distance, reach), threads);
   const bool overlap = std::any_of(contacts.begin(), contacts.end(), [&](const Contact<D>& c) {
     return c.gap < -scene.contact_distance;
   });
@@ -79,7 +79,9 @@ Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, boo
   return result;
 }
 
-template Projection project_overlaps(const Scene<2>&, const StepSolver&, bool, int, State<2>&);
-template Projection project_overlaps(const Scene<3>&, const StepSolver&, bool, int, State<3>&);
+template Projection project_overlaps(const Scene<2>&, const StepSolver&, bool, int, State<2>&,
+                                     double);
+template Projection project_overlaps(const Scene<3>&, const StepSolver&, bool, int, State<3>&,
+                                     double);
 
 }  // namespace bipot

@@ -25,9 +25,10 @@ struct Projection {
 /// do not move. Periodic cells are refused by validate().
 ///
 /// It is a contact problem without friction in metres instead of m/s, for the solver of the step.
-/// Not in the scheme of the paper. [ours]
+/// Pairs up to `reach` [m] apart stay clear of each other as well. Not in the scheme of the paper.
+/// [ours]
 template <int D>
 Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
-                            int threads, State<D>& state);
+                            int threads, State<D>& state, double reach = 0);
 
 }  // namespace bipot

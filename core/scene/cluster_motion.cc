@@ -122,6 +122,9 @@ std::string check_clusters(const Scene<D>& scene) {
     }
   }
   if (scene.model == Model::kSpringDashpot) return "clusters do not go with the model \"dem\"";
+  if (scene.start == StartChoice::kPushApart) {
+    return "clusters do not go with [start] overlaps = \"push apart\"";
+  }
   if (scene.project_overlaps) return "clusters do not go with overlaps = \"project\"";
   if (scene.predict_gaps) return "clusters do not go with overlaps = \"predict\"";
   return {};

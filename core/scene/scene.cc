@@ -251,6 +251,9 @@ std::string validate(const Scene<D>& scene) {
   if (scene.project_overlaps && (scene.cell.periodic() || scene.model == Model::kSpringDashpot)) {
     return "overlaps = \"project\" has no meaning in a periodic cell, nor with the model \"dem\"";
   }
+  if (scene.start == StartChoice::kPushApart && scene.cell.periodic()) {
+    return "[start] overlaps = \"push apart\" has no meaning in a periodic cell";
+  }
   if (scene.predict_gaps) {
     if (scene.cell.periodic() || scene.model == Model::kSpringDashpot) {
       return "overlaps = \"predict\" has no meaning in a periodic cell, nor with the model \"dem\"";

@@ -160,6 +160,13 @@ struct SpringDashpotChoice {
   double safety = 0.5;                ///< substep over the critical one, when substep is 0
 };
 
+/// What becomes of bodies that overlap at the start (core/scene/start_check.h).
+enum class StartChoice {
+  kRefuse,    ///< the scene is not run
+  kAllow,     ///< they stay as they are
+  kPushApart  ///< core/motion/push_apart.h
+};
+
 /// Output of a run, and how often (in steps; 0: never, but the last step is always written).
 struct OutputChoice {
   int every = 100;              ///< HDF5/XDMF frames
@@ -186,12 +193,14 @@ struct Scene {
   std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
   double step = 0;                     ///< h > 0                    [s]
   int num_steps = 0;
+  double duration = 0;  ///< where the scene file gives it instead of steps; else 0 [s]
   /// Largest path of a body or wall in a step, relative to the smallest radius. A step with a
   /// longer path is cut into 2, 4, 8 ... parts. 0: never cut.
   double travel = 0;
   double contact_distance = 0;    ///< eta of data/manual/explanation/method.md §4 [m]
   bool project_overlaps = false;  ///< after every step: core/motion/projection.h
   bool predict_gaps = false;      ///< pairs that may meet before the next detection take part
+  StartChoice start = StartChoice::kRefuse;
   Model model = Model::kNonsmooth;
   SolverChoice solver;      ///< nonsmooth model only
   SpringDashpotChoice dem;  ///< spring-dashpot model only

@@ -158,6 +158,18 @@ std::vector<Disk> read_group(const SceneTable& table) {
 }
 
 template <int D>
+void read_start(const SceneTable& root, Scene<D>& scene) {
+  const auto table = root.table("start");
+  if (!table) return;
+  const std::string overlaps =
+      table->one_of("overlaps", "refuse", {"refuse", "allow", "push apart"});
+  scene.start = overlaps == "allow"        ? StartChoice::kAllow
+                : overlaps == "push apart" ? StartChoice::kPushApart
+                                           : StartChoice::kRefuse;
+  table->finish();
+}
+
+template <int D>
 void read_time(const SceneTable& root, Scene<D>& scene) {
   const auto table = root.table("time");
   if (!table) root.fail("time", "the table [time] is missing");
@@ -168,7 +180,8 @@ void read_time(const SceneTable& root, Scene<D>& scene) {
   if (by_count) {
     scene.num_steps = table->natural("steps");
   } else {
-    const double steps = std::round(table->positive("duration") / scene.step);
+    scene.duration = table->positive("duration");
+    const double steps = std::round(scene.duration / scene.step);
     if (!(steps < std::numeric_limits<int>::max())) table->fail("duration", "is too many steps");
     scene.num_steps = static_cast<int>(steps);
   }
@@ -321,6 +334,7 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source) {
     scene.cell = read_cell_in_space(root);
   }
   read_tilt(root, scene);
+  read_start(root, scene);
   read_time(root, scene);
   read_model(root, scene);
   if (D == 3 && scene.model == Model::kSpringDashpot) {

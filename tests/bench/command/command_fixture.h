@@ -25,8 +25,12 @@ class Command : public ::testing::Test {
     folder_ = std::filesystem::temp_directory_path() /
               (std::string("bipot_") + info->name() + "_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
+    std::filesystem::current_path(folder_);  // runs without --out write there
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void TearDown() override {
+    std::filesystem::current_path(folder_.parent_path());
+    std::filesystem::remove_all(folder_);
+  }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(path(name)) << text;

@@ -311,7 +311,7 @@ TEST_F(MpiCommand, TheStateIsGatheredWhenItIsDueAndNotElse) {
 
 TEST_F(MpiCommand, WhatKeepsItsStateOnEveryProcessSaysWhy) {
   const auto state_of = [&](const std::string& arguments) {
-    const Outcome run = on(2, "run " + arguments + " --solver apgd --steps 2 --json -");
+    const Outcome run = on(2, "run " + arguments + " --overwrite --solver apgd --steps 2 --json -");
     return json::parse(run.out)["state"].get<std::string>();
   };
   EXPECT_EQ(state_of("rough_shear"), "on every process: the scene is periodic");
@@ -320,7 +320,8 @@ TEST_F(MpiCommand, WhatKeepsItsStateOnEveryProcessSaysWhy) {
   EXPECT_EQ(state_of("pyramid --reproducible"), "on every process: --reproducible");
   EXPECT_EQ(state_of("pyramid --on-failure stop"), "on every process: --on-failure stop");
   EXPECT_EQ(state_of("four_spheres"), "distributed");
-  EXPECT_FALSE(json::parse(bipot("run pyramid --steps 1 --json -").out).contains("state"));
+  EXPECT_FALSE(
+      json::parse(bipot("run pyramid --overwrite --steps 1 --json -").out).contains("state"));
 }
 
 TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {

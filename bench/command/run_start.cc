@@ -1,0 +1,138 @@
+#include "bench/command/run_start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "core/pictures/flat_view.h"
+#include "core/pictures/force_picture.h"
+#include "core/scene/start_check.h"
+#include "solvers/registry.h"
+#include "solvers/simulation/step_solver.h"
+
+namespace bipot {
+namespace {
+
+/// The start, with a contact wherever something overlaps but at outlets.
+template <int D>
+State<D> overlapping_state(const Scene<D>& scene, const std::vector<StartOverlap<D>>& overlaps) {
+  State<D> state = initial_state(scene);
+  for (const StartOverlap<D>& overlap : overlaps) {
+    if (to_size(overlap.contact.j) >= scene.bodies.size() + scene.walls.size()) continue;
+    ContactOutcome<D> outcome;
+    outcome.contact = overlap.contact;
+    state.contacts.push_back(outcome);
+  }
+  return state;
+}
+
+/// The largest overlap of each body, in radii.
+template <int D>
+std::vector<double> largest_overlaps(const Scene<D>& scene,
+                                     const std::vector<StartOverlap<D>>& overlaps) {
+  std::vector<double> radii(scene.bodies.size(), 0.0);
+  for (const StartOverlap<D>& overlap : overlaps) {
+    for (const std::size_t body : {to_size(overlap.contact.i), to_size(overlap.contact.j)}) {
+      if (body < radii.size()) radii[body] = std::max(radii[body], overlap.radii);
+    }
+  }
+  return radii;
+}
+
+void draw(const std::filesystem::path& picture, const Scene<2>& scene, const State<2>& state,
+          std::vector<double> radii, const std::string& caption) {
+  ForcePictureOptions options;
+  options.forces = false;
+  options.fill = {std::move(radii), "overlap at the start", "radii", 0};
+  for (std::size_t k = 0; k < state.contacts.size(); ++k) {
+    options.marked.push_back(static_cast<int>(k));
+  }
+  options.marked_label = "overlaps";
+  draw_force_picture(picture, scene, state, caption, options);
+}
+
+template <int D>
+void draw_start(const std::filesystem::path& picture, const Scene<D>& scene,
+                const std::vector<StartOverlap<D>>& overlaps) {
+  const std::string caption = start_sentence(scene, overlaps);
+  const State<D> state = overlapping_state(scene, overlaps);
+  std::vector<double> radii = largest_overlaps(scene, overlaps);
+  if constexpr (D == 2) {
+    draw(picture, scene, state, std::move(radii), caption);
+  } else {
+    const FlatView flat = project(scene, state);
+    std::vector<double> seen;
+    for (const int body : flat.bodies) seen.push_back(radii[to_size(body)]);
+    draw(picture, flat.scene, flat.state, std::move(seen), caption + "; seen from the side");
+  }
+}
+
+/// Moves what overlaps apart, without friction and to a tolerance of its own.
+template <int D>
+PushApart part_bodies(Scene<D>& scene, int threads) {
+  SolverChoice choice;
+  choice.tol = 1e-6;
+  choice.max_iterations = 20000;
+  RunSolver solver{.solver = choice.name, .options = to_options(choice)};
+  solver.options.execution.threads = threads;
+  return push_apart(
+      scene,
+      [&](const ContactProblem& problem, Vector s0) {
+        return to_step_solution(solver.solve(problem, std::move(s0)));
+      },
+      require_solver(solver.solver).needs_delassus, threads);
+}
+
+template <int D>
+[[noreturn]] void refuse(const std::filesystem::path& picture, const Scene<D>& scene,
+                         const std::vector<StartOverlap<D>>& overlaps, const std::string& tried) {
+  std::string message = start_sentence(scene, overlaps) + tried;
+  if (!picture.empty()) {
+    try {
+      draw_start(picture, scene, overlaps);
+      message += fmt::format(". {} shows them", picture.string());
+    } catch (const std::exception& e) {
+      message += fmt::format(". No picture: {}", e.what());
+    }
+  }
+  throw std::invalid_argument(message +
+                              ". Move them, or set [start] overlaps to \"push apart\" or "
+                              "\"allow\"");
+}
+
+}  // namespace
+
+template <int D>
+StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, int threads) {
+  std::vector<StartOverlap<D>> overlaps = start_overlaps(scene, threads);
+  if (overlaps.empty()) return {};
+  StartReport report;
+  report.text = start_sentence(scene, overlaps);
+  report.overlapping = static_cast<int>(overlapping_bodies(scene, overlaps).size());
+  report.pair = overlap_name<D>(scene, overlaps[0].contact);
+  report.depth = -overlaps[0].contact.gap;
+  report.radii = overlaps[0].radii;
+  if (scene.start == StartChoice::kRefuse) refuse(picture, scene, overlaps, "");
+  if (scene.start == StartChoice::kAllow) return report;
+  const PushApart pushed = part_bodies(scene, threads);
+  const std::string how = fmt::format(
+      "pushed apart in {} round{}, by at most {:.3g} m, {:.2g} "
+      "radii",
+      pushed.rounds, pushed.rounds == 1 ? "" : "s", pushed.way, pushed.radii);
+  overlaps = start_overlaps(scene, threads);
+  if (!overlaps.empty()) {
+    refuse(picture, scene, overlaps,
+           fmt::format(", {}{}{}", how, pushed.message.empty() ? "" : "; ", pushed.message));
+  }
+  report.text += ": " + how;
+  report.push = pushed;
+  return report;
+}
+
+template StartReport check_start(Scene<2>&, const std::filesystem::path&, int);
+template StartReport check_start(Scene<3>&, const std::filesystem::path&, int);
+
+}  // namespace bipot

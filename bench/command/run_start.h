@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/motion/push_apart.h"
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// What was found at the start of a run, and what was done about it.
+struct StartReport {
+  int overlapping = 0;            ///< bodies
+  std::string pair;               ///< the worst
+  double depth = 0, radii = 0;    ///< of its overlap [m], over the smaller radius
+  std::optional<PushApart> push;  ///< where bodies were pushed apart
+  std::string text;               ///< all this in one line; empty: nothing overlapped
+};
+
+/// Checks the start of a scene (core/scene/start_check.h) and does what [start] says; bodies may
+/// be pushed apart. Throws std::invalid_argument if bodies overlap and may not, after `picture` has
+/// been drawn with these bodies in colour; an empty path draws none. A picture that cannot be
+/// drawn is said in the message.
+template <int D>
+StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, int threads);
+
+}  // namespace bipot

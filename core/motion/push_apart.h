@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+/// What it took to part the bodies of a scene.
+struct PushApart {
+  int rounds = 0;
+  double way = 0;       ///< largest displacement of a body                             [m]
+  double radii = 0;     ///< the same over the body's radius, the largest of the bodies
+  std::string message;  ///< why overlaps remain, if the solver said so
+};
+
+/// Moves bodies and driven walls of a scene until nothing overlaps at the start, by rounds of the
+/// smallest displacement in the energy norm (core/motion/projection.h), without velocities. It ends
+/// after 200 rounds, or where a round is not solved: start_overlaps() then still finds overlaps.
+/// Outlets do not count. `solver` solves problems without friction. Not for cells and clusters.
+template <int D>
+PushApart push_apart(Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
+                     int threads = 1);
+
+}  // namespace bipot
