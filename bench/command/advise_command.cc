@@ -19,6 +19,7 @@
 #include "core/files/atomic_file.h"
 #include "core/files/input_file.h"
 #include "core/scene_files/scene_file.h"
+#include "solvers/simulation/scene_start.h"
 
 namespace bipot {
 namespace {
@@ -124,7 +125,8 @@ int advise_command(const AdviseFlags& flags) {
   check_destinations(flags);
   const fs::path path = find_scene(flags.scene);
   const std::string text = read_text_file(path);
-  const Scene<2> scene = parse_scene(text, path.string());
+  Scene<2> scene = parse_scene(text, path.string());
+  check_start(scene, {}, 1);
   AdviseOptions options;
   options.goal = {flags.force.value_or(kNaN), flags.penetration.value_or(kNaN),
                   flags.energy.value_or(kNaN)};

@@ -154,6 +154,38 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state, const Sce
 }
 
 template <int D>
+std::string passage_advice(const Scene<D>& scene, const State<D>& state, bool smaller_steps_tried) {
+  const double path = way(scene, state);
+  std::string text = fmt::format(
+      "  1. {}s move {:.3g} of the smallest radius in a step; try --step-size {:.2g}\n"
+      "  2. or travel = 0.5 in [time], which cuts steps where bodies are fast\n",
+      kBodyName<D>, path, path > 0.5 ? 0.5 * scene.step / path : 0.5 * scene.step);
+  if (!smaller_steps_tried)
+    text += "  3. or --on-tunnel smaller-step, which cuts such steps alone\n";
+  return text + "  --on-tunnel warn goes on\n";
+}
+
+template <int D>
+std::string motion_warning(const SceneTotals<D>& totals) {
+  std::string text;
+  if (totals.passages > 0) {
+    text += fmt::format("bipot: warning: {} pair{} went through each other, first in step {}: {}\n",
+                        totals.passages, totals.passages == 1 ? "" : "s", totals.passage_step,
+                        totals.passage);
+  }
+  if (totals.deep_overlaps > 0) {
+    text += fmt::format(
+        "bipot: warning: overlaps beyond {:g} % of the smaller radius in {} step{}, most in step "
+        "{}: {:.3g} %{}{}. Try a smaller --step-size, travel in [time], or overlaps = "
+        "\"predict\"\n",
+        100 * kDeepOverlap, totals.deep_overlaps, totals.deep_overlaps == 1 ? "" : "s",
+        totals.overlap_step, 100 * totals.overlap, totals.overlap_pair.empty() ? "" : ", ",
+        totals.overlap_pair);
+  }
+  return text;
+}
+
+template <int D>
 void EnergyGrowth::add(const Scene<D>& scene, const StepReport<D>& report) {
   const EnergyLedger& e = report.energy;
   const double loss = e.friction_loss + e.shock_loss;
@@ -191,6 +223,10 @@ template std::string failure_text<2>(const Scene<2>&, const State<2>&,
                                      std::span<const ContactOutcome<2>>, const ContactProblem&,
                                      const ContactError&, int, bool);
 template std::string failure_text(const Scene<2>&, const State<2>&, const SceneRun<2>&, bool);
+template std::string passage_advice(const Scene<2>&, const State<2>&, bool);
+template std::string passage_advice(const Scene<3>&, const State<3>&, bool);
+template std::string motion_warning(const SceneTotals<2>&);
+template std::string motion_warning(const SceneTotals<3>&);
 template void EnergyGrowth::add(const Scene<2>&, const StepReport<2>&);
 template std::string EnergyGrowth::warning(const Scene<2>&) const;
 template std::string failure_text<3>(const Scene<3>&, const State<3>&,

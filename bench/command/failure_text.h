@@ -21,6 +21,14 @@ template <int D>
 std::string failure_text(const Scene<D>& scene, const State<D>& state, const SceneRun<D>& run,
                          bool smaller_steps_tried);
 
+/// What to try where bodies would go through each other in the step after `state`. Lines.
+template <int D>
+std::string passage_advice(const Scene<D>& scene, const State<D>& state, bool smaller_steps_tried);
+
+/// On deep overlaps and on pairs that went through each other: a line each; empty if none.
+template <int D>
+std::string motion_warning(const SceneTotals<D>& totals);
+
 /// Detects whether contacts create energy, which Newton's impact law may do if coefficients of
 /// restitution differ (data/manual/explanation/method.md §3).
 class EnergyGrowth {

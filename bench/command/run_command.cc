@@ -17,7 +17,6 @@
 #include "bench/command/failure_text.h"
 #include "bench/command/progress_bar.h"
 #include "bench/command/run_processes.h"
-#include "bench/command/run_start.h"
 #include "bench/command/run_summary.h"
 #include "bench/measure/peak_memory.h"
 #include "bench/problems/observable_charts.h"
@@ -35,6 +34,7 @@
 #include "core/scene_files/scene_file.h"
 #include "solvers/parallel/launch.h"
 #include "solvers/simulation/domain.h"
+#include "solvers/simulation/scene_start.h"
 #include "solvers/simulation/scene_stepper.h"
 
 namespace bipot {
@@ -42,19 +42,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// For proofs that steps have no solution, in all; a step takes a part of it.             [s]
+constexpr double kProofSeconds = 20;
+
 /// A flag without effect would mislead.
 void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
   const SolverFlags& solver = flags.solver;
   if (model == Model::kSpringDashpot) {
-    const char* flag = solver.name                                 ? "--solver"
-                       : solver.stop                               ? "--stop"
-                       : solver.tol                                ? "--tol"
-                       : solver.max_iterations                     ? "--max-iterations"
-                       : solver.warm_start                         ? "--warm-start"
-                       : !solver.parameters.empty()                ? "a solver parameter"
-                       : !flags.dump_problems.empty()              ? "--dump-problems"
-                       : flags.on_failure != RunFlags{}.on_failure ? "--on-failure"
-                                                                   : nullptr;
+    const char* flag = solver.name                               ? "--solver"
+                       : solver.stop                             ? "--stop"
+                       : solver.tol                              ? "--tol"
+                       : solver.max_iterations                   ? "--max-iterations"
+                       : solver.warm_start                       ? "--warm-start"
+                       : !solver.parameters.empty()              ? "a solver parameter"
+                       : !flags.dump_problems.empty()            ? "--dump-problems"
+                       : !flags.on_failure.empty()               ? "--on-failure"
+                       : flags.on_tunnel != RunFlags{}.on_tunnel ? "--on-tunnel"
+                                                                 : nullptr;
     if (flag != nullptr) {
       throw std::invalid_argument(fmt::format(
           "{} has no meaning under --model dem, which solves no contact problem", flag));
@@ -194,11 +198,20 @@ template <int D>
 RunOutcome outcome_of(const SceneRun<D>& run) {
   using End = typename SceneRun<D>::End;
   if (run.end == End::kFailed) {
-    return run.failure->kind == StepFailure::Kind::kInvalidInput
-               ? RunOutcome{"invalid input", kExitBadInput}
-           : run.failure->kind == StepFailure::Kind::kNotConverged
-               ? RunOutcome{"not converged", kExitNotConverged}
-               : RunOutcome{"failed", kExitNumericalFailure};
+    using Kind = StepFailure::Kind;
+    switch (run.failure->kind) {
+      case Kind::kInvalidInput:
+        return {"invalid input", kExitBadInput};
+      case Kind::kNotConverged:
+        return {"not converged", kExitNotConverged};
+      case Kind::kUnsolvable:
+        return {"no solution", kExitNumericalFailure};
+      case Kind::kPassage:
+        return {"passed through", kExitNumericalFailure};
+      case Kind::kNumerical:
+      case Kind::kCutShort:
+        return {"failed", kExitNumericalFailure};
+    }
   }
   if (InterruptGuard::requested()) return {"interrupted", kExitInterrupted};
   if (run.end == End::kCancelled) return {"time limit", kExitNotConverged};
@@ -231,7 +244,12 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
   options.threads = flags.common.threads;
   options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
                        : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
-                                                            : OnFailure::kContinue;
+                       : flags.on_failure == "continue"     ? OnFailure::kContinue
+                                                            : OnFailure::kUnlessUnsolvable;
+  options.proof_seconds = kProofSeconds;
+  options.on_tunnel = flags.on_tunnel == "warn"           ? OnTunnel::kWarn
+                      : flags.on_tunnel == "smaller-step" ? OnTunnel::kSmallerStep
+                                                          : OnTunnel::kStop;
   options.cancelled = &InterruptGuard::requested;
   options.time_limit = flags.common.time_limit;
   options.reproducible = flags.reproducible;
@@ -292,7 +310,7 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
   // The root process needs the bodies of the scene for its files.
   if (prepared.whole_state.empty() && !is_speaker()) scene.bodies = {};
   taken.run = run_scene(scene, state, options);
-  taken.warning = growth.warning(scene);
+  taken.warning = growth.warning(scene) + motion_warning(taken.run.totals);
   return taken;
 }
 
@@ -326,8 +344,14 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   if (scene.observables) draw_observables(folder);
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", run.failure->what());
-    if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
+    using Kind = StepFailure::Kind;
+    if (!quiet && run.failure->kind == Kind::kPassage) {
+      taken.advice = passage_advice(scene, state, flags.on_tunnel == "smaller-step");
+    } else if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
       taken.advice = failure_text(scene, state, run, flags.on_failure == "smaller-step");
+      if (run.failure->kind == Kind::kUnsolvable) {
+        taken.advice += "  --on-failure continue goes on with the best impulse\n";
+      }
     }
   }
   fmt::print(stderr, "{}", taken.advice);
@@ -410,8 +434,13 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
       .group("Results");
   command
       .option("--on-failure", flags.on_failure,
-              "Unsolved step: continue (take it), stop, or smaller-step (in parts)")
+              "Unsolved step; default: continue, unless it provably has no solution")
       .one_of({"continue", "stop", "smaller-step"})
+      .value_name("WORD");
+  command
+      .option("--on-tunnel", flags.on_tunnel,
+              "Bodies went through each other or a plate; default: stop")
+      .one_of({"stop", "warn", "smaller-step"})
       .value_name("WORD");
   add_solver_flags(command, flags.solver);
   add_warm_start_flags(command, flags.solver);

@@ -11,10 +11,12 @@ struct RunFlags {
   std::string scene;
   std::optional<int> steps;
   std::optional<double> step_size, duration;
-  std::string restart;                  ///< folder or run.h5 of an earlier run
-  bool overwrite = false;               ///< deletes a run in the folder of the results
-  std::string dump_problems;            ///< "", "all" or "failed"
-  std::string on_failure = "continue";  ///< or "stop", "smaller-step"
+  std::string restart;        ///< folder or run.h5 of an earlier run
+  bool overwrite = false;     ///< deletes a run in the folder of the results
+  std::string dump_problems;  ///< "", "all" or "failed"
+  /// "continue", "stop", "smaller-step"; empty: continue, but not where there is no solution
+  std::string on_failure;
+  std::string on_tunnel = "stop";  ///< or "warn", "smaller-step"
   std::optional<std::string> model;
   bool reproducible = false;  ///< exact sums, the same bits for any number of processes
   /// Parameters of the spring-dashpot model; unset entries leave the scene's choice.

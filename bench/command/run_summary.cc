@@ -118,6 +118,7 @@ Json to_json(const RunSummary<D>& s) {
                 {"steps", t.steps},
                 {"steps_planned", s.run.planned},
                 {"steps_converged", t.converged},
+                {"steps_without_solution", t.unsolvable},
                 {"steps_split", t.split},
                 {"message", message_of(s)},
                 {"first_unconverged_step", t.first_unconverged},
@@ -132,6 +133,13 @@ Json to_json(const RunSummary<D>& s) {
   j["start"] = start_json(s.start);
   j["note"] = s.note;
   j["penetration"] = t.penetration;
+  j["overlap"] = {{"largest", t.overlap},
+                  {"step", t.overlap_step},
+                  {"pair", t.overlap_pair},
+                  {"steps_beyond", t.deep_overlaps},
+                  {"beyond", kDeepOverlap}};
+  j["travel"] = {{"largest", t.travel}, {"step", t.travel_step}};
+  j["passages"] = {{"count", t.passages}, {"first_step", t.passage_step}, {"first", t.passage}};
   j["energy"] = {{"kinetic", t.last.energy.kinetic},
                  {"potential", t.last.energy.potential},
                  {"wall_work", t.last.energy.wall_work},
@@ -184,6 +192,9 @@ std::string to_text(const RunSummary<D>& s) {
   }
   if (!s.start.text.empty()) fmt::format_to(add, "  start        {}\n", s.start.text);
   if (!s.note.empty()) fmt::format_to(add, "  note         {}\n", s.note);
+  if (t.unsolvable > 0) {
+    fmt::format_to(add, "  no solution  in {} steps (proved)\n", t.unsolvable);
+  }
   if (t.split > 0) fmt::format_to(add, "  split        {} steps taken in smaller parts\n", t.split);
   if (dem != nullptr) {
     fmt::format_to(add,
@@ -205,7 +216,17 @@ std::string to_text(const RunSummary<D>& s) {
     fmt::format_to(add, "  worst error  {:.2e} in step {} (ε {:.2e}, η {:.2e}, raw (42) {:.2e})\n",
                    t.worst.guarded(), t.worst_step, t.worst.epsilon, t.worst.eta, t.worst.raw42);
   }
-  fmt::format_to(add, "  penetration  max {:.3e} m\n", t.penetration);
+  fmt::format_to(add, "  penetration  max {:.3e} m, {:.2g} % of the smaller radius\n",
+                 t.penetration, 100 * t.overlap);
+  if (t.deep_overlaps > 0) {
+    fmt::format_to(add, "  overlaps     beyond {:g} % in {} steps, most in step {}{}{}\n",
+                   100 * kDeepOverlap, t.deep_overlaps, t.overlap_step,
+                   t.overlap_pair.empty() ? "" : ": ", t.overlap_pair);
+  }
+  if (t.passages > 0) {
+    fmt::format_to(add, "  passages     {} pairs, first in step {}: {}\n", t.passages,
+                   t.passage_step, t.passage);
+  }
   if (scene.has_gates()) text += gates_text(scene, s.state);
   fmt::format_to(add,
                  "  energy       kinetic {:.4e} J, potential {:.4e} J, wall work {:.4e} J,\n"

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "bench/command/run_start.h"
 #include "bench/report/json_output.h"
 #include "solvers/simulation/scene_run.h"
+#include "solvers/simulation/scene_start.h"
 
 namespace bipot {
 

@@ -28,6 +28,7 @@
 #include "core/run_files/run_reader.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
+#include "solvers/simulation/scene_start.h"
 #include "solvers/simulation/scene_stepper.h"
 #include "solvers/simulation/step_solver.h"
 
@@ -179,6 +180,7 @@ class PythonSimulation {
   PythonSimulation(Scene<D> scene, std::string text, const SimulationChoice& choice)
       : scene_(std::move(scene)), text_(std::move(text)) {
     choose(choice);
+    check_start(scene_, {}, 1);
     state_ = initial_state(scene_);
   }
   PythonSimulation(const PythonSimulation&) = delete;  // the stepper looks at the scene

@@ -20,6 +20,7 @@
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_run.h"
+#include "solvers/simulation/scene_start.h"
 #include "solvers/simulation/step_solver.h"
 
 namespace bipot {
@@ -48,6 +49,7 @@ TradeScene load_target(const std::string& target, const TradeOptions& options) {
   const std::filesystem::path path = find_scene(file);
   made.name = path.stem().string();
   made.scene = read_scene(path);
+  check_start(made.scene, {}, 1);
   if (steps) made.scene.num_steps = *steps;
   if (made.scene.bodies.empty() || made.scene.num_steps == 0) {
     throw std::invalid_argument(target + ": a run needs disks and steps");

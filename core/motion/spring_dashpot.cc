@@ -437,6 +437,7 @@ StepReport<2> SpringDashpotStepper::advance(State<2>& state) {
   report.contacts = static_cast<int>(next.contacts.size());
   report.iterations = setup_.substeps;
   report.penetration = penetration_;
+  report.overlap = worst_overlap_;
   report.wall_pushes = wall_pushes(next.contacts, next.bodies.size());
   report.solve_seconds = watch.seconds() - report.detection_seconds;
   state = std::move(next);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "core/motion/midpoint.h"
 #include "core/motion/neighbours.h"
 #include "core/motion/outside_changes.h"
+#include "core/motion/passage.h"
 #include "core/motion/population.h"
 #include "core/motion/projection.h"
 #include "core/motion/step_outcome.h"
@@ -60,10 +63,11 @@ Vector take_solution(StepSolution solution, bool usable, const State<D>& before,
   if (solution.cut_short) throw StepFailure(Kind::kCutShort, before, solution.message);
   if (solution.failed || !usable) {
     throw StepFailure(
-        Kind::kNumerical, before,
+        solution.unsolvable ? Kind::kUnsolvable : Kind::kNumerical, before,
         solution.message.empty() ? "the solver returned no finite impulse" : solution.message);
   }
   report.converged = solution.converged;
+  report.unsolvable = solution.unsolvable;
   report.message = std::move(solution.message);
   report.iterations = solution.iterations;
   report.error = solution.error;
@@ -92,6 +96,7 @@ struct TimeStepper<D>::Inside {
   bool explicit_delassus = false;
   int threads = 1;
   Neighbours<D>* neighbours = nullptr;  // none: the state lies on this process alone
+  bool refuse_passages = false;
   KeptContacts<D> kept;
   AssembledStep assembled;  // without neighbours
 
@@ -103,6 +108,10 @@ struct TimeStepper<D>::Inside {
   Vector solve_contacts(const State<D>& state, std::span<const Contact<D>> contacts,
                         StepReport<D>& report);
   State<D> move(const State<D>& start, Midpoint<D>& mid, const Vector& s, Vector& v);
+  void check_motion(const State<D>& start, const State<D>& next, StepReport<D>& report);
+  void measure_overlaps(const State<D>& start, const Midpoint<D>& mid,
+                        const std::vector<Body<D>>& bodies, StepReport<D>& report);
+  std::string first_of_all(double key, const std::string& text);
   void take_out_overlaps(State<D>& next, StepOutcome<D>& outcome, StepReport<D>& report);
   void close_ledger(const State<D>& before, const Midpoint<D>& mid, StepOutcome<D>& outcome,
                     State<D>& next, StepReport<D>& report);
@@ -142,6 +151,102 @@ State<D> TimeStepper<D>::Inside::move(const State<D>& start, Midpoint<D>& mid, c
   return update_bodies(mid, assembled.dofs, v, scene.step);
 }
 
+/// The text of the process with the smallest key; infinite: it has none.
+template <int D>
+std::string TimeStepper<D>::Inside::first_of_all(double key, const std::string& text) {
+  if (neighbours == nullptr) return text;
+  double first[1] = {-key};
+  neighbours->largest(first);
+  return neighbours->first_text(-first[0] == key && std::isfinite(key) ? text : std::string());
+}
+
+/// How far bodies moved, and what went through what. Only where something is fast are pairs looked
+/// at.
+template <int D>
+void TimeStepper<D>::Inside::check_motion(const State<D>& start, const State<D>& next,
+                                          StepReport<D>& report) {
+  const double h = scene.step;
+  StepTravel travel = step_travel(start, next, h);
+  if (neighbours != nullptr) {
+    double most[] = {travel.radii, travel.way, -travel.least};
+    neighbours->largest(most);
+    travel.radii = most[0];
+    travel.way = most[1];
+    travel.least = -most[2];
+  }
+  report.travel = travel.radii;
+  if (!travel.may_pass()) return;
+  const auto number = [&](int k) {
+    return neighbours != nullptr ? neighbours->body_number(k) : body_number(start, k);
+  };
+  std::vector<BodyPath<D>> ways = paths_of<D>(start, next, h, travel, number);
+  if (neighbours != nullptr) {
+    std::vector<BodyPath<D>> fast;
+    std::copy_if(ways.begin(), ways.end(), std::back_inserter(fast),
+                 [](const BodyPath<D>& way) { return way.fast; });
+    std::set<int> here;
+    for (const BodyPath<D>& way : fast) here.insert(way.number);
+    for (const BodyPath<D>& way : unpacked<D>(neighbours->gather(packed(fast)))) {
+      if (!here.contains(way.number)) ways.push_back(way);
+    }
+  }
+  const std::vector<Passage> passages = find_passages(start, next, h, ways);
+  double count[1] = {static_cast<double>(passages.size())};
+  if (neighbours != nullptr) neighbours->sum(count);
+  report.passages = static_cast<int>(count[0]);
+  if (report.passages == 0) return;
+  report.passage = passages.empty() ? first_of_all(kInfinity, {})
+                                    : first_of_all(1e8 * passages[0].i + passages[0].j,
+                                                   passage_text(scene, passages[0]));
+  if (!refuse_passages) return;
+  throw StepFailure(StepFailure::Kind::kPassage, start, report.passage);
+}
+
+/// The deepest overlap at mid-step, by itself and over the smaller radius. `bodies`: those that the
+/// contacts name, for their radii.
+template <int D>
+void TimeStepper<D>::Inside::measure_overlaps(const State<D>& start, const Midpoint<D>& mid,
+                                              const std::vector<Body<D>>& bodies,
+                                              StepReport<D>& report) {
+  const Contact<D>* worst = nullptr;
+  for (const Contact<D>& c : mid.contacts) {
+    if (!(c.gap < 0)) continue;
+    report.penetration = std::max(report.penetration, -c.gap);
+    double radius = bodies[to_size(c.i)].radius;
+    const std::size_t j = to_size(c.j);
+    if (j < bodies.size()) {
+      radius = std::min(radius, bodies[j].radius);
+    } else if (mid.walls[j - bodies.size()].shape == Wall<D>::Shape::kSolidCircle) {
+      radius = std::min(radius, mid.walls[j - bodies.size()].radius);
+    }
+    if (-c.gap <= report.overlap * radius) continue;
+    report.overlap = -c.gap / radius;
+    worst = &c;
+  }
+  const double here = report.overlap;
+  if (neighbours != nullptr) {
+    double most[] = {report.penetration, report.overlap};
+    neighbours->largest(most);
+    report.penetration = most[0];
+    report.overlap = most[1];
+  }
+  if (!(report.overlap > kDeepOverlap)) return;
+  if (worst == nullptr || here < report.overlap) {
+    report.overlap_pair = first_of_all(kInfinity, {});
+    return;
+  }
+  Contact<D> pair = *worst;
+  if (neighbours != nullptr) neighbours->number(pair);
+  const auto number = [&](int k) { return neighbours != nullptr ? k : body_number(start, k); };
+  const std::size_t j = to_size(worst->j);
+  report.overlap_pair = first_of_all(
+      1e8 * pair.i + pair.j,
+      j < bodies.size()
+          ? fmt::format("{0} {1} and {0} {2}", kBodyName<D>, number(pair.i), number(pair.j))
+          : fmt::format("{} {} and wall '{}'", kBodyName<D>, number(pair.i),
+                        scene.walls[j - bodies.size()].name));
+}
+
 /// What lifts the bodies out of each other is what their shocks took too much: it is booked there.
 template <int D>
 void TimeStepper<D>::Inside::take_out_overlaps(State<D>& next, StepOutcome<D>& outcome,
@@ -168,9 +273,6 @@ void TimeStepper<D>::Inside::close_ledger(const State<D>& before, const Midpoint
                then = state_sums(before, gravity_at(scene, before.time), counts_walls());
   const std::size_t bodies = neighbours != nullptr ? mid.bodies.size() : next.bodies.size();
   report.wall_pushes = wall_pushes(outcome.contacts, bodies);
-  for (const Contact<D>& c : mid.contacts) {
-    report.penetration = std::max(report.penetration, -c.gap);
-  }
   auto contacts = static_cast<double>(mid.contacts.size());
   auto active = static_cast<double>(outcome.active);
   if (neighbours != nullptr) {
@@ -181,7 +283,6 @@ void TimeStepper<D>::Inside::close_ledger(const State<D>& before, const Midpoint
     sums.add(now.momentum);
     sums.add(then.momentum);
     sums.sum(*neighbours);
-    neighbours->largest({&report.penetration, 1});
   }
   report.contacts = static_cast<int>(contacts);
   report.active = static_cast<int>(active);
@@ -230,6 +331,8 @@ StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
   State<D> next = move(start, mid, s, v);
   next.step = start.step + 1;
   next.time = time_after_step(start, scene.step);
+  check_motion(start, next, report);
+  measure_overlaps(start, mid, neighbours != nullptr ? mid.bodies : next.bodies, report);
   StepOutcome<D> outcome =
       step_outcome<D>(scene, mid, neighbours != nullptr ? mid.bodies : next.bodies, problem(), step,
                       s, v, next, counts_walls());
@@ -273,6 +376,11 @@ TimeStepper<D>::TimeStepper(TimeStepper&&) noexcept = default;
 template <int D>
 StepReport<D> TimeStepper<D>::advance(State<D>& state) {
   return inside_->advance(state);
+}
+
+template <int D>
+void TimeStepper<D>::refuse_passages() {
+  inside_->refuse_passages = true;
 }
 
 template <int D>

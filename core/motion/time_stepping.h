@@ -30,9 +30,10 @@ struct EnergyLedger {
 /// One step's answer from whatever solves the contact problem.
 struct StepSolution {
   bool converged = false;
-  bool failed = false;     ///< numerical failure: the step must not be taken
-  bool refused = false;    ///< invalid input: neither
-  bool cut_short = false;  ///< interrupted or out of time: the step is left for another run
+  bool failed = false;      ///< numerical failure: the step must not be taken
+  bool refused = false;     ///< invalid input: neither
+  bool unsolvable = false;  ///< the problem provably has no solution; with `failed`: ends the run
+  bool cut_short = false;   ///< interrupted or out of time: the step is left for another run
   std::string message;
   Vector s;  ///< in the problem's variables
   ContactError error;
@@ -41,6 +42,9 @@ struct StepSolution {
 
 /// Solves the problem from the start s0 (size 0: no start).
 using StepSolver = std::function<StepSolution(const ContactProblem&, Vector s0)>;
+
+/// From here on an overlap over the smaller radius is worth a warning.
+inline constexpr double kDeepOverlap = 0.05;
 
 template <int D>
 struct StepReport {
@@ -54,7 +58,13 @@ struct StepReport {
   EnergyLedger energy;
   Vec<D> momentum = Vec<D>::Zero();            ///< of disks and driven walls        [kg m/s]
   Vec<D> momentum_imbalance = Vec<D>::Zero();  ///< change - gravity - wall impulses [kg m/s]
+  bool unsolvable = false;                     ///< not converged: there is no solution (proved)
   double penetration = 0;                      ///< largest overlap at mid-step      [m]
+  double overlap = 0;                          ///< largest over the smaller radius  [-]
+  std::string overlap_pair;                    ///< its pair, if it is beyond kDeepOverlap
+  double travel = 0;                           ///< largest way of a body over its radius
+  int passages = 0;                            ///< pairs that went through each other
+  std::string passage;                         ///< the first of them (core/motion/passage.h)
   double wall_pushes = 0;                      ///< Σ |s| of the contacts with walls [N s]
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
 
@@ -75,7 +85,14 @@ ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool e
 
 /// A step that was not taken; the message says why.
 struct StepFailure : std::runtime_error {
-  enum class Kind { kNumerical, kInvalidInput, kCutShort, kNotConverged };
+  enum class Kind {
+    kNumerical,
+    kInvalidInput,
+    kCutShort,
+    kNotConverged,
+    kUnsolvable,  ///< its problem provably has no solution
+    kPassage      ///< bodies or walls would have gone through each other
+  };
   StepFailure(Kind k, const std::string& message) : std::runtime_error(message), kind(k) {}
   /// Names the step that comes after the state `before`.
   template <int D>
@@ -111,6 +128,9 @@ class TimeStepper {
   /// solver failed, refused or was cut short, or when anything comes out not finite; on all of
   /// several processes.
   StepReport<D> advance(State<D>& state);
+
+  /// From now on a step with passages (core/motion/passage.h) is not taken: StepFailure.
+  void refuse_passages();
 
   /// The contact problem of the last step, of this process's contacts.
   const ContactProblem& problem() const;

@@ -265,7 +265,7 @@ std::string ledger_header(bool dem, bool gates) {
            "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
            "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
            "momentum_z [kg m/s],momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],"
-           "momentum_imbalance_z [kg m/s],penetration [m],volume [m3],stress_xx [Pa],"
+           "momentum_imbalance_z [kg m/s],penetration [m],overlap,travel,volume [m3],stress_xx [Pa],"
            "stress_yy [Pa],stress_zz [Pa],stress_xy [Pa],stress_xz [Pa],stress_yz [Pa],"
            "kinetic_pressure [Pa]" +
            passed;
@@ -274,7 +274,7 @@ std::string ledger_header(bool dem, bool gates) {
              "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
              "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
              "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
-             "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],"
+             "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],overlap,travel,"
              "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
              "kinetic_pressure [Pa]") +
          (dem ? ",elastic [J]" : "") + passed;
@@ -297,7 +297,7 @@ std::string ledger_row(const StepReport<D>& r, const MeanStress<D>& stress, bool
               e.potential, e.wall_work, e.friction_loss, e.shock_loss, e.imbalance);
   for (int k = 0; k < D; ++k) add_numbers(line, r.momentum[k]);
   for (int k = 0; k < D; ++k) add_numbers(line, r.momentum_imbalance[k]);
-  add_numbers(line, r.penetration, stress.area);
+  add_numbers(line, r.penetration, r.overlap, r.travel, stress.area);
   const Mat<D> total = stress.total();
   for (int k = 0; k < D; ++k) add_numbers(line, total(k, k));
   for (int k = 0; k < D; ++k) {

@@ -42,6 +42,10 @@ void find_in_outlets(const Scene<D>& scene, std::vector<StartOverlap<D>>& overla
       if constexpr (D == 2) {
         if (body.cluster >= 0) x = scene.clusters.bodies[to_size(body.cluster)].x;
       }
+      if (scene.cell.periodic()) {
+        const CellNumber cell = cell_number(scene.cell, Vec2(x.template head<2>()));
+        x -= in_dimensions<D>(scene.cell.shift(cell.kx, cell.ky));
+      }
       const double depth = depth_inside(scene.outlets[k], x);
       if (depth < 0) continue;
       StartOverlap<D> overlap;

@@ -90,7 +90,9 @@ const AssembledStep& Domain<D>::assemble(Midpoint<D>& mid) {
 template <int D>
 StepSolution Domain<D>::solve(const Vector& s0) {
   solved_ = solver_(last_->piece, s0);
-  return to_step_solution(std::move(solved_.result));
+  StepSolution solution = to_step_solution(std::move(solved_.result));
+  if (options_.review) options_.review(solution);
+  return solution;
 }
 
 /// The velocity of a body with contacts here is the sum over all of its contacts, also over copies.

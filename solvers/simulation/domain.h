@@ -14,6 +14,8 @@ namespace bipot {
 struct DomainOptions {
   /// Cells are cut again if bodies and contacts of one process exceed this multiple of their mean.
   double most_imbalance = 1.2;
+  /// Called with each solution; may change it, alike on all processes.
+  std::function<void(StepSolution&)> review;
   int cut_every = 0;  ///< number of steps after which cells are cut again in any case; 0: never
 };
 
@@ -66,11 +68,14 @@ class Domain final : public Neighbours<D> {
   StepSolution solve(const Vector& s0) override;
   State<D> move(const Midpoint<D>& mid, Vector& v) override;
   void number(Contact<D>& contact) const override;
+  int body_number(int index) const override { return state_.numbers[to_size(index)]; }
   void settle() override;
   bool counts_walls() const override { return group_.rank() == 0; }
   bool all(bool mine) override { return !group_.any(!mine); }
   void sum(std::span<double> values) override { group_.sum(values); }
   void largest(std::span<double> values) override { group_.largest(values); }
+  std::vector<double> gather(std::span<const double> mine) override { return group_.gather(mine); }
+  std::string first_text(const std::string& mine) override { return group_.first_text(mine); }
 
  private:
   const Scene<D>& scene_;

@@ -66,7 +66,8 @@ void RunFolder<D>::finish(const State<D>& state, const SceneRun<D>& run) {
   // A failed step always leaves its problem.
   using Kind = StepFailure::Kind;
   const bool unsolved = run.failure && (run.failure->kind == Kind::kNumerical ||
-                                        run.failure->kind == Kind::kNotConverged);
+                                        run.failure->kind == Kind::kNotConverged ||
+                                        run.failure->kind == Kind::kUnsolvable);
   if (unsolved || (run.failure && options_.problems != RunFolderOptions::Problems::kNone)) {
     StepReport<D> failed;
     failed.step = state.step + 1;

@@ -21,7 +21,23 @@ void SceneTotals<D>::add(const StepReport<D>& r) {
   iterations += r.iterations;
   max_contacts = std::max(max_contacts, r.contacts);
   max_iterations = std::max(max_iterations, r.iterations);
+  unsolvable += r.unsolvable ? 1 : 0;
   penetration = std::max(penetration, r.penetration);
+  if (r.overlap > overlap) {
+    overlap = r.overlap;
+    overlap_step = r.step;
+    overlap_pair = r.overlap_pair;
+  }
+  deep_overlaps += r.overlap > kDeepOverlap ? 1 : 0;
+  if (r.travel > travel) {
+    travel = r.travel;
+    travel_step = r.step;
+  }
+  passages += r.passages;
+  if (r.passages > 0 && passage_step < 0) {
+    passage_step = r.step;
+    passage = r.passage;
+  }
   if (worst_step < 0 || !(r.error.guarded() <= worst.guarded())) {
     worst = r.error;
     worst_step = r.step;
@@ -59,8 +75,10 @@ SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
     } catch (const StepFailure& failure) {
       run.end = failure.kind == StepFailure::Kind::kCutShort ? End::kCancelled : End::kFailed;
       run.failure = failure;
-      run.failed_problem = domain != nullptr ? domain->gather_problem() : stepper.problem();
-      run.failed_start = stepper.start();
+      if (failure.kind != StepFailure::Kind::kPassage) {  // which no solver can help
+        run.failed_problem = domain != nullptr ? domain->gather_problem() : stepper.problem();
+        run.failed_start = stepper.start();
+      }
       break;
     }
     const bool first_unsolved = !report.converged && run.totals.first_unconverged < 0;

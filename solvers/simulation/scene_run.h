@@ -37,7 +37,17 @@ struct SceneTotals {
   std::string message;         ///< of that step
   int worst_step = -1;         ///< step with the largest guarded error, or the last undefined one
   ContactError worst;          ///< there
+  int unsolvable = 0;          ///< steps that provably have no solution; not converged
   double penetration = 0;      ///< largest of the steps                                  [m]
+  double overlap = 0;          ///< the same over the smaller radius
+  int overlap_step = -1;       ///< where
+  std::string overlap_pair;    ///< there, if beyond kDeepOverlap
+  int deep_overlaps = 0;       ///< steps beyond kDeepOverlap
+  double travel = 0;           ///< largest way of a body in a step over its radius
+  int travel_step = -1;        ///< where
+  int passages = 0;            ///< pairs that went through each other, and those of the first step
+  int passage_step = -1;
+  std::string passage;
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
   StepReport<D> last;
 
@@ -46,9 +56,18 @@ struct SceneTotals {
 
 /// Action after a step whose problem was not solved to the tolerance.
 enum class OnFailure {
-  kContinue,    ///< takes it with the best impulse, and reports it
+  kContinue,          ///< takes it with the best impulse, and reports it
+  kUnlessUnsolvable,  ///< the same, but ends before a step that provably has no solution
+  kStop,              ///< does not take it, and ends
+  kSmallerStep        ///< takes it in parts; ends if that fails as well
+};
+
+/// Action after a step in which bodies or walls went through each other (core/motion/passage.h);
+/// rigid contacts only.
+enum class OnTunnel {
   kStop,        ///< does not take it, and ends
-  kSmallerStep  ///< takes it in parts; ends if that fails as well
+  kWarn,        ///< takes it, and reports it
+  kSmallerStep  ///< takes it in parts; ends if that does not help
 };
 
 /// Output folder of a run; data/manual/reference/files.md describes the files.
@@ -70,6 +89,10 @@ struct SceneRunOptions {
   bool explicit_delassus = false;  ///< `solver` needs W
   int threads = 1;                 ///< of detection, assembly and the scene's own solver
   OnFailure on_failure = OnFailure::kContinue;  ///< rigid contacts only
+  /// Wall time, in all, to seek proofs that unsolved steps have no solution; 0: none is sought. For
+  /// the scene's own solver, with the first two of OnFailure.                              [s]
+  double proof_seconds = 0;
+  OnTunnel on_tunnel = OnTunnel::kStop;
   /// Polled before each step, and inside by the scene's own solver or model; true ends the run.
   std::function<bool()> cancelled;
   double time_limit = kInfinity;  ///< for all steps, likewise                             [s]

@@ -1,13 +1,20 @@
 #include "solvers/simulation/scene_stepper.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "solvers/analysis/existence.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/split_step.h"
 
 namespace bipot {
+namespace {
+
+constexpr double kProofSeconds = 10;  // at most, for one step
+
+}  // namespace
 
 template <int D>
 std::string needs_whole_state(const Scene<D>& scene,
@@ -18,6 +25,7 @@ std::string needs_whole_state(const Scene<D>& scene,
   if (options.folder.problems != RunFolderOptions::Problems::kNone) return "--dump-problems";
   if (options.on_failure == OnFailure::kStop) return "--on-failure stop";
   if (options.on_failure == OnFailure::kSmallerStep) return "--on-failure smaller-step";
+  if (options.on_tunnel == OnTunnel::kSmallerStep) return "--on-tunnel smaller-step";
   if (scene.model == Model::kSpringDashpot) return "the model dem";
   if (!scene.clusters.empty()) return "the scene has clusters";
   if (scene.has_gates()) return "the scene has inlets or outlets";
@@ -57,7 +65,9 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
     own_.check();
     if (needs_whole_state(scene, options_).empty()) return;  // begin() goes on
     options_.solver = [this](const ContactProblem& problem, Vector s0) {
-      return to_step_solution(own_.solve(problem, std::move(s0)));
+      StepSolution solution = to_step_solution(own_.solve(problem, std::move(s0)));
+      seek_proof([&] { return problem; }, solution);
+      return solution;
     };
   }
   rigid_.emplace(
@@ -67,15 +77,45 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
         return options_.solver(problem, start);
       },
       options_.explicit_delassus, options_.threads);
+  if (options_.on_tunnel != OnTunnel::kWarn) rigid_->refuse_passages();
+}
+
+template <int D>
+void SceneStepper<D>::seek_proof(const std::function<ContactProblem()>& problem,
+                                 StepSolution& solution) {
+  if (options_.proof_seconds == 0 || !takes_unsolved() || solution.converged || solution.failed ||
+      solution.refused || solution.cut_short) {
+    return;
+  }
+  const ContactProblem whole = problem();
+  std::string proof;
+  const double left = std::min(options_.proof_seconds - proof_seconds_, kProofSeconds);
+  if ((options_.processes == nullptr || options_.processes->rank() == 0) && left > 0) {
+    const Stopwatch watch;
+    const ExistenceCertificate found = certify_existence(whole, left);
+    proof_seconds_ += watch.seconds();
+    if (found.verdict == Existence::kNone) proof = to_text(found);
+  }
+  if (options_.processes != nullptr) proof = options_.processes->first_text(proof);
+  if (proof.empty()) return;
+  solution.unsolvable = true;
+  solution.failed = options_.on_failure == OnFailure::kUnlessUnsolvable;
+  solution.message = proof;
 }
 
 template <int D>
 State<D>& SceneStepper<D>::begin(State<D>& state) {
   if (rigid_ || springs_) return state;
+  DomainOptions choice;
+  choice.review = [this](StepSolution& solution) {
+    seek_proof([&] { return domain_->gather_problem(); }, solution);
+  };
   domain_.emplace(
       scene_, state, *options_.processes,
-      [this](const ProblemPiece& piece, const Vector& s0) { return own_.solve(piece, s0); });
+      [this](const ProblemPiece& piece, const Vector& s0) { return own_.solve(piece, s0); },
+      choice);
   rigid_.emplace(scene_, *domain_);
+  if (options_.on_tunnel != OnTunnel::kWarn) rigid_->refuse_passages();
   state = {};
   return domain_->state();
 }
@@ -94,33 +134,30 @@ StepReport<D> SceneStepper<D>::advance(State<D>& state) {
     if (springs_) return springs_->advance(state);
   }
   if (const int halvings = travel_halvings(scene_, state); halvings > 0) {
-    SplitStep<D> split =
-        advance_in_equal_parts(scene_, options_.solver, options_.explicit_delassus, state, halvings,
-                               options_.on_failure, options_.threads);
+    SplitStep<D> split = advance_in_equal_parts(scene_, options_, state, halvings);
     parts_ = split.parts;
     return std::move(split.report);
   }
-  if (options_.on_failure == OnFailure::kContinue) return rigid_->advance(state);
+  const bool splits_passages = options_.on_tunnel == OnTunnel::kSmallerStep;
+  if (takes_unsolved() && !splits_passages) return rigid_->advance(state);
   State<D> next = state;
   StepReport<D> whole;
-  std::string why;
   try {
     whole = rigid_->advance(next);
-    if (whole.converged) {
+    if (whole.converged || takes_unsolved()) {
       state = std::move(next);
       return whole;
     }
-    why = whole.message;
+    if (options_.on_failure == OnFailure::kStop) {
+      throw StepFailure(StepFailure::Kind::kNotConverged, state, whole.message);
+    }
   } catch (const StepFailure& failure) {
-    const bool numerical = failure.kind == StepFailure::Kind::kNumerical;
-    if (!numerical || options_.on_failure == OnFailure::kStop) throw;
-    why = failure.what();
+    const bool passed = failure.kind == StepFailure::Kind::kPassage && splits_passages;
+    const bool unsolved = failure.kind == StepFailure::Kind::kNumerical &&
+                          options_.on_failure == OnFailure::kSmallerStep;
+    if (!passed && !unsolved) throw;
   }
-  if (options_.on_failure == OnFailure::kStop) {
-    throw StepFailure(StepFailure::Kind::kNotConverged, state, why);
-  }
-  SplitStep<D> split = advance_in_parts(scene_, options_.solver, options_.explicit_delassus, state,
-                                        options_.threads);
+  SplitStep<D> split = advance_in_parts(scene_, options_, state);
   parts_ = split.parts;
   split.report.add_cost(whole);
   return std::move(split.report);

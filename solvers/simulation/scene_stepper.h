@@ -41,6 +41,15 @@ class SceneStepper {
   Domain<D>* domain() { return domain_ ? &*domain_ : nullptr; }
 
  private:
+  /// Marks the answer to a problem that was not solved, if this provably has no solution; the same
+  /// on all processes. `problem` is asked for by the first one only, of all of them.
+  void seek_proof(const std::function<ContactProblem()>& problem, StepSolution& solution);
+  /// True if a step is taken although its problem was not solved.
+  bool takes_unsolved() const {
+    return options_.on_failure == OnFailure::kContinue ||
+           options_.on_failure == OnFailure::kUnlessUnsolvable;
+  }
+
   const Scene<D>& scene_;
   SceneRunOptions<D> options_;
   Stopwatch watch_;
@@ -49,6 +58,7 @@ class SceneStepper {
   std::optional<Domain<D>> domain_;
   std::optional<TimeStepper<D>> rigid_;
   int parts_ = 1;
+  double proof_seconds_ = 0;  // used
   Vector start_;
   ContactProblem none_;
 };

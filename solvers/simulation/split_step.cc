@@ -39,34 +39,34 @@ std::vector<ContactOutcome<D>> added(const std::vector<ContactOutcome<D>>& first
 template <int D>
 class Parts {
  public:
-  /// `accept`: an unsolved part is taken with the best impulse.
-  Parts(const Scene<D>& scene, const StepSolver& solver, bool explicit_delassus, State<D> start,
-        int threads, bool accept = false)
-      : accept_(accept),
-        scene_(scene),
-        solver_(solver),
-        explicit_delassus_(explicit_delassus),
-        threads_(threads),
-        state_(std::move(start)) {}
+  Parts(const Scene<D>& scene, const SceneRunOptions<D>& options, State<D> start)
+      : scene_(scene), options_(options), state_(std::move(start)) {}
 
   void take(double h, int halvings) {
     Scene<D> part = scene_;
     part.step = h;
     part.outlets.clear();  // bodies come and go between whole steps
     part.inlets.clear();
-    TimeStepper<D> stepper(part, solver_, explicit_delassus_, threads_);
+    TimeStepper<D> stepper(part, options_.solver, options_.explicit_delassus, options_.threads);
+    if (options_.on_tunnel != OnTunnel::kWarn) stepper.refuse_passages();
+    const bool accept = options_.on_failure == OnFailure::kContinue ||
+                        options_.on_failure == OnFailure::kUnlessUnsolvable;
     State<D> next = state_;
     std::string why;
     try {
       const StepReport<D> report = stepper.advance(next);
-      if (report.converged || accept_) {
+      if (report.converged || accept) {
         add(report, std::move(next));
         return;
       }
       attempts_.add_cost(report);
       why = report.message;
     } catch (const StepFailure& failure) {
-      if (failure.kind != StepFailure::Kind::kNumerical || accept_) throw;
+      if (failure.kind == StepFailure::Kind::kPassage) {
+        if (options_.on_tunnel != OnTunnel::kSmallerStep || halvings == 0) throw;
+      } else if (failure.kind != StepFailure::Kind::kNumerical || accept) {
+        throw;
+      }
       why = failure.what();
     }
     if (halvings == 0) {
@@ -100,7 +100,15 @@ class Parts {
       }
       total_.energy.imbalance += before.energy.imbalance;
       total_.momentum_imbalance += before.momentum_imbalance;
+      total_.unsolvable = total_.unsolvable || before.unsolvable;
       total_.penetration = std::max(total_.penetration, before.penetration);
+      if (before.overlap > total_.overlap) {
+        total_.overlap = before.overlap;
+        total_.overlap_pair = before.overlap_pair;
+      }
+      total_.travel += before.travel;
+      total_.passages += before.passages;
+      if (before.passages > 0) total_.passage = before.passage;
       total_.contacts = std::max(total_.contacts, before.contacts);
       total_.active = std::max(total_.active, before.active);
       if (before.error.guarded() > total_.error.guarded()) total_.error = before.error;
@@ -109,11 +117,8 @@ class Parts {
     state_ = std::move(next);
   }
 
-  bool accept_;
   const Scene<D>& scene_;
-  const StepSolver& solver_;
-  bool explicit_delassus_;
-  int threads_;
+  const SceneRunOptions<D>& options_;
   State<D> state_;
   StepReport<D> total_, attempts_;  // of the parts taken; the cost of the others
   std::vector<ContactOutcome<D>> contacts_;
@@ -123,9 +128,9 @@ class Parts {
 }  // namespace
 
 template <int D>
-SplitStep<D> advance_in_parts(const Scene<D>& scene, const StepSolver& solver,
-                              bool explicit_delassus, State<D>& state, int threads) {
-  Parts<D> parts(scene, solver, explicit_delassus, with_changed_population(scene, state), threads);
+SplitStep<D> advance_in_parts(const Scene<D>& scene, const SceneRunOptions<D>& options,
+                              State<D>& state) {
+  Parts<D> parts(scene, options, with_changed_population(scene, state));
   parts.take(0.5 * scene.step, kMostHalvings - 1);
   parts.take(0.5 * scene.step, kMostHalvings - 1);
   return parts.finish(state);
@@ -158,25 +163,23 @@ int travel_halvings(const Scene<D>& scene, const State<D>& state) {
 }
 
 template <int D>
-SplitStep<D> advance_in_equal_parts(const Scene<D>& scene, const StepSolver& solver,
-                                    bool explicit_delassus, State<D>& state, int halvings,
-                                    OnFailure on_failure, int threads) {
-  Parts<D> parts(scene, solver, explicit_delassus, with_changed_population(scene, state), threads,
-                 on_failure == OnFailure::kContinue);
+SplitStep<D> advance_in_equal_parts(const Scene<D>& scene, const SceneRunOptions<D>& options,
+                                    State<D>& state, int halvings) {
+  Parts<D> parts(scene, options, with_changed_population(scene, state));
   const int count = 1 << halvings;
-  for (int k = 0; k < count; ++k) {
-    parts.take(scene.step / count, on_failure == OnFailure::kSmallerStep ? kMostHalvings : 0);
-  }
+  const bool further =
+      options.on_failure == OnFailure::kSmallerStep || options.on_tunnel == OnTunnel::kSmallerStep;
+  for (int k = 0; k < count; ++k) parts.take(scene.step / count, further ? kMostHalvings : 0);
   return parts.finish(state);
 }
 
 template int travel_halvings(const Scene<2>&, const State<2>&);
 template int travel_halvings(const Scene<3>&, const State<3>&);
-template SplitStep<2> advance_in_equal_parts(const Scene<2>&, const StepSolver&, bool, State<2>&,
-                                             int, OnFailure, int);
-template SplitStep<3> advance_in_equal_parts(const Scene<3>&, const StepSolver&, bool, State<3>&,
-                                             int, OnFailure, int);
-template SplitStep<2> advance_in_parts(const Scene<2>&, const StepSolver&, bool, State<2>&, int);
-template SplitStep<3> advance_in_parts(const Scene<3>&, const StepSolver&, bool, State<3>&, int);
+template SplitStep<2> advance_in_equal_parts(const Scene<2>&, const SceneRunOptions<2>&, State<2>&,
+                                             int);
+template SplitStep<3> advance_in_equal_parts(const Scene<3>&, const SceneRunOptions<3>&, State<3>&,
+                                             int);
+template SplitStep<2> advance_in_parts(const Scene<2>&, const SceneRunOptions<2>&, State<2>&);
+template SplitStep<3> advance_in_parts(const Scene<3>&, const SceneRunOptions<3>&, State<3>&);
 
 }  // namespace bipot

@@ -23,9 +23,12 @@ struct SplitStep {
 /// for bit.
 ///
 /// An unsolved part of the smallest size ends the attempt: StepFailure, with the state unchanged.
+///
+/// `options`: solver, explicit_delassus, threads, on_failure, on_tunnel. Parts in which bodies went
+/// through each other are halved as well, if on_tunnel says so.
 template <int D>
-SplitStep<D> advance_in_parts(const Scene<D>& scene, const StepSolver& solver,
-                              bool explicit_delassus, State<D>& state, int threads = 1);
+SplitStep<D> advance_in_parts(const Scene<D>& scene, const SceneRunOptions<D>& options,
+                              State<D>& state);
 
 /// Number of halvings of the scene's next step for its `travel`: the least k such that no body or
 /// wall moves farther in h / 2^k, at its speed before the step or at that without contacts after
@@ -37,8 +40,7 @@ inline constexpr int kMostTravelHalvings = 12;  ///< 4096 parts
 /// Takes the scene's next step in 2^halvings equal parts, as above. An unsolved part is taken with
 /// the best impulse (kContinue), ends the attempt (kStop) or is halved further (kSmallerStep).
 template <int D>
-SplitStep<D> advance_in_equal_parts(const Scene<D>& scene, const StepSolver& solver,
-                                    bool explicit_delassus, State<D>& state, int halvings,
-                                    OnFailure on_failure, int threads = 1);
+SplitStep<D> advance_in_equal_parts(const Scene<D>& scene, const SceneRunOptions<D>& options,
+                                    State<D>& state, int halvings);
 
 }  // namespace bipot

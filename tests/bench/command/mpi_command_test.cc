@@ -218,7 +218,7 @@ normal = [-1, 0]
 
 [[walls]]
 name = "lid"
-point = [0, 0.8794]
+point = [0, 0.87943]
 normal = [0, -1]
 force = 500
 mass = 40
@@ -281,7 +281,7 @@ TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
   for (std::size_t k = 1; k < a.size(); ++k) {
     ASSERT_EQ(a[k].size(), b[k].size());
     for (const std::size_t column : {0u, 1u, 2u, 5u}) EXPECT_EQ(a[k][column], b[k][column]) << k;
-    for (const std::size_t column : {10u, 11u, 12u, 13u, 14u, 20u, 21u, 22u, 23u}) {
+    for (const std::size_t column : {10u, 11u, 12u, 13u, 14u, 20u, 21u, 22u, 23u, 24u, 25u}) {
       EXPECT_NEAR(a[k][column], b[k][column], 1e-4 * (1 + std::abs(a[k][column])))
           << k << ", " << column;
     }
@@ -347,6 +347,51 @@ TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
             0);
   EXPECT_LE(farthest(several, read_state<2>(path("one"))), 1e-5);
   EXPECT_EQ(count(content(path("several/ledger.csv")), "\n"), left + 17);
+}
+
+// A lattice of small disks, 50 mm apart; a disk of 10 mm flies through a row of them, 300 mm a step:
+// it passes some that others have, and hits one that it meets in the middle of a step.
+TEST_F(MpiCommand, SeveralProcessesSeeTheSamePassagesAndOverlaps) {
+  std::string scene =
+      "gravity = [0, 0]\n[time]\nstep = 1e-3\nsteps = 3\n[[disks]]\nposition = [-0.12, 0.21]\n"
+      "radius = 0.01\nmass = 1\nvelocity = [300, 0]\n";
+  for (int k = 0; k < 200; ++k) {
+    scene += "[[disks]]\nposition = [" + std::to_string(0.05 * (k % 20)) + ", " +
+             std::to_string(0.05 * (k / 20)) + "]\nradius = 0.012\nmass = 1\n";
+  }
+  const std::string run = "run " + write("shot.toml", scene) + " --on-tunnel warn --json - --out ";
+  const json one = json::parse(bipot(run + path("one")).out);
+  EXPECT_GT(one["passages"]["count"], 2);
+  EXPECT_GT(one["overlap"]["steps_beyond"], 0);
+  const json three = json::parse(on(3, run + path("three")).out);
+  EXPECT_EQ(three["state"], "distributed");
+  for (const char* entry : {"passages", "travel"}) EXPECT_EQ(three[entry], one[entry]) << entry;
+  EXPECT_EQ(three["overlap"]["pair"], one["overlap"]["pair"]);
+  EXPECT_NEAR(three["overlap"]["largest"].get<double>(), one["overlap"]["largest"].get<double>(),
+              1e-6);
+  // The verdict as well.
+  const std::string refused = "run " + path("shot.toml") + " --out ";
+  EXPECT_EQ(bipot(refused + path("refused")).exit_code, 3);
+  EXPECT_EQ(on(3, refused + path("refused_three")).exit_code, 3);
+  EXPECT_EQ(read_state<2>(path("refused")).step, read_state<2>(path("refused_three")).step);
+}
+
+// A disk of 1 m between walls that come at 1 m/s and 2 m/s; others lie far away.
+TEST_F(MpiCommand, SeveralProcessesEndBeforeAStepWithoutSolution) {
+  std::string scene =
+      "gravity = [0, 0]\n[time]\nstep = 1e-3\nsteps = 3\n[[disks]]\nposition = [0, 0]\n"
+      "radius = 0.5\nmass = 1\n"
+      "[[walls]]\nfrom = [-0.5, -1]\nto = [-0.5, 1]\nvelocity = [1, 0]\n"
+      "[[walls]]\nfrom = [0.5, -1]\nto = [0.5, 1]\nvelocity = [-2, 0]\n";
+  for (int k = 0; k < 20; ++k) {
+    scene += "[[disks]]\nposition = [" + std::to_string(10 + k) + ", 0]\nradius = 0.5\nmass = 1\n";
+  }
+  const std::string run =
+      "run " + write("jam.toml", scene) + " --max-iterations 2000 --json - --out ";
+  const Outcome two = on(2, run + path("two"));
+  EXPECT_EQ(two.exit_code, 3);
+  EXPECT_EQ(json::parse(two.out)["status"], "no solution");
+  EXPECT_EQ(json::parse(two.out)["last_step"], 0);
 }
 
 TEST_F(MpiCommand, AProcessThatFailsEndsARunWhoseStateIsDistributed) {

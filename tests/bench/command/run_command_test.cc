@@ -149,5 +149,84 @@ TEST_F(RunCommand, WhereStepsCountTheStepSizeChangesTheTimeAndSaysSo) {
   EXPECT_EQ(run["note"], "the run ends at t = 0.04 s, the scene at 0.02 s");
 }
 
+// 300 m/s in steps of 1 ms: 30 radii a step.
+const char* const kShot =
+    "gravity = [0, 0]\n[[disks]]\nposition = [-0.1, 0]\nradius = 0.01\nmass = 1\n"
+    "velocity = [300, 0]\n[[walls]]\nname = 'plate'\nfrom = [0, -1]\nto = [0, 1]\n"
+    "[time]\nstep = 1e-3\nsteps = 3\n";
+
+TEST_F(RunCommand, ADiskThatGoesThroughAWallEndsTheRun) {
+  const std::string run = "run " + write("shot.toml", kShot) + " --overwrite";
+  const Outcome stopped = both_streams(run);
+  EXPECT_EQ(stopped.exit_code, 3);
+  for (const char* part :
+       {"step 1 at t = 0 s: disk 0 went through wall 'plate' at 300 m/s", "passed through: 0 of 3",
+        "30 of the smallest radius", "--step-size 1.7e-05", "--on-tunnel smaller-step"}) {
+    EXPECT_TRUE(holds(stopped.out, part)) << part << " in " << stopped.out;
+  }
+  const Outcome warned = both_streams(run + " --on-tunnel warn");
+  EXPECT_EQ(warned.exit_code, 0);
+  EXPECT_TRUE(holds(warned.out, "warning: 1 pair went through each other, first in step 1"))
+      << warned.out;
+  const json counted = json::parse(bipot(run + " --on-tunnel warn --json -").out);
+  EXPECT_EQ(counted["passages"]["count"], 1);
+  EXPECT_EQ(counted["passages"]["first"], "disk 0 went through wall 'plate' at 300 m/s");
+  EXPECT_NEAR(counted["travel"]["largest"].get<double>(), 30, 1e-9);
+  // Parts of 1/64 of the step move it by half a radius: it is stopped at the plate.
+  const json parts = json::parse(bipot(run + " --on-tunnel smaller-step --json -").out);
+  EXPECT_EQ(parts["status"], "completed");
+  EXPECT_EQ(parts["passages"]["count"], 0);
+  EXPECT_EQ(parts["steps_split"], 1);
+  const State<2> end = read_state<2>(path("out/shot"));
+  EXPECT_NEAR(end.bodies[0].x[0], -0.01, 0.005);
+  EXPECT_NEAR(end.bodies[0].v[0], 0, 1e-6);
+}
+
+// A disk of 0.5 m falls at 10 m/s, h = 10 ms: at the middle of the second step its centre is at
+// 0.58 - 0.15 = 0.43 m, an overlap of 0.07 m, 14 % of its radius.
+TEST_F(RunCommand, DeepOverlapsAreAWarningWithStepAndPair) {
+  const std::string scene = write("fall.toml",
+                                  "gravity = [0, 0]\n[[disks]]\nposition = [0, 0.58]\n"
+                                  "radius = 0.5\nmass = 2\nvelocity = [0, -10]\n[[walls]]\n"
+                                  "name = 'floor'\npoint = [0, 0]\nnormal = [0, 1]\n"
+                                  "[time]\nstep = 0.01\nsteps = 2\n");
+  const Outcome run = both_streams("run " + scene);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_TRUE(holds(run.out,
+                    "warning: overlaps beyond 5 % of the smaller radius in 1 step, most "
+                    "in step 2: 14 %, disk 0 and wall 'floor'"))
+      << run.out;
+  const json overlap = json::parse(bipot("run " + scene + " --overwrite --json -").out)["overlap"];
+  EXPECT_NEAR(overlap["largest"].get<double>(), 0.14, 1e-12);
+  EXPECT_EQ(overlap["step"], 2);
+  EXPECT_EQ(overlap["pair"], "disk 0 and wall 'floor'");
+  EXPECT_EQ(overlap["steps_beyond"], 1);
+  EXPECT_TRUE(holds(content(path("out/fall/ledger.csv")), "penetration [m],overlap,travel,"));
+}
+
+// A disk between walls that come at 1 m/s and 2 m/s: no velocity obeys the law.
+TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
+  const std::string scene = write("jam.toml",
+                                  "gravity = [0, 0]\n[[disks]]\nposition = [0, 0]\n"
+                                  "radius = 0.5\nmass = 1\n"
+                                  "[[walls]]\npoint = [-0.5, 0]\nnormal = [1, 0]\n"
+                                  "velocity = [1, 0]\n[[walls]]\npoint = [0.5, 0]\n"
+                                  "normal = [-1, 0]\nvelocity = [-2, 0]\n"
+                                  "[time]\nstep = 1e-3\nsteps = 3\n");
+  const std::string run = "run " + scene + " --overwrite --max-iterations 2000";
+  const Outcome ended = both_streams(run);
+  EXPECT_EQ(ended.exit_code, 3);
+  for (const char* part : {"no solution exists (proved", "no solution: 0 of 3 steps",
+                           "a wall is driven into what is jammed", "--on-failure continue"}) {
+    EXPECT_TRUE(holds(ended.out, part)) << part << " in " << ended.out;
+  }
+  const Outcome went_on = bipot(run + " --on-failure continue --json -");
+  EXPECT_EQ(went_on.exit_code, 1);
+  const json j = json::parse(went_on.out);
+  EXPECT_EQ(j["steps"], 3);
+  EXPECT_EQ(j["steps_converged"], 0);
+  EXPECT_EQ(j["steps_without_solution"], 3);
+}
+
 }  // namespace
 }  // namespace bipot

@@ -381,7 +381,7 @@ TEST(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
   EXPECT_EQ(ledger[1][0], "2");
   EXPECT_EQ(ledger[2][0], "4");
   EXPECT_EQ(ledger[3][0], "5");
-  for (const auto& row : ledger) EXPECT_EQ(row.size(), 26u);
+  for (const auto& row : ledger) EXPECT_EQ(row.size(), 28u);
   const auto column = [&](const std::string& name) {
     for (std::size_t k = 0; k < ledger[0].size(); ++k) {
       if (ledger[0][k] == name) return k;
@@ -468,12 +468,12 @@ TEST(RunOutput, FramesAndLedgerHoldTheStresses) {
   EXPECT_EQ(file.read_doubles("/sample/kinetic_stress")[0], sample.kinetic(0, 0));
   EXPECT_EQ(file.read_doubles("/sample/spin_stress")[1], sample.spin(0, 1));
   const auto ledger = csv(folder / "out/ledger.csv");
-  EXPECT_EQ(ledger[0][21], "area [m2]");
-  EXPECT_EQ(std::stod(ledger[1][21]), area);
-  EXPECT_EQ(std::stod(ledger[1][22]), sample.total()(0, 0));
-  EXPECT_EQ(std::stod(ledger[1][23]), sample.total()(1, 1));
-  EXPECT_DOUBLE_EQ(std::stod(ledger[1][24]), sample.total()(0, 1));
-  EXPECT_EQ(std::stod(ledger[1][25]), 0.5 * sample.kinetic.trace());
+  EXPECT_EQ(ledger[0][23], "area [m2]");
+  EXPECT_EQ(std::stod(ledger[1][23]), area);
+  EXPECT_EQ(std::stod(ledger[1][24]), sample.total()(0, 0));
+  EXPECT_EQ(std::stod(ledger[1][25]), sample.total()(1, 1));
+  EXPECT_DOUBLE_EQ(std::stod(ledger[1][26]), sample.total()(0, 1));
+  EXPECT_EQ(std::stod(ledger[1][27]), 0.5 * sample.kinetic.trace());
 }
 
 TEST(RunOutput, ARunOfAVersionWithoutStressesIsContinued) {
@@ -507,9 +507,9 @@ TEST(RunOutput, ARunOfAVersionWithoutStressesIsContinued) {
   EXPECT_EQ(expect_data(folder / "out", file_text(folder / "out/run.xdmf")), 23 + 25);
   const auto rows = csv(ledger);
   ASSERT_EQ(rows.size(), 3u);
-  for (const auto& row : rows) EXPECT_EQ(row.size(), 26u);
+  for (const auto& row : rows) EXPECT_EQ(row.size(), 28u);
   EXPECT_EQ(rows[1][0], "2");
-  EXPECT_EQ(rows[1][25], "nan");
+  EXPECT_EQ(rows[1][27], "nan");
   EXPECT_NE(rows[2][25], "nan");
 }
 

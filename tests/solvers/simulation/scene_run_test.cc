@@ -262,7 +262,8 @@ TEST(SplitStep, LetsBodiesLeaveOnceAStep) {
   const StepSolver sweeps = make_step_solver(*find_solver("pgs"), {});
   State<2> state = initial_state(scene);
   for (int k = 0; k < 21; ++k) {
-    const SplitStep<2> split = advance_in_parts(scene, sweeps, false, state);
+    const SplitStep<2> split = advance_in_parts<2>(
+        scene, {.solver = sweeps, .on_failure = OnFailure::kSmallerStep}, state);
     EXPECT_EQ(split.parts, 2);
     EXPECT_EQ(state.bodies.size(), state.step < 21 ? 2u : 1u) << state.step;
   }

@@ -1,4 +1,4 @@
-#include "bench/command/run_start.h"
+#include "solvers/simulation/scene_start.h"
 
 #include <fmt/format.h>
 

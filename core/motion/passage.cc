@@ -1,0 +1,244 @@
+#include "core/motion/passage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace bipot {
+namespace {
+
+/// A pair with a smaller overlap than this part of the smaller radius grazes.
+constexpr double kGrazing = 0.5;
+
+/// Whether a pair at p and then at q, one against the other, changed sides nearer than `clear`.
+template <class V>
+bool changed_sides(const V& p, const V& q, double clear) {
+  if (!(p.dot(q) < 0)) return false;
+  const V d = q - p;
+  return (p - p.dot(d) / d.squaredNorm() * d).norm() < clear;
+}
+
+/// Whether the way from p to q crosses the segment from 0 to `along`.
+bool crosses(const Vec2& p, const Vec2& q, const Vec2& along) {
+  const auto cross = [](const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; };
+  const double before = cross(along, p), after = cross(along, q);
+  if (!(before * after < 0)) return false;
+  const Vec2 at = p + before / (before - after) * (q - p);
+  const double share = at.dot(along) / along.squaredNorm();
+  return share >= 0 && share <= 1;
+}
+
+/// Whether a body at p and then at q, against the wall, went through it.
+template <int D>
+bool through_wall(const Vec<D>& p, const Vec<D>& q, double radius, const Wall<D>& wall) {
+  if constexpr (D == 2) {
+    if (wall.shape == Wall<D>::Shape::kSegment) return crosses(p, q, wall.b - wall.a);
+    return changed_sides(p, q, wall.radius + radius - kGrazing * std::min(radius, wall.radius));
+  } else {
+    const auto across = [&](const Vec<D>& x) -> Vec<D> {
+      return x - x.dot(wall.normal) * wall.normal;
+    };
+    return changed_sides<Vec<D>>(across(p), across(q),
+                                 wall.radius + radius - kGrazing * std::min(radius, wall.radius));
+  }
+}
+
+/// Walls that a body can pass: those with a far side.
+template <int D>
+bool has_far_side(const Wall<D>& wall) {
+  return wall.present &&
+         (wall.shape == Wall<D>::Shape::kSegment || wall.shape == Wall<D>::Shape::kSolidCircle);
+}
+
+template <int D>
+bool joined(const BodyPath<D>& a, const BodyPath<D>& b) {
+  return (a.wall >= 0 && b.wall >= 0) || (a.cluster >= 0 && a.cluster == b.cluster);
+}
+
+/// One against the other, moved back to the nearest image in a periodic cell, at three times.
+template <int D>
+struct Against {
+  Vec<D> from, mid, to;
+
+  Against(const BodyPath<D>& a, const BodyPath<D>& b, const PeriodicCell& before,
+          const PeriodicCell& after)
+      : from(a.from - b.from), mid(a.mid - b.mid), to(a.to - b.to) {
+    if (!after.periodic()) return;
+    const int ky = after.in_y ? static_cast<int>(std::lround(mid[1] / after.height.length)) : 0;
+    const int kx =
+        static_cast<int>(std::lround((mid[0] - ky * after.offset.length) / after.width.length));
+    const Vec<D> first = in_dimensions<D>(before.shift(kx, ky)),
+                 last = in_dimensions<D>(after.shift(kx, ky));
+    from -= first;
+    mid -= 0.5 * (first + last);
+    to -= last;
+  }
+};
+
+/// Calls visit(a, b) for pairs of which one is fast and one is here. Outside of cells only where
+/// the ways overlap along the first axis.
+template <int D, class F>
+void for_near_pairs(const std::vector<BodyPath<D>>& ways, bool periodic, F&& visit) {
+  const auto lower = [](const BodyPath<D>& w) {
+    return std::min({w.from[0], w.mid[0], w.to[0]}) - w.radius;
+  };
+  const auto upper = [](const BodyPath<D>& w) {
+    return std::max({w.from[0], w.mid[0], w.to[0]}) + w.radius;
+  };
+  std::vector<std::size_t> order(ways.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return lower(ways[a]) < lower(ways[b]); });
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const BodyPath<D>& a = ways[order[k]];
+    for (std::size_t l = k + 1; l < order.size(); ++l) {
+      const BodyPath<D>& b = ways[order[l]];
+      if (!periodic && lower(b) > upper(a)) break;
+      if (!(a.fast || b.fast) || (a.elsewhere && b.elsewhere)) continue;
+      // Two fast bodies of different processes are seen by both.
+      const BodyPath<D>& first = a.number < b.number ? a : b;
+      if (a.fast && b.fast && first.elsewhere) continue;
+      visit(first, a.number < b.number ? b : a);
+    }
+  }
+}
+
+}  // namespace
+
+template <int D>
+StepTravel step_travel(const State<D>& before, const State<D>& after, double h) {
+  StepTravel travel;
+  double fastest = 0, relative = 0;  // squared
+  for (std::size_t k = 0; k < after.bodies.size(); ++k) {
+    const Body<D>&a = before.bodies[k], &b = after.bodies[k];
+    const double speed = std::max(a.v.squaredNorm(), b.v.squaredNorm());
+    fastest = std::max(fastest, speed);
+    relative = std::max(relative, speed / (b.radius * b.radius));
+    travel.least = std::min(travel.least, b.radius);
+  }
+  travel.way = h * std::sqrt(fastest);
+  travel.radii = h * std::sqrt(relative);
+  for (const Wall<D>& wall : after.walls) {
+    if (!has_far_side(wall)) continue;
+    travel.wall_way = std::max(travel.wall_way, h * wall.v.norm());
+    if (wall.is_circle()) travel.least = std::min(travel.least, wall.radius);
+  }
+  return travel;
+}
+
+template <int D>
+std::vector<BodyPath<D>> paths_of(const State<D>& before, const State<D>& after, double h,
+                                  const StepTravel& travel, const std::function<int(int)>& number) {
+  std::vector<BodyPath<D>> ways(after.bodies.size());
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    const Body<D>&a = before.bodies[k], &b = after.bodies[k];
+    BodyPath<D>& way = ways[k];
+    way.number = number(static_cast<int>(k));
+    way.from = a.x;
+    way.mid = b.x - 0.5 * h * b.v;
+    way.to = b.x;
+    way.radius = b.radius;
+    way.wall = b.wall;
+    way.cluster = b.cluster;
+    way.fast = h * std::max(a.v.norm(), b.v.norm()) + travel.wall_way > travel.least;
+  }
+  return ways;
+}
+
+template <int D>
+std::vector<Passage> find_passages(const State<D>& before, const State<D>& after, double h,
+                                   const std::vector<BodyPath<D>>& ways) {
+  std::vector<Passage> passages;
+  const auto speed = [&](const Vec<D>& p, const Vec<D>& q) { return 2 * (q - p).norm() / h; };
+  for (const BodyPath<D>& way : ways) {
+    if (!way.fast || way.elsewhere || way.wall >= 0) continue;
+    for (std::size_t w = 0; w < after.walls.size(); ++w) {
+      const Wall<D>& wall = after.walls[w];
+      if (!has_far_side(wall)) continue;
+      const Vec<D> from = way.from - before.walls[w].a, mid = way.mid - (wall.a - 0.5 * h * wall.v),
+                   to = way.to - wall.a;
+      for (const auto& [p, q] : {std::pair(from, mid), std::pair(mid, to)}) {
+        if (!through_wall<D>(p, q, way.radius, wall)) continue;
+        passages.push_back({way.number, -1, static_cast<int>(w), speed(p, q)});
+        break;
+      }
+    }
+  }
+  for_near_pairs(ways, after.cell.periodic(), [&](const BodyPath<D>& a, const BodyPath<D>& b) {
+    if (joined(a, b)) return;
+    const double clear = a.radius + b.radius - kGrazing * std::min(a.radius, b.radius);
+    const Against<D> pair(a, b, before.cell, after.cell);
+    for (const auto& [p, q] : {std::pair(pair.from, pair.mid), std::pair(pair.mid, pair.to)}) {
+      if (!changed_sides(p, q, clear)) continue;
+      passages.push_back({a.number, b.number, -1, speed(p, q)});
+      break;
+    }
+  });
+  std::sort(passages.begin(), passages.end(), [](const Passage& a, const Passage& b) {
+    return std::tie(a.i, a.j, a.wall) < std::tie(b.i, b.j, b.wall);
+  });
+  return passages;
+}
+
+template <int D>
+std::string passage_text(const Scene<D>& scene, const Passage& passage) {
+  const std::string other = passage.wall >= 0
+                                ? fmt::format("wall '{}'", scene.walls[to_size(passage.wall)].name)
+                                : fmt::format("{} {}", kBodyName<D>, passage.j);
+  return fmt::format("{} {} went through {} at {:.3g} m/s", kBodyName<D>, passage.i, other,
+                     passage.speed);
+}
+
+template <int D>
+std::vector<double> packed(const std::vector<BodyPath<D>>& ways) {
+  std::vector<double> numbers;
+  for (const BodyPath<D>& way : ways) {
+    for (const int n : {way.number, way.wall, way.cluster}) numbers.push_back(n);
+    numbers.push_back(way.radius);
+    for (const Vec<D>& x : {way.from, way.mid, way.to})
+      numbers.insert(numbers.end(), x.begin(), x.end());
+  }
+  return numbers;
+}
+
+template <int D>
+std::vector<BodyPath<D>> unpacked(const std::vector<double>& numbers) {
+  constexpr std::size_t kNumbers = 4 + 3 * D;
+  std::vector<BodyPath<D>> ways(numbers.size() / kNumbers);
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    const double* from = numbers.data() + k * kNumbers;
+    BodyPath<D>& way = ways[k];
+    way.number = static_cast<int>(from[0]);
+    way.wall = static_cast<int>(from[1]);
+    way.cluster = static_cast<int>(from[2]);
+    way.radius = from[3];
+    way.from = Eigen::Map<const Vec<D>>(from + 4);
+    way.mid = Eigen::Map<const Vec<D>>(from + 4 + D);
+    way.to = Eigen::Map<const Vec<D>>(from + 4 + 2 * D);
+    way.fast = way.elsewhere = true;
+  }
+  return ways;
+}
+
+template StepTravel step_travel(const State<2>&, const State<2>&, double);
+template StepTravel step_travel(const State<3>&, const State<3>&, double);
+template std::vector<BodyPath<2>> paths_of(const State<2>&, const State<2>&, double,
+                                           const StepTravel&, const std::function<int(int)>&);
+template std::vector<BodyPath<3>> paths_of(const State<3>&, const State<3>&, double,
+                                           const StepTravel&, const std::function<int(int)>&);
+template std::vector<Passage> find_passages(const State<2>&, const State<2>&, double,
+                                            const std::vector<BodyPath<2>>&);
+template std::vector<Passage> find_passages(const State<3>&, const State<3>&, double,
+                                            const std::vector<BodyPath<3>>&);
+template std::string passage_text(const Scene<2>&, const Passage&);
+template std::string passage_text(const Scene<3>&, const Passage&);
+template std::vector<double> packed(const std::vector<BodyPath<2>>&);
+template std::vector<double> packed(const std::vector<BodyPath<3>>&);
+template std::vector<BodyPath<2>> unpacked(const std::vector<double>&);
+template std::vector<BodyPath<3>> unpacked(const std::vector<double>&);
+
+}  // namespace bipot
