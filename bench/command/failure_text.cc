@@ -177,7 +177,7 @@ std::string motion_warning(const SceneTotals<D>& totals) {
     text += fmt::format(
         "bipot: warning: overlaps beyond {:g} % of the smaller radius in {} step{}, most in step "
         "{}: {:.3g} %{}{}. Try a smaller --step-size, travel in [time], or overlaps = "
-        "\"predict\"\n",
+        "\"predict\" where e_n = 0\n",
         100 * kDeepOverlap, totals.deep_overlaps, totals.deep_overlaps == 1 ? "" : "s",
         totals.overlap_step, 100 * totals.overlap, totals.overlap_pair.empty() ? "" : ", ",
         totals.overlap_pair);

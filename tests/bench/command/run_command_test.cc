@@ -18,7 +18,7 @@ using nlohmann::json;
 using RunCommand = Command;
 
 /// Both streams, in one text.
-Outcome both_streams(const std::string& arguments) {
+Outcome whole_output(const std::string& arguments) {
   return run_command_line(BIPOT_COMMAND, arguments + " 2>&1 #");
 }
 
@@ -38,7 +38,7 @@ std::string cut_packing(const std::string& more = "") {
 TEST_F(RunCommand, AStartThatOverlapsIsRefusedWithAPicture) {
   const std::string scene = write("cut.toml", cut_packing());
   for (const std::string steps : {"", " --steps 0"}) {
-    const Outcome run = both_streams("run " + scene + steps);
+    const Outcome run = whole_output("run " + scene + steps);
     EXPECT_EQ(run.exit_code, 2);
     // The rows at 28 and 36 mm; the highest disk by 36 + 4 - 28 = 12 mm, 3 radii.
     EXPECT_TRUE(holds(run.out,
@@ -63,7 +63,7 @@ TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
   EXPECT_NEAR(start["depth_over_radius"].get<double>(), 3, 1e-9);
   // Rows one above the other cannot give way to the sides; staggered rows can.
   std::string text = cut_packing("[start]\noverlaps = 'push apart'\n");
-  const Outcome jammed = both_streams("run " + write("jammed.toml", text));
+  const Outcome jammed = whole_output("run " + write("jammed.toml", text));
   EXPECT_EQ(jammed.exit_code, 2);
   EXPECT_TRUE(holds(jammed.out, "pushed apart in ")) << jammed.out;
   text.replace(text.find("rectangular"), 11, "triangular");
@@ -83,7 +83,7 @@ TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
   const std::string run = "run sliding_cylinder --steps ";
   ASSERT_EQ(bipot(run + "7").exit_code, 0);
   const std::string ledger = content(path("out/sliding_cylinder/ledger.csv"));
-  const Outcome again = both_streams(run + "2");
+  const Outcome again = whole_output(run + "2");
   EXPECT_EQ(again.exit_code, 2);
   EXPECT_TRUE(holds(again.out,
                     "out/sliding_cylinder holds a run of 7 steps: --restart "
@@ -97,7 +97,7 @@ TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
   // The folder of another run is not a place to go on to.
   ASSERT_EQ(bipot(run + "3 --out other").exit_code, 0);
   EXPECT_EQ(bipot(run + "1 --restart out/sliding_cylinder --out other").exit_code, 2);
-  const Outcome over = both_streams(run + "2 --overwrite");
+  const Outcome over = whole_output(run + "2 --overwrite");
   EXPECT_EQ(over.exit_code, 0);
   EXPECT_TRUE(holds(over.out, "results in   out/sliding_cylinder\n")) << over.out;
   EXPECT_EQ(read_state<2>(path("out/sliding_cylinder")).step, 2);
@@ -157,14 +157,14 @@ const char* const kShot =
 
 TEST_F(RunCommand, ADiskThatGoesThroughAWallEndsTheRun) {
   const std::string run = "run " + write("shot.toml", kShot) + " --overwrite";
-  const Outcome stopped = both_streams(run);
+  const Outcome stopped = whole_output(run);
   EXPECT_EQ(stopped.exit_code, 3);
   for (const char* part :
        {"step 1 at t = 0 s: disk 0 went through wall 'plate' at 300 m/s", "passed through: 0 of 3",
         "30 of the smallest radius", "--step-size 1.7e-05", "--on-tunnel smaller-step"}) {
     EXPECT_TRUE(holds(stopped.out, part)) << part << " in " << stopped.out;
   }
-  const Outcome warned = both_streams(run + " --on-tunnel warn");
+  const Outcome warned = whole_output(run + " --on-tunnel warn");
   EXPECT_EQ(warned.exit_code, 0);
   EXPECT_TRUE(holds(warned.out, "warning: 1 pair went through each other, first in step 1"))
       << warned.out;
@@ -190,7 +190,7 @@ TEST_F(RunCommand, DeepOverlapsAreAWarningWithStepAndPair) {
                                   "radius = 0.5\nmass = 2\nvelocity = [0, -10]\n[[walls]]\n"
                                   "name = 'floor'\npoint = [0, 0]\nnormal = [0, 1]\n"
                                   "[time]\nstep = 0.01\nsteps = 2\n");
-  const Outcome run = both_streams("run " + scene);
+  const Outcome run = whole_output("run " + scene);
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_TRUE(holds(run.out,
                     "warning: overlaps beyond 5 % of the smaller radius in 1 step, most "
@@ -214,7 +214,7 @@ TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
                                   "normal = [-1, 0]\nvelocity = [-2, 0]\n"
                                   "[time]\nstep = 1e-3\nsteps = 3\n");
   const std::string run = "run " + scene + " --overwrite --max-iterations 2000";
-  const Outcome ended = both_streams(run);
+  const Outcome ended = whole_output(run);
   EXPECT_EQ(ended.exit_code, 3);
   for (const char* part : {"no solution exists (proved", "no solution: 0 of 3 steps",
                            "a wall is driven into what is jammed", "--on-failure continue"}) {
