@@ -64,7 +64,9 @@ std::string shape_of(const py::array& array) { return text_of(array.attr("shape"
 
 void require_extent(std::int64_t rows, std::int64_t columns, std::int64_t entries,
                     std::string_view name) {
-  if (std::max({rows, columns, entries}) <= kLargest) return;
+  if (std::min({rows, columns, entries}) >= 0 && std::max({rows, columns, entries}) <= kLargest) {
+    return;
+  }
   throw std::invalid_argument(
       fmt::format("{} is {} x {} with {} entries, at most {} of each can be stored", name, rows,
                   columns, entries, kLargest));

@@ -80,6 +80,14 @@ def test_a_list_gives_what_single_solves_give(threads):
     assert bipot.solve([], threads=threads) == []
 
 
+@pytest.mark.parametrize("solver", [row["name"] for row in bipot.solvers()])
+def test_every_solver_takes_lists(solver):
+    """As alone, whether it converges or not; some libraries serve one thread at a time."""
+    problems = [chain(k) for k in (1, 2, 3, 4)]
+    for a, b in zip(problems, bipot.solve(problems, solver=solver, tol=1e-6, threads=3)):
+        same_result(bipot.solve(a, solver=solver, tol=1e-6), b)
+
+
 def test_python_solvers_take_lists():
     problems = [chain(3), one_contact(-1, 0.25)] * 3
     for r in bipot.solve(problems, solver=gauss_seidel, tol=1e-9, threads=2):

@@ -94,6 +94,49 @@ def test_duplicates_are_summed(lattice):
     assert q.H.nnz == lattice.H.nnz
 
 
+def test_dense_arrays_of_any_layout_are_taken(lattice):
+    p = bipot.Problem(W=[[2.0, 0.5], [0.5, 3.0]], u_free=[-1, 2], mu=[0.5])
+    dense = p.W.toarray()
+    packed = np.zeros(2, dtype=[("flag", "i1"), ("row", "f8", 2)])  # not aligned
+    packed["row"] = dense
+    wide = np.zeros((4, 6))
+    wide[::2, ::3] = dense
+    for W in (
+        dense.tolist(), np.asfortranarray(dense), dense[::-1, ::-1][::-1, ::-1], wide[::2, ::3],
+        dense.astype(">f8"), dense.astype(np.float32), dense.astype(np.longdouble), np.matrix(dense),
+        packed["row"], [np.array([2.0, 0.5]), [0.5, 3.0]],
+    ):
+        same(bipot.Problem(W=W, u_free=[-1, 2], mu=[0.5]).W, p.W)
+
+
+def test_what_looks_like_a_sparse_matrix_is_checked():
+    class Lies:
+        format, nnz = "csr", 1
+        indptr, indices, data = np.array([0, 1, 1]), np.array([0]), np.array([1.0])
+
+        def __init__(self, **parts):
+            self.shape = (2, 2)
+            vars(self).update(parts)
+
+        def tocoo(self):
+            raise RuntimeError("not this way")
+
+    for parts, words in [
+        (dict(shape=(-1, 2)), "-1 x 2"),
+        (dict(shape=(2, 2**40)), "at most 2147483647"),
+        (dict(shape=(2,)), "expected a matrix"),
+        (dict(indptr=np.array([0, 1])), "indptr has size 2, expected 3"),
+        (dict(indptr=np.array([0, 5, 5])), r"indptr[1] = 5 after 0, with 1 entries"),
+        (dict(indptr=np.array([0, 1, 0])), "indptr[2] = 0 after 1"),
+        (dict(indices=np.array([-3])), "indices[0] = -3"),
+        (dict(indices=np.array([0.5])), "indices is no list of integers"),
+        (dict(data=np.ones((1, 1))), "data has not one dimension"),
+    ]:
+        assert words in refusal(W=Lies(**parts), u_free=[0, 0], mu=[0])
+    with pytest.raises(RuntimeError, match="not this way"):
+        bipot.Problem(W=Lies(format="dia"), u_free=[0, 0], mu=[0])
+
+
 def test_arguments_are_copied_and_left_alone():
     W = unsorted(sparse.csr_matrix([[2.0, 1.0], [1.0, 3.0]]))
     indices, b = W.indices.copy(), np.array([-1.0, 0.5])
