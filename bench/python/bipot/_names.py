@@ -76,6 +76,8 @@ def wrong_type(name, expected, value):
 
 
 def number(value, name):
+    if type(value) is float:  # a solve of one contact takes microseconds
+        return value
     if not isinstance(value, (str, bytes, bool)):
         try:
             return float(value)
@@ -85,6 +87,8 @@ def number(value, name):
 
 
 def integer(value, name):
+    if type(value) is int:
+        return _in_32_bits(value, name)
     if isinstance(value, float) and value.is_integer():
         value = int(value)
     if not isinstance(value, bool):
@@ -96,7 +100,7 @@ def integer(value, name):
 
 
 def _in_32_bits(value, name):
-    if abs(value) < 2**31:
+    if -(2**31) < value < 2**31:
         return value
     raise ValueError(f"{name} = {value} is beyond {2**31 - 1}")
 

@@ -103,7 +103,7 @@ def test_dense_arrays_of_any_layout_are_taken(lattice):
     wide[::2, ::3] = dense
     for W in (
         dense.tolist(), np.asfortranarray(dense), dense[::-1, ::-1][::-1, ::-1], wide[::2, ::3],
-        dense.astype(">f8"), dense.astype(np.float32), dense.astype(np.longdouble), np.matrix(dense),
+        dense.astype(">f8"), dense.astype(np.float32), dense.astype(np.longdouble),
         packed["row"], [np.array([2.0, 0.5]), [0.5, 3.0]],
     ):
         same(bipot.Problem(W=W, u_free=[-1, 2], mu=[0.5]).W, p.W)
