@@ -64,7 +64,7 @@ Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, boo
   p.v_free.setZero();
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     const Eigen::Index row = static_cast<Eigen::Index>(c);
-    const double gap = contacts[c].gap;
+    const double gap = reach > 0 ? std::max(contacts[c].gap, -reach) : contacts[c].gap;
     const bool leaves = kLeaving * scene.step * assembled.u_before[row] > -gap;
     p.u_free[row] = leaves ? std::max(gap, 0.0) : gap;
   }

@@ -25,8 +25,8 @@ struct Projection {
 /// do not move. Periodic cells are refused by validate().
 ///
 /// It is a contact problem without friction in metres instead of m/s, for the solver of the step.
-/// Pairs up to `reach` [m] apart stay clear of each other as well. Not in the scheme of the paper.
-/// [ours]
+/// With a `reach` > 0 [m], pairs up to it apart stay clear of each other as well, and an overlap gets
+/// smaller by it at most. Not in the scheme of the paper. [ours]
 template <int D>
 Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
                             int threads, State<D>& state, double reach = 0);

@@ -125,7 +125,8 @@ StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, i
   overlaps = start_overlaps(scene, threads);
   if (!overlaps.empty()) {
     refuse(picture, scene, overlaps,
-           fmt::format(", {}{}{}", how, pushed.message.empty() ? "" : "; ", pushed.message));
+           fmt::format(", {}{}", how,
+                       pushed.message.empty() ? "" : "; it seems that they do not fit"));
   }
   report.text += ": " + how;
   report.push = pushed;

@@ -50,6 +50,8 @@ TEST_F(RunCommand, AStartThatOverlapsIsRefusedWithAPicture) {
     EXPECT_FALSE(fs::exists(folder_ / "out" / "cut" / "run.h5"));
     fs::remove(folder_ / "out" / "cut" / "start.png");
   }
+  EXPECT_EQ(bipot("advise " + scene + " --energy 1e-2").exit_code, 2);
+  EXPECT_EQ(bipot("trade " + scene + " --quick").exit_code, 2);
 }
 
 TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {

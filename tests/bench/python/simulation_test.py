@@ -35,6 +35,18 @@ def test_a_simulation_is_its_iterator():
         next(sim)
 
 
+def test_a_start_that_overlaps_is_refused(tmp_path):
+    scene = tmp_path / "two.toml"
+    disk = "[[disks]]\nposition = [{}, 0]\nradius = 1\nmass = 1\n"
+    text = "time = {{ step = 1e-3, steps = 1 }}\nstart = {{ overlaps = '{}' }}\n" + disk.format(0) + disk.format(1.5)
+    scene.write_text(text.format("refuse"))
+    with pytest.raises(ValueError, match="2 disks overlap at the start, worst disk 0 and disk 1: 500 mm, 0.5 radii"):
+        bipot.Simulation(scene)
+    scene.write_text(text.format("push apart"))
+    positions = bipot.Simulation(scene).advance().positions
+    assert positions[1, 0] - positions[0, 0] == pytest.approx(2, abs=1e-5)
+
+
 SLIDE = """
 title = "a slide"
 [contact]

@@ -49,6 +49,24 @@ TEST(PushApart, AFillingBehindAWallComesBeforeItAndStaysApart) {
   EXPECT_GE(done.way, 0.4 - 1e-6);  // the lowest row: from -0.3 to at least 0.1
 }
 
+// Rows up to a height of 3.05 under a lid at 2.3: 7.5 radii, more than a linearised step can bridge.
+// Disks fill 96 π 0.1² / (2 · 2.3), two thirds of the box.
+TEST(PushApart, AFillingFarAboveItsLidIsPressedIntoTheBox) {
+  Scene<2> scene = one_law<2>({});
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1)), half_space<2>(Vec2(-1, 0), Vec2(1, 0)),
+                 half_space<2>(Vec2(1, 0), Vec2(-1, 0)), half_space<2>(Vec2(0, 2.3), Vec2(0, -1))};
+  for (int row = 0; row < 12; ++row) {
+    for (int k = 0; k < 8; ++k) {
+      const double x = -0.89 + 0.24 * k + 0.05 * (row % 3) - 0.002 * k;
+      scene.bodies.push_back(round_body<2>(Vec2(x, 0.2 + 0.25 * row), 0.1, 1));
+    }
+  }
+  const PushApart done = pushed(scene);
+  EXPECT_TRUE(start_overlaps(scene).empty())
+      << done.message << start_sentence(scene, start_overlaps(scene));
+  EXPECT_GT(done.rounds, 7);
+}
+
 TEST(PushApart, ASphereIsPushedOutOfAPlaneAndWhatDoesNotFitRemains) {
   Scene<3> scene = one_law<3>({});
   scene.walls = {flat_floor<3>()};
