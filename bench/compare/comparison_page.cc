@@ -68,6 +68,7 @@ class ComparisonPage {
 
   Document write(const Document& more) {
     answer();
+    work_and_precision();
     answer_by_problem();
     page_.heading("What a tolerance means", "tolerance");
     page_.say("The true errors of all rows that met a tolerance, whatever the solver.");
@@ -130,6 +131,27 @@ class ComparisonPage {
         ratio_label(r.median),
         std::isfinite(r.ninth_decile) ? "at most " + ratio_label(r.ninth_decile) + " times as long"
                                       : "does not solve all"));
+  }
+
+  /// The diagrams of the largest problems; all others follow problem by problem.
+  void work_and_precision() {
+    constexpr std::size_t kShown = 4;
+    std::vector<const ProblemSummary*> shown;
+    for (const ProblemSummary& p : c_.problems) {
+      if (p.defect.empty() && p.contacts > 0) shown.push_back(&p);
+    }
+    if (shown.empty()) return;
+    page_.heading("Work and precision", "work");
+    page_.say(fmt::format(
+        "What a solver's time buys: lower left is better, one line a solver, one marker a "
+        "tolerance. An empty marker did not meet its tolerance.{}",
+        shown.size() > kShown ? " The largest problems are shown; [all](#problems)." : ""));
+    std::stable_sort(shown.begin(), shown.end(),
+                     [](const auto* a, const auto* b) { return a->contacts > b->contacts; });
+    shown.resize(std::min(shown.size(), kShown));
+    for (const ProblemSummary* p : shown) {
+      figure(work_precision_chart(c_, *p), c_.link_to(*p), "comparison.csv", command_of(p->target));
+    }
   }
 
   void answer_by_problem() {
@@ -279,7 +301,8 @@ class ComparisonPage {
   }
 
   void profiles() {
-    if (c_.problems.size() < 2) return;
+    constexpr std::size_t kFewest = 8;  // shares of fewer problems are steps, not profiles
+    if (c_.problems.size() < kFewest) return;
     const std::size_t total = c_.problems.size();
     page_.heading("Performance profiles", "profiles");
     page_.say(
@@ -531,10 +554,11 @@ class ComparisonPage {
     if (commits.size() > 1) terms.entries.emplace_back("rows of commits", list);
     page_.add(std::move(terms));
     page_.say(
-        "The numbers behind all figures stand beside this page: comparison.csv (a line a row), "
-        "history.csv (errors along the solves), success.csv (problems solved against tolerance), "
-        "several.csv (problems with several answers) and comparison.json (rows, problems, success, "
-        "profiles, growth, regret).",
+        "The numbers behind all figures stand beside this page: "
+        "[comparison.csv](comparison.csv) (a line a row), [history.csv](history.csv) (errors "
+        "along the solves), [success.csv](success.csv) (problems solved against tolerance), "
+        "[several.csv](several.csv) (problems with several answers) and "
+        "[comparison.json](comparison.json) (rows, problems, success, profiles, growth, regret).",
         "small");
   }
 

@@ -68,7 +68,9 @@ void draw_forces(const fs::path& folder) {
   ChartSeries series{.name = "density"};
   const std::size_t low = forces.column("low"), high = forces.column("high"),
                     density = forces.column("density");
-  for (const auto& row : forces.rows) {
+  // The last bin holds all larger forces: it has no width, so no density.
+  for (std::size_t k = 0; k + 1 < forces.rows.size(); ++k) {
+    const auto& row = forces.rows[k];
     // An empty bin cannot be shown on a logarithmic axis.
     if (row[density] > 0)
       series.points.push_back({.x = 0.5 * (row[low] + row[high]), .y = row[density]});

@@ -20,11 +20,11 @@
 namespace bipot {
 namespace {
 
-// The numbers of colours, markers and dashes have no common factor: they repeat together after 210
-// styles only. Colours: those of Okabe and Ito for the colour-blind, without yellow, which is
-// invisible on white.
-constexpr std::array<const char*, 7> kColours = {"#000000", "#0072b2", "#d55e00", "#009e73",
-                                                 "#cc79a7", "#56b4e9", "#e69f00"};
+// Colours, markers and dashes repeat together after 210 styles only. Colours: first those of Okabe
+// and Ito for the colour-blind, without yellow, which is invisible on white; one for each solver.
+constexpr std::array<const char*, 14> kColours = {
+    "#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00",
+    "#6a3d9a", "#8c510a", "#b2182b", "#1b5e20", "#e7298a", "#777777", "#8a8a00"};
 struct Marker {
   int filled, hollow;  // gnuplot's point types
   double size;         // to look alike

@@ -8,46 +8,50 @@ namespace bipot {
 namespace {
 
 constexpr std::string_view kSheet = R"(
-:root{color-scheme:light}
+:root{color-scheme:light dark;--ink:#1b1b1b;--soft:#555;--paper:#fff;--shade:#f3f3f3;--line:#d4d4d4;
+ --link:#0a4a8a;--bad:#8a1c00;--good:#cfe8cf;--weak:#f6e3b4;--beyond:#e3dcf0;--none:#d5e4f3;--grey:#e4e4e4}
+@media(prefers-color-scheme:dark){:root{--ink:#e4e4e4;--soft:#a8a8a8;--paper:#161719;--shade:#232528;
+ --line:#3a3d41;--link:#8ab8ec;--bad:#ff9d80;--good:#1f4a2a;--weak:#574514;--beyond:#3d3355;--none:#21405c;--grey:#3a3d41}
+ figure svg,figure img{filter:invert(.91) hue-rotate(180deg)}}
 *{box-sizing:border-box}
-body{margin:0 auto;max-width:1180px;padding:16px;font:15px/1.5 system-ui,sans-serif;color:#1b1b1b;
- background:#fff}
+body{margin:0 auto;max-width:1180px;padding:16px;font:15px/1.5 system-ui,sans-serif;color:var(--ink);
+ background:var(--paper)}
 h1{font-size:1.5rem;line-height:1.2;margin:.4em 0}
-h2{font-size:1.2rem;margin:2em 0 .4em;border-bottom:1px solid #ccc;padding-bottom:.2em}
+h2{font-size:1.2rem;margin:2em 0 .4em;border-bottom:1px solid var(--line);padding-bottom:.2em}
 h3{font-size:1rem;margin:1.6em 0 .3em}
 p,li{max-width:46em}
-code{font:.88em ui-monospace,monospace;background:#f3f3f3;padding:.1em .3em;overflow-wrap:anywhere}
-.small{color:#555;font-size:.87rem}
-.scroll{overflow-x:auto;border:1px solid #ddd}
+code{font:.88em ui-monospace,monospace;background:var(--shade);padding:.1em .3em;overflow-wrap:anywhere}
+.small{color:var(--soft);font-size:.87rem}
+.scroll{overflow-x:auto;border:1px solid var(--line)}
 table{border-collapse:separate;border-spacing:0;font-variant-numeric:tabular-nums;font-size:.87rem;
  width:100%}
-th,td{padding:.3em .6em;text-align:left;border-bottom:1px solid #e6e6e6;vertical-align:top}
+th,td{padding:.3em .6em;text-align:left;border-bottom:1px solid var(--line);vertical-align:top}
 td.n,th.n{text-align:right;white-space:nowrap}
-thead th{background:#f3f3f3}
-th:first-child,td:first-child{position:sticky;left:0;background:#fff}
-thead th:first-child{background:#f3f3f3}
-tr.bad td{color:#8a1c00}
-tr.bad td:first-child{box-shadow:inset 3px 0 #8a1c00}
+thead th{background:var(--shade)}
+th:first-child,td:first-child{position:sticky;left:0;background:var(--paper)}
+thead th:first-child{background:var(--shade)}
+tr.bad td{color:var(--bad)}
+tr.bad td:first-child{box-shadow:inset 3px 0 var(--bad)}
 .grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr));
  gap:12px 28px}
 figure{margin:0;break-inside:avoid;min-width:0}
 figure svg{display:block;width:100%;max-width:560px;height:auto}
-figcaption{font-size:.87rem;color:#333;max-width:560px}
+figcaption{font-size:.87rem;max-width:560px}
 h4{font-size:.95rem;margin:1.2em 0 .3em}
-a{color:#0a4a8a}
-caption{text-align:left;color:#333;padding:.3em 0}
+a{color:var(--link)}
+caption{text-align:left;padding:.3em 0}
 td.over{font-weight:700}
-td.good{background:#cfe8cf}td.weak{background:#f6e3b4}td.beyond{background:#e3dcf0}
-td.none{background:#d5e4f3}td.grey{background:#e4e4e4}td.bad{background:#d33;color:#fff}
-tr.group td{background:#f3f3f3;font-weight:600;position:static}
-p.quote,p.bad{border-left:3px solid #999;padding-left:.8em;color:#333}
-p.bad{border-color:#8a1c00;color:#8a1c00}
+td.good{background:var(--good)}td.weak{background:var(--weak)}td.beyond{background:var(--beyond)}
+td.none{background:var(--none)}td.grey{background:var(--grey)}td.bad{background:#d33;color:#fff}
+tr.group td{background:var(--shade);font-weight:600;position:static}
+p.quote,p.bad{border-left:3px solid #999;padding-left:.8em}
+p.bad{border-color:var(--bad);color:var(--bad)}
 .grid{margin:1em 0}
 figure.wide{grid-column:1/-1}
 figure.wide svg,figure.wide figcaption{max-width:none}
 figure img{display:block;width:100%;height:auto}
 nav{display:flex;flex-wrap:wrap;gap:.2em 1.2em;margin:1em 0}
-details{border-bottom:1px solid #ddd;padding:.35em 0}
+details{border-bottom:1px solid var(--line);padding:.35em 0}
 details[open]>summary{margin-bottom:.4em}
 summary{cursor:pointer;overflow-wrap:anywhere}
 th button{font:inherit;font-weight:bold;background:none;border:0;padding:0;color:inherit;
@@ -55,18 +59,18 @@ th button{font:inherit;font-weight:bold;background:none;border:0;padding:0;color
 th[aria-sort=ascending] button::after{content:" \25B2"}
 th[aria-sort=descending] button::after{content:" \25BC"}
 .filters{display:flex;flex-wrap:wrap;gap:8px 16px;margin:.6em 0}
-.filters label{display:flex;flex-direction:column;font-size:.8rem;color:#444}
-select,input{font:inherit;padding:.25em;max-width:100%;border:1px solid #999;background:#fff;
+.filters label{display:flex;flex-direction:column;font-size:.8rem;color:var(--soft)}
+select,input{font:inherit;padding:.25em;max-width:100%;border:1px solid var(--line);background:var(--paper);
  color:inherit}
 button#open-all{font:inherit;font-size:.87rem}
 dl{display:grid;grid-template-columns:minmax(7em,max-content) 1fr;gap:.3em 1em}
 dt{font-weight:600}dd{margin:0;max-width:42em}
 @media(max-width:620px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}
  table.cards thead{display:none}
- table.cards tr{display:block;border-bottom:1px solid #bbb;padding:.4em 0}
+ table.cards tr{display:block;border-bottom:1px solid var(--line);padding:.4em 0}
  table.cards td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
  table.cards td:first-child{font-weight:600;font-size:1rem}
- table.cards td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:#555}
+ table.cards td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:var(--soft)}
  table.sortable td:first-child,table.sortable th:first-child{min-width:7.5em;max-width:7.5em;
   overflow-wrap:anywhere}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.scroll{overflow:visible;border:0}
