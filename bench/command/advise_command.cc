@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "bench/command/exit_code.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/scene_rewrite.h"
+#include "bench/report/chart.h"
 #include "bench/report/json_output.h"
 #include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/advise.h"
@@ -34,22 +36,23 @@ int exit_code_of(Advice::Status status) {
     case Advice::Status::kInterrupted:
       return kExitInterrupted;
     case Advice::Status::kNotMet:
+    case Advice::Status::kUndecided:
       break;
   }
   return kExitNotConverged;
 }
 
-void write_scene(const AdviseFlags& flags, const std::string& text, const Scene<2>& scene,
+void write_scene(const AdviseFlags& flags, const std::string& text, const std::string& source,
                  const Advice& advice) {
-  const SolverTrial& t = advice.trials[advice.choice];
+  const SolverTrial& t = advice.trials[to_size(advice.choice)];
   const std::string written = rewrite_scene(
-      text, scene.source,
+      text, source,
       {.step = advice.step_size,
        .num_steps = advice.num_steps,
        .solver = t.solver.solver,
        .parameters = t.solver.parameters,
        .tol = t.tol,
-       .warm_start = t.warm,
+       .warm_start = advice.warm_start,
        .comment = fmt::format("bipot advise, {} ({})", error_text(advice.goal, advice.goal),
                               to_string(advice.status))});
   write_text_file(flags.write, written);
@@ -62,6 +65,11 @@ void check_destinations(const AdviseFlags& flags) {
   }
   require_writable(flags.write);
   require_writable(flags.json);
+  if (flags.out.empty()) return;
+  require_plotting_tool();
+  std::error_code failure;
+  fs::create_directories(flags.out, failure);
+  if (failure) throw FileError(flags.out, "", "cannot create: " + failure.message());
 }
 
 }  // namespace
@@ -71,16 +79,19 @@ CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
       "advise", "Which solver, tolerance and time step a scene needs, tried on the scene itself");
   command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
       .required();
-  command
-      .option("--force-error", flags.force,
-              "Largest error of the contact force on a body, over the largest such force")
-      .value_name("X");
-  command
-      .option("--penetration", flags.penetration,
-              "Largest overlap that a step may add, over the smallest radius")
-      .value_name("X");
-  command.option("--energy", flags.energy, "Largest relative error of the dissipated energy")
-      .value_name("X");
+  const auto goal = [&](const char* name, double& value, const char* help) {
+    command.option(name, value, help).value_name("X");
+  };
+  goal("--force-error", flags.goal.force,
+       "Largest error of the mean contact force on a body, over the largest such force");
+  goal("--penetration", flags.goal.penetration,
+       "Largest overlap that a step may add, over the smallest radius");
+  goal("--energy", flags.goal.energy, "Largest relative error of the dissipated energy");
+  goal("--load", flags.goal.load,
+       "Largest error of the mean force on a wall, over the largest such force");
+  goal("--coordination", flags.goal.coordination,
+       "Largest relative error of the mean number of contacts of a body");
+  goal("--stress-ratio", flags.goal.stress_ratio, "Largest relative error of the mean τ/P");
   command.option("--solvers", flags.solvers, "Solvers to try, separated by commas (a selection)")
       .value_name("NAMES");
   command.option("--time-limit", flags.time_limit, "Wall seconds for the trials")
@@ -93,10 +104,10 @@ CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
               "the run, at least 16 steps)")
       .positive()
       .value_name("SECONDS");
-  command.option("--samples", flags.samples, "Steps of the run to choose on")
+  command.option("--samples", flags.samples, "Stretches of the run to choose on")
       .between(1, 64)
       .show_default();
-  command.option("--fresh", flags.fresh, "Further steps to verify on")
+  command.option("--fresh", flags.fresh, "Further stretches to verify on")
       .between(0, 32)
       .show_default();
   command.flag("--keep-step", flags.keep_step, "Keep the scene's time step");
@@ -110,12 +121,17 @@ CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
               "Write advice and evidence as JSON; '-' is standard output, with nothing else "
               "on it")
       .value_name("FILE");
+  command.flag("--all", flags.all, "Print what was tried too, with its errors and costs");
+  command.option("--out", flags.out, "Folder for advice.html and advice.json").value_name("DIR");
   command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal");
   command.footer(
-      "Ends with 0 when the goal is met (or nothing touches), with 1 when it is not: the message\n"
-      "says what stands in the way and the best that can be had.\n"
+      "Prints five lines: choice, expected error, cost, verdict, and the command that runs it.\n"
+      "Without a goal it takes 5 % in means over time that the scene has: dissipated energy, loads\n"
+      "on walls, τ/P in a periodic cell.\n"
+      "Ends with 0 when the goal is met (or nothing touches), with 1 when it is not, or when time was\n"
+      "too short to say: the message has the reason and the best that can be had.\n"
       "Examples:\n"
-      "  bipot advise compaction --force-error 1e-1\n"
+      "  bipot advise compaction\n"
       "  bipot advise my_scene.toml --force-error 1e-2 --energy 1e-2 --write advised.toml\n"
       "  bipot advise my_scene.toml --penetration 1e-3 --keep-step --json -");
   return command;
@@ -125,11 +141,10 @@ int advise_command(const AdviseFlags& flags) {
   check_destinations(flags);
   const fs::path path = find_scene(flags.scene);
   const std::string text = read_text_file(path);
-  Scene<2> scene = parse_scene(text, path.string());
-  check_start(scene, {}, 1);
+  AnyScene scene = parse_any_scene(text, path.string());
+  std::visit([](auto& any) { check_start(any, {}, 1); }, scene);
   AdviseOptions options;
-  options.goal = {flags.force.value_or(kNaN), flags.penetration.value_or(kNaN),
-                  flags.energy.value_or(kNaN)};
+  options.goal = flags.goal;
   for (const std::string& name : flags.solvers) options.solvers.push_back({name, name, {}});
   options.time_limit = flags.time_limit;
   options.window = flags.window.value_or(0);
@@ -142,16 +157,23 @@ int advise_command(const AdviseFlags& flags) {
   }
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
-  const Advice advice = advise(scene, options);
-  if (!flags.json.empty()) {
-    Json json = to_json(scene, advice, provenance("advise", typed_command()));
-    json["exit_code"] = exit_code_of(advice.status);
-    write_json(json, flags.json);
+  Advice advice = advise(scene, options);
+  advice.scene = flags.scene;
+  const Provenance made = provenance("advise", typed_command());
+  Json json = to_json(advice, made);
+  json["exit_code"] = exit_code_of(advice.status);
+  if (!flags.json.empty()) write_json(json, flags.json);
+  if (!flags.out.empty()) {
+    write_json(json, (fs::path(flags.out) / "advice.json").string());
+    write_text_file(fs::path(flags.out) / "advice.html", to_html(advice_document(advice, &made)));
   }
-  if (!quiet) fmt::print("{}", to_text(advice_document(scene, advice)));
+  if (!quiet) {
+    fmt::print("{}", flags.all ? to_text(advice_document(advice)) : advice_summary(advice));
+    if (!flags.out.empty()) fmt::print("{}\n", (fs::path(flags.out) / "advice.html").string());
+  }
   if (!flags.write.empty() && advice.choice >= 0) {
-    write_scene(flags, text, scene, advice);
-    if (!quiet) fmt::print("\nadvice written into {}\n", flags.write);
+    write_scene(flags, text, path.string(), advice);
+    if (!quiet) fmt::print("advice written into {}\n", flags.write);
   }
   return exit_code_of(advice.status);
 }

@@ -5,18 +5,19 @@
 #include <vector>
 
 #include "bench/command/command_line.h"
+#include "bench/tradeoff/advice.h"
 
 namespace bipot {
 
 struct AdviseFlags {
   std::string scene;
-  std::optional<double> force, penetration, energy;  ///< goals, see Accuracy
-  std::vector<std::string> solvers;                  ///< empty: the promising ones
+  Accuracy goal;                     ///< empty: default_goal of the scene
+  std::vector<std::string> solvers;  ///< empty: the promising ones
   double time_limit = 60;
   std::optional<double> window;
-  int samples = 6, fresh = 3;
-  bool keep_step = false, quiet = false, force_overwrite = false;
-  std::string json, write;
+  int samples = 4, fresh = 2;
+  bool keep_step = false, quiet = false, force_overwrite = false, all = false;
+  std::string out, json, write;
 };
 
 /// Declares `bipot advise`.

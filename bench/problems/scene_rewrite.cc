@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/scene_files/scene_file.h"
@@ -170,7 +171,8 @@ class Editor {
 };
 
 /// Empty if the scenes differ in time and solver only, else the difference.
-std::string difference(const Scene<2>& a, const Scene<2>& b) {
+template <int D>
+std::string difference(const Scene<D>& a, const Scene<D>& b) {
   if (a.title != b.title) return "title";
   if (a.model != b.model) return "model";
   if (a.gravity != b.gravity || a.tilt.rate != b.tilt.rate || a.tilt.starts != b.tilt.starts ||
@@ -197,17 +199,17 @@ std::string difference(const Scene<2>& a, const Scene<2>& b) {
       return "contact laws";
     }
   }
-  if (a.bodies.size() != b.bodies.size()) return "disks";
+  if (a.bodies.size() != b.bodies.size()) return "bodies";
   for (std::size_t i = 0; i < a.bodies.size(); ++i) {
-    const Disk &x = a.bodies[i], &y = b.bodies[i];
+    const Body<D>&x = a.bodies[i], &y = b.bodies[i];
     if (x.x != y.x || x.v != y.v || x.spin != y.spin || x.radius != y.radius || x.mass != y.mass ||
         x.inertia != y.inertia || x.material != y.material || x.wall != y.wall) {
-      return "disks";
+      return "bodies";
     }
   }
   if (a.walls.size() != b.walls.size()) return "walls";
   for (std::size_t i = 0; i < a.walls.size(); ++i) {
-    const Wall<2>&x = a.walls[i], &y = b.walls[i];
+    const Wall<D>&x = a.walls[i], &y = b.walls[i];
     if (x.name != y.name || x.shape != y.shape || x.motion != y.motion || x.a != y.a ||
         x.b != y.b || x.normal != y.normal || x.v != y.v || x.direction != y.direction ||
         x.force != y.force || x.mass != y.mass || x.material != y.material ||
@@ -216,6 +218,7 @@ std::string difference(const Scene<2>& a, const Scene<2>& b) {
       return "walls";
     }
   }
+  if (a.outlets.size() != b.outlets.size() || a.inlets.size() != b.inlets.size()) return "gates";
   const OutputChoice &x = a.output, &y = b.output;
   if (x.every != y.every || x.ledger_every != y.ledger_every || x.picture != y.picture ||
       x.stress_picture != y.stress_picture || x.track != y.track) {
@@ -224,11 +227,9 @@ std::string difference(const Scene<2>& a, const Scene<2>& b) {
   return {};
 }
 
-}  // namespace
-
-std::string rewrite_scene(const std::string& text, const std::string& source,
-                          const SceneChanges& changes) {
-  const Scene<2> before = parse_scene(text, source);
+template <int D>
+std::string rewritten(const Scene<D>& before, const std::string& text, const std::string& source,
+                      const SceneChanges& changes) {
   Editor editor(text, changes.comment);
   if (changes.step != before.step) {
     editor.apply({"time", "step", fmt::format("{}", changes.step)});
@@ -248,7 +249,7 @@ std::string rewrite_scene(const std::string& text, const std::string& source,
     editor.apply({"solver", "parameters", parameters_text(changes.parameters)});
   }
 
-  const Scene<2> after = parse_scene(editor.text(), source);
+  const auto after = std::get<Scene<D>>(parse_any_scene(editor.text(), source));
   const SolverChoice& s = after.solver;
   if (const std::string what = difference(before, after); !what.empty()) {
     throw std::runtime_error(fmt::format("{}: rewriting would change the {}", source, what));
@@ -259,6 +260,14 @@ std::string rewrite_scene(const std::string& text, const std::string& source,
     throw std::runtime_error(source + ": the scene could not be rewritten");
   }
   return editor.text();
+}
+
+}  // namespace
+
+std::string rewrite_scene(const std::string& text, const std::string& source,
+                          const SceneChanges& changes) {
+  return std::visit([&](const auto& before) { return rewritten(before, text, source, changes); },
+                    parse_any_scene(text, source));
 }
 
 }  // namespace bipot

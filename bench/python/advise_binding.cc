@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -17,12 +18,14 @@ namespace {
 namespace py = pybind11;
 
 /// The advice as JSON text (keys: data/manual/reference/files.md).
-std::string advise_scene(const std::string& name, double force, double penetration, double energy,
+std::string advise_scene(const std::string& name, const std::map<std::string, double>& goal,
                          const std::vector<std::string>& solvers, double time_limit, double window,
                          int samples, int fresh, bool keep_step) {
   PythonWatch watch;
   AdviseOptions options;
-  options.goal = {.force = force, .penetration = penetration, .energy = energy};
+  for (const auto& [m, key, text] : Accuracy::kMeasures) {
+    if (const auto asked = goal.find(key); asked != goal.end()) options.goal.*m = asked->second;
+  }
   for (const std::string& solver : solvers) options.solvers.push_back({solver, solver, {}});
   options.time_limit = time_limit;
   options.window = window;
@@ -30,11 +33,13 @@ std::string advise_scene(const std::string& name, double force, double penetrati
   options.fresh = fresh;
   options.keep_step = keep_step;
   options.interrupted = [&watch] { return watch.stopped(); };
-  const Scene<2> scene = read_scene(find_scene(name));
+  const AnyScene scene = read_any_scene(find_scene(name));
   std::string json;
   {
     const py::gil_scoped_release release;
-    json = json_text(to_json(scene, advise(scene, options), provenance("advise", "bipot.advise")));
+    Advice advice = bipot::advise(scene, options);
+    advice.scene = name;
+    json = json_text(to_json(advice, provenance("advise", "bipot.advise")));
   }
   watch.rethrow();
   return json;
@@ -43,9 +48,9 @@ std::string advise_scene(const std::string& name, double force, double penetrati
 }  // namespace
 
 void bind_advise(py::module_& module) {
-  module.def("advise", &advise_scene, py::arg("scene"), py::arg("force"), py::arg("penetration"),
-             py::arg("energy"), py::arg("solvers"), py::arg("time_limit"), py::arg("window"),
-             py::arg("samples"), py::arg("fresh"), py::arg("keep_step"));
+  module.def("advise", &advise_scene, py::arg("scene"), py::arg("goal"), py::arg("solvers"),
+             py::arg("time_limit"), py::arg("window"), py::arg("samples"), py::arg("fresh"),
+             py::arg("keep_step"));
 }
 
 }  // namespace bipot

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "core/base/types.h"
+#include "solvers/registry.h"
 
 namespace bipot {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr double kComfortable = 0.5, kMost = 0.9;
 
 bool solved_everywhere(const SolverTrial& trial) {
-  return trial.problems > 0 && trial.solved == trial.problems;
+  return trial.stretches > 0 && trial.solved == trial.stretches;
 }
 
 /// Times in one class differ by less than the noise of a busy machine.
@@ -24,20 +25,23 @@ int time_class(double seconds) {
 
 }  // namespace
 
-std::string_view name_of(double Accuracy::*measure) {
-  if (measure == &Accuracy::force) return "force error";
-  return measure == &Accuracy::penetration ? "penetration" : "energy error";
-}
+const Accuracy::Measure Accuracy::kMeasures[6] = {
+    {&Accuracy::force, "force", "force"},
+    {&Accuracy::penetration, "penetration", "penetration"},
+    {&Accuracy::energy, "energy", "energy"},
+    {&Accuracy::load, "load", "wall load"},
+    {&Accuracy::coordination, "coordination", "coordination"},
+    {&Accuracy::stress_ratio, "stress_ratio", "τ/P"}};
 
 Accuracy worst_of(const Accuracy& a, const Accuracy& b) {
   Accuracy worst;
-  for (auto m : Accuracy::kMeasures) worst.*m = std::fmax(a.*m, b.*m);
+  for (const auto& [m, key, name] : Accuracy::kMeasures) worst.*m = std::fmax(a.*m, b.*m);
   return worst;
 }
 
 double share_of(const Accuracy& error, const Accuracy& goal) {
   double share = 0;
-  for (auto m : Accuracy::kMeasures) {
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
     if (!std::isnan(goal.*m) && !std::isnan(error.*m)) share = std::max(share, error.*m / goal.*m);
   }
   return share;
@@ -71,7 +75,7 @@ StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal
 
 Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error) {
   Accuracy budget;
-  for (auto m : Accuracy::kMeasures) {
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
     const double taken = std::isnan(step_error.*m) ? 0 : step_error.*m;
     budget.*m = taken <= kMost * goal.*m ? goal.*m - taken : 0.5 * taken;
     if (std::isnan(goal.*m)) budget.*m = kNaN;
@@ -81,20 +85,22 @@ Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error) {
 
 Accuracy without_lost_digits(const Accuracy& error, const Accuracy& spread) {
   Accuracy counted = error;
-  for (auto m : Accuracy::kMeasures) {
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
     if (error.*m <= 0.5 * spread.*m) counted.*m = 0;
   }
   return counted;
 }
 
-bool meets(const SolverTrial& trial, const Accuracy& budget) {
-  return solved_everywhere(trial) && share_of(trial.error, budget) <= 1;
+bool meets(const SolverTrial& trial, const Accuracy& budget, const Accuracy& spread) {
+  return solved_everywhere(trial) &&
+         share_of(without_lost_digits(trial.error, spread), budget) <= 1;
 }
 
-std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget) {
+std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget,
+                         const Accuracy& spread) {
   std::vector<int> order;
   for (int i = 0; i < static_cast<int>(trials.size()); ++i) {
-    if (meets(trials[i], budget)) order.push_back(i);
+    if (meets(trials[i], budget, spread)) order.push_back(i);
   }
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return time_class(trials[a].seconds) < time_class(trials[b].seconds);
@@ -103,42 +109,32 @@ std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy&
 }
 
 int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget) {
-  const bool stretches = std::any_of(trials.begin(), trials.end(),
-                                     [](const SolverTrial& t) { return t.stretches > 0; });
   int nearest = -1;
-  double smallest = 0;
   for (int i = 0; i < static_cast<int>(trials.size()); ++i) {
-    const SolverTrial& trial = trials[i];
-    if (!solved_everywhere(trial) || (stretches && trial.stretches == 0)) continue;
-    const double share = share_of(worst_of(trial.error, trial.stretch), budget);
-    if (nearest >= 0 && share >= smallest) continue;
-    nearest = i;
-    smallest = share;
+    if (!solved_everywhere(trials[i])) continue;
+    if (nearest < 0 ||
+        share_of(trials[i].error, budget) < share_of(trials[nearest].error, budget)) {
+      nearest = i;
+    }
   }
   return nearest;
 }
 
 void mark_pareto(std::vector<SolverTrial>& trials, const Accuracy& goal) {
-  const bool stretches = std::any_of(trials.begin(), trials.end(),
-                                     [](const SolverTrial& t) { return t.stretches > 0; });
-  const auto counts = [&](const SolverTrial& t) {
-    return solved_everywhere(t) && (!stretches || t.stretches > 0);
-  };
-  const auto seconds = [&](const SolverTrial& t) { return stretches ? t.run_seconds : t.seconds; };
-  const auto share = [&](const SolverTrial& t) {
-    return share_of(worst_of(t.error, t.stretch), goal);
-  };
   for (SolverTrial& a : trials) {
-    a.pareto = counts(a) && std::none_of(trials.begin(), trials.end(), [&](const SolverTrial& b) {
-                 return counts(b) && seconds(b) <= seconds(a) && share(b) <= share(a) &&
-                        (seconds(b) < seconds(a) || share(b) < share(a));
+    const double share = share_of(a.error, goal);
+    a.pareto = solved_everywhere(a) &&
+               std::none_of(trials.begin(), trials.end(), [&](const SolverTrial& b) {
+                 const double other = share_of(b.error, goal);
+                 return solved_everywhere(b) && b.seconds <= a.seconds && other <= share &&
+                        (b.seconds < a.seconds || other < share);
                });
   }
 }
 
 double smallest_goal(const Accuracy& goal) {
   double smallest = kInfinity;
-  for (auto m : Accuracy::kMeasures) smallest = std::fmin(smallest, goal.*m);
+  for (const auto& [m, key, name] : Accuracy::kMeasures) smallest = std::fmin(smallest, goal.*m);
   return smallest;
 }
 
@@ -150,18 +146,49 @@ double loose_tolerance(const Accuracy& goal) {
   return std::clamp(0.1 * smallest_goal(goal), 1e-9, 1e-2);
 }
 
+std::vector<SolverVariant> promising_solvers(int contacts) {
+  constexpr int kPivoting = 60;      // beyond it, pivoting is never the fastest
+  constexpr int kSplitting = 20000;  // beyond it, its factors take too long to set up
+  std::vector<SolverVariant> variants;
+  const auto add_if = [&](bool wanted, SolverVariant variant) {
+    if (wanted && find_solver(variant.solver) != nullptr) variants.push_back(std::move(variant));
+  };
+  add_if(true, {"auto", "auto", {}});
+  add_if(true, {"apgd", "apgd", {}});
+  add_if(true, {"assor", "assor", {}});
+  add_if(true, {"pgs", "pgs", {}});
+  add_if(true, {"pgs omega=1.5", "pgs", {{"omega", "1.5"}}});
+  add_if(true, {"ipm", "ipm", {}});
+  add_if(true, {"newton", "newton", {}});
+  add_if(contacts <= kSplitting, {"admm", "admm", {}});
+  add_if(contacts <= kPivoting, {"lemke", "lemke", {}});
+  return variants;
+}
+
 std::string_view to_string(Advice::Status status) {
   switch (status) {
     case Advice::Status::kMet:
       return "met";
     case Advice::Status::kNotMet:
       return "not met";
+    case Advice::Status::kUndecided:
+      return "undecided";
     case Advice::Status::kNoContacts:
       return "no contacts";
     case Advice::Status::kInterrupted:
       return "interrupted";
   }
   return "not met";
+}
+
+Accuracy expected_error(const Advice& a) {
+  Accuracy sum = a.step_error;
+  if (a.choice < 0) return sum;
+  const Accuracy& solver = a.trials[to_size(a.choice)].error;
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
+    sum.*m = std::isnan(sum.*m) ? solver.*m : sum.*m + (std::isnan(solver.*m) ? 0 : solver.*m);
+  }
+  return sum;
 }
 
 }  // namespace bipot

@@ -10,17 +10,22 @@
 
 namespace bipot {
 
-/// Errors in the quantities of a user's goal. As a goal: NaN is no requirement. As a measurement:
-/// NaN is not measured, or undefined.
+/// Errors in the quantities of a user's goal, over stretches of a run. As a goal: NaN is no
+/// requirement. As a measurement: NaN is not measured, or undefined. All relative           [-]
 struct Accuracy {
-  double force = kNaN;        ///< of the resultant on a body, over the largest one            [-]
-  double penetration = kNaN;  ///< overlap that a step adds, over the smallest radius          [-]
-  double energy = kNaN;       ///< of the dissipated energy, relative                          [-]
+  double force = kNaN;         ///< of a body's mean contact force, over the largest one, worst body
+  double penetration = kNaN;   ///< overlap that a step adds, over the smallest radius
+  double energy = kNaN;        ///< of the dissipated energy of each stretch
+  double load = kNaN;          ///< of the mean force on a wall, over the largest one, worst wall
+  double coordination = kNaN;  ///< of the mean number of loaded contacts of a body
+  double stress_ratio = kNaN;  ///< of the mean τ/P
 
-  static constexpr double Accuracy::*kMeasures[] = {&Accuracy::force, &Accuracy::penetration,
-                                                    &Accuracy::energy};
+  struct Measure {
+    double Accuracy::*value;
+    const char *key, *name;
+  };
+  static const Measure kMeasures[6];
 };
-std::string_view name_of(double Accuracy::*measure);
 /// Componentwise larger, NaN only if both are.
 Accuracy worst_of(const Accuracy& a, const Accuracy& b);
 /// Largest ratio of error to goal over the required and measured quantities; 0 if there are none.
@@ -47,40 +52,33 @@ StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal
 /// step's error: further digits are lost in the step.
 Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error);
 
-/// Errors that count on a step with several exact answers. Those up to half of the difference of
-/// the answers are 0, since no answer is preferred. NaN in `spread`: all count.
+/// Errors that count where two exact runs differ by `spread`. Those up to half of it are 0, since
+/// no answer is preferred. NaN in `spread`: all count.
 Accuracy without_lost_digits(const Accuracy& error, const Accuracy& spread);
 
-/// One solver at one tolerance over all sampled problems.
+/// One solver at one tolerance over all stretches, each step from the errors of those before.
 struct SolverTrial {
   SolverVariant solver;
   double tol = 0;
-  bool warm = false;  ///< from its own impulses of the previous step
-  int problems = 0, solved = 0;
-  Accuracy error;         ///< worst over the problems, see without_lost_digits
+  int stretches = 0, solved = 0;
+  Accuracy error;         ///< that it adds to the time step's
   double guarded = 0;     ///< worst
-  double seconds = 0;     ///< CPU of one solve, mean over the problems
-  double iterations = 0;  ///< mean
+  double seconds = 0;     ///< CPU of one solve, mean
+  double iterations = 0;  ///< mean of a step
   bool pareto = false;    ///< see mark_pareto
-  /// Over stretches of the run, each step with the errors of the steps before; NaN: not tried.
-  Accuracy stretch;
-  int stretches = 0;       ///< behind `stretch`
-  double run_seconds = 0;  ///< CPU of one solve there, mean
-  enum class Verdict { kNone, kStretchMissed, kStretchMet, kFreshMissed, kChosen };
-  Verdict verdict = Verdict::kNone;
+  enum class Verdict { kMissed, kMet, kFreshMissed, kChosen };
+  Verdict verdict = Verdict::kMissed;
   std::string message;  ///< why it was not solved everywhere
 };
-/// Solved everywhere, and no required error above the budget.
-bool meets(const SolverTrial& trial, const Accuracy& budget);
+/// Solved everywhere, and no required error above the budget, lost digits aside.
+bool meets(const SolverTrial& trial, const Accuracy& budget, const Accuracy& spread = {});
 /// Those that meet the budget, cheapest first. Times in one class (below 20 µs; above, a fifth
 /// wide) count as equal and stay in the order given.
-std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget);
-/// Index of the trial solved everywhere with the smallest share of the budget, -1: none. If any
-/// trial was run on stretches, only those count.
+std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget,
+                         const Accuracy& spread = {});
+/// Index of the trial solved everywhere with the smallest share of the budget, -1: none.
 int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget);
 /// Marks the trials, solved everywhere, that no other one beats in both time and share of the goal.
-/// If any trial was run on stretches, only those are compared, by their errors there; else all, by
-/// those on steps.
 void mark_pareto(std::vector<SolverTrial>& trials, const Accuracy& goal);
 
 /// The smallest required number; infinite without one.
@@ -93,52 +91,54 @@ double tight_tolerance(const Accuracy& goal);
 double loose_tolerance(const Accuracy& goal);
 
 struct AdviseOptions {
-  Accuracy goal;                       ///< at least one entry, each > 0
+  Accuracy goal;                       ///< entries > 0; none: default_goal of the scene
   std::vector<SolverVariant> solvers;  ///< to try; empty: promising_solvers()
   double time_limit = 60;              ///< wall seconds of everything
-  int samples = 6;                     ///< steps to choose on
-  int fresh = 3;                       ///< further steps to verify on
-  double window = 0;       ///< time over which forces are averaged [s]; 0: see StepStudy
-  bool keep_step = false;  ///< only the scene's own time step
+  int samples = 4;                     ///< stretches to choose on
+  int fresh = 2;                       ///< further ones to verify on
+  double window = 0;                   ///< length of a stretch [s]; 0: see StepStudy
+  bool keep_step = false;              ///< only the scene's own time step
   std::function<void(const std::string& stage)> say;  ///< may be empty
   std::function<bool()> interrupted;                  ///< may be empty
 
   bool stopped() const { return interrupted && interrupted(); }
 };
 
+/// Solvers of this build worth a trial on problems with this number of contacts.
+std::vector<SolverVariant> promising_solvers(int contacts);
+
 /// Properties of the scene from a run with `auto`.
 struct SceneSample {
   int steps_planned = 0, steps_run = 0;
   int contact_steps = 0;  ///< of those run, with contacts
   int contacts_max = 0;
-  double overhead_seconds = 0;  ///< of a step besides its solve: detection, assembly   [s]
+  double overhead_seconds = 0;  ///< CPU of a step besides its solve: detection, assembly   [s]
   std::string note;             ///< why the run ended early; empty: it did not
 };
 
-/// Errors of time steps, over a window of time from sampled states. Steps of 4, 2, 1, ½, ¼ of the
-/// scene's are compared with the finest that time allows (⅛), all solved tightly. Over the window,
-///   force:       largest difference of a body's mean contact force over the largest such force on
-///                a body; the worst window. Weights are hat-shaped, so that a shock that moves to
-///                the next step counts by its time;
-///   penetration: largest overlap that one step adds to a pair; the worst window. Exact: 0;
-///   energy:      sum over the windows of the differences in dissipated energy, over the sum of
-///                the energies.
-/// Differences are scaled by r/(r - 1), r the ratio of the steps, as the reference has an error of
-/// first order as well.
+/// Errors of time steps over stretches. Steps of 4, 2, 1, ½, ¼ of the scene's are compared with the
+/// finest that time allows (⅛), all solved tightly. Differences but the penetration are scaled by
+/// r/(r - 1), r the ratio of the steps, as the reference has an error of first order as well.
 struct StepStudy {
   double window = 0;             ///< [s]: a fiftieth of the run, at least 16 of the scene's steps
-  int windows = 0;               ///< that all entries of `steps` were measured on
+  int windows = 0;               ///< stretches that all entries of `steps` were measured on
   int windows_dropped = 0;       ///< a solve in them failed, or time ran out
   double finest = 0;             ///< factor of the reference
   std::vector<StepTrial> steps;  ///< from large to small
 };
 
 struct Advice {
-  enum class Status { kMet, kNotMet, kNoContacts, kInterrupted };
+  enum class Status { kMet, kNotMet, kUndecided, kNoContacts, kInterrupted };
   Status status = Status::kNotMet;
   /// One sentence: how the goal is met, or what fails and the best that is possible.
   std::string message;
   Accuracy goal;
+  bool default_goal = false;  ///< the user gave none
+
+  std::string scene, title;  ///< file; title
+  double scene_step = 0;     ///< [s]
+  double duration = 0;       ///< of the scene                                        [s]
+  bool warm_start = true;    ///< of the scene, in all trials
 
   SceneSample sample;
   StepStudy steps;
@@ -149,24 +149,22 @@ struct Advice {
 
   Accuracy budget;  ///< left to the solver
   std::vector<SolverTrial> trials;
-  int choice = -1;    ///< index into trials; -1: nothing to recommend
-  SolverTrial fresh;  ///< the choice on steps that it was not chosen on; problems = 0: none
-  int problems = 0, fresh_problems = 0;
-  int several_solutions = 0;    ///< problems, chosen on and fresh, with several exact answers
-  Accuracy spread;              ///< largest difference of two exact answers of one step
-  Accuracy stretch_spread;      ///< of two tight runs of the same windows; NaN: not measured
-  int without_reference = 0;    ///< problems left out: no reference clearly better than the goal
-  double worst_reference = 0;   ///< guarded error
-  double reference_spread = 0;  ///< largest relative difference of two solvers' references
+  bool out_of_time = false;  ///< trials were left out
+  int choice = -1;           ///< index into trials; -1: nothing to recommend
+  /// Difference of two tight runs of the same stretches, started differently: several exact answers
+  /// of a step, or chaos. No solver can promise less. NaN: not measured.
+  Accuracy spread;
 
-  /// Whole windows from fresh states, the choice against the finest steps; NaN: not done.
-  Accuracy whole_window;
-  int whole_windows = 0;
+  SolverTrial fresh;  ///< the choice on fresh stretches; stretches = 0: none
+  Accuracy whole;     ///< there, step and solver against the finest steps
 
-  double seconds_per_step = 0;  ///< expected, everything but output
+  double seconds_per_step = 0;  ///< expected CPU, everything but output
   double seconds_in_all = 0;
   double seconds_spent = 0;  ///< on the advice, wall
 };
 std::string_view to_string(Advice::Status status);
+
+/// Step and solver together: the sum of their errors.
+Accuracy expected_error(const Advice& advice);
 
 }  // namespace bipot

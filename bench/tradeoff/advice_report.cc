@@ -13,19 +13,19 @@ namespace bipot {
 namespace {
 
 Json to_json(const Accuracy& a) {
-  return {{"force", a.force}, {"penetration", a.penetration}, {"energy", a.energy}};
+  Json j = Json::object();
+  for (const auto& [m, key, name] : Accuracy::kMeasures) j[key] = a.*m;
+  return j;
 }
 
 std::string_view verdict_name(SolverTrial::Verdict verdict) {
   switch (verdict) {
-    case SolverTrial::Verdict::kNone:
-      return "";
-    case SolverTrial::Verdict::kStretchMissed:
-      return "missed on stretches";
-    case SolverTrial::Verdict::kStretchMet:
-      return "met on stretches";
+    case SolverTrial::Verdict::kMissed:
+      return "missed";
+    case SolverTrial::Verdict::kMet:
+      return "met";
     case SolverTrial::Verdict::kFreshMissed:
-      return "missed on fresh steps";
+      return "missed on fresh stretches";
     case SolverTrial::Verdict::kChosen:
       return "chosen";
   }
@@ -36,90 +36,133 @@ Json to_json(const SolverTrial& t) {
   return {{"solver", t.solver.solver},
           {"parameters", t.solver.parameters},
           {"tol", t.tol},
-          {"warm_start", t.warm},
-          {"problems", t.problems},
+          {"stretches", t.stretches},
           {"solved", t.solved},
           {"error", to_json(t.error)},
           {"guarded", t.guarded},
           {"seconds", t.seconds},
           {"iterations", t.iterations},
           {"pareto", t.pareto},
-          {"stretches", t.stretches},
-          {"stretch_error", to_json(t.stretch)},
-          {"stretch_seconds", t.run_seconds},
           {"verdict", verdict_name(t.verdict)},
           {"message", t.message}};
 }
 
-/// A number of a table; "failed" where it has no bound.
-TableCell measured(double x) {
-  TableCell made(x);
-  if (std::isinf(x)) made.shown("failed");
-  return made;
+/// A column for each quantity with a goal.
+void add_columns(const Accuracy& goal, std::vector<TableColumn>& columns) {
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
+    if (!std::isnan(goal.*m)) columns.push_back({.name = name, .show = compact_label});
+  }
 }
-
-void add_errors(std::vector<TableCell>& cells, const Accuracy& error) {
-  for (auto m : Accuracy::kMeasures) cells.push_back(measured(error.*m));
-}
-
-std::vector<TableColumn> error_columns() {
-  return {{.name = "force", .show = compact_label},
-          {.name = "penetr.", .show = compact_label},
-          {.name = "energy", .show = compact_label}};
-}
-
-void append(std::vector<TableColumn>& columns, std::vector<TableColumn> more) {
-  for (TableColumn& column : more) columns.push_back(std::move(column));
+void add_errors(const Accuracy& error, const Accuracy& goal, std::vector<TableCell>& cells) {
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
+    if (!std::isnan(goal.*m))
+      cells.push_back(TableCell(error.*m).as(error.*m > goal.*m ? "over" : ""));
+  }
 }
 
 Table step_table(const Advice& a) {
-  Table table{.columns = {{.name = ""}, {.name = "step", .show = value_label, .unit = "s"}}};
-  table.columns[0].name = " ";
-  append(table.columns, error_columns());
+  Table table{.columns = {{.name = " "}, {.name = "step", .show = value_label, .unit = "s"}}};
+  add_columns(a.goal, table.columns);
   table.columns.push_back({.name = " "});
   for (std::size_t i = 0; i < a.steps.steps.size(); ++i) {
     const StepTrial& t = a.steps.steps[i];
     std::vector<TableCell> cells = {static_cast<int>(i) == a.step.index ? ">" : "", t.step};
-    add_errors(cells, t.error);
+    add_errors(t.error, a.goal, cells);
     cells.emplace_back(t.factor == 1 ? "the scene's" : "");
     table.add(std::move(cells));
   }
   return table;
 }
 
-/// The trials on stretches, else all. The number of the others in `left_out`.
-Table trial_table(const Advice& a, int& left_out) {
-  const bool any_stretch = std::any_of(a.trials.begin(), a.trials.end(),
-                                       [](const SolverTrial& t) { return t.stretches > 0; });
+Table trial_table(const Advice& a) {
   Table table{.columns = {{.name = " "},
                           {.name = "solver"},
                           {.name = "tol", .show = tolerance_label},
-                          {.name = "start"}}};
-  for (int part = 0; part < 2; ++part) {
-    append(table.columns, error_columns());
-    table.columns.push_back({.name = "time", .show = duration_label});
-  }
+                          {.name = "time of a solve", .show = duration_label}}};
+  add_columns(a.goal, table.columns);
   table.columns.push_back({.name = " "});
   for (std::size_t i = 0; i < a.trials.size(); ++i) {
     const SolverTrial& t = a.trials[i];
-    const bool tried = t.stretches > 0, chosen = static_cast<int>(i) == a.choice;
-    if (any_stretch && t.verdict == SolverTrial::Verdict::kNone && !chosen) {
-      ++left_out;
-      continue;
-    }
-    std::string note;
-    if (t.solved < t.problems) note = fmt::format("solved {} of {} ", t.solved, t.problems);
-    if (!tried && t.verdict == SolverTrial::Verdict::kStretchMissed) note += t.message;
+    const bool chosen = static_cast<int>(i) == a.choice;
     std::vector<TableCell> cells = {fmt::format("{}{}", chosen ? ">" : "", t.pareto ? "*" : ""),
-                                    t.solver.label, t.tol, t.warm ? "warm" : "cold"};
-    add_errors(cells, t.error);
-    cells.emplace_back(t.seconds);
-    add_errors(cells, tried ? t.stretch : Accuracy{});
-    cells.emplace_back(tried ? t.run_seconds : kNaN);
-    cells.emplace_back(note);
+                                    t.solver.label, t.tol, t.seconds};
+    add_errors(t.error, a.goal, cells);
+    cells.emplace_back(t.solved < t.stretches
+                           ? fmt::format("{} of {} stretches: {}", t.solved, t.stretches, t.message)
+                           : std::string(verdict_name(t.verdict)));
+    table.add(std::move(cells), t.solved < t.stretches ? "bad" : "");
+  }
+  return table;
+}
+
+/// Tolerance against time step: errors of both together over the goal, and the cost of a simulated
+/// second where it was measured.
+Table plane_table(const Advice& a) {
+  Table table{.columns = {{.name = "time step", .show = value_label, .unit = "s"}},
+              .caption = "Step and tolerance",
+              .note =
+                  "Worst error over its goal, of the step and of the cheapest solver that met the "
+                  "tolerance; at most 1 meets the goal. Solvers were tried at the marked step; "
+                  "at others their errors are taken from there. Below: CPU of the solves in a "
+                  "simulated second, at the marked step."};
+  std::vector<double> tols;
+  for (const SolverTrial& t : a.trials) {
+    if (t.solved == t.stretches && std::find(tols.begin(), tols.end(), t.tol) == tols.end()) {
+      tols.push_back(t.tol);
+    }
+  }
+  std::sort(tols.rbegin(), tols.rend());
+  const auto cheapest = [&](double tol) {
+    const SolverTrial* best = nullptr;
+    for (const SolverTrial& t : a.trials) {
+      if (t.tol != tol || t.solved < t.stretches) continue;
+      if (best == nullptr || t.seconds < best->seconds) best = &t;
+    }
+    return best;
+  };
+  for (const double tol : tols) {
+    table.columns.push_back({.name = tolerance_label(tol), .show = compact_label});
+  }
+  for (std::size_t i = 0; i < a.steps.steps.size(); ++i) {
+    const bool own = static_cast<int>(i) == a.step.index;
+    std::vector<TableCell> cells = {a.steps.steps[i].step};
+    for (const double tol : tols) {
+      const SolverTrial* t = cheapest(tol);
+      double share = 0;
+      for (const auto& [m, key, name] : Accuracy::kMeasures) {
+        const double sum = a.steps.steps[i].error.*m + (std::isnan(t->error.*m) ? 0 : t->error.*m);
+        if (!std::isnan(a.goal.*m) && !std::isnan(sum)) share = std::max(share, sum / a.goal.*m);
+      }
+      std::string text = compact_label(share);
+      if (own)
+        text += fmt::format("\n{}, {}", t->solver.label, seconds_label(t->seconds / a.step_size));
+      const bool chosen = own && a.choice >= 0 && tol == a.trials[to_size(a.choice)].tol;
+      if (chosen) text = "**" + text + "**";
+      cells.push_back(TableCell(share).shown(text).as(share > 1 ? "bad" : "good"));
+    }
     table.add(std::move(cells));
   }
   return table;
+}
+
+/// Cost against error of the trials, a line for each solver.
+Chart cost_chart(const Advice& a) {
+  Chart chart;
+  chart.title = "Cost and error of the solvers";
+  chart.x = {"worst error over its goal", ChartAxis::Kind::kLog};
+  chart.y = {"CPU of a solve", ChartAxis::Kind::kLogSeconds};
+  for (const SolverTrial& t : a.trials) {
+    const double share = share_of(t.error, a.goal);
+    if (t.solved < t.stretches || !(share > 0)) continue;
+    if (chart.series.empty() || chart.series.back().name != t.solver.label) {
+      chart.series.push_back({t.solver.label, static_cast<int>(chart.series.size()), {}});
+    }
+    chart.series.back().points.push_back(
+        {share, t.seconds, &t - a.trials.data() != a.choice,
+         fmt::format("{} to {}: {}", t.solver.label, tolerance_label(t.tol),
+                     error_text(t.error, a.goal))});
+  }
+  return chart;
 }
 
 /// The evidence, one statement a line.
@@ -128,60 +171,94 @@ std::string confidence(const Advice& a) {
       fmt::format("the scene ran for {} of {} steps, {} with contacts (at most {}){}",
                   a.sample.steps_run, a.sample.steps_planned, a.sample.contact_steps,
                   a.sample.contacts_max, a.sample.note.empty() ? "" : "; " + a.sample.note);
-  text += fmt::format("\nsteps that it was chosen on: {}; ", a.problems);
-  text += a.fresh.problems > 0 ? fmt::format("the worst on {} others: {}", a.fresh.problems,
-                                             error_text(a.fresh.error, a.goal))
-                               : "no others were solved to verify it";
-  if (a.whole_windows > 0) {
-    text +=
-        fmt::format("\nthe advice as a whole, on {} other stretches, against the finest steps: {}",
-                    a.whole_windows, error_text(a.whole_window, a.goal));
+  text += fmt::format("\nstretches that it was chosen on: {}; ", a.steps.windows);
+  text += a.fresh.stretches > 0 ? fmt::format("the solver on {} others: {}", a.fresh.stretches,
+                                              error_text(a.fresh.error, a.goal))
+                                : "no others were run to verify it";
+  if (share_of(a.whole, a.goal) > 0) {
+    text += "\nstep and solver there, against the finest steps: " + error_text(a.whole, a.goal);
   }
-  text += fmt::format("\nreferences: guarded error at most {:.0e}; two solvers agree to {:.0e}",
-                      a.worst_reference, a.reference_spread);
-  if (a.several_solutions > 0) {
+  if (share_of(a.spread, a.goal) > 0) {
+    text += "\ntwo tight runs of the same stretches, started differently: " +
+            error_text(a.spread, a.goal) +
+            "; nothing below half of that counts (several exact answers of a step, or chaos)";
+  }
+  if (a.steps.windows_dropped > 0 || a.steps.finest > 0.125 || a.out_of_time) {
     text += fmt::format(
-        "\nsteps with several exact answers: {}, apart by at most {}; errors there are distances "
-        "to the nearest answer, and nothing below half of that counts",
-        a.several_solutions, error_text(a.spread, a.goal));
-  }
-  if (share_of(a.stretch_spread, a.goal) > 0) {
-    text += fmt::format("\ntwo tight runs of the same stretches, started differently: {}",
-                        error_text(a.stretch_spread, a.goal));
-  }
-  if (a.without_reference > 0) {
-    text +=
-        fmt::format("\nsteps left out because no solver got far enough below the goal in time: {}",
-                    a.without_reference);
-  }
-  if (a.steps.windows_dropped > 0 || a.steps.finest > 0.125) {
-    text += fmt::format(
-        "\ntime was short for the step study ({} stretches dropped, finest step {:g} of the "
-        "scene's): --time-limit gives more",
-        a.steps.windows_dropped, a.steps.finest);
+        "\ntime was short ({} stretches dropped, finest step {:g} of the scene's{}): --time-limit "
+        "gives more",
+        a.steps.windows_dropped, a.steps.finest, a.out_of_time ? ", solvers left out" : "");
   }
   return text;
 }
 
+/// Of error against goal: "energy 1.2e-2 of 5e-2".
+std::string against(const Accuracy& error, const Accuracy& goal) {
+  std::string text;
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
+    if (std::isnan(goal.*m)) continue;
+    text += fmt::format("{}{} {} of {}", text.empty() ? "" : ", ", name,
+                        std::isnan(error.*m) ? "not measured" : compact_label(error.*m),
+                        compact_label(goal.*m));
+  }
+  return text;
+}
+
+std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
+  std::vector<std::pair<std::string, std::string>> lines;
+  const auto line = [&](std::string_view name, std::string text) {
+    lines.emplace_back(name, std::move(text));
+  };
+  const char* whose = a.default_goal ? " (no goal given: 5 % in means over time)" : "";
+  if (a.choice < 0) {
+    line("asked for", error_text(a.goal, a.goal) + whose);
+    line("verdict", fmt::format("{}: {}", to_string(a.status), a.message));
+    return lines;
+  }
+  const SolverTrial& t = a.trials[to_size(a.choice)];
+  const bool own_step = std::abs(a.step_size / a.scene_step - 1) < 1e-9;
+  line("choice", fmt::format("{} to {}, time step {:g} s (the scene's{})", t.solver.label,
+                             tolerance_label(t.tol), a.step_size,
+                             own_step ? "" : fmt::format(": {:g} s", a.scene_step)));
+  std::string error = against(expected_error(a), a.goal) + whose;
+  if (std::isnan(a.goal.penetration) && !std::isnan(a.step_error.penetration)) {
+    error += fmt::format("; a step adds overlaps of {} of the smallest radius",
+                         share_label(a.step_error.penetration));
+  }
+  line("expected error", std::move(error));
+  line("cost", fmt::format("{} a step, {} for the {:g} s of the scene ({} steps), files aside",
+                           duration_label(a.seconds_per_step), duration_label(a.seconds_in_all),
+                           a.duration, a.num_steps));
+  line("verdict",
+       fmt::format("{}: {}; {} limits the error", to_string(a.status), a.message,
+                   share_of(a.step_error, a.goal) > share_of(t.error, a.goal) ? "the time step"
+                                                                              : "the solver"));
+  line("run it", run_command_of(a));
+  return lines;
+}
+
 }  // namespace
 
-Json to_json(const Scene<2>& scene, const Advice& a, const Provenance& made) {
+Json to_json(const Advice& a, const Provenance& made) {
   Json j = to_json(made);
-  j["scene"] = scene.source;
-  j["title"] = scene.title;
+  j["scene"] = a.scene;
+  j["title"] = a.title;
   j["status"] = to_string(a.status);
   j["message"] = a.message;
   j["goal"] = to_json(a.goal);
+  j["default_goal"] = a.default_goal;
   if (a.choice >= 0) {
-    const SolverTrial& t = a.trials[a.choice];
+    const SolverTrial& t = a.trials[to_size(a.choice)];
     j["advice"] = {{"solver", t.solver.solver},
                    {"parameters", t.solver.parameters},
                    {"tol", t.tol},
-                   {"warm_start", t.warm},
+                   {"warm_start", a.warm_start},
                    {"step", a.step_size},
                    {"steps", a.num_steps},
                    {"seconds_per_step", a.seconds_per_step},
-                   {"seconds", a.seconds_in_all}};
+                   {"seconds", a.seconds_in_all},
+                   {"error", to_json(expected_error(a))},
+                   {"run", run_command_of(a)}};
   } else {
     j["advice"] = nullptr;
   }
@@ -193,7 +270,7 @@ Json to_json(const Scene<2>& scene, const Advice& a, const Provenance& made) {
   j["step_study"] = {{"window", a.steps.window},
                      {"windows", a.steps.windows},
                      {"windows_dropped", a.steps.windows_dropped},
-                     {"finest_step", a.steps.finest * scene.step},
+                     {"finest_step", a.steps.finest * a.scene_step},
                      {"met", a.step.met},
                      {"steps", Json::array()}};
   for (const StepTrial& t : a.steps.steps) {
@@ -202,80 +279,79 @@ Json to_json(const Scene<2>& scene, const Advice& a, const Provenance& made) {
   j["budget"] = to_json(a.budget);
   j["trials"] = Json::array();
   for (const SolverTrial& t : a.trials) j["trials"].push_back(to_json(t));
-  j["fresh"] = {{"problems", a.fresh.problems},
+  j["out_of_time"] = a.out_of_time;
+  j["spread"] = to_json(a.spread);
+  j["fresh"] = {{"stretches", a.fresh.stretches},
                 {"solved", a.fresh.solved},
-                {"error", to_json(a.fresh.error)}};
-  j["whole"] = {{"stretches", a.whole_windows}, {"error", to_json(a.whole_window)}};
-  j["problems"] = {{"sampled", a.problems},
-                   {"fresh", a.fresh_problems},
-                   {"several_solutions", a.several_solutions},
-                   {"spread", to_json(a.spread)},
-                   {"stretch_spread", to_json(a.stretch_spread)},
-                   {"without_reference", a.without_reference},
-                   {"worst_reference", a.worst_reference},
-                   {"reference_spread", a.reference_spread}};
+                {"error", to_json(a.fresh.error)},
+                {"whole", to_json(a.whole)}};
   j["seconds"] = a.seconds_spent;
   return j;
 }
 
+std::string run_command_of(const Advice& a) {
+  if (a.choice < 0) return {};
+  const SolverTrial& t = a.trials[to_size(a.choice)];
+  std::string line = fmt::format("bipot run {} --solver {} --tol {}", a.scene, t.solver.solver,
+                                 tolerance_label(t.tol));
+  for (const auto& [name, value] : t.solver.parameters) {
+    std::string flag = name;
+    std::replace(flag.begin(), flag.end(), '_', '-');
+    line += fmt::format(" --{} {}", flag, value);
+  }
+  if (a.step_size != a.scene_step) {
+    line += fmt::format(" --step-size {} --steps {}", a.step_size, a.num_steps);
+  }
+  return line;
+}
+
 std::string error_text(const Accuracy& error, const Accuracy& goal) {
   std::string text;
-  for (auto m : Accuracy::kMeasures) {
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
     if (std::isnan(goal.*m)) continue;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(m),
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name,
                         std::isnan(error.*m) ? "not measured" : compact_label(error.*m));
   }
   return text;
 }
 
-Document advice_document(const Scene<2>& scene, const Advice& a) {
-  Document d{.title = scene.title.empty() ? scene.source : scene.title};
-  Terms terms{{{"asked for", error_text(a.goal, a.goal)},
-               {"status", fmt::format("{}: {}", to_string(a.status), a.message)}}};
+std::string advice_summary(const Advice& a) {
+  std::string text;
+  for (const auto& [name, said] : five_lines(a)) text += fmt::format("{:<15} {}\n", name, said);
+  return text;
+}
+
+Document advice_document(const Advice& a, const Provenance* made) {
+  Document d{.title = a.title.empty() ? a.scene : a.title};
+  d.add(Terms{five_lines(a)});
   if (a.choice >= 0) {
-    const SolverTrial& t = a.trials[a.choice];
-    const bool own_step = std::abs(a.step_size / scene.step - 1) < 1e-9;
-    terms.entries.emplace_back(
-        "advice", fmt::format("{} to {}, {} start, time step {:g} s (the scene's{})",
-                              t.solver.label, tolerance_label(t.tol), t.warm ? "warm" : "cold",
-                              a.step_size, own_step ? "" : fmt::format(": {:g} s", scene.step)));
-    terms.entries.emplace_back("error of the time step", error_text(a.step_error, a.goal));
-    terms.entries.emplace_back("error of the solver",
-                               error_text(worst_of(t.error, t.stretch), a.goal));
-    terms.entries.emplace_back(
-        "cost", fmt::format("{} a step, {} for the {:g} s of the scene ({} steps), files aside",
-                            duration_label(a.seconds_per_step), duration_label(a.seconds_in_all),
-                            scene.num_steps * scene.step, a.num_steps));
-  }
-  d.add(std::move(terms));
-  if (a.choice < 0) return d;
-  d.heading("Time step");
-  if (a.steps.steps.empty()) {
-    d.say("Not measured; time was up or solves failed.");
-  } else {
+    if (made != nullptr) {
+      d.add(plane_table(a));
+      d.add(Figure{.chart = cost_chart(a),
+                   .caption = "Filled: the choice. Left of 1 the goal is met, step aside."});
+    }
+    d.heading("Time step");
     d.say(fmt::format(
         "Error that the step alone makes, solved tightly, over {} stretch{} of {:g} s, against "
-        "steps of {:g} s. Force: mean over the stretch; penetration: added by a step, over the "
-        "smallest radius.",
+        "steps of {:g} s.",
         a.steps.windows, a.steps.windows == 1 ? "" : "es", a.steps.window,
-        a.steps.finest * scene.step));
+        a.steps.finest * a.scene_step));
     d.add(step_table(a));
-  }
-  d.heading("Solvers");
-  d.say(fmt::format(
-      "Worst error over {} steps of the run and mean CPU time of a solve, on the left on single "
-      "steps, on the right on stretches of {:g} s, where each step starts from the errors of the "
-      "one before. *: nothing is better in both time and error. Left to the solver: {}.",
-      a.problems, a.steps.window, error_text(a.budget, a.goal)));
-  int left_out = 0;
-  d.add(trial_table(a, left_out));
-  if (left_out > 0) {
+    d.heading("Solvers");
     d.say(fmt::format(
-        "{} more trials were too inaccurate or too slow for stretches; --json has them.",
-        left_out));
+        "Error that the solver adds over the same stretches, and mean CPU time of a solve. *: "
+        "nothing is better in both time and error. Left to the solver: {}.",
+        error_text(a.budget, a.goal)));
+    d.add(trial_table(a));
+    d.heading("How far to trust it");
+    d.say(confidence(a));
   }
-  d.heading("How far to trust it");
-  d.say(confidence(a));
+  if (made != nullptr) {
+    d.made = *made;
+    d.heading("How this was made");
+    d.add(to_terms(*made));
+    d.say("[All numbers](advice.json).", "small");
+  }
   return d;
 }
 

@@ -1,17 +1,24 @@
 #pragma once
 
+#include <string>
+
 #include "bench/report/document.h"
 #include "bench/tradeoff/advice.h"
-#include "core/scene/scene.h"
 
 namespace bipot {
 
 /// The whole advice, with its scene and program. Keys: data/manual/reference/files.md. Undefined
 /// numbers are null.
-Json to_json(const Scene<2>& scene, const Advice& advice, const Provenance& made);
+Json to_json(const Advice& advice, const Provenance& made);
 
-/// The advice, its cost, the errors of time steps and solvers, and their evidence.
-Document advice_document(const Scene<2>& scene, const Advice& advice);
+/// Five lines: choice, expected error, cost, verdict with what limits, and the command that runs it.
+std::string advice_summary(const Advice& advice);
+/// The same, and the errors of time steps and solvers with their evidence. A page, with the plane of
+/// step and tolerance, if `made` is given.
+Document advice_document(const Advice& advice, const Provenance* made = nullptr);
+
+/// The command that runs the scene as advised; empty without a choice.
+std::string run_command_of(const Advice& advice);
 
 /// The errors, each with its name, of the quantities with a goal: "force error 1.2e-03, energy
 /// error not measured". Of a goal itself as well.

@@ -9,8 +9,7 @@ namespace bipot {
 /// The wall time of an advice, and the fractions of it at which stages must be done.
 class TimeBudget {
  public:
-  static constexpr double kTightRunEnd = 0.06, kRunEnd = 0.25, kStepsEnd = 0.52,
-                          kReferencesEnd = 0.66, kTrialsEnd = 0.8, kStretchesEnd = 0.92;
+  static constexpr double kTightRunEnd = 0.06, kRunEnd = 0.25, kStepsEnd = 0.52, kTrialsEnd = 0.88;
 
   /// Counts from construction; `limit` in seconds.
   explicit TimeBudget(double limit) : limit_(limit) {}

@@ -9,26 +9,64 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <variant>
 
-#include "bench/measure/stopwatch.h"
 #include "bench/problems/scene_catalogue.h"
-#include "bench/report/labels.h"
 #include "core/base/portable_random.h"
 #include "core/base/types.h"
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
-#include "solvers/simulation/scene_run.h"
 #include "solvers/simulation/scene_start.h"
-#include "solvers/simulation/step_solver.h"
 
 namespace bipot {
 namespace {
 
 constexpr double kPerturbation = 1e-3;  // of √(a r)
 
-bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+/// Adds small random velocities: they show whether nearby runs stay together.
+template <int D>
+void perturb(Scene<D>& scene, int replica) {
+  if (replica == 0 || scene.bodies.empty()) return;
+  double mass = 0, force = 0;
+  for (const Body<D>& d : scene.bodies) mass += d.mass;
+  for (const Cluster& c : scene.clusters.bodies) mass += c.mass;
+  for (const Wall<D>& w : scene.walls) {
+    if (w.motion == Wall<D>::Motion::kDriven) force += std::abs(w.force);
+  }
+  const double acceleration = std::max(scene.gravity.norm(), force / mass);
+  double speed = std::sqrt(acceleration * smallest_radius(scene));
+  for (const Body<D>& d : scene.bodies) speed = std::max(speed, d.v.norm());
+  PortableRandom random(static_cast<std::uint64_t>(replica));
+  const auto push = [&](Vec<D>& v) {
+    for (int axis = 0; axis < D; ++axis) v[axis] += kPerturbation * speed * random.symmetric();
+  };
+  for (Body<D>& d : scene.bodies) {
+    if (d.cluster < 0) push(d.v);
+  }
+  if constexpr (D == 2) {
+    for (Cluster& c : scene.clusters.bodies) push(c.v);
+    place_members(scene.clusters, scene.bodies);
+  }
+}
+
+/// Steps of TradeOptions::shorten.
+template <int D>
+int shortened(const Scene<D>& scene, const TradeOptions& options) {
+  constexpr double kPart = 0.1, kLeast = 0.05, kReserve = 0.5;
+  const double tol = *std::min_element(options.tols.begin(), options.tols.end());
+  double shortest = 1;
+  for (const double factor : options.step_factors) shortest = std::min(shortest, factor);
+  const RunLimits limits{.cpu_seconds = kPart * options.time_limit,
+                         .cancelled = options.interrupted};
+  State<D> state = initial_state(scene);
+  const RunRecord run =
+      run_setting(scene, state, {.solver = options.solvers.front(), .tol = tol}, limits, {});
+  const double fits = run.completed() ? scene.num_steps : kReserve * run.steps * shortest / kPart;
+  return std::clamp(static_cast<int>(fits), std::max(1, static_cast<int>(kLeast * scene.num_steps)),
+                    scene.num_steps);
+}
 
 TradeScene load_target(const std::string& target, const TradeOptions& options) {
   TradeScene made;
@@ -48,47 +86,29 @@ TradeScene load_target(const std::string& target, const TradeOptions& options) {
   }
   const std::filesystem::path path = find_scene(file);
   made.name = path.stem().string();
-  made.scene = read_scene(path);
-  check_start(made.scene, {}, 1);
-  if (steps) made.scene.num_steps = *steps;
-  if (made.scene.bodies.empty() || made.scene.num_steps == 0) {
-    throw std::invalid_argument(target + ": a run needs disks and steps");
-  }
-  if (made.scene.has_gates()) {
-    throw std::invalid_argument(
-        target + ": bodies come or go by inlets and outlets; runs are compared body by body");
-  }
-  made.title = made.scene.title.empty() ? made.name : made.scene.title;
-  const bool free = made.scene.bodies.size() > 1 &&
-                    !supported_by_walls(made.scene, 1e-3 * smallest_radius(made.scene));
-  made.replicas = free ? std::max(1, options.replicas) : 1;
-  made.quantities = OutcomeRecorder(made.scene).quantities();
+  made.scene = read_any_scene(path);
+  std::visit(
+      [&]<int D>(Scene<D>& scene) {
+        check_start(scene, {}, 1);
+        if (steps) scene.num_steps = *steps;
+        if ((scene.bodies.empty() && scene.inlets.empty()) || scene.num_steps == 0) {
+          throw std::invalid_argument(target + ": a run needs bodies and steps");
+        }
+        made.whole_steps = scene.num_steps;
+        if (options.shorten && !steps) scene.num_steps = shortened(scene, options);
+        made.title = scene.title.empty() ? made.name : scene.title;
+        bool free = scene.bodies.size() > 1 || scene.has_gates();
+        if constexpr (D == 2) {
+          free = free && !supported_by_walls(scene, 1e-3 * smallest_radius(scene));
+        }
+        made.replicas = free ? std::max(1, options.replicas) : 1;
+        made.quantities = OutcomeRecorder<D>(scene).quantities();
+        made.step = scene.step;
+        made.num_steps = scene.num_steps;
+        made.bodies = static_cast<int>(scene.bodies.size());
+      },
+      made.scene);
   return made;
-}
-
-/// Adds small random velocities: they show whether nearby runs stay together.
-void perturb(Scene<2>& scene, int replica) {
-  if (replica == 0) return;
-  double mass = 0, force = 0;
-  for (const Disk& d : scene.bodies) mass += d.mass;
-  for (const Cluster& c : scene.clusters.bodies) mass += c.mass;
-  for (const Wall<2>& w : scene.walls) {
-    if (w.motion == Wall<2>::Motion::kDriven) force += std::abs(w.force);
-  }
-  const double acceleration = std::max(scene.gravity.norm(), force / mass);
-  double speed = std::sqrt(acceleration * smallest_radius(scene));
-  for (const Disk& d : scene.bodies) speed = std::max(speed, d.v.norm());
-  PortableRandom random(static_cast<std::uint64_t>(replica));
-  for (Disk& d : scene.bodies) {
-    if (d.cluster >= 0) continue;
-    const double x = random.symmetric(), y = random.symmetric();
-    d.v += kPerturbation * speed * Vec2(x, y);
-  }
-  for (Cluster& c : scene.clusters.bodies) {
-    const double x = random.symmetric(), y = random.symmetric();
-    c.v += kPerturbation * speed * Vec2(x, y);
-  }
-  place_members(scene.clusters, scene.bodies);
 }
 
 class Runner {
@@ -98,7 +118,7 @@ class Runner {
   bool stopped() const { return options_.interrupted && options_.interrupted(); }
 
   /// Runs all replicas of a setting. True if all were completed.
-  bool run(const TradeScene& scene, const TradeSetting& setting) {
+  bool run(const TradeScene& scene, const RunSetting& setting) {
     for (int replica = 0; replica < scene.replicas && !stopped(); ++replica) {
       add(run_one(scene, setting, replica));
       if (trade_.rows.back().completed()) continue;
@@ -110,13 +130,13 @@ class Runner {
     return !stopped();
   }
 
-  void skip(const TradeScene& scene, const TradeSetting& setting, int replica,
+  void skip(const TradeScene& scene, const RunSetting& setting, int replica,
             const std::string& why) {
     TradeRow row = blank(scene, setting, replica);
     row.message = why;
     add(std::move(row));
   }
-  void skip_all(const TradeScene& scene, const TradeSetting& setting, const std::string& why) {
+  void skip_all(const TradeScene& scene, const RunSetting& setting, const std::string& why) {
     for (int replica = 0; replica < scene.replicas; ++replica) skip(scene, setting, replica, why);
   }
 
@@ -126,102 +146,46 @@ class Runner {
     if (options_.on_row) options_.on_row(trade_.rows.back());
   }
 
-  static TradeRow blank(const TradeScene& scene, const TradeSetting& setting, int replica) {
+  static TradeRow blank(const TradeScene& scene, const RunSetting& setting, int replica) {
     TradeRow row;
     row.scene = scene.name;
     row.setting = setting;
     row.replica = replica;
-    row.step = scene.scene.step * setting.step_factor;
-    row.steps_planned =
-        std::max(1, static_cast<int>(std::lround(scene.scene.num_steps / setting.step_factor)));
+    row.step = scene.step * setting.step_factor;
+    row.steps_planned = steps_of(scene.num_steps, setting);
     row.values.assign(scene.quantities.size(), kNaN);
     return row;
   }
 
-  TradeRow run_one(const TradeScene& trade_scene, const TradeSetting& setting, int replica) {
+  TradeRow run_one(const TradeScene& trade_scene, RunSetting setting, int replica) {
     TradeRow row = blank(trade_scene, setting, replica);
-    Scene<2> scene = trade_scene.scene;
-    scene.step = row.step;
-    scene.num_steps = row.steps_planned;
-    scene.model = setting.model;
-    if (std::isfinite(setting.overlap)) scene.dem.overlap = setting.overlap;
-    scene.dem.stiffness = std::isfinite(setting.stiffness) ? setting.stiffness : 0;
-    perturb(scene, replica);
-
-    // CPU time: other work on the machine must not decide which rows there are.
-    const CpuStopwatch watch;
-    const auto out_of_time = [&, polls = 0]() mutable {
-      if (stopped()) return true;
-      // On a few contacts, reading the clock costs more than an iteration.
-      return ++polls % 16 == 0 && watch.seconds() > options_.time_limit;
-    };
-    SceneRunOptions<2> run_options;
-    run_options.cancelled = out_of_time;
-    if (!setting.dem()) {
-      const SolverEntry& entry = require_solver(setting.solver);
-      SolverOptions solver;
-      solver.tol = setting.tol;
-      // The scene's parameters belong to its own solver.
-      if (setting.solver == scene.solver.name) solver.parameters = scene.solver.parameters;
-      solver.cancelled = out_of_time;
-      run_options.solver = make_step_solver(entry, solver);
-      run_options.explicit_delassus = entry.needs_delassus;
-    }
-    OutcomeRecorder recorder(scene);
-    run_options.on_step = [&](const SceneStep<2>& step) {
-      recorder.step(step.state, step.report);
-      const double guarded = step.report.error.guarded();
-      if (std::isfinite(guarded)) row.worst_guarded = std::fmax(row.worst_guarded, guarded);
-      return ++row.steps == scene.num_steps || watch.seconds() <= options_.time_limit;
-    };
-    State<2> state = initial_state(scene);
-    SceneRun<2> run;
-    try {
-      run = run_scene(scene, state, run_options);
-    } catch (const std::invalid_argument& e) {  // springs that the scene does not allow
-      row.status = "failed";
-      row.message = e.what();
-      return row;
-    }
-    if (run.springs) row.stiffness = run.springs->stiffness;
-    row.steps_converged = run.totals.converged;
-    describe_end(run, row);
-    row.cpu = watch.seconds();
-    row.simulated = state.time;
-    if (row.steps > 0) {
-      row.iterations = static_cast<double>(run.totals.iterations) / row.steps;
-      row.penetration = run.totals.penetration / smallest_radius(scene);
-    }
-    if (row.steps == scene.num_steps) row.values = recorder.values();
+    std::visit(
+        [&]<int D>(Scene<D> scene) {
+          perturb(scene, replica);
+          // The scene's parameters belong to its own solver.
+          if (setting.solver == scene.solver.name) setting.parameters = scene.solver.parameters;
+          const Scene<D> as_run = with_setting(scene, setting);
+          OutcomeRecorder<D> recorder(as_run);
+          RunObserver<D> observer;
+          observer.on_step = [&](const SceneStep<D>& step) {
+            recorder.step(step.state, step.report);
+            return true;
+          };
+          State<D> state = initial_state(scene);
+          static_cast<RunRecord&>(row) = run_setting(
+              scene, state, setting,
+              {.cpu_seconds = options_.time_limit, .cancelled = options_.interrupted}, observer);
+          if (row.steps == row.steps_planned) row.values = recorder.values();
+        },
+        trade_scene.scene);
     return row;
-  }
-
-  /// Status and message.
-  void describe_end(const SceneRun<2>& run, TradeRow& row) const {
-    row.message = run.totals.message;
-    if (run.end == SceneRun<2>::End::kCompleted) {
-      row.status = row.steps_converged < row.steps ? "not converged" : "completed";
-    } else if (run.end == SceneRun<2>::End::kFailed) {
-      row.status = "failed";
-      row.message = run.failure->what();
-    } else if (stopped()) {
-      row.status = "interrupted";
-      if (run.failure) row.message = run.failure->what();
-    } else {
-      row.status = "time limit";
-      row.message = time_limit_message();
-    }
-  }
-
-  std::string time_limit_message() const {
-    return fmt::format("{:g} s of CPU time were up", options_.time_limit);
   }
 
   const TradeOptions& options_;
   Trade& trade_;
 };
 
-double mean_cpu(const Trade& trade, const std::string& scene, const TradeSetting& setting) {
+double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& setting) {
   double sum = 0;
   int count = 0;
   for (const TradeRow& row : trade.rows) {
@@ -230,6 +194,14 @@ double mean_cpu(const Trade& trade, const std::string& scene, const TradeSetting
     ++count;
   }
   return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
+}
+
+/// Why a scene has no springs; null: it has.
+const char* no_springs(const TradeScene& scene) {
+  const auto* plane = std::get_if<Scene<2>>(&scene.scene);
+  if (plane == nullptr) return "springs and dashpots take disks only";
+  if (!plane->clusters.empty()) return "springs and dashpots have no clusters";
+  return nullptr;
 }
 
 void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& runner,
@@ -242,7 +214,7 @@ void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& r
     bool gave_up = false;
     for (const double tol : tols) {
       if (runner.stopped()) return;
-      const TradeSetting setting{.solver = solver, .tol = tol};
+      const RunSetting setting{.solver = solver, .tol = tol};
       if (gave_up) {
         runner.skip_all(scene, setting, "a looser tolerance was not completed");
       } else if (!runner.run(scene, setting)) {
@@ -269,8 +241,7 @@ void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& r
   for (const double factor : factors) {
     if (runner.stopped()) return;
     if (factor == 1) continue;
-    const TradeSetting setting{
-        .solver = options.solvers.front(), .tol = tol, .step_factor = factor};
+    const RunSetting setting{.solver = options.solvers.front(), .tol = tol, .step_factor = factor};
     if (completed.empty()) {
       runner.skip_all(scene, setting, "no tolerance was completed at the scene's step");
     } else {
@@ -278,7 +249,7 @@ void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& r
     }
   }
   // 3. Springs, soft to stiff.
-  std::vector<TradeSetting> springs;
+  std::vector<RunSetting> springs;
   for (const double k : options.stiffness) {
     springs.push_back({.model = Model::kSpringDashpot, .stiffness = k});
   }
@@ -287,14 +258,14 @@ void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& r
       springs.push_back({.model = Model::kSpringDashpot, .overlap = o});
     }
   }
-  std::sort(springs.begin(), springs.end(), [](const TradeSetting& a, const TradeSetting& b) {
+  std::sort(springs.begin(), springs.end(), [](const RunSetting& a, const RunSetting& b) {
     return std::isfinite(a.stiffness) ? a.stiffness < b.stiffness : a.overlap > b.overlap;
   });
   bool out_of_time = false;
-  for (const TradeSetting& setting : springs) {
+  for (const RunSetting& setting : springs) {
     if (runner.stopped()) return;
-    if (!scene.scene.clusters.empty()) {
-      runner.skip_all(scene, setting, "springs and dashpots have no clusters");
+    if (const char* why = no_springs(scene)) {
+      runner.skip_all(scene, setting, why);
       continue;
     }
     if (out_of_time) {
@@ -310,23 +281,6 @@ void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& r
 }
 
 }  // namespace
-
-bool TradeSetting::operator==(const TradeSetting& other) const {
-  return model == other.model && solver == other.solver && same(tol, other.tol) &&
-         step_factor == other.step_factor && same(overlap, other.overlap) &&
-         same(stiffness, other.stiffness);
-}
-
-std::string TradeSetting::label() const {
-  if (dem()) {
-    return std::isfinite(stiffness) ? fmt::format("springs, k_n = {:.3g} N/m", stiffness)
-                                    : fmt::format("springs, overlap {}", tolerance_label(overlap));
-  }
-  const std::string step = step_factor == 1  ? "h"
-                           : step_factor < 1 ? fmt::format("h/{:g}", 1 / step_factor)
-                                             : fmt::format("{:g} h", step_factor);
-  return fmt::format("{}, tol {}, {}", solver, tolerance_label(tol), step);
-}
 
 std::vector<std::string> trade_targets(bool quick) {
   if (quick) {

@@ -4,52 +4,28 @@
 #include <string>
 #include <vector>
 
+#include "bench/tradeoff/run_setting.h"
 #include "bench/tradeoff/trade_outcome.h"
 #include "core/base/types.h"
-#include "core/scene/scene.h"
+#include "core/scene_files/scene_file.h"
 
 namespace bipot {
 
-/// How one whole simulation is run. Numbers that do not apply are NaN.
-struct TradeSetting {
-  Model model = Model::kNonsmooth;
-  std::string solver;       ///< nonsmooth
-  double tol = kNaN;        ///< nonsmooth
-  double step_factor = 1;   ///< time step over the scene's
-  double overlap = kNaN;    ///< springs: target, relative to the smallest radius, or
-  double stiffness = kNaN;  ///< springs: given                                 [N/m]
-
-  bool dem() const { return model == Model::kSpringDashpot; }
-  /// Same run, replicas aside.
-  bool operator==(const TradeSetting& other) const;
-  /// "auto, tol 1e-3, h" or "springs, overlap 1e-3".
-  std::string label() const;
-};
-
 /// One whole simulation.
-struct TradeRow {
+struct TradeRow : RunRecord {
   std::string scene;
-  TradeSetting setting;
+  RunSetting setting;
   int replica = 0;
-  std::string status = "not run", message;  ///< "completed" alone is a result
-  double step = kNaN;                       ///< h                                   [s]
-  int steps = 0, steps_planned = 0, steps_converged = 0;
-  double simulated = 0;         ///< time reached                                    [s]
-  double cpu = kNaN;            ///< of this process                                 [s]
-  double iterations = kNaN;     ///< mean per step; springs: substeps per step
-  double worst_guarded = kNaN;  ///< largest guarded error of a step; nonsmooth
-  double stiffness = kNaN;      ///< springs: k_n                                    [N/m]
-  double penetration = kNaN;    ///< largest of the run over the smallest radius
-  std::vector<double> values;   ///< of the scene's quantities; NaN unless completed
-
-  bool completed() const { return status == "completed"; }
-  double cpu_per_second() const { return simulated > 0 ? cpu / simulated : kNaN; }
+  std::vector<double> values;  ///< of the scene's quantities; NaN unless completed
 };
 
 /// A scene, and data known before its run.
 struct TradeScene {
   std::string name, target, title;
-  Scene<2> scene;
+  AnyScene scene;
+  double step = 0;  ///< [s]
+  int num_steps = 0, bodies = 0;
+  int whole_steps = 0;  ///< of the scene, before it was shortened
   int replicas = 1;
   std::vector<TradeQuantity> quantities;
 };
@@ -63,6 +39,9 @@ struct TradeOptions {
   std::vector<double> overlaps = {1e-2, 1e-3, 1e-4};  ///< of the springs' rows, or
   std::vector<double> stiffness;                      ///< these instead            [N/m]
   double time_limit = 20;                             ///< CPU seconds of one run
+  /// Scenes are shortened until a run at the tightest tolerance and the shortest step is expected to
+  /// fit the limit, by a trial of a tenth of the steps. At least a twentieth remains.
+  bool shorten = false;
   /// Relative error of an outcome that is negligible: no solver has to be better.
   double accuracy = 1e-4;
   /// A solver that runs once more at the tightest tolerance that the first solver completed. On

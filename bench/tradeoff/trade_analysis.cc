@@ -40,6 +40,9 @@ std::vector<TradeCell> cells_of(const Trade& trade, const TradeScene& scene) {
       for (std::size_t q = 0; q < cell.means.size(); ++q) cell.means[q] += row->values[q];
       if (!std::isfinite(row->cpu) || row->steps == 0) continue;
       ++ran;
+      if (row->status == "time limit") {
+        cell.cpu_needed = std::fmax(cell.cpu_needed, row->cpu * row->steps_planned / row->steps);
+      }
       cpu += row->cpu;
       rate += row->cpu_per_second();
       iterations += row->iterations;
@@ -89,7 +92,7 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
   e.reference_kind = "the scene's step, no shorter one was completed";
   double shortest = 1;
   for (const TradeCell& cell : s.cells) {
-    const TradeSetting& setting = cell.setting;
+    const RunSetting& setting = cell.setting;
     if (setting.dem() || setting.solver != s.solver || setting.tol != s.step_tol) continue;
     if (!cell.done() || setting.step_factor >= shortest || !std::isfinite(cell.means[q])) continue;
     shortest = setting.step_factor;
@@ -121,7 +124,7 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
   if (shortest < 1) {
     e.step_error = 0;
     for (const TradeCell& cell : s.cells) {
-      const TradeSetting& setting = cell.setting;
+      const RunSetting& setting = cell.setting;
       if (setting.dem() || setting.solver != s.solver || setting.tol != s.step_tol) continue;
       if (setting.step_factor >= 1 || !usable(&cell)) continue;
       e.step_error = std::max(e.step_error, std::abs(value - cell.means[q]) / scale);
@@ -138,14 +141,13 @@ void choice_error(SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
   const double scale = s.scene->quantities[q].scale(e.reference);
   const TradeCell* own = s.find({.solver = s.solver, .tol = s.tols.back()});
   for (const TradeCell& cell : s.cells) {
-    const TradeSetting& setting = cell.setting;
+    const RunSetting& setting = cell.setting;
     if (setting.dem() || setting.solver == s.solver || setting.step_factor != 1) continue;
     if (setting.tol != s.tols.back() || !cell.done()) continue;
     const double apart = std::abs(cell.means[q] - own->means[q]) / scale;
-    if (std::isfinite(apart) && apart > e.choice) {
-      e.choice = apart;
-      s.other_solver = setting.solver;
-    }
+    if (!std::isfinite(apart)) continue;
+    if (!(apart <= std::fmax(e.choice, 0))) s.other_solver = setting.solver;
+    e.choice = std::fmax(e.choice, apart);
   }
 }
 
@@ -157,6 +159,7 @@ void solver_errors(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
     e.solver_error.push_back(std::abs(cell->means[q] - tightest->means[q]) / scale);
   }
   const double bound = e.bound();
+  if (s.tols.size() < 2) return;
   for (std::size_t k = s.tols.size(); k-- > 0;) {
     if (!(e.solver_error[k] <= bound)) break;
     e.sufficient_tol = s.tols[k];
@@ -211,10 +214,11 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
 }  // namespace
 
 double TradeQuantityErrors::bound() const {
-  return std::isnan(step_error) ? kNaN : std::max({step_error, noise, accuracy, choice});
+  return std::isnan(step_error) ? kNaN
+                                : std::max({step_error, noise, accuracy, std::fmax(choice, 0)});
 }
 
-const TradeCell* SceneTrade::find(const TradeSetting& setting) const {
+const TradeCell* SceneTrade::find(const RunSetting& setting) const {
   for (const TradeCell& cell : cells) {
     if (cell.setting == setting) return &cell;
   }
@@ -266,19 +270,29 @@ std::string SceneTrade::choice_sentence() const {
   return text;
 }
 
-std::string SceneTrade::answer() const {
-  if (tols.empty()) {
-    return fmt::format("No tolerance was completed by {} within the time limit.", solver);
+std::string SceneTrade::what_is_needed() const {
+  double needed = 0;
+  for (const TradeCell& cell : cells) {
+    if (cell.setting.solver == solver) needed = std::fmax(needed, cell.cpu_needed);
   }
-  if (tols.size() == 1) {
+  if (!(needed > 0)) return {};
+  // A reserve, to one digit: later steps often cost more.
+  const double unit = std::pow(10, std::floor(std::log10(2 * needed)));
+  return fmt::format(": give --time-limit {:g}", std::ceil(2 * needed / unit) * unit);
+}
+
+std::string SceneTrade::answer() const {
+  if (tols.size() < 2) {
     return fmt::format(
-        "Only tolerance {} was completed within the limit, so it cannot be compared with tighter "
-        "ones.",
-        tolerance_label(tols.front()));
+        "Undecided: {} completed {}, so that nothing can be compared{}.", solver,
+        tols.empty() ? "no tolerance" : "only tolerance " + tolerance_label(tols.front()),
+        what_is_needed());
   }
   if (!sufficient_tol) {
-    return "No time step beside the scene's was completed, so the error of the time step is not "
-           "known and no tolerance can be called sufficient.";
+    return fmt::format(
+        "Undecided: no time step beside the scene's was completed, so that its error is not "
+        "known{}.",
+        what_is_needed());
   }
   bool all_same = true;
   for (const TradeQuantityErrors& e : quantities) {

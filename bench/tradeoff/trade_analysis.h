@@ -12,13 +12,15 @@ namespace bipot {
 
 /// All replicas of one setting on one scene.
 struct TradeCell {
-  TradeSetting setting;
+  RunSetting setting;
   int runs = 0, completed = 0;
   std::string status;   ///< "completed", or that of the first replica that was not
   std::string message;  ///< of that replica
   /// Of the scene's quantities over the replicas; NaN unless all were completed.
   std::vector<double> means;
-  double cpu = kNaN;             ///< mean of a run                                       [s]
+  double cpu = kNaN;  ///< mean of a run                                       [s]
+  /// Of a whole run, by the steps that the time limit allowed.                              [s]
+  double cpu_needed = kNaN;
   double cpu_per_second = kNaN;  ///< of simulated time
   double iterations = kNaN, penetration = kNaN, worst_guarded = kNaN, stiffness = kNaN;
 
@@ -38,14 +40,16 @@ struct TradeQuantityErrors {
   /// nearby runs. 0 with a single replica.
   double noise = 0;
   /// Largest difference of another solver's outcome at the tightest tolerance. Solvers that solve
-  /// every step to it and still end elsewhere chose other answers. 0 if no other solver completed
+  /// every step to it and still end elsewhere chose other answers. NaN if no other solver completed
   /// it.
-  double choice = 0;
+  double choice = kNaN;
   std::vector<double> solver_error;  ///< of each tolerance of SceneTrade::tols, to the tightest
   double accuracy = 0;               ///< of TradeOptions
-  /// Bound for the solver's error: max(step_error, noise, accuracy, choice); NaN if step_error is.
+  /// Bound for the solver's error: max(step_error, noise, accuracy, choice where it is known); NaN
+  /// if step_error is.
   double bound() const;
-  /// Loosest tolerance from which on every solver error is below the bound.
+  /// Loosest tolerance from which on every solver error is below the bound; none from one tolerance
+  /// alone, which is compared with nothing.
   std::optional<double> sufficient_tol;
 };
 
@@ -63,7 +67,7 @@ struct SceneTrade {
   std::string other_solver;                           ///< behind the largest choice; empty: none
   double cpu_sufficient = kNaN, cpu_tightest = kNaN;  ///< per simulated second
 
-  const TradeCell* find(const TradeSetting& setting) const;
+  const TradeCell* find(const RunSetting& setting) const;
   /// At the sufficient tolerance, else at the tightest; null if none was completed.
   const TradeCell* sufficient_cell() const;
   /// Error of a cell's outcome q against the reference; NaN if either is missing.
@@ -75,6 +79,8 @@ struct SceneTrade {
 
  private:
   std::string choice_sentence() const;
+  /// ": give --time-limit 40", by the runs that it cut short; else empty.
+  std::string what_is_needed() const;
 };
 
 /// The scene and the trade must outlive the result.

@@ -42,7 +42,7 @@ Chart ratio_chart(const SceneTrade& s) {
 struct Family {
   std::string name;
   int style;
-  std::function<bool(const TradeSetting&)> has;
+  std::function<bool(const RunSetting&)> has;
 };
 
 std::vector<Family> families_of(const SceneTrade& s) {
@@ -56,16 +56,16 @@ std::vector<Family> families_of(const SceneTrade& s) {
   }
   for (const std::string& name : solvers) {
     families.push_back(
-        {name + ", tolerances", static_cast<int>(families.size()), [name](const TradeSetting& x) {
+        {name + ", tolerances", static_cast<int>(families.size()), [name](const RunSetting& x) {
            return !x.dem() && x.solver == name && x.step_factor == 1;
          }});
   }
   families.push_back(
-      {s.solver + ", time steps", static_cast<int>(families.size()), [&s](const TradeSetting& x) {
+      {s.solver + ", time steps", static_cast<int>(families.size()), [&s](const RunSetting& x) {
          return !x.dem() && x.solver == s.solver && x.tol == s.step_tol;
        }});
   families.push_back({"springs, stiffness", static_cast<int>(families.size()),
-                      [](const TradeSetting& x) { return x.dem(); }});
+                      [](const RunSetting& x) { return x.dem(); }});
   return families;
 }
 

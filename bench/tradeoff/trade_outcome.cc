@@ -7,6 +7,7 @@
 
 #include "core/base/types.h"
 #include "core/motion/sample_area.h"
+#include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"
 #include "core/observables/measured_bodies.h"
 
@@ -16,10 +17,11 @@ namespace {
 constexpr double kWindow = 0.1;    // of the duration
 constexpr double kCarries = 1e-3;  // of the mean force: less does not carry
 
-/// Lowest and highest point of the disks along a direction.
-std::pair<double, double> span_along(const std::vector<Disk>& disks, const Vec2& up) {
+/// Lowest and highest point of the bodies along a direction.
+template <int D>
+std::pair<double, double> span_along(const std::vector<Body<D>>& disks, const Vec<D>& up) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Disk& d : disks) {
+  for (const Body<D>& d : disks) {
     low = std::min(low, up.dot(d.x) - d.radius);
     high = std::max(high, up.dot(d.x) + d.radius);
   }
@@ -33,31 +35,40 @@ double TradeQuantity::scale(double reference) const {
   return s > 0 ? s : 1;
 }
 
-OutcomeRecorder::OutcomeRecorder(const Scene<2>& scene) : scene_(scene) {
+template <int D>
+OutcomeRecorder<D>::OutcomeRecorder(const Scene<D>& scene) : scene_(scene) {
   g_ = scene.gravity.norm();
   if (g_ > 0) up_ = -scene.gravity / g_;
   end_ = scene.num_steps * scene.step;
-  for (const auto& body : measured_bodies(initial_state(scene)).list) weight_ += body.mass * g_;
+  weight_ = weight_of(initial_state(scene));
   if (scene.bodies.size() == 1 && scene.walls.size() == 1 && g_ > 0 &&
-      scene.walls[0].shape == Wall<2>::Shape::kHalfPlane &&
-      scene.walls[0].motion == Wall<2>::Motion::kFixed &&
+      scene.walls[0].shape == Wall<D>::Shape::kHalfPlane &&
+      scene.walls[0].motion == Wall<D>::Motion::kFixed &&
       scene.walls[0].normal.dot(up_) > 1 - 1e-12) {
-    const Disk& d = scene.bodies[0];
-    const Wall<2>& w = scene.walls[0];
+    const Body<D>& d = scene.bodies[0];
+    const Wall<D>& w = scene.walls[0];
     const double gap = w.normal.dot(d.x - w.a) - d.radius;
     const ContactLaw& law = scene.law(d.material, w.material);
     floor_ = up_.dot(w.a);
-    if (gap > 1e-3 * d.radius && d.v.norm() == 0 && d.spin == 0 && law.e_n > 0) {
+    if (gap > 1e-3 * d.radius && d.v.norm() == 0 && magnitude(d.spin) == 0 && law.e_n > 0) {
       plan_ball(gap);
     } else if (std::abs(gap) <= 1e-6 * d.radius && std::abs(d.v.dot(up_)) <= 1e-12 * d.v.norm() &&
-               d.v.norm() > 0 && d.spin == 0 && law.mu > 0) {
+               d.v.norm() > 0 && magnitude(d.spin) == 0 && law.mu > 0) {
       plan_slider();
     }
   }
   if (quantities_.empty()) plan_sample();
 }
 
-void OutcomeRecorder::plan_ball(double gap) {
+template <int D>
+double OutcomeRecorder<D>::weight_of(const State<D>& state) const {
+  double weight = 0;
+  for (const MeasuredBody<D>& body : measured_bodies(state).list) weight += body.mass * g_;
+  return weight;
+}
+
+template <int D>
+void OutcomeRecorder<D>::plan_ball(double gap) {
   const double e = scene_.law(scene_.bodies[0].material, scene_.walls[0].material).e_n;
   const double fall = std::sqrt(2 * gap / g_);
   double impact = fall;
@@ -78,9 +89,10 @@ void OutcomeRecorder::plan_ball(double gap) {
   }
 }
 
-void OutcomeRecorder::plan_slider() {
+template <int D>
+void OutcomeRecorder<D>::plan_slider() {
   // m v' = -mu m g, I w' = -mu m g a until v = -a w.
-  const Disk& d = scene_.bodies[0];
+  const Body<D>& d = scene_.bodies[0];
   const double mu = scene_.law(d.material, scene_.walls[0].material).mu;
   const double turn = 1 + d.mass * d.radius * d.radius / d.inertia;
   const double t1 = d.v.norm() / (mu * g_ * turn);
@@ -93,10 +105,15 @@ void OutcomeRecorder::plan_slider() {
                  {.name = "t1", .unit = "s", .meaning = "time from which it rolls", .exact = t1}};
 }
 
-void OutcomeRecorder::plan_sample() {
+template <int D>
+void OutcomeRecorder<D>::plan_sample() {
   double mean_radius = 0;
-  for (const Disk& d : scene_.bodies) mean_radius += d.radius;
-  mean_radius /= std::max<double>(1, static_cast<double>(scene_.bodies.size()));
+  for (const Body<D>& d : scene_.bodies) mean_radius += d.radius;
+  if (scene_.bodies.empty()) {
+    mean_radius = smallest_radius(scene_);
+  } else {
+    mean_radius /= static_cast<double>(scene_.bodies.size());
+  }
   if (g_ > 0) {
     quantities_.push_back(
         {.name = "height", .unit = "m", .meaning = "of the sample at the end, bottom to top"});
@@ -106,9 +123,9 @@ void OutcomeRecorder::plan_sample() {
   }
   quantities_.push_back(
       {.name = "pressure", .unit = "Pa", .meaning = "mean pressure of the sample, last tenth"});
-  for (const Wall<2>& w : scene_.walls) {
-    has_floor_ |= g_ > 0 && w.shape == Wall<2>::Shape::kHalfPlane && w.normal.dot(up_) > 0.5;
-    has_driven_ |= w.motion == Wall<2>::Motion::kDriven;
+  for (const Wall<D>& w : scene_.walls) {
+    has_floor_ |= g_ > 0 && w.shape == Wall<D>::Shape::kHalfPlane && w.normal.dot(up_) > 0.5;
+    has_driven_ |= w.motion == Wall<D>::Motion::kDriven;
   }
   if (has_floor_) {
     quantities_.push_back({.name = "floor load",
@@ -142,7 +159,11 @@ void OutcomeRecorder::plan_sample() {
     quantities_.push_back(
         {.name = "wall travel", .unit = "m", .meaning = "of the driven walls by the end, mean"});
   }
-  find_columns();
+  if constexpr (D == 2) find_columns();
+  if (!scene_.outlets.empty()) {
+    quantities_.push_back(
+        {.name = "outflow", .unit = "kg", .meaning = "mass that left through outlets by the end"});
+  }
   if (!load_above_.empty()) {
     quantities_.push_back({.name = "column force",
                            .unit = "",
@@ -155,10 +176,14 @@ void OutcomeRecorder::plan_sample() {
 
 /// Without friction, straight columns of disks on a floor load each contact with the weight above
 /// it, whatever the walls do.
-void OutcomeRecorder::find_columns() {
+template <int D>
+void OutcomeRecorder<D>::find_columns() {
   if (scene_.has_friction() || !has_floor_ || scene_.bodies.size() < 2) return;
+  if (scene_.has_gates()) return;
   if (!scene_.clusters.empty()) return;
-  const Vec2 side(up_[1], -up_[0]);
+  Vec<D> side = Vec<D>::Zero();
+  side[0] = up_[1];
+  side[1] = -up_[0];
   const double floor = span_along(scene_.bodies, up_).first;
   const double smallest = smallest_radius(scene_), close = 1e-3 * smallest;
   std::map<long, std::vector<int>> columns;
@@ -173,7 +198,7 @@ void OutcomeRecorder::find_columns() {
     });
     double load = 0;
     for (std::size_t k = 0; k < column.size(); ++k) {
-      const Disk& d = scene_.bodies[column[k]];
+      const Body<D>& d = scene_.bodies[column[k]];
       load += d.mass * g_;
       above[column[k]] = load;
       const bool last = k + 1 == column.size();
@@ -190,7 +215,8 @@ void OutcomeRecorder::find_columns() {
   load_above_ = std::move(above);
 }
 
-void OutcomeRecorder::step(const State<2>& state, const StepReport<2>& report) {
+template <int D>
+void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report) {
   if (kind_ == Kind::kBall) {
     const bool touches = report.active > 0;
     if (touches && !touched_) {
@@ -219,21 +245,20 @@ void OutcomeRecorder::step(const State<2>& state, const StepReport<2>& report) {
   double load = 0, worst = 0, impulses = 0, speed2 = 0;
   std::size_t bodies = state.clusters.bodies.size();
   for (const Cluster& c : state.clusters.bodies) speed2 += c.v.squaredNorm();
-  for (const Disk& d : state.bodies) {
+  for (const Body<D>& d : state.bodies) {
     if (d.cluster >= 0) continue;
     speed2 += d.v.squaredNorm();
     ++bodies;
   }
-  speed2_ += speed2 / static_cast<double>(bodies);
+  speed2_ += bodies > 0 ? speed2 / static_cast<double>(bodies) : 0;
   std::vector<double> below(load_above_.size(), 0.0);
-  for (const ContactOutcome<2>& c : state.contacts) {
+  for (const ContactOutcome<D>& c : state.contacts) {
     const auto j = static_cast<std::size_t>(c.contact.j);
     const double force = c.s_n / scene_.step;
     impulses += c.s_n;
     const double rise = c.contact.n.dot(up_);
     if (j >= n && rise > 0.5) {
-      const Vec2 t(-c.contact.n[1], c.contact.n[0]);
-      load += force * rise + c.s_t / scene_.step * t.dot(up_);
+      load += force * rise + tangent_vector(c.contact.n, c.s_t).dot(up_) / scene_.step;
     }
     if (!below.empty() && std::abs(rise) > 0.5) {
       below[rise > 0 ? static_cast<std::size_t>(c.contact.i) : j] += force;
@@ -241,18 +266,20 @@ void OutcomeRecorder::step(const State<2>& state, const StepReport<2>& report) {
   }
   if (report.active > 0) {
     const double least = kCarries * impulses / report.active;
-    for (const ContactOutcome<2>& c : state.contacts) contacts_ += c.s_n > least ? 1 : 0;
+    for (const ContactOutcome<D>& c : state.contacts) contacts_ += c.s_n > least ? 1 : 0;
   }
   // Over one square metre; values() knows the area.
-  pressure_ += sample_stress(state, scene_.step, 1, contact_moments(state)).pressure();
-  floor_load_ += weight_ > 0 ? load / weight_ : 0;
+  if (n > 0) pressure_ += sample_stress(state, scene_.step, 1, contact_moments(state)).pressure();
+  const double weight = scene_.has_gates() ? weight_of(state) : weight_;
+  floor_load_ += weight > 0 ? load / weight : 0;
   for (std::size_t k = 0; k < below.size(); ++k) {
     worst = std::max(worst, std::abs(below[k] - load_above_[k]) / base_load_);
   }
   column_error_ += worst;
 }
 
-std::vector<double> OutcomeRecorder::values() const {
+template <int D>
+std::vector<double> OutcomeRecorder<D>::values() const {
   std::vector<double> values;
   if (kind_ == Kind::kBall) {
     for (std::size_t p = 0; p < quantities_.size() / 2; ++p) {
@@ -271,7 +298,7 @@ std::vector<double> OutcomeRecorder::values() const {
       moment += body.mass * g_ * (up_.dot(body.x) - low);
     }
     values.push_back(high - low);
-    values.push_back(moment / weight_);
+    values.push_back(moment / weight_of(last_));
   }
   values.push_back(pressure_ / count / sample_measure(last_, scene_.step));
   if (has_floor_) values.push_back(floor_load_ / count);
@@ -283,14 +310,22 @@ std::vector<double> OutcomeRecorder::values() const {
     double travel = 0;
     int driven = 0;
     for (std::size_t k = 0; k < last_.walls.size(); ++k) {
-      if (last_.walls[k].motion != Wall<2>::Motion::kDriven) continue;
+      if (last_.walls[k].motion != Wall<D>::Motion::kDriven) continue;
       travel += (last_.walls[k].a - scene_.walls[k].a).norm();
       ++driven;
     }
     values.push_back(travel / driven);
   }
+  if (!scene_.outlets.empty()) {
+    double mass = 0;
+    for (const GateFlow<D>& flow : last_.population.outlets) mass += flow.mass;
+    values.push_back(mass);
+  }
   if (!load_above_.empty()) values.push_back(column_error_ / count);
   return values;
 }
+
+template class OutcomeRecorder<2>;
+template class OutcomeRecorder<3>;
 
 }  // namespace bipot

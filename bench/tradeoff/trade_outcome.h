@@ -23,29 +23,32 @@ struct TradeQuantity {
 ///   a disk that slides       speed and time from which it rolls (Table 2, exact)
 ///   anything else            height of the sample and of its centre of mass, mean pressure, load
 ///                            on the floor over the weight, energy lost and its part by friction,
-///                            loaded contacts, remaining speed, travel of driven walls
+///                            loaded contacts, remaining speed, travel of driven walls, mass
+///                            through outlets
 ///   frictionless columns     besides, the worst force in a column against the weight above it
 /// Loads, pressure, contacts and speed are means over the last tenth of the run.
+template <int D>
 class OutcomeRecorder {
  public:
-  explicit OutcomeRecorder(const Scene<2>& scene);
+  explicit OutcomeRecorder(const Scene<D>& scene);
   const std::vector<TradeQuantity>& quantities() const { return quantities_; }
 
-  void step(const State<2>& state, const StepReport<2>& report);
+  void step(const State<D>& state, const StepReport<D>& report);
   /// In the order of quantities(); NaN for events that the run did not reach.
   std::vector<double> values() const;
 
  private:
   enum class Kind { kBall, kSlider, kSample };
+  double weight_of(const State<D>& state) const;
   void plan_ball(double gap);
   void plan_slider();
   void plan_sample();
   void find_columns();
 
-  const Scene<2>& scene_;
+  const Scene<D>& scene_;
   Kind kind_ = Kind::kSample;
   std::vector<TradeQuantity> quantities_;
-  Vec2 up_ = Vec2::Zero();
+  Vec<D> up_ = Vec<D>::Zero();
   double g_ = 0, weight_ = 0;
   double end_ = 0;  // duration of the run
 
@@ -61,7 +64,7 @@ class OutcomeRecorder {
   bool has_floor_ = false, has_driven_ = false;
   std::vector<double> load_above_;  // weight on the lower contact of each disk; empty: no columns
   double base_load_ = 0;
-  State<2> last_;
+  State<D> last_;
 };
 
 }  // namespace bipot

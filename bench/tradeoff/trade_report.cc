@@ -13,7 +13,7 @@ namespace bipot {
 namespace {
 
 std::string three_digits(double x) { return std::isfinite(x) ? fmt::format("{:.3g}", x) : "–"; }
-std::string model_name(const TradeSetting& s) { return s.dem() ? "dem" : "nscd"; }
+std::string model_name(const RunSetting& s) { return s.dem() ? "dem" : "nscd"; }
 
 std::string times_label(double ratio) {
   return std::isfinite(ratio) ? fmt::format("{:.2g} ×", ratio) : "–";
@@ -39,7 +39,8 @@ Table answers_table(const std::vector<SceneTrade>& scenes) {
                           {.name = "at tolerance", .show = tolerance_label}}};
   for (const SceneTrade& s : scenes) {
     const bool known = s.sufficient_tol.has_value();
-    table.add({s.scene->name, s.sufficient_tol.value_or(kNaN),
+    table.add({s.scene->name,
+               known ? TableCell(*s.sufficient_tol) : TableCell(kNaN).shown("undecided"),
                known && *s.sufficient_tol < s.tols.front() ? s.decided_by : "–", s.cpu_sufficient,
                s.cpu_tightest, s.tols.empty() ? kNaN : s.tols.back()});
   }
@@ -47,7 +48,10 @@ Table answers_table(const std::vector<SceneTrade>& scenes) {
 }
 
 Table error_table(const SceneTrade& s) {
-  const bool nearby = s.scene->replicas > 1, other = !s.other_solver.empty();
+  const bool nearby = s.scene->replicas > 1;
+  const bool other = std::any_of(s.cells.begin(), s.cells.end(), [&](const TradeCell& cell) {
+    return !cell.setting.dem() && cell.setting.solver != s.solver;
+  });
   Table table{.columns = {{.name = "outcome"},
                           {.name = "reference", .show = value_label},
                           {.name = "time step", .show = compact_label}},
@@ -82,9 +86,9 @@ Table error_table(const SceneTrade& s) {
   }
   if (other) {
     table.note += fmt::format(
-        "Other solver: difference of {} at the tightest tolerance, where steps with several exact "
-        "answers show. ",
-        s.other_solver);
+        "Other solver: difference{} at the tightest tolerance, where steps with several exact "
+        "answers show; a dash where none completed it. ",
+        s.other_solver.empty() ? "" : " of " + s.other_solver);
   }
   table.note +=
       "Solver: difference to the tightest tolerance at the same time step; bold where it matters: "
@@ -111,7 +115,7 @@ Table spring_table(const SceneTrade& s) {
   if (rigid == nullptr) return table;
   const auto add = [&](const TradeCell& cell, const std::string& name) {
     const bool dem = cell.setting.dem();
-    const double h = s.scene->scene.step;
+    const double h = s.scene->step;
     table.add(
         {name, dem ? cell.stiffness : kNaN, dem ? cell.iterations / h : 1 / h, cell.cpu_per_second,
          cell.cpu_per_second / rigid->cpu_per_second, cell.penetration, worst_outcome(s, cell)},
@@ -164,16 +168,21 @@ Table setting_table(const SceneTrade& s) {
 }
 
 void add_scene(const SceneTrade& s, const TradeContext& context, Document& report) {
-  const Scene<2>& scene = s.scene->scene;
+  const TradeScene& scene = *s.scene;
+  const char* body = std::holds_alternative<Scene<2>>(scene.scene) ? "disk" : "sphere";
   report.heading(s.scene->title, "", 3);
   std::string run =
-      fmt::format("{}: {} disk{}, {:g} s in steps of {:g} s.", s.scene->target, scene.bodies.size(),
-                  scene.bodies.size() == 1 ? "" : "s", scene.num_steps * scene.step, scene.step);
+      fmt::format("{}: {} {}{}, {:g} s in steps of {:g} s.", scene.target, scene.bodies, body,
+                  scene.bodies == 1 ? "" : "s", scene.num_steps * scene.step, scene.step);
+  if (scene.num_steps < scene.whole_steps) {
+    run += fmt::format(" Shortened from {:g} s: leave out --quick, or name {}:steps=N.",
+                       scene.whole_steps * scene.step, scene.target);
+  }
   if (s.scene->replicas > 1) {
     run += fmt::format(" {} runs of each setting; their means are compared.", s.scene->replicas);
   }
   report.say(run, "small");
-  report.say(s.answer());
+  report.say(s.answer(), s.sufficient_tol ? "" : "weak");
   if (!s.tols.empty()) report.add(error_table(s));
   if (Table springs = spring_table(s); !springs.rows.empty()) report.add(std::move(springs));
   for (Figure& figure : trade_charts(s)) {
@@ -185,7 +194,7 @@ void add_scene(const SceneTrade& s, const TradeContext& context, Document& repor
   report.fold("All settings and outcomes", std::move(settings));
 }
 
-Json setting_json(const TradeSetting& s) {
+Json setting_json(const RunSetting& s) {
   return {{"model", model_name(s)}, {"solver", s.dem() ? Json(nullptr) : Json(s.solver)},
           {"tol", s.tol},           {"step_factor", s.step_factor},
           {"overlap", s.overlap},   {"stiffness_asked", s.stiffness}};
@@ -247,8 +256,8 @@ Json scene_json(const SceneTrade& s) {
           {"target", s.scene->target},
           {"title", s.scene->title},
           {"replicas", s.scene->replicas},
-          {"step", s.scene->scene.step},
-          {"duration", s.scene->scene.num_steps * s.scene->scene.step},
+          {"step", s.scene->step},
+          {"duration", s.scene->num_steps * s.scene->step},
           {"answer", s.answer()},
           {"sufficient_tol", s.sufficient_tol ? Json(*s.sufficient_tol) : Json(nullptr)},
           {"step_tol", s.step_tol},

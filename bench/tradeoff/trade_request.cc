@@ -50,6 +50,7 @@ TradeOptions options_of(const TradeRequest& request) {
     options.step_factors = {2, 1, 0.5};
     options.overlaps = {1e-2, 1e-3};
     options.time_limit = 5;
+    options.shorten = true;
     options.replicas = 2;
   }
   if (!request.tols.empty()) options.tols = request.tols;

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from typing import Any, Sequence
 
@@ -15,7 +14,7 @@ from ._names import flag, integer, named_options, number
 class Advice(dict):
     """What `bipot advise --json` says (keys: data/manual/reference/files.md), and in short:
 
-    status: "met", "not met", "no contacts". message: one sentence.
+    status: "met", "not met", "undecided" (out of time), "no contacts". message: one sentence.
     solver, tol, warm_start, step [s]: what to take; None where there is nothing to recommend.
     """
 
@@ -53,36 +52,43 @@ def advise(
     force_error: float | None = None,
     penetration: float | None = None,
     energy: float | None = None,
+    load: float | None = None,
+    coordination: float | None = None,
+    stress_ratio: float | None = None,
     solvers: Sequence[str] = (),
     time_limit: float = 60,
     window: float | None = None,
-    samples: int = 6,
-    fresh: int = 3,
+    samples: int = 4,
+    fresh: int = 2,
     keep_step: bool = False,
 ) -> Advice:
-    """Tries solvers, tolerances and time steps on steps of the scene and says what to take.
+    """Tries solvers, tolerances and time steps on stretches of the scene and says what to take.
 
-    At least one goal: force_error, the error of the contact force on a body over the largest one;
-    penetration, the overlap that a step adds over the smallest radius; energy, the relative error of
-    the dissipated energy. time_limit: wall seconds of the trials; window: s over which forces are
-    averaged; samples, fresh: steps to choose on, and to verify on; keep_step: the scene's own.
+    Goals, means over stretches: force_error of a body's contact force, over the largest one;
+    penetration, the overlap that a step adds over the smallest radius; relative errors of the
+    dissipated energy, the load on a wall, the coordination, and stress_ratio, τ/P. None: 5 % in those
+    that the scene has. time_limit: wall seconds of the trials; window: length of a stretch in s;
+    samples, fresh: stretches to choose on, and to verify on; keep_step: the scene's own.
 
     Raises ValueError for a scene or a goal that is refused, KeyboardInterrupt.
     """
 
-    def goal(x: float | None, name: str) -> float:
-        return math.nan if x is None else number(x, name)
-
+    goals = {
+        "force": force_error,
+        "penetration": penetration,
+        "energy": energy,
+        "load": load,
+        "coordination": coordination,
+        "stress_ratio": stress_ratio,
+    }
     text = _bipot.advise(
         os.fspath(scene),
-        goal(force_error, "force_error"),
-        goal(penetration, "penetration"),
-        goal(energy, "energy"),
-        [solvers] if isinstance(solvers, str) else list(solvers),
-        number(time_limit, "time_limit"),
-        0 if window is None else number(window, "window"),
-        integer(samples, "samples"),
-        integer(fresh, "fresh"),
-        flag(keep_step, "keep_step"),
+        goal={key: number(x, key) for key, x in goals.items() if x is not None},
+        solvers=[solvers] if isinstance(solvers, str) else list(solvers),
+        time_limit=number(time_limit, "time_limit"),
+        window=0 if window is None else number(window, "window"),
+        samples=integer(samples, "samples"),
+        fresh=integer(fresh, "fresh"),
+        keep_step=flag(keep_step, "keep_step"),
     )
     return Advice(json.loads(text))

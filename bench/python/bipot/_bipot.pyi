@@ -419,9 +419,7 @@ def problems(
 ) -> list[Problem]: ...
 def advise(
     scene: str,
-    force: float,
-    penetration: float,
-    energy: float,
+    goal: dict[str, float],
     solvers: list[str],
     time_limit: float,
     window: float,

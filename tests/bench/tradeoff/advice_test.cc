@@ -15,7 +15,7 @@ SolverTrial trial(const std::string& name, double tol, double error, double seco
   SolverTrial t;
   t.solver = {name, name, {}};
   t.tol = tol;
-  t.problems = t.solved = 4;
+  t.stretches = t.solved = 4;
   t.error = force(error);
   t.seconds = seconds;
   return t;
@@ -92,14 +92,22 @@ TEST(Advice, TimesThatDifferByNoiseKeepTheirOrder) {
   EXPECT_EQ(by_cost(trials, force(1e-2)), (std::vector<int>{0, 1}));
 }
 
-TEST(Advice, NearestCountsStretches) {
-  std::vector<SolverTrial> trials = {trial("drifts", 1e-2, 1e-4, 1e-3),
-                                     trial("steady", 1e-2, 1e-3, 1e-2)};
-  trials[0].stretch = force(0.5);
-  trials[1].stretch = force(2e-3);
-  trials[0].stretches = trials[1].stretches = 3;
-  trials.push_back(trial("not run on them", 1e-8, 1e-8, 1));
-  EXPECT_EQ(nearest_trial(trials, force(1e-5)), 1);
+TEST(Advice, DigitsBelowTheSpreadOfExactRunsMeetTheBudget) {
+  // Two exact runs 0.2 apart: 0.09 meets a budget of 0.01, 0.11 does not.
+  const Accuracy spread = force(0.2);
+  EXPECT_TRUE(meets(trial("a", 1e-3, 0.09, 1), force(1e-2), spread));
+  EXPECT_FALSE(meets(trial("a", 1e-3, 0.11, 1), force(1e-2), spread));
+  EXPECT_FALSE(meets(trial("a", 1e-3, 0.09, 1), force(1e-2)));
+}
+
+TEST(Advice, ExpectedErrorIsThatOfStepAndSolver) {
+  Advice advice;
+  advice.step_error = force(2e-2);
+  advice.trials = {trial("a", 1e-3, 1e-2, 1)};
+  EXPECT_EQ(expected_error(advice).force, 2e-2);  // no choice
+  advice.choice = 0;
+  EXPECT_DOUBLE_EQ(expected_error(advice).force, 3e-2);
+  EXPECT_TRUE(std::isnan(expected_error(advice).energy));
 }
 
 TEST(Advice, ParetoLeavesOutWhatIsBeatenInBoth) {
@@ -112,13 +120,6 @@ TEST(Advice, ParetoLeavesOutWhatIsBeatenInBoth) {
   EXPECT_TRUE(trials[1].pareto);
   EXPECT_FALSE(trials[2].pareto);
   EXPECT_FALSE(trials[3].pareto);
-  // Once stretches were run, they decide: what was not run on them is not marked.
-  trials[2].stretches = 2;
-  trials[2].stretch = force(2e-2);
-  trials[2].run_seconds = 1;
-  mark_pareto(trials, force(1e-2));
-  EXPECT_FALSE(trials[0].pareto);
-  EXPECT_TRUE(trials[2].pareto);
 }
 
 }  // namespace

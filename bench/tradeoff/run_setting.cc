@@ -1,0 +1,146 @@
+#include "bench/tradeoff/run_setting.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+#include "bench/measure/stopwatch.h"
+#include "bench/report/labels.h"
+#include "core/motion/spring_dashpot_setup.h"
+#include "solvers/registry.h"
+#include "solvers/simulation/step_solver.h"
+
+namespace bipot {
+namespace {
+
+bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+}  // namespace
+
+bool RunSetting::operator==(const RunSetting& other) const {
+  return std::tie(model, solver, step_factor, parameters) ==
+             std::tie(other.model, other.solver, other.step_factor, other.parameters) &&
+         same(tol, other.tol) && same(overlap, other.overlap) && same(stiffness, other.stiffness);
+}
+
+std::string RunSetting::label() const {
+  if (dem()) {
+    return std::isfinite(stiffness) ? fmt::format("springs, k_n = {:.3g} N/m", stiffness)
+                                    : fmt::format("springs, overlap {}", tolerance_label(overlap));
+  }
+  const std::string length = step_factor == 1  ? "h"
+                             : step_factor < 1 ? fmt::format("h/{:g}", 1 / step_factor)
+                                               : fmt::format("{:g} h", step_factor);
+  return fmt::format("{}, tol {}, {}", solver, tolerance_label(tol), length);
+}
+
+int steps_of(int steps, const RunSetting& setting) {
+  return std::max(1, static_cast<int>(std::lround(steps / setting.step_factor)));
+}
+
+template <int D>
+Scene<D> with_setting(Scene<D> scene, const RunSetting& setting) {
+  scene.step *= setting.step_factor;
+  scene.num_steps = steps_of(scene.num_steps, setting);
+  scene.model = setting.model;
+  if (std::isfinite(setting.overlap)) scene.dem.overlap = setting.overlap;
+  scene.dem.stiffness = std::isfinite(setting.stiffness) ? setting.stiffness : 0;
+  return scene;
+}
+
+template <int D>
+RunRecord run_setting(const Scene<D>& made, State<D>& state, const RunSetting& setting,
+                      const RunLimits& limits, const RunObserver<D>& observer) {
+  const Scene<D> scene = with_setting(made, setting);
+  RunRecord record;
+  record.step = scene.step;
+  record.steps_planned = scene.num_steps;
+  for (ContactOutcome<D>& out : state.contacts) {
+    out.s_n *= setting.step_factor;
+    out.s_t *= setting.step_factor;
+  }
+  const CpuStopwatch watch;
+  const auto out_of_time = [&, polls = 0]() mutable {
+    if (limits.stopped()) return true;
+    // On a few contacts, reading the clock costs more than an iteration.
+    return ++polls % 16 == 0 && watch.seconds() > limits.cpu_seconds;
+  };
+  SceneRunOptions<D> options;
+  options.steps = scene.num_steps;
+  options.cancelled = out_of_time;
+  options.before_step = observer.before_step;
+  bool gave_up = false;
+  if (!setting.dem()) {
+    const SolverEntry& entry = require_solver(setting.solver);
+    SolverOptions solver;
+    solver.tol = setting.tol;
+    solver.parameters = setting.parameters;
+    solver.cancelled = out_of_time;
+    options.explicit_delassus = entry.needs_delassus;
+    options.solver = [&, solver](const ContactProblem& p, const Vector& s0) mutable {
+      if (limits.seconds_left) solver.time_limit = limits.seconds_left();
+      const CpuStopwatch clock;
+      StepSolution solution = make_step_solver(entry, solver)(p, s0);
+      if (p.num_contacts() > 0) {
+        record.solve_cpu += clock.seconds();
+        ++record.solves;
+      }
+      return solution;
+    };
+  }
+  options.on_step = [&](const SceneStep<D>& step) {
+    const double guarded = step.report.error.guarded();
+    if (std::isfinite(guarded)) record.worst_guarded = std::fmax(record.worst_guarded, guarded);
+    ++record.steps;
+    gave_up =
+        !step.report.converged && !(guarded <= limits.accepted) && std::isfinite(limits.accepted);
+    if (gave_up || (observer.on_step && !observer.on_step(step))) return false;
+    return record.steps == scene.num_steps || watch.seconds() <= limits.cpu_seconds;
+  };
+  SceneRun<D> run;
+  try {
+    run = run_scene(scene, state, options);
+  } catch (const std::invalid_argument& e) {  // springs that the scene does not allow
+    record.status = "failed";
+    record.message = e.what();
+    return record;
+  }
+  record.cpu = watch.seconds();
+  record.simulated = state.time;
+  if (run.springs) record.stiffness = run.springs->stiffness;
+  record.steps_converged = run.totals.converged;
+  record.message = run.failure ? run.failure->what() : run.totals.message;
+  if (run.end == SceneRun<D>::End::kFailed) {
+    record.status = "failed";
+  } else if (gave_up) {
+    record.status = "not converged";
+  } else if (record.steps == scene.num_steps) {
+    record.status = record.steps_converged < record.steps ? "not converged" : "completed";
+  } else if (limits.stopped()) {
+    record.status = "interrupted";
+  } else {
+    record.status = "time limit";
+    if (watch.seconds() > limits.cpu_seconds) {
+      record.message = fmt::format("{:g} s of CPU time were up", limits.cpu_seconds);
+    }
+  }
+  record.whole = record.steps == scene.num_steps && !gave_up;
+  if (record.steps > 0) {
+    record.iterations = static_cast<double>(run.totals.iterations) / record.steps;
+    record.penetration = run.totals.penetration / smallest_radius(scene);
+  }
+  return record;
+}
+
+template Scene<2> with_setting(Scene<2>, const RunSetting&);
+template Scene<3> with_setting(Scene<3>, const RunSetting&);
+template RunRecord run_setting(const Scene<2>&, State<2>&, const RunSetting&, const RunLimits&,
+                               const RunObserver<2>&);
+template RunRecord run_setting(const Scene<3>&, State<3>&, const RunSetting&, const RunLimits&,
+                               const RunObserver<3>&);
+
+}  // namespace bipot
