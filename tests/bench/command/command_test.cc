@@ -261,8 +261,9 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
 }
 
 TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
-  const std::string scene = write(
-      "scene.toml", content(source_folder().string() + "/data/scenes/triangular_lattice.toml"));
+  std::string whole = content(source_folder().string() + "/data/scenes/triangular_lattice.toml");
+  whole.replace(whole.find("steps = 10"), 10, "steps = 40");  // for stretches to verify on
+  const std::string scene = write("scene.toml", whole);
   const std::string arguments = "advise " + scene +
                                 " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
                                 "--write " +
