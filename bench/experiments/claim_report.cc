@@ -36,11 +36,11 @@ Table claim_table(const ReportItem& item) {
   };
   static constexpr Column kColumns[] = {
       {"quantity", [](const Claim& c) { return TableCell(c.quantity); }},
+      {"verdict", &verdict},
       {"source", [](const Claim& c) { return TableCell(c.source).as("small"); }},
       {"by theory or the paper", [](const Claim& c) { return TableCell(c.expected); }},
       {"here", [](const Claim& c) { return TableCell(measured_text(c)); }, true},
       {"error bar", [](const Claim& c) { return TableCell(c.bar_is).as("small"); }},
-      {"check", &verdict},
       {"note", [](const Claim& c) { return TableCell(c.note).as("small"); }}};
   const std::vector<Claim>& claims = item.result.claims;
   Table table;
@@ -137,6 +137,27 @@ Table overview(const ClaimReport& report) {
   return table;
 }
 
+/// What does not hold and what is undecided, with links to the rows; before all else.
+void add_verdict(Document& page, const ClaimReport& report) {
+  int checks = 0, held = 0;
+  std::string refuted, open;
+  for (const ReportItem& item : report.items) {
+    checks += item.checks();
+    held += item.held();
+    for (const Claim& claim : item.result.claims) {
+      if (claim.holds.value_or(claim.reason.empty())) continue;
+      std::string& list = claim.holds ? refuted : open;
+      list += fmt::format("{}[{}](#{}.{})", list.empty() ? "" : ", ", claim.name, item.name,
+                          claim.name);
+    }
+  }
+  page.say(refuted.empty()
+               ? fmt::format("**Nothing is refuted**: {} of {} checks hold.", held, checks)
+               : "**Does not hold**: " + refuted + ".",
+           refuted.empty() ? "" : "bad");
+  if (!open.empty()) page.say("**Undecided**: " + open + ".");
+}
+
 /// Items kept from earlier runs may come from other programs and machines.
 Terms all_terms(const ClaimReport& report) {
   Terms all{{{"last command", '`' + report.command + '`'}}};
@@ -170,8 +191,11 @@ int ReportItem::held() const {
 Document to_document(const ClaimReport& report) {
   Document page;
   page.title = report.title;
-  page.say(report.introduction);
+  add_verdict(page, report);
   page.add(overview(report));
+  Document about;
+  about.say(report.introduction);
+  page.fold("What the columns mean", std::move(about), "about", true);
   for (const ReportItem& item : report.items) add_item(page, item);
   page.heading("How this page was made");
   page.add(all_terms(report));

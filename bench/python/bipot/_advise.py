@@ -83,7 +83,11 @@ def advise(
     }
     text = _bipot.advise(
         os.fspath(scene),
-        goal={key: number(x, key) for key, x in goals.items() if x is not None},
+        goal={
+            key: number(x, "force_error" if key == "force" else key)
+            for key, x in goals.items()
+            if x is not None
+        },
         solvers=[solvers] if isinstance(solvers, str) else list(solvers),
         time_limit=number(time_limit, "time_limit"),
         window=0 if window is None else number(window, "window"),
