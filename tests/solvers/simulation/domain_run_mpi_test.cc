@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/motion/time_stepping.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/simulation/domain.h"
 #include "solvers/simulation/step_solver.h"
 #include "tests/solvers/parallel/mpi_group.h"
@@ -271,6 +272,31 @@ TEST(DomainRun, AStepThatCannotBeTakenLeavesTheState) {
   EXPECT_EQ(domain.state().step, 0);
   const ContactProblem problem = domain.gather_problem();
   EXPECT_EQ(problem.num_contacts() > 0, group.rank() == 0);
+}
+
+/// A disk flies through a row of a lattice, 290 mm a step: it passes some disks of each process, and
+/// meets one in the middle of the second step.
+TEST(DomainRun, PassagesOverlapsAndTravelAreThoseOfOneProcess) {
+  ProcessGroup& group = mpi_group();
+  Scene<2> scene = one_law<2>({});
+  scene.step = 1e-3;
+  scene.bodies = {round_body<2>(Vec2(-0.12, 0.21), 0.01, 1, Vec2(290, 0))};
+  for (int k = 0; k < 200; ++k) {
+    scene.bodies.push_back(round_body<2>(Vec2(0.05 * (k % 20), 0.05 * (k / 20)), 0.012, 1));
+  }
+  State<2> whole = initial_state(scene);
+  TimeStepper<2> one = whole_stepper(scene, {});
+  Spread<2> several(scene, whole, group, {});
+  for (int step = 1; step <= 2; ++step) {
+    const StepReport<2> expected = one.advance(whole), got = several.advance();
+    EXPECT_GT(expected.passages, 0);
+    EXPECT_EQ(got.passages, expected.passages);
+    EXPECT_EQ(got.passage, expected.passage);
+    EXPECT_EQ(got.travel, expected.travel);
+    EXPECT_NEAR(got.overlap, expected.overlap, 1e-9);
+    EXPECT_EQ(got.overlap_pair, expected.overlap_pair);
+    EXPECT_EQ(expected.overlap_pair.empty(), step == 1);
+  }
 }
 
 }  // namespace
