@@ -168,6 +168,9 @@ Json to_json(const RunSummary<D>& s) {
   } else {
     j["stress"] = nullptr;
   }
+  j["units"] = {{"time", "s"},        {"penetration", "m"}, {"energy", "J"},  {"stress", "Pa"},
+                {"area", "m2"},       {"volume", "m3"},     {"seconds", "s"}, {"mass", "kg"},
+                {"stiffness", "N/m"}, {"substep", "s"}};
   j["seconds"] = {{"detection", t.detection_seconds},
                   {"assembly", t.assembly_seconds},
                   {"solve", t.solve_seconds},

@@ -436,6 +436,13 @@ void Hdf5File::remove(const std::string& name) {
   }
 }
 
+void Hdf5File::rename(const std::string& name, const std::string& to) {
+  const Silence silence;
+  if (H5Lmove(file_, name.c_str(), file_, to.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0) {
+    throw FileError(path_, name, "cannot rename: " + hdf5_reason());
+  }
+}
+
 void Hdf5File::link(const std::string& name, const std::filesystem::path& file,
                     const std::string& target) {
   const Silence silence;
@@ -445,6 +452,12 @@ void Hdf5File::link(const std::string& name, const std::filesystem::path& file,
       0) {
     throw FileError(path_, name, "cannot link: " + hdf5_reason());
   }
+}
+
+bool Hdf5File::has_attribute(const std::string& object, const std::string& name) const {
+  const Silence silence;
+  return link_exists(file_, object) &&
+         H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
 void Hdf5File::write_attribute(const std::string& object, const std::string& name,

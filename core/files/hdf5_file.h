@@ -71,10 +71,12 @@ class Hdf5File {
 
   void create_group(const std::string& name);
   void remove(const std::string& name);
+  void rename(const std::string& name, const std::string& to);
   /// Creates a link `name` to `target` in another file; a relative `file` is looked up beside this
   /// file.
   void link(const std::string& name, const std::filesystem::path& file, const std::string& target);
 
+  bool has_attribute(const std::string& object, const std::string& name) const;
   /// Text attribute of an object, e.g. a unit.
   void write_attribute(const std::string& object, const std::string& name, std::string_view value);
 

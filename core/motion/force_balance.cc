@@ -35,6 +35,22 @@ void balance_clusters(const Scene<2>& scene, const State<2>& state, const std::v
 }  // namespace
 
 template <int D>
+std::vector<Vec<D>> wall_reactions(const State<D>& state, double step) {
+  std::vector<Vec<D>> reactions(state.walls.size(), Vec<D>::Zero());
+  const auto bodies = static_cast<int>(state.bodies.size());
+  for (const ContactOutcome<D>& c : state.contacts) {
+    const Vec<D> f = (c.s_n * c.contact.n + tangent_vector(c.contact.n, c.s_t)) / step;
+    const auto add = [&](int body, const Vec<D>& force) {
+      const int wall = body < bodies ? state.bodies[to_size(body)].wall : body - bodies;
+      if (wall >= 0) reactions[to_size(wall)] += force;
+    };
+    add(c.contact.i, f);
+    add(c.contact.j, -f);
+  }
+  return reactions;
+}
+
+template <int D>
 ForceBalance<D> force_balance(const Scene<D>& scene, const State<D>& state) {
   const std::size_t disks = state.bodies.size();
   std::vector<Vec<D>> force(disks);
@@ -75,6 +91,8 @@ ForceBalance<D> force_balance(const Scene<D>& scene, const State<D>& state) {
   return balance;
 }
 
+template std::vector<Vec2> wall_reactions(const State<2>&, double);
+template std::vector<Vec3> wall_reactions(const State<3>&, double);
 template ForceBalance<2> force_balance(const Scene<2>&, const State<2>&);
 template ForceBalance<3> force_balance(const Scene<3>&, const State<3>&);
 

@@ -18,6 +18,10 @@ struct ForceBalance {
   double weight = 0;              ///< of all disks                         [N]
 };
 
+/// Force of the bodies on each wall in the last step; those on bodies glued to a wall count. [N]
+template <int D>
+std::vector<Vec<D>> wall_reactions(const State<D>& state, double step);
+
 template <int D>
 ForceBalance<D> force_balance(const Scene<D>& scene, const State<D>& state);
 

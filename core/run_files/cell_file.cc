@@ -47,8 +47,8 @@ void write_cell(Hdf5File& frame, const State<D>& inside) {
   frame.write_rows("/cell/segment", lines, D);
   std::vector<double> places;
   for (const Body<D>& d : inside.bodies) places.insert(places.end(), d.x.begin(), d.x.end());
-  frame.write_rows("/disks/x_in_cell", places, D);
-  frame.write_attribute("/disks/x_in_cell", "unit", "m");
+  frame.write_rows("/bodies/x_in_cell", places, D);
+  frame.write_attribute("/bodies/x_in_cell", "unit", "m");
 }
 
 template void write_cell(Hdf5File&, const State<2>&);

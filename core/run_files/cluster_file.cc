@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/run_files/run_layout.h"
+
 namespace bipot {
 namespace {
 
@@ -54,18 +56,19 @@ void write_clusters(Hdf5File& frame, const State<2>& state) {
   std::vector<double> arms;
   for (const Disk& d : state.bodies) cluster.push_back(d.cluster);
   for (const Vec2& arm : state.clusters.arms) arms.insert(arms.end(), {arm[0], arm[1]});
-  frame.write("/disks/cluster", cluster);
-  frame.write_rows("/disks/arm", arms, 2);
-  frame.write_attribute("/disks/arm", "unit", "m");
+  frame.write("/bodies/cluster", cluster);
+  frame.write_rows("/bodies/arm", arms, 2);
+  frame.write_attribute("/bodies/arm", "unit", "m");
 }
 
 void read_clusters(const Hdf5File& frame, State<2>& state) {
-  if (!frame.exists("/disks/cluster")) return;
-  const std::vector<int> cluster = frame.read_ints("/disks/cluster");
+  const std::string bodies_at = bodies_group(frame);
+  if (!frame.exists(bodies_at + "cluster")) return;
+  const std::vector<int> cluster = frame.read_ints(bodies_at + "cluster");
   const std::size_t disks = state.bodies.size();
   const std::size_t count = frame.size("/clusters/mass");
   if (cluster.size() != disks) {
-    throw FileError(frame.path(), "/disks/cluster",
+    throw FileError(frame.path(), bodies_at + "cluster",
                     fmt::format("has {} elements, expected {}", cluster.size(), disks));
   }
   state.clusters.bodies.assign(count, {});
@@ -79,10 +82,10 @@ void read_clusters(const Hdf5File& frame, State<2>& state) {
       state.clusters.bodies[k].*member = Vec2(rows[2 * k], rows[2 * k + 1]);
     }
   }
-  const auto arms = cluster_column(frame, "/disks/arm", 2 * disks);
+  const auto arms = cluster_column(frame, bodies_at + "arm", 2 * disks);
   for (std::size_t i = 0; i < disks; ++i) {
     if (cluster[i] < -1 || cluster[i] >= static_cast<int>(count)) {
-      throw FileError(frame.path(), "/disks/cluster",
+      throw FileError(frame.path(), bodies_at + "cluster",
                       fmt::format("disk {} is in cluster {} of {}", i, cluster[i], count));
     }
     state.bodies[i].cluster = cluster[i];

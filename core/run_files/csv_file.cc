@@ -1,10 +1,14 @@
 #include "core/run_files/csv_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -12,13 +16,69 @@ namespace bipot {
 
 namespace fs = std::filesystem;
 
-CsvFile::CsvFile(fs::path path, const std::string& header, int keep_up_to)
+namespace {
+
+/// Calls f(name, unit) for each column; the unit may be empty.
+template <class F>
+void for_each_column(std::string_view columns, F&& f) {
+  while (!columns.empty()) {
+    const std::string_view column = columns.substr(0, columns.find(','));
+    columns.remove_prefix(std::min(columns.size(), column.size() + 1));
+    const std::size_t at = column.find(" [");
+    if (at == std::string_view::npos) {
+      f(column, std::string_view());
+    } else {
+      f(column.substr(0, at), column.substr(at + 2, column.size() - at - 3));
+    }
+  }
+}
+
+}  // namespace
+
+void add_number(std::string& line, double x) {
+  if (std::isnan(x)) {
+    line += ",nan";
+  } else {
+    fmt::format_to(std::back_inserter(line), ",{:.9g}", x + 0.0);  // -0 as 0
+  }
+}
+
+std::string csv_cell(std::string_view text) {
+  if (text.find_first_of(",\"\n\r") == std::string_view::npos) return std::string(text);
+  std::string cell = "\"";
+  for (const char c : text) {
+    if (c == '"') cell += '"';
+    cell += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return cell + "\"";
+}
+
+std::string without_units(std::string_view columns) {
+  std::string names;
+  for_each_column(columns, [&](std::string_view name, std::string_view) {
+    if (!names.empty()) names += ',';
+    names += name;
+  });
+  return names;
+}
+
+std::string unit_rows(std::string_view file, std::string_view columns) {
+  std::string rows;
+  for_each_column(columns, [&](std::string_view name, std::string_view unit) {
+    if (!unit.empty()) rows += fmt::format("{},{},{}\n", file, name, unit);
+  });
+  return rows;
+}
+
+CsvFile::CsvFile(fs::path path, const std::string& columns, int keep_up_to)
     : path_(std::move(path)) {
+  const std::string header = without_units(columns);
   std::vector<std::string> kept;
   if (keep_up_to >= 0) {
     std::ifstream before(path_);
     std::string line;
     std::getline(before, line);
+    line = without_units(line);
     const bool known = (header + ",").rfind(line + ",", 0) == 0;
     std::string missing;
     for (auto more =

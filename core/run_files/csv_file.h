@@ -4,17 +4,32 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "core/base/file_error.h"
 
 namespace bipot {
 
+/// Adds a comma and the number to a line: 9 digits, nan without a sign.
+void add_number(std::string& line, double x);
+
+/// A text as one cell of a row: in quotes if it has commas or quotes.
+std::string csv_cell(std::string_view text);
+
+/// Columns as "time [s],contacts" without their units: "time,contacts".
+std::string without_units(std::string_view columns);
+
+/// units.csv: a row `file,column,unit` for each column that has a unit.
+std::string unit_rows(std::string_view file, std::string_view columns);
+inline constexpr const char* kUnitsHeader = "file,column,unit";
+
 /// A CSV file whose lines are on disk as soon as they are written. Throws FileError.
 class CsvFile {
  public:
-  /// Begins a file with `header`. Rows of an existing file whose first number is at most
-  /// `keep_up_to` are kept. Columns that only the new header has are nan in those rows.
-  CsvFile(std::filesystem::path path, const std::string& header, int keep_up_to);
+  /// Begins a file with the names in `columns`, without their units. Rows of an existing file whose
+  /// first number is at most `keep_up_to` are kept, if its columns are the first of these, with or
+  /// without units. Columns that it lacks are nan in those rows.
+  CsvFile(std::filesystem::path path, const std::string& columns, int keep_up_to);
   void row(const std::string& line);
 
  private:

@@ -126,6 +126,18 @@ std::string bin_columns() {
 
 constexpr const char* kForcesHeader = "step,time [s],bin,low,high,count,mean_force [N]";
 
+template <int D>
+std::string profile_header() {
+  return "step,time [s],bin" + bin_columns<D>();
+}
+
+/// "12,0.024" of a row.
+std::string step_and_time(int step, double time) {
+  std::string row = fmt::format("{}", step);
+  add_number(row, time);
+  return row;
+}
+
 /// Mean and standard deviation of the defined values.
 struct Sum {
   int count = 0;
@@ -163,8 +175,10 @@ void write_means(const fs::path& folder, double starts) {
     Sum sum;
     for (const auto& row : rows) sum.add(row[k]);
     means[table.names[k]] = sum.mean();
-    text += fmt::format("{},{:.17g},{:.17g},{}\n", table.names[k], sum.mean(), sum.deviation(),
-                        sum.count);
+    text += table.names[k];
+    add_number(text, sum.mean());
+    add_number(text, sum.deviation());
+    text += fmt::format(",{}\n", sum.count);
   }
   const char axes[] = {'x', 'y', 'z'};
   Mat<D> stress;
@@ -173,13 +187,17 @@ void write_means(const fs::path& folder, double starts) {
       stress(k, l) = stress(l, k) = means[fmt::format("stress_{}{}", axes[k], axes[l])];
     }
   }
-  text +=
-      fmt::format("friction_of_mean_stress,{:.17g},nan,{}\n", stress_ratio<D>(stress), rows.size());
+  const auto add_ratio = [&](const char* name, double ratio) {
+    text += name;
+    add_number(text, ratio);
+    text += fmt::format(",nan,{}\n", rows.size());
+  };
+  add_ratio("friction_of_mean_stress", stress_ratio<D>(stress));
   const double inertial =
       means["shear_rate"] *
       (D == 2 ? std::sqrt(means["mean_mass"] / means["pressure"])
               : means["mean_diameter"] * std::sqrt(means["density"] / means["pressure"]));
-  text += fmt::format("inertial_number_of_means,{:.17g},nan,{}\n", inertial, rows.size());
+  add_ratio("inertial_number_of_means", inertial);
   write_text_file(folder / "observables_mean.csv", text);
 }
 
@@ -193,10 +211,10 @@ void write_profile_means(const fs::path& folder, double starts) {
     sums.resize(row.size() - first);
     for (std::size_t k = first; k < row.size(); ++k) sums[k - first].add(row[k]);
   }
-  std::string text = "bin" + bin_columns<D>() + "\n";
+  std::string text = without_units("bin" + bin_columns<D>()) + "\n";
   for (const auto& [number, sums] : bins) {
     text += fmt::format("{}", number);
-    for (const Sum& sum : sums) text += fmt::format(",{:.17g}", sum.mean());
+    for (const Sum& sum : sums) add_number(text, sum.mean());
     text += "\n";
   }
   write_text_file(folder / "profile_mean.csv", text);
@@ -220,8 +238,10 @@ void write_force_means(const fs::path& folder, double starts) {
   }
   std::string text = "bin,low,high,count,density\n";
   for (const auto& [number, b] : bins) {
-    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g}\n", number, b.low, b.high, b.count,
-                        total > 0 ? b.count / total / (b.high - b.low) : kNaN);
+    text += fmt::format("{}", number);
+    const double density = total > 0 ? b.count / total / (b.high - b.low) : kNaN;
+    for (const double x : {b.low, b.high, b.count, density}) add_number(text, x);
+    text += "\n";
   }
   write_text_file(folder / "forces_mean.csv", text);
 }
@@ -231,8 +251,8 @@ void write_profile_rows(const State<D>& state, const Scene<D>& scene, CsvFile& f
   const std::vector<BinQuantity> list =
       quantities<D>(observe_profile<D>(state, scene.step, *scene.observables));
   for (std::size_t b = 0; b < list.front().values.size(); ++b) {
-    std::string row = fmt::format("{},{:.17g},{}", state.step, state.time, b);
-    for (const BinQuantity& q : list) row += fmt::format(",{:.17g}", q.values[b]);
+    std::string row = step_and_time(state.step, state.time) + fmt::format(",{}", b);
+    for (const BinQuantity& q : list) add_number(row, q.values[b]);
     file.row(row);
   }
 }
@@ -290,20 +310,27 @@ ObservableWriter<D>::ObservableWriter(fs::path folder, const Scene<D>& scene, in
       rows_(folder_ / "observables.csv", header_of(scene), keep_up_to),
       forces_(folder_ / "forces.csv", kForcesHeader, keep_up_to) {
   if (scene.observables->profile) {
-    profile_.emplace(folder_ / "profile.csv", "step,time [s],bin" + bin_columns<D>(), keep_up_to);
+    profile_.emplace(folder_ / "profile.csv", profile_header<D>(), keep_up_to);
   }
+}
+
+template <int D>
+std::string ObservableWriter<D>::units() const {
+  std::string rows = unit_rows("observables.csv", header_of(scene_));
+  rows += unit_rows("forces.csv", kForcesHeader);
+  if (!profile_) return rows;
+  return rows + unit_rows("profile.csv", profile_header<D>()) +
+         unit_rows("profile_mean.csv", bin_columns<D>().substr(1));
 }
 
 template <int D>
 void ObservableWriter<D>::step(const State<D>& state) {
   const ObservableChoice<D>& choice = *scene_.observables;
   if (state.step % choice.every != 0) return;
-  std::string row = fmt::format("{},{:.17g}", state.step, state.time);
-  for (const Quantity& q : quantities(observe(scene_, state, choice))) {
-    row += fmt::format(",{:.17g}", q.value);
-  }
+  std::string row = step_and_time(state.step, state.time);
+  for (const Quantity& q : quantities(observe(scene_, state, choice))) add_number(row, q.value);
   for (const FluxSurface<D>& crossing : choice.crossings) {
-    row += fmt::format(",{:.17g}", mass_flux(state, crossing));
+    add_number(row, mass_flux(state, crossing));
   }
   rows_.row(row);
   if (profile_) write_profile_rows<D>(state, scene_, *profile_);
@@ -311,8 +338,12 @@ void ObservableWriter<D>::step(const State<D>& state) {
   const double width = choice.force_limit / choice.force_bins;
   for (std::size_t b = 0; b < forces.counts.size(); ++b) {
     const double low = static_cast<double>(b) * width;
-    forces_.row(fmt::format("{},{:.17g},{},{:.17g},{:.17g},{},{:.17g}", state.step, state.time, b,
-                            low, low + width, forces.counts[b], forces.mean));
+    std::string bin = step_and_time(state.step, state.time) + fmt::format(",{}", b);
+    add_number(bin, low);
+    add_number(bin, low + width);
+    bin += fmt::format(",{}", forces.counts[b]);
+    add_number(bin, forces.mean);
+    forces_.row(bin);
   }
 }
 
@@ -330,7 +361,7 @@ void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& st
   for (const Quantity& q : quantities(observe(scene, state, choice))) {
     const std::string name = std::string("/observables/") + q.name;
     file.write(name, q.value);
-    if (*q.unit != 0) file.write_attribute(name, "unit", q.unit);
+    file.write_attribute(name, "unit", *q.unit != 0 ? q.unit : "1");
   }
   const ForceDistribution forces = observe_forces(state, scene.step, choice);
   file.write("/observables/forces/counts", forces.counts);

@@ -24,6 +24,8 @@ class ObservableWriter {
   /// The scene must ask for observables and outlive this object. Rows of existing files up to
   /// `keep_up_to` are kept.
   ObservableWriter(std::filesystem::path folder, const Scene<D>& scene, int keep_up_to);
+  /// Rows of units.csv.
+  std::string units() const;
   /// Measures if the step is due.
   void step(const State<D>& state);
   /// Writes the means. Without effect if nothing was measured.

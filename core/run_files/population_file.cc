@@ -6,6 +6,9 @@
 #include <iterator>
 #include <numeric>
 
+#include "core/run_files/csv_file.h"
+#include "core/run_files/run_layout.h"
+
 namespace bipot {
 namespace {
 
@@ -81,7 +84,7 @@ std::vector<GateFlow<D>> read_flows(const Hdf5File& file, const std::string& gro
 }
 
 void add_columns(std::string& line, std::initializer_list<double> values) {
-  for (const double x : values) fmt::format_to(std::back_inserter(line), ",{:.17g}", x);
+  for (const double x : values) add_number(line, x);
 }
 
 }  // namespace
@@ -89,23 +92,23 @@ void add_columns(std::string& line, std::initializer_list<double> values) {
 template <int D>
 void write_population(Hdf5File& frame, const State<D>& state) {
   const std::vector<Body<D>>& bodies = state.bodies;
-  frame.write("/disks/number", state.population.numbers);
+  frame.write("/bodies/number", state.population.numbers);
   const auto write = [&](const std::string& name, const char* unit, double Body<D>::*member) {
     frame.write(name, of_bodies<D>(bodies, [&](const Body<D>& b) { return b.*member; }));
     frame.write_attribute(name, "unit", unit);
   };
-  write("/disks/radius", "m", &Body<D>::radius);
-  write("/disks/mass", "kg", &Body<D>::mass);
-  write("/disks/inertia", "kg m2", &Body<D>::inertia);
+  write("/bodies/radius", "m", &Body<D>::radius);
+  write("/bodies/mass", "kg", &Body<D>::mass);
+  write("/bodies/inertia", "kg m2", &Body<D>::inertia);
   std::vector<int> material, wall, points(bodies.size());
   for (const Body<D>& b : bodies) {
     material.push_back(b.material);
     wall.push_back(b.wall);
   }
   std::iota(points.begin(), points.end(), 0);
-  frame.write("/disks/material", material);
-  frame.write("/disks/wall", wall);
-  frame.write("/disks/points", points);
+  frame.write("/bodies/material", material);
+  frame.write("/bodies/wall", wall);
+  frame.write("/bodies/points", points);
   write_flows<D>(frame, "/outlets", false, state.population.outlets);
   write_flows<D>(frame, "/inlets", true, state.population.inlets);
 }
@@ -113,20 +116,22 @@ void write_population(Hdf5File& frame, const State<D>& state) {
 template <int D>
 bool read_population(const Hdf5File& frame, std::vector<Body<D>>& bodies,
                      Population<D>& population) {
-  if (!frame.exists("/disks/number")) return false;
-  population.numbers = frame.read_ints("/disks/number");
+  const std::string bodies_at = bodies_group(frame);
+  const std::string number = bodies_at + "number";
+  if (!frame.exists(number)) return false;
+  population.numbers = frame.read_ints(number);
   const std::size_t n = population.numbers.size();
   const bool increases =
       std::adjacent_find(population.numbers.begin(), population.numbers.end(),
                          [](int a, int b) { return a >= b; }) == population.numbers.end();
   if (!increases || (n > 0 && population.numbers.front() < 0)) {
-    throw FileError(frame.path(), "/disks/number", "not increasing from 0 on");
+    throw FileError(frame.path(), number, "not increasing from 0 on");
   }
-  const auto radius = doubles_of(frame, "/disks/radius", n);
-  const auto mass = doubles_of(frame, "/disks/mass", n);
-  const auto inertia = doubles_of(frame, "/disks/inertia", n);
-  const auto material = ints_of(frame, "/disks/material", n);
-  const auto wall = ints_of(frame, "/disks/wall", n);
+  const auto radius = doubles_of(frame, bodies_at + "radius", n);
+  const auto mass = doubles_of(frame, bodies_at + "mass", n);
+  const auto inertia = doubles_of(frame, bodies_at + "inertia", n);
+  const auto material = ints_of(frame, bodies_at + "material", n);
+  const auto wall = ints_of(frame, bodies_at + "wall", n);
   bodies.assign(n, {});
   for (std::size_t k = 0; k < n; ++k) {
     bodies[k].radius = radius[k];
@@ -183,7 +188,9 @@ std::string gates_header(const Scene<D>& scene) {
 
 template <int D>
 std::string gates_row(const Scene<D>& scene, const State<D>& state) {
-  std::string line = fmt::format("{},{:.17g},{}", state.step, state.time, state.bodies.size());
+  std::string line = fmt::format("{}", state.step);
+  add_number(line, state.time);
+  line += fmt::format(",{}", state.bodies.size());
   double inside = 0;
   for (const Body<D>& body : state.bodies) inside += body.mass;
   add_columns(line, {inside});

@@ -24,6 +24,10 @@ fs::path frame_path(const fs::path& folder, int step) {
   return folder / "frames" / (frame_name(step) + ".h5");
 }
 
+std::string bodies_group(const Hdf5File& file) {
+  return file.exists("/disks") ? "/disks/" : "/bodies/";
+}
+
 std::vector<int> steps_in_folder(const fs::path& folder) {
   std::vector<int> steps;
   std::error_code error;

@@ -16,6 +16,7 @@
 #include "core/base/version.h"
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
+#include "core/motion/force_balance.h"
 #include "core/motion/periodic_state.h"
 #include "core/motion/population.h"
 #include "core/motion/sample_area.h"
@@ -24,6 +25,7 @@
 #include "core/motion/stress_tensor.h"
 #include "core/run_files/cell_file.h"
 #include "core/run_files/cluster_file.h"
+#include "core/run_files/dataset_descriptions.h"
 #include "core/run_files/population_file.h"
 #include "core/run_files/run_layout.h"
 #include "core/scene/scene_box.h"
@@ -85,10 +87,10 @@ void write_turns(Hdf5File& file, const std::string& name, const char* unit, cons
 
 /// Orientation of the bodies: angles in 2D, unit quaternions (w, x, y, z) in 3D.
 void write_orientations(Hdf5File& file, const std::vector<Disk>& disks) {
-  write_doubles(file, "/disks/angle", "rad", disks, [](const Disk& d) { return d.angle; });
+  write_doubles(file, "/bodies/angle", "rad", disks, [](const Disk& d) { return d.angle; });
 }
 void write_orientations(Hdf5File& file, const std::vector<Sphere>& spheres) {
-  write_vectors(file, "/disks/orientation", "1", spheres, [](const Sphere& s) {
+  write_vectors(file, "/bodies/orientation", "1", spheres, [](const Sphere& s) {
     const auto& q = s.orientation;
     return Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
   });
@@ -130,9 +132,9 @@ void write_stresses(Hdf5File& file, const State<D>& state, double step,
   for (const MeanStress<D>& stress : disks) {
     for (const double x : six_components<D>(stress.total())) tensors.add(x);
   }
-  file.write_rows("/disks/stress", tensors.values(), 6);
-  file.write_attribute("/disks/stress", "unit", "Pa");
-  write_doubles(file, "/disks/pressure", "Pa", disks,
+  file.write_rows("/bodies/stress", tensors.values(), 6);
+  file.write_attribute("/bodies/stress", "unit", "Pa");
+  write_doubles(file, "/bodies/pressure", "Pa", disks,
                 [](const MeanStress<D>& s) { return s.pressure(); });
   const char* size = D == 2 ? "/sample/area" : "/sample/volume";
   file.write(size, sample.area);
@@ -282,7 +284,29 @@ std::string ledger_header(bool dem, bool gates) {
 
 template <class... Values>
 void add_numbers(std::string& line, const Values&... values) {
-  (fmt::format_to(std::back_inserter(line), ",{:.17g}", values), ...);
+  (add_number(line, values), ...);
+}
+
+template <int D>
+const char* walls_header() {
+  return D == 2 ? "step,time [s],wall,x [m],y [m],vx [m/s],vy [m/s],force_x [N],force_y [N],"
+                  "reaction_x [N],reaction_y [N]"
+                : "step,time [s],wall,x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],force_x [N],"
+                  "force_y [N],force_z [N],reaction_x [N],reaction_y [N],reaction_z [N]";
+}
+
+/// Motion of a wall, the force that drives it (nan without one) and that of the bodies on it.
+template <int D>
+std::string wall_row(const State<D>& state, const Wall<D>& wall, const Vec<D>& reaction) {
+  std::string line = fmt::format("{}", state.step);
+  add_number(line, state.time);
+  line += "," + csv_cell(wall.name);
+  const bool driven = wall.motion == Wall<D>::Motion::kDriven;
+  const Vec<D> force = driven ? Vec<D>(wall.force * wall.direction) : Vec<D>::Constant(kNaN);
+  for (const Vec<D>& part : {wall.a, wall.v, force, reaction}) {
+    for (const double x : part) add_number(line, x);
+  }
+  return line;
 }
 
 /// A row of the ledger; `stress` is the sample's mean.
@@ -350,8 +374,8 @@ void write_velocities(Hdf5File& file, const std::vector<Body<D>>& bodies) {
     velocity.add(b.v);
     if constexpr (D == 2) velocity.add(0.0);
   }
-  file.write_rows("/disks/v", velocity.values(), 3);
-  file.write_attribute("/disks/v", "unit", "m/s");
+  file.write_rows("/bodies/v", velocity.values(), 3);
+  file.write_attribute("/bodies/v", "unit", "m/s");
 }
 
 }  // namespace
@@ -380,22 +404,29 @@ RunWriter<D>::RunWriter(fs::path folder, const Scene<D>& scene, std::string scen
       continue;
     }
     const Hdf5File file(frame_path(folder_, step), Hdf5File::Mode::kRead);
+    const std::string bodies = bodies_group(file);
     add_frame({step, file.read_double("/time"), file.size("/contacts/i"),
-               file.exists("/disks/stress"), file.size("/disks/spin") / to_size(kSpins<D>)});
+               file.exists(bodies + "stress"), file.size(bodies + "spin") / to_size(kSpins<D>),
+               bodies});
   }
   write_index();
+  std::string units;
+  const auto begin = [&](std::optional<CsvFile>& file, const char* name, const std::string& head) {
+    file.emplace(folder_ / name, head, resume_after);
+    units += unit_rows(name, head);
+  };
   if (scene_.output.ledger_every > 0) {
     const bool dem = scene_.model == Model::kSpringDashpot;
-    ledger_.emplace(folder_ / "ledger.csv", ledger_header<D>(dem, scene_.has_gates()),
-                    resume_after);
-    if (scene_.has_gates()) {
-      gates_.emplace(folder_ / "gates.csv", gates_header(scene_), resume_after);
-    }
+    begin(ledger_, "ledger.csv", ledger_header<D>(dem, scene_.has_gates()));
+    if (scene_.has_gates()) begin(gates_, "gates.csv", gates_header(scene_));
+    if (!scene_.walls.empty()) begin(walls_, "walls.csv", walls_header<D>());
   }
-  if (scene_.observables) observables_.emplace(folder_, scene_, resume_after);
-  if (!scene_.output.track.empty()) {
-    trajectory_.emplace(folder_ / "trajectory.csv", trajectory_header<D>(), resume_after);
+  if (scene_.observables) {
+    observables_.emplace(folder_, scene_, resume_after);
+    units += observables_->units();
   }
+  if (!scene_.output.track.empty()) begin(trajectory_, "trajectory.csv", trajectory_header<D>());
+  write_text_file(folder_ / "units.csv", kUnitsHeader + ("\n" + units));
 }
 
 template <int D>
@@ -450,14 +481,15 @@ void RunWriter<D>::write_run_file() const {
   write_law("e_t", &ContactLaw::e_t);
 
   const auto& disks = scene_.bodies;
-  write_doubles(file, "/disks/radius", "m", disks, [](const Body<D>& d) { return d.radius; });
-  write_doubles(file, "/disks/mass", "kg", disks, [](const Body<D>& d) { return d.mass; });
-  write_doubles(file, "/disks/inertia", "kg m2", disks, [](const Body<D>& d) { return d.inertia; });
-  write_ints(file, "/disks/material", disks, [](const Body<D>& d) { return d.material; });
+  write_doubles(file, "/bodies/radius", "m", disks, [](const Body<D>& d) { return d.radius; });
+  write_doubles(file, "/bodies/mass", "kg", disks, [](const Body<D>& d) { return d.mass; });
+  write_doubles(file, "/bodies/inertia", "kg m2", disks,
+                [](const Body<D>& d) { return d.inertia; });
+  write_ints(file, "/bodies/material", disks, [](const Body<D>& d) { return d.material; });
   if (std::any_of(disks.begin(), disks.end(), [](const Body<D>& d) { return d.wall >= 0; })) {
-    write_ints(file, "/disks/wall", disks, [](const Body<D>& d) { return d.wall; });
+    write_ints(file, "/bodies/wall", disks, [](const Body<D>& d) { return d.wall; });
   }
-  write_point_numbers(file, "/disks/points", disks.size());
+  write_point_numbers(file, "/bodies/points", disks.size());
   write_wall_definitions(file, scene_.walls);
   if (scene_.cell.periodic()) write_cell_definition(file, scene_.cell);
   if (scene_.has_gates()) write_no_body<D>(file, some_place(scene_));
@@ -472,6 +504,7 @@ void RunWriter<D>::write_run_file() const {
     const std::string name = frame_name(frame.step);
     file.link("/frames/" + name, "frames/" + name + ".h5", "/");
   }
+  add_descriptions(file);
   file.close();
   target.commit();
 }
@@ -491,10 +524,10 @@ void RunWriter<D>::write_frame_file(const State<D>& state, const MeanStress<D>& 
   }
 
   const auto& disks = state.bodies;
-  write_vectors(file, "/disks/x", "m", disks, [](const Body<D>& d) { return d.x; });
+  write_vectors(file, "/bodies/x", "m", disks, [](const Body<D>& d) { return d.x; });
   write_orientations(file, disks);
   write_velocities<D>(file, disks);
-  write_turns(file, "/disks/spin", "rad/s", disks, [](const Body<D>& d) { return d.spin; });
+  write_turns(file, "/bodies/spin", "rad/s", disks, [](const Body<D>& d) { return d.spin; });
 
   if (scene_.has_gates()) write_population(file, state);
   if constexpr (D == 2) {
@@ -547,6 +580,13 @@ void RunWriter<D>::write_frame_file(const State<D>& state, const MeanStress<D>& 
                 [&](const Outcome& c) { return c.s_n / h; });
   write_turns(file, "/contacts/force_t", "N", contacts,
               [&](const Outcome& c) { return Tangent<D>(c.s_t / h); });
+  write_vectors(file, "/contacts/force", "N", contacts, [&](const Outcome& c) {
+    return Vec<D>((c.s_n * c.contact.n + tangent_vector(c.contact.n, c.s_t)) / h);
+  });
+  write_vectors(file, "/contacts/point", "m", contacts, [&](const Outcome& c) {
+    const Body<D>& body = drawn.bodies[to_size(c.contact.i)];
+    return Vec<D>(body.x - body.radius * c.contact.n);
+  });
   Column branch(2 * D * contacts.size());
   for (const Outcome& c : contacts) {
     const auto [a, b] = drawn_branch(drawn, c.contact);
@@ -557,6 +597,7 @@ void RunWriter<D>::write_frame_file(const State<D>& state, const MeanStress<D>& 
   write_point_numbers(file, "/contacts/points", 2 * contacts.size());
   write_stresses(file, state, h, stress);
   if (scene_.observables) write_observables(file, scene_, state);
+  add_descriptions(file);
   file.close();
   target.commit();
 }
@@ -571,6 +612,12 @@ void RunWriter<D>::write_row(const State<D>& state, const StepReport<D>& r) {
   }
   ledger_->row(line);
   if (gates_) gates_->row(gates_row(scene_, state));
+  if (walls_) {
+    const std::vector<Vec<D>> reactions = wall_reactions(state, scene_.step);
+    for (std::size_t k = 0; k < reactions.size(); ++k) {
+      walls_->row(wall_row<D>(state, state.walls[k], reactions[k]));
+    }
+  }
 }
 
 template <int D>
@@ -588,7 +635,9 @@ void RunWriter<D>::step(const State<D>& state, const StepReport<D>& r) {
   for (int disk : scene_.output.track) {
     const int index = body_index(state, disk);
     if (index < 0) continue;  // it has left
-    std::string line = fmt::format("{},{:.17g},{}", state.step, state.time, disk);
+    std::string line = fmt::format("{}", state.step);
+    add_number(line, state.time);
+    line += fmt::format(",{}", disk);
     add_motion(line, state.bodies.at(to_size(index)));
     trajectory_->row(line);
   }
@@ -631,7 +680,7 @@ std::optional<MeanStress<D>> RunWriter<D>::stress_if_known(const State<D>& state
 template <int D>
 void RunWriter<D>::write_frame(const State<D>& state, const std::optional<MeanStress<D>>& stress) {
   write_frame_file(state, stress ? *stress : stress_of_sample(state, scene_.step));
-  add_frame({state.step, state.time, state.contacts.size(), true, state.bodies.size()});
+  add_frame({state.step, state.time, state.contacts.size(), true, state.bodies.size(), "/bodies/"});
   if (frames_.size() - indexed_ >= 1 + frames_.size() / kIndexShare) write_index();
 }
 

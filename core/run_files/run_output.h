@@ -26,8 +26,10 @@ namespace bipot {
 ///                        contacts as lines between the centres, walls as lines
 ///   ledger.csv           one row for each scene.output.ledger_every steps, and the last
 ///   gates.csv            bodies through outlets and inlets, likewise, if the scene has any
+///   walls.csv            position, velocity, driving force and load of each wall, likewise
 ///   observables.csv ...  observables, if the scene asks for them (observable_output.h)
 ///   trajectory.csv       one row for each step and tracked disk, if scene.output.track names any
+///   units.csv            unit of each column of these tables
 /// data/manual/reference/files.md describes each entry.
 ///
 /// Every file but the CSV appears whole (AtomicFile). If the program is killed, all frames written
@@ -75,7 +77,7 @@ class RunWriter {
   const Scene<D>& scene_;
   std::string scene_text_;
   std::vector<FrameEntry> frames_;
-  std::optional<CsvFile> ledger_, trajectory_, gates_;
+  std::optional<CsvFile> ledger_, trajectory_, gates_, walls_;
   std::optional<ObservableWriter<D>> observables_;
   std::optional<StepReport<D>> left_out_;               // of the last step, if its row was not due
   std::pair<int, MeanStress<D>> known_stress_{-1, {}};  // step and sample of the last row

@@ -51,14 +51,15 @@ Vec<D> row_of(const std::vector<double>& values, std::size_t k) {
 /// Reads the constant data of the disks of a scene.
 template <int D>
 std::vector<Body<D>> read_fixed_disks(const Hdf5File& fixed) {
-  const std::vector<double> radius = fixed.read_doubles("/disks/radius");
+  const std::string at = bodies_group(fixed);
+  const std::vector<double> radius = fixed.read_doubles(at + "radius");
   const std::size_t n = radius.size();
-  const auto mass = read_sized(fixed, "/disks/mass", n);
-  const auto inertia = read_sized(fixed, "/disks/inertia", n);
-  const auto material = read_sized_ints(fixed, "/disks/material", n);
+  const auto mass = read_sized(fixed, at + "mass", n);
+  const auto inertia = read_sized(fixed, at + "inertia", n);
+  const auto material = read_sized_ints(fixed, at + "material", n);
   // Only scenes with rough walls have this entry.
-  const auto wall = fixed.exists("/disks/wall") ? read_sized_ints(fixed, "/disks/wall", n)
-                                                : std::vector<int>(n, -1);
+  const auto wall =
+      fixed.exists(at + "wall") ? read_sized_ints(fixed, at + "wall", n) : std::vector<int>(n, -1);
   std::vector<Body<D>> disks(n);
   for (std::size_t k = 0; k < n; ++k) {
     disks[k].radius = radius[k];
@@ -77,11 +78,12 @@ std::vector<Body<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame,
   std::vector<Body<D>> disks;
   if (!read_population(frame, disks, population)) disks = read_fixed_disks<D>(fixed);
   const std::size_t n = disks.size();
-  const auto x = read_sized(frame, "/disks/x", D * n);
-  const auto turned = D == 2 ? read_sized(frame, "/disks/angle", n)
-                             : read_sized(frame, "/disks/orientation", 4 * n);
-  const auto v = read_sized(frame, "/disks/v", 3 * n);
-  const auto spin = read_sized(frame, "/disks/spin", to_size(kSpins<D>) * n);
+  const std::string at = bodies_group(frame);
+  const auto x = read_sized(frame, at + "x", D * n);
+  const auto turned =
+      D == 2 ? read_sized(frame, at + "angle", n) : read_sized(frame, at + "orientation", 4 * n);
+  const auto v = read_sized(frame, at + "v", 3 * n);
+  const auto spin = read_sized(frame, at + "spin", to_size(kSpins<D>) * n);
   for (std::size_t k = 0; k < n; ++k) {
     Body<D>& d = disks[k];
     d.x = row_of<D>(x, k);
@@ -229,10 +231,11 @@ State<D> read_state(const fs::path& run, int step) {
   if (!fixed.exists("/format") || fixed.read_string("/format") != kRunFormat) {
     throw FileError(fixed.path(), "", "not the output of a run");
   }
-  if (const int version = fixed.read_int("/format_version"); version != kRunFormatVersion) {
-    throw FileError(fixed.path(), "/format_version",
-                    fmt::format("{} is not known, this program writes and reads {}", version,
-                                kRunFormatVersion));
+  if (const int version = fixed.read_int("/format_version");
+      version < 1 || version > kRunFormatVersion) {
+    throw FileError(
+        fixed.path(), "/format_version",
+        fmt::format("{} is not known, this program reads 1 to {}", version, kRunFormatVersion));
   }
   if (const int in = fixed.exists("/dimensions") ? fixed.read_int("/dimensions") : 2; in != D) {
     throw FileError(fixed.path(), "/dimensions",

@@ -71,8 +71,8 @@ void XdmfIndex::add(const FrameEntry& frame) {
     // 0.
     const bool none = bodies_change_ && frame.bodies == 0;
     const std::size_t n = none ? 1 : bodies_change_ ? frame.bodies : num_disks_;
-    const std::string moving = none ? "run.h5:/no_body/" : file + "/disks/";
-    const std::string fixed = bodies_change_ ? moving : "run.h5:/disks/";
+    const std::string moving = none ? "run.h5:/no_body/" : file + frame.group;
+    const std::string fixed = bodies_change_ ? moving : "run.h5:/bodies/";
     disks_ += grid(
         fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
                     "NodesPerElement=\"1\">{}</Topology>\n",
@@ -131,7 +131,7 @@ void XdmfIndex::add(const FrameEntry& frame) {
 void XdmfIndex::write(const std::filesystem::path& path) const {
   std::ostringstream out;
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
-  for (const auto& [name, grids] : {std::pair{"disks", &disks_},
+  for (const auto& [name, grids] : {std::pair{"bodies", &disks_},
                                     {"contacts", &contacts_},
                                     {"walls", &walls_},
                                     {"circular walls", &circles_},

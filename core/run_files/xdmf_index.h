@@ -13,8 +13,9 @@ struct FrameEntry {
   int step = 0;
   double time = 0;  ///< [s]
   std::size_t contacts = 0;
-  bool stress = true;      ///< false: of a version that did not write stresses
-  std::size_t bodies = 0;  ///< where their number changes
+  bool stress = true;              ///< false: of a version that did not write stresses
+  std::size_t bodies = 0;          ///< where their number changes
+  std::string group = "/bodies/";  ///< of the bodies (run_layout.h)
 };
 
 /// A circular wall is drawn as a closed polygon of this number of points.

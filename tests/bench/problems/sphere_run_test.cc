@@ -126,8 +126,8 @@ TEST(SphereRun, WritesWhatParaViewAndPeopleLookAt) {
   const Hdf5File frame(frame_path(files.folder, 150), Hdf5File::Mode::kRead);
   const std::size_t contacts = state.contacts.size();
   ASSERT_GT(contacts, 3u);
-  EXPECT_EQ(frame.size("/disks/x"), 3 * 12u);
-  EXPECT_EQ(frame.size("/disks/orientation"), 4 * 12u);
+  EXPECT_EQ(frame.size("/bodies/x"), 3 * 12u);
+  EXPECT_EQ(frame.size("/bodies/orientation"), 4 * 12u);
   EXPECT_EQ(frame.size("/contacts/force_t"), 3 * contacts);
   EXPECT_EQ(frame.size("/contacts/segment"), 6 * contacts);
   // Three planes, and the drum as a prism of 48 sides: four corners each.

@@ -19,7 +19,9 @@
 #include "core/files/hdf5_file.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/stress_tensor.h"
+#include "core/run_files/csv_file.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
@@ -245,7 +247,7 @@ TEST(RunOutput, EveryFrameCanBeReadThroughTheLinksOfTheRunFile) {
   const Hdf5File file(folder / "moved/run.h5", Hdf5File::Mode::kRead);
   EXPECT_EQ(file.list("/frames"), (std::vector<std::string>{"00000001", "00000002"}));
   EXPECT_EQ(file.read_int("/frames/00000002/step"), 2);
-  EXPECT_EQ(file.shape("/frames/00000002/disks/v"), (std::vector<std::size_t>{3, 3}));
+  EXPECT_EQ(file.shape("/frames/00000002/bodies/v"), (std::vector<std::size_t>{3, 3}));
   // Force = impulse / time step.
   EXPECT_EQ(file.read_doubles("/frames/00000002/contacts/force_n")[1], (1 / 3.0) / 1e-3);
   // Disk 1 touches the floor (body 3): the segment ends at x - a n.
@@ -316,7 +318,7 @@ TEST(RunOutput, TheXdmfIndexIsWellFormedAndLeadsToItsDataAfterEveryFrame) {
     // Disks: points, x, radius, mass, material, v, spin, angle, stress, pressure. Contacts: points,
     // segment and ten fields, with or without contacts. Walls: points, segment, material.
     EXPECT_EQ(expect_data(folder / "out", xml), (step + 1) * (10 + 12 + 3));
-    for (const char* name : {"disks", "contacts", "walls"}) {
+    for (const char* name : {"bodies", "contacts", "walls"}) {
       EXPECT_NE(xml.find(fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" "
                                      "CollectionType=\"Temporal\">",
                                      name)),
@@ -336,7 +338,7 @@ TEST(RunOutput, TheIndexSaysWhichClusterADiskIsPartOf) {
   State<2> state = initial_state(scene);
   writer.frame(state);
   EXPECT_EQ(Hdf5File(folder / "out/frames/00000000.h5", Hdf5File::Mode::kRead)
-                .read_ints("/disks/cluster"),
+                .read_ints("/bodies/cluster"),
             (std::vector<int>{-1, 0, 0}));
   // All have left: what stands in for them is part of none.
   state.step = 1;
@@ -391,8 +393,8 @@ TEST(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
   };
   EXPECT_EQ(ledger[1][column("iterations")], "7");
   EXPECT_EQ(ledger[1][column("converged")], "1");
-  EXPECT_EQ(std::stod(ledger[1][column("kinetic [J]")]), 1.0 / 3);  // 17 digits
-  EXPECT_EQ(std::stod(ledger[1][column("penetration [m]")]), 1e-7 / 3);
+  EXPECT_EQ(std::stod(ledger[1][column("kinetic")]), 0.333333333);  // 9 digits
+  EXPECT_NEAR(std::stod(ledger[1][column("penetration")]), 1e-7 / 3, 1e-16);
   EXPECT_EQ(ledger[1][column("raw42")], "nan");
 
   const auto trajectory = csv(folder / "out/trajectory.csv");
@@ -400,8 +402,8 @@ TEST(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
   for (const auto& row : trajectory) EXPECT_EQ(row.size(), 9u);
   EXPECT_EQ(trajectory[1][2], "2");
   EXPECT_EQ(trajectory[2][2], "0");
-  EXPECT_EQ(std::stod(trajectory[1][3]), scene.bodies[2].x[0]);
-  EXPECT_EQ(std::stod(trajectory[1][8]), scene.bodies[2].spin);
+  EXPECT_NEAR(std::stod(trajectory[1][3]), scene.bodies[2].x[0], 1e-8);
+  EXPECT_NEAR(std::stod(trajectory[1][8]), scene.bodies[2].spin, 1e-8);
 }
 
 /// Rows that are left out change neither the others nor the frames.
@@ -450,8 +452,9 @@ TEST(RunOutput, FramesAndLedgerHoldTheStresses) {
   const double area = sample_measure(state, scene.step);
   const MeanStress<2> sample = sample_stress(state, scene.step, area, moments);
   const Hdf5File file(folder / "out/frames/00000002.h5", Hdf5File::Mode::kRead);
-  ASSERT_EQ(file.shape("/disks/stress"), (std::vector<std::size_t>{3, 6}));
-  const auto stress = file.read_doubles("/disks/stress"), p = file.read_doubles("/disks/pressure");
+  ASSERT_EQ(file.shape("/bodies/stress"), (std::vector<std::size_t>{3, 6}));
+  const auto stress = file.read_doubles("/bodies/stress"),
+             p = file.read_doubles("/bodies/pressure");
   for (std::size_t k = 0; k < 3; ++k) {
     const Mat2 total = disks[k].total();
     EXPECT_EQ(stress[6 * k], total(0, 0));
@@ -468,12 +471,115 @@ TEST(RunOutput, FramesAndLedgerHoldTheStresses) {
   EXPECT_EQ(file.read_doubles("/sample/kinetic_stress")[0], sample.kinetic(0, 0));
   EXPECT_EQ(file.read_doubles("/sample/spin_stress")[1], sample.spin(0, 1));
   const auto ledger = csv(folder / "out/ledger.csv");
-  EXPECT_EQ(ledger[0][23], "area [m2]");
-  EXPECT_EQ(std::stod(ledger[1][23]), area);
-  EXPECT_EQ(std::stod(ledger[1][24]), sample.total()(0, 0));
-  EXPECT_EQ(std::stod(ledger[1][25]), sample.total()(1, 1));
-  EXPECT_DOUBLE_EQ(std::stod(ledger[1][26]), sample.total()(0, 1));
-  EXPECT_EQ(std::stod(ledger[1][27]), 0.5 * sample.kinetic.trace());
+  EXPECT_EQ(ledger[0][23], "area");
+  EXPECT_NEAR(std::stod(ledger[1][23]), area, 1e-8 * area);
+  const double size = 1e-8 * sample.total().norm();
+  EXPECT_NEAR(std::stod(ledger[1][24]), sample.total()(0, 0), size);
+  EXPECT_NEAR(std::stod(ledger[1][25]), sample.total()(1, 1), size);
+  EXPECT_NEAR(std::stod(ledger[1][26]), sample.total()(0, 1), size);
+  EXPECT_NEAR(std::stod(ledger[1][27]), 0.5 * sample.kinetic.trace(), size);
+}
+
+// Each number with a unit says what it is, and the codes and indices of contacts have their rules.
+TEST(RunOutput, EachDatasetWithAUnitIsDescribed) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  {
+    RunWriter<2> writer(folder / "out", scene, "");
+    writer.frame(awkward_state(scene, 2));
+  }
+  int described = 0;
+  for (const char* name : {"run.h5", "frames/00000002.h5"}) {
+    const Hdf5File file(folder / "out" / name, Hdf5File::Mode::kRead);
+    for (const std::string& group : file.list("/")) {
+      if (group == "frames" || group == "solver") continue;
+      std::vector<std::string> entries{"/" + group};
+      if (group == "bodies" || group == "walls" || group == "contacts" || group == "sample") {
+        entries.clear();
+        for (const std::string& entry : file.list("/" + group)) {
+          entries.push_back("/" + group + "/" + entry);
+        }
+      }
+      for (const std::string& entry : entries) {
+        if (!file.has_attribute(entry, "unit")) continue;
+        EXPECT_TRUE(file.has_attribute(entry, "description")) << name << " " << entry;
+        ++described;
+      }
+    }
+    for (const char* rule : {"/contacts/i", "/contacts/j", "/contacts/status"}) {
+      EXPECT_EQ(file.has_attribute(rule, "description"), file.exists(rule)) << rule;
+    }
+  }
+  EXPECT_GT(described, 25);
+}
+
+// A disk of 2 kg rests on the floor with 20 N, and a lid presses it with 3 N that a contact at its
+// top carries. The point of a contact is the centre less the radius times the normal.
+TEST(RunOutput, WallsHaveTheirLoadsAndContactsTheirVectors) {
+  const TemporaryFolder folder;
+  Scene<2> scene = one_law<2>({.mu = 0.5});
+  scene.step = 0.1;
+  scene.bodies = {round_body<2>(Vec2(3, 1), 1, 2)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2::UnitY(), "floor, left"),
+                 half_space<2>(Vec2(0, 2), -Vec2::UnitY(), "lid")};
+  scene.walls[1].motion = Wall<2>::Motion::kDriven;
+  scene.walls[1].direction = -Vec2::UnitY();
+  scene.walls[1].force = 3;
+  scene.walls[1].mass = 1;
+  State<2> state = initial_state(scene);
+  state.step = 1;
+  state.time = 0.1;
+  state.contacts = {{.contact = {.i = 0, .j = 1, .n = Vec2::UnitY()}, .s_n = 2.3, .s_t = 0.5},
+                    {.contact = {.i = 0, .j = 2, .n = -Vec2::UnitY()}, .s_n = 0.3}};
+  {
+    RunWriter<2> writer(folder / "out", scene, "");
+    writer.step(state, report_of(state));
+    writer.frame(state);
+  }
+  // t = n turned by +90 degrees is -x at the floor.
+  EXPECT_EQ(file_text(folder / "out/walls.csv"),
+            "step,time,wall,x,y,vx,vy,force_x,force_y,reaction_x,reaction_y\n"
+            "1,0.1,\"floor, left\",0,0,0,0,nan,nan,5,-23\n"
+            "1,0.1,lid,0,2,0,0,0,-3,0,3\n");
+  const std::string units = file_text(folder / "out/units.csv");
+  EXPECT_EQ(units.rfind("file,column,unit\nledger.csv,time,s\n", 0), 0u);
+  EXPECT_NE(units.find("\nwalls.csv,reaction_y,N\n"), std::string::npos);
+  const Hdf5File frame(folder / "out/frames/00000001.h5", Hdf5File::Mode::kRead);
+  EXPECT_EQ(frame.read_doubles("/contacts/point"), (std::vector<double>{3, 0, 3, 2}));
+  const auto force = frame.read_doubles("/contacts/force");
+  ASSERT_EQ(force.size(), 4u);
+  EXPECT_DOUBLE_EQ(force[0], -5);
+  EXPECT_DOUBLE_EQ(force[1], 23);
+  EXPECT_DOUBLE_EQ(force[3], -3);
+}
+
+TEST(CsvFile, NumbersHaveNineDigitsAndNoSignOfNan) {
+  std::string line;
+  for (const double x : {0.1, 1.0 / 3, -kNaN, 12345678901.0}) add_number(line, x);
+  EXPECT_EQ(line, ",0.1,0.333333333,nan,1.23456789e+10");
+}
+
+// Files of version 1 have /disks; a run goes on from them.
+TEST(RunOutput, ARunWithTheOldNameOfTheBodiesIsContinued) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  const State<2> state = awkward_state(scene, 2);
+  {
+    RunWriter<2> writer(folder / "out", scene, "");
+    writer.frame(state);
+  }
+  for (const char* name : {"run.h5", "frames/00000002.h5"}) {
+    Hdf5File file(folder / "out" / name, Hdf5File::Mode::kAppend);
+    file.rename("/bodies", "/disks");
+    if (file.exists("/format_version")) file.write("/format_version", 1);
+  }
+  EXPECT_EQ(bits(read_state(folder / "out")), bits(state));
+  {
+    RunWriter<2> writer(folder / "out", scene, "", 2);
+    writer.frame(awkward_state(scene, 4));
+  }
+  EXPECT_EQ(bits(read_state(folder / "out", 2)), bits(state));
+  expect_data(folder / "out", file_text(folder / "out/run.xdmf"));
 }
 
 TEST(RunOutput, ARunOfAVersionWithoutStressesIsContinued) {
@@ -488,7 +594,7 @@ TEST(RunOutput, ARunOfAVersionWithoutStressesIsContinued) {
   // As it was written before: no stresses in the frame, fewer columns in the ledger.
   {
     Hdf5File frame(folder / "out/frames/00000002.h5", Hdf5File::Mode::kAppend);
-    for (const char* name : {"/disks/stress", "/disks/pressure", "/sample"}) frame.remove(name);
+    for (const char* name : {"/bodies/stress", "/bodies/pressure", "/sample"}) frame.remove(name);
   }
   const auto ledger = folder / "out/ledger.csv";
   std::string old;
@@ -641,7 +747,7 @@ TEST(RunOutput, UnusableFoldersAndDamagedFilesAreRefused) {
   Hdf5File(folder / "out/frames/00000005.h5", Hdf5File::Mode::kAppend)
       .write("/contacts/j", std::vector<int>{1, 6});
   EXPECT_THROW(read_state(folder / "out"), FileError);
-  Hdf5File(folder / "out/frames/00000005.h5", Hdf5File::Mode::kAppend).remove("/disks/v");
+  Hdf5File(folder / "out/frames/00000005.h5", Hdf5File::Mode::kAppend).remove("/bodies/v");
   EXPECT_THROW(read_state(folder / "out"), FileError);
   Hdf5File(folder / "out/run.h5", Hdf5File::Mode::kAppend).write("/format_version", 99);
   EXPECT_THROW(read_state(folder / "out"), FileError);
