@@ -156,6 +156,8 @@ CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
       .option("--json", flags.json,
               "Write the verdict as JSON; '-': standard output, with nothing else")
       .value_name("FILE");
+  command.flag("--accept-indefinite", flags.accept_indefinite,
+               "Take a W that is not symmetric or not positive semidefinite; each verdict says so");
   command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal: the exit code says it");
   command.footer(
       "Ends with 0 where the largest of ε, η and the distance to the cone is within --tol, with 1\n"
@@ -168,9 +170,11 @@ CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
 }
 
 int judge_command(const JudgeFlags& flags) {
-  const ProblemFile file = readable(flags.problem, [&] { return read_problem(flags.problem); });
+  const ProblemFile file =
+      readable(flags.problem, [&] { return read_problem(flags.problem, flags.accept_indefinite); });
   require_writable(flags.json);
-  const ImpulseVerdict verdict = judge(file.problem, impulse_of(flags, file), flags.worst);
+  ImpulseVerdict verdict = judge(file.problem, impulse_of(flags, file), flags.worst);
+  verdict.caution = file.caution;
   const int code = verdict.guarded() <= flags.tol ? kExitConverged : kExitNotConverged;
   if (!flags.json.empty()) {
     write_json(to_json(flags, file.problem, verdict, code), flags.json);

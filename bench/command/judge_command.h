@@ -13,7 +13,8 @@ struct JudgeFlags {
   std::string order = "contact";  ///< or "component"
   std::string components, negated;
   double factor = 1;
-  int worst = 5;  ///< contacts that are named
+  int worst = 5;                   ///< contacts that are named
+  bool accept_indefinite = false;  ///< take a W that is no Delassus operator
   bool quiet = false;
   std::string json;
 };

@@ -109,7 +109,8 @@ int several_command(const SolveFlags& flags, const ProblemFile& file) {
   require_writable(json);
   const InterruptGuard interrupt;
   options.cancelled = &InterruptGuard::requested;
-  const SeveralAnswers found = find_several_answers(file.problem, options);
+  SeveralAnswers found = find_several_answers(file.problem, options);
+  if (!file.caution.empty()) found.message += "; " + file.caution;
   if (found.status == SolveStatus::kInvalidInput) throw std::invalid_argument(found.message);
   const int code = exit_code_of(found);
   if (!out.empty()) write_answers(out, flags.problem, file, found);

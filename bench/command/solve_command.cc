@@ -117,6 +117,8 @@ CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
       .value_name("N");
   command.flag("--explain", flags.explain,
                "With --solver auto: print which stages are planned, and why");
+  command.flag("--accept-indefinite", flags.accept_indefinite,
+               "Take a W that is not symmetric or not positive semidefinite; each verdict says so");
   command.flag("--certify", flags.certify,
                "Say whether a solution exists at all, by a proof that is checked in extended "
                "precision");
@@ -205,10 +207,11 @@ struct SolveTask {
   DistributedOptions distributed;
 };
 
-ProblemFile read_file(const std::string& path) {
+ProblemFile read_file(const SolveFlags& flags) {
+  const std::string& path = flags.problem;
   if (::access(path.c_str(), R_OK) != 0) throw FileError(path, "", std::strerror(errno));
   try {
-    return read_problem(path);
+    return read_problem(path, flags.accept_indefinite);
   } catch (const FileError& e) {
     throw std::invalid_argument(e.what());  // readable, but not a problem: bad input
   }
@@ -218,7 +221,7 @@ ProblemFile read_file(const std::string& path) {
 SolveTask prepare(const SolveFlags& given) {
   SolveTask task;
   refuse_on_several_processes(given.common, given.explain ? "--explain" : "");
-  task.file = read_file(given.problem);
+  task.file = read_file(given);
   task.flags = is_speaker() ? with_folder(given) : given;
   const ContactProblem& problem = task.file.problem;
   if (is_speaker()) {
@@ -290,7 +293,7 @@ void explain(const SolveTask& task) {
 int solve_command(const SolveFlags& given) {
   if (given.several) {
     together([&] { refuse_on_several_processes(given.common, "--several"); });
-    return several_command(given, read_file(given.problem));
+    return several_command(given, read_file(given));
   }
   SolveTask task;
   std::ofstream history;
@@ -318,6 +321,7 @@ int solve_command(const SolveFlags& given) {
     result = solve(*task.entry, problem, task.options);
   }
   if (!is_speaker()) return exit_code_of(result.status);
+  if (!task.file.caution.empty()) result.message += "; " + task.file.caution;
   Certificate certificate;
   if (flags.certify && result.status != SolveStatus::kInvalidInput) {
     certificate = certify_existence(problem, flags.common.time_limit);

@@ -19,7 +19,9 @@ using HeldContact = std::shared_ptr<JudgedContact>;
 HeldVerdict judge_impulse(const PythonProblem& problem, const py::object& s, int worst) {
   const Vector x = to_vector(s, "s");
   const py::gil_scoped_release release;
-  return std::make_shared<ImpulseVerdict>(judge(*problem.problem, x, worst));
+  auto verdict = std::make_shared<ImpulseVerdict>(judge(*problem.problem, x, worst));
+  verdict->caution = problem.caution;
+  return verdict;
 }
 
 py::object contact_or_none(int contact) {
@@ -138,9 +140,10 @@ void bind_judge(py::module_& module) {
           },
           py::arg("tol"), "As `bipot judge` says it.")
       .def("__repr__", [](const ImpulseVerdict& v) {
-        return fmt::format("<bipot.Verdict: ε {:.2e}, η {:.2e}, cone {:.2e}{}>", v.error.epsilon,
+        return fmt::format("<bipot.Verdict: ε {:.2e}, η {:.2e}, cone {:.2e}{}{}>", v.error.epsilon,
                            v.error.eta, v.cone,
-                           v.worst.empty() ? "" : "; " + sentence(v.worst.front()));
+                           v.worst.empty() ? "" : "; " + sentence(v.worst.front()),
+                           v.caution.empty() ? "" : "; " + v.caution);
       });
   module.def("judge", &judge_impulse, py::arg("problem"), py::arg("s"), py::arg("worst"));
 }

@@ -15,6 +15,7 @@
 #include "bench/python/python_problem.h"
 #include "core/base/file_error.h"
 #include "core/problem/delassus.h"
+#include "core/problem/delassus_check.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
 
@@ -204,7 +205,7 @@ void require_sound(const std::string& defect) {
 HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   require_keywords(arguments, options, "Problem(A=, H=, v_free=, mu=) or Problem(W=, u_free=, mu=)",
                    {"A", "H", "J", "M", "W", "v_free", "u_free", "mu", "dim", "row_scale",
-                    "restitution", "v_before", "u_before", "name"});
+                    "restitution", "v_before", "u_before", "name", "accept_indefinite"});
   const py::object A = option(options, "A", "M"), W = option(options, "W");
   const bool wrenches = !option(options, "H", "J").is_none();
   const py::object v_free = option(options, "v_free"), u_free = option(options, "u_free");
@@ -241,6 +242,14 @@ HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
       throw std::invalid_argument("A is not positive definite");
     }
   }
+  const py::object accept = option(options, "accept_indefinite");
+  // A W that was made here from A and H is one.
+  if (!W.is_none()) made->caution = delassus_defect(p);
+  if (accept.is_none() || !py::bool_(accept)) {
+    if (!made->caution.empty()) {
+      throw std::invalid_argument(made->caution + "; accept_indefinite=True takes it as it is");
+    }
+  }
   const py::object name = option(options, "name");
   if (!name.is_none()) made->name = py::str(name).cast<std::string>();
   made->problem = std::make_shared<const ContactProblem>(std::move(p));
@@ -255,6 +264,7 @@ HeldProblem update(const PythonProblem& self, const py::args& arguments,
   const py::object mu = option(options, "mu");
   auto made = std::make_shared<PythonProblem>();
   made->name = self.name;
+  made->caution = self.caution;
   made->restitution = self.restitution;
   ContactProblem p = *self.problem;
   if (!v_free.is_none()) {
@@ -314,6 +324,7 @@ HeldProblem problem_of_parts(const py::tuple& parts) {
   made->name = parts[9].cast<std::string>();
   made->solution = to_vector(parts[10], "solution");
   for (const py::handle guess : parts[11]) made->guesses.push_back(to_vector(guess, "guesses"));
+  if (!p.has_velocities()) made->caution = delassus_defect(p);  // was accepted
   made->problem = std::make_shared<const ContactProblem>(std::move(p));
   return made;
 }

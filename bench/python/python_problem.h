@@ -15,6 +15,7 @@ namespace bipot {
 struct PythonProblem {
   std::shared_ptr<const ContactProblem> problem;
   std::string name;             ///< for readers; empty: none
+  std::string caution;          ///< why W is no Delassus operator, if that was accepted
   Vector solution;              ///< reference of the file that it was read from; empty: none
   std::vector<Vector> guesses;  ///< likewise, impulses to start from
   Vector restitution;           ///< of each row, where it was given with physical data; else empty

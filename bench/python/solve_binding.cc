@@ -103,7 +103,8 @@ class PythonSolve {
   /// `stop`: ends the solve; must outlive it.
   PythonSolve(const PythonProblem& given, const SolveRequest& request, const py::object& s0,
               const std::atomic<bool>& stop)
-      : chosen_(choose_solver(request.solver, watch_)),
+      : caution_(given.caution),
+        chosen_(choose_solver(request.solver, watch_)),
         tell_(request.callback, watch_),
         result_(std::make_shared<PythonResult>()) {
     result_->problem = given.problem;
@@ -134,6 +135,7 @@ class PythonSolve {
   void run() {
     result_->solve = solve(chosen_.entry, *result_->problem, std::move(options_));
     if (result_->solve.status == SolveStatus::kInvalidInput) return;
+    if (!caution_.empty()) result_->solve.message += "; " + caution_;
     result_->count = count_contacts(*result_->problem, result_->solve.s);
   }
   /// True if Python code raised, or Ctrl-C was pressed.
@@ -149,6 +151,7 @@ class PythonSolve {
 
  private:
   PythonWatch watch_;
+  std::string caution_;  // of the problem
   ChosenSolver chosen_;
   IterationCallback tell_;
   HeldResult result_;

@@ -233,6 +233,12 @@ ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vecto
 }
 
 std::string sentence(const ImpulseVerdict& verdict, double tol) {
+  if (!verdict.caution.empty()) {
+    ImpulseVerdict plain = verdict;
+    plain.caution.clear();
+    return fmt::format("{}: the error has no meaning as an energy; {}", verdict.caution,
+                       sentence(plain, tol));
+  }
   const double error = verdict.guarded();
   const char* measure = verdict.cone > verdict.error.guarded() ? "distance to the cone" : "error";
   if (error <= tol) return fmt::format("within the tolerance {:g}: {} {:.2e}", tol, measure, error);

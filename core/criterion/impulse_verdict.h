@@ -58,6 +58,8 @@ struct ImpulseVerdict {
   std::vector<JudgedContact> worst;  ///< from the worst down, only those with a fault
   Vector s;                          ///< projected, the problem's variables              [N s]
   Vector u;                          ///< W s + u_free, the problem's variables           [m/s]
+  /// Why W is no Delassus operator, from a caller who accepts that; sentence() begins with it.
+  std::string caution;
 
   /// max(epsilon, eta, cone), to be compared with a tolerance.
   double guarded() const;

@@ -24,11 +24,13 @@ struct ProblemFile {
   std::optional<Vector> v;      ///< body velocities of the reference, global problems only
   std::vector<Vector> guesses;  ///< impulses to start from, the problem's variables     [N s]
   ProblemInfo info;
+  std::string caution;  ///< why W is no Delassus operator, if that was accepted
 };
 
 /// Reads an FCLIB HDF5 file or a Siconos text file; the content decides, not the name. Throws
 /// FileError with the reason if the file cannot be read, fails Hdf5File::check_structure(), or if the
-/// problem is not sound.
-ProblemFile read_problem(const std::filesystem::path& path);
+/// problem is not sound. Likewise if W is no Delassus operator (delassus_check.h), unless
+/// `accept_indefinite`: then `caution` says why.
+ProblemFile read_problem(const std::filesystem::path& path, bool accept_indefinite = false);
 
 }  // namespace bipot

@@ -13,6 +13,7 @@
 #include "core/problem/body_rows.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
+#include "solvers/analysis/case_enumeration.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 
@@ -32,8 +33,6 @@ constexpr int kPivots = 30000, kInteriors = 400;
 constexpr double kPerturbation = 0.01;
 // Largest number of perturbed answers: each costs a solve.
 constexpr int kPerturbed = 12;
-// For statuses, impulses and velocities below this fraction of the mean count as zero.
-constexpr double kNothing = 1e-6;
 
 /// Each contact's impulse times 1 + amount * uniform(-1, 1): still on the cone.
 Vector random_multiples(const Vector& s, int dim, double amount, PortableRandom& random) {
@@ -44,18 +43,17 @@ Vector random_multiples(const Vector& s, int dim, double amount, PortableRandom&
   return r;
 }
 
-std::vector<ContactStatus> statuses(const ContactProblem& p, const Vector& s, const Vector& u) {
+/// By the rule of count_contacts().
+std::vector<ContactStatus> statuses(const ContactProblem& p, const Vector& s) {
   const int contacts = p.num_contacts();
-  const double impulse = kNothing * s.cwiseAbs().sum() / std::max(1, contacts);
-  const double speed = kNothing * u.cwiseAbs().sum() / std::max(1, contacts);
   std::vector<ContactStatus> all(to_size(contacts), ContactStatus::kStick);
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();
     for (int c = 0; c < contacts; ++c) {
-      const Local<D> x = s.segment<D>(c * D), v = u.segment<D>(c * D);
-      if (x[0] <= impulse) {
+      const Local<D> x = s.segment<D>(c * D);
+      if (x[0] <= 0) {
         all[to_size(c)] = ContactStatus::kTakeOff;
-      } else if (D > 1 && tangential_norm<D>(v) > speed) {
+      } else if (D > 1 && !(tangential_norm<D>(x) < kConeEdge * p.mu[c] * x[0])) {
         all[to_size(c)] = ContactStatus::kSlip;
       }
     }
@@ -79,6 +77,7 @@ class AnswerSearch {
       found_.starts.push_back(std::move(made));
     }
     if (!invalid_) {
+      look_at_all_cases();
       describe_answers();
       perturb_answers();
       join_answers();
@@ -194,13 +193,37 @@ class AnswerSearch {
     made.answer = distinct_.add(result.s, made.solver);
   }
 
+  /// All cases of few contacts; answers that no start found are added with a start of their own.
+  void look_at_all_cases() {
+    if (!options_.solver.empty() || stopped()) return;
+    const Clock::time_point start = Clock::now();
+    const EnumeratedCases all = enumerate_cases(p_, [this] { return stopped(); });
+    for (const Vector& s : all.candidates) {
+      const std::size_t before = distinct_.answers().size();
+      AnswerStart made{.solver = "cases", .from = "all cases", .finished_by = "cases"};
+      made.answer = distinct_.add(s, made.solver);
+      if (distinct_.answers().size() == before) continue;
+      made.error = distinct_.answers().back().error;
+      made.message = "a case of open, sticking and slipping contacts";
+      made.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      found_.starts.push_back(std::move(made));
+    }
+    if (all.cases == 0) return;
+    cases_ = fmt::format("; all {} cases of open, stick and slip were looked at: ", all.cases);
+    cases_ += all.undecided > 0 ? fmt::format("{} are singular and not decided", all.undecided)
+                                : std::string("no others");
+    if (all.continua > 0) {
+      cases_ += fmt::format(", and in {} the impulses are not unique", all.continua);
+    }
+  }
+
   void describe_answers() {
     while (found_.answers.size() < distinct_.answers().size()) {
       Answer answer;
       answer.impulse = distinct_.answers()[found_.answers.size()];
       const DelassusOperator delassus(p_);
       delassus.velocity(answer.impulse.s, answer.u);
-      answer.status = statuses(p_, answer.impulse.s, answer.u);
+      answer.status = statuses(p_, answer.impulse.s);
       for (const ContactStatus status : answer.status) {
         answer.take_off += status == ContactStatus::kTakeOff ? 1 : 0;
         answer.stick += status == ContactStatus::kStick ? 1 : 0;
@@ -353,7 +376,7 @@ class AnswerSearch {
       found_.status = SolveStatus::kInvalidInput;
       return;
     }
-    found_.message = fmt::format("{} of {} starts reached an exact answer", exact, made);
+    found_.message = fmt::format("{} of {} starts reached an exact answer", exact, made) + cases_;
     if (cancelled()) {
       found_.status = SolveStatus::kInterrupted;
       found_.message += fmt::format("; interrupted, {} starts asked for", options_.starts);
@@ -373,6 +396,7 @@ class AnswerSearch {
   PortableRandom random_;
   std::optional<BodyRows> rows_;
   SeveralAnswers found_;
+  std::string cases_;  // the statement about all cases
   bool invalid_ = false;
 };
 

@@ -31,6 +31,7 @@ class Problem:
         u_before: Any = None,
         row_scale: Any = None,
         name: str = "",
+        accept_indefinite: bool = False,
     ) -> None: ...
     def update(
         self,

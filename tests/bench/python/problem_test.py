@@ -439,3 +439,23 @@ def test_files_that_are_no_problems_are_refused(tmp_path):
         bipot.write(chain(2), tmp_path / "p.hdf5", s=[1])
     with pytest.raises(TypeError, match="did you mean 'title'"):
         bipot.write(chain(2), tmp_path / "p.hdf5", tittle="x")
+
+
+# Eigenvalues 3 and -1: with it a false impulse of 2.4e8 N s was "converged".
+def test_an_indefinite_w_is_refused_or_flagged():
+    data = dict(W=[[1, 2], [2, 1]], u_free=[-1, 0.75], mu=[0.5])
+    with pytest.raises(ValueError, match="not positive semidefinite.*accept_indefinite"):
+        bipot.Problem(**data)
+    problem = bipot.Problem(**data, accept_indefinite=True)
+    result = problem.solve() if hasattr(problem, "solve") else bipot.solve(problem)
+    assert "not positive semidefinite" in result.message
+    verdict = bipot.judge(problem, [1, 0])
+    assert verdict.sentence(1e-8).startswith("W is not positive semidefinite")
+    assert "not positive semidefinite" in repr(verdict)
+
+
+def test_w_is_compared_with_a_and_h():
+    with pytest.raises(ValueError, match="W is not that of A and H"):
+        bipot.Problem(
+            A=[[2.0, 0], [0, 2.0]], H=[[1.0, 0], [0, 1.0]], W=[[0.7, 0], [0, 0.5]],
+            v_free=[-1.0, 0], mu=[0.5])

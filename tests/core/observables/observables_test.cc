@@ -210,7 +210,7 @@ TEST(Observables, FilesAndTheirMeans) {
   EXPECT_EQ(rows.rows[3][rows.column("contacts")], 1);
   // The line points up, its left is -x: the whole disk's width 0.2 crosses with velocity 8.
   EXPECT_NEAR(rows.rows[3][rows.column("flux_gate")], -2 / (std::numbers::pi * 0.01) * 0.2 * 8,
-              1e-9);
+              1e-6);
   std::ifstream means(folder / "out/observables_mean.csv");
   std::stringstream all;
   all << means.rdbuf();

@@ -1,0 +1,85 @@
+#include "core/problem/delassus_check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/problem/delassus.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+/// A frictionless problem of this W.
+ContactProblem problem_of(const Eigen::MatrixXd& w) {
+  ContactProblem p;
+  p.dim = 1;
+  p.W = w.sparseView();
+  p.W.makeCompressed();
+  p.u_free = -Vector::Ones(w.rows());
+  p.mu = Vector::Zero(w.rows());
+  return p;
+}
+
+// Eigenvalues 3 and -1.
+TEST(DelassusCheck, AnIndefiniteMatrixIsNamedWithItsEigenvalue) {
+  const std::string defect = delassus_defect(problem_of(Eigen::Matrix2d{{1, 2}, {2, 1}}));
+  EXPECT_NE(defect.find("not positive semidefinite"), std::string::npos) << defect;
+  EXPECT_NE(defect.find("at most -1,"), std::string::npos) << defect;
+}
+
+// Scaled to a diagonal of 1 this is the same matrix: units do not matter.
+TEST(DelassusCheck, UnitsDoNotMatter) {
+  EXPECT_NE(delassus_defect(problem_of(Eigen::Matrix2d{{1e-6, 2}, {2, 1e6}})), "");
+  EXPECT_EQ(delassus_defect(problem_of(Eigen::Matrix2d{{1e-6, 0.9}, {0.9, 1e6}})), "");
+}
+
+TEST(DelassusCheck, AnAsymmetricMatrixIsNamedWithItsEntries) {
+  EXPECT_EQ(delassus_defect(problem_of(Eigen::Matrix2d{{2, 0.5}, {1, 2}})),
+            "W is not symmetric: W(0, 1) = 0.5, W(1, 0) = 1");
+}
+
+// A singular W = g gᵀ, each entry rounded to six digits in its own way, and slightly indefinite.
+TEST(DelassusCheck, DataOfSixDigitsPass) {
+  Eigen::MatrixXd w(4, 4);
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) w(i, j) = (1 + i / 3.0) * (1 + j / 3.0);
+  }
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) w(i, j) *= 1 + 5e-6 * ((3 * i + 2 * j) % 3 - 1);
+  }
+  EXPECT_EQ(delassus_defect(problem_of(w)), "");
+}
+
+// Beyond 300 rows: a chain 1, c, c has the eigenvalues 1 + 2 c cos: with c = 0.49 all are positive,
+// with c = 0.6 the smallest is near -0.2.
+TEST(DelassusCheck, ALargeMatrixIsLookedAtByProducts) {
+  for (const double c : {0.49, 0.6}) {
+    Eigen::MatrixXd w = Eigen::MatrixXd::Identity(400, 400);
+    for (int i = 1; i < 400; ++i) w(i, i - 1) = w(i - 1, i) = c;
+    EXPECT_EQ(delassus_defect(problem_of(w)).empty(), c < 0.5);
+  }
+}
+
+TEST(DelassusCheck, WIsComparedWithAAndH) {
+  ContactProblem p;
+  p.dim = 1;
+  p.A = SparseMatrix(1, 1);
+  p.A.insert(0, 0) = 2;
+  p.H = SparseMatrix(1, 2);
+  p.H.insert(0, 0) = 1;
+  p.H.insert(0, 1) = 1;
+  p.A.makeCompressed();
+  p.H.makeCompressed();
+  p.v_free = -Vector::Ones(1);
+  p.u_free = -Vector::Ones(2);
+  p.mu = Vector::Zero(2);
+  EXPECT_EQ(delassus_defect(p), "");  // nothing to test
+  p.W = assemble_delassus(p.A, p.H, 1);
+  EXPECT_EQ(delassus_defect(p), "");
+  p.W.coeffRef(0, 0) = 0.7;
+  EXPECT_EQ(delassus_defect(p), "W is not that of A and H: W(0, 0) = 0.7, HᵀA⁻¹H has 0.5");
+}
+
+}  // namespace
+}  // namespace bipot
