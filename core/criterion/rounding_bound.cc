@@ -179,6 +179,28 @@ RoundedSums in_precision(RoundedSums sums, Precision precision) {
 
 }  // namespace
 
+double rounding_floor(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+                      const ContactError& error) {
+  double sum = 0;
+  if (p.has_velocities() && is_diagonal(p.A)) {
+    const RoundedMomentum pushed = rounded_momentum(p, s);
+    const Vector masses = p.A.diagonal();
+    for (Eigen::Index row = 0; row < p.num_rows(); row += p.dim) {
+      for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
+        sum += s[row] * std::abs(it.value()) * pushed.size[it.row()] / masses[it.row()];
+      }
+    }
+  } else if (p.has_delassus()) {
+    for (Eigen::Index row = 0; row < p.num_rows(); row += p.dim) {
+      for (SparseRows::InnerIterator it(p.W, row); it; ++it) {
+        sum += s[row] * std::abs(it.value() * s[it.col()]);
+      }
+    }
+  }
+  const double scale = std::max(error.friction_power, kTheta * error.energy);
+  return scale > 0 ? Rounded::kUnit * sum / scale : 0;
+}
+
 RoundedMomentum rounded_momentum(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
   RoundedMomentum pushed;
   for (Vector* sum : {&pushed.momentum, &pushed.size, &pushed.count}) sum->setZero(p.num_dofs());
