@@ -101,8 +101,8 @@ Table plane_table(const Advice& a) {
   Table table{.columns = {{.name = "time step", .show = value_label, .unit = "s"}},
               .caption = "Step and tolerance",
               .note =
-                  "Worst error over its goal, of the step and of the cheapest solver that met the "
-                  "tolerance; at most 1 meets the goal. Solvers were tried at the marked step; "
+                  "Worst error over its goal, of the step and of the choice, else of the cheapest "
+                  "solver; at most 1 meets the goal. Solvers were tried at the marked step; "
                   "at others their errors are taken from there. Below: CPU of the solves in a "
                   "simulated second, at the marked step."};
   std::vector<double> tols;
@@ -112,8 +112,10 @@ Table plane_table(const Advice& a) {
     }
   }
   std::sort(tols.rbegin(), tols.rend());
+  const SolverTrial* choice = a.choice < 0 ? nullptr : &a.trials[to_size(a.choice)];
   const auto cheapest = [&](double tol) {
     const SolverTrial* best = nullptr;
+    if (choice != nullptr && choice->tol == tol) return choice;
     for (const SolverTrial& t : a.trials) {
       if (t.tol != tol || t.solved < t.stretches) continue;
       if (best == nullptr || t.seconds < best->seconds) best = &t;
