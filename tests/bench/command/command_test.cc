@@ -274,15 +274,17 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
   EXPECT_EQ(j["status"], "met");
   EXPECT_GT(j["fresh"]["stretches"], 0);
   EXPECT_LE(j["fresh"]["error"]["force"].get<double>(), 1e-2);
-  EXPECT_TRUE(j["goal"]["energy"].is_null());  // not asked for
-  EXPECT_EQ(bipot(arguments).exit_code, 2);    // the copy exists
-  EXPECT_EQ(bipot(arguments + " --force").exit_code, 0);
+  EXPECT_TRUE(j["goal"]["energy"].is_null());            // not asked for
+  EXPECT_EQ(bipot(arguments).exit_code, 2);              // the copy exists
+  const Outcome second = bipot(arguments + " --force");  // times decide: the choice may differ
+  ASSERT_EQ(second.exit_code, 0);
+  const json written = json::parse(second.out);
   const Outcome run = bipot("run " + path("advised.toml") + " --json -");
   EXPECT_EQ(run.exit_code, 0);
   const json r = json::parse(run.out);
-  EXPECT_EQ(r["solver"], j["advice"]["solver"]);
-  EXPECT_EQ(r["tol"], j["advice"]["tol"]);
-  EXPECT_EQ(r["steps"], j["advice"]["steps"]);
+  EXPECT_EQ(r["solver"], written["advice"]["solver"]);
+  EXPECT_EQ(r["tol"], written["advice"]["tol"]);
+  EXPECT_EQ(r["steps"], written["advice"]["steps"]);
   // Without a goal: five lines, the last of which is a command that runs, and a page.
   const Outcome five =
       bipot("advise " + scene + " --solvers apgd --time-limit 20 --out " + path("advice"));
