@@ -23,6 +23,7 @@
 #include "bench/command/extremes_command.h"
 #include "bench/command/judge_command.h"
 #include "bench/command/list_command.h"
+#include "bench/command/page_command.h"
 #include "bench/command/paper_command.h"
 #include "bench/command/run_command.h"
 #include "bench/command/run_processes.h"
@@ -123,6 +124,7 @@ int run_command_line(int argc, const char* const* argv) {
       "  bipot list solvers");
   const std::vector<Command> commands = {
       command(line, &add_run_command, &run_command),
+      command(line, &add_page_command, &page_command),
       command(line, &add_solve_command, &solve_command),
       command(line, &add_judge_command, &judge_command),
       command(line, &add_compare_command, &compare_command),

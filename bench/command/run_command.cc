@@ -19,6 +19,7 @@
 #include "bench/command/run_processes.h"
 #include "bench/command/run_summary.h"
 #include "bench/measure/peak_memory.h"
+#include "bench/page/run_page.h"
 #include "bench/problems/observable_charts.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/chart.h"
@@ -86,6 +87,7 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
     throw std::invalid_argument("give --steps or --duration: one decides the other");
   }
   if (flags.step_size) scene.step = *flags.step_size;
+  if (flags.no_page) scene.output.page = false;
   scene.solver = merged(scene.solver, flags.solver);
   if (flags.model) {
     scene.model = *flags.model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
@@ -187,6 +189,15 @@ int nothing_to_do(const RunFlags& flags, const Scene<D>& scene, const State<D>& 
   }
   if (!quiet) fmt::print("{}\n", message);
   return kExitConverged;
+}
+
+/// A page that cannot be written costs nothing else.
+void write_page_or_say(const fs::path& folder) {
+  try {
+    write_run_page(folder);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "bipot: the page of the run is not written: {}\n", e.what());
+  }
 }
 
 struct RunOutcome {
@@ -373,7 +384,9 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
     json["state"] = state_text;
   }
   if (run.domains) json["domains"] = to_json(*run.domains, peak[0]);
+  json["command_line"] = typed_command();
   write_json(json, (folder / "summary.json").string());
+  if (scene.output.page) write_page_or_say(folder);
   if (!flags.common.json.empty()) write_json(json, flags.common.json);
   if (!quiet) {
     fmt::print("{}", to_text(summary));
@@ -424,6 +437,7 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
       "Overlap aimed at, of the smallest radius: decides the stiffness");
   dem("--tangential-ratio", flags.tangential_ratio, "FRACTION", "Tangential over normal stiffness");
   dem("--substep", flags.substep, "SECONDS", "Largest substep (default: from the stability limit)");
+  command.flag("--no-page", flags.no_page, "No index.html, which shows the run");
   add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
   command.flag("--overwrite", flags.overwrite, "Delete the run that DIR holds");

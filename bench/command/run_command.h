@@ -18,6 +18,7 @@ struct RunFlags {
   std::string on_failure;
   std::string on_tunnel = "stop";  ///< or "warn", "smaller-step"
   std::optional<std::string> model;
+  bool no_page = false;
   bool reproducible = false;  ///< exact sums, the same bits for any number of processes
   /// Parameters of the spring-dashpot model; unset entries leave the scene's choice.
   std::optional<double> stiffness, overlap, tangential_ratio, substep;

@@ -221,7 +221,7 @@ std::string difference(const Scene<D>& a, const Scene<D>& b) {
   if (a.outlets.size() != b.outlets.size() || a.inlets.size() != b.inlets.size()) return "gates";
   const OutputChoice &x = a.output, &y = b.output;
   if (x.every != y.every || x.ledger_every != y.ledger_every || x.picture != y.picture ||
-      x.stress_picture != y.stress_picture || x.track != y.track) {
+      x.stress_picture != y.stress_picture || x.page != y.page || x.track != y.track) {
     return "output";
   }
   return {};

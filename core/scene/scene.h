@@ -173,6 +173,7 @@ struct OutputChoice {
   int ledger_every = 1;         ///< rows of the CSV ledger
   bool picture = true;          ///< force-chain picture of the last step (SVG and PNG)
   bool stress_picture = false;  ///< disks coloured by pressure, last step (SVG and PNG)
+  bool page = true;             ///< index.html, which shows the run, and its film
   std::vector<int> track;       ///< disks whose trajectory goes to trajectory.csv at every step
 };
 

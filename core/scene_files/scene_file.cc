@@ -230,6 +230,7 @@ void read_output(const SceneTable& root, Scene<D>& scene) {
   if (o.ledger_every < 0) table->fail("ledger_every", "expected a non-negative integer");
   o.picture = table->boolean("picture", o.picture);
   o.stress_picture = table->boolean("stress_picture", o.stress_picture);
+  o.page = table->boolean("page", o.page);
   for (double x : table->numbers("track")) {
     const bool is_index = x >= 0 && x <= std::numeric_limits<int>::max() && x == std::floor(x);
     if (!is_index)

@@ -42,6 +42,10 @@ RunFolder<D>::RunFolder(const Scene<D>& scene, const State<D>& state,
       options_(options),
       writer_(options.folder, scene, options.scene_text, options.resume ? state.step : -1) {
   writer_.frame(state);
+  if (scene.output.page) {
+    film_.emplace(options.folder, scene, options.resume ? state.step : -1);
+    film_->step(state);
+  }
 }
 
 template <int D>
@@ -59,6 +63,9 @@ void RunFolder<D>::step(const SceneStep<D>& step) {
   writer_.step(step.state, step.report);
   framed_ = scene_.output.every > 0 && step.state.step % scene_.output.every == 0;
   if (framed_) writer_.frame_beside(step.state);
+  // Of a distributed state this process has the bodies at steps that are written anyway.
+  const bool whole = !step.state.bodies.empty() || scene_.has_gates() || scene_.bodies.empty();
+  if (film_ && whole) film_->step(step.state);
 }
 
 template <int D>
@@ -77,6 +84,7 @@ void RunFolder<D>::finish(const State<D>& state, const SceneRun<D>& run) {
   }
   if (!framed_) writer_.frame(state);
   writer_.finish(state);
+  if (film_) film_->finish(state);
   draw(state, run.totals);
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
+#include "core/run_files/film.h"
 #include "core/run_files/run_output.h"
 #include "solvers/simulation/scene_run.h"
 
@@ -10,7 +12,7 @@ namespace bipot {
 /// True if a step's state is written, whole or in part.
 bool needs_state(const OutputChoice& output, int step);
 
-/// The folder of a run: the files of RunWriter, on request the contact problems of its steps, and
+/// The folder of a run: the files of RunWriter, the film for its page, on request the contact problems of its steps, and
 /// the pictures that the scene asks for. A problem has the start of its solver as a guess, and its
 /// geometry. Throws FileError.
 template <int D>
@@ -32,7 +34,8 @@ class RunFolder {
   const Scene<D>& scene_;
   RunFolderOptions options_;
   RunWriter<D> writer_;
-  bool framed_ = true;  // the last step has its frame
+  std::optional<FilmRecorder<D>> film_;  // for the page, unless the scene has none
+  bool framed_ = true;                   // the last step has its frame
 };
 
 }  // namespace bipot

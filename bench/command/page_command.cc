@@ -1,0 +1,28 @@
+#include "bench/command/page_command.h"
+
+#include <fmt/format.h>
+
+#include "bench/command/exit_code.h"
+#include "bench/page/run_page.h"
+
+namespace bipot {
+
+CommandDeclaration add_page_command(CommandLine& line, PageFlags& flags) {
+  CommandDeclaration command =
+      line.add_command("page", "Write index.html, which plays a run, into the run's folder");
+  command.option("run", flags.run, "Run, finished or interrupted (folder or run.h5)").required();
+  command.footer(
+      "The page is one file: a browser shows it without a network.\n"
+      "Examples:\n"
+      "  bipot page out/compaction");
+  return command;
+}
+
+int page_command(const PageFlags& flags) {
+  const RunPage page = write_run_page(flags.run);
+  fmt::print("{}: {} frames, {:.1f} MB\n", page.path.string(), page.frames,
+             1e-6 * static_cast<double>(page.bytes));
+  return kExitConverged;
+}
+
+}  // namespace bipot

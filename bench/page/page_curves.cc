@@ -1,0 +1,131 @@
+#include "bench/page/page_curves.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include "core/base/file_error.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string_view> cells_of(std::string_view line) {
+  std::vector<std::string_view> cells;
+  while (true) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(line.substr(0, comma));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+std::optional<double> number_of(std::string_view cell) {
+  double x = std::numeric_limits<double>::quiet_NaN();
+  const auto [end, failure] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
+  if (failure != std::errc() || end != cell.data() + cell.size()) return std::nullopt;
+  return x;
+}
+
+std::string_view without_unit(std::string_view name) {
+  return name.substr(0, std::min(name.find(" ["), name.size()));
+}
+
+/// Tables in the order in which their words appear.
+std::vector<CurveTable> read_table(const fs::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::vector<CurveTable> tables;
+  if (!file || !std::getline(file, line)) return tables;
+  std::vector<std::string> names;
+  for (const auto cell : cells_of(line)) names.emplace_back(cell);
+  std::map<std::string, std::size_t, std::less<>> table_of;
+  std::size_t word = names.size();  // column of words, if there is one
+  std::vector<double> row;
+  while (std::getline(file, line)) {
+    const auto cells = cells_of(line);
+    if (cells.size() != names.size() || file.eof()) continue;  // the run was killed in this line
+    if (tables.empty()) {
+      for (std::size_t k = 0; k < cells.size(); ++k) {
+        if (word == names.size() && !number_of(cells[k])) word = k;
+      }
+    }
+    row.clear();
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      if (k != word) {
+        row.push_back(number_of(cells[k]).value_or(std::numeric_limits<double>::quiet_NaN()));
+      }
+    }
+    const std::string_view part = word < cells.size() ? cells[word] : std::string_view();
+    auto found = table_of.find(part);
+    if (found == table_of.end()) {
+      found = table_of.emplace(part, tables.size()).first;
+      CurveTable table{.file = path.stem().string(), .part = std::string(part)};
+      for (std::size_t k = 0; k < names.size(); ++k) {
+        if (k != word) table.names.push_back(names[k]);
+      }
+      table.columns.resize(table.names.size());
+      if (table.column("time") == nullptr) throw FileError(path, "", "has no column 'time'");
+      tables.push_back(std::move(table));
+    }
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      tables[found->second].columns[k].push_back(row[k]);
+    }
+  }
+  return tables;
+}
+
+}  // namespace
+
+const std::vector<double>* CurveTable::column(const std::string& name) const {
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (without_unit(names[k]) == name) return &columns[k];
+  }
+  return nullptr;
+}
+
+std::vector<CurveTable> read_curves(const fs::path& folder) {
+  std::vector<CurveTable> tables;
+  for (const char* name : {"ledger.csv", "walls.csv", "observables.csv", "gates.csv"}) {
+    for (CurveTable& table : read_table(folder / name)) tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+CurveTable thinned_curves(const CurveTable& table, std::size_t points) {
+  const std::size_t rows = table.columns.empty() ? 0 : table.columns.front().size();
+  if (rows <= points) return table;
+  CurveTable thin{.file = table.file, .part = table.part, .names = table.names};
+  const std::size_t stretches = points / 2;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const std::vector<double>& column = table.columns[c];
+    const std::string_view name = without_unit(table.names[c]);
+    const bool axis = name == "time" || name == "step";
+    std::vector<double> values;
+    for (std::size_t s = 0; s < stretches; ++s) {
+      const auto begin = column.begin() + static_cast<std::ptrdiff_t>(s * rows / stretches);
+      const auto end = column.begin() + static_cast<std::ptrdiff_t>((s + 1) * rows / stretches);
+      if (axis) {
+        values.insert(values.end(), {*begin, *(end - 1)});
+        continue;
+      }
+      auto low = begin, high = begin;  // a number, where the stretch has one
+      for (auto at = begin; at != end; ++at) {
+        if (*at < *low || std::isnan(*low)) low = at;
+        if (*at > *high || std::isnan(*high)) high = at;
+      }
+      if (high < low) std::swap(low, high);
+      values.insert(values.end(), {*low, *high});
+    }
+    thin.columns.push_back(std::move(values));
+  }
+  return thin;
+}
+
+}  // namespace bipot

@@ -1,0 +1,109 @@
+// The head of the page: status, what was asked and reached, warnings; and what stands below.
+
+function element(name, content, attributes = {}) {
+  const made = Object.assign(document.createElement(name), attributes);
+  made.append(...[content].flat());
+  return made;
+}
+
+/** Largest way of a body in one step, over the smallest radius, and its frame. */
+function longestWay(run) {
+  let most = 0, at = null;
+  for (const frame of run.frames) {
+    const speed = magnitudes(frame.v, frame.count, run.dim);
+    for (let k = 0; k < frame.count; ++k) {
+      if (speed[k] > most) most = speed[k], at = {frame, number: frame.number[k]};
+    }
+  }
+  return {radii: most * run.about.time_step / run.smallest, at};
+}
+
+/** Warnings, the gravest first: {bad, text, time}. */
+function warningsOf(run, tables) {
+  const {about} = run, {summary} = about, warnings = [];
+  const ledger = tables.find(table => table.file === 'ledger');
+  const unsolved = about.marks.filter(([kind]) => kind === 'unsolved');
+  if (!summary) {
+    const last = run.frames.at(-1);
+    warnings.push({bad: true, text: `The run has not come to its end: there is no summary. Frames go to step ${last.step} of ${about.num_steps}. ` +
+      `To go on: bipot run ${about.source} --restart ${about.folder}`});
+  } else if (!['completed', 'nothing to do', 'not converged'].includes(summary.status)) {
+    warnings.push({bad: true, text: `${summary.status}: ${summary.message || `the run ended after step ${summary.last_step}`}`});
+  }
+  const count = summary ? summary.steps - summary.steps_converged : unsolved.length;
+  if (count > 0) {
+    const first = unsolved[0], step = first ? first[1] : summary.first_unconverged_step;
+    warnings.push({bad: true, text: `${count} ${count === 1 ? 'step was' : 'steps were'} not solved to the tolerance ${textOf(about.tol, 1)}, first step ${step}` +
+      (summary?.message ? `: ${summary.message}` : ''), time: first ? first[2] : step * about.time_step});
+  }
+  const overlap = ledger?.columns.penetration;
+  if (overlap && run.smallest < Infinity) {
+    let row = 0;
+    overlap.forEach((x, k) => { if (x > overlap[row]) row = k; });
+    const share = overlap[row] / run.smallest;
+    if (share > 0.05) {
+      warnings.push({text: `Bodies overlap by up to ${textOf(100 * share, 2)} % of the smallest radius (${textOf(overlap[row])} m, step ${Math.round(ledger.columns.step[row])}). ` +
+        'A smaller time step makes it smaller.', time: ledger.columns.time[row]});
+    }
+  }
+  const {radii, at} = longestWay(run);
+  if (radii > 1 && at) {
+    warnings.push({text: `Body ${at.number} moves by ${textOf(radii, 2)} smallest radii in one step: it may pass through others. See the key travel.`, time: at.frame.time});
+  }
+  for (const text of summary?.warnings || []) {
+    if (typeof text === 'string') warnings.push({text});
+  }
+  for (const text of about.notes) warnings.push({text});
+  return warnings;
+}
+
+function fillHead(run, tables, jump) {
+  const {about} = run, {summary} = about, last = run.frames.at(-1);
+  const state = summary ? summary.status : 'no summary';
+  const good = state === 'completed' || state === 'nothing to do';
+  const facts = [element('span', state, {className: `chip ${good ? 'good' : 'bad'}`})];
+  const fact = text => facts.push(element('span', text));
+  fact(summary ? `${summary.steps} of ${summary.steps_planned} steps to t = ${textOf(summary.time, 4)} s` : `t = ${textOf(last.time, 4)} s`);
+  fact(`${last.count} ${run.dim === 2 ? 'disks' : 'spheres'}`);
+  if (about.model === 'dem') fact('springs and dashpots');
+  else {
+    fact(`asked: ${about.solver} to ${textOf(about.tol, 1)}`);
+    if (summary && Number.isFinite(summary.epsilon ?? NaN)) {
+      fact(`reached: max(ε, η) ${textOf(Math.max(summary.epsilon, summary.eta ?? 0), 2)} at worst, step ${summary.worst_step}`);
+    }
+  }
+  if (summary?.seconds) fact(`computed in ${textOf(summary.seconds.total, 2)} s`);
+  document.getElementById('status').replaceChildren(...facts);
+  const list = warningsOf(run, tables).map(({bad, text, time}) => {
+    const item = element('li', text, {className: bad ? 'bad' : ''});
+    if (time !== undefined) {
+      const link = element('a', `Show t = ${textOf(time, 4)} s`, {href: `#t=${Number(time.toPrecision(7))}`});
+      link.addEventListener('click', event => { event.preventDefault(); jump(time); });
+      item.append(' ', link);
+    }
+    return item;
+  });
+  document.getElementById('warnings').replaceChildren(...list);
+  document.title = `${about.title} · Bipot`;
+}
+
+/** Scene file, origin, keys, and the next commands. */
+function fillFoot(run) {
+  const {about} = run, {summary} = about, scene = about.source;
+  const known = rows => element('dl', rows.filter(([, value]) => value !== undefined && value !== '')
+    .flatMap(([name, value]) => [element('dt', name), element('dd', String(value))]));
+  const fold = (title, content, open = false) => element('details', [element('summary', title), ...[content].flat()], {open});
+  const next = [`bipot run ${scene} --restart ${about.folder} --steps ${Math.max(100, Math.round(about.num_steps / 4))}`,
+    `bipot advise ${scene}`, `paraview ${about.folder}/run.xdmf`];
+  const keys = [['Space', 'play, pause'], ['← →', 'one frame; with Shift ten'], ['Home End', 'first, last frame'], ['+ −', 'closer, farther; also the wheel or two fingers'],
+    ['F', 'fit'], ['Esc', 'let go of the body'], [run.dim === 2 ? 'Drag' : 'Drag, Shift and drag', run.dim === 2 ? 'move the picture' : 'turn, move the picture']];
+  document.getElementById('about-run').replaceChildren(
+    fold('What to do next', element('pre', next.join('\n')), true),
+    fold('Scene file', element('pre', about.scene || '(none)')),
+    fold('How this was made', known([
+      ['command', summary?.command_line || `bipot run ${scene}`], ['program', `bipot ${about.version}, page by commit ${about.commit}`],
+      ['time step', `${textOf(about.time_step)} s`], ['frames', `${run.frames.length}, steps ${run.frames[0].step} to ${run.frames.at(-1).step}`],
+      ['numbers', `positions to ${textOf(about.quantum / 2, 2)} m, velocities and forces to 0.11 %; files of the run have all digits`],
+      ['processes', summary?.processes], ['state', summary?.state]])),
+    fold('Keys', element('dl', keys.flatMap(([key, what]) => [element('dt', element('kbd', key)), element('dd', what)]))));
+}

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+namespace bipot {
+
+struct RunPage {
+  std::filesystem::path path;
+  std::size_t bytes = 0, frames = 0;
+};
+
+/// Writes index.html into the folder of a run, finished or interrupted: a page of one file that plays
+/// the run, with nothing to load. Frames are those of its film (core/run_files/film.h). A run without
+/// one, of an older version, has the frames of its HDF5 files. A page has at most 20 MB: frames go
+/// first, then weak contacts, and the page says so. Throws FileError.
+RunPage write_run_page(const std::filesystem::path& run);
+
+}  // namespace bipot

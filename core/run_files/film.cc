@@ -1,0 +1,139 @@
+#include "core/run_files/film.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFilmFile = "film.bin";
+constexpr std::string_view kFilmMark = "bipot film 1\n";
+
+template <class T>
+std::string_view bytes_of(const T& value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+/// The film without the frames after step `last`.
+Film film_up_to(const fs::path& folder, int last) {
+  Film film = read_film(folder);
+  std::erase_if(film.frames, [&](const FilmFrame& frame) { return frame.step > last; });
+  return film;
+}
+
+}  // namespace
+
+Film read_film(const fs::path& folder) {
+  const fs::path path = folder / kFilmFile;
+  Film film;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return film;
+  const std::string content{std::istreambuf_iterator<char>(in), {}};
+  std::string_view rest = content;
+  if (rest.size() < kFilmMark.size() + sizeof film.quantum) return film;  // killed at the start
+  if (!rest.starts_with(kFilmMark)) throw FileError(path, "", "not a film of this version");
+  rest.remove_prefix(kFilmMark.size());
+  std::memcpy(&film.quantum, rest.data(), sizeof film.quantum);
+  rest.remove_prefix(sizeof film.quantum);
+  std::uint32_t size = 0;
+  while (rest.size() >= sizeof size) {
+    std::memcpy(&size, rest.data(), sizeof size);
+    rest.remove_prefix(sizeof size);
+    if (size > rest.size()) break;  // the frame under way when the run was killed
+    try {
+      film.frames.push_back(frame_of_bytes(rest.substr(0, size)));
+    } catch (const std::invalid_argument& defect) {
+      throw FileError(path, "", defect.what());
+    }
+    rest.remove_prefix(size);
+  }
+  return film;
+}
+
+template <int D>
+FilmRecorder<D>::FilmRecorder(fs::path folder, const Scene<D>& scene, int resume_after)
+    : path_(folder / kFilmFile), scene_(scene), quantum_(film_quantum(scene)) {
+  Film before = film_up_to(folder, resume_after);
+  // Positions keep their quantum: one film has one.
+  if (before.quantum != quantum_) before.frames.clear();
+  // Distances tell how often steps were taken; the first and the last may stand anywhere.
+  const auto& frames = before.frames;
+  if (frames.size() > 3) every_ = std::max(1, frames[2].step - frames[1].step);
+  rewrite(frames);
+}
+
+template <int D>
+void FilmRecorder<D>::write(std::string_view bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) {
+    throw FileError(path_, "", std::string("cannot write: ") + std::strerror(errno));
+  }
+}
+
+template <int D>
+void FilmRecorder<D>::rewrite(const std::vector<FilmFrame>& frames) {
+  fs::path draft = path_;
+  draft += ".part";
+  file_.reset(std::fopen(draft.c_str(), "wb"));
+  if (!file_) throw FileError(path_, "", std::string("cannot write: ") + std::strerror(errno));
+  write(kFilmMark);
+  write(bytes_of(quantum_));
+  frames_ = bytes_ = 0;
+  for (const FilmFrame& frame : frames) {
+    const std::string bytes = to_bytes(frame);
+    write(bytes_of(static_cast<std::uint32_t>(bytes.size())));
+    write(bytes);
+    last_ = frame.step;
+    bytes_ += bytes.size();
+    ++frames_;
+  }
+  std::error_code error;
+  if (std::fflush(file_.get()) == 0) fs::rename(draft, path_, error);
+  if (error) throw FileError(path_, "", "cannot write: " + error.message());
+}
+
+template <int D>
+void FilmRecorder<D>::step(const State<D>& state) {
+  if (state.step % every_ == 0) add(state);
+}
+
+template <int D>
+void FilmRecorder<D>::finish(const State<D>& last) {
+  add(last);
+}
+
+template <int D>
+void FilmRecorder<D>::add(const State<D>& state) {
+  if (state.step <= last_) return;
+  const std::string bytes = to_bytes(film_frame(state, quantum_, scene_.step, scene_.has_gates()));
+  write(bytes_of(static_cast<std::uint32_t>(bytes.size())));
+  write(bytes);
+  if (std::fflush(file_.get()) != 0) {
+    throw FileError(path_, "", std::string("cannot write: ") + std::strerror(errno));
+  }
+  last_ = state.step;
+  bytes_ += bytes.size();
+  if (++frames_ >= kMostFrames || (bytes_ > kMostBytes && frames_ > 2)) thin();
+}
+
+template <int D>
+void FilmRecorder<D>::thin() {
+  every_ *= 2;
+  std::vector<FilmFrame> frames = read_film(path_.parent_path()).frames;
+  std::erase_if(frames, [&, first = frames.front().step](const FilmFrame& frame) {
+    return frame.step != first && frame.step % every_ != 0;
+  });
+  const int last = last_;
+  rewrite(frames);
+  last_ = last;
+}
+
+template class FilmRecorder<2>;
+template class FilmRecorder<3>;
+
+}  // namespace bipot

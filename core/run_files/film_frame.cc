@@ -1,0 +1,229 @@
+#include "core/run_files/film_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+namespace bipot {
+namespace {
+
+constexpr double kOctave = 327;  // codes of log_code in an octave
+constexpr double kLowest = -50;  // power of two of the smallest magnitude
+constexpr int kMagnitudes = 0x7fff;
+
+std::int32_t rounded(double x) {
+  constexpr double kLargest = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(std::lround(std::clamp(x, -kLargest, kLargest)));
+}
+
+/// A number in [-1, 1] in 16 bits.
+std::uint16_t unit_code(double x) {
+  return static_cast<std::uint16_t>(std::lround((std::clamp(x, -1.0, 1.0) + 1) * 32767));
+}
+double unit_value(std::uint16_t code) { return code / 32767.0 - 1; }
+
+/// Appends the bytes of numbers, their count first.
+template <class T>
+void put(std::string& bytes, const std::vector<T>& values) {
+  const auto count = static_cast<std::uint32_t>(values.size());
+  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+}
+
+class ByteReader {
+ public:
+  explicit ByteReader(std::string_view bytes) : rest_(bytes) {}
+  template <class T>
+  void take(T& value) {
+    take(&value, sizeof value);
+  }
+  template <class T>
+  void take(std::vector<T>& values) {
+    std::uint32_t count = 0;
+    take(count);
+    if (count > rest_.size() / sizeof(T)) throw std::invalid_argument("a film frame is cut off");
+    values.resize(count);
+    take(values.data(), count * sizeof(T));
+  }
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  void take(void* to, std::size_t size) {
+    if (size > rest_.size()) throw std::invalid_argument("a film frame is cut off");
+    if (size > 0) std::memcpy(to, rest_.data(), size);
+    rest_.remove_prefix(size);
+  }
+  std::string_view rest_;
+};
+
+template <int N>
+void add_logs(std::vector<std::uint16_t>& codes, const Eigen::Matrix<double, N, 1>& x) {
+  for (const double value : x) codes.push_back(log_code(value));
+}
+void add_logs(std::vector<std::uint16_t>& codes, double x) { codes.push_back(log_code(x)); }
+
+void add_turn(std::vector<std::uint16_t>& codes, const Disk& disk) {
+  codes.push_back(angle_code(disk.angle));
+}
+void add_turn(std::vector<std::uint16_t>& codes, const Sphere& sphere) {
+  const auto& q = sphere.orientation;
+  const double sign = q.w() < 0 ? -1 : 1;  // q and -q are one rotation; w follows from the others
+  for (const double x : {q.x(), q.y(), q.z()}) codes.push_back(unit_code(sign * x));
+}
+
+void add_direction(std::vector<std::uint16_t>& codes, const Vec2& n) {
+  codes.push_back(angle_code(std::atan2(n[1], n[0])));
+}
+void add_direction(std::vector<std::uint16_t>& codes, const Vec3& n) {
+  for (const std::uint16_t code : direction_code(n)) codes.push_back(code);
+}
+
+}  // namespace
+
+std::uint16_t log_code(double x) {
+  const double size = std::abs(x);
+  if (!(size >= std::exp2(kLowest))) return 0;
+  const double level = std::min((std::log2(size) - kLowest) * kOctave + 1, double{kMagnitudes});
+  const auto code = static_cast<std::uint16_t>(std::lround(level));
+  return x < 0 ? static_cast<std::uint16_t>(code | 0x8000) : code;
+}
+
+double log_value(std::uint16_t code) {
+  const int level = code & kMagnitudes;
+  if (level == 0) return 0;
+  const double size = std::exp2((level - 1) / kOctave + kLowest);
+  return (code & 0x8000) != 0 ? -size : size;
+}
+
+std::uint16_t angle_code(double angle) {
+  const double turns = angle / (2 * std::numbers::pi);
+  if (!std::isfinite(turns)) return 0;
+  return static_cast<std::uint16_t>(std::lround((turns - std::floor(turns)) * 65536) & 0xffff);
+}
+
+double angle_value(std::uint16_t code) { return 2 * std::numbers::pi * code / 65536; }
+
+std::array<std::uint16_t, 2> direction_code(const Vec3& n) {
+  const double size = n.lpNorm<1>();
+  if (!(size > 0)) return {unit_code(0), unit_code(0)};
+  double x = n[0] / size, y = n[1] / size;
+  if (n[2] < 0) {
+    const double folded = (1 - std::abs(y)) * (x < 0 ? -1 : 1);
+    y = (1 - std::abs(x)) * (y < 0 ? -1 : 1);
+    x = folded;
+  }
+  return {unit_code(x), unit_code(y)};
+}
+
+Vec3 direction_value(std::uint16_t first, std::uint16_t second) {
+  double x = unit_value(first), y = unit_value(second);
+  const double z = 1 - std::abs(x) - std::abs(y);
+  if (z < 0) {
+    const double folded = (1 - std::abs(y)) * (x < 0 ? -1 : 1);
+    y = (1 - std::abs(x)) * (y < 0 ? -1 : 1);
+    x = folded;
+  }
+  return Vec3(x, y, z).normalized();
+}
+
+template <int D>
+double film_quantum(const Scene<D>& scene) {
+  const double radius = smallest_radius(scene);
+  return std::isfinite(radius) ? radius / 1024 : 1e-6;
+}
+
+template <int D>
+FilmFrame film_frame(const State<D>& state, double quantum, double step, bool gates) {
+  FilmFrame frame;
+  frame.step = state.step;
+  frame.time = state.time;
+  if (state.cell.in_x) frame.cell[0] = state.cell.width.length;
+  if (state.cell.in_y) frame.cell[1] = state.cell.height.length;
+  if (state.cell.in_y) frame.cell[2] = state.cell.offset.length;
+  for (const Wall<D>& wall : state.walls) {
+    frame.walls.insert(frame.walls.end(), wall.a.begin(), wall.a.end());
+    frame.walls.insert(frame.walls.end(), wall.b.begin(), wall.b.end());
+    frame.walls.push_back(wall.present ? 1 : 0);
+  }
+  for (std::size_t k = 0; k < state.bodies.size(); ++k) {
+    const Body<D>& body = state.bodies[k];
+    frame.number.push_back(gates ? state.population.numbers.at(k) : static_cast<int>(k));
+    if (gates) {
+      frame.radius.push_back(static_cast<float>(body.radius));
+      frame.mass.push_back(static_cast<float>(body.mass));
+      frame.material.push_back(static_cast<std::uint8_t>(std::min(body.material, 255)));
+    }
+    Vec<D> x = body.x;
+    if (state.cell.periodic()) {
+      x.template head<2>() = wrapped(state.cell, body.x.template head<2>());
+    }
+    for (const double place : x) frame.x.push_back(rounded(place / quantum));
+    add_turn(frame.turn, body);
+    add_logs(frame.v, body.v);
+    add_logs(frame.spin, body.spin);
+  }
+  const auto bodies = static_cast<int>(state.bodies.size());
+  for (const ContactOutcome<D>& c : state.contacts) {
+    frame.i.push_back(frame.number.at(to_size(c.contact.i)));
+    frame.j.push_back(c.contact.j < bodies ? frame.number[to_size(c.contact.j)]
+                                           : FilmFrame::kWall + c.contact.j - bodies);
+    add_direction(frame.n, c.contact.n);
+    frame.gap.push_back(log_code(c.contact.gap));
+    frame.force_n.push_back(log_code(c.s_n / step));
+    add_logs(frame.force_t, Tangent<D>(c.s_t / step));
+    frame.status.push_back(static_cast<std::uint8_t>(c.status));
+  }
+  return frame;
+}
+
+std::string to_bytes(const FilmFrame& frame) {
+  std::string bytes;
+  bytes.append(reinterpret_cast<const char*>(&frame.step), sizeof frame.step);
+  bytes.append(reinterpret_cast<const char*>(&frame.time), sizeof frame.time);
+  bytes.append(reinterpret_cast<const char*>(frame.cell.data()), sizeof frame.cell);
+  put(bytes, frame.walls);
+  put(bytes, frame.number);
+  put(bytes, frame.radius);
+  put(bytes, frame.mass);
+  put(bytes, frame.material);
+  put(bytes, frame.x);
+  for (const auto* codes : {&frame.turn, &frame.v, &frame.spin}) put(bytes, *codes);
+  put(bytes, frame.i);
+  put(bytes, frame.j);
+  for (const auto* codes : {&frame.n, &frame.gap, &frame.force_n, &frame.force_t}) {
+    put(bytes, *codes);
+  }
+  put(bytes, frame.status);
+  return bytes;
+}
+
+FilmFrame frame_of_bytes(std::string_view bytes) {
+  FilmFrame frame;
+  ByteReader reader(bytes);
+  reader.take(frame.step);
+  reader.take(frame.time);
+  reader.take(frame.cell);
+  reader.take(frame.walls);
+  reader.take(frame.number);
+  reader.take(frame.radius);
+  reader.take(frame.mass);
+  reader.take(frame.material);
+  reader.take(frame.x);
+  for (auto* codes : {&frame.turn, &frame.v, &frame.spin}) reader.take(*codes);
+  reader.take(frame.i);
+  reader.take(frame.j);
+  for (auto* codes : {&frame.n, &frame.gap, &frame.force_n, &frame.force_t}) reader.take(*codes);
+  reader.take(frame.status);
+  if (!reader.at_end()) throw std::invalid_argument("a film frame is too long");
+  return frame;
+}
+
+template double film_quantum(const Scene<2>&);
+template double film_quantum(const Scene<3>&);
+template FilmFrame film_frame(const State<2>&, double, double, bool);
+template FilmFrame film_frame(const State<3>&, double, double, bool);
+
+}  // namespace bipot

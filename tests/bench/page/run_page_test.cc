@@ -1,0 +1,111 @@
+#include "bench/page/run_page.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/base/file_error.h"
+#include "core/scene_files/scene_file.h"
+#include "solvers/simulation/scene_run.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+const std::string kScene = R"(
+title = "A disk & <a floor>"
+[contact]
+mu = 0.5
+[[disks]]
+radius = 0.1
+density = 1000
+position = [0, 0.15]
+[[walls]]
+name = "floor"
+point = [0, 0]
+normal = [0, 1]
+[time]
+step = 0.01
+steps = 30
+[output]
+every = 10
+picture = false
+)";
+
+void run_into(const std::filesystem::path& folder) {
+  const Scene<2> scene = parse_scene(kScene, "floor.toml");
+  State<2> state = initial_state(scene);
+  run_scene(scene, state, {.folder = {.folder = folder, .scene_text = kScene, .program = "test"}});
+}
+
+std::string read(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+nlohmann::json about(const std::string& page) {
+  const std::string mark = "id=\"about\">";
+  const std::size_t begin = page.find(mark) + mark.size();
+  return nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
+}
+
+TEST(RunPage, HoldsEveryStepOfAShortRun) {
+  const TemporaryFolder folder;
+  run_into(folder.path());
+  const RunPage written = write_run_page(folder.path());
+  EXPECT_EQ(written.frames, 31u);
+  const std::string page = read(written.path);
+  EXPECT_EQ(page.size(), written.bytes);
+  EXPECT_EQ(page.find("{{"), std::string::npos);
+  EXPECT_NE(page.find("<title>A disk &amp; &lt;a floor&gt;</title>"), std::string::npos);
+  EXPECT_EQ(page.find("src="), std::string::npos);                         // nothing is loaded
+  EXPECT_EQ(page.find("http"), page.find("https://github.com/leeoniya"));  // a comment of uPlot
+  const auto facts = about(page);
+  EXPECT_EQ(facts["frames"].size(), 31u);
+  EXPECT_EQ(facts["scene"], kScene);
+  EXPECT_TRUE(facts["summary"].is_null());  // which the command writes
+  EXPECT_EQ(facts["curves"][0]["file"], "ledger");
+  EXPECT_EQ(facts["curves"][0]["rows"], 30);
+  EXPECT_TRUE(facts["marks"].empty());
+}
+
+TEST(RunPage, AnOlderRunHasTheFramesOfItsFiles) {
+  const TemporaryFolder folder;
+  run_into(folder.path());
+  std::filesystem::remove(folder / "film.bin");
+  EXPECT_EQ(write_run_page(folder.path()).frames, 4u);  // 0, 10, 20, 30
+}
+
+TEST(RunPage, MarksUnsolvedSteps) {
+  const TemporaryFolder folder;
+  run_into(folder.path());
+  std::ofstream(folder / "ledger.csv")
+      << "step,time [s],converged,parts\n1,0.01,1,1\n2,0.02,0,1\n3,0.03,1,4\n";
+  write_run_page(folder.path());
+  const auto marks = about(read(folder / "index.html"))["marks"];
+  ASSERT_EQ(marks.size(), 2u);
+  EXPECT_EQ(marks[0], nlohmann::json::parse(R"(["unsolved", 2.0, 0.02])"));
+  EXPECT_EQ(marks[1], nlohmann::json::parse(R"(["cut", 3.0, 0.03])"));
+}
+
+TEST(RunPage, AFolderWithoutARunIsRefused) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(write_run_page(folder.path()), FileError);
+}
+
+TEST(RunPage, AScenesKeyLeavesTheFilmOut) {
+  const TemporaryFolder folder;
+  std::string text = kScene + "page = false\n";
+  const Scene<2> scene = parse_scene(text, "floor.toml");
+  EXPECT_FALSE(scene.output.page);
+  State<2> state = initial_state(scene);
+  run_scene(scene, state, {.folder = {.folder = folder.path(), .scene_text = text, .program = ""}});
+  EXPECT_FALSE(std::filesystem::exists(folder / "film.bin"));
+}
+
+}  // namespace
+}  // namespace bipot

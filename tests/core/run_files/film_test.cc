@@ -1,0 +1,161 @@
+#include "core/run_files/film.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "core/scene_files/scene_file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+TEST(FilmFrame, LogarithmsAreWithinAThousandth) {
+  // Half a step of 1/327 octave: 2^(0.5/327) - 1 = 1.06e-3.
+  for (const double x : {1e-15, 3.3e-7, 0.02, 1.0, 9.81, 7.7e5, 1e15}) {
+    EXPECT_NEAR(log_value(log_code(x)) / x, 1, 1.07e-3);
+    EXPECT_NEAR(log_value(log_code(-x)) / -x, 1, 1.07e-3);
+  }
+  EXPECT_EQ(log_value(log_code(0)), 0);
+  EXPECT_EQ(log_value(log_code(1e-16)), 0);  // below 2^-50 = 8.9e-16
+  EXPECT_EQ(log_value(log_code(std::nan(""))), 0);
+  EXPECT_NEAR(log_value(log_code(1e30)) / std::exp2(50), 1, 0.2);  // clipped
+}
+
+TEST(FilmFrame, AnglesAreWithinHalfAStep) {
+  for (const double angle : {0.0, 1.0, 3.1, 6.2, -0.4, 123.4}) {
+    const double apart =
+        std::remainder(angle_value(angle_code(angle)) - angle, 2 * std::numbers::pi);
+    EXPECT_LT(std::abs(apart), std::numbers::pi / 65536 * 1.001);
+  }
+}
+
+TEST(FilmFrame, DirectionsAreWithinATenThousandth) {
+  for (const Vec3& given : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(-1, 2, -3),
+                            Vec3(0.2, -0.9, 0.4), Vec3(-1, -1, -1e-3)}) {
+    const Vec3 n = given.normalized();
+    const auto [first, second] = direction_code(n);
+    EXPECT_LT((direction_value(first, second) - n).norm(), 1e-4);
+  }
+}
+
+Scene<2> two_disks() {
+  return parse_scene(R"(
+[contact]
+mu = 0.5
+[[disks]]
+radius = 0.5
+density = 1000
+position = [0, 0.5]
+[[disks]]
+radius = 0.25
+density = 1000
+position = [3, 0.25]
+[[walls]]
+name = "floor"
+point = [0, 0]
+normal = [0, 1]
+[time]
+step = 0.01
+steps = 10
+)",
+                     "two");
+}
+
+State<2> touching(const Scene<2>& scene) {
+  State<2> state = initial_state(scene);
+  state.step = 4;
+  state.time = 0.04;
+  state.bodies[1].v = Vec2(-2, 0.125);
+  state.bodies[1].spin = -3;
+  state.bodies[1].angle = 7;
+  ContactOutcome<2> contact;
+  contact.contact = {.i = 1, .j = 2, .n = Vec2(0, 1), .gap = -1e-4};
+  contact.s_n = 0.02;  // 2 N for a step of 0.01 s
+  contact.s_t = -0.005;
+  contact.status = ContactStatus::kSlip;
+  state.contacts = {contact};
+  return state;
+}
+
+TEST(FilmFrame, KeepsAStateWithinItsBounds) {
+  const Scene<2> scene = two_disks();
+  const double quantum = film_quantum(scene);
+  EXPECT_DOUBLE_EQ(quantum, 0.25 / 1024);
+  const FilmFrame frame =
+      frame_of_bytes(to_bytes(film_frame(touching(scene), quantum, scene.step, false)));
+  EXPECT_EQ(frame.step, 4);
+  EXPECT_EQ(frame.time, 0.04);
+  ASSERT_EQ(frame.x.size(), 4u);
+  EXPECT_NEAR(frame.x[2] * quantum, 3, quantum / 2);
+  EXPECT_NEAR(log_value(frame.v[2]), -2, 2 * 1.07e-3);
+  EXPECT_NEAR(log_value(frame.spin[1]), -3, 3 * 1.07e-3);
+  EXPECT_NEAR(angle_value(frame.turn[1]), 7 - 2 * std::numbers::pi, 5e-5);
+  ASSERT_EQ(frame.i.size(), 1u);
+  EXPECT_EQ(frame.j[0], FilmFrame::kWall);
+  EXPECT_NEAR(log_value(frame.force_n[0]), 2, 2 * 1.07e-3);
+  EXPECT_NEAR(log_value(frame.force_t[0]), -0.5, 0.5 * 1.07e-3);
+  EXPECT_NEAR(log_value(frame.gap[0]), -1e-4, 1.07e-7);
+  EXPECT_EQ(frame.status[0], 2);
+  const std::string bytes = to_bytes(frame);
+  EXPECT_THROW(frame_of_bytes(bytes.substr(0, bytes.size() - 1)), std::invalid_argument);
+  EXPECT_THROW(frame_of_bytes(bytes + "x"), std::invalid_argument);
+}
+
+/// Records the steps from `first` to `last`.
+void record(FilmRecorder<2>& film, State<2> state, int first, int last) {
+  for (int k = first; k <= last; ++k) {
+    state.step = k;
+    film.step(state);
+  }
+}
+
+TEST(Film, ThinsSoThatAnyLengthHasFourToEightHundredFrames) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = two_disks();
+  State<2> state = touching(scene);
+  FilmRecorder<2> film(folder.path(), scene);
+  record(film, state, 0, 5001);
+  state.step = 5001;
+  film.finish(state);
+  const Film found = read_film(folder.path());
+  // 800 steps by 1, to 1600 by 2, to 3200 by 4, then by 8: 0, 8, ... 5000, and the last.
+  ASSERT_EQ(found.frames.size(), 5000u / 8 + 2);
+  EXPECT_EQ(found.frames[1].step, 8);
+  EXPECT_EQ(found.frames[found.frames.size() - 2].step, 5000);
+  EXPECT_EQ(found.frames.back().step, 5001);
+}
+
+TEST(Film, GoesOnAfterARestartWithoutLaterFrames) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = two_disks();
+  const State<2> state = touching(scene);
+  {
+    FilmRecorder<2> film(folder.path(), scene);
+    record(film, state, 0, 1000);  // by 2
+  }
+  FilmRecorder<2> film(folder.path(), scene, 500);
+  record(film, state, 501, 510);
+  const Film found = read_film(folder.path());
+  ASSERT_EQ(found.frames.size(), 256u);  // 0, 2, ... 510
+  EXPECT_EQ(found.frames.back().step, 510);
+}
+
+TEST(Film, AFrameThatIsCutOffDoesNotCount) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = two_disks();
+  {
+    FilmRecorder<2> film(folder.path(), scene);
+    record(film, touching(scene), 0, 9);
+  }
+  const auto path = folder.path() / "film.bin";
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 3);
+  EXPECT_EQ(read_film(folder.path()).frames.size(), 9u);
+  std::filesystem::resize_file(path, 5);
+  EXPECT_TRUE(read_film(folder.path()).frames.empty());
+}
+
+}  // namespace
+}  // namespace bipot
