@@ -34,11 +34,11 @@ function textOf(x, digits = 3) {
   const size = Math.abs(x);
   if (size >= 1e-3 && size < 1e5) {
     const text = x.toPrecision(digits);
-    return text.includes('e') ? String(Math.round(x)) : text;
+    return (text.includes('e') ? String(Math.round(x)) : text).replace('-', '−');
   }
   const [mantissa, exponent] = x.toExponential(digits - 1).split('e');
   const small = [...String(Number(exponent))].map(c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]).join('');
-  return mantissa + '·10' + small;
+  return mantissa.replace('-', '−') + '·10' + small;
 }
 
 /** "speed [m/s]" as its name and its unit, which may be missing. */

@@ -372,7 +372,7 @@ class PlaneView {
 
   drawArrows(frame, colours) {
     const {pen, run, ratio} = this, n = frame.count, q = run.quantum;
-    const length = 2.4 * run.meanRadius / (rangeOf(run, 'speed')[1] || 1);
+    const length = 3.2 * run.meanRadius / (rangeOf(run, 'speed')[1] || 1);
     pen.strokeStyle = colours.arrow;
     pen.lineWidth = 1.5 * ratio;
     pen.beginPath();

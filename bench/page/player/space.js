@@ -39,7 +39,7 @@ void main() {
   if (pattern > 0.5) {
     vec3 own = back(turned, transpose(mat3(view)) * n);
     float w = fwidth(own.x * own.y * own.z) + 1e-4;
-    if (own.x * own.y * own.z > 0.0) rgb *= 0.72;
+    if (own.x * own.y * own.z > 0.0) rgb *= 0.8;
     if (min(min(abs(own.x), abs(own.y)), abs(own.z)) < 0.03) rgb *= 0.7;
   }
   rgb *= mix(0.72, 1.0, smoothstep(0.0, 0.32, facing));

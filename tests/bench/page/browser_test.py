@@ -26,9 +26,9 @@ def expect(condition, what):
 
 def number(text):
     """The first number of a text that textOf() wrote; its powers of ten are superscripts."""
-    found = re.search(r"(-?[\d.]+)(?:·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?", text)
+    found = re.search(r"([-−]?[\d.]+)(?:·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?", text)
     power = (found[2] or "").translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))
-    return float(found[1]) * 10 ** int(power or 0)
+    return float(found[1].replace("−", "-")) * 10 ** int(power or 0)
 
 
 def close(shown, true):
@@ -73,9 +73,9 @@ def check_bodies(page, name, frame):
         title, rows = tip(page)
         if not title or not re.match(r"(Disk|Sphere) \d+", title):
             continue
-        body = frame["bodies"][int(title.split()[1])]
+        body = next(b for b in frame["bodies"] if b["number"] == int(title.split()[1]))
         good = close(number(rows["radius"]), body["radius"]) and close(number(rows["speed"]), body["speed"])
-        contacts = sum(int(title.split()[1]) in (c["i"], c["j"]) for c in frame.get("contacts") or [])
+        contacts = sum(body["number"] == c["i"] or (body["number"] == c["j"] and not c["wall"]) for c in frame.get("contacts") or [])
         good = good and number(rows["contacts"]) == contacts
         seen += 1
         if not good:
@@ -88,7 +88,7 @@ def check_contacts(page, name, frame):
     """Hovers over the strongest contacts of disks."""
     seen, strongest = 0, sorted(frame["contacts"], key=lambda c: -c["force_n"])[:8]
     for c in strongest:
-        body = frame["bodies"][c["i"]]
+        body = next(b for b in frame["bodies"] if b["number"] == c["i"])
         point = [p - body["radius"] * n for p, n in zip(body["x"], c["n"])]
         x, y = page.value(f"{ON_SCREEN}({json.dumps(point)})")
         page.mouse("mouseMoved", x, y)

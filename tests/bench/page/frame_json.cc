@@ -15,15 +15,21 @@ template <int D>
 void print(const std::filesystem::path& run, int step, double time_step) {
   const State<D> state = read_state<D>(run, step);
   nlohmann::json frame{{"step", state.step}, {"time", state.time}};
-  for (const Body<D>& body : state.bodies) {
-    frame["bodies"].push_back({{"x", std::vector<double>(body.x.begin(), body.x.end())},
+  const int bodies = static_cast<int>(state.bodies.size());
+  const std::vector<int>& numbers = state.population.numbers;
+  const auto number = [&](int k) {
+    return numbers.empty() || k >= bodies ? k : numbers[to_size(k)];
+  };
+  for (int k = 0; k < bodies; ++k) {
+    const Body<D>& body = state.bodies[to_size(k)];
+    frame["bodies"].push_back({{"number", number(k)},
+                               {"x", std::vector<double>(body.x.begin(), body.x.end())},
                                {"radius", body.radius},
                                {"speed", body.v.norm()}});
   }
-  const int bodies = static_cast<int>(state.bodies.size());
   for (const ContactOutcome<D>& c : state.contacts) {
-    frame["contacts"].push_back({{"i", c.contact.i},
-                                 {"j", c.contact.j},
+    frame["contacts"].push_back({{"i", number(c.contact.i)},
+                                 {"j", number(c.contact.j)},
                                  {"wall", c.contact.j >= bodies},
                                  {"force_n", c.s_n / time_step},
                                  {"force_t", magnitude(c.s_t) / time_step},
