@@ -12,7 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFilmFile = "film.bin";
 constexpr std::string_view kFilmMark = "bipot film 1\n";
 
 template <class T>

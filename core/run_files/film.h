@@ -10,6 +10,8 @@
 
 namespace bipot {
 
+inline constexpr const char* kFilmFile = "film.bin";  ///< in the folder of a run
+
 /// film.bin in the folder of a run: frames for the eye, written while the run goes on. The length
 /// of the run need not be known. It begins with every step. Whenever it holds kMostFrames frames or
 /// kMostBytes, every other frame goes, and later steps are taken half as often. A run that is

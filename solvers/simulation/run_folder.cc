@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <system_error>
 #include <vector>
 
 #include "core/motion/stress_tensor.h"
@@ -42,9 +43,14 @@ RunFolder<D>::RunFolder(const Scene<D>& scene, const State<D>& state,
       options_(options),
       writer_(options.folder, scene, options.scene_text, options.resume ? state.step : -1) {
   writer_.frame(state);
+  // Page and film of an earlier run would show what is no longer there.
+  std::error_code none;
+  fs::remove(options.folder / "index.html", none);
   if (scene.output.page) {
     film_.emplace(options.folder, scene, options.resume ? state.step : -1);
     film_->step(state);
+  } else {
+    fs::remove(options.folder / kFilmFile, none);
   }
 }
 

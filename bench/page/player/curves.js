@@ -20,6 +20,8 @@ async function readCurves(about) {
   return tables;
 }
 
+const varies = ({values}) => values.some(x => Number.isFinite(x) && x !== values[0]);
+
 /** Charts that the tables allow: {title, unit, shown, time, lines: [{name, values}], log, level}. */
 function chartsOf(run, tables) {
   const charts = [], ledger = tables.find(t => t.file === 'ledger');
@@ -30,7 +32,7 @@ function chartsOf(run, tables) {
     const chart = (title, unit, names, more = {}) => {
       const lines = names.filter(n => c[n.of || n]).map(n => ({name: nameAndUnit(n.name || n)[0], values: n.values || c[n]}));
       names.forEach(n => used.add(n.of || n));
-      if (lines.length) charts.push({title, unit, shown: true, time: c.time, lines, ...more});
+      if (lines.length) charts.push({title, unit, shown: lines.some(varies), time: c.time, lines, ...more});
     };
     chart('Kinetic energy', 'J', ['kinetic', 'elastic']);
     chart('Potential energy', 'J', ['potential']);
@@ -61,9 +63,11 @@ function chartsOf(run, tables) {
       byName.get(key).lines.push({name: table.part || nameAndUnit(name)[0], values: table.columns[name], time: table.columns.time});
     }
   }
-  for (const chart of byName.values()) {
-    const varies = chart.lines.some(({values}) => values.some(x => Number.isFinite(x) && x !== values[0]));
-    if (varies) charts.push(chart);
+  for (const [key, chart] of byName) {
+    if (!chart.lines.some(varies)) continue;
+    const taken = charts.some(other => other.title.toLowerCase() === chart.title.toLowerCase());
+    if (taken) chart.title += ` (${key.split('/')[0]})`;
+    charts.push(chart);
   }
   return charts;
 }
