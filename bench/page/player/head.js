@@ -64,7 +64,7 @@ function fillHead(run, tables, jump) {
   const facts = [element('span', state, {className: `chip ${good ? 'good' : 'bad'}`})];
   const fact = text => facts.push(element('span', text));
   fact(summary ? `${summary.steps} of ${summary.steps_planned} steps to t = ${textOf(summary.time, 4)} s` : `t = ${textOf(last.time, 4)} s`);
-  fact(`${last.count} ${run.dim === 2 ? 'disks' : 'spheres'}`);
+  fact(`${last.count} ${run.dim === 2 ? 'disk' : 'sphere'}${last.count === 1 ? '' : 's'}`);
   if (about.model === 'dem') fact('springs and dashpots');
   else {
     fact(`asked: ${about.solver} to ${textOf(about.tol, 1)}`);

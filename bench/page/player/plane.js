@@ -330,7 +330,7 @@ class PlaneView {
   drawChains(frame, look, colours) {
     const {pen, run, ratio} = this;
     const full = fullForce(run);
-    const thick = this.thickest = Math.min(12, Math.max(2.5, 0.8 * this.pxRadius)) * ratio;
+    const thick = this.thickest = Math.min(11, Math.max(2.5, 0.75 * this.pxRadius)) * ratio;
     const lines = {[1]: Array.from({length: WIDTHS + 1}, () => []), [2]: Array.from({length: WIDTHS + 1}, () => [])};
     const open = [];
     for (let k = 0; k < frame.contacts; ++k) {

@@ -8,7 +8,7 @@ class Player {
     Object.assign(this, {run, view, curves});
     this.at = 0;
     this.speed = 1;
-    this.look = {colour: 'speed', chains: true, open: run.dim === 2, arrows: false, spokes: false, walls: true,
+    this.look = {colour: 'speed', chains: true, open: run.dim === 2, arrows: false, spokes: run.dim === 2 && run.radius.length <= 40, walls: true,
       centred: false, spheres: 'solid', cutAxis: -1, cutAt: 0, picked: null, colours: null};
     if (run.dim === 3) this.look.chains = false;
     this.addControls();
