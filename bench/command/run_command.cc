@@ -437,7 +437,7 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
       "Overlap aimed at, of the smallest radius: decides the stiffness");
   dem("--tangential-ratio", flags.tangential_ratio, "FRACTION", "Tangential over normal stiffness");
   dem("--substep", flags.substep, "SECONDS", "Largest substep (default: from the stability limit)");
-  command.flag("--no-page", flags.no_page, "No index.html, which shows the run");
+  command.flag("--no-page", flags.no_page, "No index.html, which plays the run").group("Results");
   add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
   command.flag("--overwrite", flags.overwrite, "Delete the run that DIR holds");
