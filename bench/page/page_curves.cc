@@ -16,14 +16,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(line.substr(0, comma));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
+/// A cell in quotes may hold commas, and quotes twice.
+std::vector<std::string> cells_of(std::string_view line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const bool quote = line[k] == '"';
+    if (quote && quoted && k + 1 < line.size() && line[k + 1] == '"') {
+      cells.back() += line[k++];
+    } else if (quote) {
+      quoted = !quoted;
+    } else if (line[k] == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += line[k];
+    }
   }
+  return cells;
+}
+
+/// "file column" and the unit of each column that units.csv names; older runs have none.
+std::map<std::string, std::string> read_units(const fs::path& folder) {
+  std::map<std::string, std::string> units;
+  std::ifstream file(folder / "units.csv");
+  for (std::string line; std::getline(file, line);) {
+    const auto cells = cells_of(line);
+    if (cells.size() == 3) {
+      units[fs::path(cells[0]).stem().string() + " " + cells[1]] = cells[2];
+    }
+  }
+  return units;
 }
 
 std::optional<double> number_of(std::string_view cell) {
@@ -44,7 +66,7 @@ std::vector<CurveTable> read_table(const fs::path& path) {
   std::vector<CurveTable> tables;
   if (!file || !std::getline(file, line)) return tables;
   std::vector<std::string> names;
-  for (const auto cell : cells_of(line)) names.emplace_back(cell);
+  for (const auto& cell : cells_of(line)) names.push_back(cell);
   std::map<std::string, std::size_t, std::less<>> table_of;
   std::size_t word = names.size();  // column of words, if there is one
   std::vector<double> row;
@@ -62,11 +84,11 @@ std::vector<CurveTable> read_table(const fs::path& path) {
         row.push_back(number_of(cells[k]).value_or(std::numeric_limits<double>::quiet_NaN()));
       }
     }
-    const std::string_view part = word < cells.size() ? cells[word] : std::string_view();
+    const std::string part = word < cells.size() ? cells[word] : std::string();
     auto found = table_of.find(part);
     if (found == table_of.end()) {
       found = table_of.emplace(part, tables.size()).first;
-      CurveTable table{.file = path.stem().string(), .part = std::string(part)};
+      CurveTable table{.file = path.stem().string(), .part = part};
       for (std::size_t k = 0; k < names.size(); ++k) {
         if (k != word) table.names.push_back(names[k]);
       }
@@ -92,8 +114,15 @@ const std::vector<double>* CurveTable::column(const std::string& name) const {
 
 std::vector<CurveTable> read_curves(const fs::path& folder) {
   std::vector<CurveTable> tables;
-  for (const char* name : {"ledger.csv", "walls.csv", "observables.csv", "gates.csv"}) {
-    for (CurveTable& table : read_table(folder / name)) tables.push_back(std::move(table));
+  const std::map<std::string, std::string> units = read_units(folder);
+  for (const char* file : {"ledger.csv", "walls.csv", "observables.csv", "gates.csv"}) {
+    for (CurveTable& table : read_table(folder / file)) {
+      for (std::string& name : table.names) {
+        const auto unit = units.find(table.file + " " + name);
+        if (unit != units.end()) name += " [" + unit->second + "]";
+      }
+      tables.push_back(std::move(table));
+    }
   }
   return tables;
 }

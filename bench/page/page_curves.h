@@ -10,7 +10,7 @@ namespace bipot {
 struct CurveTable {
   std::string file;                          ///< its name without ".csv"
   std::string part;                          ///< value of a column of words, e.g. a wall; or empty
-  std::vector<std::string> names;            ///< with units, as in the file
+  std::vector<std::string> names;            ///< with units, as in "time [s]"
   std::vector<std::vector<double>> columns;  ///< one for each name
   /// The column of this name, with or without a unit; null if there is none.
   const std::vector<double>* column(const std::string& name) const;

@@ -57,7 +57,7 @@ function chartsOf(run, tables) {
       if (name === 'step' || name === 'time' || (table.file === 'ledger' && used.has(name))) continue;
       const key = `${table.file}/${name}`;
       if (!byName.has(key)) {
-        byName.set(key, {title: nameAndUnit(name)[0], unit: table.units[name], shown: table.file === 'walls' && /^(force|normal)/.test(name),
+        byName.set(key, {title: nameAndUnit(name)[0], unit: table.units[name], shown: table.file === 'walls' && /^reaction/.test(name),
           time: table.columns.time, lines: []});
       }
       byName.get(key).lines.push({name: table.part || nameAndUnit(name)[0], values: table.columns[name], time: table.columns.time});

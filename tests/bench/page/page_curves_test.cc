@@ -41,6 +41,17 @@ TEST(PageCurves, AColumnOfWordsMakesATableForEach) {
   EXPECT_EQ(*tables[1].column("force_x"), (std::vector<double>{-3}));
 }
 
+TEST(PageCurves, UnitsComeFromTheirFileAndNamesMayHaveCommas) {
+  const TemporaryFolder folder;
+  write(folder / "units.csv", "file,column,unit\nwalls.csv,reaction_x,N\n");
+  write(folder / "walls.csv", "step,time,wall,reaction_x\n1,0.5,\"left, \"\"low\"\"\",3\n");
+  const auto tables = read_curves(folder.path());
+  ASSERT_EQ(tables.size(), 1u);
+  EXPECT_EQ(tables[0].part, "left, \"low\"");
+  EXPECT_EQ(tables[0].names, (std::vector<std::string>{"step", "time", "reaction_x [N]"}));
+  EXPECT_NE(tables[0].column("reaction_x"), nullptr);
+}
+
 TEST(PageCurves, AFileWithoutTimeIsRefused) {
   const TemporaryFolder folder;
   write(folder / "ledger.csv", "step,x\n1,2\n");
