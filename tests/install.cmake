@@ -34,6 +34,13 @@ execute_process(COMMAND ${prefix}/bin/bipot list scenes OUTPUT_VARIABLE scenes $
 if(NOT scenes MATCHES "compaction")
   message(FATAL_ERROR "the installed command does not list the installed scenes: ${scenes}")
 endif()
+foreach(file man/man1/bipot.1 bash-completion/completions/bipot zsh/site-functions/_bipot
+    fish/vendor_completions.d/bipot.fish)
+  file(READ ${prefix}/share/${file} text)
+  if(NOT text MATCHES "step")
+    message(FATAL_ERROR "${file} is not installed")
+  endif()
+endforeach()
 execute_process(COMMAND ${prefix}/bin/bipot run sliding_cylinder --steps 5 -q --overwrite ${check})
 if(PYTHON)
   set(folder ${BUILD}/install_test_python)  # away from the sources

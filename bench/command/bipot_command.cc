@@ -24,6 +24,7 @@
 #include "bench/command/extremes_command.h"
 #include "bench/command/judge_command.h"
 #include "bench/command/list_command.h"
+#include "bench/command/new_command.h"
 #include "bench/command/page_command.h"
 #include "bench/command/paper_command.h"
 #include "bench/command/run_command.h"
@@ -107,7 +108,7 @@ void write_refusal(const std::string& destination, const std::string& command,
 
 int run_command_line(int argc, const char* const* argv) {
   CommandLine line(
-      "bipot", "Frictional contact of rigid disks: one problem, many solvers, one error measure.",
+      "bipot", "Frictional contact of rigid disks and spheres: many solvers, one error measure.",
       program_version(),
       "Exit codes: 0 every solve met its tolerance; 1 some did not; 2 bad input; 3 numerical\n"
       "failure; 4 a file could not be read or written; 5 interrupted.\n"
@@ -122,6 +123,7 @@ int run_command_line(int argc, const char* const* argv) {
       "  bipot trade my_scene.toml --out out/trade\n"
       "  bipot extremes --quick --out out/extremes\n"
       "  bipot validate --quick --out out/validate\n"
+      "  bipot new heap > my.toml\n"
       "  bipot list solvers");
   const std::vector<Command> commands = {
       command(line, &add_run_command, &run_command),
@@ -135,6 +137,7 @@ int run_command_line(int argc, const char* const* argv) {
       command(line, &add_extremes_command, &extremes_command),
       command(line, &add_validate_command, &validate_command),
       command(line, &add_list_command, &list_command),
+      command(line, &add_new_command, &new_command),
   };
   const std::string json = json_destination(argc, argv);
   const auto refuse = [&](const std::string& message, ExitCode code) {

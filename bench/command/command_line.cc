@@ -1,15 +1,36 @@
 #include "bench/command/command_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <utility>
 
+#include "bench/command/completion.h"
 #include "bench/command/help_text.h"
+#include "bench/command/manual_page.h"
+#include "core/base/nearest_name.h"
 
 namespace bipot {
 namespace {
+
+/// "{a,b}" of a type's name, without braces; empty: no choices.
+std::vector<std::string> choices_of(const CLI::Option* option) {
+  const std::string type = option->get_type_name();
+  const std::size_t open = type.find('{');
+  if (open == std::string::npos) return {};
+  return CLI::detail::split(type.substr(open + 1, type.find('}') - open - 1), ',');
+}
+
+/// What stands for the value of an option in the help; empty: a flag.
+std::string value_of(const CLI::Option* option) {
+  if (option->get_type_size() == 0) return {};
+  const std::vector<std::string> choices = choices_of(option);
+  if (!choices.empty()) return fmt::format("{}", fmt::join(choices, "|"));
+  const std::string type = option->get_type_name();
+  return type.substr(0, type.find(':'));
+}
 
 /// Help on a screen: lines of at most 100 columns, choices as a|b, groups separated by a line.
 class ScreenHelp : public CLI::Formatter {
@@ -36,7 +57,7 @@ class ScreenHelp : public CLI::Formatter {
   }
 
   std::string make_subcommand(const CLI::App* command) const override {
-    constexpr std::size_t kNames = 12;
+    constexpr std::size_t kNames = 14;
     const std::string name = "  " + command->get_name();
     return name + std::string(kNames - std::min(kNames, num_characters(name)), ' ') +
            wrapped(command->get_description(), kNames) + "\n";
@@ -44,12 +65,7 @@ class ScreenHelp : public CLI::Formatter {
 
   std::string make_option_opts(const CLI::Option* option) const override {
     if (option->get_type_size() == 0 || option->get_positional()) return {};
-    const std::string type = option->get_type_name();
-    std::string text = " " + type.substr(0, type.find(':'));
-    if (const std::size_t open = type.find('{'); open != std::string::npos) {
-      text = " " + type.substr(open + 1, type.find('}') - open - 1);
-      std::replace(text.begin(), text.end(), ',', '|');
-    }
+    std::string text = " " + value_of(option);
     if (!option->get_default_str().empty()) text += "=" + option->get_default_str();
     return text;
   }
@@ -86,6 +102,100 @@ DeclaredOption declare_list(CLI::App* app, const std::string& name, Value& value
 
 std::vector<std::string> typed_words;  // behind the program's name
 
+/// Flags of other programs, and what they are called here.
+const std::vector<std::pair<std::string, std::string>> kFlagSynonyms = {
+    {"-v", "--version"},
+    {"--output", "--out"},
+    {"-o", "--out"},
+    {"--dt", "--step-size"},
+    {"--timestep", "--step-size"},
+    {"--time-step", "--step-size"},
+    {"--method", "--solver"},
+    {"--max-iter", "--max-iterations"},
+    {"--maxiter", "--max-iterations"},
+    {"--eps", "--tol"},
+    {"-n", "--steps"},
+    {"--num-steps", "--steps"},
+    {"-j", "--threads"},
+    {"--jobs", "--threads"},
+    {"--cores", "--threads"},
+    {"--resume", "--restart"},
+    {"--continue", "--restart"},
+    {"--silent", "--quiet"},
+    {"--timeout", "--time-limit"},
+    {"--goal", "--force-error"}};
+
+/// The flag that may be meant; empty: none is near.
+std::string meant_flag(const std::string& typed, const std::vector<std::string>& flags) {
+  const auto known = [&](const std::string& flag) {
+    return std::find(flags.begin(), flags.end(), flag) != flags.end();
+  };
+  for (const auto& [other, flag] : kFlagSynonyms) {
+    if (other == typed && known(flag)) return flag;
+  }
+  std::string nearest = nearest_name(typed, flags);
+  if (!nearest.empty() || typed.size() < 5) return nearest;
+  for (const std::string& flag : flags) {  // --tolerance, --thread
+    if (flag.size() > 4 && (typed.starts_with(flag) || flag.starts_with(typed))) return flag;
+  }
+  return {};
+}
+
+OptionNode node_of(const CLI::Option* option) {
+  OptionNode node;
+  node.argument = option->get_lnames().empty() && option->get_snames().empty();
+  if (node.argument) {
+    node.names = {option->get_name()};
+  } else {
+    for (const std::string& name : option->get_lnames()) node.names.push_back("--" + name);
+    for (const std::string& name : option->get_snames()) node.names.push_back("-" + name);
+  }
+  node.value = value_of(option);
+  node.choices = choices_of(option);
+  node.help = option->get_description();
+  node.hidden = option->get_group().empty();
+  return node;
+}
+
+CommandNode node_of(const CLI::App* app) {
+  CommandNode node{app->get_name(), app->get_description(), app->get_footer(), {}, {}};
+  for (const CLI::Option* option : app->get_options()) node.options.push_back(node_of(option));
+  for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; })) {
+    node.commands.push_back(node_of(command));
+  }
+  return node;
+}
+
+/// What is wrong with the words, as far as names of commands and flags go; empty: nothing.
+std::string unknown_name(const CommandNode& program, const std::vector<std::string>& words) {
+  const CommandNode* at = &program;
+  for (const std::string& word : words) {
+    if (word.size() > 1 && word[0] == '-' && !std::isdigit(static_cast<unsigned char>(word[1]))) {
+      const std::string typed = word.substr(0, word.find('='));
+      std::vector<std::string> flags;
+      for (const OptionNode& option : at->options) {
+        if (!option.argument) flags.insert(flags.end(), option.names.begin(), option.names.end());
+      }
+      if (std::find(flags.begin(), flags.end(), typed) != flags.end()) continue;
+      const std::string meant = meant_flag(typed, flags);
+      const std::string name = program.name + (at == &program ? "" : " " + at->name);
+      return fmt::format("{}: unknown flag '{}'{} ({} --help lists the flags)", name, typed,
+                         meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant), name);
+    }
+    if (at != &program) continue;
+    std::vector<std::string> names;
+    for (const CommandNode& command : program.commands) names.push_back(command.name);
+    const auto it = std::find(names.begin(), names.end(), word);
+    if (it == names.end()) {
+      return program.name + ": " + unknown_name_message("command", word, names);
+    }
+    at = &program.commands[static_cast<std::size_t>(it - names.begin())];
+  }
+  return at != &program
+             ? std::string()
+             : program.name + ": name a command (" + program.name + " --help lists them)";
+}
+
 }  // namespace
 
 DeclaredOption& DeclaredOption::required() {
@@ -120,6 +230,11 @@ DeclaredOption& DeclaredOption::between(int lowest, int highest) {
 }
 DeclaredOption& DeclaredOption::one_of(const std::vector<std::string>& values) {
   option_->check(CLI::IsMember(values));
+  return *this;
+}
+
+DeclaredOption& DeclaredOption::suggest(const std::vector<std::string>& values) {
+  option_->type_name("{" + fmt::format("{}", fmt::join(values, ",")) + "}");
   return *this;
 }
 
@@ -167,10 +282,10 @@ bool CommandDeclaration::given() const { return app_->parsed(); }
 
 CommandLine::CommandLine(const std::string& program, const std::string& description,
                          const std::string& version, const std::string& footer)
-    : app_(std::make_unique<CLI::App>(description)) {
+    : app_(std::make_unique<CLI::App>(description)), version_(version) {
   app_->name(program);
   app_->formatter(std::make_shared<ScreenHelp>());  // commands inherit it
-  app_->set_version_flag("--version", program + " " + version);
+  app_->set_version_flag("-V,--version", program + " " + version);
   app_->require_subcommand(1);
   app_->footer(footer);
 }
@@ -181,15 +296,51 @@ CommandDeclaration CommandLine::add_command(const std::string& name,
   return CommandDeclaration(app_->add_subcommand(name, description));
 }
 
+CommandNode CommandLine::tree() const { return node_of(app_.get()); }
+
 CommandLine::Parsed CommandLine::parse(int argc, const char* const* argv) {
   typed_words.assign(argv + 1, argv + argc);
+  CommandDeclaration help = add_command("help", "Explain a command");
+  help.option("command", asked_, "Name of a command");
+  help.flag("--man", manual_page_, "Print the manual page instead");
+  add_command("version", "Print the version");
+  add_command("completion", "Print a script that completes commands and flags in a shell")
+      .option("shell", shell_, "Name of the shell")
+      .required()
+      .one_of(completion_shells());
+  // Questions in other words.
+  std::vector<std::string> words = typed_words;
+  if (!words.empty() && words[0] == "version") words = {"--version"};
+  if (words == std::vector<std::string>{"help"}) words = {"--help"};
+  if (words.size() == 2 && words[0] == "help" && !words[1].starts_with('-')) {
+    if (const std::string unknown = unknown_name(tree(), {words[1]}); !unknown.empty()) {
+      fmt::print(stderr, "{}\n", unknown);
+      return {Parsed::Outcome::kRefused, unknown};
+    }
+    words = {words[1], "--help"};
+  }
+  return answered_or_refused(std::move(words));
+}
+
+CommandLine::Parsed CommandLine::answered_or_refused(std::vector<std::string> words) {
+  const std::vector<std::string> in_order = words;
+  std::reverse(words.begin(), words.end());  // as CLI11 takes them
   try {
-    app_->parse(argc, argv);
+    app_->parse(std::move(words));
   } catch (const CLI::ParseError& e) {
+    const bool answers = e.get_exit_code() == 0;
+    const std::string unknown = answers ? std::string() : unknown_name(tree(), in_order);
+    if (!unknown.empty()) {
+      fmt::print(stderr, "{}\n", unknown);
+      return {Parsed::Outcome::kRefused, unknown};
+    }
     if (app_->exit(e) == 0) return {Parsed::Outcome::kAnswered, {}};
     return {Parsed::Outcome::kRefused, e.what()};
   }
-  return {};
+  if (manual_page_) fmt::print("{}", manual_page(tree(), version_));
+  if (!shell_.empty()) fmt::print("{}", completion_script(tree(), shell_));
+  return {manual_page_ || !shell_.empty() ? Parsed::Outcome::kAnswered : Parsed::Outcome::kCommand,
+          {}};
 }
 
 std::string typed_command(const std::vector<std::string>& targets) {

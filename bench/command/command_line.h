@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/command/command_tree.h"
+
 namespace CLI {
 class App;
 class Option;
@@ -33,6 +35,8 @@ class DeclaredOption {
   DeclaredOption& not_negative();
   DeclaredOption& between(int lowest, int highest);
   DeclaredOption& one_of(const std::vector<std::string>& values);
+  /// Values that the completion of shells proposes; others are taken as well.
+  DeclaredOption& suggest(const std::vector<std::string>& values);
 
  private:
   CLI::Option* option_;
@@ -71,7 +75,8 @@ class CommandDeclaration {
   CLI::App* app_;
 };
 
-/// The program's arguments. CLI11 is large: only command_line.cc includes it.
+/// The program's arguments, with the commands `help`, `version` and `completion`, which it answers
+/// itself. CLI11 is large: only command_line.cc includes it.
 class CommandLine {
  public:
   CommandLine(const std::string& program, const std::string& description,
@@ -82,14 +87,22 @@ class CommandLine {
 
   struct Parsed {
     enum class Outcome { kCommand, kAnswered, kRefused };
-    Outcome outcome = Outcome::kCommand;  ///< kAnswered: help or version, on standard output
+    Outcome outcome = Outcome::kCommand;  ///< kAnswered: a question, on standard output
     std::string refusal;                  ///< already on standard error
   };
-  /// Exactly one command must be named.
+  /// Exactly one command must be named. For an unknown one, or an unknown flag, the nearest is
+  /// proposed.
   Parsed parse(int argc, const char* const* argv);
+  /// All that is declared.
+  CommandNode tree() const;
 
  private:
+  Parsed answered_or_refused(std::vector<std::string> words);
+
   std::unique_ptr<CLI::App> app_;
+  std::string version_;
+  bool manual_page_ = false;   // help --man
+  std::string asked_, shell_;  // help COMMAND, completion SHELL
 };
 
 /// The command as CommandLine::parse saw it, without --out, --json and --quiet. `{}` stands for the

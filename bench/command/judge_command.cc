@@ -102,13 +102,14 @@ void print(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdic
   fmt::print("{}: {} contacts, d = {}\n", flags.problem, p.num_contacts(), p.dim);
   fmt::print("  {}: {}\n", flags.impulses.empty() ? "its /solution" : flags.impulses,
              sentence(v, flags.tol));
-  fmt::print("  ε {:.3e}, η {:.3e}, raw (42) {:.3e}, natural map {:.3e}, Siconos' {:.3e}\n",
-             v.error.epsilon, v.error.eta, v.error.raw42, v.error.natural_map, v.siconos_map);
+  fmt::print(
+      "  energy ε {:.3e}, residual η {:.3e}, the paper's (42) {:.3e}, natural map {:.3e}, Siconos' {:.3e}\n",
+      v.error.epsilon, v.error.eta, v.error.raw42, v.error.natural_map, v.siconos_map);
   fmt::print("  distance to the cone {:.3e}, at most {:.3e} N s{}\n", v.cone, v.cone_violation,
              at_contact(v.cone_contact));
   fmt::print("  penetration at most {:.3e} m/s{}\n", v.penetration_velocity,
              at_contact(v.penetration_contact));
-  fmt::print("  take-off {}, stick {}, slip {}\n", v.count.take_off, v.count.stick, v.count.slip);
+  fmt::print("  open {}, stick {}, slip {}\n", v.count.take_off, v.count.stick, v.count.slip);
   for (const JudgedContact& contact : v.worst) {
     fmt::print("  {:>5.1f} %  {}\n", 100 * contact.share, sentence(contact));
   }

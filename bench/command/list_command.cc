@@ -14,6 +14,7 @@
 #include "bench/command/help_text.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/json_output.h"
+#include "core/problem_files/problem_file.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 
@@ -115,12 +116,61 @@ Json scenes_json() {
   return rows;
 }
 
+Json problems_json() {
+  auto rows = Json::array();
+  for (const auto& path : shipped_problems()) {
+    const ProblemFile file = read_problem(path);
+    rows.push_back({{"name", path.stem().string()},
+                    {"file", path.string()},
+                    {"dim", file.problem.dim},
+                    {"contacts", file.problem.num_contacts()}});
+  }
+  return rows;
+}
+
+void print_scenes() {
+  for (const auto& row : scenes_json()) {
+    const char* const bodies = row.contains("disks") ? "disks" : "spheres";
+    fmt::print("{:<24} {:>6} {:<7} {:>3} walls {:>7} steps  {}\n", row["name"].get<std::string>(),
+               row[bodies].get<int>(), bodies, row["walls"].get<int>(), row["steps"].get<int>(),
+               row["title"].get<std::string>());
+  }
+}
+
+void print_problems() {
+  for (const auto& row : problems_json()) {
+    fmt::print("{:<32} {}D {:>6} contacts  {}\n", row["name"].get<std::string>(),
+               row["dim"].get<int>(), row["contacts"].get<int>(), row["file"].get<std::string>());
+  }
+}
+
+/// All names, a paragraph for each kind.
+void print_names() {
+  const auto print = [](const char* kind, const std::string& names) {
+    constexpr std::size_t kColumn = 12;
+    fmt::print("{:<{}}{}\n", kind, kColumn, wrapped(names, kColumn));
+  };
+  const auto stems = [](const std::vector<std::filesystem::path>& paths) {
+    std::string names;
+    for (const auto& path : paths) names += path.stem().string() + " ";
+    return names;
+  };
+  std::string solvers;
+  for (const SolverEntry& entry : solver_table()) solvers += std::string(entry.name) + " ";
+  print("solvers", solvers);
+  print("scenes", stems(shipped_scenes()));
+  print("problems", stems(shipped_problems()));
+  print("templates", stems(scene_templates()));
+  fmt::print("More: bipot list solvers|scenes|problems, bipot new\n");
+}
+
 }  // namespace
 
 CommandDeclaration add_list_command(CommandLine& line, ListFlags& flags) {
   CommandDeclaration command =
-      line.add_command("list", "List the solvers of this build, or shipped scenes");
-  command.option("what", flags.what, "solvers or scenes").required().one_of({"solvers", "scenes"});
+      line.add_command("list", "List solvers, shipped scenes and shipped problems");
+  command.option("what", flags.what, "Kind of things; without it all names")
+      .one_of({"solvers", "scenes", "problems"});
   command.option("name", flags.name,
                  "One solver: its parameters with flag, default, range and unit");
   command.option("--json", flags.json, "Write the list as JSON; '-' is standard output")
@@ -136,7 +186,7 @@ CommandDeclaration add_list_command(CommandLine& line, ListFlags& flags) {
 int list_command(const ListFlags& flags) {
   const bool solvers = flags.what == "solvers";
   if (!flags.name.empty()) {
-    if (!solvers) throw std::invalid_argument("bipot list scenes takes no name");
+    if (!solvers) throw std::invalid_argument(fmt::format("list {} takes no name", flags.what));
     const SolverEntry& entry = require_solver(flags.name);
     if (flags.json.empty()) {
       print_solver(entry);
@@ -146,16 +196,24 @@ int list_command(const ListFlags& flags) {
     return kExitConverged;
   }
   if (!flags.json.empty()) {
-    write_json(solvers ? solvers_json() : scenes_json(), flags.json);
+    const auto rows_of = [](const std::string& what) {
+      return what == "solvers"  ? solvers_json()
+             : what == "scenes" ? scenes_json()
+                                : problems_json();
+    };
+    write_json(flags.what.empty() ? Json{{"solvers", rows_of("solvers")},
+                                         {"scenes", rows_of("scenes")},
+                                         {"problems", rows_of("problems")}}
+                                  : rows_of(flags.what),
+               flags.json);
   } else if (solvers) {
     print_solvers();
+  } else if (flags.what == "scenes") {
+    print_scenes();
+  } else if (flags.what == "problems") {
+    print_problems();
   } else {
-    for (const auto& row : scenes_json()) {
-      const char* const bodies = row.contains("disks") ? "disks" : "spheres";
-      fmt::print("{:<24} {:>6} {:<7} {:>3} walls {:>7} steps  {}\n", row["name"].get<std::string>(),
-                 row[bodies].get<int>(), bodies, row["walls"].get<int>(), row["steps"].get<int>(),
-                 row["title"].get<std::string>());
-    }
+    print_names();
   }
   return kExitConverged;
 }

@@ -1,30 +1,63 @@
 #include "bench/command/progress_bar.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 
+#include "bench/command/help_text.h"
+#include "core/base/printable_text.h"
+
 namespace bipot {
+namespace {
+
+int terminal_columns() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
+}  // namespace
+
+std::string progress_line(long done, long total, double seconds_left, const std::string& note,
+                          int columns) {
+  const long width = columns < 70 ? 8 : 24;
+  const long filled = width * done / total;
+  const std::string line =
+      fmt::format("[{}{}] {} %  {}  {}", std::string(static_cast<std::size_t>(filled), '#'),
+                  std::string(static_cast<std::size_t>(width - filled), '.'), 100 * done / total,
+                  about(seconds_left), printable(note));
+  return first_characters(line, static_cast<std::size_t>(std::max(columns - 1, 1)));
+}
 
 ProgressBar::ProgressBar(long total, bool quiet)
-    : total_(std::max(total, 1L)), active_(!quiet && isatty(STDERR_FILENO) == 1) {}
+    : total_(std::max(total, 1L)),
+      quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      remaining_(total_) {}
 
 ProgressBar::~ProgressBar() {
-  if (active_) fmt::print(stderr, "\r\033[K");
+  if (!quiet_ && terminal_) fmt::print(stderr, "\r\033[K");
 }
 
 void ProgressBar::update(long done, const std::string& note) {
-  if (!active_) return;
+  if (quiet_) return;
   const double elapsed = watch_.seconds();
-  if (elapsed - drawn_ < 0.1 && done < total_) return;
-  drawn_ = elapsed;
-  constexpr int kWidth = 30;
-  const int filled = static_cast<int>(kWidth * done / total_);
-  const double left = done > 0 ? elapsed * static_cast<double>(total_ - done) / done : 0;
-  fmt::print(stderr, "\r\033[K[{}{}] {}/{}  {:.0f} s left  {}", std::string(filled, '#'),
-             std::string(kWidth - filled, '.'), done, total_, left, note);
+  remaining_.add(done, elapsed);
+  if (terminal_) {
+    if (elapsed - drawn_ < 0.1 && done < total_) return;
+    drawn_ = elapsed;
+    fmt::print(stderr, "\r\033[K{}",
+               progress_line(done, total_, remaining_.seconds(), note, terminal_columns()));
+  } else {
+    const long tenths = 10 * done / total_;
+    if (tenths <= tenths_ || elapsed < 1) return;
+    tenths_ = tenths;
+    fmt::print(stderr, "{:3} %  {} left  {}\n", 10 * tenths, about(remaining_.seconds()),
+               printable(note));
+  }
   std::fflush(stderr);
 }
 

@@ -2,12 +2,14 @@
 
 #include <string>
 
+#include "bench/command/remaining_time.h"
 #include "core/base/stopwatch.h"
 
 namespace bipot {
 
-/// A one-line progress bar on standard error, redrawn at most ten times a second; silent unless
-/// standard error is a terminal. (Debian 12 packages no C++ progress-bar library.)
+/// Progress on standard error. On a terminal one line, as wide as it, redrawn at most ten times a
+/// second. Elsewhere, as in a batch job, a line each 10 %, but none in the first second. (Debian 12
+/// packages no C++ progress-bar library.)
 class ProgressBar {
  public:
   ProgressBar(long total, bool quiet);
@@ -15,14 +17,20 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `done` of total are finished; `note` follows the bar.
+  /// `done` of total are finished; `note` follows the bar, as far as there is room.
   void update(long done, const std::string& note);
 
  private:
   long total_;
-  bool active_;
+  bool quiet_, terminal_;
   Stopwatch watch_;
+  RemainingTime remaining_;
   double drawn_ = -1;  // when, in seconds
+  long tenths_ = 0;    // that lines were written for
 };
+
+/// The line of a progress bar on a terminal with so many columns.
+std::string progress_line(long done, long total, double seconds_left, const std::string& note,
+                          int columns);
 
 }  // namespace bipot

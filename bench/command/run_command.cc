@@ -15,8 +15,9 @@
 
 #include "bench/command/exit_code.h"
 #include "bench/command/failure_text.h"
-#include "bench/command/progress_bar.h"
+#include "bench/command/help_text.h"
 #include "bench/command/run_processes.h"
+#include "bench/command/run_progress.h"
 #include "bench/command/run_summary.h"
 #include "bench/measure/peak_memory.h"
 #include "bench/page/run_page.h"
@@ -32,6 +33,7 @@
 #include "core/files/input_file.h"
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/opposite_walls.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/parallel/launch.h"
 #include "solvers/simulation/domain.h"
@@ -306,7 +308,8 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
   const bool speaks = is_speaker() && !quiet;
   TakenSteps<D> taken;
   EnergyGrowth growth(state);
-  ProgressBar progress(*options.steps, !speaks);
+  RunProgress progress(*options.steps, !speaks, is_speaker() ? options.folder.folder : fs::path(),
+                       options.folder.resume);
   options.on_step = [&, first = state.step](const SceneStep<D>& step) {
     const StepReport<D>& report = step.report;
     growth.add(scene, report);
@@ -314,8 +317,7 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
       taken.advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
                                      report.error, report.step, smaller_steps);
     }
-    progress.update(report.step - first,
-                    fmt::format("{} contacts, {} iterations", report.contacts, report.iterations));
+    progress.add(report, report.step - first, step.state.time);
     return true;
   };
   // The root process needs the bodies of the scene for its files.
@@ -344,6 +346,11 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
     require_writable(flags.common.json);  // may lie in the folder that was just made
   });
 
+  if (!flags.common.quiet) {
+    if (const std::string walls = unbalanced_walls(scene); !walls.empty()) {
+      fmt::print(stderr, "bipot: warning: {}", walls);
+    }
+  }
   const InterruptGuard interrupt;
   prepared.options.time_limit -= watch.seconds();
   TakenSteps<D> taken = take_steps(prepared, quiet);
@@ -354,7 +361,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   if (!is_speaker()) return exit_code;
   if (scene.observables) draw_observables(folder);
   if (run.failure) {
-    fmt::print(stderr, "bipot: {}\n", run.failure->what());
+    fmt::print(stderr, "bipot: {}\n", short_reason(run.failure->what()));
     using Kind = StepFailure::Kind;
     if (!quiet && run.failure->kind == Kind::kPassage) {
       taken.advice = passage_advice(scene, state, flags.on_tunnel == "smaller-step");
@@ -386,6 +393,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   if (run.domains) json["domains"] = to_json(*run.domains, peak[0]);
   json["command_line"] = typed_command();
   write_json(json, (folder / "summary.json").string());
+  append_to_log(folder, to_text(summary));
   if (scene.output.page) write_page_or_say(folder);
   if (!flags.common.json.empty()) write_json(json, flags.common.json);
   if (!quiet) {

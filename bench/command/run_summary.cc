@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "bench/command/help_text.h"
 #include "bench/report/json_output.h"
 #include "core/base/version.h"
 #include "core/motion/sample_area.h"
@@ -84,6 +85,16 @@ Json start_json(const StartReport& start) {
                             {"way_over_radius", start.push->radii}};
   }
   return json;
+}
+
+/// Bodies of the scene at its start, and the height of their top.
+template <int D>
+std::string bodies_text(const Scene<D>& scene) {
+  double top = -kInfinity;
+  for (const Body<D>& body : scene.bodies) top = std::max(top, body.x[D - 1] + body.radius);
+  if (scene.bodies.empty()) return {};
+  return fmt::format("  bodies       {} {}{}, top at {:.4g} m at the start\n", scene.bodies.size(),
+                     kBodyName<D>, scene.bodies.size() == 1 ? "" : "s", top);
 }
 
 }  // namespace
@@ -191,13 +202,14 @@ std::string to_text(const RunSummary<D>& s) {
   fmt::format_to(add, "  status       {}: {} of {} steps, {} converged, t = {:.6g} s\n", s.status,
                  t.steps, s.run.planned, t.converged, s.state.time);
   if (const std::string why = message_of(s); !why.empty()) {
-    fmt::format_to(add, "  reason       {}\n", why);
+    fmt::format_to(add, "  reason       {}\n", short_reason(why));
   }
   if (!s.start.text.empty()) fmt::format_to(add, "  start        {}\n", s.start.text);
   if (!s.note.empty()) fmt::format_to(add, "  note         {}\n", s.note);
   if (t.unsolvable > 0) {
     fmt::format_to(add, "  no solution  in {} steps (proved)\n", t.unsolvable);
   }
+  text += bodies_text(scene);
   if (t.split > 0) fmt::format_to(add, "  split        {} steps taken in smaller parts\n", t.split);
   if (dem != nullptr) {
     fmt::format_to(add,
@@ -216,8 +228,8 @@ std::string to_text(const RunSummary<D>& s) {
   if (dem == nullptr) {
     fmt::format_to(add, "  iterations   mean {:.1f}, max {}\n", t.iterations / steps,
                    t.max_iterations);
-    fmt::format_to(add, "  worst error  {:.2e} in step {} (ε {:.2e}, η {:.2e}, raw (42) {:.2e})\n",
-                   t.worst.guarded(), t.worst_step, t.worst.epsilon, t.worst.eta, t.worst.raw42);
+    fmt::format_to(add, "  worst error  {:.2e} in step {} (energy ε {:.2e}, residual η {:.2e})\n",
+                   t.worst.guarded(), t.worst_step, t.worst.epsilon, t.worst.eta);
   }
   fmt::format_to(add, "  penetration  max {:.3e} m, {:.2g} % of the smaller radius\n",
                  t.penetration, 100 * t.overlap);
@@ -232,7 +244,7 @@ std::string to_text(const RunSummary<D>& s) {
   }
   if (scene.has_gates()) text += gates_text(scene, s.state);
   fmt::format_to(add,
-                 "  energy       kinetic {:.4e} J, potential {:.4e} J, wall work {:.4e} J,\n"
+                 "  energy       kinetic {:.4e} J, potential {:.4e} J, work of walls {:.4e} J,\n"
                  "               lost to friction {:.4e} J, to shocks {:.4e} J\n",
                  t.last.energy.kinetic, t.last.energy.potential, t.last.energy.wall_work,
                  t.last.energy.friction_loss, t.last.energy.shock_loss);
@@ -245,6 +257,11 @@ std::string to_text(const RunSummary<D>& s) {
                  s.wall_seconds, t.detection_seconds, t.assembly_seconds, t.solve_seconds,
                  s.run.output_seconds);
   fmt::format_to(add, "  results in   {}\n", s.out);
+  if (dem == nullptr) {
+    text +=
+        "  (ε: work against the contact law, over the energy; η: residual of the impulses; both "
+        "at most the tolerance)\n";
+  }
   return text;
 }
 

@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "bench/command/exit_code.h"
+#include "bench/command/help_text.h"
 #include "bench/command/run_processes.h"
 #include "bench/command/several_command.h"
 #include "bench/report/json_output.h"
@@ -92,12 +93,13 @@ void print_summary(const SolveFlags& flags, const std::string& solver, const Con
                    const SolveResult& r, const Certificate& certificate, const Counts& counts) {
   const ContactCount count = count_contacts(p, r.s);
   fmt::print("{}: {} contacts, d = {}\n", flags.problem, p.num_contacts(), p.dim);
-  fmt::print("  {}: {} ({})\n", solver, to_string(r.status), r.message);
+  fmt::print("  {}: {} ({})\n", solver, to_string(r.status),
+             flags.explain ? r.message : short_reason(r.message));
   fmt::print("  iterations {}, set-up {:.3e} s, solve {:.3e} s\n", r.iterations, r.setup_seconds,
              r.solve_seconds);
-  fmt::print("  ε {:.3e}, η {:.3e}, raw (42) {:.3e}, natural map {:.3e}\n", r.error.epsilon,
-             r.error.eta, r.error.raw42, r.error.natural_map);
-  fmt::print("  take-off {}, stick {}, slip {}\n", count.take_off, count.stick, count.slip);
+  fmt::print("  energy ε {:.3e}, residual η {:.3e}, the paper's (42) {:.3e}, natural map {:.3e}\n",
+             r.error.epsilon, r.error.eta, r.error.raw42, r.error.natural_map);
+  fmt::print("  open {}, stick {}, slip {}\n", count.take_off, count.stick, count.slip);
   if (certificate) fmt::print("  {} [{:.2g} s]\n", to_text(*certificate), certificate->seconds);
   if (counts) fmt::print("{}", to_text(*counts));
 }

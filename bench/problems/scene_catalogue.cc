@@ -27,6 +27,17 @@ std::filesystem::path install_prefix() {
   return std::filesystem::read_symlink("/proc/self/exe", none).parent_path().parent_path();
 }
 
+/// Files of a folder of shipped data with this ending, sorted by name.
+std::vector<std::filesystem::path> shipped_files(const char* folder, const char* ending) {
+  std::vector<std::filesystem::path> files;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(data_folder() / folder, none)) {
+    if (entry.path().extension() == ending) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 }  // namespace
 
 std::filesystem::path data_folder() {
@@ -37,15 +48,9 @@ std::filesystem::path data_folder() {
   return std::filesystem::path(BIPOT_SOURCE_DIR) / "data";
 }
 
-std::vector<std::filesystem::path> shipped_scenes() {
-  std::vector<std::filesystem::path> scenes;
-  std::error_code none;
-  for (const auto& entry : std::filesystem::directory_iterator(data_folder() / "scenes", none)) {
-    if (entry.path().extension() == ".toml") scenes.push_back(entry.path());
-  }
-  std::sort(scenes.begin(), scenes.end());
-  return scenes;
-}
+std::vector<std::filesystem::path> shipped_scenes() { return shipped_files("scenes", ".toml"); }
+std::vector<std::filesystem::path> scene_templates() { return shipped_files("templates", ".toml"); }
+std::vector<std::filesystem::path> shipped_problems() { return shipped_files("problems", ".hdf5"); }
 
 std::filesystem::path find_scene(const std::string& path_or_name) {
   if (std::filesystem::exists(path_or_name)) {

@@ -13,6 +13,12 @@ std::filesystem::path data_folder();
 /// Scene files in data/scenes, sorted by name.
 std::vector<std::filesystem::path> shipped_scenes();
 
+/// Commented scenes to begin with, in data/templates, sorted by name.
+std::vector<std::filesystem::path> scene_templates();
+
+/// Files in data/problems, sorted by name.
+std::vector<std::filesystem::path> shipped_problems();
+
 /// The path itself if such a file exists, else the shipped scene of that name. Throws
 /// std::invalid_argument, naming the nearest shipped scene.
 std::filesystem::path find_scene(const std::string& path_or_name);

@@ -392,11 +392,11 @@ template <int D>
 constexpr const char* kContactsText =
     D == 2
         ? R"(Structured array of the last step's candidates, a copy: i, j (disk j, or wall j - n), n_x,
-n_y (from j to i), gap [m], s_n, s_t (on disk i) [N s], u_n, u_t [m/s], status (0 take-off, 1
+n_y (from j to i), gap [m], s_n, s_t (on disk i) [N s], u_n, u_t [m/s], status (0 open, 1
 stick, 2 slip).)"
         : R"(Structured array of the last step's candidates, a copy: i, j (sphere j, or wall j - n), n_x,
 n_y, n_z (from j to i), gap [m], s_n, s_tx, s_ty, s_tz (on sphere i) [N s], u_n, u_tx, u_ty, u_tz
-[m/s], status (0 take-off, 1 stick, 2 slip).)";
+[m/s], status (0 open, 1 stick, 2 slip).)";
 constexpr const char* kWallsText =
     "name, shape, motion, a, b [m], normal (of cylinders the axis), radius [m], velocity [m/s], "
     "force [N] of each; copies.";

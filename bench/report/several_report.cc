@@ -18,7 +18,7 @@ namespace {
 std::string_view word(ContactStatus status) {
   switch (status) {
     case ContactStatus::kTakeOff:
-      return "take-off";
+      return "open";
     case ContactStatus::kStick:
       return "stick";
     case ContactStatus::kSlip:

@@ -34,14 +34,18 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
                                      [&](const std::string& a, const std::string& b) {
                                        return edit_distance(name, a) < edit_distance(name, b);
                                      });
-  return best == candidates.end() ? std::string{} : *best;
+  if (best == candidates.end()) return {};
+  const int longest = static_cast<int>(std::max(name.size(), best->size()));
+  return edit_distance(name, *best) <= std::max(longest / 3, 1) ? *best : std::string{};
 }
 
 std::string unknown_name_message(std::string_view kind, std::string_view name,
                                  const std::vector<std::string>& candidates) {
   if (candidates.empty()) return fmt::format("unknown {} '{}'; none is allowed here", kind, name);
-  return fmt::format("unknown {} '{}'; did you mean '{}'? Valid: {}", kind, name,
-                     nearest_name(name, candidates), fmt::join(candidates, ", "));
+  const std::string nearest = nearest_name(name, candidates);
+  return fmt::format("unknown {} '{}'{} Valid: {}", kind, name,
+                     nearest.empty() ? "." : fmt::format("; did you mean '{}'?", nearest),
+                     fmt::join(candidates, ", "));
 }
 
 }  // namespace bipot

@@ -417,7 +417,7 @@ class Picture {
       items.push_back({0, "no contact forces", [](cairo_t*, double, double) {}});
     }
     if (options_.take_off && count_[0] > 0) {
-      items.push_back({kSample, fmt::format("take-off ({})", count_[0]), sample(Kind::kNone, 0)});
+      items.push_back({kSample, fmt::format("open ({})", count_[0]), sample(Kind::kNone, 0)});
     }
     return items;
   }

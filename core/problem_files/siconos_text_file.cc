@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <stdexcept>
@@ -79,6 +80,20 @@ class Words {
     const std::string_view rest = std::string_view(text_).substr(at_, end - at_);
     at_ = std::min(end + 1, text_.size());
     return rest;
+  }
+
+  /// The next two integers, which stay; -1 for what is none.
+  std::array<int, 2> next_two() const {
+    std::array<int, 2> values{-1, -1};
+    const char* at = text_.data() + at_;
+    const char* const end = text_.data() + text_.size();
+    for (int& value : values) {
+      while (at != end && is_space(*at)) ++at;
+      const auto [stop, error] = std::from_chars(at, end, value);
+      if (error != std::errc()) return values;
+      at = stop;
+    }
+    return values;
   }
 
   /// Number of remaining words.
@@ -301,17 +316,39 @@ Vector read_vector(Words& words, Eigen::Index size, std::string_view what) {
   return vector;
 }
 
+/// What a file is whose first two numbers begin no problem with friction; empty: it may be one. The
+/// numbers of a problem with friction are d, contacts, storage, rows, columns.
+std::string other_kind(const Words& words, int first, int second) {
+  constexpr int kStorages = 3;
+  const auto [third, fourth] = words.next_two();
+  // A matrix n x n and what its rows are: storage, n, n.
+  if (first < kStorages && second > 0 && second == third && (first != 2 || third >= kStorages)) {
+    return "this is a general mechanical problem of Siconos, with equality rows (joints) or rows of "
+           "other laws beside the contacts; Bipot solves contacts alone, without equality rows";
+  }
+  // The size, then the matrix: n, storage, n, n.
+  const bool no_storage = third >= kStorages;
+  if (first > 0 && second < kStorages && third == first && fourth == first &&
+      (no_storage || (first != 2 && first != 3))) {
+    return fmt::format(
+        "this is a linear complementarity problem (LCP) of {} rows; Bipot solves contact problems, "
+        "which also have a dimension and a friction coefficient for each contact",
+        first);
+  }
+  if (first == 2 || first == 3) return {};
+  return fmt::format(
+      "contact dimension {} is neither 2 nor 3 (rolling friction and other laws are not supported)",
+      first);
+}
+
 }  // namespace
 
 ProblemFile read_siconos_text(const std::filesystem::path& path) {
   Words words(path);
   const int dim = words.integer("contact dimension", 1);
   const int contacts = words.integer("number of contacts");
-  if (dim != 2 && dim != 3) {
-    words.fail(
-        fmt::format("contact dimension {} is neither 2 nor 3 (rolling friction and other "
-                    "laws are not supported)",
-                    dim));
+  if (const std::string other = other_kind(words, dim, contacts); !other.empty()) {
+    words.fail(other);
   }
   words.require_plausible(contacts, "contacts");
   const Eigen::Index rows = static_cast<Eigen::Index>(dim) * contacts;

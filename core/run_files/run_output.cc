@@ -179,6 +179,9 @@ void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
   if (any([](const Wall<D>& w) { return !w.across.isZero(0); })) {
     write_vectors(file, "/walls/across", "m/s", walls, [](const Wall<D>& w) { return w.across; });
   }
+  if (any([](const Wall<D>& w) { return !w.belt.isZero(0); })) {
+    write_vectors(file, "/walls/belt", "m/s", walls, [](const Wall<D>& w) { return w.belt; });
+  }
 }
 
 /// Writes walls as they are drawn: lines, and the rims of circles; in 3D pieces with four corners.

@@ -114,13 +114,14 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   const auto a = read_sized(frame, "/walls/a", D * count);
   const auto b = read_sized(frame, "/walls/b", D * count);
   const auto wall_v = read_sized(frame, "/walls/v", D * count);
-  // Written if a scene has circles, walls moved across a force, or walls that start or go.
+  // Written if a scene has circles, belts, walls moved across a force, or walls that start or go.
   const auto optional = [&](const Hdf5File& file, const char* name, std::size_t size) {
     return file.exists(name) ? read_sized(file, name, size) : std::vector<double>(size, 0.0);
   };
   const auto radius = optional(fixed, "/walls/radius", count);
   const auto spin = optional(fixed, "/walls/spin", count);
   const auto across = optional(fixed, "/walls/across", D * count);
+  const auto belt = optional(fixed, "/walls/belt", D * count);
   const bool changes = frame.exists("/walls/present");
   const auto present =
       changes ? read_sized_ints(frame, "/walls/present", count) : std::vector<int>(count, 1);
@@ -143,6 +144,7 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
         .radius = radius[k],
         .spin = spin[k],
         .across = at(across),
+        .belt = at(belt),
         .present = present[k] != 0};
   }
   return walls;

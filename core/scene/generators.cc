@@ -59,7 +59,8 @@ std::vector<Disk> pyramid(int rows, double radius, const Vec2& corner) {
 }
 
 std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& classes, double width,
-                                 double spacing, std::uint64_t seed, const Vec2& corner) {
+                                 double spacing, std::uint64_t seed, const Vec2& corner,
+                                 const FillingBounds<2>& bounds) {
   check_filling(count, classes, spacing);
   PortableRandom random(seed);
   const std::vector<double> radii = drawn_radii(count, classes, random);
@@ -78,17 +79,16 @@ std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& clas
   }
   const int columns = static_cast<int>(room);
   const double cell_width = width / columns;
-  std::vector<Disk> disks;
-  disks.reserve(radii.size());
-  for (int k = 0; k < count; ++k) {
-    const double radius = radii[to_size(k)];
+  const auto place = [&](std::int64_t cell, double radius) {
+    const auto column = static_cast<double>(cell % columns);
+    const auto row = static_cast<double>(cell / columns);
     const double free_x = std::max(cell_width - 2 * radius, 0.0);
     const double free_y = std::max(pitch - 2 * radius, 0.0);
-    const double x = corner[0] + (k % columns) * cell_width + radius + random.uniform() * free_x;
-    const double y = corner[1] + (k / columns) * pitch + radius + random.uniform() * free_y;
-    disks.push_back(disk_at(x, y, radius));
-  }
-  return disks;
+    const double x = corner[0] + column * cell_width + radius + random.uniform() * free_x;
+    const double y = corner[1] + row * pitch + radius + random.uniform() * free_y;
+    return disk_at(x, y, radius);
+  };
+  return fill_cells<2>(radii, columns, pitch, bounds, place);
 }
 
 }  // namespace bipot

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/scene/scene.h"
@@ -23,12 +24,22 @@ struct RadiusClass {
   double fraction = 0;  ///< of the number of disks
 };
 
+/// What bounds a random filling besides its base.
+template <int D>
+struct FillingBounds {
+  double height = kInfinity;  ///< above its corner                                      [m]
+  /// True if a body with this centre and radius has its place there; empty: everywhere.
+  std::function<bool(const Vec<D>&, double)> holds;
+};
+
 /// A loose random filling without overlap: `count` disks in the cells of a grid as wide as `width`,
 /// from the bottom up, each at a random place of its cell. Class sizes follow the fractions by
 /// largest remainders; the sequence of classes is shuffled. `spacing` >= 0 widens the cells beyond
 /// the largest diameter, relative. The same bits on every platform: 64-bit Mersenne twister,
-/// integer arithmetic and IEEE operations only. Throws std::invalid_argument.
+/// integer arithmetic and IEEE operations only. Throws std::invalid_argument, also if the bounds do
+/// not hold all disks: "fits 180 of 220".
 std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& classes, double width,
-                                 double spacing, std::uint64_t seed, const Vec2& corner);
+                                 double spacing, std::uint64_t seed, const Vec2& corner,
+                                 const FillingBounds<2>& bounds = {});
 
 }  // namespace bipot

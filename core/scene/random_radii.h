@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/base/portable_random.h"
@@ -14,5 +17,37 @@ void check_filling(int count, const std::vector<RadiusClass>& classes, double sp
 /// std::invalid_argument for classes without sound radii and shares.
 std::vector<double> drawn_radii(int count, const std::vector<RadiusClass>& classes,
                                 PortableRandom& random);
+
+/// Throws std::invalid_argument: so many bodies have a place, fewer than asked for.
+[[noreturn]] void refuse_filling(std::size_t fits, std::size_t asked);
+
+/// One body for each radius, in cells from the bottom up. `place(cell, radius)` draws one in a cell,
+/// and `layer` is the number of cells with the same height, `pitch` apart. A cell in which the
+/// bounds hold none of several draws stays empty.
+template <int D, class Place>
+std::vector<Body<D>> fill_cells(const std::vector<double>& radii, std::int64_t layer, double pitch,
+                                const FillingBounds<D>& bounds, const Place& place) {
+  constexpr int kDraws = 20;
+  constexpr std::int64_t kMostEmpty = 1000000;  // in a row: there is no more room
+  const double layers = std::floor(bounds.height / pitch * (1 + 1e-12));
+  std::vector<Body<D>> bodies;
+  bodies.reserve(radii.size());
+  std::int64_t cell = 0, empty = 0;
+  while (bodies.size() < radii.size()) {
+    const double radius = radii[bodies.size()];
+    if (static_cast<double>(cell / layer) >= layers || empty > kMostEmpty) {
+      refuse_filling(bodies.size(), radii.size());
+    }
+    bool held = false;
+    for (int draw = 0; draw < kDraws && !held; ++draw) {
+      const Body<D> body = place(cell, radius);
+      held = !bounds.holds || bounds.holds(body.x, radius);
+      if (held) bodies.push_back(body);
+    }
+    empty = held ? 0 : empty + 1;
+    ++cell;
+  }
+  return bodies;
+}
 
 }  // namespace bipot

@@ -81,6 +81,7 @@ std::string check_wall(const Wall<D>& w, std::size_t i, int materials) {
   } else if (auto e = check_unit("normal", i, w.normal); !e.empty()) {
     return e;
   }
+  if (auto e = check_finite("wall", i, "surface velocity", w.belt); !e.empty()) return e;
   if (w.motion == Wall<D>::Motion::kDriven) {
     if (auto e = check_positive("wall", i, "mass", w.mass); !e.empty()) return e;
     if (auto e = check_unit("direction", i, w.direction); !e.empty()) return e;
@@ -111,9 +112,9 @@ std::string check_glued(const Scene<D>& scene, std::size_t i) {
     return fmt::format("{} {}: there is no wall {}", kBodyName<D>, i, w);
   }
   const Wall<D>& wall = scene.walls[to_size(w)];
-  if (wall.spin == 0 && wall.removed == kInfinity) return {};
-  return fmt::format("{} {} is glued to wall '{}', which turns or is removed", kBodyName<D>, i,
-                     wall.name);
+  if (wall.spin == 0 && wall.belt.isZero(0) && wall.removed == kInfinity) return {};
+  return fmt::format("{} {} is glued to wall '{}', which turns, is a belt or is removed",
+                     kBodyName<D>, i, wall.name);
 }
 
 /// Checks the entries of a scene that a periodic cell excludes.

@@ -119,9 +119,11 @@ struct Wall {
   double radius = 0;  ///< circles only, > 0                                      [m]
   double spin = 0;    ///< circles only: counter-clockwise, in 3D about `normal`    [rad/s]
   Vec<D> across =
-      Vec<D>::Zero();        ///< driven walls only: prescribed velocity, normal to direction [m/s]
-  double starts = 0;         ///< before that it stands still                            [s]
-  double stops = kInfinity;  ///< from then on it stands still                           [s]
+      Vec<D>::Zero();  ///< driven walls only: prescribed velocity, normal to direction [m/s]
+  /// Half-planes and segments: velocity of the surface along the wall, relative to v: a belt. [m/s]
+  Vec<D> belt = Vec<D>::Zero();
+  double starts = 0;           ///< before that it stands still                            [s]
+  double stops = kInfinity;    ///< from then on it stands still                           [s]
   double removed = kInfinity;  ///< from then on it is not there                           [s]
   bool present = true;         ///< in a state: false once it has been removed
 

@@ -51,7 +51,7 @@ std::vector<Sphere> sphere_pyramid(int rows, double radius, const Vec3& corner) 
 
 std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& classes,
                                    const Vec2& base, double spacing, std::uint64_t seed,
-                                   const Vec3& corner) {
+                                   const Vec3& corner, const FillingBounds<3>& bounds) {
   check_filling(count, classes, spacing);
   PortableRandom random(seed);
   const std::vector<double> radii = drawn_radii(count, classes, random);
@@ -69,18 +69,17 @@ std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& cl
   };
   const int columns = cells(base[0], "width"), rows = cells(base[1], "depth");
   const Vec3 cell(base[0] / columns, base[1] / rows, pitch);
-  std::vector<Sphere> spheres;
-  spheres.reserve(radii.size());
-  for (int k = 0; k < count; ++k) {
-    const double radius = radii[to_size(k)];
-    const Vec3 number(k % columns, k / columns % rows, k / (columns * rows));
+  const std::int64_t layer = std::int64_t{columns} * rows;
+  const auto place = [&](std::int64_t k, double radius) {
+    const Vec3 number(static_cast<double>(k % columns), static_cast<double>(k / columns % rows),
+                      static_cast<double>(k / layer));
     Vec3 x = corner + number.cwiseProduct(cell);
     for (int axis = 0; axis < 3; ++axis) {
       x[axis] += radius + random.uniform() * std::max(cell[axis] - 2 * radius, 0.0);
     }
-    spheres.push_back(sphere_at(x, radius));
-  }
-  return spheres;
+    return sphere_at(x, radius);
+  };
+  return fill_cells<3>(radii, layer, pitch, bounds, place);
 }
 
 }  // namespace bipot

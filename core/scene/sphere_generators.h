@@ -23,6 +23,6 @@ std::vector<Sphere> sphere_pyramid(int rows, double radius, const Vec3& corner);
 /// std::invalid_argument.
 std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& classes,
                                    const Vec2& base, double spacing, std::uint64_t seed,
-                                   const Vec3& corner);
+                                   const Vec3& corner, const FillingBounds<3>& bounds = {});
 
 }  // namespace bipot

@@ -3,9 +3,10 @@
 namespace bipot {
 namespace {
 
+/// Velocity of a belt's surface at a contact: at the ends of a segment it turns with the normal.
 template <int D>
-bool turns(const Wall<D>& wall) {
-  return wall.is_circle() && wall.spin != 0;
+Vec<D> running(const Wall<D>& wall, const Vec<D>& n) {
+  return wall.belt - wall.belt.dot(n) * n;
 }
 
 /// Velocity of a circle's surface relative to its centre: spin e3 x r, with r from the centre to
@@ -36,6 +37,7 @@ std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
     const bool moves = time >= definition.starts && time < definition.stops && wall.present;
     wall.motion = moves ? definition.motion : Motion::kFixed;
     wall.spin = moves ? definition.spin : 0;
+    wall.belt = moves ? definition.belt : Vec<D>(Vec<D>::Zero());
     if (!moves) {
       wall.v.setZero();
     } else if (definition.motion == Motion::kMoving) {
@@ -74,7 +76,8 @@ Vec<D> wall_momentum(const Wall<D>& wall) {
 template <int D>
 Vec<D> surface_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>& v,
                         const std::type_identity_t<Vec<D>>& n) {
-  return turns(wall) ? Vec<D>(v + turning(wall, n)) : v;
+  if (wall.is_circle()) return wall.spin != 0 ? Vec<D>(v + turning(wall, n)) : v;
+  return wall.belt.isZero(0) ? v : Vec<D>(v + running<D>(wall, n));
 }
 
 template <int D>

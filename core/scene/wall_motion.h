@@ -36,7 +36,7 @@ template <int D>
 Vec<D> wall_momentum(const Wall<D>& wall);
 
 /// Velocity of the wall's surface at a contact with normal n from the wall to the disk. The wall as
-/// a whole moves with v; the surface velocity is v, plus rotation for circles. [m/s]
+/// a whole moves with v; the surface velocity is v, plus rotation for circles, plus that of a belt. [m/s]
 template <int D>
 Vec<D> surface_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>& v,
                         const std::type_identity_t<Vec<D>>& n);

@@ -7,6 +7,7 @@
 #include "core/scene/disk_union.h"
 #include "core/scene/generators.h"
 #include "core/scene/random_radii.h"
+#include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_groups.h"
 #include "core/scene_files/scene_walls.h"
 
@@ -32,7 +33,8 @@ struct Placed {
 };
 
 /// `reach`: radius about the centre of the union that contains a cluster.
-std::vector<Placed> read_places(const SceneTable& table, double reach, const Vec2& centre) {
+std::vector<Placed> read_places(const SceneTable& table, const Scene<2>& scene, double reach,
+                                const Vec2& centre) {
   const double turned = table.number("degrees", 0) * std::numbers::pi / 180;
   const std::string arrangement =
       table.one_of("arrangement", "single", {"single", "rectangular", "random"});
@@ -42,9 +44,9 @@ std::vector<Placed> read_places(const SceneTable& table, double reach, const Vec
     // The place of the origin of the parts.
     return {{*position + Eigen::Rotation2D<double>(turned) * centre, turned}};
   }
-  const Vec2 corner = table.vec2("corner", Vec2::Zero());
   std::vector<Placed> places;
   if (arrangement == "rectangular") {
+    const Vec2 corner = table.vec2("corner", Vec2::Zero());
     const int columns = table.natural("columns"), rows = table.natural("rows");
     require_possible(table, "rows", static_cast<double>(rows) * columns, "clusters");
     for (const Disk& cell : rectangular_lattice(columns, rows, reach, corner)) {
@@ -58,10 +60,11 @@ std::vector<Placed> read_places(const SceneTable& table, double reach, const Vec
   const int count = table.natural("count");
   require_possible(table, "count", count, "clusters");
   PortableRandom random(static_cast<std::uint64_t>(seed));
+  const FillingPlace<2> place = read_filling_place(table, scene);
   try {
     for (const Disk& cell :
-         random_filling(count, {{reach, 1}}, table.positive("width"), table.number("spacing", 0.1),
-                        static_cast<std::uint64_t>(seed), corner)) {
+         random_filling(count, {{reach, 1}}, place.base[0], table.number("spacing", 0.1),
+                        static_cast<std::uint64_t>(seed), place.corner, place.bounds)) {
       places.push_back({cell.x, 2 * std::numbers::pi * random.uniform()});
     }
   } catch (const std::invalid_argument& e) {
@@ -77,7 +80,7 @@ void read_cluster_group(const SceneTable& table, Scene<2>& scene) {
   for (const Circle& part : parts) {
     reach = std::max(reach, (part.centre - centre).norm() + part.radius);
   }
-  const std::vector<Placed> places = read_places(table, reach, centre);
+  const std::vector<Placed> places = read_places(table, scene, reach, centre);
   const GroupMass group = read_group_mass(table);
   if (group.inertia && !(*group.inertia > 0)) {
     table.fail("inertia", "expected a positive number");

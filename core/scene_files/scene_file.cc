@@ -19,8 +19,10 @@
 #include "core/base/types.h"
 #include "core/files/input_file.h"
 #include "core/scene/generators.h"
+#include "core/scene_files/position_file.h"
 #include "core/scene_files/scene_cell.h"
 #include "core/scene_files/scene_clusters.h"
+#include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_gates.h"
 #include "core/scene_files/scene_groups.h"
 #include "core/scene_files/scene_observables.h"
@@ -31,16 +33,24 @@
 namespace bipot {
 namespace {
 
-ContactLaw read_law(const SceneTable& table) {
-  return {
-      .mu = table.number("mu", 0), .e_n = table.number("e_n", 0), .e_t = table.number("e_t", 0)};
+/// What the table omits is that of `base`.
+ContactLaw read_law(const SceneTable& table, const ContactLaw& base) {
+  ContactLaw law = base;
+  law.mu = table.number("mu", base.mu);
+  law.e_n = table.number("e_n", base.e_n);
+  law.e_t = table.number("e_t", base.e_t);
+  if (law.mu < 0) table.fail("mu", fmt::format("mu = {}, expected a number >= 0", law.mu));
+  for (const auto& [key, e] : {std::pair{"e_n", law.e_n}, std::pair{"e_t", law.e_t}}) {
+    if (e < 0 || e > 1) table.fail(key, fmt::format("{} = {}, expected 0 to 1", key, e));
+  }
+  return law;
 }
 
 template <int D>
 void read_materials(const SceneTable& root, Scene<D>& scene) {
   ContactLaw base;
   if (const auto table = root.table("contact")) {
-    base = read_law(*table);
+    base = read_law(*table, base);
     if (const auto distance = table->maybe_number("distance")) {
       if (*distance < 0) table->fail("distance", "expected a number >= 0");
       scene.contact_distance = *distance;
@@ -72,10 +82,7 @@ void read_materials(const SceneTable& root, Scene<D>& scene) {
       }
       index[k] = static_cast<std::size_t>(it - scene.materials.begin());
     }
-    ContactLaw law = base;
-    law.mu = table.number("mu", base.mu);
-    law.e_n = table.number("e_n", base.e_n);
-    law.e_t = table.number("e_t", base.e_t);
+    const ContactLaw law = read_law(table, base);
     scene.laws[index[0] * count + index[1]] = scene.laws[index[1] * count + index[0]] = law;
     table.finish();
   }
@@ -118,9 +125,9 @@ void read_common(const SceneTable& table, const Scene<2>& scene, std::vector<Dis
   }
 }
 
-std::vector<Disk> read_group(const SceneTable& table) {
-  static const std::vector<std::string> kArrangements = {"single", "rectangular", "triangular",
-                                                         "pyramid", "random"};
+std::vector<Disk> read_group(const SceneTable& table, const Scene<2>& scene) {
+  static const std::vector<std::string> kArrangements = {"single",  "rectangular", "triangular",
+                                                         "pyramid", "random",      "file"};
   const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
   if (arrangement == "single") {
     Disk disk;
@@ -130,21 +137,28 @@ std::vector<Disk> read_group(const SceneTable& table) {
     disk.radius = table.positive("radius");
     return {disk};
   }
-  const Vec2 corner = table.vec2("corner", Vec2::Zero());
+  if (arrangement == "file") {
+    std::vector<Disk> disks;
+    for (const PositionRow& row : read_named_positions(table, 2)) {
+      disks.push_back({.x = Vec2(row[0], row[1]), .radius = row[3]});
+    }
+    return disks;
+  }
   if (arrangement == "random") {
     const int seed = table.integer("seed", 1);
     if (seed < 0) table.fail("seed", "expected a non-negative integer");
     const int count = table.natural("count");
     require_possible(table, "count", count, "disks");
-    const double width = table.positive("width");
-    const double spacing = table.number("spacing", 0.1);
+    const std::vector<RadiusClass> classes = read_radius_classes(table);
+    const FillingPlace<2> place = read_filling_place(table, scene);
     try {
-      return random_filling(count, read_radius_classes(table), width, spacing,
-                            static_cast<std::uint64_t>(seed), corner);
+      return random_filling(count, classes, place.base[0], table.number("spacing", 0.1),
+                            static_cast<std::uint64_t>(seed), place.corner, place.bounds);
     } catch (const std::invalid_argument& e) {
       table.fail("arrangement", e.what());
     }
   }
+  const Vec2 corner = table.vec2("corner", Vec2::Zero());
   const double radius = table.positive("radius");
   const int rows = table.natural("rows");
   if (arrangement == "pyramid") {
@@ -276,6 +290,7 @@ void rotate(Scene<2>& scene, double degrees) {
     w.v = turn * w.v;
     w.direction = turn * w.direction;
     if (w.across != Vec2::Zero()) w.across = turn * w.across;
+    if (w.belt != Vec2::Zero()) w.belt = turn * w.belt;
   }
 }
 
@@ -290,7 +305,7 @@ double default_contact_distance(const Scene<D>& scene) {
 /// Reads [[disks]], the cell, and rotations.
 void read_bodies(const SceneTable& root, Scene<2>& scene) {
   for (const SceneTable& table : root.tables("disks")) {
-    std::vector<Disk> disks = read_group(table);
+    std::vector<Disk> disks = read_group(table, scene);
     read_common(table, scene, disks);
     table.finish();
     scene.bodies.insert(scene.bodies.end(), disks.begin(), disks.end());
@@ -394,7 +409,7 @@ AnyScene parse_any_scene(const std::string& text, const std::string& source) {
   } catch (const toml::parse_error& e) {
     throw SceneFileError(fmt::format("{}:{}: {}", source, e.source().begin.line, e.description()));
   }
-  const SceneTable root(parsed, "", source);
+  const SceneTable root(parsed, "", "", source);
   const bool spheres = parsed.contains("spheres");
   const int dim = root.integer("dim", spheres ? 3 : 2);
   if (dim != 2 && dim != 3) root.fail("dim", fmt::format("expected 2 or 3, got {}", dim));

@@ -25,6 +25,14 @@ void require_possible(const SceneTable& table, std::string_view key, double coun
   }
 }
 
+std::vector<PositionRow> read_named_positions(const SceneTable& table, int dim) {
+  const std::string name = table.word("file", "");
+  if (name.empty()) table.fail("file", "is missing: name a CSV file with x, y and radius");
+  const std::vector<PositionRow> rows = read_positions(table.folder() / name, dim);
+  require_possible(table, "file", static_cast<double>(rows.size()), "bodies");
+  return rows;
+}
+
 GroupMass read_group_mass(const SceneTable& table) {
   GroupMass group{table.maybe_number("mass"), table.maybe_number("density"),
                   table.maybe_number("inertia")};

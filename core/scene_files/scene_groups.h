@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/scene/generators.h"
+#include "core/scene_files/position_file.h"
 #include "core/scene_files/scene_table.h"
 
 namespace bipot {
@@ -16,6 +17,9 @@ std::vector<RadiusClass> read_radius_classes(const SceneTable& table);
 /// the value of `key` asks for. Throws SceneFileError.
 void require_possible(const SceneTable& table, std::string_view key, double count,
                       std::string_view bodies);
+
+/// The rows of the CSV file that the key `file` names. Throws SceneFileError.
+std::vector<PositionRow> read_named_positions(const SceneTable& table, int dim);
 
 /// Masses of a group of bodies.
 struct GroupMass {

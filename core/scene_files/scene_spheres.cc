@@ -3,14 +3,16 @@
 #include <numbers>
 
 #include "core/scene/sphere_generators.h"
+#include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_groups.h"
 #include "core/scene_files/scene_walls.h"
 
 namespace bipot {
 namespace {
 
-std::vector<Sphere> read_arrangement(const SceneTable& table) {
-  static const std::vector<std::string> kArrangements = {"single", "cubic", "pyramid", "random"};
+std::vector<Sphere> read_arrangement(const SceneTable& table, const Scene<3>& scene) {
+  static const std::vector<std::string> kArrangements = {"single", "cubic", "pyramid", "random",
+                                                         "file"};
   const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
   if (arrangement == "single") {
     Sphere sphere;
@@ -20,21 +22,28 @@ std::vector<Sphere> read_arrangement(const SceneTable& table) {
     sphere.radius = table.positive("radius");
     return {sphere};
   }
-  const Vec3 corner = table.maybe_vec<3>("corner").value_or(Vec3::Zero());
+  if (arrangement == "file") {
+    std::vector<Sphere> spheres;
+    for (const PositionRow& row : read_named_positions(table, 3)) {
+      spheres.push_back({.x = Vec3(row[0], row[1], row[2]), .radius = row[3]});
+    }
+    return spheres;
+  }
   if (arrangement == "random") {
     const int seed = table.integer("seed", 1);
     if (seed < 0) table.fail("seed", "expected a non-negative integer");
     const int count = table.natural("count");
     require_possible(table, "count", count, "spheres");
-    const double width = table.positive("width");
-    const double depth = table.has("depth") ? table.positive("depth") : width;
+    const std::vector<RadiusClass> classes = read_radius_classes(table);
+    const FillingPlace<3> place = read_filling_place(table, scene);
     try {
-      return random_spheres(count, read_radius_classes(table), Vec2(width, depth),
-                            table.number("spacing", 0.1), static_cast<std::uint64_t>(seed), corner);
+      return random_spheres(count, classes, place.base, table.number("spacing", 0.1),
+                            static_cast<std::uint64_t>(seed), place.corner, place.bounds);
     } catch (const std::invalid_argument& e) {
       table.fail("arrangement", e.what());
     }
   }
+  const Vec3 corner = table.maybe_vec<3>("corner").value_or(Vec3::Zero());
   const double radius = table.positive("radius");
   const int rows = table.natural("rows");
   if (arrangement == "pyramid") {
@@ -49,7 +58,7 @@ std::vector<Sphere> read_arrangement(const SceneTable& table) {
 }  // namespace
 
 std::vector<Sphere> read_spheres(const SceneTable& table, const Scene<3>& scene) {
-  std::vector<Sphere> spheres = read_arrangement(table);
+  std::vector<Sphere> spheres = read_arrangement(table, scene);
   const GroupMass group = read_group_mass(table);
   const Vec3 v = table.maybe_vec<3>("velocity").value_or(Vec3::Zero());
   const Vec3 spin = table.maybe_vec<3>("spin").value_or(Vec3::Zero());

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,21 +21,34 @@
 #include "core/base/printable_text.h"
 #include "core/base/types.h"
 #include "core/scene_files/scene_file.h"
+#include "core/scene_files/scene_keys.h"
 
 namespace bipot {
 
-/// A TOML table that knows its name and which keys were read: the others are unknown.
+/// A TOML table that knows its name and which keys were read: the others have no use.
 class SceneTable {
  public:
-  SceneTable(const toml::table& table, std::string name, const std::string& source)
-      : table_(table), name_(std::move(name)), source_(source) {}
+  /// `path`: the name without numbers, which decides the valid keys. Refuses all others at once, so
+  /// that a misspelt key is told before one that is missing.
+  SceneTable(const toml::table& table, std::string name, std::string path,
+             const std::string& source)
+      : table_(table),
+        name_(std::move(name)),
+        path_(std::move(path)),
+        source_(source),
+        valid_(keys_of_table(path_)) {
+    if (valid_.empty()) return;
+    for (const auto& [key, node] : table_) {
+      if (!is_valid(key.str())) fail_at(node, unknown_key_message(key.str(), valid_));
+    }
+  }
 
   /// Refuses keys that were not read. Call after the last access.
   void finish() const {
     for (const auto& [key, node] : table_) {
       const std::string text(key.str());
       if (known_.contains(text)) continue;
-      fail_at(node, unknown_name_message("key", text, {known_.begin(), known_.end()}));
+      fail_at(node, unknown_key_message(text, {known_.begin(), known_.end()}));
     }
   }
 
@@ -41,11 +56,19 @@ class SceneTable {
     const toml::node* node = table_.get(key);
     const std::string text = fmt::format("'{}': {}", key, message);
     if (node != nullptr) fail_at(*node, text);
-    throw SceneFileError(
-        fmt::format("{}: [{}] {}", source_, name_.empty() ? "top level" : name_, text));
+    // The key may be there under a name that means something else in this table.
+    for (const auto& [other, there] : table_) {
+      if (!known_.contains(other.str()) && is_synonym(other.str(), key)) {
+        fail_at(there, fmt::format("unknown key '{}' here; did you mean '{}'?", other.str(), key));
+      }
+    }
+    fail_at(table_, text);
   }
 
   bool has(std::string_view key) const {
+    if (!valid_.empty() && !is_valid(key)) {
+      throw std::logic_error(fmt::format("scene_keys.cc lacks '{}' of [{}]", key, path_));
+    }
     known_.emplace(key);
     return table_.contains(key);
   }
@@ -151,7 +174,7 @@ class SceneTable {
     if (!has(key)) return std::nullopt;
     const toml::table* table = table_.get(key)->as_table();
     if (table == nullptr) fail(key, "expected a table");
-    return SceneTable(*table, child_name(key), source_);
+    return SceneTable(*table, child(name_, key), child(path_, key), source_);
   }
   std::vector<SceneTable> tables(std::string_view key) const {
     std::vector<SceneTable> result;
@@ -161,7 +184,8 @@ class SceneTable {
     for (const toml::node& node : *array) {
       const toml::table* table = node.as_table();
       if (table == nullptr) fail(key, "expected an array of tables");
-      result.emplace_back(*table, fmt::format("{}[{}]", child_name(key), result.size()), source_);
+      result.emplace_back(*table, fmt::format("{}[{}]", child(name_, key), result.size()),
+                          child(path_, key), source_);
     }
     return result;
   }
@@ -180,11 +204,17 @@ class SceneTable {
     }
     return result;
   }
+  bool is_array(std::string_view key) const { return has(key) && table_.get(key)->is_array(); }
   const std::string& name() const { return name_; }
+  /// The folder of the scene's file, to which paths in it are relative.
+  std::filesystem::path folder() const { return std::filesystem::path(source_).parent_path(); }
 
  private:
-  std::string child_name(std::string_view key) const {
-    return name_.empty() ? std::string(key) : fmt::format("{}.{}", name_, key);
+  static std::string child(const std::string& parent, std::string_view key) {
+    return parent.empty() ? std::string(key) : fmt::format("{}.{}", parent, key);
+  }
+  bool is_valid(std::string_view key) const {
+    return std::find(valid_.begin(), valid_.end(), key) != valid_.end();
   }
   double number_of(std::string_view key, const toml::node& node) const {
     const bool numeric = node.is_integer() || node.is_floating_point();
@@ -193,13 +223,16 @@ class SceneTable {
     return *value;
   }
   [[noreturn]] void fail_at(const toml::node& node, const std::string& message) const {
-    throw SceneFileError(fmt::format("{}:{}: [{}] {}", source_, node.source().begin.line,
+    const auto line = node.source().begin.line;  // 0: the file as a whole
+    throw SceneFileError(fmt::format("{}{}: [{}] {}", source_,
+                                     line > 0 ? fmt::format(":{}", line) : std::string(),
                                      name_.empty() ? "top level" : name_, message));
   }
 
   const toml::table& table_;
-  std::string name_;
+  std::string name_, path_;
   const std::string& source_;
+  std::vector<std::string> valid_;  // empty: any
   mutable std::set<std::string, std::less<>> known_;
 };
 

@@ -83,13 +83,32 @@ void read_drive(const SceneTable& table, Wall<D>& wall) {
   }
 }
 
+/// A surface that moves along its wall, which stays.
+template <int D>
+void read_belt(const SceneTable& table, Wall<D>& wall) {
+  if (wall.is_circle()) return;  // it has 'spin'
+  const auto surface = table.maybe_vec<D>("surface_velocity");
+  if (!surface) return;
+  Vec<D> through = Vec<D>::Zero();  // the part along the normal
+  if (wall.shape == Wall<D>::Shape::kHalfPlane) {
+    through = surface->dot(wall.normal) * wall.normal;
+  } else if (const Vec<D> side = wall.b - wall.a; side.norm() > 0) {
+    through = *surface - surface->dot(side) / side.squaredNorm() * side;
+  }
+  if (!(through.norm() <= 1e-9 * surface->norm())) {
+    table.fail("surface_velocity", "must lie along the wall ('velocity' moves the wall itself)");
+  }
+  wall.belt = *surface - through;
+}
+
 /// Times of start, stop and removal.
 template <int D>
 void read_times(const SceneTable& table, Wall<D>& wall) {
-  const bool moves = wall.motion != Wall<D>::Motion::kFixed || wall.spin != 0;
+  const bool moves =
+      wall.motion != Wall<D>::Motion::kFixed || wall.spin != 0 || !wall.belt.isZero(0);
   for (const char* key : {"starts", "stops"}) {
     if (table.has(key) && !moves)
-      table.fail(key, "belongs to a wall that moves, is driven or turns");
+      table.fail(key, "belongs to a wall that moves, is driven, turns or is a belt");
   }
   wall.starts = table.number("starts", wall.starts);
   if (!(wall.starts >= 0)) table.fail("starts", "expected a number >= 0");
@@ -123,6 +142,7 @@ Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t in
     wall.motion = Wall<D>::Motion::kMoving;
     wall.v = *velocity;
   }
+  read_belt(table, wall);
   read_times(table, wall);
   return wall;
 }

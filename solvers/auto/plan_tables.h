@@ -123,7 +123,7 @@ constexpr std::string_view
     kWhyMomentumStart = "momentum is enough at loose tolerances, and else a start for a path",
     kWhyNear = "a slightly different impulse mostly leads elsewhere",
     kWhyNewton = "Newton's method converges quadratically where W is regular",
-    kWhyPath = "moving packings: an exact path through stick, slip and take-off",
+    kWhyPath = "moving packings: an exact path through opening, stick and slip",
     kWhyLarger = "the same with a larger budget",
     kWhyRandom = "paths with other random numbers arrive by chance",
     kWhyShortPath = "a short exact path from an impulse that is near",

@@ -12,7 +12,8 @@ TEST(NearestName, CountsEditsAndSwaps) {
   EXPECT_EQ(nearest_name("gravitty", names), "gravity");
   EXPECT_EQ(nearest_name("tine", names), "time");
   EXPECT_EQ(nearest_name("walls", names), "walls");
-  EXPECT_EQ(nearest_name("", names), "time");  // the shortest
+  EXPECT_EQ(nearest_name("foo", names), "");  // nothing is near
+  EXPECT_EQ(nearest_name("", names), "");
   EXPECT_EQ(nearest_name("x", {}), "");
 }
 

@@ -403,5 +403,42 @@ TEST(WallMotion, AreaOfADrumIsTheSamplesArea) {
               1e-14);
 }
 
+// A disk put on a belt with V = 1 m/s and mu 0.2. Friction mu m g gives v = mu g t and, with the
+// inertia m a²/2, a spin of 2 mu g t / a. It rolls from v + a spin = V on: v = V/3, spin 2 V/(3 a),
+// after V/(3 mu g) = 0.1699 s and 0.0283 m. At 5 s it is at 0.3 + 0.0283 + (5 - 0.1699)/3 m.
+TEST(WallMotion, ABeltCarriesADiskAndStays) {
+  Scene<2> scene = rough_scene(0.2);
+  scene.gravity = Vec2(0, -9.81);
+  scene.bodies = {round_body<2>(Vec2(0.3, 0.1), 0.1, 1)};
+  Wall<2> belt;
+  belt.shape = Wall<2>::Shape::kSegment;
+  belt.b = Vec2(2, 0);
+  belt.belt = Vec2(1, 0);
+  scene.walls = {belt};
+  scene.num_steps = 5000;
+  Books books;
+  const State<2> end =
+      solved_run<2>(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+  EXPECT_NEAR(end.bodies[0].v[0], 1.0 / 3, 1e-8);
+  EXPECT_NEAR(end.bodies[0].spin, 20.0 / 3, 1e-7);
+  EXPECT_NEAR(end.bodies[0].x[0], 1.9384, 1e-3);
+  EXPECT_EQ(end.walls[0].b, Vec2(2, 0));
+  EXPECT_LT(books.energy, 1e-9);
+  EXPECT_LT(books.momentum, 1e-12);
+}
+
+// At an end the surface turns with the normal: it never moves towards the disk.
+TEST(WallMotion, ABeltTurnsAtItsEnds) {
+  Wall<2> belt;
+  belt.shape = Wall<2>::Shape::kSegment;
+  belt.b = Vec2(2, 0);
+  belt.belt = Vec2(1, 0);
+  const Vec2 n = Vec2(1, 1).normalized();
+  const Vec2 v = surface_velocity<2>(belt, Vec2::Zero(), n);
+  EXPECT_NEAR(v.dot(n), 0, 1e-15);
+  EXPECT_NEAR(v[0], 0.5, 1e-15);
+  EXPECT_EQ(surface_velocity<2>(belt, Vec2(0, 3), Vec2(0, 1)), Vec2(1, 3));
+}
+
 }  // namespace
 }  // namespace bipot

@@ -127,6 +127,10 @@ TEST_F(SiconosText, DefectsAreRefusedWithLineAndReason) {
   expect_refusal("", "line 1: the file ends where contact dimension should stand");
   expect_refusal("5\n1\n", "contact dimension 5 is neither 2 nor 3");
   expect_refusal("two\n", "'two' is not an integer");
+  // Another kind of problem: n, storage, n, n; and storage, n, n, blocks with joints.
+  expect_refusal("4\n0\n4\n4\n4\t4\n", "linear complementarity problem (LCP) of 4 rows");
+  expect_refusal("3\n1\n3\n3\n", "linear complementarity problem (LCP) of 3 rows");
+  expect_refusal("1\n4\n4\n4\n2\n2\n1 4\n1 4\n", "equality rows (joints)");
   expect_refusal("2\n-1\n", "number of contacts = -1 is too small");
   expect_refusal("2\n1\n7\n2\n2\n", "line 5: matrix storage 7");
   expect_refusal("2\n1\n0\n2\n2\n2\t2\n1 0\n0 x\n", "line 8: matrix entry: 'x' is not a number");

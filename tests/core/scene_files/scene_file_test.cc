@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "core/base/file_error.h"
+#include "core/scene_files/scene_keys.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/source_folder.h"
 
@@ -215,6 +216,21 @@ TEST(SceneFile, Circles) {
   expect_refused(kFloor + "center = [0, 0]\nradius = 1\n" + kTime, {"half-plane", "circle"});
   expect_refused(kFloor + "spin = 1\n" + kTime, {"test.toml:4", "unknown key 'spin'"});
   expect_refused(circle + "force = 1\nmass = 1\n" + kTime, {"'direction'", "missing"});
+}
+
+TEST(SceneFile, BeltsMoveAlongTheirWall) {
+  const std::string belt = "[[walls]]\nfrom = [0, 0]\nto = [2, 0]\nsurface_velocity = ";
+  const Scene<2> s =
+      parse(belt + "[3, 0]\nstarts = 1\n" + kFloor + "surface_velocity = [-1, 0]\n" + kTime);
+  EXPECT_EQ(s.walls[0].belt, Vec2(3, 0));
+  EXPECT_EQ(s.walls[0].v, Vec2(0, 0));
+  EXPECT_EQ(s.walls[1].belt, Vec2(-1, 0));
+  EXPECT_TRUE(parse("rotate_degrees = 90\n" + belt + "[3, 0]\n" + kTime)
+                  .walls[0]
+                  .belt.isApprox(Vec2(0, 3)));
+  expect_refused(belt + "[3, 1]\n" + kTime, {"test.toml:4", "along the wall"});
+  expect_refused("[[walls]]\ncenter = [0, 0]\nradius = 1\nsurface_velocity = [1, 0]\n" + kTime,
+                 {"unknown key 'surface_velocity'"});
 }
 
 TEST(SceneFile, WallsThatStartStopAndGo) {
@@ -495,7 +511,7 @@ TEST(SceneFile, WhatDoesNotBelongInSpaceIsRefused) {
 }
 
 TEST(SceneFile, UnknownWordsNameTheNearest) {
-  expect_refused(kDisk + "material = 'steal'\n" + kTime, {"'material'", "'default'"});
+  expect_refused(kDisk + "material = 'steal'\n" + kTime, {"'material'", "Valid: default"});
   expect_refused("materials = ['steel', 'wood']\n" + kDisk + "material = 'steal'\n" + kTime,
                  {"did you mean 'steel'"});
   expect_refused("materials = ['steel', 'wood']\n[[pairs]]\nbetween = ['steel', 'wod']\n" + kTime,
@@ -579,6 +595,14 @@ TEST(SceneFile, EveryKeyIsDocumentedAndNoOther) {
   const std::set<std::string> known = keys_in_the_source();
   EXPECT_GT(known.size(), 45u);
   EXPECT_EQ(documented, known);
+  // And the reader expects no key that nothing reads.
+  for (const char* table : {"", "contact", "pairs", "time", "disks", "spheres", "clusters", "walls",
+                            "solver", "output", "start", "tilt", "dem", "cell", "outlets", "inlets",
+                            "observables", "observables.lines", "observables.faces"}) {
+    for (const std::string& expected : keys_of_table(table)) {
+      EXPECT_TRUE(known.contains(expected)) << table << ": " << expected;
+    }
+  }
 }
 
 TEST(SceneFile, TheExampleOfTheManualIsSound) {

@@ -1,0 +1,48 @@
+#include "bench/command/new_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "bench/command/exit_code.h"
+#include "bench/problems/scene_catalogue.h"
+#include "core/base/file_error.h"
+#include "core/base/nearest_name.h"
+
+namespace bipot {
+
+CommandDeclaration add_new_command(CommandLine& line, NewFlags& flags) {
+  std::vector<std::string> names;
+  for (const auto& path : scene_templates()) names.push_back(path.stem().string());
+  CommandDeclaration command = line.add_command("new", "Print a scene to begin with");
+  command.option("template", flags.name, "Name of a scene; without it they are listed")
+      .suggest(names);
+  command.footer("Example:\n  bipot new heap > my.toml");
+  return command;
+}
+
+int new_command(const NewFlags& flags) {
+  std::vector<std::string> names;
+  for (const auto& path : scene_templates()) {
+    std::ifstream file(path);
+    if (!file) throw FileError(path, "", "cannot open");
+    std::ostringstream text;
+    text << file.rdbuf();
+    names.push_back(path.stem().string());
+    if (names.back() == flags.name) {
+      fmt::print("{}", text.str());
+      return kExitConverged;
+    }
+    if (flags.name.empty()) {  // the first line says what it is
+      const std::string line = text.str().substr(0, text.str().find('\n'));
+      fmt::print("{:<10} {}\n", names.back(), line.substr(std::min<std::size_t>(2, line.size())));
+    }
+  }
+  if (flags.name.empty()) return kExitConverged;
+  throw std::invalid_argument(unknown_name_message("template", flags.name, names));
+}
+
+}  // namespace bipot

@@ -1,0 +1,81 @@
+#include "core/scene_files/scene_filling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "core/scene/wall_room.h"
+
+namespace bipot {
+namespace {
+
+/// The room of the walls that `inside` names, one or several; without the key all space.
+template <int D>
+WallRoom<D> read_room(const SceneTable& table, const Scene<D>& scene) {
+  if (!table.has("inside")) return {};
+  const std::vector<std::string> wanted =
+      table.is_array("inside") ? table.words("inside") : std::vector{table.word("inside", "")};
+  std::vector<std::string> names;
+  for (const Wall<D>& wall : scene.walls) names.push_back(wall.name);
+  for (const std::string& name : wanted) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      table.fail("inside", unknown_name_message("wall", name, names));
+    }
+  }
+  std::vector<Wall<D>> walls;
+  for (const Wall<D>& wall : scene.walls) {
+    if (std::find(wanted.begin(), wanted.end(), wall.name) != wanted.end()) walls.push_back(wall);
+  }
+  try {
+    return room_within(std::move(walls));
+  } catch (const std::invalid_argument& e) {
+    table.fail("inside", e.what());
+  }
+}
+
+}  // namespace
+
+template <int D>
+FillingPlace<D> read_filling_place(const SceneTable& table, const Scene<D>& scene) {
+  constexpr const char* kSizes[] = {"width", D == 2 ? "height" : "depth", "height"};
+  FillingPlace<D> place;
+  const WallRoom<D> room = read_room(table, scene);
+  const auto corner = table.maybe_vec<D>("corner");
+  const bool within = !room.walls.empty();
+  Vec<D> upper;
+  for (int k = 0; k < D; ++k) {
+    place.corner[k] = corner ? (*corner)[k] : within ? room.box.lower[k] : 0.0;
+    if (!std::isfinite(place.corner[k])) {
+      table.fail("corner", "is missing: the walls of 'inside' do not bound the filling from there");
+    }
+    const bool given = table.has(kSizes[k]);
+    // Without walls a filling is as deep as it is wide, and grows upwards without end.
+    const double size = given                  ? table.positive(kSizes[k])
+                        : within || k == D - 1 ? kInfinity
+                        : k > 0                ? place.base[0]
+                                               : table.positive(kSizes[k]);
+    upper[k] = place.corner[k] + size;
+    double length = size;
+    if (within) {
+      place.corner[k] = std::max(place.corner[k], room.box.lower[k]);
+      length = std::min(upper[k], room.box.upper[k]) - place.corner[k];
+    }
+    if (k == D - 1) {
+      place.bounds.height = length;
+    } else if (std::isfinite(length)) {
+      place.base[k] = length;
+    } else {
+      table.fail(kSizes[k], "is missing: the walls of 'inside' do not bound the filling");
+    }
+  }
+  if (within) {
+    place.bounds.holds = [room](const Vec<D>& x, double radius) { return room.holds(x, radius); };
+  }
+  return place;
+}
+
+template FillingPlace<2> read_filling_place(const SceneTable&, const Scene<2>&);
+template FillingPlace<3> read_filling_place(const SceneTable&, const Scene<3>&);
+
+}  // namespace bipot

@@ -1,0 +1,260 @@
+#include "core/scene_files/scene_keys.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/base/nearest_name.h"
+
+namespace bipot {
+namespace {
+
+using KeyWords = std::vector<std::string_view>;
+
+struct TableKeys {
+  std::string_view table;
+  KeyWords keys;
+};
+
+const std::vector<TableKeys>& all_tables() {
+  static const std::vector<TableKeys> tables = {
+      {"",
+       {"title",  "dim",      "gravity", "rotate_degrees", "materials", "model", "contact", "time",
+        "solver", "dem",      "output",  "observables",    "tilt",      "start", "cell",    "pairs",
+        "disks",  "clusters", "spheres", "walls",          "outlets",   "inlets"}},
+      {"contact", {"mu", "e_n", "e_t", "distance", "overlaps"}},
+      {"pairs", {"between", "mu", "e_n", "e_t"}},
+      {"time", {"step", "steps", "duration", "travel"}},
+      {"disks",
+       {"arrangement", "position", "radius",   "columns", "rows",    "corner",  "count", "radii",
+        "fractions",   "width",    "height",   "inside",  "spacing", "seed",    "file",  "mass",
+        "density",     "inertia",  "velocity", "spin",    "wall",    "material"}},
+      {"spheres",
+       {"arrangement", "position",  "radius",  "columns", "rows",     "layers", "corner",  "count",
+        "radii",       "fractions", "width",   "depth",   "height",   "inside", "spacing", "seed",
+        "file",        "mass",      "density", "inertia", "velocity", "spin",   "material"}},
+      {"clusters",
+       {"parts", "arrangement", "position", "degrees", "columns", "rows", "corner", "count",
+        "width", "height", "inside", "spacing", "seed", "mass", "density", "inertia", "velocity",
+        "spin", "material"}},
+      {"walls",
+       {"name",   "point", "normal",   "from",    "to",   "center",    "radius", "hollow",
+        "axis",   "spin",  "velocity", "force",   "mass", "direction", "speed",  "surface_velocity",
+        "starts", "stops", "removed",  "material"}},
+      {"solver", {"name", "tol", "stop", "max_iterations", "warm_start", "parameters"}},
+      {"output", {"every", "ledger_every", "picture", "stress_picture", "page", "track"}},
+      {"start", {"overlaps"}},
+      {"tilt", {"degrees_per_second", "starts", "stops"}},
+      {"dem", {"stiffness", "overlap", "tangential_ratio", "substep", "safety"}},
+      {"cell",
+       {"width", "height", "depth", "offset", "width_speed", "height_speed", "offset_speed",
+        "pressure_x", "pressure_y", "shear_stress", "mass"}},
+      {"outlets", {"name", "point", "normal", "lower", "upper"}},
+      {"inlets",
+       {"name", "lower", "upper", "rate", "radii", "fractions", "count", "mass", "density",
+        "inertia", "velocity", "spin", "material", "seed", "starts", "stops"}},
+      {"observables",
+       {"every", "starts", "window", "profile", "profile_bins", "profile_range", "force_bins",
+        "force_limit", "lines", "faces"}},
+      {"observables.lines", {"name", "from", "to"}},
+      {"observables.faces", {"name", "point", "normal", "radius", "size"}},
+  };
+  return tables;
+}
+
+struct Synonym {
+  std::string_view typed;
+  KeyWords keys;  // the first one that the table takes is meant
+};
+
+/// KeyWords of other programs and textbooks.
+const std::vector<Synonym>& all_synonyms() {
+  static const std::vector<Synonym> synonyms = {
+      {"friction", {"mu"}},
+      {"friction_coefficient", {"mu"}},
+      {"coefficient_of_friction", {"mu"}},
+      {"frictioncoeff", {"mu"}},
+      {"mu_s", {"mu"}},
+      {"mu_d", {"mu"}},
+      {"mu_k", {"mu"}},
+      {"restitution", {"e_n"}},
+      {"restitution_coefficient", {"e_n"}},
+      {"coefficient_of_restitution", {"e_n"}},
+      {"cor", {"e_n"}},
+      {"e", {"e_n"}},
+      {"en", {"e_n"}},
+      {"et", {"e_t"}},
+      {"dt", {"step"}},
+      {"h", {"step", "height"}},
+      {"timestep", {"step"}},
+      {"time_step", {"step"}},
+      {"step_size", {"step"}},
+      {"n_steps", {"steps"}},
+      {"num_steps", {"steps"}},
+      {"nsteps", {"steps"}},
+      {"end", {"duration", "to", "stops"}},
+      {"t_end", {"duration"}},
+      {"end_time", {"duration"}},
+      {"time", {"duration"}},
+      {"total_time", {"duration"}},
+      {"start", {"from", "starts"}},
+      {"n", {"count", "rows", "steps", "normal"}},
+      {"number", {"count"}},
+      {"num", {"count"}},
+      {"number_of_disks", {"count"}},
+      {"type", {"arrangement"}},
+      {"kind", {"arrangement"}},
+      {"layout", {"arrangement"}},
+      {"shape", {"arrangement"}},
+      {"r", {"radius", "radii"}},
+      {"rad", {"radius", "radii"}},
+      {"radius", {"radii"}},
+      {"radii", {"radius"}},
+      {"sizes", {"radii"}},
+      {"x", {"position", "point"}},
+      {"pos", {"position", "point"}},
+      {"center", {"position", "point"}},
+      {"centre", {"center", "position", "point"}},
+      {"position", {"point", "corner", "center"}},
+      {"origin", {"corner", "point"}},
+      {"rho", {"density"}},
+      {"m", {"mass"}},
+      {"moment_of_inertia", {"inertia"}},
+      {"v", {"velocity"}},
+      {"vel", {"velocity"}},
+      {"speed", {"velocity"}},
+      {"omega", {"spin"}},
+      {"angular_velocity", {"spin"}},
+      {"rotation", {"spin"}},
+      {"belt", {"surface_velocity"}},
+      {"belt_speed", {"surface_velocity"}},
+      {"load", {"force"}},
+      {"wall", {"walls"}},
+      {"wall_height", {"height"}},
+      {"length", {"width"}},
+      {"g", {"gravity"}},
+      {"material_pairs", {"pairs"}},
+      {"interactions", {"pairs"}},
+      {"balls", {"spheres", "disks"}},
+      {"particles", {"disks", "spheres"}},
+      {"grains", {"disks", "spheres"}},
+      {"bodies", {"disks", "spheres"}},
+      {"circles", {"disks"}},
+      {"disk", {"disks"}},
+      {"sphere", {"spheres"}},
+      {"planes", {"walls"}},
+      {"lines", {"walls"}},
+      {"boundaries", {"walls"}},
+      {"container", {"inside"}},
+      {"filename", {"file"}},
+      {"path", {"file"}},
+      {"csv", {"file"}},
+      {"method", {"name"}},
+      {"tolerance", {"tol"}},
+      {"eps", {"tol"}},
+      {"max_iter", {"max_iterations"}},
+      {"iterations", {"max_iterations"}},
+      {"save_every", {"every"}},
+      {"frames", {"every"}},
+  };
+  return synonyms;
+}
+
+struct Remark {
+  KeyWords typed;
+  std::string_view text;
+};
+
+/// What other programs have and this one has not, or has under no single key.
+const std::vector<Remark>& all_remarks() {
+  static const std::vector<Remark> remarks = {
+      {{"rolling_friction", "rolling_resistance", "mu_r", "mu_rolling", "spinning_friction",
+        "torsional_friction"},
+       "rolling resistance is not modelled yet"},
+      {{"fixed", "static", "glued", "frozen", "immobile", "dynamic"},
+       "wall = \"NAME\" glues disks to a wall"},
+      {{"cohesion", "adhesion"}, "cohesion is not modelled"},
+      {{"boxes", "box", "polygons", "polygon", "rectangles", "blocks", "ellipses"},
+       "bodies are disks, rigid clusters of disks, and spheres"},
+      {{"young", "youngs_modulus", "young_modulus", "poisson", "kn", "k_n"},
+       "bodies are rigid; model = \"dem\" has springs, with [dem] stiffness"},
+      {{"diameter", "diameters", "d"}, "sizes are radii: give 'radius' or 'radii'"},
+  };
+  return remarks;
+}
+
+bool lists(const KeyWords& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// The first meaning that `valid` has; empty: none.
+std::string synonym_among(std::string_view typed, const std::vector<std::string>& valid) {
+  for (const Synonym& synonym : all_synonyms()) {
+    if (synonym.typed != typed) continue;
+    for (const std::string_view key : synonym.keys) {
+      if (std::find(valid.begin(), valid.end(), key) != valid.end()) return std::string(key);
+    }
+  }
+  return {};
+}
+
+/// The first table that takes the key; nullptr: none.
+const TableKeys* table_with(std::string_view key) {
+  const auto& tables = all_tables();
+  const auto it = std::find_if(tables.begin(), tables.end(),
+                               [&](const TableKeys& table) { return lists(table.keys, key); });
+  return it == tables.end() ? nullptr : &*it;
+}
+
+/// " 'mu' belongs to [contact]", where the key or what it means has its place; empty: nowhere.
+std::string other_place(std::string_view typed) {
+  KeyWords meanings = {typed};
+  for (const Synonym& synonym : all_synonyms()) {
+    if (synonym.typed == typed)
+      meanings.insert(meanings.end(), synonym.keys.begin(), synonym.keys.end());
+  }
+  for (const std::string_view key : meanings) {
+    if (const TableKeys* place = table_with(key)) {
+      return fmt::format("'{}' belongs to {}", key,
+                         place->table.empty() ? "the top level, above all tables"
+                                              : fmt::format("[{}]", place->table));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> keys_of_table(std::string_view table) {
+  for (const TableKeys& known : all_tables()) {
+    if (known.table == table) return {known.keys.begin(), known.keys.end()};
+  }
+  return {};
+}
+
+bool is_synonym(std::string_view typed, std::string_view key) {
+  const auto& synonyms = all_synonyms();
+  return std::any_of(synonyms.begin(), synonyms.end(), [&](const Synonym& synonym) {
+    return synonym.typed == typed && lists(synonym.keys, key);
+  });
+}
+
+std::string unknown_key_message(std::string_view typed, const std::vector<std::string>& valid) {
+  for (const Remark& remark : all_remarks()) {
+    if (lists(remark.typed, typed)) return fmt::format("unknown key '{}': {}", typed, remark.text);
+  }
+  if (const std::string meant = synonym_among(typed, valid); !meant.empty()) {
+    return fmt::format("unknown key '{}'; did you mean '{}'? Valid: {}", typed, meant,
+                       fmt::join(valid, ", "));
+  }
+  if (nearest_name(typed, valid).empty()) {
+    if (const std::string place = other_place(typed); !place.empty()) {
+      return fmt::format("unknown key '{}' here; {}. Valid: {}", typed, place,
+                         fmt::join(valid, ", "));
+    }
+  }
+  return unknown_name_message("key", typed, valid);
+}
+
+}  // namespace bipot

@@ -1,0 +1,136 @@
+// Names, help, completion and the manual page of the `bipot` command, as a user asks for them.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/bench/command/command_fixture.h"
+#include "tests/support/source_folder.h"
+
+namespace bipot {
+namespace {
+
+/// With standard error among the output.
+Outcome said(const std::string& arguments) {
+  return run_command_line("sh -c \"" BIPOT_COMMAND " " + arguments + " 2>&1\"", "");
+}
+
+void expect_said(const std::string& arguments, int exit_code,
+                 const std::vector<std::string>& parts) {
+  const Outcome outcome = said(arguments);
+  EXPECT_EQ(outcome.exit_code, exit_code) << arguments << ": " << outcome.out;
+  for (const std::string& part : parts) {
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << arguments << " says\n"
+                                                         << outcome.out << "without " << part;
+  }
+}
+
+TEST(CommandLine, UnknownCommandsAndFlagsNameTheNearest) {
+  expect_said("ruin", 2, {"unknown command 'ruin'", "did you mean 'run'", "judge"});
+  expect_said("frobnicate", 2, {"unknown command 'frobnicate'", "Valid: run"});
+  EXPECT_EQ(said("frobnicate").out.find("did you mean"), std::string::npos);
+  expect_said("run drum --tolerance 1e-3", 2, {"unknown flag '--tolerance'", "'--tol'"});
+  expect_said("run drum --dt=1e-3", 2, {"unknown flag '--dt'", "'--step-size'"});
+  expect_said("run drum --setps 3", 2, {"'--setps'", "did you mean '--steps'"});
+  expect_said("solve --zzz", 2, {"bipot solve: unknown flag '--zzz' (bipot solve --help"});
+  expect_said("-v", 2, {"unknown flag '-v'", "'--version'"});
+  expect_said("", 2, {"name a command"});
+}
+
+TEST(CommandLine, TheSameQuestionHasManyForms) {
+  const std::string version = said("--version").out;
+  EXPECT_EQ(version.rfind("bipot ", 0), 0u) << version;
+  for (const char* form : {"version", "-V"}) EXPECT_EQ(said(form).out, version) << form;
+  EXPECT_EQ(said("help").out, said("--help").out);
+  EXPECT_EQ(said("help run").out, said("run --help").out);
+  expect_said("help run", 0, {"bipot run", "--step-size"});
+  expect_said("help nonsense", 2, {"unknown command 'nonsense'"});
+}
+
+TEST(CommandLine, ListAloneNamesEverything) {
+  expect_said("list", 0,
+              {"solvers", "apgd", "scenes", "sliding_cylinder", "problems", "2d_pile_300_mu03",
+               "templates", "hopper"});
+  expect_said("list problems", 0, {"2d_pile_300_mu03", "2D", "contacts"});
+  const nlohmann::json all = nlohmann::json::parse(bipot("list --json -").out);
+  EXPECT_GT(all["solvers"].size(), 5u);
+  EXPECT_GT(all["problems"].size(), 5u);
+  expect_said("list poblems", 2, {"poblems"});
+}
+
+TEST(CommandLine, ShellsCompleteFromTheDeclarations) {
+  const auto completed = [](const std::string& words) {
+    return run_command_line(
+               "bash -c 'source <(" BIPOT_COMMAND " completion bash); COMP_WORDS=(bipot " + words +
+                   "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _bipot; echo \"${COMPREPLY[@]}\"'",
+               "")
+        .out;
+  };
+  EXPECT_EQ(completed("ru"), "run\n");
+  EXPECT_EQ(completed("run --step-"), "--step-size\n");
+  EXPECT_EQ(completed("run --model n"), "nscd\n");
+  EXPECT_EQ(completed("list p"), "problems\n");
+  EXPECT_EQ(completed("new he"), "heap\n");
+  for (const char* shell : {"zsh", "fish"}) {
+    expect_said(std::string("completion ") + shell, 0, {"bipot", "step-size", "nscd dem"});
+  }
+  expect_said("completion tcsh", 2, {"tcsh"});
+}
+
+TEST(CommandLine, TheManualPageHasEveryCommandAndIsSound) {
+  expect_said("help --man", 0,
+              {".TH BIPOT 1", ".SS run scene", "\\-\\-step\\-size", ".SS judge", "Exit codes"});
+  if (std::system("command -v groff > /dev/null") != 0) GTEST_SKIP() << "no groff";
+  const Outcome page = run_command_line(
+      "sh -c \"" BIPOT_COMMAND " help --man | groff -man -Tutf8 -ww 2>&1 | sed 's/.\\x08//g'\"",
+      "");
+  EXPECT_EQ(page.out.find("warning"), std::string::npos) << page.out;
+  EXPECT_NE(page.out.find("COMMANDS"), std::string::npos);
+}
+
+TEST_F(Command, EveryTemplateRunsWithoutChange) {
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(source_folder() / "data" / "templates")) {
+    ++count;
+    const std::string name = entry.path().stem().string();
+    const Outcome text = bipot("new " + name);
+    EXPECT_EQ(text.exit_code, 0);
+    EXPECT_EQ(text.out.rfind("# ", 0), 0u) << name;
+    const Outcome run =
+        bipot("run " + write(name + ".toml", text.out) + " --steps 5 --json - --out " + path(name));
+    ASSERT_EQ(run.exit_code, 0) << name;
+    const nlohmann::json j = nlohmann::json::parse(run.out);
+    EXPECT_EQ(j["status"], "completed") << name;
+    EXPECT_FALSE(j["title"].get<std::string>().empty());
+    EXPECT_LT(j["penetration"].get<double>(), 1e-4) << name;  // nothing overlaps at the start
+    EXPECT_NE(bipot("new").out.find(name), std::string::npos);
+  }
+  EXPECT_EQ(count, 7);
+  expect_said("new haep", 2, {"unknown template 'haep'", "did you mean 'heap'"});
+}
+
+TEST_F(Command, ARunKeepsALogAndSaysWhatIsOdd) {
+  const std::string scene = write("scene.toml",
+                                  "title = \"\\u001b[31mred\"\ngravity = [0, 0]\n"
+                                  "[[disks]]\nposition = [1, 1]\nradius = 1\nmass = 1\n"
+                                  "[[walls]]\nname = 'left'\npoint = [0, 0]\nnormal = [1, 0]\n"
+                                  "force = 5\nmass = 1\n"
+                                  "[[walls]]\nname = 'right'\npoint = [2, 0]\nnormal = [-1, 0]\n"
+                                  "force = 4\nmass = 1\n[time]\nstep = 1e-3\nsteps = 20\n");
+  const Outcome run = said("run " + scene + " --out " + path("out"));
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_NE(run.out.find("walls 'left' and 'right'"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("top at 2 m"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("work of walls"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find('\x1b'), std::string::npos) << run.out;
+  const std::string log = content(folder_ / "out" / "run.log");
+  EXPECT_NE(log.find(" 50 %  step 10, t = 0.01 s, 0 unsolved"), std::string::npos) << log;
+  EXPECT_NE(log.find("completed: 20 of 20 steps"), std::string::npos) << log;
+}
+
+}  // namespace
+}  // namespace bipot

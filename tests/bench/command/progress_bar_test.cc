@@ -1,0 +1,52 @@
+#include "bench/command/progress_bar.h"
+
+#include <gtest/gtest.h>
+
+#include "bench/command/help_text.h"
+
+namespace bipot {
+namespace {
+
+TEST(RemainingTime, FollowsTheTrendOfTheCost) {
+  RemainingTime even(1000), growing(1000), once(1000);
+  for (long k = 1; k <= 500; ++k) {
+    even.add(k, 0.1 * static_cast<double>(k));
+    growing.add(k, 0.0005 * static_cast<double>(k * k));  // the cost of a step is 0.001 k
+  }
+  EXPECT_NEAR(even.seconds(), 50, 0.1);
+  // 0.0005 (1000² - 500²) = 375; an even cost would say 125.
+  EXPECT_NEAR(growing.seconds(), 375, 8);
+  EXPECT_EQ(once.seconds(), 0);  // nothing is known
+  once.add(10, 2);
+  EXPECT_NEAR(once.seconds(), 198, 1e-9);
+}
+
+TEST(RemainingTime, StaysWithinTwiceTheRecentCost) {
+  RemainingTime steep(1000);
+  steep.add(1, 0);
+  steep.add(6, 0.1);
+  steep.add(11, 10.1);
+  EXPECT_NEAR(steep.seconds(), 2 * 10.1 / 11 * 989, 20);
+}
+
+TEST(ProgressLine, FitsTheTerminalAndControlsNothing) {
+  const std::string note = "t = 0.41 s, 3 unsolved, error 1.0e-03\x1b[31m";
+  for (const int columns : {20, 40, 80, 200}) {
+    const std::string line = progress_line(400, 1000, 75, note, columns);
+    EXPECT_LT(static_cast<int>(num_characters(line)), columns);
+    EXPECT_EQ(line.find('\x1b'), std::string::npos);
+  }
+  const std::string narrow = progress_line(400, 1000, 75, note, 40);
+  EXPECT_NE(narrow.find("40 %  about 75 s  t = 0.41"), std::string::npos) << narrow;
+}
+
+TEST(HelpText, ReasonsAreShort) {
+  EXPECT_EQ(short_reason("stages: pgs 9: stalled (1.0e-02); admm 5: given up (3.0e-03); ipm 7: "
+                         "stalled (2.0e-03)"),
+            "3 stages, the last ipm 7: stalled (2.0e-03)");
+  EXPECT_EQ(short_reason("no start"), "no start");
+  EXPECT_LE(num_characters(short_reason(std::string(1000, 'x'))), 242u);
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,44 @@
+#include "core/scene/opposite_walls.h"
+
+#include <gtest/gtest.h>
+
+#include "core/scene/scene_parts.h"
+
+namespace bipot {
+namespace {
+
+Scene<2> pressed(double left, double right) {
+  Scene<2> scene = one_law<2>({});
+  scene.bodies = {round_body<2>(Vec2(0.5, 0.5), 0.5, 2)};
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(1, 0), Vec2(-1, 0), "right")};
+  for (Wall<2>& wall : scene.walls) {
+    wall.motion = Wall<2>::Motion::kDriven;
+    wall.direction = wall.normal;
+    wall.mass = 1;
+  }
+  scene.walls[0].force = left;
+  scene.walls[1].force = right;
+  return scene;
+}
+
+TEST(OppositeWalls, UnequalForcesArePointedOut) {
+  EXPECT_EQ(unbalanced_walls(pressed(500, 500)), "");
+  const std::string text = unbalanced_walls(pressed(500, 400));
+  EXPECT_NE(text.find("'left' and 'right'"), std::string::npos) << text;
+  EXPECT_NE(text.find(" 100 N"), std::string::npos) << text;
+}
+
+// Upright, the lower wall has the weight to bear as well: 2 kg · 10 m/s².
+TEST(OppositeWalls, TheWeightCounts) {
+  Scene<2> scene = pressed(520, 500);
+  EXPECT_NE(unbalanced_walls(scene), "");
+  scene.gravity = Vec2(-10, 0);
+  EXPECT_EQ(unbalanced_walls(scene), "");
+  scene.walls[0].motion = Wall<2>::Motion::kFixed;
+  scene.walls[1].force = 3;
+  EXPECT_EQ(unbalanced_walls(scene), "");  // a fixed wall bears anything
+}
+
+}  // namespace
+}  // namespace bipot
