@@ -257,11 +257,7 @@ std::string to_text(const RunSummary<D>& s) {
                  s.wall_seconds, t.detection_seconds, t.assembly_seconds, t.solve_seconds,
                  s.run.output_seconds);
   fmt::format_to(add, "  results in   {}\n", s.out);
-  if (dem == nullptr) {
-    text +=
-        "  (ε: work against the contact law, over the energy; η: residual of the impulses; both "
-        "at most the tolerance)\n";
-  }
+  if (dem == nullptr) text += "  ε: defect of the contact law as energy, η: as impulses\n";
   return text;
 }
 

@@ -58,7 +58,7 @@ const std::vector<TableKeys>& all_tables() {
        {"every", "starts", "window", "profile", "profile_bins", "profile_range", "force_bins",
         "force_limit", "lines", "faces"}},
       {"observables.lines", {"name", "from", "to"}},
-      {"observables.faces", {"name", "point", "normal", "radius", "size"}},
+      {"observables.faces", {"name", "point", "normal", "radius", "size", "along"}},
   };
   return tables;
 }

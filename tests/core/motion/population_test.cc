@@ -412,7 +412,7 @@ TEST(Population, ASceneFileSaysWhereAndContradictionsAreRefused) {
   refused("model = 'dem'\n" + inlet, "dem");
   refused("rotate_degrees = 3\n" + inlet, "rotate_degrees");
   refused("[[outlets]]\npoint = [0, 0]\n", "both point and normal");
-  refused("[[outlets]]\n", "test.toml: [outlets[0]]");
+  refused("[[outlets]]\n", "test.toml:1: [outlets[0]]");
   refused("[[outlets]]\nlower = [0, 0]\nupper = [1, 1]\nnormal = [0, 1]\n", "a box");
   refused("[[outlets]]\nlower = [0, 0]\nupper = [1, 0]\n", "test.toml:3");
   refused("[[outlets]]\nname = 'a'\npoint = [0, 0]\nnormal = [0, 1]\n" + inlet + "name = 'a'\n",
