@@ -34,7 +34,7 @@ set(folders
   "solvers/methods = solvers/analysis solvers/auto solvers/homotopy solvers/interior solvers/parallel"
   "solvers/simulation = core/pictures core/run_files solvers/methods"
   "bench/report = core/files solvers/analysis"
-  "bench/page = bench/report core/run_files core/scene_files"
+  "bench/page = bench/report core/pictures core/run_files core/scene_files"
   "bench/problems = bench/report core/scene_files solvers/simulation"
   "bench/measure = bench/problems"
   "bench/tradeoff = bench/measure"

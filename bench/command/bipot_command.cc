@@ -24,6 +24,7 @@
 #include "bench/command/extremes_command.h"
 #include "bench/command/judge_command.h"
 #include "bench/command/list_command.h"
+#include "bench/command/movie_command.h"
 #include "bench/command/new_command.h"
 #include "bench/command/page_command.h"
 #include "bench/command/paper_command.h"
@@ -128,6 +129,7 @@ int run_command_line(int argc, const char* const* argv) {
   const std::vector<Command> commands = {
       command(line, &add_run_command, &run_command),
       command(line, &add_page_command, &page_command),
+      command(line, &add_movie_command, &movie_command),
       command(line, &add_solve_command, &solve_command),
       command(line, &add_judge_command, &judge_command),
       command(line, &add_compare_command, &compare_command),

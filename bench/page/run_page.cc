@@ -15,12 +15,12 @@
 #include "bench/page/page_curves.h"
 #include "bench/page/page_files.h"
 #include "bench/page/page_frames.h"
+#include "bench/page/run_frames.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "bench/report/text_lines.h"
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
-#include "core/run_files/film.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene_files/scene_file.h"
 
@@ -55,58 +55,6 @@ std::string base64(std::string_view bytes) {
 Json read_summary(const fs::path& folder) {
   std::ifstream file(folder / "summary.json");
   return file ? Json::parse(file, nullptr, false) : Json();
-}
-
-/// Frames of a run, in the player's terms.
-template <int D>
-struct RunFrames {
-  Film film;
-  std::vector<PageBody> bodies;  // by number
-  std::vector<Wall<D>> walls;    // at the start
-  bool gates = false;
-};
-
-template <int D>
-void describe_bodies(const State<D>& first, RunFrames<D>& run) {
-  for (const Body<D>& body : first.bodies) {
-    run.bodies.push_back({.radius = static_cast<float>(body.radius),
-                          .mass = static_cast<float>(body.mass),
-                          .material = static_cast<std::uint8_t>(std::min(body.material, 255)),
-                          .glued = body.wall >= 0,
-                          .cluster = body.cluster});
-  }
-  if (!run.gates) return;
-  for (const FilmFrame& frame : run.film.frames) {
-    for (std::size_t k = 0; k < frame.number.size(); ++k) {
-      const std::size_t number = to_size(frame.number[k]);
-      if (number >= run.bodies.size()) run.bodies.resize(number + 1);
-      run.bodies[number] = {
-          .radius = frame.radius.at(k), .mass = frame.mass.at(k), .material = frame.material.at(k)};
-    }
-  }
-}
-
-template <int D>
-RunFrames<D> read_frames(const fs::path& folder, double step) {
-  RunFrames<D> run;
-  const std::vector<int> steps = steps_in_folder(folder);
-  if (steps.empty()) throw FileError(folder, "frames", "no frame has been written");
-  const State<D> first = read_state<D>(folder, steps.front());
-  run.gates = !first.population.numbers.empty() || !first.population.outlets.empty() ||
-              !first.population.inlets.empty();
-  run.walls = first.walls;
-  run.film = read_film(folder);
-  if (run.film.frames.empty()) {
-    double smallest = kInfinity;
-    for (const Body<D>& body : first.bodies) smallest = std::min(smallest, body.radius);
-    run.film.quantum = smallest < kInfinity ? smallest / 1024 : 1e-6;
-    for (const int k : steps) {
-      run.film.frames.push_back(
-          film_frame(read_state<D>(folder, k), run.film.quantum, step, run.gates));
-    }
-  }
-  describe_bodies(first, run);
-  return run;
 }
 
 template <int N>

@@ -202,7 +202,7 @@ class Picture {
   Picture(const Scene<2>& scene, const State<2>& state, const std::string& caption,
           const ForcePictureOptions& options)
       : scene_(scene), state_(state), options_(options), friction_(scene.has_friction()) {
-    box_ = view_box(state.bodies, state.walls);
+    box_ = options.view.value_or(view_box(state.bodies, state.walls));
     for (const auto& [a, b] : cell_outline(state.cell, box_)) {
       box_.include(a);
       box_.include(b);

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/motion/time_stepping.h"
+#include "core/scene/scene_box.h"
 
 namespace bipot {
 
@@ -17,11 +19,12 @@ struct DiskFill {
 };
 
 struct ForcePictureOptions {
-  double width = 1000;    ///< of the picture, SVG points; a PNG has `resolution` pixels each
-  double resolution = 2;  ///< pixels of a PNG in a point
-  double full_force = 0;  ///< normal force of the widest segment; 0: the largest one   [N]
-  bool take_off = true;   ///< also the candidates that carry nothing, as thin dots
-  bool forces = true;     ///< false: no segments at all
+  double width = 1000;         ///< of the picture, SVG points; a PNG has `resolution` pixels each
+  double resolution = 2;       ///< pixels of a PNG in a point
+  double full_force = 0;       ///< normal force of the widest segment; 0: the largest one   [N]
+  bool take_off = true;        ///< also the candidates that carry nothing, as thin dots
+  bool forces = true;          ///< false: no segments at all
+  std::optional<Box<2>> view;  ///< shown in any case; empty: where the bodies are
   DiskFill fill;
   std::vector<int> marked;   ///< indices into State::contacts, each marked by a ring
   std::string marked_label;  ///< text for the marks in the legend

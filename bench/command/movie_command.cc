@@ -1,0 +1,34 @@
+#include "bench/command/movie_command.h"
+
+#include <fmt/format.h>
+
+#include "bench/command/exit_code.h"
+#include "bench/page/run_movie.h"
+
+namespace bipot {
+
+CommandDeclaration add_movie_command(CommandLine& line, MovieFlags& flags) {
+  CommandDeclaration command =
+      line.add_command("movie", "Make an mp4 or a gif of a run, by the program ffmpeg");
+  command.option("run", flags.run, "Run, finished or interrupted (folder or run.h5)").required();
+  command.option("--file", flags.file, "Name that ends with .mp4 or .gif (default: movie.mp4)")
+      .value_name("FILE");
+  command.option("--frames-a-second", flags.frames_a_second, "Speed of the movie")
+      .between(1, 120)
+      .show_default()
+      .value_name("N");
+  command.footer(
+      "Examples:\n"
+      "  bipot movie out/drum\n"
+      "  bipot movie out/drum --file drum.gif --frames-a-second 25");
+  return command;
+}
+
+int movie_command(const MovieFlags& flags) {
+  const auto file =
+      write_run_movie(flags.run, {.file = flags.file, .frames_a_second = flags.frames_a_second});
+  fmt::print("{}\n", file.string());
+  return kExitConverged;
+}
+
+}  // namespace bipot

@@ -1,0 +1,147 @@
+#include "bench/page/run_movie.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "bench/page/run_frames.h"
+#include "bench/report/program.h"
+#include "core/files/hdf5_file.h"
+#include "core/pictures/flat_view.h"
+#include "core/pictures/force_picture.h"
+#include "core/scene_files/scene_file.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFfmpeg = "movies are made by it: install the package ffmpeg";
+constexpr double kPatience = 1800;    // seconds for ffmpeg
+constexpr std::size_t kSamples = 30;  // frames that decide the view and the scales
+
+/// A folder for pictures that goes with its contents.
+class PictureFolder {
+ public:
+  explicit PictureFolder(fs::path path) : path_(std::move(path)) {
+    fs::remove_all(path_);
+    fs::create_directories(path_);
+  }
+  ~PictureFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  PictureFolder(const PictureFolder&) = delete;
+  PictureFolder& operator=(const PictureFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+struct Shown {
+  Scene<2> scene;
+  State<2> state;
+  std::vector<double> speeds;
+};
+
+Shown shown(const Scene<2>& scene, const State<2>& state) {
+  Shown view{scene, state, {}};
+  for (const Disk& disk : state.bodies) view.speeds.push_back(disk.v.norm());
+  return view;
+}
+Shown shown(const Scene<3>& scene, const State<3>& state) {
+  const FlatView flat = project(scene, state);
+  Shown view{flat.scene, flat.state, {}};
+  for (const int k : flat.bodies) view.speeds.push_back(state.bodies[to_size(k)].v.norm());
+  return view;
+}
+
+/// The value that a share of the numbers does not exceed; 0 without numbers.
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+/// The same view, force scale and colours for all frames.
+template <int D>
+ForcePictureOptions scales(const RunFrames<D>& run, const Scene<D>& scene) {
+  ForcePictureOptions options;
+  options.width = 800;
+  options.resolution = 1;
+  options.take_off = false;
+  options.fill.label = "speed";
+  options.fill.unit = "m/s";
+  std::vector<double> forces, speeds;
+  Box<2> view;
+  const std::size_t stride = std::max<std::size_t>(1, run.film.frames.size() / kSamples);
+  for (std::size_t k = 0; k < run.film.frames.size(); k += stride) {
+    const Shown at = shown(scene, shown_state(run, run.film.frames[k], scene.step));
+    const Box<2> box = view_box(at.state.bodies, at.state.walls);
+    view.include(box.lower);
+    view.include(box.upper);
+    speeds.insert(speeds.end(), at.speeds.begin(), at.speeds.end());
+    for (const auto& c : at.state.contacts) {
+      if (c.s_n > 0) forces.push_back(c.s_n / scene.step);
+    }
+  }
+  options.view = view;
+  options.full_force = quantile(std::move(forces), 0.99);
+  options.fill.high = quantile(std::move(speeds), 0.99);
+  return options;
+}
+
+template <int D>
+void draw_frames(const fs::path& run_path, const fs::path& pictures, const Scene<D>& scene) {
+  const RunFrames<D> run = read_frames<D>(run_path, scene.step);
+  ForcePictureOptions options = scales(run, scene);
+  for (std::size_t k = 0; k < run.film.frames.size(); ++k) {
+    const FilmFrame& frame = run.film.frames[k];
+    Shown at = shown(scene, shown_state(run, frame, scene.step));
+    options.fill.values = at.speeds;
+    draw_force_picture(pictures / fmt::format("{:06d}.png", k), at.scene, at.state,
+                       fmt::format("t = {:.4f} s, step {:06d}", frame.time, frame.step), options);
+  }
+}
+
+}  // namespace
+
+fs::path write_run_movie(const fs::path& run, const MovieOptions& options) {
+  const fs::path folder = run_folder(run);
+  const fs::path file = options.file.empty() ? folder / "movie.mp4" : options.file;
+  const bool gif = file.extension() == ".gif";
+  if (!gif && file.extension() != ".mp4") {
+    throw std::invalid_argument(file.string() + ": expected a name that ends with .mp4 or .gif");
+  }
+  run_program({"ffmpeg", "-version"}, "", kFfmpeg, kPatience);
+  const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
+  const PictureFolder pictures(folder / "movie.part");
+  std::visit(
+      [&](auto scene) {
+        scene.step = fixed.read_double("/time_step");
+        draw_frames(folder, pictures.path(), scene);
+      },
+      parse_any_scene(fixed.read_string("/scene"), fixed.read_string("/source")));
+  // Even sizes, which the codec needs; a gif has few colours, chosen for it.
+  const std::string filter =
+      gif ? "scale=560:-1:flags=lanczos,split[a][b];[a]palettegen=max_colors=64[p];[b][p]paletteuse"
+          : "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white";
+  std::vector<std::string> words{"ffmpeg",     "-y",
+                                 "-loglevel",  "error",
+                                 "-framerate", std::to_string(options.frames_a_second),
+                                 "-i",         (pictures.path() / "%06d.png").string(),
+                                 "-vf",        filter};
+  if (!gif) words.insert(words.end(), {"-pix_fmt", "yuv420p", "-movflags", "+faststart"});
+  words.push_back(file.string());
+  run_program(words, "", kFfmpeg, kPatience);
+  return file;
+}
+
+}  // namespace bipot

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace bipot {
+
+/// Runs another program, found on the path, with `input` on its standard input, and returns its
+/// standard output. Throws FileError with the program's own text if it fails, with `purpose` if it
+/// is not there, and if it takes longer than `patience` seconds or an interrupt comes.
+std::string run_program(std::vector<std::string> words, const std::string& input,
+                        const std::string& purpose, double patience);
+
+}  // namespace bipot
