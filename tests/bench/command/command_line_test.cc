@@ -84,9 +84,10 @@ TEST(CommandLine, TheManualPageHasEveryCommandAndIsSound) {
   expect_said("help --man", 0,
               {".TH BIPOT 1", ".SS run scene", "\\-\\-step\\-size", ".SS judge", "Exit codes"});
   if (std::system("command -v groff > /dev/null") != 0) GTEST_SKIP() << "no groff";
-  const Outcome page = run_command_line(
-      "sh -c \"" BIPOT_COMMAND " help --man | groff -man -Tutf8 -ww 2>&1 | sed 's/.\\x08//g'\"",
-      "");
+  const Outcome page =
+      run_command_line("sh -c \"" BIPOT_COMMAND
+                       " help --man | groff -Kutf8 -man -Tutf8 -ww 2>&1 | sed 's/.\\x08//g'\"",
+                       "");
   EXPECT_EQ(page.out.find("warning"), std::string::npos) << page.out;
   EXPECT_NE(page.out.find("COMMANDS"), std::string::npos);
 }
