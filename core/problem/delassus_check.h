@@ -10,9 +10,9 @@ namespace bipot {
 /// the size of the defect. W must be symmetric and positive semidefinite, and it must agree with A
 /// and H where these are given too. Problems without W pass. The problem must pass validate().
 ///
-/// Rounded data of other codes pass: entries are compared to 1e-2 of sqrt(W_ii W_jj), and with the
-/// diagonal scaled to 1 the smallest eigenvalue may be -1e-2 times the largest sum of a row. Up to
-/// 300 rows a dense Cholesky factorisation of the shifted matrix decides. Beyond, 60 products with
+/// Rounded data of other codes pass. With the diagonal scaled to 1, W and Wᵀ may differ by 1e-2 of
+/// W in the Frobenius norm and by 0.1 in an entry. The smallest eigenvalue may be -1e-2 times the
+/// largest sum of a row. Up to 300 rows a dense Cholesky factorisation of the shifted matrix decides. Beyond, 60 products with
 /// W bound the smallest eigenvalue from above (Lanczos): what is refused is indefinite, but a weak
 /// indefiniteness may pass.
 std::string delassus_defect(const ContactProblem& problem);
