@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "bench/problems/scene_catalogue.h"
@@ -11,6 +12,7 @@
 #include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/advise.h"
 #include "core/scene_files/scene_file.h"
+#include "solvers/simulation/scene_start.h"
 
 namespace bipot {
 namespace {
@@ -33,7 +35,8 @@ std::string advise_scene(const std::string& name, const std::map<std::string, do
   options.fresh = fresh;
   options.keep_step = keep_step;
   options.interrupted = [&watch] { return watch.stopped(); };
-  const AnyScene scene = read_any_scene(find_scene(name));
+  AnyScene scene = read_any_scene(find_scene(name));
+  std::visit([](auto& any) { check_start(any, {}, 1); }, scene);
   std::string json;
   {
     const py::gil_scoped_release release;

@@ -329,7 +329,7 @@ HeldProblem problem_of_parts(const py::tuple& parts) {
   return made;
 }
 
-HeldProblem read(const std::filesystem::path& path) {
+HeldProblem read(const std::filesystem::path& path, bool accept_indefinite) {
   if (!std::filesystem::exists(path)) {
     PyErr_SetString(PyExc_FileNotFoundError, (path.string() + ": no such file").c_str());
     throw py::error_already_set();
@@ -337,11 +337,12 @@ HeldProblem read(const std::filesystem::path& path) {
   ProblemFile file;
   try {
     const py::gil_scoped_release release;
-    file = read_problem(path);
+    file = read_problem(path, accept_indefinite);
   } catch (const FileError& e) {
     throw std::invalid_argument(e.what());  // readable, but not a problem
   }
   auto made = std::make_shared<PythonProblem>(std::move(file.problem), path.stem().string());
+  made->caution = std::move(file.caution);
   if (file.r) made->solution = std::move(*file.r);
   made->guesses = std::move(file.guesses);
   return made;
@@ -536,7 +537,7 @@ v_before or u_before comes with v_free or u_free. Raises as the constructor.)")
                                               : ", given by W");
       });
   module.def("_problem_of_parts", &problem_of_parts, py::arg("parts"));
-  module.def("read", &read, py::arg("path"));
+  module.def("read", &read, py::arg("path"), py::arg("accept_indefinite"));
   module.def("write", &write, py::arg("problem"), py::arg("path"), py::arg("s"), py::arg("title"),
              py::arg("description"), py::arg("guesses"));
 }

@@ -23,13 +23,14 @@ Solver = str | Callable[[Problem, float, Callable[[Any], bool]], Any]
 _SOLVE_OPTIONS = ["solver", "tol", "s0", "time_limit", "stop", "max_iterations", "threads", "callback"]
 
 
-def read(path: str | os.PathLike[str]) -> Problem:
+def read(path: str | os.PathLike[str], *, accept_indefinite: bool = False) -> Problem:
     """The problem of a file: FCLIB HDF5 or Siconos text, the content decides.
 
+    accept_indefinite: take a W that is no Delassus operator; every verdict says so.
     `solution` and `guesses` of what is returned are the file's, where it has any.
     Raises FileNotFoundError, and ValueError with the reason for a file that is no sound problem.
     """
-    return _bipot.read(os.fspath(path))
+    return _bipot.read(os.fspath(path), accept_indefinite)
 
 
 @named_options

@@ -66,6 +66,7 @@ TEST(Validate, RefusesOneWrongSizeAtATime) {
   expect_refused(p, {"H (columns)", "8", "10"});
   p = sound();
   p.H.conservativeResize(9, 10);
+  p.v_free.conservativeResize(9);
   expect_refused(p, {"A (rows)", "12", "9"});
   p = sound();
   p.A.conservativeResize(12, 11);

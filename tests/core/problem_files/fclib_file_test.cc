@@ -47,7 +47,7 @@ MatrixXd dense_delassus(const ContactProblem& p) {
 /// The message of the refusal, or a text that no test expects.
 std::string refusal(const std::filesystem::path& path) {
   try {
-    read_problem(path);
+    read_problem(path, true);
   } catch (const FileError& e) {
     return e.what();
   }
@@ -189,7 +189,7 @@ class Storage : public testing::Test {
   void expect_matrix() const {
     MatrixXd W(4, 4);
     W << 5, 1, 0, 0, 3, 6, 0, 0, 0, 0, 7, 2, 0, 0, 0, 8;
-    const ProblemFile file = read_problem(path());
+    const ProblemFile file = read_problem(path(), true);
     EXPECT_EQ(MatrixXd(file.problem.W), W);
     EXPECT_EQ(file.problem.W.nonZeros(), 7);  // no explicit zero is kept
     EXPECT_EQ(file.info.title, "");           // info is optional
@@ -290,7 +290,7 @@ TEST_F(Storage, OtherDefectsAreRefusedWithTheReason) {
     file.write("/fclib_local/V/n", 0);
     file.write("/fclib_local/vectors/s", none);
   }
-  EXPECT_EQ(read_problem(path()).problem.num_contacts(), 2);
+  EXPECT_EQ(read_problem(path(), true).problem.num_contacts(), 2);
 }
 
 TEST(FclibFile, GlobalProblemsAreRefusedWithTheReason) {

@@ -17,7 +17,7 @@ class SiconosText : public testing::Test {
  protected:
   ProblemFile read(const std::string& text) {
     std::ofstream(path()) << text;
-    return read_problem(path());
+    return read_problem(path(), true);
   }
   std::string refusal(const std::string& text) {
     try {

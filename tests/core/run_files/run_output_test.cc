@@ -657,7 +657,7 @@ TEST(ThreadedRunOutput, FramesWrittenBesideTheStepsAreTheSameFiles) {
     writer.close();
   }
   const auto waited = files_in(folder / "waited");
-  ASSERT_EQ(waited.size(), 80u + 4u);  // run.h5, run.xdmf, ledger, trajectory
+  ASSERT_EQ(waited.size(), 80u + 6u);  // run.h5, run.xdmf, and the tables with their units
   EXPECT_TRUE(files_in(folder / "beside") == waited);
 }
 
