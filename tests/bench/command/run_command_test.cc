@@ -203,7 +203,7 @@ TEST_F(RunCommand, DeepOverlapsAreAWarningWithStepAndPair) {
   EXPECT_EQ(overlap["step"], 2);
   EXPECT_EQ(overlap["pair"], "disk 0 and wall 'floor'");
   EXPECT_EQ(overlap["steps_beyond"], 1);
-  EXPECT_TRUE(holds(content(path("out/fall/ledger.csv")), "penetration [m],overlap,travel,"));
+  EXPECT_TRUE(holds(content(path("out/fall/ledger.csv")), "penetration,overlap,travel,"));
 }
 
 // A disk between walls that come at 1 m/s and 2 m/s: no velocity obeys the law.
