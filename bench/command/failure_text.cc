@@ -176,8 +176,8 @@ std::string motion_warning(const SceneTotals<D>& totals) {
   if (totals.deep_overlaps > 0) {
     text += fmt::format(
         "bipot: warning: overlaps beyond {:g} % of the smaller radius in {} step{}, most in step "
-        "{}: {:.3g} %{}{}. Try a smaller --step-size, travel in [time], or overlaps = "
-        "\"predict\" where e_n = 0\n",
+        "{}: {:.3g} %{}{}. Try a smaller --step-size or travel in [time]; with e_n = 0 and "
+        "no cell also overlaps = \"predict\"\n",
         100 * kDeepOverlap, totals.deep_overlaps, totals.deep_overlaps == 1 ? "" : "s",
         totals.overlap_step, 100 * totals.overlap, totals.overlap_pair.empty() ? "" : ", ",
         totals.overlap_pair);

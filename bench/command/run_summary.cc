@@ -143,8 +143,9 @@ Json to_json(const RunSummary<D>& s) {
   j["worst_step"] = t.worst_step;
   j["start"] = start_json(s.start);
   j["note"] = s.note;
-  j["penetration"] = t.penetration;
-  j["overlap"] = {{"largest", t.overlap},
+  const auto of_steps = [&t](double x) { return t.steps > 0 ? Json(x) : Json(nullptr); };
+  j["penetration"] = of_steps(t.penetration);
+  j["overlap"] = {{"largest", of_steps(t.overlap)},
                   {"step", t.overlap_step},
                   {"pair", t.overlap_pair},
                   {"steps_beyond", t.deep_overlaps},
@@ -224,6 +225,10 @@ std::string to_text(const RunSummary<D>& s) {
     fmt::format_to(add, "  solver       {} to {} {:.0e}\n", scene.solver.name, scene.solver.stop,
                    scene.solver.tol);
   }
+  if (t.steps == 0) {
+    fmt::format_to(add, "  results in   {}\n", s.out);
+    return text;
+  }
   fmt::format_to(add, "  contacts     mean {:.1f}, max {}\n", t.contacts / steps, t.max_contacts);
   if (dem == nullptr) {
     fmt::format_to(add, "  iterations   mean {:.1f}, max {}\n", t.iterations / steps,
@@ -231,7 +236,7 @@ std::string to_text(const RunSummary<D>& s) {
     fmt::format_to(add, "  worst error  {:.2e} in step {} (energy ε {:.2e}, residual η {:.2e})\n",
                    t.worst.guarded(), t.worst_step, t.worst.epsilon, t.worst.eta);
   }
-  fmt::format_to(add, "  penetration  max {:.3e} m, {:.2g} % of the smaller radius\n",
+  fmt::format_to(add, "  penetration  max {:.3e} m; over the smaller radius max {:.3g} %\n",
                  t.penetration, 100 * t.overlap);
   if (t.deep_overlaps > 0) {
     fmt::format_to(add, "  overlaps     beyond {:g} % in {} steps, most in step {}{}{}\n",

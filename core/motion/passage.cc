@@ -22,32 +22,53 @@ bool changed_sides(const V& p, const V& q, double clear) {
   return (p - p.dot(d) / d.squaredNorm() * d).norm() < clear;
 }
 
-/// Whether the way from p to q crosses the segment from 0 to `along`.
+/// The same over a step from mid-step before to mid to the end, past a thing of that size. A step
+/// that began on the thing is judged by the mid-steps around its begin.
+template <class V>
+bool passes(const V& before, const V& from, const V& mid, const V& to, double clear) {
+  if (changed_sides(from, mid, clear) || changed_sides(mid, to, clear)) return true;
+  return before.dot(mid) < 0 && before.dot(from) >= 0 && from.dot(mid) >= 0 && from.norm() < clear;
+}
+
+/// Whether the way from p to q crosses the segment from 0 to `along`, or ends on it.
 bool crosses(const Vec2& p, const Vec2& q, const Vec2& along) {
   const auto cross = [](const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; };
   const double before = cross(along, p), after = cross(along, q);
-  if (!(before * after < 0)) return false;
+  if (before == 0 || before * after > 0) return false;
   const Vec2 at = p + before / (before - after) * (q - p);
   const double share = at.dot(along) / along.squaredNorm();
   return share >= 0 && share <= 1;
 }
 
-/// Whether a body at p and then at q, against the wall, went through it.
+/// Whether a body at these places, against the wall, went through it.
 template <int D>
-bool through_wall(const Vec<D>& p, const Vec<D>& q, double radius, const Wall<D>& wall) {
-  if constexpr (D == 2) {
-    if (wall.shape == Wall<D>::Shape::kSegment) return crosses(p, q, wall.b - wall.a);
-    return changed_sides(p, q, wall.radius + radius - kGrazing * std::min(radius, wall.radius));
-  } else {
-    const auto across = [&](const Vec<D>& x) -> Vec<D> {
-      return x - x.dot(wall.normal) * wall.normal;
-    };
-    return changed_sides<Vec<D>>(across(p), across(q),
-                                 wall.radius + radius - kGrazing * std::min(radius, wall.radius));
+bool through_wall(const Vec<D>& before, const Vec<D>& from, const Vec<D>& mid, const Vec<D>& to,
+                  double radius, const Wall<D>& wall) {
+  using Shape = typename Wall<D>::Shape;
+  const auto across = [&](const Vec<D>& x) -> Vec<D> {  // from the axis of a cylinder
+    if constexpr (D == 2) return x;
+    return x - x.dot(wall.normal) * wall.normal;
+  };
+  const auto leaves = [&](const auto& height) {
+    return (height(from) >= 0 && height(mid) < 0) || (height(mid) >= 0 && height(to) < 0);
+  };
+  switch (wall.shape) {
+    case Shape::kHalfPlane:
+      return leaves([&](const Vec<D>& x) { return x.dot(wall.normal); });
+    case Shape::kHollowCircle:
+      return leaves([&](const Vec<D>& x) { return wall.radius - across(x).norm(); });
+    case Shape::kSolidCircle:
+      return passes<Vec<D>>(across(before), across(from), across(mid), across(to),
+                            wall.radius + radius - kGrazing * std::min(radius, wall.radius));
+    case Shape::kSegment:
+      if constexpr (D == 2) {
+        return crosses(from, mid, wall.b - wall.a) || crosses(mid, to, wall.b - wall.a);
+      }
   }
+  return false;
 }
 
-/// Walls that a body can pass: those with a far side.
+/// Walls that a body can pass from both sides.
 template <int D>
 bool has_far_side(const Wall<D>& wall) {
   return wall.present &&
@@ -59,20 +80,21 @@ bool joined(const BodyPath<D>& a, const BodyPath<D>& b) {
   return (a.wall >= 0 && b.wall >= 0) || (a.cluster >= 0 && a.cluster == b.cluster);
 }
 
-/// One against the other, moved back to the nearest image in a periodic cell, at three times.
+/// One against the other, moved back to the nearest image in a periodic cell.
 template <int D>
 struct Against {
-  Vec<D> from, mid, to;
+  Vec<D> earlier, from, mid, to;
 
   Against(const BodyPath<D>& a, const BodyPath<D>& b, const PeriodicCell& before,
           const PeriodicCell& after)
-      : from(a.from - b.from), mid(a.mid - b.mid), to(a.to - b.to) {
+      : earlier(a.before - b.before), from(a.from - b.from), mid(a.mid - b.mid), to(a.to - b.to) {
     if (!after.periodic()) return;
     const int ky = after.in_y ? static_cast<int>(std::lround(mid[1] / after.height.length)) : 0;
     const int kx =
         static_cast<int>(std::lround((mid[0] - ky * after.offset.length) / after.width.length));
     const Vec<D> first = in_dimensions<D>(before.shift(kx, ky)),
                  last = in_dimensions<D>(after.shift(kx, ky));
+    earlier -= first;
     from -= first;
     mid -= 0.5 * (first + last);
     to -= last;
@@ -138,6 +160,7 @@ std::vector<BodyPath<D>> paths_of(const State<D>& before, const State<D>& after,
     const Body<D>&a = before.bodies[k], &b = after.bodies[k];
     BodyPath<D>& way = ways[k];
     way.number = number(static_cast<int>(k));
+    way.before = a.x - 0.5 * h * a.v;
     way.from = a.x;
     way.mid = b.x - 0.5 * h * b.v;
     way.to = b.x;
@@ -153,30 +176,27 @@ template <int D>
 std::vector<Passage> find_passages(const State<D>& before, const State<D>& after, double h,
                                    const std::vector<BodyPath<D>>& ways) {
   std::vector<Passage> passages;
-  const auto speed = [&](const Vec<D>& p, const Vec<D>& q) { return 2 * (q - p).norm() / h; };
+  const auto speed = [&](const Vec<D>& from, const Vec<D>& mid, const Vec<D>& to) {
+    return ((mid - from).norm() + (to - mid).norm()) / h;
+  };
   for (const BodyPath<D>& way : ways) {
     if (!way.fast || way.elsewhere || way.wall >= 0) continue;
     for (std::size_t w = 0; w < after.walls.size(); ++w) {
       const Wall<D>& wall = after.walls[w];
-      if (!has_far_side(wall)) continue;
-      const Vec<D> from = way.from - before.walls[w].a, mid = way.mid - (wall.a - 0.5 * h * wall.v),
-                   to = way.to - wall.a;
-      for (const auto& [p, q] : {std::pair(from, mid), std::pair(mid, to)}) {
-        if (!through_wall<D>(p, q, way.radius, wall)) continue;
-        passages.push_back({way.number, -1, static_cast<int>(w), speed(p, q)});
-        break;
-      }
+      if (!wall.present) continue;
+      const Wall<D>& then = before.walls[w];
+      const Vec<D> earlier = way.before - (then.a - 0.5 * h * then.v), from = way.from - then.a,
+                   mid = way.mid - (wall.a - 0.5 * h * wall.v), to = way.to - wall.a;
+      if (!through_wall<D>(earlier, from, mid, to, way.radius, wall)) continue;
+      passages.push_back({way.number, -1, static_cast<int>(w), speed(from, mid, to)});
     }
   }
   for_near_pairs(ways, after.cell.periodic(), [&](const BodyPath<D>& a, const BodyPath<D>& b) {
     if (joined(a, b)) return;
     const double clear = a.radius + b.radius - kGrazing * std::min(a.radius, b.radius);
     const Against<D> pair(a, b, before.cell, after.cell);
-    for (const auto& [p, q] : {std::pair(pair.from, pair.mid), std::pair(pair.mid, pair.to)}) {
-      if (!changed_sides(p, q, clear)) continue;
-      passages.push_back({a.number, b.number, -1, speed(p, q)});
-      break;
-    }
+    if (!passes<Vec<D>>(pair.earlier, pair.from, pair.mid, pair.to, clear)) return;
+    passages.push_back({a.number, b.number, -1, speed(pair.from, pair.mid, pair.to)});
   });
   std::sort(passages.begin(), passages.end(), [](const Passage& a, const Passage& b) {
     return std::tie(a.i, a.j, a.wall) < std::tie(b.i, b.j, b.wall);
@@ -199,7 +219,7 @@ std::vector<double> packed(const std::vector<BodyPath<D>>& ways) {
   for (const BodyPath<D>& way : ways) {
     for (const int n : {way.number, way.wall, way.cluster}) numbers.push_back(n);
     numbers.push_back(way.radius);
-    for (const Vec<D>& x : {way.from, way.mid, way.to})
+    for (const Vec<D>& x : {way.before, way.from, way.mid, way.to})
       numbers.insert(numbers.end(), x.begin(), x.end());
   }
   return numbers;
@@ -207,7 +227,7 @@ std::vector<double> packed(const std::vector<BodyPath<D>>& ways) {
 
 template <int D>
 std::vector<BodyPath<D>> unpacked(const std::vector<double>& numbers) {
-  constexpr std::size_t kNumbers = 4 + 3 * D;
+  constexpr std::size_t kNumbers = 4 + 4 * D;
   std::vector<BodyPath<D>> ways(numbers.size() / kNumbers);
   for (std::size_t k = 0; k < ways.size(); ++k) {
     const double* from = numbers.data() + k * kNumbers;
@@ -216,9 +236,10 @@ std::vector<BodyPath<D>> unpacked(const std::vector<double>& numbers) {
     way.wall = static_cast<int>(from[1]);
     way.cluster = static_cast<int>(from[2]);
     way.radius = from[3];
-    way.from = Eigen::Map<const Vec<D>>(from + 4);
-    way.mid = Eigen::Map<const Vec<D>>(from + 4 + D);
-    way.to = Eigen::Map<const Vec<D>>(from + 4 + 2 * D);
+    way.before = Eigen::Map<const Vec<D>>(from + 4);
+    way.from = Eigen::Map<const Vec<D>>(from + 4 + D);
+    way.mid = Eigen::Map<const Vec<D>>(from + 4 + 2 * D);
+    way.to = Eigen::Map<const Vec<D>>(from + 4 + 3 * D);
     way.fast = way.elsewhere = true;
   }
   return ways;

@@ -23,10 +23,11 @@ template <int D>
 StepTravel step_travel(const State<D>& before, const State<D>& after, double h);
 
 /// The centre of a body in a step: straight from its first place to mid-step, and on to the last.
+/// `before`: where it was at the mid-step before.
 template <int D>
 struct BodyPath {
   int number = -1;  ///< of the body
-  Vec<D> from = Vec<D>::Zero(), mid = Vec<D>::Zero(), to = Vec<D>::Zero();
+  Vec<D> before = Vec<D>::Zero(), from = Vec<D>::Zero(), mid = Vec<D>::Zero(), to = Vec<D>::Zero();
   double radius = 0;
   int wall = -1, cluster = -1;  ///< as of Body
   bool fast = false;            ///< it may pass something
@@ -43,13 +44,13 @@ struct Passage {
   int i = -1;        ///< number of a body
   int j = -1;        ///< of a body with a larger number; -1: a wall
   int wall = -1;     ///< its index
-  double speed = 0;  ///< mean of one against the other in the half of the step          [m/s]
+  double speed = 0;  ///< mean of one against the other in the step                      [m/s]
 };
 
 /// The passages of a step of size h. In each half of it the ways are straight. Two bodies passed
 /// each other if they came closer than half the smaller radius below touching, and each turned up on
-/// the other side of the other. A plate is passed where a centre crosses it. Half-planes and hollow
-/// circles have no far side. `ways`: of the bodies here and the fast ones elsewhere; a pair of two
+/// the other side of the other. A step may end in between: then the mid-steps around it tell. A
+/// plate, half-plane or hollow circle is passed where a centre crosses it. `ways`: of the bodies here and the fast ones elsewhere; a pair of two
 /// processes is found on one. Sorted.
 template <int D>
 std::vector<Passage> find_passages(const State<D>& before, const State<D>& after, double h,

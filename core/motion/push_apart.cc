@@ -32,8 +32,13 @@ PushApart push_apart(Scene<D>& scene, const StepSolver& solver, bool explicit_de
   for (const Body<D>& body : before) largest = std::max(largest, body.radius);
   State<D> state = initial_state(scene);
   for (Body<D>& body : state.bodies) body.v.setZero();
-  for (Wall<D>& wall : state.walls) wall.v.setZero();
   Scene<D> still = scene;
+  for (auto* walls : {&state.walls, &still.walls}) {
+    for (Wall<D>& wall : *walls) {  // bodies give way, driven walls do not
+      wall.v.setZero();
+      if (wall.motion == Wall<D>::Motion::kDriven) wall.motion = Wall<D>::Motion::kFixed;
+    }
+  }
   still.contact_distance = 0;
   for (; done.rounds < kMostRounds; ++done.rounds) {
     const double depth = deepest(scene, threads);
@@ -45,10 +50,6 @@ PushApart push_apart(Scene<D>& scene, const StepSolver& solver, bool explicit_de
       break;
     }
     for (std::size_t i = 0; i < before.size(); ++i) scene.bodies[i].x = state.bodies[i].x;
-    for (std::size_t w = 0; w < scene.walls.size(); ++w) {
-      scene.walls[w].a = state.walls[w].a;
-      scene.walls[w].b = state.walls[w].b;
-    }
   }
   for (std::size_t i = 0; i < before.size(); ++i) {
     const double way = (scene.bodies[i].x - before[i].x).norm();

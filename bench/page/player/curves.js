@@ -45,8 +45,10 @@ function chartsOf(run, tables) {
       chart('Error of the step', '', [{of: 'epsilon', name: 'max(ε, η)', values: worst}], {log: true, level: run.about.tol});
     }
     used.add('eta').add('epsilon');
-    if (c.penetration) {
-      chart('Overlap / smallest radius', '%', [{of: 'penetration', name: 'largest', values: c.penetration.map(x => 100 * x / run.smallest)}]);
+    const shares = overlapShares(run, ledger);
+    if (shares) {
+      chart('Overlap / smaller radius', '%', [{of: 'overlap', name: 'largest', values: shares.map(x => 100 * x)}]);
+      used.add('penetration');
     }
     chart('Stress', 'Pa', ['stress_xx', 'stress_yy', 'stress_zz', 'stress_xy'], {shown: false});
   }

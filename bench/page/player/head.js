@@ -6,6 +6,13 @@ function element(name, content, attributes = {}) {
   return made;
 }
 
+/** Largest overlap of each step over the smaller radius of the pair; of the smallest where runs of older versions say no more. */
+function overlapShares(run, ledger) {
+  const c = ledger?.columns;
+  if (c?.overlap) return c.overlap;
+  return c?.penetration && run.smallest < Infinity ? c.penetration.map(x => x / run.smallest) : null;
+}
+
 /** Largest way of a body in one step, over the smallest radius, and its frame. */
 function longestWay(run) {
   let most = 0, at = null;
@@ -36,13 +43,12 @@ function warningsOf(run, tables) {
     warnings.push({bad: true, text: `${count} ${count === 1 ? 'step was' : 'steps were'} not solved to the tolerance ${textOf(about.tol, 1)}, first step ${step}` +
       (summary?.message ? `: ${summary.message}` : ''), time: first ? first[2] : step * about.time_step});
   }
-  const overlap = ledger?.columns.penetration;
-  if (overlap && run.smallest < Infinity) {
+  const overlap = overlapShares(run, ledger);
+  if (overlap) {
     let row = 0;
     overlap.forEach((x, k) => { if (x > overlap[row]) row = k; });
-    const share = overlap[row] / run.smallest;
-    if (share > 0.05) {
-      warnings.push({text: `Bodies overlap by up to ${textOf(100 * share, 2)} % of the smallest radius (${textOf(overlap[row])} m, step ${Math.round(ledger.columns.step[row])}). ` +
+    if (overlap[row] > 0.05) {
+      warnings.push({text: `Bodies overlap by up to ${textOf(100 * overlap[row], 3)} % of the smaller radius (step ${Math.round(ledger.columns.step[row])}). ` +
         'A smaller time step makes it smaller.', time: ledger.columns.time[row]});
     }
   }

@@ -167,5 +167,47 @@ TEST(Passage, PathsKeepTheirNumbersOnTheWay) {
   EXPECT_TRUE(there[1].elsewhere);
 }
 
+/// Steps of a free flight from x, each 0.3 m long, until something was passed or ten are over.
+template <int D>
+int passages_in_flight(Scene<D> scene, double x) {
+  scene.bodies[0].x[0] = x;
+  int count = 0;
+  for (int step = 0; step < 10; ++step) {
+    count += static_cast<int>(free_step(scene).passages.size());
+    drift(scene.bodies[0], kFreeStep);
+  }
+  return count;
+}
+
+TEST(Passage, AStepThatEndsOnTheObstacleHidesNothing) {
+  // From x = 0.1 the places are 0.4, 0.7, 1.0: the last lies exactly on the obstacle at 1.
+  for (const double x : {0.1, 0.1 + 1e-12, 0.1 - 1e-12, 0.235}) {
+    Scene<2> scene = one_law<2>({});
+    scene.bodies = {disk(Vec2(0, 0), Vec2(300, 0))};
+    scene.walls = {plate(Vec2(1, -1), Vec2(1, 1))};
+    EXPECT_EQ(passages_in_flight(scene, x), 1) << x;
+    // Beside the centre of another disk, at one twentieth of the radius, as well.
+    for (const double beside : {0.0, 0.0005}) {
+      scene.walls.clear();
+      scene.bodies.resize(1);
+      scene.bodies.push_back(disk(Vec2(1, beside)));
+      EXPECT_EQ(passages_in_flight(scene, x), 1) << x << ", " << beside;
+    }
+  }
+}
+
+TEST(Passage, ACentreThatLeavesItsRoomIsSeen) {
+  Scene<2> scene = one_law<2>({});
+  scene.bodies = {disk(Vec2(0, 0), Vec2(300, 0))};
+  scene.walls = {half_space<2>(Vec2(1, 0), Vec2(-1, 0), "wall")};
+  EXPECT_EQ(passages_in_flight(scene, 0.235), 1);
+  Wall<2> drum;
+  drum.name = "drum";
+  drum.shape = Wall<2>::Shape::kHollowCircle;
+  drum.radius = 1;
+  scene.walls = {drum};
+  EXPECT_EQ(passages_in_flight(scene, 0.235), 1);
+}
+
 }  // namespace
 }  // namespace bipot
