@@ -45,7 +45,7 @@ StopVerdict out_of_time_verdict(const SolverOptions& options, bool cancelled, bo
   }
   if (late) {
     return {SolveStatus::kTimeLimit,
-            fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
+            fmt::format("time limit {:.3g} s reached after {} iterations, best error {:.2e}",
                         options.time_limit, iteration, best_error)};
   }
   return {};

@@ -177,7 +177,7 @@ std::vector<Passage> find_passages(const State<D>& before, const State<D>& after
                                    const std::vector<BodyPath<D>>& ways) {
   std::vector<Passage> passages;
   const auto speed = [&](const Vec<D>& from, const Vec<D>& mid, const Vec<D>& to) {
-    return ((mid - from).norm() + (to - mid).norm()) / h;
+    return 2 * std::max((mid - from).norm(), (to - mid).norm()) / h;
   };
   for (const BodyPath<D>& way : ways) {
     if (!way.fast || way.elsewhere || way.wall >= 0) continue;

@@ -44,7 +44,7 @@ struct Passage {
   int i = -1;        ///< number of a body
   int j = -1;        ///< of a body with a larger number; -1: a wall
   int wall = -1;     ///< its index
-  double speed = 0;  ///< mean of one against the other in the step                      [m/s]
+  double speed = 0;  ///< of one against the other in the faster half of the step        [m/s]
 };
 
 /// The passages of a step of size h. In each half of it the ways are straight. Two bodies passed
