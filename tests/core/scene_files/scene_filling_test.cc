@@ -24,7 +24,8 @@ TEST(SceneFilling, StopsAtItsHeight) {
   const Scene<2> full = parse_filling(place + "24\n" + kShortTime);
   ASSERT_EQ(full.bodies.size(), 24u);
   for (const Disk& d : full.bodies) EXPECT_LE(d.x[1] + d.radius, 3.4);
-  expect_scene_refused(parse_filling, place + "25\n" + kShortTime, {"fits about 24 of 25", "larger"});
+  expect_scene_refused(parse_filling, place + "25\n" + kShortTime,
+                       {"fits about 24 of 25", "larger"});
   // Without a height it has the same places, and no end.
   const Scene<2> open = parse_filling(kRandom + "width = 8.9\ncount = 24\n" + kShortTime);
   EXPECT_EQ(open.bodies[23].x, full.bodies[23].x);
