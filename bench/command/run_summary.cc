@@ -152,11 +152,11 @@ Json to_json(const RunSummary<D>& s) {
                   {"beyond", kDeepOverlap}};
   j["travel"] = {{"largest", t.travel}, {"step", t.travel_step}};
   j["passages"] = {{"count", t.passages}, {"first_step", t.passage_step}, {"first", t.passage}};
-  j["energy"] = {{"kinetic", t.last.energy.kinetic},
-                 {"potential", t.last.energy.potential},
-                 {"wall_work", t.last.energy.wall_work},
-                 {"friction_loss", t.last.energy.friction_loss},
-                 {"shock_loss", t.last.energy.shock_loss}};
+  j["energy"] = {{"kinetic", of_steps(t.last.energy.kinetic)},
+                 {"potential", of_steps(t.last.energy.potential)},
+                 {"wall_work", of_steps(t.last.energy.wall_work)},
+                 {"friction_loss", of_steps(t.last.energy.friction_loss)},
+                 {"shock_loss", of_steps(t.last.energy.shock_loss)}};
   if (scene.has_gates()) {
     j["energy"]["passed"] = t.last.energy.passed;
     j["gates"] = gates_json(scene, state);

@@ -14,10 +14,10 @@ struct PushApart {
   std::string message;  ///< why overlaps remain, if the solver said so
 };
 
-/// Moves bodies and driven walls of a scene until nothing overlaps at the start, by rounds of the
-/// smallest displacement in the energy norm (core/motion/projection.h), without velocities; a round
-/// takes no more than the largest radius off an overlap. It ends
-/// after 200 rounds, or where a round is not solved: start_overlaps() then still finds overlaps.
+/// Moves the bodies of a scene until nothing overlaps at the start, by rounds of the smallest
+/// displacement in the energy norm (core/motion/projection.h), without velocities; a round takes no
+/// more than the largest radius off an overlap. All walls stay. It ends after 200 rounds, or where
+/// a round is not solved: start_overlaps() then still finds overlaps.
 /// Outlets do not count. `solver` solves problems without friction. Not for cells and clusters.
 template <int D>
 PushApart push_apart(Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,

@@ -71,6 +71,7 @@ TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
   text.replace(text.find("rectangular"), 11, "triangular");
   const Outcome pushed = bipot("run " + write("push.toml", text) + " --steps 0 --json -");
   ASSERT_EQ(pushed.exit_code, 0);
+  EXPECT_TRUE(json::parse(pushed.out)["energy"]["potential"].is_null());  // no step, no ledger
   const json push = json::parse(pushed.out)["start"]["pushed_apart"];
   EXPECT_GE(push["rounds"], 1);
   // Five rows of 0.008 √3/2 m: the highest disks came down by 0.008 + 0.0277 - 0.028 m at least.

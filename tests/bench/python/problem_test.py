@@ -447,7 +447,7 @@ def test_an_indefinite_w_is_refused_or_flagged():
     with pytest.raises(ValueError, match="not positive semidefinite.*accept_indefinite"):
         bipot.Problem(**data)
     problem = bipot.Problem(**data, accept_indefinite=True)
-    result = problem.solve() if hasattr(problem, "solve") else bipot.solve(problem)
+    result = bipot.solve(problem)
     assert "not positive semidefinite" in result.message
     verdict = bipot.judge(problem, [1, 0])
     assert verdict.sentence(1e-8).startswith("W is not positive semidefinite")

@@ -67,6 +67,21 @@ TEST(PushApart, AFillingFarAboveItsLidIsPressedIntoTheBox) {
   EXPECT_GT(done.rounds, 7);
 }
 
+// The lid with its weight would give way as easily as the disk, by the least displacement in energy.
+TEST(PushApart, DrivenWallsStay) {
+  Scene<2> scene = one_law<2>({});
+  Wall<2> lid = half_space<2>(Vec2(0, 1), Vec2(0, -1), "lid");
+  lid.motion = Wall<2>::Motion::kDriven;
+  lid.direction = Vec2(0, -1);
+  lid.mass = 1;
+  scene.walls = {lid};
+  scene.bodies = {round_body<2>(Vec2(0, 0.8), 0.5, 1)};
+  pushed(scene);
+  EXPECT_EQ(scene.walls[0].a, Vec2(0, 1));
+  EXPECT_EQ(scene.walls[0].motion, Wall<2>::Motion::kDriven);
+  EXPECT_NEAR(scene.bodies[0].x[1], 0.5, 1e-6);
+}
+
 TEST(PushApart, ASphereIsPushedOutOfAPlaneAndWhatDoesNotFitRemains) {
   Scene<3> scene = one_law<3>({});
   scene.walls = {flat_floor<3>()};

@@ -39,6 +39,22 @@ TEST(DelassusCheck, AnAsymmetricMatrixIsNamedWithItsEntries) {
             "W is not symmetric: W(0, 1) = 0.5, W(1, 0) = 1");
 }
 
+// With D = W - Wᵀ and t = 0.5: |D| / |W| = √2 e / √(2 + t² + (t + e)²) is 1.8e-2 and 4.5e-3 in the
+// Frobenius norm for e = 0.02 and 0.005; 1e-2 is the limit.
+TEST(DelassusCheck, AsymmetryIsMeasuredInTheWhole) {
+  EXPECT_NE(delassus_defect(problem_of(Eigen::Matrix2d{{1, 0.5}, {0.52, 1}})), "");
+  EXPECT_EQ(delassus_defect(problem_of(Eigen::Matrix2d{{1, 0.5}, {0.505, 1}})), "");
+}
+
+// Beside 400 diagonal entries a single one is small in the norm, 0.15/20; as an entry it is not.
+TEST(DelassusCheck, AsymmetryOfOneEntryIsSeenInALargeMatrix) {
+  for (const double e : {0.05, 0.15}) {
+    Eigen::MatrixXd w = Eigen::MatrixXd::Identity(400, 400);
+    w(17, 300) = e;
+    EXPECT_EQ(delassus_defect(problem_of(w)).empty(), e < 0.1) << e;
+  }
+}
+
 // A singular W = g gᵀ, each entry rounded to six digits in its own way, and slightly indefinite.
 TEST(DelassusCheck, DataOfSixDigitsPass) {
   Eigen::MatrixXd w(4, 4);
