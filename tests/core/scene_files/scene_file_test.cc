@@ -582,8 +582,8 @@ std::string page_of_scenes() {
 
 TEST(SceneFile, EveryKeyIsDocumentedAndNoOther) {
   const std::string page = page_of_scenes();
-  // A documented key stands in the first cell of a table row: | `key` | ... or | `key`, `key` | ...
-  const std::regex row(R"(\n\| ([^|\n]+) \|)"), key("`([a-z_]+)`");
+  // A documented key stands in the first cell of a table row: |`key`|... or |`key`, `key`|...
+  const std::regex row(R"(\n\|([^|\n]+)\|)"), key("`([a-z_]+)`");
   std::set<std::string> documented;
   const std::sregex_iterator end;
   for (std::sregex_iterator it(page.begin(), page.end(), row); it != end; ++it) {
