@@ -84,8 +84,7 @@ CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
   };
   goal("--force-error", flags.goal.force,
        "Largest error of the mean contact force on a body, over the largest such force");
-  goal("--penetration", flags.goal.penetration,
-       "Largest overlap that a step may add, over the smallest radius");
+  goal("--penetration", flags.goal.penetration, "Largest overlap, over the smaller radius");
   goal("--energy", flags.goal.energy, "Largest relative error of the dissipated energy");
   goal("--load", flags.goal.load,
        "Largest error of the mean force on a wall, over the largest such force");
@@ -104,11 +103,8 @@ CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
               "the run, at least 16 steps)")
       .positive()
       .value_name("SECONDS");
-  command.option("--samples", flags.samples, "Stretches of the run to choose on")
+  command.option("--samples", flags.samples, "Stretches of the run to choose on; more narrow the ±")
       .between(1, 64)
-      .show_default();
-  command.option("--fresh", flags.fresh, "Further stretches to verify on")
-      .between(0, 32)
       .show_default();
   command.flag("--keep-step", flags.keep_step, "Keep the scene's time step");
   command
@@ -126,8 +122,8 @@ CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
   command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal");
   command.footer(
       "Prints five lines: choice, expected error, cost, verdict, and the command that runs it.\n"
-      "Without a goal it takes 5 % in means over time that the scene has: dissipated energy, loads\n"
-      "on walls, τ/P in a periodic cell.\n"
+      "Without a goal it takes 5 % in overlaps and in means over time that the scene has: dissipated\n"
+      "energy, loads on walls, τ/P in a periodic cell.\n"
       "Ends with 0 when the goal is met (or nothing touches), with 1 when it is not, or when time was\n"
       "too short to say: the message has the reason and the best that can be had.\n"
       "Examples:\n"
@@ -149,7 +145,6 @@ int advise_command(const AdviseFlags& flags) {
   options.time_limit = flags.time_limit;
   options.window = flags.window.value_or(0);
   options.samples = flags.samples;
-  options.fresh = flags.fresh;
   options.keep_step = flags.keep_step;
   const bool quiet = flags.quiet || flags.json == "-";
   if (!quiet) {

@@ -15,7 +15,7 @@ struct AdviseFlags {
   std::vector<std::string> solvers;  ///< empty: the promising ones
   double time_limit = 60;
   std::optional<double> window;
-  int samples = 4, fresh = 2;
+  int samples = 6;
   bool keep_step = false, quiet = false, force_overwrite = false, all = false;
   std::string out, json, write;
 };

@@ -22,7 +22,7 @@ namespace py = pybind11;
 /// The advice as JSON text (keys: data/manual/reference/files.md).
 std::string advise_scene(const std::string& name, const std::map<std::string, double>& goal,
                          const std::vector<std::string>& solvers, double time_limit, double window,
-                         int samples, int fresh, bool keep_step) {
+                         int samples, bool keep_step) {
   PythonWatch watch;
   AdviseOptions options;
   for (const auto& [m, key, text] : Accuracy::kMeasures) {
@@ -32,7 +32,6 @@ std::string advise_scene(const std::string& name, const std::map<std::string, do
   options.time_limit = time_limit;
   options.window = window;
   options.samples = samples;
-  options.fresh = fresh;
   options.keep_step = keep_step;
   options.interrupted = [&watch] { return watch.stopped(); };
   AnyScene scene = read_any_scene(find_scene(name));
@@ -52,8 +51,7 @@ std::string advise_scene(const std::string& name, const std::map<std::string, do
 
 void bind_advise(py::module_& module) {
   module.def("advise", &advise_scene, py::arg("scene"), py::arg("goal"), py::arg("solvers"),
-             py::arg("time_limit"), py::arg("window"), py::arg("samples"), py::arg("fresh"),
-             py::arg("keep_step"));
+             py::arg("time_limit"), py::arg("window"), py::arg("samples"), py::arg("keep_step"));
 }
 
 }  // namespace bipot

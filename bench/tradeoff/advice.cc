@@ -1,9 +1,12 @@
 #include "bench/tradeoff/advice.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "bench/report/labels.h"
 #include "core/base/types.h"
 #include "solvers/registry.h"
 
@@ -33,10 +36,18 @@ const Accuracy::Measure Accuracy::kMeasures[6] = {
     {&Accuracy::coordination, "coordination", "coordination"},
     {&Accuracy::stress_ratio, "stress_ratio", "τ/P"}};
 
-Accuracy worst_of(const Accuracy& a, const Accuracy& b) {
-  Accuracy worst;
-  for (const auto& [m, key, name] : Accuracy::kMeasures) worst.*m = std::fmax(a.*m, b.*m);
-  return worst;
+Accuracy MeasuredError::bound() const {
+  Accuracy sum = error;
+  for (const auto& [m, key, name] : Accuracy::kMeasures) sum.*m += std::fmax(bar.*m, 0);
+  return sum;
+}
+
+Accuracy MeasuredError::least() const {
+  Accuracy least = error;
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
+    if (!std::isnan(error.*m)) least.*m = std::max(0.0, error.*m - std::fmax(bar.*m, 0));
+  }
+  return least;
 }
 
 double share_of(const Accuracy& error, const Accuracy& goal) {
@@ -47,12 +58,30 @@ double share_of(const Accuracy& error, const Accuracy& goal) {
   return share;
 }
 
+std::string with_bar(double error, double bar) {
+  if (std::isnan(error)) return "not measured";
+  return std::isnan(bar) ? compact_label(error)
+                         : fmt::format("{} ± {}", compact_label(error), compact_label(bar));
+}
+
+std::string error_against(const MeasuredError& measured, const Accuracy& goal) {
+  std::string text;
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
+    if (std::isnan(goal.*m)) continue;
+    text += fmt::format("{}{} {} of {}", text.empty() ? "" : ", ", name,
+                        with_bar(measured.error.*m, measured.bar.*m), compact_label(goal.*m));
+  }
+  return text;
+}
+
 StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal) {
   // A larger step is not better than a smaller one: such a measurement is chance.
   const auto share = [&](const StepTrial& trial) {
-    double largest = 0;
+    double largest = share_of(trial.error.bound(), goal);
     for (const StepTrial& other : steps) {
-      if (other.step <= trial.step) largest = std::max(largest, share_of(other.error, goal));
+      if (other.step < trial.step) {
+        largest = std::max(largest, share_of(other.error.least(), goal));
+      }
     }
     return largest;
   };
@@ -66,17 +95,30 @@ StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal
   };
   if (const int i = largest_within(kComfortable); i >= 0) return {i, true};
   if (const int i = largest_within(kMost); i >= 0) return {i, true};
-  // Errors of neighbouring steps differ by chance: of those near the smallest, the largest step.
+  // Bounds of neighbouring steps differ by chance: of those near the smallest, the largest step.
+  // Steps that surely miss come after all others.
   constexpr double kNear = 1.25;
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const StepTrial& trial : steps) smallest = std::min(smallest, share(trial));
-  return {largest_within(kNear * smallest), false};
+  std::vector<bool> left;
+  for (const StepTrial& trial : steps) {
+    left.push_back(share_of(trial.error.least(), goal) <= kMost);
+  }
+  if (std::find(left.begin(), left.end(), true) == left.end()) left.assign(left.size(), true);
+  double smallest = kInfinity;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (left[i]) smallest = std::min(smallest, share(steps[i]));
+  }
+  int best = -1;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (!left[i] || share(steps[i]) > kNear * smallest) continue;
+    if (best < 0 || steps[i].step > steps[to_size(best)].step) best = static_cast<int>(i);
+  }
+  return {best, false};
 }
 
-Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error) {
+Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_bound) {
   Accuracy budget;
   for (const auto& [m, key, name] : Accuracy::kMeasures) {
-    const double taken = std::isnan(step_error.*m) ? 0 : step_error.*m;
+    const double taken = std::isnan(step_bound.*m) ? 0 : step_bound.*m;
     budget.*m = taken <= kMost * goal.*m ? goal.*m - taken : 0.5 * taken;
     if (std::isnan(goal.*m)) budget.*m = kNaN;
   }
@@ -86,14 +128,14 @@ Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error) {
 Accuracy without_lost_digits(const Accuracy& error, const Accuracy& spread) {
   Accuracy counted = error;
   for (const auto& [m, key, name] : Accuracy::kMeasures) {
-    if (error.*m <= 0.5 * spread.*m) counted.*m = 0;
+    if (error.*m <= spread.*m) counted.*m = 0;
   }
   return counted;
 }
 
 bool meets(const SolverTrial& trial, const Accuracy& budget, const Accuracy& spread) {
   return solved_everywhere(trial) &&
-         share_of(without_lost_digits(trial.error, spread), budget) <= 1;
+         share_of(without_lost_digits(trial.error.bound(), spread), budget) <= 1;
 }
 
 std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget,
@@ -112,20 +154,18 @@ int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget
   int nearest = -1;
   for (int i = 0; i < static_cast<int>(trials.size()); ++i) {
     if (!solved_everywhere(trials[i])) continue;
-    if (nearest < 0 ||
-        share_of(trials[i].error, budget) < share_of(trials[nearest].error, budget)) {
-      nearest = i;
-    }
+    const auto share = [&](int k) { return share_of(trials[k].error.bound(), budget); };
+    if (nearest < 0 || share(i) < share(nearest)) nearest = i;
   }
   return nearest;
 }
 
 void mark_pareto(std::vector<SolverTrial>& trials, const Accuracy& goal) {
   for (SolverTrial& a : trials) {
-    const double share = share_of(a.error, goal);
+    const double share = share_of(a.error.error, goal);
     a.pareto = solved_everywhere(a) &&
                std::none_of(trials.begin(), trials.end(), [&](const SolverTrial& b) {
-                 const double other = share_of(b.error, goal);
+                 const double other = share_of(b.error.error, goal);
                  return solved_everywhere(b) && b.seconds <= a.seconds && other <= share &&
                         (b.seconds < a.seconds || other < share);
                });
@@ -181,13 +221,19 @@ std::string_view to_string(Advice::Status status) {
   return "not met";
 }
 
-Accuracy expected_error(const Advice& a) {
-  Accuracy sum = a.step_error;
+MeasuredError expected_error(const Advice& a) {
+  MeasuredError sum = a.step_error;
   if (a.choice < 0) return sum;
-  const Accuracy& solver = a.trials[to_size(a.choice)].error;
+  const MeasuredError& solver = a.trials[to_size(a.choice)].error;
+  const auto add = [](double& x, double y) {
+    if (!std::isnan(y)) x = std::isnan(x) ? y : x + y;
+  };
   for (const auto& [m, key, name] : Accuracy::kMeasures) {
-    sum.*m = std::isnan(sum.*m) ? solver.*m : sum.*m + (std::isnan(solver.*m) ? 0 : solver.*m);
+    add(sum.error.*m, solver.error.*m);
+    add(sum.bar.*m, solver.bar.*m);
   }
+  double& overlap = sum.error.penetration;
+  if (a.run.steps > 0) overlap = a.run.whole() ? a.run.overlap : std::fmax(overlap, a.run.overlap);
   return sum;
 }
 

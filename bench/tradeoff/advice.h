@@ -14,8 +14,8 @@ namespace bipot {
 /// requirement. As a measurement: NaN is not measured, or undefined. All relative           [-]
 struct Accuracy {
   double force = kNaN;         ///< of a body's mean contact force, over the largest one, worst body
-  double penetration = kNaN;   ///< overlap that a step adds, over the smallest radius
-  double energy = kNaN;        ///< of the dissipated energy of each stretch
+  double penetration = kNaN;   ///< largest overlap, over the smaller radius
+  double energy = kNaN;        ///< of the mean dissipated energy
   double load = kNaN;          ///< of the mean force on a wall, over the largest one, worst wall
   double coordination = kNaN;  ///< of the mean number of loaded contacts of a body
   double stress_ratio = kNaN;  ///< of the mean τ/P
@@ -26,34 +26,46 @@ struct Accuracy {
   };
   static const Measure kMeasures[6];
 };
-/// Componentwise larger, NaN only if both are.
-Accuracy worst_of(const Accuracy& a, const Accuracy& b);
 /// Largest ratio of error to goal over the required and measured quantities; 0 if there are none.
 double share_of(const Accuracy& error, const Accuracy& goal);
+
+/// A measured error with its bar: twice its standard error over the stretches, infinite for one.
+/// Quantities that are largest values have no bar (NaN).
+struct MeasuredError {
+  Accuracy error, bar;
+
+  Accuracy bound() const;  ///< error + bar
+  Accuracy least() const;  ///< error - bar, at least 0
+};
+
+/// "3.6e-2 ± 1e-2"
+std::string with_bar(double error, double bar);
+/// Of the quantities with a goal: "energy 3.6e-2 ± 1e-2 of 5.0e-2, wall load not measured of 1e-2".
+std::string error_against(const MeasuredError& measured, const Accuracy& goal);
 
 /// Error of a time step whose problems are solved exactly.
 struct StepTrial {
   double factor = 1;  ///< of the scene's step
   double step = 0;    ///< h                                                                [s]
-  Accuracy error;
+  MeasuredError error;
 };
 
 struct StepChoice {
   int index = -1;
   bool met = false;  ///< the step leaves at least a tenth of every goal to the solver
 };
-/// A step counts with the worst error of itself and all smaller ones. The choice is the largest
-/// step that takes at most half of every goal; else the largest that takes at most nine tenths.
-/// Else the goal is not met, and it is the largest whose share is within a quarter of the smallest
-/// share. Steps in any order; empty: index -1.
+/// A step counts with its bound, and with the least error of all smaller ones. The choice is the
+/// largest step that takes at most half of every goal; else the largest that takes at most nine
+/// tenths. Else the goal is not met, and it is the largest whose share is within a quarter of the
+/// smallest share. Steps in any order; empty: index -1.
 StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal);
 
-/// Error allowed for the solver: goal - step's error. If the step misses the goal, half of the
-/// step's error: further digits are lost in the step.
-Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error);
+/// Error allowed for the solver: goal - bound of the step. If the step misses the goal, half of the
+/// bound: further digits are lost in the step.
+Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_bound);
 
-/// Errors that count where two exact runs differ by `spread`. Those up to half of it are 0, since
-/// no answer is preferred. NaN in `spread`: all count.
+/// Errors that count where two exact runs differ by `spread`. Those up to it are 0, since no answer
+/// is preferred. NaN in `spread`: all count.
 Accuracy without_lost_digits(const Accuracy& error, const Accuracy& spread);
 
 /// One solver at one tolerance over all stretches, each step from the errors of those before.
@@ -61,16 +73,16 @@ struct SolverTrial {
   SolverVariant solver;
   double tol = 0;
   int stretches = 0, solved = 0;
-  Accuracy error;         ///< that it adds to the time step's
+  MeasuredError error;    ///< that it adds to the time step's
   double guarded = 0;     ///< worst
   double seconds = 0;     ///< CPU of one solve, mean
   double iterations = 0;  ///< mean of a step
   bool pareto = false;    ///< see mark_pareto
-  enum class Verdict { kMissed, kMet, kFreshMissed, kChosen };
+  enum class Verdict { kMissed, kMet, kChosen };
   Verdict verdict = Verdict::kMissed;
   std::string message;  ///< why it was not solved everywhere
 };
-/// Solved everywhere, and no required error above the budget, lost digits aside.
+/// Solved everywhere, and no required bound above the budget, lost digits aside.
 bool meets(const SolverTrial& trial, const Accuracy& budget, const Accuracy& spread = {});
 /// Those that meet the budget, cheapest first. Times in one class (below 20 µs; above, a fifth
 /// wide) count as equal and stay in the order given.
@@ -94,8 +106,7 @@ struct AdviseOptions {
   Accuracy goal;                       ///< entries > 0; none: default_goal of the scene
   std::vector<SolverVariant> solvers;  ///< to try; empty: promising_solvers()
   double time_limit = 60;              ///< wall seconds of everything
-  int samples = 4;                     ///< stretches to choose on
-  int fresh = 2;                       ///< further ones to verify on
+  int samples = 6;                     ///< stretches, besides the one with the deepest overlap
   double window = 0;                   ///< length of a stretch [s]; 0: see StepStudy
   bool keep_step = false;              ///< only the scene's own time step
   std::function<void(const std::string& stage)> say;  ///< may be empty
@@ -113,12 +124,26 @@ struct SceneSample {
   int contact_steps = 0;  ///< of those run, with contacts
   int contacts_max = 0;
   double overhead_seconds = 0;  ///< CPU of a step besides its solve: detection, assembly   [s]
+  double overlap = 0;           ///< largest, over the smaller radius
   std::string note;             ///< why the run ended early; empty: it did not
 };
 
+/// The run as advised, from its start as far as time allowed.
+struct AdvisedRun {
+  int steps = 0, steps_planned = 0;
+  double cpu = 0;      ///< [s]
+  double overlap = 0;  ///< largest, over the smaller radius
+  int overlap_step = 0;
+  std::string failure;  ///< why it ended before; empty: it did not
+
+  bool whole() const { return steps > 0 && steps == steps_planned; }
+};
+
 /// Errors of time steps over stretches. Steps of 4, 2, 1, ½, ¼ of the scene's are compared with the
-/// finest that time allows (⅛), all solved tightly. Differences but the penetration are scaled by
-/// r/(r - 1), r the ratio of the steps, as the reference has an error of first order as well.
+/// finest that time allows (⅛, 1/16 for small overlaps), all solved tightly. Steps beyond the limit
+/// of the overlap are left out. Differences are scaled by r/(r - 1), r the ratio of the steps, as
+/// the reference has an error of first order as well. The overlap is the larger of that of the
+/// stretches and of that of the sampled run, in proportion to the step.
 struct StepStudy {
   double window = 0;             ///< [s]: a fiftieth of the run, at least 16 of the scene's steps
   int windows = 0;               ///< stretches that all entries of `steps` were measured on
@@ -142,21 +167,19 @@ struct Advice {
 
   SceneSample sample;
   StepStudy steps;
-  StepChoice step;       ///< index into steps.steps, -1: not studied, the scene's own is taken
-  double step_size = 0;  ///< recommended                                             [s]
-  int num_steps = 0;     ///< of the scene's simulated time with it
-  Accuracy step_error;   ///< NaN where not studied
+  StepChoice step;           ///< index into steps.steps, -1: not studied, the scene's own is taken
+  double step_size = 0;      ///< recommended                                             [s]
+  int num_steps = 0;         ///< of the scene's simulated time with it
+  MeasuredError step_error;  ///< NaN where not studied
 
   Accuracy budget;  ///< left to the solver
   std::vector<SolverTrial> trials;
   bool out_of_time = false;  ///< trials were left out
   int choice = -1;           ///< index into trials; -1: nothing to recommend
-  /// Difference of two tight runs of the same stretches, started differently: several exact answers
-  /// of a step, or chaos. No solver can promise less. NaN: not measured.
+  /// Bound of the difference of two tight runs of the same stretches, started differently: several
+  /// exact answers of a step, or chaos. No solver can promise less. NaN: not measured.
   Accuracy spread;
-
-  SolverTrial fresh;  ///< the choice on fresh stretches; stretches = 0: none
-  Accuracy whole;     ///< there, step and solver against the finest steps
+  AdvisedRun run;
 
   double seconds_per_step = 0;  ///< expected CPU, everything but output
   double seconds_in_all = 0;
@@ -164,7 +187,8 @@ struct Advice {
 };
 std::string_view to_string(Advice::Status status);
 
-/// Step and solver together: the sum of their errors.
-Accuracy expected_error(const Advice& advice);
+/// Step and solver together: the sum of their errors. The overlap is that of the advised run, if it
+/// was run as a whole, else the larger of both.
+MeasuredError expected_error(const Advice& advice);
 
 }  // namespace bipot

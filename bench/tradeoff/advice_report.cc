@@ -18,14 +18,19 @@ Json to_json(const Accuracy& a) {
   return j;
 }
 
+/// With its bars, those of largest values null.
+Json to_json(const MeasuredError& e) {
+  Json j = to_json(e.error);
+  j["bar"] = to_json(e.bar);
+  return j;
+}
+
 std::string_view verdict_name(SolverTrial::Verdict verdict) {
   switch (verdict) {
     case SolverTrial::Verdict::kMissed:
       return "missed";
     case SolverTrial::Verdict::kMet:
       return "met";
-    case SolverTrial::Verdict::kFreshMissed:
-      return "missed on fresh stretches";
     case SolverTrial::Verdict::kChosen:
       return "chosen";
   }
@@ -53,10 +58,14 @@ void add_columns(const Accuracy& goal, std::vector<TableColumn>& columns) {
     if (!std::isnan(goal.*m)) columns.push_back({.name = name, .show = compact_label});
   }
 }
-void add_errors(const Accuracy& error, const Accuracy& goal, std::vector<TableCell>& cells) {
+void add_errors(const MeasuredError& measured, const Accuracy& goal,
+                std::vector<TableCell>& cells) {
+  const Accuracy bound = measured.bound();
   for (const auto& [m, key, name] : Accuracy::kMeasures) {
-    if (!std::isnan(goal.*m))
-      cells.push_back(TableCell(error.*m).as(error.*m > goal.*m ? "over" : ""));
+    if (std::isnan(goal.*m)) continue;
+    cells.push_back(TableCell(measured.error.*m)
+                        .shown(with_bar(measured.error.*m, measured.bar.*m))
+                        .as(bound.*m > goal.*m ? "over" : ""));
   }
 }
 
@@ -101,7 +110,7 @@ Table plane_table(const Advice& a) {
   Table table{.columns = {{.name = "time step", .show = value_label, .unit = "s"}},
               .caption = "Step and tolerance",
               .note =
-                  "Worst error over its goal, of the step and of the choice, else of the cheapest "
+                  "Worst bound over its goal, of the step and of the choice, else of the cheapest "
                   "solver; at most 1 meets the goal. Solvers were tried at the marked step; "
                   "at others their errors are taken from there. Below: CPU of the solves in a "
                   "simulated second, at the marked step."};
@@ -132,7 +141,8 @@ Table plane_table(const Advice& a) {
       const SolverTrial* t = cheapest(tol);
       double share = 0;
       for (const auto& [m, key, name] : Accuracy::kMeasures) {
-        const double sum = a.steps.steps[i].error.*m + (std::isnan(t->error.*m) ? 0 : t->error.*m);
+        const double solver = t->error.bound().*m;
+        const double sum = a.steps.steps[i].error.bound().*m + (std::isnan(solver) ? 0 : solver);
         if (!std::isnan(a.goal.*m) && !std::isnan(sum)) share = std::max(share, sum / a.goal.*m);
       }
       std::string text = compact_label(share);
@@ -154,7 +164,7 @@ Chart cost_chart(const Advice& a) {
   chart.x = {"worst error over its goal", ChartAxis::Kind::kLog};
   chart.y = {"CPU of a solve", ChartAxis::Kind::kLogSeconds};
   for (const SolverTrial& t : a.trials) {
-    const double share = share_of(t.error, a.goal);
+    const double share = share_of(t.error.error, a.goal);
     if (t.solved < t.stretches || !(share > 0)) continue;
     if (chart.series.empty() || chart.series.back().name != t.solver.label) {
       chart.series.push_back({t.solver.label, static_cast<int>(chart.series.size()), {}});
@@ -162,7 +172,7 @@ Chart cost_chart(const Advice& a) {
     chart.series.back().points.push_back(
         {share, t.seconds, &t - a.trials.data() != a.choice,
          fmt::format("{} to {}: {}", t.solver.label, tolerance_label(t.tol),
-                     error_text(t.error, a.goal))});
+                     error_text(t.error.error, a.goal))});
   }
   return chart;
 }
@@ -173,17 +183,18 @@ std::string confidence(const Advice& a) {
       fmt::format("the scene ran for {} of {} steps, {} with contacts (at most {}){}",
                   a.sample.steps_run, a.sample.steps_planned, a.sample.contact_steps,
                   a.sample.contacts_max, a.sample.note.empty() ? "" : "; " + a.sample.note);
-  text += fmt::format("\nstretches that it was chosen on: {}; ", a.steps.windows);
-  text += a.fresh.stretches > 0 ? fmt::format("the solver on {} others: {}", a.fresh.stretches,
-                                              error_text(a.fresh.error, a.goal))
-                                : "no others were run to verify it";
-  if (share_of(a.whole, a.goal) > 0) {
-    text += "\nstep and solver there, against the finest steps: " + error_text(a.whole, a.goal);
+  text +=
+      fmt::format("\nstretches that it was chosen on, that of the deepest overlap among them: {}",
+                  a.steps.windows);
+  if (a.run.steps > 0) {
+    text += fmt::format("\nthe run as advised: {} of {} steps, largest overlap {} in step {}",
+                        a.run.steps, a.run.steps_planned, share_label(a.run.overlap),
+                        a.run.overlap_step);
   }
   if (share_of(a.spread, a.goal) > 0) {
     text += "\ntwo tight runs of the same stretches, started differently: " +
             error_text(a.spread, a.goal) +
-            "; nothing below half of that counts (several exact answers of a step, or chaos)";
+            "; nothing below that counts (several exact answers of a step, or chaos)";
   }
   if (a.steps.windows_dropped > 0 || a.steps.finest > 0.125 || a.out_of_time) {
     text += fmt::format(
@@ -194,16 +205,11 @@ std::string confidence(const Advice& a) {
   return text;
 }
 
-/// Of error against goal: "energy 1.2e-2 of 5e-2".
-std::string against(const Accuracy& error, const Accuracy& goal) {
-  std::string text;
-  for (const auto& [m, key, name] : Accuracy::kMeasures) {
-    if (std::isnan(goal.*m)) continue;
-    text += fmt::format("{}{} {} of {}", text.empty() ? "" : ", ", name,
-                        std::isnan(error.*m) ? "not measured" : compact_label(error.*m),
-                        compact_label(goal.*m));
-  }
-  return text;
+/// What the cost is that of: the run itself, a part of it, or the stretches.
+std::string basis_of(const Advice& a) {
+  if (a.run.whole()) return ", as the run took";
+  if (a.run.steps == 0) return ", by the stretches";
+  return fmt::format(", by its first {} steps", a.run.steps);
 }
 
 std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
@@ -211,7 +217,8 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   const auto line = [&](std::string_view name, std::string text) {
     lines.emplace_back(name, std::move(text));
   };
-  const char* whose = a.default_goal ? " (no goal given: 5 % in means over time)" : "";
+  const char* whose =
+      a.default_goal ? " (no goal given: 5 % in overlaps and in means over time)" : "";
   if (a.choice < 0) {
     line("asked for", error_text(a.goal, a.goal) + whose);
     line("verdict", fmt::format("{}: {}", to_string(a.status), a.message));
@@ -222,19 +229,15 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   line("choice", fmt::format("{} to {}, time step {:g} s (the scene's{})", t.solver.label,
                              tolerance_label(t.tol), a.step_size,
                              own_step ? "" : fmt::format(": {:g} s", a.scene_step)));
-  std::string error = against(expected_error(a), a.goal) + whose;
-  if (std::isnan(a.goal.penetration) && !std::isnan(a.step_error.penetration)) {
-    error += fmt::format("; a step adds overlaps of {} of the smallest radius",
-                         share_label(a.step_error.penetration));
-  }
-  line("expected error", std::move(error));
-  line("cost", fmt::format("{} a step, {} for the {:g} s of the scene ({} steps), files aside",
+  line("expected error", error_against(expected_error(a), a.goal) + whose);
+  line("cost", fmt::format("{} a step, {} for the {:g} s of the scene ({} steps), files aside{}",
                            duration_label(a.seconds_per_step), duration_label(a.seconds_in_all),
-                           a.duration, a.num_steps));
+                           a.duration, a.num_steps, basis_of(a)));
   line("verdict",
        fmt::format("{}: {}; {} limits the error", to_string(a.status), a.message,
-                   share_of(a.step_error, a.goal) > share_of(t.error, a.goal) ? "the time step"
-                                                                              : "the solver"));
+                   share_of(a.step_error.bound(), a.goal) > share_of(t.error.bound(), a.goal)
+                       ? "the time step"
+                       : "the solver"));
   line("run it", run_command_of(a));
   return lines;
 }
@@ -268,6 +271,7 @@ Json to_json(const Advice& a, const Provenance& made) {
               {"steps_run", a.sample.steps_run},
               {"steps_with_contacts", a.sample.contact_steps},
               {"contacts_max", a.sample.contacts_max},
+              {"overlap", a.sample.overlap},
               {"note", a.sample.note}};
   j["step_study"] = {{"window", a.steps.window},
                      {"windows", a.steps.windows},
@@ -283,10 +287,11 @@ Json to_json(const Advice& a, const Provenance& made) {
   for (const SolverTrial& t : a.trials) j["trials"].push_back(to_json(t));
   j["out_of_time"] = a.out_of_time;
   j["spread"] = to_json(a.spread);
-  j["fresh"] = {{"stretches", a.fresh.stretches},
-                {"solved", a.fresh.solved},
-                {"error", to_json(a.fresh.error)},
-                {"whole", to_json(a.whole)}};
+  j["advised_run"] = {{"steps_planned", a.run.steps_planned},
+                      {"steps_run", a.run.steps},
+                      {"overlap", a.run.overlap},
+                      {"overlap_step", a.run.overlap_step},
+                      {"failure", a.run.failure}};
   j["seconds"] = a.seconds_spent;
   return j;
 }

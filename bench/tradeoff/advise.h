@@ -5,9 +5,10 @@
 
 namespace bipot {
 
-/// Goal for a scene whose user has none: 5 % in means over time that have a meaning in it. These
-/// are the dissipated energy, the loads on walls, and τ/P in a periodic cell. Never the force on one
-/// body or an instant; nor the coordination, whose mean in a flow grows with the step.
+/// Goal for a scene whose user has none: overlaps up to kDeepOverlap, and 5 % in means over time that
+/// have a meaning in it. These are the dissipated energy, the loads on walls, and τ/P in a periodic
+/// cell. Never the force on one body or an instant; nor the coordination, whose mean in a flow grows
+/// with the step.
 template <int D>
 Accuracy default_goal(const Scene<D>& scene);
 

@@ -131,7 +131,8 @@ RunRecord run_setting(const Scene<D>& made, State<D>& state, const RunSetting& s
   record.whole = record.steps == scene.num_steps && !gave_up;
   if (record.steps > 0) {
     record.iterations = static_cast<double>(run.totals.iterations) / record.steps;
-    record.penetration = run.totals.penetration / smallest_radius(scene);
+    record.penetration = run.totals.overlap;
+    record.penetration_step = run.totals.overlap_step;
   }
   return record;
 }

@@ -50,7 +50,8 @@ struct RunRecord {
   double iterations = kNaN;     ///< mean per step; springs: substeps per step
   double worst_guarded = kNaN;  ///< largest guarded error of a step; nonsmooth
   double stiffness = kNaN;      ///< springs: k_n                                    [N/m]
-  double penetration = kNaN;    ///< largest of the run over the smallest radius
+  double penetration = kNaN;    ///< largest overlap of the run over the smaller radius
+  int penetration_step = -1;    ///< where
 
   bool completed() const { return status == "completed"; }
   double cpu_per_second() const { return simulated > 0 ? cpu / simulated : kNaN; }

@@ -19,7 +19,8 @@ Vec3 in_space(const Vec<D>& v) {
   return wide;
 }
 
-/// Overlap of each overlapping pair, by the numbers of the bodies; walls: -1 - wall. [m]
+/// Overlap of each overlapping pair over the smaller radius, by the numbers of the bodies; walls:
+/// -1 - wall.
 using Overlaps = std::map<std::pair<int, int>, double>;
 template <int D>
 int number_of(const State<D>& state, int body) {
@@ -30,7 +31,11 @@ template <int D>
 Overlaps overlaps_of(const State<D>& state) {
   Overlaps overlaps;
   for (const Contact<D>& c : detect_contacts<D>(state.bodies, state.walls, 0)) {
-    if (c.gap < 0) overlaps[{number_of(state, c.i), number_of(state, c.j)}] = -c.gap;
+    if (c.gap >= 0) continue;
+    const std::size_t j = to_size(c.j);
+    double radius = state.bodies[to_size(c.i)].radius;
+    if (j < state.bodies.size()) radius = std::min(radius, state.bodies[j].radius);
+    overlaps[{number_of(state, c.i), number_of(state, c.j)}] = -c.gap / radius;
   }
   return overlaps;
 }
@@ -88,7 +93,7 @@ StretchSample run_stretch(const Scene<D>& whole, State<D> state, int steps,
   StretchSample sample;
   sample.load.assign(state.walls.size(), Vec3::Zero());
   const double before = state.friction_loss + state.shock_loss;
-  Overlaps overlaps = overlaps_of(state);
+  const Overlaps overlaps = overlaps_of(state);
   auto moving = momenta(state);
   for (const auto& [number, body] : moving) sample.force[number] = Vec3::Zero();
   std::vector<Wall<D>> walls = state.walls;
@@ -120,13 +125,11 @@ StretchSample run_stretch(const Scene<D>& whole, State<D> state, int steps,
     if (!now.bodies.empty()) {
       stress += weight * sample_stress(now, h, 1, contact_moments(now)).total();
     }
-    Overlaps deep = overlaps_of(now);
-    for (const auto& [pair, overlap] : deep) {
+    for (const auto& [pair, overlap] : overlaps_of(now)) {
       const auto old = overlaps.find(pair);
       sample.penetration =
           std::max(sample.penetration, overlap - (old == overlaps.end() ? 0 : old->second));
     }
-    overlaps = std::move(deep);
     moving = std::move(after);
     walls = now.walls;
     ++k;
@@ -148,11 +151,39 @@ double energy_floor(const Scene<D>& scene, const State<D>& state) {
   return 1e-3 * std::max(kinetic_energy(state), weight * smallest_radius(scene));
 }
 
-Accuracy stretch_errors(const std::vector<StretchSample>& samples,
-                        const std::vector<StretchSample>& reference, double radius, double floor) {
-  Accuracy error;
-  double energy = 0, energies = 0, contacts = 0, all_contacts = 0, ratio = 0, ratios = 0;
-  std::vector<Vec3> load(reference.front().load.size(), Vec3::Zero()), loads = load;
+namespace {
+
+/// The mean of the differences of each stretch over the scale of all, and twice its standard error.
+struct MeanDifference {
+  std::vector<Vec3> each;
+  double scale = 0;  // sum over the stretches
+
+  void write(double& error, double& bar) const {
+    if (!(scale > 0)) return;
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& x : each) sum += x;
+    const auto n = static_cast<double>(each.size());
+    double squares = 0;
+    for (const Vec3& x : each) squares += (x - sum / n).squaredNorm();
+    error = sum.norm() / scale;
+    bar = n > 1 ? 2 * std::sqrt(n / (n - 1) * squares) / scale : kInfinity;
+  }
+};
+
+}  // namespace
+
+MeasuredError stretch_errors(const std::vector<StretchSample>& samples,
+                             const std::vector<StretchSample>& reference, double floor,
+                             std::size_t first) {
+  MeasuredError measured;
+  Accuracy &error = measured.error, &bar = measured.bar;
+  MeanDifference energy, contacts, ratio;
+  std::vector<MeanDifference> loads(reference.front().load.size());
+  std::vector<Vec3> total(loads.size(), Vec3::Zero());
+  const auto add = [](MeanDifference& to, double a, double b) {
+    to.each.emplace_back(a - b, 0, 0);
+    to.scale += std::abs(b);
+  };
   for (std::size_t w = 0; w < samples.size(); ++w) {
     const StretchSample &a = samples[w], &b = reference[w];
     double apart = 0, largest = 0;
@@ -163,41 +194,46 @@ Accuracy stretch_errors(const std::vector<StretchSample>& samples,
       }
     }
     if (largest > 0) error.force = std::fmax(error.force, apart / largest);
-    error.penetration = std::fmax(error.penetration, a.penetration / radius);
-    energy += std::abs(a.dissipated - b.dissipated);
-    energies += std::abs(b.dissipated);
-    contacts += a.coordination - b.coordination;
-    all_contacts += b.coordination;
+    error.penetration = std::fmax(error.penetration, a.penetration);
+    if (w < first) continue;
+    add(energy, a.dissipated, b.dissipated);
+    add(contacts, a.coordination, b.coordination);
     if (std::isfinite(a.stress_ratio) && std::isfinite(b.stress_ratio)) {
-      ratio += a.stress_ratio - b.stress_ratio;
-      ratios += b.stress_ratio;
+      add(ratio, a.stress_ratio, b.stress_ratio);
     }
-    for (std::size_t k = 0; k < load.size(); ++k) {
-      load[k] += a.load[k] - b.load[k];
-      loads[k] += b.load[k];
+    for (std::size_t k = 0; k < loads.size(); ++k) {
+      loads[k].each.push_back(a.load[k] - b.load[k]);
+      total[k] += b.load[k];
     }
   }
-  error.energy = energy / std::max(energies, floor);
-  if (all_contacts > 0) error.coordination = std::abs(contacts) / all_contacts;
-  if (ratios > 0) error.stress_ratio = std::abs(ratio) / ratios;
-  double apart = 0, largest = 0;
-  for (std::size_t k = 0; k < load.size(); ++k) {
-    apart = std::max(apart, load[k].norm());
-    largest = std::max(largest, loads[k].norm());
+  energy.scale = std::max(energy.scale, floor);
+  energy.write(error.energy, bar.energy);
+  contacts.write(error.coordination, bar.coordination);
+  ratio.write(error.stress_ratio, bar.stress_ratio);
+  double largest = 0;
+  for (const Vec3& load : total) largest = std::max(largest, load.norm());
+  for (MeanDifference& load : loads) {
+    MeasuredError one;
+    load.scale = largest;
+    load.write(one.error.load, one.bar.load);
+    if (!(one.bound().load <= measured.bound().load)) {
+      error.load = one.error.load;
+      bar.load = one.bar.load;
+    }
   }
-  if (largest > 0) error.load = apart / largest;
-  return error;
+  return measured;
 }
 
-Accuracy added_errors(const std::vector<StretchSample>& samples,
-                      const std::vector<StretchSample>& reference, double radius, double floor) {
-  Accuracy error = stretch_errors(samples, reference, radius, floor);
-  error.penetration = 0;
+MeasuredError added_errors(const std::vector<StretchSample>& samples,
+                           const std::vector<StretchSample>& reference, double floor,
+                           std::size_t first) {
+  MeasuredError measured = stretch_errors(samples, reference, floor, first);
+  double& added = measured.error.penetration;
+  added = 0;
   for (std::size_t w = 0; w < samples.size(); ++w) {
-    error.penetration =
-        std::max(error.penetration, (samples[w].penetration - reference[w].penetration) / radius);
+    added = std::max(added, samples[w].penetration - reference[w].penetration);
   }
-  return error;
+  return measured;
 }
 
 template int stretch_steps(const Scene<2>&, double);

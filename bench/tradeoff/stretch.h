@@ -16,7 +16,7 @@ struct StretchSample {
   std::map<int, Vec3> force;
   std::vector<Vec3> load;   ///< mean contact force on each wall                     [N]
   double dissipated = 0;    ///< [J]
-  double penetration = 0;   ///< largest overlap added by one step                   [m]
+  double penetration = 0;   ///< largest overlap that came up, over the smaller radius
   double coordination = 0;  ///< loaded contacts of a body
   double stress_ratio = 0;  ///< τ/P of the mean stress (core/observables/observables.h)
 };
@@ -37,13 +37,16 @@ StretchSample run_stretch(const Scene<D>& scene, State<D> state, int steps,
 template <int D>
 double energy_floor(const Scene<D>& scene, const State<D>& state);
 
-/// Errors of samples (one for each stretch) against a `reference`, see Accuracy; no scaling. The
-/// penetration is the samples' own.
-Accuracy stretch_errors(const std::vector<StretchSample>& samples,
-                        const std::vector<StretchSample>& reference, double radius, double floor);
+/// Errors of samples (one for each stretch) against a `reference`, see Accuracy; no scaling. Errors
+/// of means are those of the mean over the stretches from `first` on. The penetration is the
+/// samples' own.
+MeasuredError stretch_errors(const std::vector<StretchSample>& samples,
+                             const std::vector<StretchSample>& reference, double floor,
+                             std::size_t first = 0);
 
 /// Errors that a solver adds: the penetration is what exceeds that of the reference.
-Accuracy added_errors(const std::vector<StretchSample>& samples,
-                      const std::vector<StretchSample>& reference, double radius, double floor);
+MeasuredError added_errors(const std::vector<StretchSample>& samples,
+                           const std::vector<StretchSample>& reference, double floor,
+                           std::size_t first = 0);
 
 }  // namespace bipot

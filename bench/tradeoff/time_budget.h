@@ -9,7 +9,8 @@ namespace bipot {
 /// The wall time of an advice, and the fractions of it at which stages must be done.
 class TimeBudget {
  public:
-  static constexpr double kTightRunEnd = 0.06, kRunEnd = 0.25, kStepsEnd = 0.52, kTrialsEnd = 0.88;
+  static constexpr double kTightRunEnd = 0.06, kRunEnd = 0.25, kStepsEnd = 0.5, kTrialsEnd = 0.75,
+                          kLastTrialEnd = 0.8;
 
   /// Counts from construction; `limit` in seconds.
   explicit TimeBudget(double limit) : limit_(limit) {}

@@ -77,7 +77,7 @@ std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
   error.y = {"worst error of an outcome", ChartAxis::Kind::kLog};
   depth.title = "Penetration against cost, " + s.scene->name;
   depth.x = error.x;
-  depth.y = {"largest overlap / smallest radius", ChartAxis::Kind::kLog};
+  depth.y = {"largest overlap / smaller radius", ChartAxis::Kind::kLog};
   double noise = 0;
   for (const TradeQuantityErrors& e : s.quantities) noise = std::max(noise, e.noise);
   for (const Family& family : families_of(s)) {

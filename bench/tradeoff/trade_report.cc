@@ -141,7 +141,7 @@ Table setting_table(const SceneTrade& s) {
                   {.name = "worst error", .show = compact_label}},
       .note =
           "Iterations: mean of a step; for springs, substeps of a step. Overlap: the largest "
-          "of the run over the smallest radius. Worst error: of the outcomes, against the "
+          "of the run over the smaller radius. Worst error: of the outcomes, against the "
           "reference. Rows that were not completed are marked; the reason shows when the "
           "pointer rests on the status."};
   for (const TradeQuantity& q : s.scene->quantities) {

@@ -58,17 +58,16 @@ def advise(
     solvers: Sequence[str] = (),
     time_limit: float = 60,
     window: float | None = None,
-    samples: int = 4,
-    fresh: int = 2,
+    samples: int = 6,
     keep_step: bool = False,
 ) -> Advice:
     """Tries solvers, tolerances and time steps on stretches of the scene and says what to take.
 
     Goals, means over stretches: force_error of a body's contact force, over the largest one;
-    penetration, the overlap that a step adds over the smallest radius; relative errors of the
-    dissipated energy, the load on a wall, the coordination, and stress_ratio, τ/P. None: 5 % in those
-    that the scene has. time_limit: wall seconds of the trials; window: length of a stretch in s;
-    samples, fresh: stretches to choose on, and to verify on; keep_step: the scene's own.
+    penetration, the largest overlap over the smaller radius; relative errors of the dissipated
+    energy, the load on a wall, the coordination, and stress_ratio, τ/P. None: 5 % in overlaps and in
+    those means that the scene has. time_limit: wall seconds of the trials; window: length of a stretch in s;
+    samples: number of stretches, more narrow the error bars; keep_step: the scene's own.
 
     Raises ValueError for a scene or a goal that is refused, KeyboardInterrupt.
     """
@@ -92,7 +91,6 @@ def advise(
         time_limit=number(time_limit, "time_limit"),
         window=0 if window is None else number(window, "window"),
         samples=integer(samples, "samples"),
-        fresh=integer(fresh, "fresh"),
         keep_step=flag(keep_step, "keep_step"),
     )
     return Advice(json.loads(text))

@@ -425,6 +425,5 @@ def advise(
     time_limit: float,
     window: float,
     samples: int,
-    fresh: int,
     keep_step: bool,
 ) -> str: ...

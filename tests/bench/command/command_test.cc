@@ -262,7 +262,7 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
 
 TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
   std::string whole = content(source_folder().string() + "/data/scenes/triangular_lattice.toml");
-  whole.replace(whole.find("steps = 10"), 10, "steps = 40");  // for stretches to verify on
+  whole.replace(whole.find("steps = 10"), 10, "steps = 40");  // for several stretches
   const std::string scene = write("scene.toml", whole);
   const std::string arguments = "advise " + scene +
                                 " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
@@ -272,8 +272,7 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
   ASSERT_EQ(first.exit_code, 0);
   const json j = json::parse(first.out);  // nothing else on standard output
   EXPECT_EQ(j["status"], "met");
-  EXPECT_GT(j["fresh"]["stretches"], 0);
-  EXPECT_LE(j["fresh"]["error"]["force"].get<double>(), 1e-2);
+  EXPECT_EQ(j["advised_run"]["steps_run"], j["advised_run"]["steps_planned"]);
   EXPECT_TRUE(j["goal"]["energy"].is_null());            // not asked for
   EXPECT_EQ(bipot(arguments).exit_code, 2);              // the copy exists
   const Outcome second = bipot(arguments + " --force");  // times decide: the choice may differ

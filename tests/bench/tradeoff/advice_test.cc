@@ -9,14 +9,16 @@ namespace {
 
 Accuracy force(double x) { return {.force = x}; }
 
-StepTrial step(double h, double error) { return {h / 1e-3, h, force(error)}; }
+StepTrial step(double h, double error, double bar = 0) {
+  return {h / 1e-3, h, {force(error), force(bar)}};
+}
 
 SolverTrial trial(const std::string& name, double tol, double error, double seconds) {
   SolverTrial t;
   t.solver = {name, name, {}};
   t.tol = tol;
   t.stretches = t.solved = 4;
-  t.error = force(error);
+  t.error.error = force(error);
   t.seconds = seconds;
   return t;
 }
@@ -46,6 +48,22 @@ TEST(Advice, AStepIsNoBetterThanASmallerOne) {
   EXPECT_TRUE(choice.met);
 }
 
+TEST(Advice, TheBarCounts) {
+  // 4e-3 ± 3e-3 may be 7e-3: within nine tenths of 1e-2, not within half of it.
+  EXPECT_EQ(choose_step({step(2e-3, 4e-3, 3e-3), step(1e-3, 1e-3, 3e-3)}, force(1e-2)).index, 1);
+  // A smaller step that may be as good as nothing says nothing against a larger one.
+  const StepChoice choice = choose_step({step(2e-3, 4e-3), step(1e-3, 2e-2, 3e-2)}, force(1e-2));
+  EXPECT_EQ(choice.index, 0);
+  EXPECT_TRUE(choice.met);
+  EXPECT_FALSE(choose_step({step(1e-3, 5e-3, 5e-3)}, force(1e-2)).met);
+  // 2e-3 s surely misses: its small bar does not help it.
+  EXPECT_EQ(choose_step({step(2e-3, 2e-2), step(1e-3, 1e-3, 3e-2)}, force(1e-2)).index, 1);
+  const MeasuredError error{force(5e-3), force(7e-3)};
+  EXPECT_DOUBLE_EQ(error.bound().force, 1.2e-2);
+  EXPECT_EQ(error.least().force, 0);
+  EXPECT_EQ(error_against(error, force(1e-2)), "force 5.0e-3 ± 7.0e-3 of 1.0e-2");
+}
+
 TEST(Advice, AMissedGoalNamesTheLargestStepNearTheBest) {
   // The error stops falling: 1.1e-1 is within a quarter of 1e-1.
   const std::vector<StepTrial> steps = {step(4e-3, 5e-1), step(2e-3, 1.1e-1), step(1e-3, 1e-1)};
@@ -56,14 +74,14 @@ TEST(Advice, AMissedGoalNamesTheLargestStepNearTheBest) {
 }
 
 TEST(Advice, PaysForNoDigitsBelowWhatExactAnswersDifferBy) {
-  // Answers 0.2 apart in force: an error of 0.1 is lost in that, one of 0.11 is not.
+  // Answers 0.2 apart in force: an error of 0.2 is lost in that, one of 0.21 is not.
   const Accuracy spread{.force = 0.2, .energy = 1e-3};
   const Accuracy lost =
-      without_lost_digits({.force = 0.1, .penetration = 0.5, .energy = 2e-3}, spread);
+      without_lost_digits({.force = 0.2, .penetration = 0.5, .energy = 2e-3}, spread);
   EXPECT_EQ(lost.force, 0);
   EXPECT_EQ(lost.penetration, 0.5);  // an exact answer has none
   EXPECT_EQ(lost.energy, 2e-3);
-  EXPECT_EQ(without_lost_digits(force(0.11), spread).force, 0.11);
+  EXPECT_EQ(without_lost_digits(force(0.21), spread).force, 0.21);
   // A single answer: everything counts.
   EXPECT_EQ(without_lost_digits(force(1e-9), Accuracy{}).force, 1e-9);
 }
@@ -93,21 +111,30 @@ TEST(Advice, TimesThatDifferByNoiseKeepTheirOrder) {
 }
 
 TEST(Advice, DigitsBelowTheSpreadOfExactRunsMeetTheBudget) {
-  // Two exact runs 0.2 apart: 0.09 meets a budget of 0.01, 0.11 does not.
+  // Two exact runs 0.2 apart: 0.19 meets a budget of 0.01, 0.21 does not.
   const Accuracy spread = force(0.2);
-  EXPECT_TRUE(meets(trial("a", 1e-3, 0.09, 1), force(1e-2), spread));
-  EXPECT_FALSE(meets(trial("a", 1e-3, 0.11, 1), force(1e-2), spread));
-  EXPECT_FALSE(meets(trial("a", 1e-3, 0.09, 1), force(1e-2)));
+  EXPECT_TRUE(meets(trial("a", 1e-3, 0.19, 1), force(1e-2), spread));
+  EXPECT_FALSE(meets(trial("a", 1e-3, 0.21, 1), force(1e-2), spread));
+  EXPECT_FALSE(meets(trial("a", 1e-3, 0.19, 1), force(1e-2)));
 }
 
 TEST(Advice, ExpectedErrorIsThatOfStepAndSolver) {
   Advice advice;
-  advice.step_error = force(2e-2);
+  advice.step_error = {force(2e-2), force(1e-3)};
   advice.trials = {trial("a", 1e-3, 1e-2, 1)};
-  EXPECT_EQ(expected_error(advice).force, 2e-2);  // no choice
+  EXPECT_EQ(expected_error(advice).error.force, 2e-2);  // no choice
   advice.choice = 0;
-  EXPECT_DOUBLE_EQ(expected_error(advice).force, 3e-2);
-  EXPECT_TRUE(std::isnan(expected_error(advice).energy));
+  EXPECT_DOUBLE_EQ(expected_error(advice).error.force, 3e-2);
+  EXPECT_DOUBLE_EQ(expected_error(advice).bound().force, 3.1e-2);
+  EXPECT_TRUE(std::isnan(expected_error(advice).error.energy));
+  // The overlap of a part of the run is a bound from below, that of all of it is the overlap.
+  advice.step_error.error.penetration = 3e-2;
+  advice.run = {.steps = 5, .steps_planned = 10, .overlap = 2e-2};
+  EXPECT_EQ(expected_error(advice).error.penetration, 3e-2);
+  advice.run.overlap = 4e-2;
+  EXPECT_EQ(expected_error(advice).error.penetration, 4e-2);
+  advice.run = {.steps = 10, .steps_planned = 10, .overlap = 2e-2};
+  EXPECT_EQ(expected_error(advice).error.penetration, 2e-2);
 }
 
 TEST(Advice, ParetoLeavesOutWhatIsBeatenInBoth) {
