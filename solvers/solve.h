@@ -13,6 +13,10 @@ namespace bipot {
 /// the message). Never throws, neither for bad input nor a failing solver nor for lack of memory,
 /// that of OpenBLAS's buffer included: the status and the message report it. The options are passed
 /// by value, so that a start that is moved in is not stored twice.
+///
+/// Precondition: W, if given, is a Delassus operator. For one of unknown origin ask
+/// delassus_defect() (core/problem/contact_problem.h) first: with another W an impulse can meet the
+/// criterion and still not solve the problem.
 SolveResult solve(std::string_view solver, const ContactProblem& problem,
                   SolverOptions options = {});
 

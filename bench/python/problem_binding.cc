@@ -15,7 +15,6 @@
 #include "bench/python/python_problem.h"
 #include "core/base/file_error.h"
 #include "core/problem/delassus.h"
-#include "core/problem/delassus_check.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
 

@@ -46,11 +46,23 @@ bool is_diagonal(const SparseMatrix& A);
 /// Empty for a sound problem, otherwise one sentence that names the field, the index and the value
 /// (or both sizes). Refused are wrong sizes, non-finite values, a non-positive diagonal of A, W_nn
 /// <= 0, negative mu, and non-positive row_scale. Refused too are tangents of a contact with
-/// different row_scale, unsymmetric A, and W that is not compressed. W need not be symmetric:
-/// rounded data of other codes are solved as they are.
+/// different row_scale, unsymmetric A, and W that is not compressed. W is taken as it is:
+/// see delassus_defect().
 std::string validate(const ContactProblem& problem);
 
 /// The part of it that concerns the vectors: sizes, finite values, mu, row_scale.
 std::string validate_vectors(const ContactProblem& problem);
+
+/// Empty if W can be a Delassus operator Hᵀ A⁻¹ H, else one sentence that names the entries and
+/// the size of the defect. W must be symmetric and positive semidefinite, and it must agree with A
+/// and H where these are given too. Problems without W pass. The problem must pass validate().
+///
+/// Rounded data of other codes pass. With the diagonal scaled to 1, W and Wᵀ may differ by 1e-2 of
+/// W in the Frobenius norm and by 0.1 in an entry. The smallest eigenvalue may be -1e-2 times the
+/// largest sum of a row. Up to 300 rows a dense Cholesky factorisation of the shifted matrix
+/// decides. Beyond, 60 products with W bound the smallest eigenvalue from above (Lanczos): what is
+/// refused is indefinite, but a weak indefiniteness may pass. Readers of files and the Python
+/// module call it; solve() does not, as it costs as much as tens of iterations.
+std::string delassus_defect(const ContactProblem& problem);
 
 }  // namespace bipot

@@ -1,5 +1,3 @@
-#include "core/problem/delassus_check.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -8,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/problem/contact_problem.h"
 #include "core/problem/delassus.h"
 
 namespace bipot {

@@ -2,7 +2,6 @@
 
 #include "core/files/hdf5_file.h"
 #include "core/files/input_file.h"
-#include "core/problem/delassus_check.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/siconos_text_file.h"
 

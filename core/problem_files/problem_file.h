@@ -29,7 +29,7 @@ struct ProblemFile {
 
 /// Reads an FCLIB HDF5 file or a Siconos text file; the content decides, not the name. Throws
 /// FileError with the reason if the file cannot be read, fails Hdf5File::check_structure(), or if the
-/// problem is not sound. Likewise if W is no Delassus operator (delassus_check.h), unless
+/// problem is not sound. Likewise if W is no Delassus operator (delassus_defect()), unless
 /// `accept_indefinite`: then `caution` says why.
 ProblemFile read_problem(const std::filesystem::path& path, bool accept_indefinite = false);
 

@@ -1,9 +1,8 @@
-#include "core/problem/delassus_check.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "core/problem/contact_problem.h"
 #include "core/problem/delassus.h"
 #include "tests/support/small_problems.h"
 
