@@ -61,6 +61,13 @@ void judge(ContactSpace& space, const SolverOptions& options, SolveResult& resul
     result.message = "the solver returned without a status";
     result.status = SolveStatus::kNumericalFailure;
   }
+  const bool unsolved = !is_success(result.status) && result.status != SolveStatus::kInterrupted;
+  if (unsolved && space.whole() != nullptr &&
+      at_rounding_floor(space.problem(), options, result.s, result.error)) {
+    result.status = SolveStatus::kStalled;
+    result.message = fmt::format("as exact as doubles allow: {:.0e}; {}", result.error.guarded(),
+                                 result.message);
+  }
   if (result.status != SolveStatus::kConverged) return;
   const ProvedClaim claim = space.prove(options, result.s, result.error);
   if (claim.holds) return;

@@ -90,6 +90,14 @@ ContactCount SolveRun::count() {
   return {static_cast<int>(counts[0]), static_cast<int>(counts[1]), static_cast<int>(counts[2])};
 }
 
+/// Looked at when the count has doubled: it costs as much as judging.
+bool SolveRun::at_floor(int iteration) {
+  if (iteration < next_floor_ || space_.whole() == nullptr) return false;
+  next_floor_ = 2 * iteration;
+  return whole().share() == ErrorShare{} &&
+         at_rounding_floor(problem(), options_, space_.impulse(), last_);
+}
+
 bool SolveRun::stop(int iteration, const Eigen::Ref<const Vector>& s, double step, bool moving) {
   iterations_ = iteration;
   if (!due(iteration)) return false;
@@ -136,6 +144,9 @@ bool SolveRun::stop(int iteration, const Eigen::Ref<const Vector>& s, double ste
                                                 .change = change,
                                                 .moving = moving,
                                                 .met = met});
+  if (verdict.status == SolveStatus::kNotRun && at_floor(iteration)) {
+    verdict = {SolveStatus::kStalled, fmt::format("stalled at iteration {}", iteration)};
+  }
   if (verdict.status == SolveStatus::kNotRun) {
     verdict = out_of_time_verdict(options_, alone ? cancelled_here() : more[2] > 0,
                                   alone ? late_here() : more[3] > 0, iteration, best_error_);

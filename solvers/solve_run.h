@@ -129,6 +129,7 @@ class SolveRun {
   static constexpr int kPolled = 64;
 
   bool accept(double impulse_change);
+  bool at_floor(int iteration);
   void replace_previous(const Eigen::Ref<const Vector>& s, bool known, double& norm2,
                         double& change2);
   bool cancelled_here() const { return options_.cancelled && options_.cancelled(); }
@@ -151,7 +152,7 @@ class SolveRun {
   Vector best_s_;
   Vector previous_;  // iterate of the judgement before (all iterations for the impulse test)
   int previous_iteration_ = -1;
-  int next_ = 0, next_poll_ = 0;
+  int next_ = 0, next_poll_ = 0, next_floor_ = 16;
   bool every_ = false;
   int portion_ = kJudgedPortion, roots_ = 1;
   int iterations_ = 0;

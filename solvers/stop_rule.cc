@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/criterion/rounding_bound.h"
+
 namespace bipot {
 
 double divergence_reference(int iteration, const ContactError& error, double free_energy) {
@@ -34,6 +36,14 @@ StopVerdict stop_verdict(const SolverOptions& options, const JudgedIterate& it) 
                         it.best_error)};
   }
   return {};
+}
+
+bool at_rounding_floor(const ContactProblem& problem, const SolverOptions& options,
+                       const Eigen::Ref<const Vector>& s, const ContactError& error) {
+  constexpr double kFar = 100;
+  if (options.stop != StopTest::kGuarded || !(error.guarded() > options.tol)) return false;
+  const double floor = rounding_floor(problem, s, error);
+  return floor > kFar * options.tol && error.guarded() <= floor;
 }
 
 StopVerdict out_of_time_verdict(const SolverOptions& options, bool cancelled, bool late,

@@ -48,6 +48,11 @@ struct StopVerdict {
 /// All but the clock and the caller's stop.
 StopVerdict stop_verdict(const SolverOptions& options, const JudgedIterate& iterate);
 
+/// True if the impulse, of this error, is as exact as doubles allow, and that is far from the
+/// tolerance: further iterations would only move its last digits. For the guarded test.
+bool at_rounding_floor(const ContactProblem& problem, const SolverOptions& options,
+                       const Eigen::Ref<const Vector>& s, const ContactError& error);
+
 /// Verdict if the caller asked for the end, or the time is over.
 StopVerdict out_of_time_verdict(const SolverOptions& options, bool cancelled, bool late,
                                 int iteration, double best_error);

@@ -15,7 +15,6 @@
 #include "core/base/release.h"
 #include "core/base/stopwatch.h"
 #include "core/criterion/contact_error.h"
-#include "core/criterion/rounding_bound.h"
 #include "solvers/auto/auto_plan.h"
 #include "solvers/auto/islands.h"
 #include "solvers/registry.h"
@@ -167,17 +166,13 @@ class Race {
     return ended_ || is_success(last_) || at_floor();
   }
 
-  /// True if the best impulse is as exact as doubles allow, and that is far from the tolerance:
-  /// further stages would only move its last digits.
+  /// True if the best impulse is as exact as doubles allow: no further stages.
   bool at_floor() {
-    constexpr double kFar = 100;
-    if (!alone() || options_.stop != StopTest::kGuarded || !std::isfinite(best_error_))
+    if (!alone() || !std::isfinite(best_error_) || !(run_.whole().share() == ErrorShare{}) ||
+        !at_rounding_floor(p_, options_, best_.s, space_.error(best_.s))) {
       return false;
-    if (!(run_.whole().share() == ErrorShare{})) return false;
-    const double floor = rounding_floor(p_, best_.s, space_.error(best_.s));
-    if (!(floor > kFar * options_.tol && best_error_ <= floor)) return false;
+    }
     last_ = SolveStatus::kStalled;
-    floor_ = fmt::format("as exact as doubles allow: {:.0e}; ", best_error_);
     return true;
   }
 
@@ -312,7 +307,7 @@ class Race {
     const bool broke = last_ == SolveStatus::kDiverged || last_ == SolveStatus::kNumericalFailure;
     if (broke && best_error_ < start_error_) last_ = SolveStatus::kStalled;
     best_.status = last_;
-    best_.message = floor_ + fmt::format("stages: {}", trail_.empty() ? "none was run" : trail_);
+    best_.message = fmt::format("stages: {}", trail_.empty() ? "none was run" : trail_);
     best_.iterations = iterations_;
     best_.solve_seconds = run_.seconds() - best_.setup_seconds;
     return std::move(best_);
@@ -333,7 +328,6 @@ class Race {
   double best_natural_map_ = std::numeric_limits<double>::infinity();
   int iterations_ = 0;
   SolveStatus last_ = SolveStatus::kIterationLimit;
-  std::string floor_;   // the words if the best impulse is at the floor of rounding
   bool ended_ = false;  // by the caller or the clock
   std::string trail_;
 };

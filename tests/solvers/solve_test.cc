@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/base/types.h"
+#include "core/criterion/rounding_bound.h"
 #include "solvers/registry.h"
 #include "solvers/solve_run.h"
 #include "tests/support/manufactured.h"
@@ -613,6 +614,63 @@ TEST(Registry, EntriesAreCompleteAndTheirNamesDiffer) {
   EXPECT_EQ(find_solver("no such solver"), nullptr);
   std::sort(names.begin(), names.end());
   EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+}
+
+/// A cube of m₂ kg on one of m₁ kg on a floor, edges of 1 m, a contact at each corner of their lower
+/// faces; one step of 1 ms from rest.
+ContactProblem two_cubes(double m1, double m2) {
+  ContactProblem p;
+  p.dim = 3;
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(12, 12), wrench = Eigen::MatrixXd::Zero(12, 24);
+  for (int body = 0; body < 2; ++body) {
+    const double m = body == 0 ? m1 : m2;
+    mass.diagonal().segment<3>(6 * body).setConstant(m);
+    mass.diagonal().segment<3>(6 * body + 3).setConstant(m / 6);
+  }
+  const Vec3 axes[] = {Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY()};
+  for (int c = 0; c < 8; ++c) {
+    const Vec3 corner(c & 1 ? 0.5 : -0.5, c & 2 ? 0.5 : -0.5, 0);
+    for (int k = 0; k < 3; ++k) {
+      const auto push = [&](int body, double sign, double z) {
+        wrench.col(3 * c + k).segment<3>(6 * body) = sign * axes[k];
+        wrench.col(3 * c + k).segment<3>(6 * body + 3) =
+            sign * (corner + Vec3(0, 0, z)).cross(axes[k]);
+      };
+      push(c / 4, 1, -0.5);
+      if (c >= 4) push(0, -1, 0.5);
+    }
+  }
+  p.A = mass.sparseView();
+  p.H = wrench.sparseView();
+  p.v_free = Vector::Zero(12);
+  p.v_free[2] = p.v_free[8] = -9.81e-3;
+  p.u_free = wrench.transpose() * p.v_free;
+  p.mu = Vector::Constant(8, 0.5);
+  return p;
+}
+
+// Rounding of impulses of 1e5 kg leaves more than 1e-8 of the energy of 1e-3 kg: a solver that gets
+// there says so, whichever it is. The lower corners bear both weights, the upper ones one.
+TEST(Solve, EachSolverSaysWhatDoublesAllow) {
+  const ContactProblem p = two_cubes(1e-3, 1e5);
+  int said = 0;
+  for (const SolverEntry& entry : solver_table()) {
+    SolverOptions options;
+    options.time_limit = 2;
+    options.max_iterations = 20000;
+    const SolveResult result = solve(entry, p, options);
+    if (result.status == SolveStatus::kInvalidInput) continue;  // for the plane alone
+    if (!(result.error.guarded() <= rounding_floor(p, result.s, result.error))) continue;
+    ++said;
+    EXPECT_EQ(result.status, SolveStatus::kStalled) << entry.name << ": " << result.message;
+    EXPECT_EQ(result.message.rfind("as exact as doubles allow: ", 0), 0u)
+        << entry.name << ": " << result.message;
+    double lower = 0, upper = 0;
+    for (int c = 0; c < 8; ++c) (c < 4 ? lower : upper) += result.s[3 * c];
+    EXPECT_NEAR(lower, 981.00000981, 1e-3) << entry.name;
+    EXPECT_NEAR(upper, 981, 1e-3) << entry.name;
+  }
+  EXPECT_GE(said, 3);
 }
 
 }  // namespace
