@@ -205,6 +205,14 @@ std::vector<Passage> find_passages(const State<D>& before, const State<D>& after
 }
 
 template <int D>
+std::vector<Passage> find_passages(const State<D>& before, const State<D>& after, double h) {
+  const StepTravel travel = step_travel(before, after, h);
+  if (!travel.may_pass()) return {};
+  const auto number = [&](int k) { return body_number(before, k); };
+  return find_passages(before, after, h, paths_of<D>(before, after, h, travel, number));
+}
+
+template <int D>
 std::string passage_text(const Scene<D>& scene, const Passage& passage) {
   const std::string other = passage.wall >= 0
                                 ? fmt::format("wall '{}'", scene.walls[to_size(passage.wall)].name)
@@ -255,6 +263,8 @@ template std::vector<Passage> find_passages(const State<2>&, const State<2>&, do
                                             const std::vector<BodyPath<2>>&);
 template std::vector<Passage> find_passages(const State<3>&, const State<3>&, double,
                                             const std::vector<BodyPath<3>>&);
+template std::vector<Passage> find_passages(const State<2>&, const State<2>&, double);
+template std::vector<Passage> find_passages(const State<3>&, const State<3>&, double);
 template std::string passage_text(const Scene<2>&, const Passage&);
 template std::string passage_text(const Scene<3>&, const Passage&);
 template std::vector<double> packed(const std::vector<BodyPath<2>>&);

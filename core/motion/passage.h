@@ -50,13 +50,17 @@ struct Passage {
 /// The passages of a step of size h. In each half of it the ways are straight. Two bodies passed
 /// each other if they came closer than half the smaller radius below touching, and each turned up on
 /// the other side of the other. A step may end in between: then the mid-steps around it tell. A
-/// plate, half-plane or hollow circle is passed where a centre crosses it. `ways`: of the bodies here and the fast ones elsewhere; a pair of two
-/// processes is found on one. Sorted.
+/// plate, half-plane or hollow circle is passed where a centre crosses it. `ways`: of the bodies
+/// here and the fast ones elsewhere; a pair of two processes is found on one. Sorted.
 template <int D>
 std::vector<Passage> find_passages(const State<D>& before, const State<D>& after, double h,
                                    const std::vector<BodyPath<D>>& ways);
 
-/// "disk 3 (300 m/s) went through wall 'lid'"
+/// The same for states of which this process has all; numbers as of body_number().
+template <int D>
+std::vector<Passage> find_passages(const State<D>& before, const State<D>& after, double h);
+
+/// "disk 3 went through wall 'lid' at 300 m/s"
 template <int D>
 std::string passage_text(const Scene<D>& scene, const Passage& passage);
 

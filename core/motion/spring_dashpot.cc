@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/base/stopwatch.h"
 #include "core/base/types.h"
 #include "core/motion/outside_changes.h"
+#include "core/motion/passage.h"
 #include "core/motion/step_outcome.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/wall_motion.h"
@@ -310,13 +312,52 @@ double SpringDashpotStepper::path_per_substep(double dt) const {
   return dt * (std::sqrt(disk2) + std::sqrt(std::max(disk2, wall2)));
 }
 
+/// Bodies and walls as they are now.
+void SpringDashpotStepper::place(State<2>& state) const {
+  state.walls = walls_;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Body& b = bodies_[k];
+    Disk& d = state.bodies[k];
+    d.x = Vec2(b.x, b.y);
+    d.angle = b.angle;
+    d.v = Vec2(b.vx, b.vy);
+    d.spin = b.spin;
+  }
+}
+
+/// "disk 3 and wall 'lid'", the deepest of the step.
+std::string SpringDashpotStepper::overlap_pair() const {
+  const std::size_t j = to_size(worst_j_);
+  return j < bodies_.size() ? fmt::format("disk {} and disk {}", worst_i_, worst_j_)
+                            : fmt::format("disk {} and wall '{}'", worst_i_,
+                                          scene_.walls[j - bodies_.size()].name);
+}
+
+/// Of the substep that ends now; `before` has the places where it began.
+void SpringDashpotStepper::check_passages(const State<2>& state, State<2> before,
+                                          StepReport<2>& report) const {
+  State<2> after = before;
+  place(after);
+  const std::vector<Passage> passages = find_passages(before, after, setup_.substep);
+  if (passages.empty()) return;
+  if (report.passages == 0) report.passage = passage_text(scene_, passages.front());
+  report.passages += static_cast<int>(passages.size());
+  if (refuse_passages_) {
+    throw StepFailure(StepFailure::Kind::kPassage, state, report.passage);
+  }
+}
+
 /// All substeps of a step.
 void SpringDashpotStepper::integrate(const State<2>& state, StepReport<2>& report) {
   const double dt = setup_.substep;
   using Kind = StepFailure::Kind;
+  const double least = smallest_radius(scene_);
   for (int k = 0; k < setup_.substeps; ++k) {
+    const double path = path_per_substep(dt);
+    std::optional<State<2>> before;  // of a substep in which something may be passed
+    if (path > least) place(before.emplace(state));
     drift(0.5 * dt);
-    path_ += path_per_substep(dt);
+    path_ += path;
     if (!(path_ <= skin_)) {
       const Stopwatch search;
       if (!std::isfinite(path_)) {
@@ -329,12 +370,14 @@ void SpringDashpotStepper::integrate(const State<2>& state, StepReport<2>& repor
     if (!(worst_overlap_ <= limits_.overlap)) {
       throw StepFailure(
           Kind::kNumerical, state,
-          fmt::format("bodies {} and {} overlap by {:.2g} of the radius (limit {:g}): a stiffness "
-                      "of {:.4g} N/m is too low for this load, raise it",
-                      worst_i_, worst_j_, worst_overlap_, limits_.overlap, setup_.stiffness));
+          fmt::format(
+              "{} overlap by {:.2g} of the radius (limit {:g}): a stiffness of {:.4g} N/m is "
+              "too low for this load, raise it",
+              overlap_pair(), worst_overlap_, limits_.overlap, setup_.stiffness));
     }
     kick(dt);
     drift(0.5 * dt);
+    if (before) check_passages(state, *std::move(before), report);
     if (cut_short_ && (k + 1) % kPollEvery == 0 && cut_short_()) {
       throw StepFailure(Kind::kCutShort, state,
                         fmt::format("stopped after {} of {} substeps", k + 1, setup_.substeps));
@@ -349,15 +392,7 @@ State<2> SpringDashpotStepper::state_after(const State<2>& state) const {
   next.step = state.step + 1;
   next.time = time_after_step(state, scene_.step);
   next.bodies = state.bodies;
-  next.walls = walls_;
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Body& b = bodies_[k];
-    Disk& d = next.bodies[k];
-    d.x = Vec2(b.x, b.y);
-    d.angle = b.angle;
-    d.v = Vec2(b.vx, b.vy);
-    d.spin = b.spin;
-  }
+  place(next);
   for (const Pair& p : pairs_) {
     const Geometry at = geometry(p);
     if (!p.touched && at.gap >= 0) continue;
@@ -438,6 +473,8 @@ StepReport<2> SpringDashpotStepper::advance(State<2>& state) {
   report.iterations = setup_.substeps;
   report.penetration = penetration_;
   report.overlap = worst_overlap_;
+  if (report.overlap > kDeepOverlap) report.overlap_pair = overlap_pair();
+  report.travel = step_travel(state, next, scene_.step).radii;
   report.wall_pushes = wall_pushes(next.contacts, next.bodies.size());
   report.solve_seconds = watch.seconds() - report.detection_seconds;
   state = std::move(next);

@@ -54,6 +54,9 @@ class SpringDashpotStepper {
 
   const SpringDashpotSetup& setup() const { return setup_; }
 
+  /// From now on a step with passages (core/motion/passage.h) in a substep is not taken.
+  void refuse_passages() { refuse_passages_ = true; }
+
  private:
   struct Body {
     double x = 0, y = 0, angle = 0, vx = 0, vy = 0, spin = 0;
@@ -80,6 +83,8 @@ class SpringDashpotStepper {
   };
 
   void load(const State<2>& state);
+  void place(State<2>& state) const;
+  void check_passages(const State<2>& state, State<2> before, StepReport<2>& report) const;
   void find_pairs(const State<2>& state);
   Pair make_pair(int i, int j) const;
   Geometry geometry(const Pair& pair) const;
@@ -94,11 +99,13 @@ class SpringDashpotStepper {
   void close_ledger(const State<2>& state, const Elastic& elastic_before, State<2>& next,
                     StepReport<2>& report);
   double path_per_substep(double dt) const;
+  std::string overlap_pair() const;
 
   const Scene<2>& scene_;
   SpringDashpotSetup setup_;
   std::function<bool()> cut_short_;
   SpringDashpotLimits limits_;
+  bool refuse_passages_ = false;
 
   std::vector<Body> bodies_;
   std::vector<Wall<2>> walls_, walls_before_;  // now; as they begin the step

@@ -46,6 +46,7 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
     }
     if constexpr (D == 2) {
       springs_.emplace(scene, [this] { return is_over(); });
+      if (options_.on_tunnel != OnTunnel::kWarn) springs_->refuse_passages();
       return;
     } else {
       throw std::invalid_argument("the model dem simulates disks, not spheres");

@@ -520,5 +520,29 @@ TEST(SpringDashpot, FailuresNameTheRemedy) {
       many, {}, [] { return true; }, StepFailure::Kind::kCutShort, "64 of 1000");
 }
 
+// Disks of 0.1 m/s and 1e6 m/s, substeps of 1 us: 1 m in a substep, ten radii.
+TEST(SpringDashpot, WhatGoesThroughInASubstepIsSeen) {
+  Scene<2> scene = spring_scene(0, 0);
+  scene.gravity = Vec2::Zero();
+  scene.dem.stiffness = 1e4;
+  scene.dem.substep = scene.step = 1e-6;
+  scene.bodies = {round_body<2>(Vec2(-0.3, 0), 0.1, 1, Vec2(1e6, 0)),
+                  round_body<2>(Vec2(0, 0), 0.1, 1)};
+  SpringDashpotStepper takes(scene), refuses(scene);
+  State<2> state = initial_state(scene), kept = state;
+  const StepReport<2> report = takes.advance(state);
+  EXPECT_EQ(report.passages, 1);
+  EXPECT_EQ(report.passage, "disk 0 went through disk 1 at 1e+06 m/s");
+  EXPECT_NEAR(report.travel, 10, 1e-9);
+  refuses.refuse_passages();
+  EXPECT_THROW(refuses.advance(kept), StepFailure);
+  EXPECT_EQ(kept.bodies[0].x, scene.bodies[0].x);
+  // In ten times shorter ones it is stopped, or fails for its overlap.
+  scene.bodies[0].v = Vec2(1e5, 0);
+  SpringDashpotStepper slower(scene);
+  state = initial_state(scene);
+  EXPECT_EQ(slower.advance(state).passages, 0);
+}
+
 }  // namespace
 }  // namespace bipot
