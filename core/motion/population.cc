@@ -115,15 +115,16 @@ Disk as_body(const Cluster& c) {
   return {.x = c.x, .v = c.v, .spin = c.spin, .mass = c.mass, .inertia = c.inertia};
 }
 
-/// The outlet that contains a place; the number of outlets if none does.
+/// The outlet that takes a body at a place with a velocity; the number of outlets if none does.
 template <int D>
-std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x) {
+std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x, const Vec<D>& v) {
   if (state.cell.periodic()) {
     const CellNumber cell = cell_number(state.cell, Vec2(x.template head<2>()));
     x -= in_dimensions<D>(state.cell.shift(cell.kx, cell.ky));
   }
-  const auto found = std::find_if(scene.outlets.begin(), scene.outlets.end(),
-                                  [&](const Outlet<D>& outlet) { return outlet.takes(x); });
+  const auto found =
+      std::find_if(scene.outlets.begin(), scene.outlets.end(),
+                   [&](const Outlet<D>& outlet) { return outlet.takes(x, 0.5 * scene.step * v); });
   return static_cast<std::size_t>(found - scene.outlets.begin());
 }
 
@@ -133,7 +134,7 @@ std::vector<int> let_clusters_out(const Scene<2>& scene, const Vec2& gravity, St
   std::vector<int> new_number(clusters.size(), -1);
   int kept = 0;
   for (std::size_t c = 0; c < clusters.size(); ++c) {
-    const std::size_t outlet = outlet_at(scene, state, clusters[c].x);
+    const std::size_t outlet = outlet_at(scene, state, clusters[c].x, clusters[c].v);
     if (outlet < scene.outlets.size()) {
       book<2>(as_body(clusters[c]), gravity, state.population.outlets[outlet]);
       continue;
@@ -158,7 +159,7 @@ void let_out(const Scene<D>& scene, const Vec<D>& gravity, State<D>& state,
       body.cluster = new_cluster[to_size(body.cluster)];
       if (body.cluster < 0) continue;
     } else if (body.wall < 0) {
-      const std::size_t outlet = outlet_at(scene, state, body.x);
+      const std::size_t outlet = outlet_at(scene, state, body.x, body.v);
       if (outlet < scene.outlets.size()) {
         book<D>(body, gravity, state.population.outlets[outlet]);
         continue;

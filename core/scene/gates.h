@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,8 @@
 namespace bipot {
 
 /// Region where bodies leave the scene: a half-plane (in 3D a half-space), or a box along the axes.
-/// A body whose centre lies in it at the end of a step is removed before the next one.
+/// A body whose centre lies in it at the end of a step is removed before the next one; likewise one
+/// whose way from mid-step to mid-step goes through a box that is thinner.
 template <int D>
 struct Outlet {
   std::string name;
@@ -22,6 +24,20 @@ struct Outlet {
   bool takes(const Vec<D>& x) const {
     if (!box) return normal.dot(x - point) <= 0;
     return (x.array() >= lower.array()).all() && (x.array() <= upper.array()).all();
+  }
+  /// The same for a centre that moves from x - way to x + way.                      [m]
+  bool takes(const Vec<D>& x, const Vec<D>& way) const {
+    if (takes(x)) return true;
+    if (!box || (2 * way.cwiseAbs().array() <= (upper - lower).array()).all()) return false;
+    double enters = -1, leaves = 1;  // x + t way
+    for (int k = 0; k < D; ++k) {
+      if (way[k] == 0 && (x[k] < lower[k] || x[k] > upper[k])) return false;
+      if (way[k] == 0) continue;
+      const double a = (lower[k] - x[k]) / way[k], b = (upper[k] - x[k]) / way[k];
+      enters = std::max(enters, std::min(a, b));
+      leaves = std::min(leaves, std::max(a, b));
+    }
+    return enters <= leaves;
   }
 };
 

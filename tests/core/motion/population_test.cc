@@ -434,5 +434,16 @@ TEST(Population, ASceneFileSaysWhereAndContradictionsAreRefused) {
   EXPECT_EQ(state.bodies[0].spin, Vec3(0, 1, 0));
 }
 
+TEST(Population, ABoxIsNotJumpedOver) {
+  // 1 cm thick; 10 m/s in steps of 10 ms are 10 cm.
+  Outlet<2> outlet{.name = "slot", .box = true, .lower = Vec2(0, 0), .upper = Vec2(0.01, 1)};
+  const Vec2 way(0.05, 0);  // half a step
+  EXPECT_TRUE(outlet.takes(Vec2(0.04, 0.5), way));
+  EXPECT_TRUE(outlet.takes(Vec2(-0.04, 0.5), way));
+  EXPECT_FALSE(outlet.takes(Vec2(0.07, 0.5), way));
+  EXPECT_FALSE(outlet.takes(Vec2(0.04, 1.5), way));
+  EXPECT_FALSE(outlet.takes(Vec2(0.012, 0.5), Vec2(0.004, 0)));  // slow: where it is at the end
+}
+
 }  // namespace
 }  // namespace bipot
