@@ -109,18 +109,21 @@ SparseGroup read_matrix(const Hdf5File& file, const std::string& group) {
   return matrix;
 }
 
-/// Bilateral constraints belong to another problem.
+constexpr const char* kEqualityRows =
+    "the file has equality rows (joints, bilateral constraints) beside the contacts; Bipot solves "
+    "contacts alone. A pair of opposite frictionless contacts stands for each row";
+
 void refuse_constraints(const Hdf5File& file, const std::string& root,
                         std::initializer_list<const char*> matrices, const char* vector) {
   for (const char* name : matrices) {
     const std::string group = root + "/" + name;
     if (file.exists(group) && file.read_int(group + "/m") > 0 && file.read_int(group + "/n") > 0) {
-      throw FileError(file.path(), group, "bilateral (equality) constraints are not supported");
+      throw FileError(file.path(), group, kEqualityRows);
     }
   }
   const std::string name = root + "/vectors/" + vector;
   if (file.exists(name) && file.size(name) > 0) {
-    throw FileError(file.path(), name, "bilateral (equality) constraints are not supported");
+    throw FileError(file.path(), name, kEqualityRows);
   }
 }
 

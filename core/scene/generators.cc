@@ -62,8 +62,6 @@ std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& clas
                                  double spacing, std::uint64_t seed, const Vec2& corner,
                                  const FillingBounds<2>& bounds) {
   check_filling(count, classes, spacing);
-  PortableRandom random(seed);
-  const std::vector<double> radii = drawn_radii(count, classes, random);
   double largest = 0;
   for (const RadiusClass& c : classes) largest = std::max(largest, c.radius);
   const double pitch = 2 * largest * (1 + spacing);
@@ -79,6 +77,7 @@ std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& clas
   }
   const int columns = static_cast<int>(room);
   const double cell_width = width / columns;
+  PortableRandom random(seed);
   const auto place = [&](std::int64_t cell, double radius) {
     const auto column = static_cast<double>(cell % columns);
     const auto row = static_cast<double>(cell / columns);
@@ -88,7 +87,10 @@ std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& clas
     const double y = corner[1] + row * pitch + radius + random.uniform() * free_y;
     return disk_at(x, y, radius);
   };
-  return fill_cells<2>(radii, columns, pitch, bounds, place);
+  return whole_filling(count, [&](int number) {
+    random = PortableRandom(seed);
+    return fill_cells<2>(drawn_radii(number, classes, random), columns, pitch, bounds, place);
+  });
 }
 
 }  // namespace bipot

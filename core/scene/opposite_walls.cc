@@ -7,6 +7,34 @@
 
 namespace bipot {
 
+namespace {
+
+/// A driven half-plane or segment that presses straight ahead.
+template <int D>
+bool presses(const Wall<D>& wall) {
+  constexpr double kStraight = 1e-9;
+  if (wall.motion != Wall<D>::Motion::kDriven || wall.is_circle()) return false;
+  if (wall.shape == Wall<D>::Shape::kHalfPlane) {
+    return wall.direction.dot(wall.normal) > 1 - kStraight;
+  }
+  const Vec<D> along = wall.b - wall.a;
+  return std::abs(wall.direction.dot(along)) <= kStraight * along.norm();
+}
+
+/// Two that press against each other. Of two segments, each lies before the other.
+template <int D>
+bool face_each_other(const Wall<D>& a, const Wall<D>& b) {
+  if (!presses(a) || !presses(b) || a.direction.dot(b.direction) > 1e-9 - 1) return false;
+  if (a.direction.dot(b.a - a.a) <= 0) return false;
+  using Shape = typename Wall<D>::Shape;
+  if (a.shape != Shape::kSegment || b.shape != Shape::kSegment) return true;
+  const Vec<D> along = b.b - b.a;
+  const auto place = [&](const Vec<D>& x) { return along.dot(x - b.a) / along.squaredNorm(); };
+  return std::max(place(a.a), place(a.b)) > 0 && std::min(place(a.a), place(a.b)) < 1;
+}
+
+}  // namespace
+
 template <int D>
 std::string unbalanced_walls(const Scene<D>& scene) {
   constexpr double kBalanced = 1e-3;  // of the larger force
@@ -14,15 +42,11 @@ std::string unbalanced_walls(const Scene<D>& scene) {
   double mass = 0;
   for (const Body<D>& body : scene.bodies) mass += body.mass;
   for (const Cluster& cluster : scene.clusters.bodies) mass += cluster.mass;
-  const auto presses = [](const Wall<D>& wall) {
-    return wall.motion == Wall<D>::Motion::kDriven && wall.shape == Wall<D>::Shape::kHalfPlane &&
-           wall.direction.dot(wall.normal) > 1 - 1e-9;
-  };
   std::string text;
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     for (std::size_t j = i + 1; j < scene.walls.size(); ++j) {
       const Wall<D>&a = scene.walls[i], &b = scene.walls[j];
-      if (!presses(a) || !presses(b) || a.normal.dot(b.normal) > 1e-9 - 1) continue;
+      if (!face_each_other(a, b)) continue;
       const double net = a.force - b.force + mass * scene.gravity.dot(a.direction);
       if (std::abs(net) <= kBalanced * std::max(std::abs(a.force), std::abs(b.force))) continue;
       text += fmt::format(

@@ -18,9 +18,9 @@ void check_filling(int count, const std::vector<RadiusClass>& classes, double sp
   }
 }
 
-void refuse_filling(std::size_t fits, std::size_t asked) {
+void refuse_filling(int fits, int asked) {
   throw std::invalid_argument(
-      fmt::format("fits about {} of {}: make its room larger, or the bodies fewer", fits, asked));
+      fmt::format("fits {} of {}: make its room larger, or the bodies fewer", fits, asked));
 }
 
 std::vector<double> drawn_radii(int count, const std::vector<RadiusClass>& classes,

@@ -19,11 +19,23 @@ std::vector<double> drawn_radii(int count, const std::vector<RadiusClass>& class
                                 PortableRandom& random);
 
 /// Throws std::invalid_argument: so many bodies have a place, fewer than asked for.
-[[noreturn]] void refuse_filling(std::size_t fits, std::size_t asked);
+[[noreturn]] void refuse_filling(int fits, int asked);
+
+/// `fill(count)`: bodies in their places, fewer than `count` where no more have one. Throws
+/// std::invalid_argument with a number for which all have one.
+template <class Fill>
+auto whole_filling(int count, const Fill& fill) {
+  auto bodies = fill(count);
+  int fits = static_cast<int>(bodies.size());
+  if (fits == count) return bodies;
+  // Fewer bodies have other sizes.
+  for (int made = fits; (made = static_cast<int>(fill(fits).size())) < fits;) fits = made;
+  refuse_filling(fits, count);
+}
 
 /// One body for each radius, in cells from the bottom up. `place(cell, radius)` draws one in a cell,
 /// and `layer` is the number of cells with the same height, `pitch` apart. A cell in which the
-/// bounds hold none of several draws stays empty.
+/// bounds hold none of several draws stays empty. Fewer where the bounds end.
 template <int D, class Place>
 std::vector<Body<D>> fill_cells(const std::vector<double>& radii, std::int64_t layer, double pitch,
                                 const FillingBounds<D>& bounds, const Place& place) {
@@ -35,9 +47,7 @@ std::vector<Body<D>> fill_cells(const std::vector<double>& radii, std::int64_t l
   std::int64_t cell = 0, empty = 0;
   while (bodies.size() < radii.size()) {
     const double radius = radii[bodies.size()];
-    if (static_cast<double>(cell / layer) >= layers || empty > kMostEmpty) {
-      refuse_filling(bodies.size(), radii.size());
-    }
+    if (static_cast<double>(cell / layer) >= layers || empty > kMostEmpty) break;
     bool held = false;
     for (int draw = 0; draw < kDraws && !held; ++draw) {
       const Body<D> body = place(cell, radius);

@@ -53,8 +53,6 @@ std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& cl
                                    const Vec2& base, double spacing, std::uint64_t seed,
                                    const Vec3& corner, const FillingBounds<3>& bounds) {
   check_filling(count, classes, spacing);
-  PortableRandom random(seed);
-  const std::vector<double> radii = drawn_radii(count, classes, random);
   double largest = 0;
   for (const RadiusClass& c : classes) largest = std::max(largest, c.radius);
   const double pitch = 2 * largest * (1 + spacing);
@@ -70,6 +68,7 @@ std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& cl
   const int columns = cells(base[0], "width"), rows = cells(base[1], "depth");
   const Vec3 cell(base[0] / columns, base[1] / rows, pitch);
   const std::int64_t layer = std::int64_t{columns} * rows;
+  PortableRandom random(seed);
   const auto place = [&](std::int64_t k, double radius) {
     const Vec3 number(static_cast<double>(k % columns), static_cast<double>(k / columns % rows),
                       static_cast<double>(k / layer));
@@ -79,7 +78,10 @@ std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& cl
     }
     return sphere_at(x, radius);
   };
-  return fill_cells<3>(radii, layer, pitch, bounds, place);
+  return whole_filling(count, [&](int number) {
+    random = PortableRandom(seed);
+    return fill_cells<3>(drawn_radii(number, classes, random), layer, pitch, bounds, place);
+  });
 }
 
 }  // namespace bipot

@@ -58,6 +58,15 @@ void find_in_outlets(const Scene<D>& scene, std::vector<StartOverlap<D>>& overla
   }
 }
 
+/// True if no body's centre is before the half-plane.
+template <int D>
+bool all_behind(const Scene<D>& scene, const Wall<D>& wall) {
+  return wall.shape == Wall<D>::Shape::kHalfPlane &&
+         std::all_of(scene.bodies.begin(), scene.bodies.end(), [&](const Body<D>& body) {
+           return body.wall >= 0 || wall.normal.dot(body.x - wall.a) < 0;
+         });
+}
+
 std::string length_text(double metres) {
   return metres < 1 ? fmt::format("{:.3g} mm", 1e3 * metres) : fmt::format("{:.4g} m", metres);
 }
@@ -112,10 +121,17 @@ std::string start_sentence(const Scene<D>& scene, const std::vector<StartOverlap
   if (overlaps.empty()) return {};
   const std::size_t count = overlapping_bodies(scene, overlaps).size();
   const StartOverlap<D>& worst = overlaps[0];
-  return fmt::format("{} {}{} overlap{} at the start, worst {}: {}, {:.2g} radii", count,
-                     kBodyName<D>, count == 1 ? "" : "s", count == 1 ? "s" : "",
-                     overlap_name<D>(scene, worst.contact), length_text(-worst.contact.gap),
-                     worst.radii);
+  std::string text = fmt::format("{} {}{} overlap{} at the start, worst {}: {}, {:.2g} radii",
+                                 count, kBodyName<D>, count == 1 ? "" : "s", count == 1 ? "s" : "",
+                                 overlap_name<D>(scene, worst.contact),
+                                 length_text(-worst.contact.gap), worst.radii);
+  for (const Wall<D>& wall : scene.walls) {
+    if (all_behind(scene, wall)) {
+      text += fmt::format("; all lie behind wall '{}': turn its normal, which points to the bodies",
+                          wall.name);
+    }
+  }
+  return text;
 }
 
 template std::vector<StartOverlap<2>> start_overlaps(const Scene<2>&, int);

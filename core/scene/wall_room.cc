@@ -1,5 +1,7 @@
 #include "core/scene/wall_room.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -38,7 +40,11 @@ void require_closed(const std::vector<Wall<2>>& walls) {
     const auto meets = std::count_if(ends.begin(), ends.end(), [&](const Vec2& other) {
       return (other - ends[i]).norm() <= near;
     });
-    if (meets != 2) throw std::invalid_argument("its segments do not make a closed line");
+    if (meets == 2) continue;
+    throw std::invalid_argument(fmt::format(
+        "its segments do not make a closed line: {} walls meet at ({:g}, {:g}) m, not 2; "
+        "close it, or give corner, width and height",
+        meets, ends[i][0], ends[i][1]));
   }
 }
 void require_closed(const std::vector<Wall<3>>&) {}
@@ -75,6 +81,13 @@ bool WallRoom<D>::holds(const Vec<D>& x, double radius) const {
 template <int D>
 WallRoom<D> room_within(std::vector<Wall<D>> walls) {
   if (walls.empty()) throw std::invalid_argument("no wall has this name");
+  const bool outside = std::all_of(walls.begin(), walls.end(), [](const Wall<D>& wall) {
+    return wall.shape == Wall<D>::Shape::kSolidCircle;
+  });
+  if (outside) {
+    throw std::invalid_argument(fmt::format(
+        "'{}' is solid: bodies lie outside of it, those inside need hollow = true", walls[0].name));
+  }
   require_closed(walls);
   WallRoom<D> room;
   room.walls = std::move(walls);

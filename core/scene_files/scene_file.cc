@@ -411,6 +411,11 @@ AnyScene parse_any_scene(const std::string& text, const std::string& source) {
   }
   const SceneTable root(parsed, "", "", source);
   const bool spheres = parsed.contains("spheres");
+  if (spheres && parsed.contains("disks")) {
+    throw SceneFileError(fmt::format(
+        "{}:{}: [[disks]] and [[spheres]]: a scene has two dimensions or three, not both", source,
+        parsed.get("spheres")->source().begin.line));
+  }
   const int dim = root.integer("dim", spheres ? 3 : 2);
   if (dim != 2 && dim != 3) root.fail("dim", fmt::format("expected 2 or 3, got {}", dim));
   if (dim == 2 && spheres) root.fail("spheres", "need three dimensions: dim = 3");

@@ -280,8 +280,8 @@ TEST_F(Storage, OtherDefectsAreRefusedWithTheReason) {
         f.write("/fclib_local/V/m", 4);
         f.write("/fclib_local/V/n", 1);
       },
-      "/fclib_local/V: bilateral");
-  expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/s", one); }, "bilateral");
+      "/fclib_local/V: the file has equality rows");
+  expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/s", one); }, "equality rows");
   // Constraint groups of size nought constrain nothing.
   write(-2, p, i, x);
   {
@@ -308,7 +308,7 @@ TEST(FclibFile, GlobalProblemsAreRefusedWithTheReason) {
   const std::vector<double> one = {1};
   expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/f", one); }, "/M: is 12 x 12");
   expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/w", one); }, "size of w is 1");
-  expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/b", one); }, "bilateral");
+  expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/b", one); }, "equality rows");
   expect([](Hdf5File& f) { f.write("/fclib_global/H/n", 7); }, "/H: is 12 x 7, expected 12 x 8");
   expect([](Hdf5File& f) { f.write("/fclib_global/M/x", std::vector<double>(12, -1.0)); },
          "A(0, 0) = -1 is not positive");

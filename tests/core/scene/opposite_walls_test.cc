@@ -29,6 +29,22 @@ TEST(OppositeWalls, UnequalForcesArePointedOut) {
   EXPECT_NE(text.find(" 100 N"), std::string::npos) << text;
 }
 
+// Segments of 1 m: only those that lie before each other press on the same bodies.
+TEST(OppositeWalls, SegmentsCountAsWell) {
+  Scene<2> scene = pressed(500, 400);
+  for (Wall<2>& wall : scene.walls) {
+    wall.shape = Wall<2>::Shape::kSegment;
+    wall.b = wall.a + Vec2(0, 1);
+  }
+  EXPECT_NE(unbalanced_walls(scene).find(" 100 N"), std::string::npos);
+  Scene<2> away = scene;
+  for (Wall<2>& wall : away.walls) wall.direction = -wall.direction;
+  EXPECT_EQ(unbalanced_walls(away), "");
+  scene.walls[0].a[1] += 1.5;
+  scene.walls[0].b[1] += 1.5;
+  EXPECT_EQ(unbalanced_walls(scene), "");
+}
+
 // Upright, the lower wall has the weight to bear as well: 2 kg · 10 m/s².
 TEST(OppositeWalls, TheWeightCounts) {
   Scene<2> scene = pressed(520, 500);

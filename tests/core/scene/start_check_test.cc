@@ -42,8 +42,10 @@ TEST(StartCheck, AWallThatCutsThroughThePackingNamesItsRows) {
 TEST(StartCheck, ADiskFarBehindAHalfPlane) {
   // Its centre lies 0.2 m behind the line: depth 0.204 m, 51 radii.
   const Scene<2> scene = flat(disk("0", "-0.2") + "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n");
-  EXPECT_EQ(said(scene),
-            "1 disk overlaps at the start, worst disk 0 and wall 'wall0': 204 mm, 51 radii");
+  EXPECT_EQ(
+      said(scene),
+      "1 disk overlaps at the start, worst disk 0 and wall 'wall0': 204 mm, 51 radii; all lie "
+      "behind wall 'wall0': turn its normal, which points to the bodies");
 }
 
 TEST(StartCheck, ADrumFilledBeyondItsRim) {
@@ -121,6 +123,16 @@ TEST(StartCheck, SpringsHoldOverlapsUpToATenth) {
   scene.model = Model::kNonsmooth;
   scene.bodies[1].x[0] = 0.0077;
   EXPECT_NE(said(scene), "");
+}
+
+TEST(StartCheck, AFloorWhoseNormalPointsAwayIsNamed) {
+  Scene<2> scene = one_law<2>({});
+  scene.bodies = {round_body<2>(Vec2(0, 1), 0.1, 1), round_body<2>(Vec2(1, 2), 0.1, 1)};
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, -1), "floor")};
+  const std::string text = start_sentence(scene, start_overlaps(scene));
+  EXPECT_NE(text.find("all lie behind wall 'floor': turn its normal"), std::string::npos) << text;
+  scene.bodies[1].x[1] = -2;
+  EXPECT_EQ(start_sentence(scene, start_overlaps(scene)).find("turn"), std::string::npos);
 }
 
 }  // namespace

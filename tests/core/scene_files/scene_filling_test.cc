@@ -2,6 +2,7 @@
 
 #include "core/scene_files/scene_filling.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,8 +25,7 @@ TEST(SceneFilling, StopsAtItsHeight) {
   const Scene<2> full = parse_filling(place + "24\n" + kShortTime);
   ASSERT_EQ(full.bodies.size(), 24u);
   for (const Disk& d : full.bodies) EXPECT_LE(d.x[1] + d.radius, 3.4);
-  expect_scene_refused(parse_filling, place + "25\n" + kShortTime,
-                       {"fits about 24 of 25", "larger"});
+  expect_scene_refused(parse_filling, place + "25\n" + kShortTime, {"fits 24 of 25", "larger"});
   // Without a height it has the same places, and no end.
   const Scene<2> open = parse_filling(kRandom + "width = 8.9\ncount = 24\n" + kShortTime);
   EXPECT_EQ(open.bodies[23].x, full.bodies[23].x);
@@ -45,6 +45,30 @@ TEST(SceneFilling, StaysInsideADrum) {
   EXPECT_LT(lowest, -1);  // from the bottom, at -2, up
   // 144 disks have the area of the drum.
   expect_scene_refused(parse_filling, drum + "144\n" + kShortTime, {"fits ", " of 144"});
+  std::string solid = drum;
+  solid.replace(solid.find("true"), 4, "false");
+  expect_scene_refused(parse_filling, solid + "4\n" + kShortTime, {"'drum' is solid", "hollow"});
+}
+
+// The number that a refusal names fits, whatever sizes are drawn.
+TEST(SceneFilling, NamesANumberThatFits) {
+  const std::string drum =
+      "[[walls]]\nname = 'drum'\ncenter = [0, 0]\nradius = 5\nhollow = true\n"
+      "[[disks]]\narrangement = 'random'\nmass = 1\nradii = [0.3, 0.4, 0.7]\ninside = 'drum'\n";
+  for (const int seed : {1, 2, 3, 4, 5}) {
+    const auto filling = [&](int count) {
+      return fmt::format("{}seed = {}\ncount = {}\n{}", drum, seed, count, kShortTime);
+    };
+    int fits = 0;
+    try {
+      parse_filling(filling(200));
+    } catch (const std::exception& e) {
+      const std::string text = e.what();
+      fits = std::stoi(text.substr(text.find("fits ") + 5));
+    }
+    ASSERT_GT(fits, 10);
+    EXPECT_EQ(parse_filling(filling(fits)).bodies.size(), to_size(fits));
+  }
 }
 
 TEST(SceneFilling, StaysInsideABoxAndAPolygon) {
@@ -78,7 +102,8 @@ TEST(SceneFilling, StaysInsideABoxAndAPolygon) {
     EXPECT_LE(d.x[0] + d.x[1] + 0.5 * std::sqrt(2.0), 12 + 1e-11);
     EXPECT_GE(std::min(d.x[0], d.x[1]), 0.5 - 1e-11);
   }
-  expect_scene_refused(parse_filling, triangle + filling, {"'inside'", "closed line"});
+  expect_scene_refused(parse_filling, triangle + filling,
+                       {"'inside'", "closed line", "1 walls meet at"});
 }
 
 TEST(SceneFilling, StaysInsideATube) {
