@@ -8,6 +8,7 @@
 
 #include "core/motion/midpoint.h"
 #include "core/motion/population.h"
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/step_outcome.h"
 #include "solvers/analysis/existence.h"
 #include "solvers/simulation/force_energy.h"
@@ -96,7 +97,7 @@ std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
       {exists && scene.solver.name == "auto",
        "the solver: none got there, though a solution exists; try --solver ipm or homotopy with a "
        "--time-limit of minutes"},
-      {scene.solver.tol < 1e-6,
+      {scene.solver.tol < 1e-6 && c.verdict != Existence::kNone,
        fmt::format("the tolerance {:.0e} is tight: `bipot advise` says what "
                    "your question needs",
                    scene.solver.tol)},
@@ -154,8 +155,16 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state, const Sce
 }
 
 template <int D>
-std::string passage_advice(const Scene<D>& scene, const State<D>& state, bool smaller_steps_tried) {
+std::string passage_advice(const Scene<D>& scene, const State<D>& state,
+                           const SpringDashpotSetup* springs, bool smaller_steps_tried) {
   const double path = way(scene, state);
+  if (springs != nullptr) {
+    const double part = springs->substep / scene.step * path;
+    return fmt::format(
+        "  1. disks move {:.3g} of the smallest radius in a substep; try --substep {:.2g}\n"
+        "  --on-tunnel warn goes on\n",
+        part, (part > 0.5 ? 0.5 / part : 0.5) * springs->substep);
+  }
   std::string text = fmt::format(
       "  1. {}s move {:.3g} of the smallest radius in a step; try --step-size {:.2g}\n"
       "  2. or travel = 0.5 in [time], which cuts steps where bodies are fast\n",
@@ -165,8 +174,22 @@ std::string passage_advice(const Scene<D>& scene, const State<D>& state, bool sm
   return text + "  --on-tunnel warn goes on\n";
 }
 
+/// What this scene can do against overlaps.
 template <int D>
-std::string motion_warning(const SceneTotals<D>& totals) {
+std::string less_overlap(const Scene<D>& scene) {
+  if (scene.model == Model::kSpringDashpot) return "a larger --stiffness";
+  std::string text = scene.travel > 0 ? fmt::format("a travel below {:g} in [time]", scene.travel)
+                                      : std::string("a smaller --step-size or travel in [time]");
+  Scene<D> predicted = scene;
+  predicted.predict_gaps = true;
+  if (!scene.predict_gaps && !scene.project_overlaps && validate(predicted).empty()) {
+    text += ", or overlaps = \"predict\" in [contact]";
+  }
+  return text;
+}
+
+template <int D>
+std::string motion_warning(const Scene<D>& scene, const SceneTotals<D>& totals) {
   std::string text;
   if (totals.passages > 0) {
     text += fmt::format("bipot: warning: {} pair{} went through each other, first in step {}: {}\n",
@@ -176,13 +199,20 @@ std::string motion_warning(const SceneTotals<D>& totals) {
   if (totals.deep_overlaps > 0) {
     text += fmt::format(
         "bipot: warning: overlaps beyond {:g} % of the smaller radius in {} step{}, most in step "
-        "{}: {:.3g} %{}{}. Try a smaller --step-size or travel in [time]; with e_n = 0 and "
-        "no cell also overlaps = \"predict\"\n",
+        "{}: {:.3g} %{}{}. Try {}\n",
         100 * kDeepOverlap, totals.deep_overlaps, totals.deep_overlaps == 1 ? "" : "s",
         totals.overlap_step, 100 * totals.overlap, totals.overlap_pair.empty() ? "" : ", ",
-        totals.overlap_pair);
+        totals.overlap_pair, less_overlap(scene));
   }
   return text;
+}
+
+template <int D>
+EnergyGrowth::EnergyGrowth(const Scene<D>& scene, const State<D>& start)
+    : loss_(start.friction_loss + start.shock_loss), scale_(kinetic_energy(start)) {
+  for (const Body<D>& body : start.bodies) {
+    scale_ += body.mass * scene.gravity.norm() * body.radius;
+  }
 }
 
 template <int D>
@@ -190,8 +220,9 @@ void EnergyGrowth::add(const Scene<D>& scene, const StepReport<D>& report) {
   const EnergyLedger& e = report.energy;
   const double loss = e.friction_loss + e.shock_loss;
   // A step solved to the tolerance may have an error of about this fraction of the energy.
+  scale_ = std::max({scale_, std::abs(loss), e.kinetic, std::abs(e.wall_work)});
   const double scale = std::max({std::abs(loss), e.kinetic, std::abs(e.wall_work)});
-  const double grace = std::max(1e-9, 10 * scene.solver.tol) * scale;
+  const double grace = std::max(std::max(1e-9, 10 * scene.solver.tol) * scale, 1e-12 * scale_);
   const double created = loss_ - loss - force_energy(scene, report);
   if (created > grace) {
     ++steps_;
@@ -223,10 +254,14 @@ template std::string failure_text<2>(const Scene<2>&, const State<2>&,
                                      std::span<const ContactOutcome<2>>, const ContactProblem&,
                                      const ContactError&, int, bool);
 template std::string failure_text(const Scene<2>&, const State<2>&, const SceneRun<2>&, bool);
-template std::string passage_advice(const Scene<2>&, const State<2>&, bool);
-template std::string passage_advice(const Scene<3>&, const State<3>&, bool);
-template std::string motion_warning(const SceneTotals<2>&);
-template std::string motion_warning(const SceneTotals<3>&);
+template std::string passage_advice(const Scene<2>&, const State<2>&, const SpringDashpotSetup*,
+                                    bool);
+template std::string passage_advice(const Scene<3>&, const State<3>&, const SpringDashpotSetup*,
+                                    bool);
+template std::string motion_warning(const Scene<2>&, const SceneTotals<2>&);
+template std::string motion_warning(const Scene<3>&, const SceneTotals<3>&);
+template EnergyGrowth::EnergyGrowth(const Scene<2>&, const State<2>&);
+template EnergyGrowth::EnergyGrowth(const Scene<3>&, const State<3>&);
 template void EnergyGrowth::add(const Scene<2>&, const StepReport<2>&);
 template std::string EnergyGrowth::warning(const Scene<2>&) const;
 template std::string failure_text<3>(const Scene<3>&, const State<3>&,

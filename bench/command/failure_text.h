@@ -21,20 +21,22 @@ template <int D>
 std::string failure_text(const Scene<D>& scene, const State<D>& state, const SceneRun<D>& run,
                          bool smaller_steps_tried);
 
-/// What to try where bodies would go through each other in the step after `state`. Lines.
+/// What to try where bodies would go through each other in the step after `state`. `springs`: of
+/// the model dem, else null. Lines.
 template <int D>
-std::string passage_advice(const Scene<D>& scene, const State<D>& state, bool smaller_steps_tried);
+std::string passage_advice(const Scene<D>& scene, const State<D>& state,
+                           const SpringDashpotSetup* springs, bool smaller_steps_tried);
 
 /// On deep overlaps and on pairs that went through each other: a line each; empty if none.
 template <int D>
-std::string motion_warning(const SceneTotals<D>& totals);
+std::string motion_warning(const Scene<D>& scene, const SceneTotals<D>& totals);
 
 /// Detects whether contacts create energy, which Newton's impact law may do if coefficients of
 /// restitution differ (data/manual/explanation/method.md §3).
 class EnergyGrowth {
  public:
   template <int D>
-  explicit EnergyGrowth(const State<D>& start) : loss_(start.friction_loss + start.shock_loss) {}
+  EnergyGrowth(const Scene<D>& scene, const State<D>& start);
   template <int D>
   void add(const Scene<D>& scene, const StepReport<D>& report);
   /// One line; empty if no energy grew beyond tolerance and rounding.
@@ -42,7 +44,8 @@ class EnergyGrowth {
   std::string warning(const Scene<D>& scene) const;
 
  private:
-  double loss_;  // of the steps before, since step 0                                 [J]
+  double loss_;   // of the steps before, since step 0                                [J]
+  double scale_;  // energies below its rounding are nothing: a fall by a radius, and all so far
   double largest_ = 0, energy_ = 0;
   int steps_ = 0, step_ = -1;
 };

@@ -52,16 +52,16 @@ constexpr double kProofSeconds = 20;
 void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
   const SolverFlags& solver = flags.solver;
   if (model == Model::kSpringDashpot) {
-    const char* flag = solver.name                               ? "--solver"
-                       : solver.stop                             ? "--stop"
-                       : solver.tol                              ? "--tol"
-                       : solver.max_iterations                   ? "--max-iterations"
-                       : solver.warm_start                       ? "--warm-start"
-                       : !solver.parameters.empty()              ? "a solver parameter"
-                       : !flags.dump_problems.empty()            ? "--dump-problems"
-                       : !flags.on_failure.empty()               ? "--on-failure"
-                       : flags.on_tunnel != RunFlags{}.on_tunnel ? "--on-tunnel"
-                                                                 : nullptr;
+    const char* flag = solver.name                         ? "--solver"
+                       : solver.stop                       ? "--stop"
+                       : solver.tol                        ? "--tol"
+                       : solver.max_iterations             ? "--max-iterations"
+                       : solver.warm_start                 ? "--warm-start"
+                       : !solver.parameters.empty()        ? "a solver parameter"
+                       : !flags.dump_problems.empty()      ? "--dump-problems"
+                       : !flags.on_failure.empty()         ? "--on-failure"
+                       : flags.on_tunnel == "smaller-step" ? "--on-tunnel smaller-step"
+                                                           : nullptr;
     if (flag != nullptr) {
       throw std::invalid_argument(fmt::format(
           "{} has no meaning under --model dem, which solves no contact problem", flag));
@@ -118,6 +118,10 @@ int remaining_steps(const RunFlags& flags, const Scene<D>& scene, const State<D>
                           : whole        ? scene.duration
                                          : scene.duration - state.time;
   const double steps = std::round(duration / scene.step) - (whole ? state.step : 0);
+  if (steps < 1 && duration > 0 && state.step == 0) {
+    throw std::invalid_argument(fmt::format(
+        "the duration of {:.3g} s is shorter than a step of {:.3g} s", duration, scene.step));
+  }
   if (!(steps < std::numeric_limits<int>::max())) {
     throw std::invalid_argument(
         fmt::format("{:.3g} s are too many steps of {:.3g} s", duration, scene.step));
@@ -307,7 +311,7 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
   const bool smaller_steps = options.on_failure == OnFailure::kSmallerStep;
   const bool speaks = is_speaker() && !quiet;
   TakenSteps<D> taken;
-  EnergyGrowth growth(state);
+  EnergyGrowth growth(scene, state);
   RunProgress progress(*options.steps, !speaks, is_speaker() ? options.folder.folder : fs::path(),
                        options.folder.resume);
   options.on_step = [&, first = state.step](const SceneStep<D>& step) {
@@ -323,7 +327,7 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
   // The root process needs the bodies of the scene for its files.
   if (prepared.whole_state.empty() && !is_speaker()) scene.bodies = {};
   taken.run = run_scene(scene, state, options);
-  taken.warning = growth.warning(scene) + motion_warning(taken.run.totals);
+  taken.warning = growth.warning(scene) + motion_warning(scene, taken.run.totals);
   return taken;
 }
 
@@ -364,7 +368,10 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
     fmt::print(stderr, "bipot: {}\n", short_reason(run.failure->what()));
     using Kind = StepFailure::Kind;
     if (!quiet && run.failure->kind == Kind::kPassage) {
-      taken.advice = passage_advice(scene, state, flags.on_tunnel == "smaller-step");
+      taken.advice =
+          passage_advice(scene, state, run.springs.get(), flags.on_tunnel == "smaller-step");
+    } else if (!quiet && run.failure->kind == Kind::kCutShort) {
+      taken.advice = fmt::format("  --restart {} goes on\n", folder.string());
     } else if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
       taken.advice = failure_text(scene, state, run, flags.on_failure == "smaller-step");
       if (run.failure->kind == Kind::kUnsolvable) {

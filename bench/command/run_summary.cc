@@ -23,10 +23,12 @@ const SpringDashpotSetup* springs_of(const RunSummary<D>& s) {
   return s.run.springs.get();
 }
 
-/// Cause of a failed step, else of the first step that did not converge.
+/// Cause of a failed step, else of the worst step that did not converge.
 template <int D>
 std::string message_of(const RunSummary<D>& s) {
-  return s.run.failure ? s.run.failure->what() : s.run.totals.message;
+  const SceneTotals<D>& t = s.run.totals;
+  if (s.run.failure) return s.run.failure->what();
+  return t.worst_unconverged < 0 ? "" : fmt::format("step {}: {}", t.worst_unconverged, t.message);
 }
 
 /// Bodies through each outlet and inlet.

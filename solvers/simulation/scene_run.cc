@@ -13,8 +13,10 @@ template <int D>
 void SceneTotals<D>::add(const StepReport<D>& r) {
   ++steps;
   converged += r.converged ? 1 : 0;
-  if (!r.converged && first_unconverged < 0) {
-    first_unconverged = r.step;
+  if (!r.converged && first_unconverged < 0) first_unconverged = r.step;
+  if (!r.converged && (worst_unconverged < 0 || !(r.error.guarded() <= unconverged.guarded()))) {
+    worst_unconverged = r.step;
+    unconverged = r.error;
     message = r.message;
   }
   contacts += r.contacts;

@@ -34,6 +34,8 @@ struct SceneTotals {
   int max_contacts = 0, max_iterations = 0;
   int split = 0;               ///< steps that were taken in parts
   int first_unconverged = -1;  ///< step; -1: all converged
+  int worst_unconverged = -1;  ///< the one with the largest error
+  ContactError unconverged;    ///< there
   std::string message;         ///< of that step
   int worst_step = -1;         ///< step with the largest guarded error, or the last undefined one
   ContactError worst;          ///< there

@@ -26,7 +26,8 @@ StepSolution to_step_solution(SolveResult result) {
   step.refused = result.status == SolveStatus::kInvalidInput;
   step.cut_short =
       result.status == SolveStatus::kTimeLimit || result.status == SolveStatus::kInterrupted;
-  step.message = std::string(to_string(result.status)) + ": " + result.message;
+  step.message = to_string(result.status);
+  if (!step.cut_short) step.message += ": " + result.message;
   step.s = std::move(result.s);
   step.error = result.error;
   step.iterations = result.iterations;

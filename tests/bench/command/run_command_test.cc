@@ -229,6 +229,32 @@ TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
   EXPECT_EQ(j["steps"], 3);
   EXPECT_EQ(j["steps_converged"], 0);
   EXPECT_EQ(j["steps_without_solution"], 3);
+  // No tolerance helps, and the step that is named is the worst.
+  EXPECT_FALSE(holds(ended.out, "is tight")) << ended.out;
+  const std::string worst = "step " + std::to_string(j["worst_step"].get<int>()) + ": ";
+  EXPECT_EQ(j["message"].get<std::string>().rfind(worst, 0), 0u) << j["message"];
+}
+
+TEST_F(RunCommand, TheAdviceAgainstOverlapsFitsTheScene) {
+  const auto said = [&](const std::string& contact, const std::string& time) {
+    const std::string scene =
+        write("fall.toml", "gravity = [0, 0]\n" + contact +
+                               "[[disks]]\nposition = [0, 0.58]\nradius = 0.5\nmass = 2\n"
+                               "velocity = [0, -10]\n[[walls]]\nname = 'floor'\npoint = [0, 0]\n"
+                               "normal = [0, 1]\n[time]\nstep = 0.01\nsteps = 2\n" +
+                               time);
+    return whole_output("run " + scene + " --overwrite").out;
+  };
+  EXPECT_TRUE(holds(said("", ""), "or overlaps = \"predict\""));
+  EXPECT_FALSE(holds(said("[contact]\ne_n = 0.5\ne_t = 0.5\n", ""), "predict"));
+  const std::string cut = said("", "travel = 0.2\n");
+  EXPECT_TRUE(holds(cut, "a travel below 0.2 in [time]")) << cut;
+}
+
+TEST_F(RunCommand, ADurationBelowAStepIsRefused) {
+  const Outcome none = whole_output("run sliding_cylinder --duration 1e-9");
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_TRUE(holds(none.out, "1e-09 s is shorter than a step of")) << none.out;
 }
 
 }  // namespace
