@@ -4,7 +4,8 @@
 # only: the table is read from top to bottom, and a row may name only folders above it. The table of
 # solvers (solvers/methods/solver_table.cc) has no header, so that nobody includes it.
 #
-# And a type has one header: two of one name would be two definitions of it for the linker.
+# And a type has one header: two of one name would be two definitions of it for the linker. No time
+# limit follows a clock that can be set, and no number is read by the rules of a locale.
 cmake_minimum_required(VERSION 3.25)
 
 set(folders
@@ -86,6 +87,14 @@ foreach(source IN LISTS sources)
       set(header_of_${type} ${source})
     endforeach()
   endif()
+  if(NOT folder STREQUAL "tests")
+    file(STRINGS ${ROOT}/${source} lines
+      REGEX "system_clock|gettimeofday|[^a-z_](strtod|strtof|atof|stod|stof|sscanf)\\(")
+    foreach(line IN LISTS lines)
+      message("${source}: follows a clock that jumps or the locale: ${line}")
+      math(EXPR bad "${bad} + 1")
+    endforeach()
+  endif()
   file(STRINGS ${ROOT}/${source} lines REGEX "^#include \"(core|solvers|bench|tests)/")
   foreach(line IN LISTS lines)
     string(REGEX MATCH "\"([^\"]+)/[^/\"]+\"" _ "${line}")
@@ -98,7 +107,7 @@ foreach(source IN LISTS sources)
   endforeach()
 endforeach()
 if(bad)
-  message(FATAL_ERROR "${bad} arrows against the table of tests/folders.cmake, or types with two headers")
+  message(FATAL_ERROR "${bad} arrows against the table of tests/folders.cmake, types with two headers, clocks or locales")
 endif()
 if(NOT arrows)
   message(FATAL_ERROR "no include found below ${ROOT}")

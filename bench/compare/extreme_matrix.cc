@@ -13,6 +13,7 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/report/json_output.h"
 #include "core/base/nearest_name.h"
+#include "core/base/number_text.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/force_energy.h"
 #include "solvers/simulation/scene_run.h"
@@ -25,7 +26,7 @@ constexpr double kEnergyGrace = 1e-6;  // of the energy moved: allowance for the
 /// NaN and infinity as text, since JSON has neither.
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(fmt::format("{}", x)); }
 double number(const Json& j) {
-  return j.is_number() ? j.get<double>() : std::stod(j.get<std::string>());
+  return j.is_number() ? j.get<double>() : number_at(j.get<std::string>());
 }
 
 std::string to_json(const ExtremeCell& c) {

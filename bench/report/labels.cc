@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/base/number_text.h"
+
 namespace bipot {
 
 std::string tolerance_label(double tol) {
@@ -12,7 +14,7 @@ std::string tolerance_label(double tol) {
   if (tol >= 1e-2) return fmt::format("{:g}", tol);
   std::string text = fmt::format("{:e}", tol);
   const std::size_t e = text.find('e');
-  const double mantissa = std::strtod(text.substr(0, e).c_str(), nullptr);
+  const double mantissa = number_at(std::string_view(text).substr(0, e));
   return fmt::format("{:g}e{}", mantissa, std::strtol(text.c_str() + e + 1, nullptr, 10));
 }
 

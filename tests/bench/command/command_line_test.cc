@@ -80,6 +80,33 @@ TEST(CommandLine, ShellsCompleteFromTheDeclarations) {
   expect_said("completion tcsh", 2, {"tcsh"});
 }
 
+// What fish offers itself, and that zsh can read its script.
+TEST(CommandLine, FishAndZshTakeTheirScripts) {
+  const auto has = [](const char* shell) {
+    return run_command_line(shell, "-c true").exit_code == 0;
+  };
+  if (!has("fish") && !has("zsh")) GTEST_SKIP() << "neither fish nor zsh is installed";
+  const auto offered = [](const std::string& typed) {
+    return run_command_line("fish --no-config -c",
+                            "'" BIPOT_COMMAND " completion fish | source; complete -C\"bipot " +
+                                typed + "\"' | cut -f 1")
+        .out;
+  };
+  if (has("fish")) {
+    EXPECT_EQ(offered("ru"), "run\n");
+    EXPECT_EQ(offered("run --step-"), "--step-size\n");
+    EXPECT_EQ(offered("run --model n"), "nscd\n");
+    EXPECT_EQ(offered("new he"), "heap\n");
+  }
+  if (has("zsh")) {
+    const Outcome read =
+        run_command_line("zsh -f -c", "'autoload -U compinit; compinit -D; source <(" BIPOT_COMMAND
+                                      " completion zsh); print $_comps[bipot]'");
+    EXPECT_EQ(read.exit_code, 0);
+    EXPECT_EQ(read.out, "_bipot\n");
+  }
+}
+
 TEST(CommandLine, TheManualPageHasEveryCommandAndIsSound) {
   expect_said("help --man", 0,
               {".TH BIPOT 1", ".SS run scene", "\\-\\-step\\-size", ".SS judge", "Exit codes"});

@@ -349,6 +349,15 @@ TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
   EXPECT_EQ(count(content(path("several/ledger.csv")), "\n"), left + 17);
 }
 
+TEST_F(MpiCommand, AKilledSolveEndsAtOnce) {
+  const Outcome killed = run_command_line(
+      std::string("{ ") + kMpirun,
+      "-n 2 " + std::string(BIPOT_COMMAND) + " solve " + problem("2d_pour300_392") +
+          " --solver pgs --tol 1e-16 --max-iterations 100000000 & run=$!; sleep 2; "
+          "launcher=$(pgrep -P $run); kill -9 $(pgrep -P $launcher | head -n 1); wait $run; } 2>&1");
+  EXPECT_EQ(killed.exit_code, 137) << killed.out;
+}
+
 // A lattice of small disks, 50 mm apart; a disk of 10 mm flies through a row of them, 290 mm a step:
 // it passes some that others have, and hits one that it meets in the middle of a step.
 TEST_F(MpiCommand, SeveralProcessesSeeTheSamePassagesAndOverlaps) {
