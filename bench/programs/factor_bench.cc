@@ -167,7 +167,7 @@ Method by_fronts(const SparseMatrix& K, const char* name) {
 
 Method by_umfpack(const SparseMatrix& K) {
   auto lu = std::make_shared<SparseLU>(SparseLU::Strategy::kSymmetric);
-  return {"UMFPACK, METIS",
+  return {SparseLU::library(),
           {},
           [&K, lu] { return lu->factor(K); },
           [lu](const Vector& b, Vector& x) { x = lu->solve(b); },

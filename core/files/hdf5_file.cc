@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <limits>
 #include <mutex>
 #include <utility>
@@ -134,14 +133,6 @@ void Hdf5File::close() {
   if (!flushed || !closed) {
     throw FileError(path_, "", "cannot write: " + (flushed ? hdf5_reason() : reason));
   }
-}
-
-bool Hdf5File::is_hdf5(const std::filesystem::path& path) {
-  constexpr std::array<char, 8> kSignature = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
-  std::array<char, 8> head{};
-  std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), head.size());
-  return in.gcount() == static_cast<std::streamsize>(head.size()) && head == kSignature;
 }
 
 bool Hdf5File::exists(const std::string& name) const {

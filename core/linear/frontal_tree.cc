@@ -6,6 +6,9 @@
 #include <array>
 #include <mutex>
 #include <numeric>
+#include <utility>
+
+#include "core/linear/supernodes.h"
 
 namespace bipot {
 namespace {
@@ -14,10 +17,6 @@ constexpr std::size_t kTreesKept = 4;
 constexpr std::size_t kBytesKept = std::size_t{1} << 21;  // three trees of 6000 contacts
 constexpr std::size_t kBytesOfEntry = 8;                  // a tree takes 6 for one of A
 constexpr int kMetisFrom = 4000;                          // groups of columns; AMD is quicker below
-
-// Fraction of zeros that joined fronts of up to 4, 16, 48 and of more columns may contain. Lower
-// than CHOLMOD's 0.8, 0.1, 0.05: this saves memory and time on packings of disks.
-constexpr std::array<double, 3> kZeros = {0.3, 0.05, 0.02};
 
 /// The trees of the last patterns, the latest first.
 struct KeptTrees {
@@ -38,7 +37,7 @@ KeptTrees& kept_trees() {
   return kept;
 }
 
-/// CHOLMOD's workspace.
+/// CHOLMOD's workspace, for orders and counts. (Its supernodal part is under another licence.)
 struct CholmodSession {
   cholmod_common common;
   CholmodSession() {
@@ -47,6 +46,7 @@ struct CholmodSession {
     common.error_handler = nullptr;
     common.nmethods = 1;
     common.postorder = 1;
+    common.supernodal = CHOLMOD_SIMPLICIAL;
   }
   ~CholmodSession() { cholmod_l_finish(&common); }
   CholmodSession(const CholmodSession&) = delete;
@@ -109,7 +109,6 @@ std::vector<SuiteSparse_long> fill_reducing_columns(const SymmetricPattern& A,
   }
   CholmodSession session;
   session.common.method[0].ordering = nodes >= kMetisFrom ? CHOLMOD_METIS : CHOLMOD_AMD;
-  session.common.supernodal = CHOLMOD_SIMPLICIAL;
   cholmod_sparse view = graph.view();
   cholmod_factor* analysis = cholmod_l_analyze(&view, &session.common);
   std::vector<SuiteSparse_long> order;
@@ -211,28 +210,17 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SymmetricPattern& 
   }
   CholmodSession session;
   session.common.method[0].ordering = CHOLMOD_GIVEN;
-  session.common.supernodal = CHOLMOD_SUPERNODAL;
-  for (std::size_t k = 0; k < kZeros.size(); ++k) session.common.zrelax[k] = kZeros[k];
   cholmod_sparse view = upper.view();
   cholmod_factor* L = cholmod_l_analyze_p(&view, order.data(), nullptr, 0, &session.common);
   if (L == nullptr) return nullptr;
-  const auto* super = static_cast<const SuiteSparse_long*>(L->super);
-  const auto* pi = static_cast<const SuiteSparse_long*>(L->pi);
-  const auto* rows = static_cast<const SuiteSparse_long*>(L->s);
   const auto* perm = static_cast<const SuiteSparse_long*>(L->Perm);
+  const auto* counts = static_cast<const SuiteSparse_long*>(L->ColCount);
   tree->order.assign(perm, perm + A.size);
-  tree->below.reserve(to_size(pi[L->nsuper] - A.size));
-  tree->below_start.push_back(0);
-  for (std::size_t s = 0; s < L->nsuper; ++s) {
-    tree->first.push_back(static_cast<int>(super[s]));
-    const SuiteSparse_long columns = super[s + 1] - super[s];
-    for (SuiteSparse_long k = pi[s] + columns; k < pi[s + 1]; ++k) {
-      tree->below.push_back(static_cast<int>(rows[k]));
-    }
-    tree->below_start.push_back(static_cast<int>(tree->below.size()));
-  }
-  tree->first.push_back(A.size);
+  Supernodes fronts = supernodes(A, tree->order, {counts, counts + A.size});
   cholmod_l_free_factor(&L, &session.common);
+  tree->first = std::move(fronts.first);
+  tree->below_start = std::move(fronts.below_start);
+  tree->below = std::move(fronts.below);
   tree->measure();
   return tree;
 }

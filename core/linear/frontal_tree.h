@@ -26,7 +26,7 @@ struct SymmetricPattern {
 
 /// The part of a multifrontal factorisation that depends on the pattern alone, for matrices of
 /// symmetric pattern. It has a fill-reducing order (METIS, AMD for small ones) of the groups of
-/// columns with the same pattern, and the supernodes of CHOLMOD's analysis.
+/// columns with the same pattern, and the fronts of supernodes.h.
 class FrontalTree {
  public:
   /// The tree of a pattern. The last trees are cached, for instance for a later step with the same

@@ -1,7 +1,6 @@
 #include "core/linear/sparse_factor.h"
 
 #include <cholmod.h>
-#include <umfpack.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,36 +8,9 @@
 #include <vector>
 
 #include "core/base/parallel.h"
-#include "core/base/types.h"
+#include "core/linear/long_columns.h"
 
 namespace bipot {
-/// Compressed columns with 64-bit indices and the last pattern: SuiteSparse's own layout.
-struct LongColumns {
-  std::vector<SuiteSparse_long> start, row;
-  std::vector<double> value;
-  SuiteSparse_long size = 0;
-
-  /// Copies A (sorted, compressed). True if the pattern is that of the previous call.
-  bool assign(const SparseMatrix& A, bool upper_only) {
-    std::vector<SuiteSparse_long> new_start(to_size(A.cols()) + 1, 0), new_row;
-    new_row.reserve(to_size(A.nonZeros()));
-    value.clear();
-    value.reserve(to_size(A.nonZeros()));
-    for (int k = 0; k < A.outerSize(); ++k) {
-      for (SparseMatrix::InnerIterator it(A, k); it; ++it) {
-        if (upper_only && it.row() > it.col()) continue;
-        new_row.push_back(it.row());
-        value.push_back(it.value());
-      }
-      new_start[to_size(k) + 1] = static_cast<SuiteSparse_long>(new_row.size());
-    }
-    const bool same = size == A.cols() && new_start == start && new_row == row;
-    size = A.cols();
-    start = std::move(new_start);
-    row = std::move(new_row);
-    return same;
-  }
-};
 
 struct SparseCholesky::Impl {
   cholmod_common common;
@@ -52,6 +24,9 @@ struct SparseCholesky::Impl {
     common.error_handler = nullptr;
     // The default for small matrices, L D Lᵀ, accepts negative pivots.
     common.final_ll = 1;
+#ifndef BIPOT_WITH_GPL
+    common.supernodal = CHOLMOD_SIMPLICIAL;
+#endif
   }
   ~Impl() {
     cholmod_l_free_factor(&factor, &common);
@@ -135,84 +110,6 @@ std::size_t SparseCholesky::num_entries() const {
   const Impl& f = *impl_;
   if (!f.positive_definite) throw std::logic_error("SparseCholesky::num_entries without a factor");
   return f.factor->is_super != 0 ? f.factor->xsize : f.factor->nzmax;
-}
-
-struct SparseLU::Impl {
-  double control[UMFPACK_CONTROL];
-  double info[UMFPACK_INFO];
-  LongColumns matrix;
-  void* symbolic = nullptr;
-  void* numeric = nullptr;
-
-  Impl() { umfpack_dl_defaults(control); }
-  ~Impl() {
-    umfpack_dl_free_numeric(&numeric);
-    umfpack_dl_free_symbolic(&symbolic);
-  }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-};
-
-SparseLU::SparseLU(Strategy strategy) : impl_(std::make_unique<Impl>()) {
-  if (strategy == Strategy::kSymmetric) {
-    impl_->control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
-  } else if (strategy == Strategy::kUnsymmetric) {
-    impl_->control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_UNSYMMETRIC;
-  }
-  impl_->control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
-}
-SparseLU::~SparseLU() = default;
-SparseLU::SparseLU(SparseLU&&) noexcept = default;
-SparseLU& SparseLU::operator=(SparseLU&&) noexcept = default;
-
-bool SparseLU::factor(const SparseMatrix& A) {
-  Impl& f = *impl_;
-  const bool same = f.matrix.assign(A, false);
-  umfpack_dl_free_numeric(&f.numeric);
-  const LongColumns& m = f.matrix;
-  if (!same || f.symbolic == nullptr) {
-    umfpack_dl_free_symbolic(&f.symbolic);
-    // METIS is better from a few thousand unknowns on; AMD is quicker below.
-    f.control[UMFPACK_ORDERING] = m.size > 4000 ? UMFPACK_ORDERING_METIS : UMFPACK_ORDERING_AMD;
-    if (umfpack_dl_symbolic(m.size, m.size, m.start.data(), m.row.data(), m.value.data(),
-                            &f.symbolic, f.control, f.info) != UMFPACK_OK) {
-      return false;
-    }
-  }
-  if (umfpack_dl_numeric(m.start.data(), m.row.data(), m.value.data(), f.symbolic, &f.numeric,
-                         f.control, f.info) != UMFPACK_OK) {
-    umfpack_dl_free_numeric(&f.numeric);  // a singular matrix leaves a factor that must not be used
-    return false;
-  }
-  return true;
-}
-
-Vector SparseLU::solve(const Eigen::Ref<const Vector>& b, int refinements) const {
-  Impl& f = *impl_;
-  if (f.numeric == nullptr) throw std::logic_error("SparseLU::solve without a factor");
-  Vector rhs = b;
-  Vector x(rhs.size());
-  f.control[UMFPACK_IRSTEP] = refinements;
-  const LongColumns& m = f.matrix;
-  if (umfpack_dl_solve(UMFPACK_A, m.start.data(), m.row.data(), m.value.data(), x.data(),
-                       rhs.data(), f.numeric, f.control, f.info) != UMFPACK_OK) {
-    x.setConstant(kNaN);
-  }
-  return x;
-}
-
-int SparseLU::determinant_sign() const {
-  const Impl& f = *impl_;
-  if (f.numeric == nullptr) throw std::logic_error("SparseLU::determinant_sign without a factor");
-  double mantissa = 0, exponent = 0;
-  umfpack_dl_get_determinant(&mantissa, &exponent, f.numeric, nullptr);
-  return mantissa > 0 ? 1 : (mantissa < 0 ? -1 : 0);
-}
-
-double SparseLU::rcond() const { return impl_->info[UMFPACK_RCOND]; }
-
-std::size_t SparseLU::num_entries() const {
-  return static_cast<std::size_t>(impl_->info[UMFPACK_LNZ] + impl_->info[UMFPACK_UNZ]);
 }
 
 }  // namespace bipot

@@ -9,8 +9,9 @@
 
 namespace bipot {
 
-/// Sparse Cholesky factorisation A = L Lᵀ (CHOLMOD, supernodal, METIS or AMD ordering). The
-/// symbolic analysis is reused while the pattern of A stays the same.
+/// Sparse Cholesky factorisation A = L Lᵀ (CHOLMOD, METIS or AMD ordering; supernodal where that is
+/// quicker, unless built without BIPOT_WITH_GPL). The symbolic analysis is reused while the pattern
+/// of A stays the same.
 class SparseCholesky {
  public:
   SparseCholesky();
@@ -32,8 +33,9 @@ class SparseCholesky {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Sparse LU factorisation of a general square matrix (UMFPACK, 64-bit indices, METIS or AMD
-/// ordering). The symbolic analysis is reused while the pattern stays the same.
+/// Sparse LU factorisation of a general square matrix, 64-bit indices: UMFPACK with METIS or AMD
+/// ordering, or KLU with AMD if built without BIPOT_WITH_GPL. The symbolic analysis is reused while
+/// the pattern stays the same.
 class SparseLU {
  public:
   /// The ordering strategy: symmetric for matrices of symmetric pattern with a strong diagonal.
@@ -50,8 +52,7 @@ class SparseLU {
   Vector solve(const Eigen::Ref<const Vector>& b, int refinements = 0) const;
   /// -1, 0 or +1: sign of det A. Requires a successful factor().
   int determinant_sign() const;
-  /// Reciprocal condition estimate of the last factorisation (UMFPACK's cheap diagonal one).
-  double rcond() const;
+  static const char* library();  ///< "UMFPACK" or "KLU"
   /// Numbers in L and U of the last factorisation.
   std::size_t num_entries() const;
 

@@ -25,10 +25,10 @@ class SystemFactor {
   SystemFactor() = default;
 };
 
-/// Multifrontal (frontal_lu.h), by UMFPACK if its pivots are too small.
+/// Multifrontal (frontal_lu.h), by SparseLU if its pivots are too small.
 class LocalFactor final : public SystemFactor {
  public:
-  /// `strategy`: of UMFPACK.
+  /// `strategy`: of SparseLU.
   explicit LocalFactor(SparseLU::Strategy strategy) : lu_(strategy) {}
 
   [[nodiscard]] bool factor(const SparseMatrix& A) override;

@@ -88,7 +88,8 @@ class Reader {
 
     Wrench w;
     if (!w.read(p_.H, c * D, kDofs, body)) return false;
-    const double length = std::hypot(w.side[0][0], w.side[0][1]);
+    // Not hypot(), whose last bit depends on the processor.
+    const double length = std::sqrt(w.side[0][0] * w.side[0][0] + w.side[0][1] * w.side[0][1]);
     for (int k = 0; k < 2; ++k) {
       contact.n[k] = w.side[0][k] / length;
       if (pair && !close(w.side[1][k], -w.side[0][k], length)) return false;

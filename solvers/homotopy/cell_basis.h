@@ -14,7 +14,7 @@ namespace bipot {
 
 /// The matrix B of a point's cells (cell_matrix.h) and its factor. It is multifrontal
 /// (frontal_lu.h) in the pattern of W, zeros of unit columns included, so that one analysis serves
-/// all cells. If a front's pivots are too small, UMFPACK factors with exchanges of any rows.
+/// all cells. If a front's pivots are too small, SparseLU factors with exchanges of any rows.
 /// Between factorisations columns are exchanged as in exchanged_columns.h.
 class CellBasis {
  public:

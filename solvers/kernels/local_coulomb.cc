@@ -110,7 +110,7 @@ LocalProblem<D> local_problem(const Eigen::MatrixXd& w, double mu) {
   } else if constexpr (D == 3) {
     const double mean = 0.5 * (w(1, 1) + w(2, 2)), half = 0.5 * (w(1, 1) - w(2, 2));
     const double coupling = 0.5 * (w(1, 2) + w(2, 1));
-    largest = mean + std::hypot(half, coupling);
+    largest = mean + std::sqrt(half * half + coupling * coupling);
   }
   p.step_tangential = largest > 1e-12 * w(0, 0) ? 1 / largest : p.step_normal;
   return p;

@@ -82,8 +82,6 @@ TEST(SparseLU, SolvesUnsymmetricSystemsWithEveryStrategy) {
     for (int refinements : {0, 2}) {
       EXPECT_LT((factor.solve(Vector(A * x), refinements) - x).norm(), 1e-11 * x.norm());
     }
-    EXPECT_GT(factor.rcond(), 0);
-    EXPECT_LE(factor.rcond(), 1);
   }
 }
 

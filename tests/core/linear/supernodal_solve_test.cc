@@ -13,13 +13,13 @@ namespace bipot {
 namespace {
 
 /// A lower triangular matrix of supernodes of these widths, each with about half of the rows below.
-struct Supernodes {
+struct GivenSupernodes {
   std::deque<std::vector<int>> rows;
   std::deque<std::vector<double>> values;
   std::vector<Supernode> nodes;
   Eigen::MatrixXd L;
 
-  Supernodes(const std::vector<int>& widths, double coupling, unsigned seed) {
+  GivenSupernodes(const std::vector<int>& widths, double coupling, unsigned seed) {
     PortableRandom draw(seed);
     int size = 0, first = 0;
     for (int width : widths) size += width;
@@ -56,7 +56,7 @@ void expect_inverse(double coupling, double tolerance) {
                                          {3, 1, 1, 2, 8, 13, 5},
                                          {19, 40, 33},
                                          {2, 2}}) {
-    const Supernodes made(widths, coupling, 7);
+    const GivenSupernodes made(widths, coupling, 7);
     std::size_t entries = 0;
     for (const Supernode& node : made.nodes) {
       entries += SupernodalSolve::num_entries(node.columns, node.rows);

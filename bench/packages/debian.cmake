@@ -1,0 +1,31 @@
+# cpack -G DEB: one package for the Debian or Ubuntu that it is built on. The libraries that it
+# depends on, with their versions, are read from its programs (dpkg-shlibdeps).
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME bipot)
+set(CPACK_PACKAGE_VENDOR "the Bipot developers")
+set(CPACK_PACKAGE_CONTACT "the Bipot developers")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Frictional contact of rigid disks and spheres: solvers and simulation")
+set(CPACK_PACKAGE_DESCRIPTION "Bipot runs scenes of rigid grains, solves single contact problems with many
+solvers, and measures how wrong an answer is. It has a command, a C++ library
+and a Python module.")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libopenblas0-serial, gnuplot-nox")
+# What find_package(bipot) asks for.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, coinor-libclp-dev, libcairo2-dev, libeigen3-dev, libfmt-dev, libhdf5-dev, libpetsc-real-dev, libsuitesparse-dev, libtomlplusplus-dev, pkg-config")
+set(components program library)
+if(BIPOT_WITH_PYTHON)
+  # Debian's Python looks for packages in another folder below /usr than below /usr/local.
+  list(APPEND components debian_python)
+  execute_process(COMMAND ${BIPOT_PYTHON} -c "import sys; v = sys.version_info
+print(f'python3 (>= {v[0]}.{v[1]}), python3 (<< {v[0]}.{v[1] + 1}), python3-numpy, python3-scipy')"
+    OUTPUT_VARIABLE CPACK_DEBIAN_PACKAGE_DEPENDS OUTPUT_STRIP_TRAILING_WHITESPACE)
+  string(APPEND CPACK_DEBIAN_PACKAGE_RECOMMENDS ", python3-matplotlib")
+endif()
+foreach(component IN LISTS components)
+  list(APPEND CPACK_INSTALL_CMAKE_PROJECTS ${CMAKE_BINARY_DIR} bipot ${component} /)
+endforeach()
+include(CPack)

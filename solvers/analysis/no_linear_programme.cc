@@ -1,0 +1,12 @@
+// In place of linear_programme.cc where the program is built without CLP.
+#include "solvers/analysis/linear_programme.h"
+
+namespace bipot {
+
+LinearOptimum solve(const LinearProgramme&, double) {
+  LinearOptimum none;
+  none.message = "this program was built without CLP (-DBIPOT_WITH_CLP=OFF)";
+  return none;
+}
+
+}  // namespace bipot
