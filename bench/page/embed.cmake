@@ -1,12 +1,16 @@
 cmake_minimum_required(VERSION 3.25)
 # Writes OUTPUT, a C++ source with the texts of page_files.h: the files of each list, one after the
-# other. Numbers, since compilers limit the length of a string.
+# other. Numbers, since compilers limit the length of a string. A file LICENSE becomes a comment: the
+# notice that has to stand in every page.
 # cmake -DOUTPUT=page_files.cc -DPAGE=a.html -DSTYLE="a.css;b.css" -DSCRIPT="a.js;b.js" -P embed.cmake
 set(source "#include \"bench/page/page_files.h\"\n\nnamespace bipot {\nnamespace {\n\n")
 foreach(part PAGE STYLE SCRIPT)
   set(numbers "")
   foreach(file IN LISTS ${part})
     file(READ ${file} text HEX)
+    if(file MATCHES "/LICENSE$")
+      set(text "2f2a210a${text}2a2f")  # "/*!", a new line, "*/"
+    endif()
     string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," text "${text}")
     string(APPEND numbers "${text}0x0a,")
   endforeach()

@@ -65,6 +65,7 @@ TEST(RunPage, HoldsEveryStepOfAShortRun) {
   EXPECT_EQ(page.find("src="), std::string::npos);                   // nothing is loaded
   EXPECT_EQ(page.find("://"), page.find("://github.com/leeoniya"));  // a comment of uPlot
   EXPECT_EQ(page.rfind("://"), page.find("://"));
+  EXPECT_NE(page.find("Permission is hereby granted"), std::string::npos);  // its licence
   const auto facts = about(page);
   EXPECT_EQ(facts["frames"].size(), 31u);
   EXPECT_EQ(facts["scene"], kScene);
