@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/motion/population.h"
+
 namespace bipot {
 namespace {
 
