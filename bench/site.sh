@@ -19,7 +19,8 @@ done
 cmake --install "$build" --component library --prefix "$site/library" > /dev/null
 PYTHONPATH="$build/python" /usr/bin/python3 bench/site/make_pages.py "$site"
 (cd "$site" && doxygen Doxyfile > doxygen.log 2>&1)
-mkdocs build --quiet --strict --clean --config-file "$site/mkdocs.yml"
+mkdocs build --strict --clean --config-file "$site/mkdocs.yml" > "$site/mkdocs.log" 2>&1 ||
+  { grep -E "WARNING|ERROR|Abort" "$site/mkdocs.log"; exit 1; }
 rm "$site/html/404.html"  # its links begin at the root of a server
 rm -r "$site/html/cpp" && cp -r "$site/cpp/html" "$site/html/cpp"
 /usr/bin/python3 bench/site/check_links.py "$site/html"

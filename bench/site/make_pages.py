@@ -26,6 +26,12 @@ def copy_documents():
     shutil.copytree(ROOT / "data", PAGES / "data", ignore=shutil.ignore_patterns("fuzz/*/*"))
     for name in ("README.md", "CHANGELOG.md"):
         shutil.copy(ROOT / name, PAGES / name)
+    # mkdocs leaves folders out whose names begin with a dot.
+    (PAGES / "github").mkdir()
+    for page in (ROOT / ".github").glob("*.md"):
+        shutil.copy(page, PAGES / "github" / page.name)
+    readme = (PAGES / "README.md").read_text(encoding="utf-8")
+    (PAGES / "README.md").write_text(readme.replace("](.github/", "](github/"), encoding="utf-8")
     for page in list(PAGES.rglob("*.md")):
         text = page.read_text(encoding="utf-8")
         for target in re.findall(r"\]\(([^)#\s:]+)[^):]*\)", text):
@@ -167,7 +173,7 @@ def main():
         "extra_css": ["site.css"],
         "markdown_extensions": ["tables", "fenced_code", "toc"],
         "use_directory_urls": False,
-        "nav": [*menu(titles), {"C++": "cpp.md"}],
+        "nav": [*menu(titles), {"C++": "cpp.md"}, {"Contributing": "github/CONTRIBUTING.md"}],
     }
     (PAGES / "cpp.md").write_text(
         "# The C++ library\n\n[The installed headers](cpp/index.html), and [how to use them]"
