@@ -40,7 +40,8 @@ function palette(dark) {
     plain: dark ? [70, 82, 91] : [214, 222, 228],
     stage: dark ? '#14181a' : '#fcfdfd', ink: dark ? '#e4e8ea' : '#1c2328',
     edge: dark ? 'rgb(200 212 220 / .34)' : 'rgb(40 55 66 / .42)',
-    stick: dark ? '#f4f7f8' : '#16212a', slip: dark ? '#ff8f47' : '#d9480f',
+    // As in the pictures (core/pictures/force_picture.cc).
+    stick: dark ? '#7db8ea' : '#05457a', slip: '#f29e0a',
     open: dark ? '#8a98a2' : '#84919b', wall: dark ? '#7d8a93' : '#5d6a73',
     solid: dark ? '#1b2023' : '#f1f3f5', hatch: dark ? '#333c42' : '#cfd6db',
     glued: dark ? [86, 95, 102] : [176, 185, 191], arrow: dark ? '#7fd0a6' : '#0b7a4b',

@@ -4,8 +4,8 @@ const LINE_COLOURS = {light: ['#0b62b0', '#c2410c', '#2f7d4f', '#8b3fa0', '#8a6d
   dark: ['#74b6f5', '#ff9d66', '#7fd0a6', '#d49be6', '#e3c15a', '#9aa6ae']};
 
 /** The tables of the run's CSV files: {file, part, names, columns}, columns by name without unit. */
-async function readCurves(about) {
-  const bytes = await inflate('curve-data'), tables = [];
+async function readCurves(about, text) {
+  const bytes = await inflate(text), tables = [];
   let next = 0;
   for (const {file, part, names, rows, all_rows} of about.curves) {
     const table = {file, part, names, rows, allRows: all_rows, columns: {}, units: {}};
@@ -82,8 +82,17 @@ class CurvePanel {
     this.jump = jump;
     this.charts = chartsOf(run, tables);
     this.plots = document.getElementById('plots');
-    const chips = document.getElementById('chips');
-    for (const chart of this.charts) {
+    this.addChips();
+    document.getElementById('csv').addEventListener('click', () => this.save());
+    this.whole = document.getElementById('whole');
+    this.whole.addEventListener('click', () => this.zoom(null));
+    new ResizeObserver(() => this.resize()).observe(this.plots);
+  }
+
+  /** A button for each chart, which shows or hides it. */
+  addChips() {
+    document.getElementById('curves').hidden = !this.charts.length;
+    document.getElementById('chips').replaceChildren(...this.charts.map(chart => {
       const chip = chart.chip = document.createElement('button');
       chip.type = 'button';
       chip.textContent = chart.title;
@@ -91,13 +100,30 @@ class CurvePanel {
         chart.shown = !chart.shown;
         this.layOut();
       });
-      chips.append(chip);
+      return chip;
+    }));
+  }
+
+  /** Takes later tables of the same run. */
+  update(tables) {
+    this.tables = tables;
+    const before = this.charts, charts = chartsOf(this.run, tables);
+    if (charts.length === before.length && charts.every((chart, k) => chart.title === before[k].title)) {
+      before.forEach((chart, k) => {
+        Object.assign(chart, {time: charts[k].time, lines: charts[k].lines});
+        chart.plot?.setData(dataOf(chart));
+      });
+      this.setTime(this.time ?? 0);
+      return;
     }
-    document.getElementById('csv').addEventListener('click', () => this.save());
-    this.whole = document.getElementById('whole');
-    this.whole.addEventListener('click', () => this.zoom(null));
-    new ResizeObserver(() => this.resize()).observe(this.plots);
-    if (!this.charts.length) document.getElementById('curves').hidden = true;
+    for (const chart of before) {
+      if (chart.plot) chart.plot.destroy();
+      const same = charts.find(({title}) => title === chart.title);
+      if (same) same.shown ||= chart.shown;
+    }
+    this.charts = charts;
+    this.addChips();
+    this.layOut();
   }
 
   /** Makes the charts that are shown, in the colours of the theme. */
@@ -131,15 +157,11 @@ class CurvePanel {
     });
     place.append(head);
     this.plots.append(place);
-    const data = [Float64Array.from(chart.time)];
-    for (const {values} of chart.lines) {
-      data.push(Array.from(values, x => Number.isFinite(x) && !(chart.log && x <= 0) ? x : null));
-    }
+    const data = dataOf(chart);
     const series = [{}, ...chart.lines.map((line, k) => ({
       label: line.name, stroke: colours[k % colours.length], width: 1.5, spanGaps: true, points: {show: data[0].length < 3}
     }))];
     if (chart.level) {
-      data.push(Array(data[0].length).fill(chart.level));
       series.push({label: 'tolerance', stroke: dark ? '#ff9b92' : '#b3261e', width: 1.2, dash: [6, 4], points: {show: false}});
     }
     const axis = {stroke: soft, font: '12px system-ui, sans-serif', grid: {stroke: grid, width: 1}, ticks: {stroke: grid, width: 1, size: 4}};
@@ -226,6 +248,16 @@ class CurvePanel {
     for (let k = 0; k < rows; ++k) lines.push(columns.map(([, values]) => k < values.length ? String(Number(values[k].toPrecision(8))) : '').join(','));
     download(new Blob([lines.join('\n') + '\n'], {type: 'text/csv'}), 'curves.csv');
   }
+}
+
+/** Columns for uPlot: time, lines, level. */
+function dataOf(chart) {
+  const columns = [Float64Array.from(chart.time)];
+  for (const {values} of chart.lines) {
+    columns.push(Array.from(values, x => Number.isFinite(x) && !(chart.log && x <= 0) ? x : null));
+  }
+  if (chart.level) columns.push(Array(columns[0].length).fill(chart.level));
+  return columns;
 }
 
 /** Whole decades with the level; values far below it are of steps with little to do. */

@@ -2,9 +2,9 @@
 
 const WALL = 2 ** 30;  // j of a contact with wall w is WALL + w
 
-/** Bytes of an element's text. */
-async function inflate(id) {
-  const letters = atob(document.getElementById(id).textContent.trim());
+/** Bytes of a text in base64. */
+async function inflate(text) {
+  const letters = atob(text.trim());
   const packed = new Uint8Array(letters.length);
   for (let k = 0; k < letters.length; ++k) packed[k] = letters.charCodeAt(k);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
@@ -85,15 +85,15 @@ function mergedContacts(reader, before, count) {
 }
 
 /** All frames. Components of vectors stand one after the other: x of all bodies, then y. */
-async function readRun(about, progress) {
-  const reader = new PlaneReader(await inflate('frame-data'));
+async function readRun(about, text, progress) {
+  const reader = new PlaneReader(await inflate(text));
   const D = about.dim, S = D === 2 ? 1 : 3, N = about.bodies;
   const run = {
     about, dim: D, quantum: about.quantum,
     radius: reader.floats(N), mass: reader.floats(N), material: reader.bytes8(N),
     glued: reader.bytes8(N), cluster: reader.longs(N), frames: []
   };
-  const all = Int32Array.from({length: about.gates ? 0 : about.frames[0][2]}, (_, k) => k);
+  const all = Int32Array.from({length: about.gates || !about.frames.length ? 0 : about.frames[0][2]}, (_, k) => k);
   let before = {number: [], i: [], j: []}, walls = [], pause = performance.now() + 60;
   for (let f = 0; f < about.frames.length; ++f) {
     const [step, time, count, contacts] = about.frames[f];
@@ -118,15 +118,30 @@ async function readRun(about, progress) {
     frame.status = addDifferences(Uint8Array.from(reader.bytes8(contacts)), before.status, at, 1);
     run.frames.push(frame);
     before = frame;
-    if (performance.now() > pause) {
+    if (progress && performance.now() > pause) {
       progress(f / about.frames.length);
       await new Promise(go => setTimeout(go));
       pause = performance.now() + 60;
     }
   }
-  run.smallest = run.radius.reduce((a, r) => r > 0 ? Math.min(a, r) : a, Infinity);
-  run.meanRadius = run.radius.reduce((a, r) => a + r, 0) / Math.max(1, N);
+  measureRadii(run);
   return run;
+}
+function measureRadii(run) {
+  run.smallest = run.radius.reduce((a, r) => r > 0 ? Math.min(a, r) : a, Infinity);
+  run.meanRadius = run.radius.reduce((a, r) => a + r, 0) / Math.max(1, run.radius.length);
+}
+
+/** Adds the frames that follow and the bodies that came; keeps the frames of these steps. */
+function extendRun(run, more, steps) {
+  const kept = new Set(steps), known = run.radius, news = more.radius;
+  run.frames = [...run.frames, ...more.frames].filter(frame => kept.has(frame.step));
+  for (const name of ['mass', 'material', 'glued', 'cluster', 'radius']) {
+    const old = run[name], all = new old.constructor(Math.max(known.length, news.length));
+    for (let k = 0; k < all.length; ++k) all[k] = news[k] > 0 ? more[name][k] : old[k];
+    run[name] = all;
+  }
+  measureRadii(run);
 }
 
 /** Index of a body's number in a frame, -1: it is not there. */

@@ -15,13 +15,15 @@ function overlapShares(run, ledger) {
 
 /** Largest way of a body in one step, over the smallest radius, and its frame. */
 function longestWay(run) {
-  let most = 0, at = null;
+  let {most, at} = run.longest || {most: 0, at: null};
   for (const frame of run.frames) {
+    if (frame.step <= run.longest?.upTo) continue;
     const speed = magnitudes(frame.v, frame.count, run.dim);
     for (let k = 0; k < frame.count; ++k) {
       if (speed[k] > most) most = speed[k], at = {frame, number: frame.number[k]};
     }
   }
+  run.longest = {most, at, upTo: run.frames.at(-1).step};
   return {radii: most * run.about.time_step / run.smallest, at};
 }
 
@@ -30,7 +32,11 @@ function warningsOf(run, tables) {
   const {about} = run, {summary} = about, warnings = [];
   const ledger = tables.find(table => table.file === 'ledger');
   const unsolved = about.marks.filter(([kind]) => kind === 'unsolved');
-  if (!summary) {
+  if (about.live) {
+    // It has no summary yet.
+  } else if (about.lost) {
+    warnings.push({bad: true, text: `The run does not answer any more: ${about.lost}. What came before is shown.`});
+  } else if (!summary) {
     const last = run.frames.at(-1);
     warnings.push({bad: true, text: `The run has not come to its end: there is no summary. Frames go to step ${last.step} of ${about.num_steps}. ` +
       `To go on: bipot run ${about.source} --restart ${about.folder}`});
@@ -65,11 +71,11 @@ function warningsOf(run, tables) {
 
 function fillHead(run, tables, jump) {
   const {about} = run, {summary} = about, last = run.frames.at(-1);
-  const state = summary ? summary.status : 'no summary';
-  const good = state === 'completed' || state === 'nothing to do';
+  const state = about.live ? 'running' : summary ? summary.status : 'no summary';
+  const good = ['completed', 'nothing to do', 'running'].includes(state);
   const facts = [element('span', state, {className: `chip ${good ? 'good' : 'bad'}`})];
   const fact = text => facts.push(element('span', text));
-  fact(summary ? `${summary.steps} of ${summary.steps_planned} steps to t = ${textOf(summary.time, 4)} s` : `t = ${textOf(last.time, 4)} s`);
+  fact(summary ? `${summary.steps} of ${summary.steps_planned} steps to t = ${textOf(summary.time, 4)} s` : `step ${last.step} of ${about.num_steps}, t = ${textOf(last.time, 4)} s`);
   fact(`${last.count} ${run.dim === 2 ? 'disk' : 'sphere'}${last.count === 1 ? '' : 's'}`);
   if (about.model === 'dem') fact('springs and dashpots');
   else {

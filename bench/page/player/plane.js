@@ -1,12 +1,11 @@
 // Disks on a canvas: walls, periodic images, bodies, force chains, arrows, paths.
 
-const WIDTHS = 14;  // classes of the width of force chains
-
 class PlaneView {
   constructor(canvas, run) {
     this.canvas = canvas;
     this.run = run;
     this.pen = canvas.getContext('2d');
+    this.raster = new Raster();
     this.middle = [0, 0];
     this.scale = 1;  // pixels of the screen per metre
     this.box = this.wholeBox();
@@ -57,6 +56,7 @@ class PlaneView {
   fit() {
     const {width, height} = this.size(), [x0, y0, x1, y1] = this.box;
     const edge = 26;
+    this.moved = false;
     this.middle = [(x0 + x1) / 2, (y0 + y1) / 2];
     this.scale = Math.min((width - 2 * edge) / (x1 - x0 || 1e-9), (height - 2 * edge) / (y1 - y0 || 1e-9));
     this.fitted = this.scale;
@@ -79,6 +79,7 @@ class PlaneView {
     return [this.middle[0] + (px - width / 2) / this.scale, this.middle[1] - (py - height / 2) / this.scale];
   }
   zoom(factor, px, py) {
+    this.moved = true;
     const {width, height} = this.size();
     const before = this.toScene(px ?? width / 2, py ?? height / 2);
     this.scale = Math.min(this.fitted * 2000, Math.max(this.fitted / 20, this.scale * factor));
@@ -87,6 +88,7 @@ class PlaneView {
     this.middle[1] += before[1] - after[1];
   }
   drag(dx, dy) {
+    this.moved = true;
     this.middle[0] -= dx / this.scale;
     this.middle[1] += dy / this.scale;
   }
@@ -111,10 +113,13 @@ class PlaneView {
     if (look.walls) this.drawWalls(frame, colours);
     this.drawOpenings(colours);
     const paint = coloured(run, frame, look.colour, colours);
+    this.raster.begin(this.canvas.width, this.canvas.height);
     if (frame.cell) this.drawImages(frame, paint, colours);
     this.drawBodies(frame, paint, colours, 0, 0, 1);
     if (look.spokes || look.colour === 'plain') this.drawSpokes(frame, colours);
     if (look.chains) this.drawChains(frame, look, colours);
+    this.raster.end(pen);
+    if (frame.cell) this.drawCell(frame, colours);
     if (look.arrows) this.drawArrows(frame, colours);
     if (look.picked) this.drawPicked(frame, look, colours);
   }
@@ -244,15 +249,18 @@ class PlaneView {
     pen.setLineDash([]);
   }
 
-  /** Images of bodies beside the cell, pale, and the outline of the cell. */
+  /** Images of bodies beside the cell, pale. */
   drawImages(frame, paint, colours) {
-    const {pen, ratio} = this, [w, h, offset] = frame.cell;
+    const [w, h, offset] = frame.cell;
     const o = offset - Math.round(offset / w) * w;  // images repeat along x
     for (let ky = h ? -1 : 0; ky <= (h ? 1 : 0); ++ky) {
       for (let kx = -2; kx <= 2; ++kx) {
         if (kx || ky) this.drawBodies(frame, paint, colours, kx * w + ky * o, ky * h, 0.28);
       }
     }
+  }
+  drawCell(frame, colours) {
+    const {pen, ratio} = this, [w, h] = frame.cell;
     pen.strokeStyle = colours.wall;
     pen.lineWidth = 1.4 * ratio;
     pen.setLineDash([7 * ratio, 5 * ratio]);
@@ -266,107 +274,52 @@ class PlaneView {
     pen.setLineDash([]);
   }
 
-  drawBodies(frame, {index, list}, colours, dx, dy, alpha) {
-    const {pen, run, ratio, s} = this, n = frame.count, q = run.quantum;
-    const W = this.canvas.width, H = this.canvas.height;
-    const order = list.map(() => []);
+  drawBodies(frame, {index, list}, colours, dx, dy, opacity) {
+    const {run, ratio, s, raster} = this, n = frame.count, q = run.quantum;
+    const [edge, share] = pixelColour(colours.edge);
+    const looks = list.map(([r, g, b]) => b << 16 | g << 8 | r).map(fill => [fill, mixed(fill, edge, share)]);
+    const line = this.pxRadius > 2.2 ? Math.min(1.2, 0.25 + this.pxRadius / 14) * ratio : 0;
     for (let k = 0; k < n; ++k) {
-      const x = this.X(frame.x[k] * q + dx), y = this.Y(frame.x[n + k] * q + dy), r = run.radius[frame.number[k]] * s;
-      if (x > -r && x < W + r && y > -r && y < H + r) order[index[k]].push(x, y, r);
+      raster.disk(this.X(frame.x[k] * q + dx), this.Y(frame.x[n + k] * q + dy), run.radius[frame.number[k]] * s,
+        looks[index[k]], line, opacity);
     }
-    pen.globalAlpha = alpha;
-    const outline = this.pxRadius > 2.2;
-    pen.strokeStyle = colours.edge;
-    pen.lineWidth = Math.min(1.2, 0.25 + this.pxRadius / 14) * ratio;
-    order.forEach((places, c) => {
-      if (!places.length) return;
-      pen.fillStyle = cssOf(list[c]);
-      pen.beginPath();
-      for (let k = 0; k < places.length; k += 3) {
-        const r = places[k + 2];
-        if (r < 1) {
-          pen.rect(places[k] - r, places[k + 1] - r, 2 * r, 2 * r);
-        } else {
-          pen.moveTo(places[k] + r, places[k + 1]);
-          pen.arc(places[k], places[k + 1], r, 0, 2 * Math.PI);
-        }
-      }
-      pen.fill();
-      if (outline) pen.stroke();
-    });
-    pen.globalAlpha = 1;
   }
 
   drawSpokes(frame, colours) {
-    const {pen, run, ratio, s} = this, n = frame.count, q = run.quantum;
-    pen.strokeStyle = colours.edge;
-    pen.lineWidth = Math.min(1.8, 0.5 + this.pxRadius / 12) * ratio;
-    pen.beginPath();
+    const {run, ratio, s, raster} = this, n = frame.count, q = run.quantum, [edge, share] = pixelColour(colours.edge);
+    const thick = Math.min(1.8, 0.5 + this.pxRadius / 12) * ratio;
     for (let k = 0; k < n; ++k) {
       const x = this.X(frame.x[k] * q), y = this.Y(frame.x[n + k] * q), r = run.radius[frame.number[k]] * s;
-      pen.moveTo(x, y);
-      pen.lineTo(x + r * COS[frame.turn[k]], y - r * SIN[frame.turn[k]]);
+      raster.line(x, y, x + r * COS[frame.turn[k]], y - r * SIN[frame.turn[k]], thick, edge, share);
     }
-    pen.stroke();
   }
 
-  /** Ends of the line of contact k on the side of body i, in the scene. */
-  branch(frame, k) {
-    const {run} = this, i = indexOf(frame, frame.i[k]), [x, y] = placeOf(run, frame, i);
-    const wall = frame.j[k] >= WALL;
-    const length = run.radius[frame.i[k]] + LOG[frame.gap[k]] + (wall ? 0 : run.radius[frame.j[k]]);
-    return [x, y, x - length * COS[frame.n[k]], y - length * SIN[frame.n[k]]];
-  }
-  /** The same from body j of a pair across the border of a cell. */
-  drawnBranches(frame, k) {
-    const first = this.branch(frame, k);
-    if (!frame.cell || frame.j[k] >= WALL) return [first];
-    const [x, y] = placeOf(this.run, frame, indexOf(frame, frame.j[k]));
-    const dx = x - first[2], dy = y - first[3];
-    if (Math.hypot(dx, dy) < this.run.radius[frame.j[k]]) return [first];
-    return [first, [first[0] + dx, first[1] + dy, x, y]];
-  }
-
+  /** Lines from centre to centre, the strongest last; of a pair across the border of a cell from both. */
   drawChains(frame, look, colours) {
-    const {pen, run, ratio} = this;
-    const full = fullForce(run);
+    const {run, ratio, raster, s} = this, n = frame.count, q = run.quantum, full = fullForce(run);
     const thick = this.thickest = Math.min(11, Math.max(2.5, 0.75 * this.pxRadius)) * ratio;
-    const lines = {[1]: Array.from({length: WIDTHS + 1}, () => []), [2]: Array.from({length: WIDTHS + 1}, () => [])};
-    const open = [];
-    for (let k = 0; k < frame.contacts; ++k) {
-      const force = LOG[frame.fn[k]], status = frame.status[k];
-      if (!(force > 0)) {
-        if (look.open && status === 0) open.push(k);
-        continue;
-      }
-      const width = Math.min(WIDTHS, Math.ceil(Math.min(1.25, force / full) * WIDTHS / 1.25));
-      lines[status === 2 ? 2 : 1][width].push(k);
-    }
-    pen.lineCap = 'round';
-    const trace = contacts => {
-      pen.beginPath();
-      for (const k of contacts) {
-        for (const [x0, y0, x1, y1] of this.drawnBranches(frame, k)) {
-          pen.moveTo(this.X(x0), this.Y(y0));
-          pen.lineTo(this.X(x1), this.Y(y1));
-        }
-      }
-      pen.stroke();
+    const [open] = pixelColour(colours.open), [stick] = pixelColour(colours.stick), [slip] = pixelColour(colours.slip);
+    const trace = (k, draw) => {
+      const i = indexOf(frame, frame.i[k]), wall = frame.j[k] >= WALL;
+      const x = this.X(frame.x[i] * q), y = this.Y(frame.x[n + i] * q);
+      const length = (run.radius[frame.i[k]] + LOG[frame.gap[k]] + (wall ? 0 : run.radius[frame.j[k]])) * s;
+      const ex = x - length * COS[frame.n[k]], ey = y + length * SIN[frame.n[k]];
+      draw(x, y, ex, ey);
+      if (!frame.cell || wall) return;
+      const j = indexOf(frame, frame.j[k]), jx = this.X(frame.x[j] * q), jy = this.Y(frame.x[n + j] * q);
+      if (Math.hypot(jx - ex, jy - ey) >= run.radius[frame.j[k]] * s) draw(x + jx - ex, y + jy - ey, jx, jy);
     };
-    if (open.length) {
-      pen.strokeStyle = colours.open;
-      pen.lineWidth = 1.2 * ratio;
-      pen.setLineDash([1.2 * ratio, 3.6 * ratio]);
-      trace(open);
-      pen.setLineDash([]);
-    }
-    for (const status of [1, 2]) {
-      pen.strokeStyle = status === 1 ? colours.stick : colours.slip;
-      for (let w = 1; w <= WIDTHS; ++w) {
-        if (!lines[status][w].length) continue;
-        pen.lineWidth = Math.max(0.5 * ratio, w / WIDTHS * 1.25 * thick);
-        trace(lines[status][w]);
+    const pushing = [];
+    for (let k = 0; k < frame.contacts; ++k) {
+      if (LOG[frame.fn[k]] > 0) pushing.push(k);
+      else if (look.open && frame.status[k] === 0) {
+        trace(k, (x0, y0, x1, y1) => raster.dots(x0, y0, x1, y1, 1.4 * ratio, 3.6 * ratio, open));
       }
+    }
+    pushing.sort((a, b) => frame.fn[a] - frame.fn[b]);  // logarithms have the order of the forces
+    for (const k of pushing) {
+      const width = Math.max(0.5 * ratio, Math.min(1.25, LOG[frame.fn[k]] / full) * thick);
+      trace(k, (x0, y0, x1, y1) => raster.line(x0, y0, x1, y1, width, frame.status[k] === 2 ? slip : stick));
     }
   }
 

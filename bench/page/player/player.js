@@ -9,8 +9,7 @@ class Player {
     this.at = 0;
     this.speed = 1;
     this.look = {colour: 'speed', chains: true, open: run.dim === 2, arrows: false, spokes: run.dim === 2 && run.radius.length <= 40, walls: true,
-      centred: false, spheres: 'solid', cutAxis: -1, cutAt: 0, picked: null, colours: null};
-    if (run.dim === 3) this.look.chains = false;
+      centred: false, spheres: run.dim === 3 ? 'glass' : 'solid', cutAxis: -1, cutAt: 0, picked: null, colours: null};
     this.addControls();
     this.addPointer();
     this.addKeys();
@@ -62,7 +61,7 @@ class Player {
       const whole = Math.min(Math.floor(due), 8);  // a slow machine leaves frames out
       due -= Math.floor(due);
       if (whole > 0) this.go(this.at + whole);
-      if (this.at === this.run.frames.length - 1) this.pause();
+      if (this.at === this.run.frames.length - 1 && !this.run.about.live) this.pause();
       else requestAnimationFrame(tick);
     };
     requestAnimationFrame(tick);
@@ -132,6 +131,7 @@ class Player {
     check('walls', 'Walls');
     if (run.dim === 3) {
       $('space-tools').hidden = false;
+      $('spheres').value = look.spheres;
       $('spheres').addEventListener('change', () => { look.spheres = $('spheres').value; this.redraw(); });
       const cut = () => {
         look.cutAxis = $('cut-axis').value === '' ? -1 : Number($('cut-axis').value);
@@ -325,6 +325,9 @@ class Player {
     }
     $('legend').replaceChildren(...parts);
   }
+  showHead() {
+    fillHead(this.run, this.tables, time => this.goToTime(time));
+  }
   /** A bar of a round length. */
   showScale() {
     const scale = this.view.lengthScale(), wanted = 110 / scale;
@@ -403,8 +406,8 @@ class Player {
 async function start() {
   const about = JSON.parse($('about').textContent);
   try {
-    const run = await readRun(about, share => $('loading').textContent = `Reading the frames … ${Math.round(100 * share)} %`);
-    const tables = await readCurves(about);
+    const run = await readRun(about, $('frame-data').textContent, share => $('loading').textContent = `Reading the frames … ${Math.round(100 * share)} %`);
+    const tables = await readCurves(about, $('curve-data').textContent);
     let player;
     const curves = new CurvePanel(run, tables, time => player.goToTime(time));
     $('loading').hidden = true;
@@ -412,13 +415,15 @@ async function start() {
     view.resize();
     view.fit();
     player = new Player(run, view, curves);
-    fillHead(run, tables, time => player.goToTime(time));
+    player.tables = tables;
+    player.showHead();
     fillFoot(run);
     const asked = window.matchMedia('(prefers-color-scheme: dark)');
     player.setTheme(asked.matches ? 'dark' : 'light');
     asked.addEventListener('change', () => player.setTheme(asked.matches ? 'dark' : 'light'));
     if (!player.readLink()) player.go(run.frames.length - 1);
     window.bipotPlayer = player;  // for tests and the console
+    if (about.live) follow(player);
   } catch (failure) {
     $('loading').hidden = false;
     $('loading').textContent = `The page cannot show this run: ${failure.message}`;

@@ -75,6 +75,7 @@ const FLAT_FRAGMENT = `#version 300 es
 precision highp float; in vec4 tint; out vec4 result;
 void main() { result = tint; }`;
 
+const IMAGE_SHARE = 0.12;  // of the width of a cell, by which images stand beyond its faces
 const sub3 = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const add3 = (a, b, t = 1) => [a[0] + t * b[0], a[1] + t * b[1], a[2] + t * b[2]];
 const dot3 = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -147,14 +148,16 @@ class SpaceView {
     }
     const cell = run.frames[0].cell;
     if (cell) {
-      box.lower[0] = 0, box.upper[0] = cell[0];
-      if (cell[1]) box.lower[1] = 0, box.upper[1] = cell[1];
+      const edge = IMAGE_SHARE * cell[0];
+      box.lower[0] = -edge, box.upper[0] = cell[0] + edge;
+      if (cell[1]) box.lower[1] = -edge, box.upper[1] = cell[1] + edge;
     }
     return box;
   }
 
   fit() {
     const {lower, upper} = this.box;
+    this.moved = false;
     this.middle = lower.map((x, c) => (x + upper[c]) / 2);
     this.reach = Math.hypot(...sub3(upper, lower)) / 2;
     const {width, height} = this.size();
@@ -170,10 +173,12 @@ class SpaceView {
     this.canvas.height = Math.round(height * ratio);
   }
   zoom(factor) {
+    this.moved = true;
     this.distance = Math.min(this.fitted * 8, Math.max(this.fitted / 200, this.distance / factor));
   }
   /** Pixels along the screen move the middle; pixels turn the eye. */
   drag(dx, dy) {
+    this.moved = true;
     const {right, above} = this.camera(), step = 1 / this.lengthScale();
     this.middle = add3(add3(this.middle, right, -dx * step), above, dy * step);
   }
@@ -243,28 +248,52 @@ class SpaceView {
     for (let k = 0; k < frame.count; ++k) {
       if (!this.hidden(look, placeOf(run, frame, k))) visible.push(k);
     }
-    if (look.spheres === 'solid') this.drawSpheres(frame, visible, paint, camera, look, false);
+    const images = look.spheres === 'none' ? [] : this.images(frame, look);
+    if (look.spheres === 'solid') this.drawSpheres(frame, [...visible, ...images], paint, camera, look, false);
     if (look.chains || look.arrows || look.picked) this.drawTubes(frame, look, colours, camera);
     gl.enable(gl.BLEND);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
     if (look.spheres === 'glass') {
-      const depth = visible.map(k => dot3(camera.from, placeOf(run, frame, k)));
-      const order = visible.map((_, k) => k).sort((a, b) => depth[a] - depth[b]).map(k => visible[k]);
+      const all = [...visible, ...images];
+      const depth = all.map(item => dot3(camera.from, item.length === 3
+        ? add3(placeOf(run, frame, item[0]), [item[1], item[2], 0]) : placeOf(run, frame, item)));
+      const order = all.map((_, k) => k).sort((a, b) => depth[a] - depth[b]).map(k => all[k]);
       this.drawSpheres(frame, order, paint, camera, look, true);
     }
     if (look.walls) this.drawWalls(frame, look, colours, camera);
     gl.depthMask(true);
   }
 
+  /** Bodies again where a cell repeats, a little beyond its faces: [body, dx, dy]. */
+  images(frame, look) {
+    const found = [];
+    if (!frame.cell) return found;
+    const {run} = this, [w, h, offset] = frame.cell, edge = IMAGE_SHARE * w;
+    for (let k = 0; k < frame.count; ++k) {
+      const x = placeOf(run, frame, k);
+      for (let ky = h ? -1 : 0; ky <= (h ? 1 : 0); ++ky) {
+        for (let kx = -2; kx <= 2; ++kx) {
+          const dx = kx * w + ky * offset, dy = ky * h, ix = x[0] + dx, iy = x[1] + dy;
+          const near = ix > -edge && ix < w + edge && (!h || (iy > -edge && iy < h + edge));
+          if ((kx || ky) && near && !this.hidden(look, [ix, iy, x[2]])) found.push([k, dx, dy]);
+        }
+      }
+    }
+    return found;
+  }
+
+  /** `visible`: bodies, or their images [body, dx, dy], which are pale. */
   drawSpheres(frame, visible, {index, list}, camera, look, glass) {
     const {gl, run} = this, n = frame.count, q = run.quantum, data = new Float32Array(12 * visible.length);
-    visible.forEach((k, at) => {
-      const rgb = list[index[k]], number = frame.number[k];
+    const stage = rgbOf(look.colours.stage);
+    visible.forEach((item, at) => {
+      const image = item.length === 3, [k, dx, dy] = image ? item : [item, 0, 0];
+      const number = frame.number[k], rgb = image ? list[index[k]].map((x, c) => 0.35 * x + 0.65 * 255 * stage[c]) : list[index[k]];
       const dim = look.picked?.body === number ? 1 : 0;
       const x = frame.turn[k] / 32767 - 1, y = frame.turn[n + k] / 32767 - 1, z = frame.turn[2 * n + k] / 32767 - 1;
       const pick = rgbOf(look.colours.path);
-      data.set([frame.x[k] * q, frame.x[n + k] * q, frame.x[2 * n + k] * q, run.radius[number],
+      data.set([frame.x[k] * q + dx, frame.x[n + k] * q + dy, frame.x[2 * n + k] * q, run.radius[number],
         dim ? pick[0] : rgb[0] / 255, dim ? pick[1] : rgb[1] / 255, dim ? pick[2] : rgb[2] / 255, 1,
         x, y, z, Math.sqrt(Math.max(0, 1 - x * x - y * y - z * z))], 12 * at);
     });

@@ -91,6 +91,7 @@ class Page:
             target = next(t for t in json.load(answer) if t["type"] == "page")
         self.socket = Socket(target["webSocketDebuggerUrl"])
         self.number, self.errors = 0, []
+        self.own = ("file:", "data:", "blob:", "about:")  # addresses that a page may load
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
 
@@ -105,7 +106,7 @@ class Page:
             self.errors.append(what["entry"]["text"])
         elif method == "Network.requestWillBeSent":
             url = what["request"]["url"]
-            if not url.startswith(("file:", "data:", "blob:", "about:")):
+            if not url.startswith(self.own):
                 self.errors.append("the page loads " + url)
 
     def call(self, method, **params):
@@ -140,8 +141,11 @@ class Page:
                   features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
 
     def open(self, path, place=""):
+        self.open_address(pathlib.Path(path).resolve().as_uri() + place)
+
+    def open_address(self, url):
         self.call("Page.navigate", url="about:blank")
-        self.call("Page.navigate", url=pathlib.Path(path).resolve().as_uri() + place)
+        self.call("Page.navigate", url=url)
         self.wait("document.readyState === 'complete'")
 
     def frames_drawn(self, count=3):
