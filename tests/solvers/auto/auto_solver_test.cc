@@ -287,7 +287,8 @@ TEST(AutoSolver, GivenWAloneExactAnswersComeSecond) {
   EXPECT_NE(second(few), "ipm");
   const ContactProblem handful = manufactured_problem(3, 5, 10, 1).problem;
   EXPECT_NE(second(local_form(handful)), "ipm");
-  EXPECT_EQ(second(local_form(shipped_file("3d_sphere_pyramid_4.hdf5"))), "newton");
+  const char* many = find_solver("newton") != nullptr ? "newton" : "apgd";  // without PETSc
+  EXPECT_EQ(second(local_form(shipped_file("3d_sphere_pyramid_4.hdf5"))), many);
   const SolveResult result =
       solve("auto", local_form(shipped_file("2d_tilt12_320.hdf5")), {.tol = 1e-8});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
