@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "bench/report/labels.h"
+#include "core/motion/time_stepping.h"
 
 namespace bipot {
 namespace {
@@ -229,7 +230,12 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   line("choice", fmt::format("{} to {}, time step {:g} s (the scene's{})", t.solver.label,
                              tolerance_label(t.tol), a.step_size,
                              own_step ? "" : fmt::format(": {:g} s", a.scene_step)));
-  line("expected error", error_against(expected_error(a), a.goal) + whose);
+  const MeasuredError expected = expected_error(a);
+  std::string error = error_against(expected, a.goal) + whose;
+  if (std::isnan(a.goal.penetration) && expected.error.penetration > kDeepOverlap) {
+    error += fmt::format("; overlaps up to {}", share_label(expected.error.penetration));
+  }
+  line("expected error", std::move(error));
   line("cost", fmt::format("{} a step, {} for the {:g} s of the scene ({} steps), files aside{}",
                            duration_label(a.seconds_per_step), duration_label(a.seconds_in_all),
                            a.duration, a.num_steps, basis_of(a)));

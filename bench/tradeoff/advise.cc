@@ -20,6 +20,7 @@ namespace bipot {
 namespace {
 
 constexpr std::size_t kMaxStarts = 64;
+constexpr int kMoreSamples = 4;  // times as many halve the bars
 
 template <int D>
 void check_request(const Scene<D>& scene, const AdviseOptions& options) {
@@ -132,12 +133,14 @@ void conclude(const AdviseOptions& options, Advice& advice) {
   } else {
     advice.status = Advice::Status::kMet;
     advice.message = "the goal is met on all stretches";
-    if (run.whole()) advice.message += ", and overlaps stay below it in the whole run";
+    if (run.whole() && !std::isnan(advice.goal.penetration)) {
+      advice.message += ", and overlaps stay below it in the whole run";
+    }
   }
   if (advice.status == Advice::Status::kUndecided &&
       advice.message.find(more) == std::string::npos) {
-    advice.message += fmt::format(": give --samples {} --time-limit {:g}", 4 * options.samples,
-                                  4 * options.time_limit);
+    advice.message += fmt::format(": give --samples {} --time-limit {:g}",
+                                  kMoreSamples * advice.steps.windows, 4 * options.time_limit);
   }
   advice.message += beyond_goal(advice);
 }
@@ -168,7 +171,7 @@ class Adviser {
     advice_.seconds_spent = time_.seconds();
     if (options_.stopped()) {
       advice_.status = Advice::Status::kInterrupted;
-      advice_.message = "interrupted";
+      advice_.message = "stopped before an answer";
       advice_.choice = -1;
     }
     return advice_;
@@ -182,16 +185,32 @@ class Adviser {
     sample_run();
     if (options_.stopped()) return;
     if (starts_.empty()) return say_that_nothing_touched();
-    study_time_step();
-    if (options_.stopped()) return;
-    if (advice_.step.index >= 0) {
-      measure_spread();
-      try_solvers();
-      mark_pareto(advice_.trials, advice_.goal);
-      choose();
-      if (!options_.stopped() && advice_.choice >= 0) run_as_advised();
+    const Advice sampled = advice_;
+    for (int samples = options_.samples;; samples *= kMoreSamples) {
+      advice_ = sampled;
+      look_at(samples);
+      if (options_.stopped()) return;
+      conclude(options_, advice_);
+      // Bars that are too wide are narrowed, if the time allows.
+      const bool wide = advice_.status == Advice::Status::kUndecided && advice_.choice >= 0 &&
+                        !advice_.out_of_time;
+      if (!wide || to_size(samples) >= starts_.size() ||
+          (1 + kMoreSamples) * time_.seconds() > options_.time_limit) {
+        return;
+      }
     }
-    if (!options_.stopped()) conclude(options_, advice_);
+  }
+
+  /// Everything after the sampled run, on so many of its stretches and the hardest one.
+  void look_at(int samples) {
+    choose_stretches(samples);
+    study_time_step();
+    if (options_.stopped() || advice_.step.index < 0) return;
+    measure_spread();
+    try_solvers();
+    mark_pareto(advice_.trials, advice_.goal);
+    choose();
+    if (!options_.stopped() && advice_.choice >= 0) run_as_advised();
   }
 
   void say(const std::string& stage) const {
@@ -219,15 +238,22 @@ class Adviser {
     return samples;
   }
 
-  /// Runs the scene as tightly as time allows, and selects starts of stretches.
+  /// Runs the scene as tightly as time allows.
   void sample_run() {
     say("running the scene");
     run_to_sample(tight_, TimeBudget::kTightRunEnd);
     if (advice_.sample.steps_run < advice_.sample.steps_planned && !options_.stopped()) {
       run_to_sample(loose_tolerance(advice_.goal), TimeBudget::kRunEnd);
     }
+  }
+
+  void choose_stretches(int samples) {
+    sample_.clear();
+    runs_.clear();
+    factor_ = 1;
+    floor_ = 0;
     if (hardest_) sample_.push_back(&*hardest_);
-    for (std::size_t i : select(starts_.size(), options_.samples)) {
+    for (std::size_t i : select(starts_.size(), samples)) {
       if (!hardest_ || starts_[i].step != hardest_->step) sample_.push_back(&starts_[i]);
     }
   }
