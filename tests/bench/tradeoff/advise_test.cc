@@ -131,6 +131,15 @@ TEST(Advise, TheOverlapIsThatOfTheRun) {
             advice.step_size / drop().step * 0.99 * advice.sample.overlap);
 }
 
+TEST(Advise, TakesMoreStretchesWhereOneHasNoBar) {
+  AdviseOptions options = quick(1e-2);
+  options.goal = {.energy = 0.5};
+  options.samples = 1;
+  const Advice advice = advise(lattice(), options);
+  EXPECT_EQ(advice.status, Advice::Status::kMet) << advice.message;
+  EXPECT_GT(advice.steps.windows, 2);
+}
+
 TEST(Advise, SaysThatNothingTouches) {
   Scene<2> scene = drop();
   scene.bodies[0].x[1] += 10;
