@@ -131,6 +131,7 @@ struct SceneSample {
 /// The run as advised, from its start as far as time allowed.
 struct AdvisedRun {
   int steps = 0, steps_planned = 0;
+  int unsolved = 0;    ///< of the steps
   double cpu = 0;      ///< [s]
   double overlap = 0;  ///< largest, over the smaller radius
   int overlap_step = 0;

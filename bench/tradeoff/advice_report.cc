@@ -293,11 +293,9 @@ Json to_json(const Advice& a, const Provenance& made) {
   for (const SolverTrial& t : a.trials) j["trials"].push_back(to_json(t));
   j["out_of_time"] = a.out_of_time;
   j["spread"] = to_json(a.spread);
-  j["advised_run"] = {{"steps_planned", a.run.steps_planned},
-                      {"steps_run", a.run.steps},
-                      {"overlap", a.run.overlap},
-                      {"overlap_step", a.run.overlap_step},
-                      {"failure", a.run.failure}};
+  j["advised_run"] = {{"steps_planned", a.run.steps_planned}, {"steps_run", a.run.steps},
+                      {"steps_unsolved", a.run.unsolved},     {"overlap", a.run.overlap},
+                      {"overlap_step", a.run.overlap_step},   {"failure", a.run.failure}};
   j["seconds"] = a.seconds_spent;
   return j;
 }

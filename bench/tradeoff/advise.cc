@@ -19,7 +19,7 @@
 namespace bipot {
 namespace {
 
-constexpr std::size_t kMaxStarts = 64;
+constexpr int kMaxStarts = 64;
 constexpr int kMoreSamples = 4;  // times as many halve the bars
 
 template <int D>
@@ -103,7 +103,11 @@ void conclude(const AdviseOptions& options, Advice& advice) {
   const MeasuredError expected = expected_error(advice);
   const bool settled = share_of(expected.least(), advice.goal) > 1;
   advice.status = settled ? Advice::Status::kNotMet : Advice::Status::kUndecided;
-  if (!run.failure.empty()) {
+  if (run.unsolved > 0) {
+    advice.status = Advice::Status::kNotMet;
+    advice.message = fmt::format("{} of {} steps of the run as advised were not solved",
+                                 run.unsolved, run.steps);
+  } else if (!run.failure.empty()) {
     advice.status = Advice::Status::kNotMet;
     advice.message = "the run as advised ends: " + run.failure;
   } else if (run.overlap > advice.goal.penetration) {
@@ -115,10 +119,13 @@ void conclude(const AdviseOptions& options, Advice& advice) {
     advice.message = "the error of the time step could not be measured in time: " + more;
   } else if (!advice.step.met) {
     const StepTrial &large = advice.steps.steps.front(), &small = advice.steps.steps.back();
-    advice.message =
-        fmt::format("no time step from {:g} to {:g} s {}; of {:g} s: {}", large.step, small.step,
-                    settled ? "meets the goal" : "surely leaves a tenth of the goal to the solver",
-                    advice.step_size, held_against(advice.step_error, advice.goal));
+    const std::string tried =
+        &large == &small ? fmt::format("no time step tried ({:g} s alone)", large.step)
+                         : fmt::format("no time step from {:g} to {:g} s", large.step, small.step);
+    const char* what =
+        settled ? "meets the goal" : "surely leaves a tenth of the goal to the solver";
+    advice.message = fmt::format("{} {}; of {:g} s: {}", tried, what, advice.step_size,
+                                 held_against(advice.step_error, advice.goal));
   } else if (chosen.verdict != SolverTrial::Verdict::kChosen) {
     advice.message = fmt::format(
         "{}; the best is {} to {} with {}",
@@ -140,7 +147,8 @@ void conclude(const AdviseOptions& options, Advice& advice) {
   if (advice.status == Advice::Status::kUndecided &&
       advice.message.find(more) == std::string::npos) {
     advice.message += fmt::format(": give --samples {} --time-limit {:g}",
-                                  kMoreSamples * advice.steps.windows, 4 * options.time_limit);
+                                  std::min(kMoreSamples * advice.steps.windows, int{kMaxStarts}),
+                                  4 * options.time_limit);
   }
   advice.message += beyond_goal(advice);
 }
@@ -288,7 +296,7 @@ class Adviser {
           last = leads.front().step;
           if (candidates++ % stride == 0) starts_.push_back(leads.front());
         }
-        if (starts_.size() > kMaxStarts) {
+        if (starts_.size() > to_size(kMaxStarts)) {
           for (std::size_t i = 1; 2 * i < starts_.size(); ++i) {
             starts_[i] = std::move(starts_[2 * i]);
           }
@@ -505,6 +513,7 @@ class Adviser {
                     {.on_step = [this](const auto&) { return !time_.past(1); }});
     advice_.run = {.steps = run.steps,
                    .steps_planned = run.steps_planned,
+                   .unsolved = run.steps - run.steps_converged,
                    .cpu = run.cpu,
                    .overlap = std::fmax(run.penetration, 0),
                    .overlap_step = run.penetration_step};
