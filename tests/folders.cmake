@@ -40,8 +40,9 @@ set(folders
   "bench/measure = bench/problems"
   "bench/tradeoff = bench/measure"
   "bench/compare = bench/measure"
+  "bench/tune = bench/measure"
   "bench/experiments = bench/measure"
-  "bench/command = bench/compare bench/experiments bench/page bench/tradeoff"
+  "bench/command = bench/compare bench/experiments bench/page bench/tradeoff bench/tune"
   "bench/programs = bench/command"
   "bench/python = bench/compare bench/tradeoff"
   "tests = bench/programs bench/python")

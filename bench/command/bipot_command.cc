@@ -32,6 +32,7 @@
 #include "bench/command/run_processes.h"
 #include "bench/command/solve_command.h"
 #include "bench/command/trade_command.h"
+#include "bench/command/tune_command.h"
 #include "bench/command/validate_command.h"
 #include "bench/report/json_output.h"
 #include "core/base/printable_text.h"
@@ -133,6 +134,7 @@ int run_command_line(int argc, const char* const* argv) {
       command(line, &add_solve_command, &solve_command),
       command(line, &add_judge_command, &judge_command),
       command(line, &add_compare_command, &compare_command),
+      command(line, &add_tune_command, &tune_command),
       command(line, &add_advise_command, &advise_command),
       command(line, &add_paper_command, &paper_command),
       command(line, &add_trade_command, &trade_command),

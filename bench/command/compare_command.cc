@@ -25,7 +25,7 @@ CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags) {
       .option("targets", flags.targets,
               "Problem file, folder of them, scene, family as square:30, triangular:30, "
               "pyramid:20, random:20, pile:32, impact:32, pour:32, collapse:32, tilt:32, "
-              "strike:32, in space cannonballs:6, cubic:6 (with "
+              "strike:32, in space cannonballs:6, cubic:6, pour3d:8, pipe:8, shear3d:8 (with "
               ":mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark")
       .required();
   command.option("--solvers", flags.solvers, "all, or names separated by commas")

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "bench/compare/comparison_rows.h"
+#include "bench/report/csv_text.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
@@ -42,20 +43,6 @@ Json limits_json(const ComparisonOptions& o) {
           {"try_all", o.try_all}};
 }
 
-/// Opens for appending whole lines. A line that was cut off must not be continued by the next one.
-void open_for_lines(const fs::path& path, const std::string& header, std::ofstream& file) {
-  if (fs::exists(path)) {
-    const std::string whole = read_text_file(path);
-    if (const std::size_t end = whole.rfind('\n'); end + 1 != whole.size()) {
-      fs::resize_file(path, end + 1);
-    }
-  }
-  const bool fresh = !fs::exists(path) || fs::file_size(path) == 0;
-  file.open(path, std::ios::app);
-  if (fresh) file << header << std::endl;
-  if (!file) throw FileError(path, "", "cannot be written");
-}
-
 }  // namespace
 
 ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(options.out) {
@@ -89,8 +76,8 @@ ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(opt
       histories_.insert_or_assign({history.problem, history.solver}, std::move(history));
     }
   }
-  open_for_lines(rows, csv_header(), rows_file_);
-  open_for_lines(histories, history_csv_header(), history_file_);
+  rows_file_ = open_csv_table(rows, csv_header());
+  history_file_ = open_csv_table(histories, history_csv_header());
 }
 
 const ComparisonRow* ComparisonStore::find(const std::string& problem, const std::string& solver,

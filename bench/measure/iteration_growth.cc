@@ -10,7 +10,6 @@
 #include <stdexcept>
 
 #include "bench/measure/moving_problems.h"
-#include "bench/problems/moving_scene.h"
 #include "bench/problems/settled_pile.h"
 #include "bench/problems/sphere_problems.h"
 #include "bench/report/json_output.h"
@@ -27,10 +26,16 @@ bool is_sphere_family(const std::string& family) {
   return std::find(names.begin(), names.end(), family) != names.end();
 }
 
+bool is_moving_family(const std::string& family) {
+  const std::vector<std::string> moving = moving_families();
+  return std::find(moving.begin(), moving.end(), family) != moving.end();
+}
+
 double disks_of(const std::string& family, int side) {
   const double n = side;
   if (family == "pyramid") return n * (n + 1) / 2;
   if (is_sphere_family(family)) return spheres_in(family, side);
+  if (is_moving_family(family)) return bodies_in(family, side);
   const double triangular = n * n - std::floor(n / 2);  // every second row has one disk less
   if (family == "triangular") return triangular;
   if (family == "diluted") return 0.9 * triangular;
@@ -79,15 +84,14 @@ Json to_json(const PowerLaw& law) {
 GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
   GrowthProblem made;
   made.side = side;
-  const std::vector<std::string> moving = moving_family_names();
-  if (std::find(moving.begin(), moving.end(), scene.family) != moving.end()) {
+  if (is_moving_family(scene.family)) {
     const FamilyOptions options{
         .mu = scene.mu, .tilt_degrees = scene.tilt_degrees, .seed = scene.seed};
     made.problem =
         moving_problems({scene.family, side, options, moving_steps(scene.family, side, 1)})
             .front()
             .problem;
-    made.bodies = to_size(side) * to_size(side);
+    made.bodies = to_size(std::lround(bodies_in(scene.family, side)));
     return made;
   }
   if (is_sphere_family(scene.family)) {

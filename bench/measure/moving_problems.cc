@@ -11,6 +11,7 @@
 
 #include "bench/problems/moving_run.h"
 #include "bench/problems/moving_scene.h"
+#include "bench/problems/moving_spheres.h"
 #include "bench/report/build_info.h"
 #include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
@@ -20,6 +21,11 @@ namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
+
+bool in_space(const std::string& family) {
+  const std::vector<std::string> names = moving_sphere_names();
+  return std::find(names.begin(), names.end(), family) != names.end();
+}
 
 std::string key_of(const MovingRunRequest& request) {
   const FamilyOptions& o = request.options;
@@ -95,7 +101,8 @@ fs::path problem_cache_folder() {
 }
 
 std::vector<int> moving_steps(const std::string& family, int side, int count) {
-  const int last = make_moving_scene(family, side, {}).num_steps;
+  const int last = in_space(family) ? make_moving_spheres(family, side, {}).num_steps
+                                    : make_moving_scene(family, side, {}).num_steps;
   std::vector<int> steps;
   for (int i = 1; i <= count; ++i) {
     const auto step = static_cast<int>(std::lround(last * (i - 0.35) / count));
@@ -104,15 +111,17 @@ std::vector<int> moving_steps(const std::string& family, int side, int count) {
   return steps;
 }
 
-std::vector<TestProblem> moving_problems(const MovingRunRequest& request) {
-  const Scene<2> scene = make_moving_scene(request.family, request.side, request.options);
+namespace {
+
+template <int D>
+std::vector<TestProblem> problems_of(const Scene<D>& scene, const MovingRunRequest& request) {
   // Uncommitted changes have no version of their own: files of such builds are not used.
   const bool trusted = !build_info().commit.ends_with("-dirty");
   const bool complete =
       trusted && std::all_of(request.steps.begin(), request.steps.end(),
                              [&](int step) { return read_step(request, step).has_value(); });
   if (!complete) {
-    run_moving_scene(scene, request.steps, [&](const SceneStep<2>& step) {
+    run_moving_scene<D>(scene, request.steps, [&](const SceneStep<D>& step) {
       write_step(request, step.report.step, step.problem, step.start);
     });
   }
@@ -122,13 +131,31 @@ std::vector<TestProblem> moving_problems(const MovingRunRequest& request) {
     if (!problem) {  // no contacts: FCLIB has no such problem
       problem.emplace();
       problem->origin = recipe_of(request, step);
-      problem->problem.dim = scene.has_friction() ? 2 : 1;
+      problem->problem.dim = scene.has_friction() ? D : 1;
     }
     problem->step = scene.step;
     problem->smallest_radius = smallest_radius(scene);
     made.push_back(std::move(*problem));
   }
   return made;
+}
+
+}  // namespace
+
+std::vector<TestProblem> moving_problems(const MovingRunRequest& request) {
+  const auto& [family, side, options, steps] = request;
+  if (in_space(family)) return problems_of(make_moving_spheres(family, side, options), request);
+  return problems_of(make_moving_scene(family, side, options), request);
+}
+
+std::vector<std::string> moving_families() {
+  std::vector<std::string> names = moving_family_names();
+  for (const std::string& name : moving_sphere_names()) names.push_back(name);
+  return names;
+}
+
+double bodies_in(const std::string& family, int side) {
+  return std::pow(static_cast<double>(side), in_space(family) ? 3 : 2);
 }
 
 }  // namespace bipot

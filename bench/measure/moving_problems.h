@@ -9,7 +9,12 @@
 
 namespace bipot {
 
-/// Steps of a run of a moving scene (bench/problems/moving_scene.h, moving_run.h), counted from 1.
+/// The families of moving_scene.h and of moving_spheres.h.
+std::vector<std::string> moving_families();
+/// Bodies of one of them: side², in space side³.
+double bodies_in(const std::string& family, int side);
+
+/// Steps of a run of a moving scene (bench/problems/moving_run.h), counted from 1.
 struct MovingRunRequest {
   std::string family;
   int side = 0;
@@ -26,6 +31,7 @@ std::vector<TestProblem> moving_problems(const MovingRunRequest& request);
 
 /// `count` steps of the run at the parts (i - 0.35) / count of it, i = 1 to count: between fall and
 /// rest.
+/// Throws std::invalid_argument for a family that is not one of moving_families().
 std::vector<int> moving_steps(const std::string& family, int side, int count);
 
 std::filesystem::path problem_cache_folder();

@@ -18,7 +18,6 @@
 #include <variant>
 
 #include "bench/measure/moving_problems.h"
-#include "bench/problems/moving_scene.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/settled_pile.h"
 #include "bench/problems/sphere_problems.h"
@@ -71,7 +70,10 @@ const std::vector<std::string> kBenchmark = {"square:10:tilt=10",
                                              "pour:32",
                                              "collapse:32",
                                              "tilt:32:angle=30",
-                                             "strike:32"};
+                                             "strike:32",
+                                             "pour3d:8",
+                                             "pipe:8",
+                                             "shear3d:8"};
 const std::vector<std::string> kQuickBenchmark = {"square:10:tilt=10",
                                                   "square:18:tilt=10",
                                                   "square:32:tilt=10",
@@ -143,12 +145,12 @@ std::vector<std::string> families() {
   std::vector<std::string> names = family_names();
   names.emplace_back("pile");
   names.emplace_back("impact");
-  for (const std::string& name : moving_family_names()) names.push_back(name);
+  for (const std::string& name : moving_families()) names.push_back(name);
   for (const std::string& name : sphere_family_names()) names.push_back(name);
   return names;
 }
 
-bool is_moving(const Family& family) { return contains(moving_family_names(), family.name); }
+bool is_moving(const Family& family) { return contains(moving_families(), family.name); }
 
 bool is_of_spheres(const Family& family) { return contains(sphere_family_names(), family.name); }
 
@@ -200,6 +202,9 @@ Family parse_family(const std::string& target) {
       (o.mass_ratio != 1 || o.e_n != 0 || o.seed != FamilyOptions().seed)) {
     throw std::invalid_argument(
         fmt::format("target {}: a lattice of spheres takes mu and tilt alone", target));
+  }
+  if (is_moving(family) && bodies_in(family.name, family.side) > 1e6) {
+    throw std::invalid_argument(fmt::format("target {}: more than a million bodies", target));
   }
   if (is_of_spheres(family) && family.side > 50) {
     throw std::invalid_argument(

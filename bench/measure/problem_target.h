@@ -36,7 +36,8 @@ struct TargetOptions {
 ///   - a family of spheres "cannonballs:6" or "cubic:6" (sphere_problems.h), with :mu and :tilt;
 ///   - a moving family "pour:32", "collapse:32", "tilt:32:angle=30" or "strike:32"
 ///     (moving_scene.h): steps along one run, each with its start, kept in a cache folder
-///     (moving_problems.h), with the options :mu, :tilt, :e and :seed;
+///     (moving_problems.h), with the options :mu, :tilt, :e and :seed; in space "pour3d:8", "pipe:8"
+///     or "shear3d:8" (moving_spheres.h);
 ///   - "benchmark": series of families from 10² to 10⁴ disks, the shipped problems and those of the
 ///     folder that the environment variable BIPOT_PROBLEMS names.
 /// Throws std::invalid_argument for other targets, and for two problems of one name.

@@ -7,23 +7,29 @@
 
 namespace bipot {
 
-void run_moving_scene(const Scene<2>& scene, const std::vector<int>& steps,
-                      const std::function<void(const SceneStep<2>&)>& on_step) {
+template <int D>
+void run_moving_scene(const Scene<D>& scene, const std::vector<int>& steps,
+                      const std::function<void(const SceneStep<D>&)>& on_step) {
   if (steps.empty()) return;
   SolverOptions options;
   options.tol = kMovingTolerance;
   options.max_iterations = kMovingIterations;
-  State<2> state = initial_state(scene);
-  SceneRunOptions<2> to_last;
+  State<D> state = initial_state(scene);
+  SceneRunOptions<D> to_last;
   to_last.steps = steps.back();
   to_last.solver = make_step_solver(require_solver("apgd"), options);
-  to_last.on_step = [&](const SceneStep<2>& step) {
+  to_last.on_step = [&](const SceneStep<D>& step) {
     const bool wanted = std::binary_search(steps.begin(), steps.end(), step.report.step);
     if (wanted && step.problem.num_contacts() > 0) on_step(step);
     return true;
   };
-  const SceneRun<2> done = run_scene(scene, state, to_last);
+  const SceneRun<D> done = run_scene(scene, state, to_last);
   if (done.failure) throw *done.failure;
 }
+
+template void run_moving_scene<2>(const Scene<2>&, const std::vector<int>&,
+                                  const std::function<void(const SceneStep<2>&)>&);
+template void run_moving_scene<3>(const Scene<3>&, const std::vector<int>&,
+                                  const std::function<void(const SceneStep<3>&)>&);
 
 }  // namespace bipot

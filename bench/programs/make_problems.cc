@@ -43,7 +43,7 @@ struct MovingEntries {
 void write_steps(const std::filesystem::path& folder, const MovingEntries& entries) {
   const FamilyOptions& o = entries.options;
   const Scene<2> scene = make_moving_scene(entries.family, entries.side, o);
-  run_moving_scene(scene, entries.steps, [&](const SceneStep<2>& step) {
+  run_moving_scene<2>(scene, entries.steps, [&](const SceneStep<2>& step) {
     const std::string name =
         fmt::format("2d_{}{}_{}", entries.family, entries.side, step.report.step);
     const std::filesystem::path path = folder / (name + ".hdf5");

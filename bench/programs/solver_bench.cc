@@ -22,7 +22,7 @@
 
 #include "bench/command/blas_kernels.h"
 #include "bench/measure/iteration_growth.h"
-#include "bench/problems/moving_scene.h"
+#include "bench/measure/moving_problems.h"
 #include "bench/problems/sphere_problems.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
@@ -166,7 +166,7 @@ int main(int argc, char** argv) {
   }
   std::vector<std::string> families = family_names();
   families.emplace_back("pile");
-  for (const std::string& name : moving_family_names()) families.push_back(name);
+  for (const std::string& name : moving_families()) families.push_back(name);
   for (const std::string& name : sphere_family_names()) families.push_back(name);
   const auto known = [](const char* kind, const auto& names,
                         const std::vector<std::string>& valid) {

@@ -58,4 +58,19 @@ std::vector<std::vector<std::string>> read_csv_table(const std::filesystem::path
   return rows;
 }
 
+std::ofstream open_csv_table(const std::filesystem::path& path, std::string_view header) {
+  namespace fs = std::filesystem;
+  if (fs::exists(path)) {
+    const std::string whole = read_text_file(path);
+    if (const std::size_t end = whole.rfind('\n'); end + 1 != whole.size()) {
+      fs::resize_file(path, end + 1);
+    }
+  }
+  const bool fresh = !fs::exists(path) || fs::file_size(path) == 0;
+  std::ofstream file(path, std::ios::app);
+  if (fresh) file << header << std::endl;
+  if (!file) throw FileError(path, "", "cannot be written");
+  return file;
+}
+
 }  // namespace bipot

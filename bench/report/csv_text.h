@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,5 +19,9 @@ std::vector<std::string> split_csv_line(std::string_view line);
 /// stopped program, is left out. Throws FileError with the line.
 std::vector<std::vector<std::string>> read_csv_table(const std::filesystem::path& path,
                                                      std::string_view header, std::size_t columns);
+
+/// Opens such a file for further rows. A row that was cut off is removed; a new file gets the first
+/// line. Throws FileError.
+std::ofstream open_csv_table(const std::filesystem::path& path, std::string_view header);
 
 }  // namespace bipot

@@ -215,6 +215,9 @@ void read_solver(const SceneTable& root, Scene<D>& scene) {
   if (s.max_iterations < 0) table->fail("max_iterations", "expected a non-negative integer");
   s.warm_start = table->boolean("warm_start", s.warm_start);
   if (const auto parameters = table->table("parameters")) s.parameters = parameters->texts();
+  if (const std::string plan = table->word("plan", ""); !plan.empty()) {
+    s.parameters["plan"] = std::filesystem::absolute(table->folder() / plan).lexically_normal();
+  }
   table->finish();
 }
 

@@ -42,7 +42,7 @@ const std::vector<TableKeys>& all_tables() {
        {"name",   "point", "normal",   "from",    "to",   "center",    "radius", "hollow",
         "axis",   "spin",  "velocity", "force",   "mass", "direction", "speed",  "surface_velocity",
         "starts", "stops", "removed",  "material"}},
-      {"solver", {"name", "tol", "stop", "max_iterations", "warm_start", "parameters"}},
+      {"solver", {"name", "tol", "stop", "max_iterations", "warm_start", "plan", "parameters"}},
       {"output", {"every", "ledger_every", "picture", "stress_picture", "page", "track"}},
       {"start", {"overlaps"}},
       {"tilt", {"degrees_per_second", "starts", "stops"}},

@@ -4,13 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
-#include "solvers/auto/plan_tables.h"
+#include "solvers/auto/recovered_disks.h"
 #include "solvers/registry.h"
 
 namespace bipot {
-namespace plan {
 namespace {
+
+// constant        value  unit       reason
+// kFair           5e-4   tolerance  from here on stages near it have no more than their budget
+// kUnequalRatio   1e5    W_nn/W_nn  first order needs the root of it in iterations
+// kScalar         20     contacts   too few disks to fill vectors
+// kSmallLattice   600    contacts   accelerated sweeps solve square lattices up to it quickly
+constexpr double kFair = 5e-4, kUnequalRatio = 1e5;
+constexpr int kScalar = 20, kSmallLattice = 600;
 
 /// True if all normals are along or across one direction.
 bool is_square_lattice(const DiskStructure& disks) {
@@ -36,87 +45,64 @@ double ratio_of_diagonal(const ContactProblem& p, const DelassusOperator& delass
   return most > 0 ? most / least : 1;
 }
 
-/// The marks of plan_tables.h that the problem has.
-unsigned marks_of(const ContactProblem& p, const DelassusOperator& delassus, bool warm) {
-  const auto& disks = delassus.disks();
-  const int n = p.num_contacts();
-  const bool vectors =
-      disks && p.dim == 2 && n > kScalar && !(n <= kSmallLattice && is_square_lattice(*disks));
-  unsigned marks = warm ? kWarm : kCold;
-  marks |= disks ? kDisks : kNoDisks;
-  marks |= vectors ? kVectors : kNoVectors;
-  marks |= p.has_velocities() ? kBodies : kWAlone;
-  marks |= p.dim <= 2 ? kInPlane : kInSpace;
-  if (ratio_of_diagonal(p, delassus) > kUnequalRatio) marks |= kUnequal;
-  return marks;
-}
-
-/// The table of the problem's class.
-std::span<const PlanRow> class_of(unsigned marks, int contacts, double tol) {
-  if (marks & kInSpace) return kSpace;
-  if (marks & kWAlone) return kPlaneOfW;
-  if (contacts <= kMany) return kSmall;
-  if (contacts <= kLarge) return kMedium;
-  if (tol >= kFair) return kLargeFair;
-  if ((marks & kWarm) && contacts <= kLargeWarm) return kMedium;
-  return kLargeTight;
-}
-
-/// Makes stages from the rows that apply.
+/// A list's rows, those of its repetitions with larger budgets, and of the lists that it names.
 class Planner {
  public:
-  Planner(int contacts, unsigned marks, double tol)
-      : contacts_(contacts), marks_(marks), tol_(tol) {
+  Planner(const AutoPlan& plan, const ProblemTraits& problem) : plan_(&plan), problem_(problem) {
     stages_.reserve(64);
   }
 
-  void add(std::span<const PlanRow> rows) {
+  void add(const std::vector<PlanRow>& rows, double times) {
     for (const PlanRow& row : rows) {
-      if (!serves(row)) continue;
-      add(row);
-      if ((row.marks & kThenPaths) == kThenPaths) add(kAfterStart);
-      if ((row.marks & kThenSplitting) == kThenSplitting) add(kAfterSplitting);
+      if (!row.conditions.hold(problem_)) continue;
+      if (row.list.empty()) {
+        add(row, times);
+        continue;
+      }
+      for (int k = 0; k < row.repeat; ++k) {
+        add_list(row.list, times * std::pow(row.growth, k));
+      }
     }
+  }
+  void add_class() {
+    const PlanClass* of = plan_->class_of(problem_);
+    if (of != nullptr) return add(of->rows, 1);
+    if (plan_ != &shipped_plan()) add_list(std::string(kShippedList), 1);
   }
   std::vector<AutoStage> stages() { return std::move(stages_); }
 
  private:
-  bool serves(const PlanRow& row) const {
-    const When& when = row.when;
-    const unsigned asked = row.marks & kOfProblem;
-    return (marks_ & asked) == asked && when.above < contacts_ && contacts_ <= when.up_to &&
-           when.tol_from <= tol_ && tol_ < when.tol_below && can_run(row.solver);
+  void add_list(const std::string& name, double times) {
+    if (name != kShippedList) return add(plan_->lists.at(name), times);
+    const AutoPlan* own = std::exchange(plan_, &shipped_plan());
+    add_class();
+    plan_ = own;
   }
-  bool can_run(std::string_view solver) const {
-    if (solver == "homotopy") return marks_ & kInPlane;
-    return solver != "newton" || with_newton_;
-  }
-  void add(const PlanRow& row) {
-    const int most = row.budget.most.of(contacts_);
-    stages_.push_back({.solver = row.solver,
+  void add(const PlanRow& row, double times) {
+    const SolverEntry* solver = find_solver(row.solver);
+    if (solver == nullptr || problem_.dim > solver->max_dim ||
+        problem_.contacts > solver->max_contacts) {
+      return;
+    }
+    const int most = row.most.of(problem_.contacts, times);
+    const int near = std::min(row.near.of(problem_.contacts, times), most);
+    stages_.push_back({.solver = solver,
                        .parameters = row.parameters,
-                       .start = row.start.start,
-                       .of_start = row.start.multiple,
-                       .min_iterations = std::min(row.budget.least.of(contacts_), most),
+                       .start = row.start,
+                       .of_start = row.of_start,
+                       .min_iterations = std::min(row.least.of(problem_.contacts, times), most),
                        .max_iterations = most,
-                       .near_iterations = tol_ >= kFair ? std::min(row.budget.near, most) : most,
-                       .largest_error = row.when.error,
-                       .before_cutting = (row.marks & kWhole) != 0,
-                       .on_whole_only = (row.marks & kWholeOnly) == kWholeOnly,
+                       .near_iterations = problem_.tol >= kFair ? near : most,
+                       .largest_error = row.largest_error,
+                       .before_cutting = row.before_cutting,
+                       .on_whole_only = row.on_whole_only,
                        .reason = row.reason});
   }
 
-  const int contacts_;
-  const unsigned marks_;
-  const double tol_;
-  const bool with_newton_ = find_solver("newton") != nullptr;  // needs PETSc
+  const AutoPlan* plan_;
+  const ProblemTraits problem_;
   std::vector<AutoStage> stages_;
 };
-
-}  // namespace
-}  // namespace plan
-
-namespace {
 
 std::string start_in_words(const AutoStage& stage) {
   static constexpr std::string_view kNames[] = {"", "the given start", "the last impulse",
@@ -127,26 +113,58 @@ std::string start_in_words(const AutoStage& stage) {
   return fmt::format("; from {:g} times {}", stage.of_start, name);
 }
 
+/// The class that serves, why, and its odds.
+std::string class_in_words(const AutoPlan& plan, const ProblemTraits& problem) {
+  const PlanClass* of = plan.class_of(problem);
+  if (of == nullptr) return fmt::format("{}: no class serves\n", plan.source);
+  const std::string why = of->conditions.to_text();
+  std::string text =
+      fmt::format("{}: class '{}' ({})", plan.source, of->name, why.empty() ? "all others" : why);
+  if (of->measured > 0) {
+    text += fmt::format(", solved {} of {} measured", of->solved, of->measured);
+  }
+  return text + "\n";
+}
+
 }  // namespace
 
-std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator& delassus,
-                                 bool warm, double tol) {
-  const unsigned marks = plan::marks_of(p, delassus, warm);
-  plan::Planner planner(p.num_contacts(), marks, tol);
-  planner.add(plan::kFirst);
-  planner.add(plan::class_of(marks, p.num_contacts(), tol));
-  planner.add(plan::kLargerBudgets);
-  planner.add(plan::kLongRuns);
+ProblemTraits traits_of(const ContactProblem& p, const DelassusOperator& delassus, bool warm,
+                        double tol) {
+  const auto& disks = delassus.disks();
+  const int n = p.num_contacts();
+  const bool vectors =
+      disks && p.dim == 2 && n > kScalar && !(n <= kSmallLattice && is_square_lattice(*disks));
+  unsigned marks = warm ? kWarm : kCold;
+  marks |= disks ? kDisks : kNoDisks;
+  marks |= vectors ? kVectors : kNoVectors;
+  marks |= p.has_velocities() ? kBodies : kWAlone;
+  marks |= p.dim <= 2 ? kInPlane : kInSpace;
+  if (ratio_of_diagonal(p, delassus) > kUnequalRatio) marks |= kUnequal;
+  return {.contacts = n, .dim = p.dim, .tol = tol, .marks = marks};
+}
+
+std::vector<AutoStage> plan_stages(const AutoPlan& plan, const ProblemTraits& problem) {
+  Planner planner(plan, problem);
+  planner.add_class();
   return planner.stages();
 }
 
 std::string explain_auto(const ContactProblem& p, const SolverOptions& options) {
+  if (const auto bodies = recovered_disks(p)) {
+    return "W is that of disks: they are recovered\n" + explain_auto(*bodies, options);
+  }
+  const auto file = options.parameters.find("plan");
+  std::optional<AutoPlan> own;
+  if (file != options.parameters.end() && !file->second.empty()) own = read_plan(file->second);
+  const AutoPlan& plan = own ? *own : shipped_plan();
   const bool warm = is_warm(options);
+  const ProblemTraits problem = traits_of(p, DelassusOperator(p), warm, options.tol);
   std::string text = fmt::format(
       "auto: {} contacts, d = {}, {}, {} start, tolerance {:.0e}\n", p.num_contacts(), p.dim,
       p.has_velocities() ? "bodies given" : "W alone given", warm ? "warm" : "cold", options.tol);
+  text += class_in_words(plan, problem);
   int number = 0;
-  for (const AutoStage& stage : plan_auto(p, DelassusOperator(p), warm, options.tol)) {
+  for (const AutoStage& stage : plan_stages(plan, problem)) {
     const std::string budget =
         stage.max_iterations == AutoStage::kUnlimited
             ? "(no limit)"
@@ -155,7 +173,7 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
         std::isfinite(stage.largest_error)
             ? fmt::format("; if the best error is at most {:.0e}", stage.largest_error)
             : "";
-    text += fmt::format("  {:>2}. {:<10} {:<16} {}{}{}\n", ++number, stage.solver, budget,
+    text += fmt::format("  {:>2}. {:<10} {:<16} {}{}{}\n", ++number, stage.solver->name, budget,
                         stage.reason, start_in_words(stage), condition);
   }
   return text;

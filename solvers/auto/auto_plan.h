@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
+#include "solvers/auto/plan.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -18,10 +19,10 @@ namespace bipot {
 struct AutoStage {
   /// A stage starts at the impulse of the same solver's last stage (at first, at the caller's
   /// start), at the caller's start, at the impulse of the last stage, or at the best one.
-  enum class Start { kOwn, kCaller, kLast, kBest };
+  using Start = PlanStart;
   static constexpr int kUnlimited = std::numeric_limits<int>::max();
 
-  std::string_view solver;
+  const SolverEntry* solver = nullptr;
   std::string_view parameters;  ///< "name=value name=value"
   Start start = Start::kOwn;
   double of_start = 1;                                              ///< factor of that impulse
@@ -32,13 +33,18 @@ struct AutoStage {
   std::string_view reason;
 };
 
-/// The stages for this problem from its size, form and masses, by the tables of plan_tables.h.
-/// Limits count iterations, not seconds: the result does not depend on the machine. `delassus` is
-/// the problem's; `warm`: the caller's start is not 0.
-std::vector<AutoStage> plan_auto(const ContactProblem& problem, const DelassusOperator& delassus,
-                                 bool warm, double tol);
+/// What a plan knows of this problem. `delassus` is the problem's; `warm`: the caller's start is
+/// not 0.
+ProblemTraits traits_of(const ContactProblem& problem, const DelassusOperator& delassus, bool warm,
+                        double tol);
 
-/// The plan in words, one line for each stage.
+/// The stages that the plan has for a problem; those that this build or the problem's dimension
+/// lacks are left out. Limits count iterations, not seconds: the result does not depend on the
+/// machine. The stages keep references to the plan.
+std::vector<AutoStage> plan_stages(const AutoPlan& plan, const ProblemTraits& problem);
+
+/// The class, its odds and its stages in words, one line for each stage. options.parameters may
+/// name a plan, which is read as parse_plan() does.
 std::string explain_auto(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

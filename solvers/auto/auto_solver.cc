@@ -1,347 +1,82 @@
 #include "solvers/auto/auto_solver.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <exception>
-#include <map>
 #include <optional>
-#include <sstream>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
-#include "core/base/release.h"
-#include "core/base/stopwatch.h"
-#include "core/criterion/contact_error.h"
 #include "solvers/auto/auto_plan.h"
-#include "solvers/auto/islands.h"
-#include "solvers/registry.h"
+#include "solvers/auto/recovered_disks.h"
+#include "solvers/auto/stage_race.h"
 
 namespace bipot {
 namespace {
 
-using std::string_view_literals::operator""sv;
-
-// constant          value   unit          reason
-// kNearTolerances   10      tolerances    an error within a decade mostly arrives soon
-// kFreedFrom        6000    contacts      memory counts more than the milliseconds to give it back
-// kTighter          0.1     tolerances    the natural map is mostly ten times the guarded error
-// kTightenLeast     100     iterations    of the solver that succeeded, however small its budget
-// kTightenMost      4000    iterations    the same, however large
-// kTightenByFactor  40      iterations    of newton and ipm: some dozen factorisations
-// kFirstRound       512     iterations    in parallel, doubled from round to round
-// kRounds           16      rounds        in parallel: 2^24 iterations
-// kRoundsToSecondOrder 3    rounds        in parallel, between two of ipm on the root process
-constexpr double kNearTolerances = 10, kTighter = 0.1;
-constexpr int kFirstRound = 512, kRounds = 16, kRoundsToSecondOrder = 3;
-constexpr int kFreedFrom = 6000, kTightenLeast = 100, kTightenMost = 4000, kTightenByFactor = 40;
-
-/// Its parameters by name.
-std::map<std::string, std::string> parameters_of(const AutoStage& stage) {
-  std::map<std::string, std::string> parameters;
-  std::istringstream words{std::string(stage.parameters)};
-  for (std::string word; words >> word;) {
-    const std::size_t equals = word.find('=');
-    parameters[word.substr(0, equals)] = word.substr(equals + 1);
-  }
-  return parameters;
+/// `attempted`: the impulse that an attempt left, whose stages are not run again; or empty.
+void race_plan(const AutoPlan& plan, SolveRun& run, const Vector& attempted, bool only_attempt) {
+  const SolverOptions& options = run.options();
+  const ProblemTraits traits =
+      run.space().whole() != nullptr
+          ? traits_of(run.problem(), run.delassus(), is_warm(options), options.tol)
+          : ProblemTraits{.dim = run.problem().dim, .tol = options.tol, .marks = kInParallel};
+  const std::vector<AutoStage> stages = plan_stages(plan, traits);
+  run.take(race_stages(run, stages, attempted, [&](const AutoStage& stage) {
+    if (only_attempt) return stage.before_cutting;
+    return !(attempted.size() != 0 && stage.on_whole_only);
+  }));
 }
 
-/// Whether a stage will reach the tolerance within its budget, from the errors that it showed so
-/// far: the decades gained since half as many iterations are carried forward.
-class Forecast {
- public:
-  Forecast(const AutoStage& stage, double tol, StopTest stop)
-      : stage_(stage), tol_(tol), stop_(stop) {}
-
-  void record(const IterationRecord& r) {
-    // The difference of successive impulses is not in the record: there is no forecast for it.
-    if (stop_ == StopTest::kImpulse || stage_.max_iterations == AutoStage::kUnlimited) return;
-    double error = r.error.guarded();
-    if (stop_ == StopTest::kRaw42 && std::isfinite(r.error.raw42)) error = r.error.raw42;
-    if (!best_.empty()) error = std::min(error, best_.rbegin()->second);
-    if (!std::isfinite(error)) return;
-    best_[r.iteration] = error;
-    if (r.iteration < std::max(stage_.min_iterations, 2)) return;
-    if (error <= kNearTolerances * tol_ && r.iteration < stage_.near_iterations) return;
-    auto half = best_.upper_bound(r.iteration / 2);
-    if (half != best_.begin()) --half;
-    const double gained = std::log(half->second / error), needed = std::log(error / tol_);
-    const double left = needed / gained * (r.iteration - half->first);  // inf: no gain
-    failed_ = !(r.iteration + left <= stage_.max_iterations);
-  }
-  bool failed() const { return failed_; }
-
- private:
-  const AutoStage& stage_;
-  const double tol_;
-  const StopTest stop_;
-  std::map<int, double> best_;  // error so far, by iteration
-  bool failed_ = false;
-};
-
-/// The race on several processes: rounds of first order, each from the best impulse so far, with a
-/// budget that doubles from round to round; after the third, and after every third from there on,
-/// one of second order on the root process.
-std::vector<AutoStage> plan_in_parallel() {
-  std::vector<AutoStage> stages;
-  const auto add = [&](std::string_view solver, int budget, std::string_view reason) {
-    stages.push_back({.solver = solver,
-                      .start = AutoStage::Start::kBest,
-                      .min_iterations = budget,
-                      .max_iterations = budget,
-                      .reason = reason});
-  };
-  for (int round = 0; round < kRounds; ++round) {
-    const int budget = kFirstRound << round;
-    for (const std::string_view solver : {"apgd", "anderson", "pgs"}) {
-      add(solver, budget, "first order, from the best impulse");
-    }
-    if ((round + 1) % kRoundsToSecondOrder != 0) continue;
-    add("ipm", AutoStage::kUnlimited, "where first order does not arrive");
-  }
-  add("pgs", AutoStage::kUnlimited, "last resort");
-  return stages;
+void solve_by(const AutoPlan& plan, SolveRun& run) {
+  const IslandSolver solver = plan_solver(plan);
+  const bool islands = run.space().whole() != nullptr && run.options().islands.value_or(true);
+  if (!islands) return solver.run(run, Vector());
+  solve_islands(run, solver);
 }
 
-/// The stages in progress.
-class Race {
- public:
-  /// `attempted`: the impulse that an attempt left, whose first stage is not run again; or empty.
-  Race(SolveRun& run, const Vector& attempted)
-      : run_(run),
-        p_(run.problem()),
-        options_(run.options()),
-        space_(run.space()),
-        inner_(options_),
-        attempted_(attempted.size() != 0) {
-    inner_.s0 = Vector();  // of the stages: their own
-    best_.s = run.start();
-    best_error_ = space_.error(best_.s).guarded();
-    if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
-    start_error_ = best_error_;
-    if (!attempted_) return;
-    const double error = space_.error(attempted).guarded();
-    if (error < best_error_) {
-      best_.s = attempted;
-      best_error_ = error;
-    }
-  }
-
-  SolveResult run() {
-    race([&](const AutoStage& stage) { return !(attempted_ && stage.on_whole_only); });
-    return finish();
-  }
-
-  SolveResult attempt() {
-    race([](const AutoStage& stage) { return stage.before_cutting; });
-    return trail_.empty() ? SolveResult() : finish();
-  }
-
- private:
-  /// The stages that `chosen` selects, in sequence.
-  template <class Chosen>
-  void race(const Chosen& chosen) {
-    const std::vector<AutoStage> stages =
-        alone() ? plan_auto(p_, run_.delassus(), is_warm(options_), options_.tol)
-                : plan_in_parallel();
-    for (const AutoStage& stage : stages) {
-      if (chosen(stage) && finished(stage)) return;
-    }
-  }
-
-  bool alone() { return space_.whole() != nullptr; }
-
-  /// Runs the stage; true if none is to follow.
-  bool finished(const AutoStage& stage) {
-    if (out_of_budget()) return true;
-    if (best_error_ > stage.largest_error) return false;
-    run_stage(stage);
-    if (alone() && !ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
-        best_natural_map_ > options_.tol) {
-      tighten(stage);
-    }
-    return ended_ || is_success(last_) || at_floor();
-  }
-
-  /// True if the best impulse is as exact as doubles allow: no further stages.
-  bool at_floor() {
-    if (!alone() || !std::isfinite(best_error_) || !(run_.whole().share() == ErrorShare{}) ||
-        !at_rounding_floor(p_, options_, best_.s, space_.error(best_.s))) {
-      return false;
-    }
-    last_ = SolveStatus::kStalled;
-    return true;
-  }
-
-  bool out_of_budget() {
-    if (run_.late()) {
-      last_ = SolveStatus::kTimeLimit;
-    } else if (iterations_ >= options_.max_iterations) {
-      last_ = SolveStatus::kIterationLimit;
-    } else {
-      return false;
-    }
-    return true;
-  }
-
-  void run_stage(const AutoStage& stage) {
-    auto own = own_.find(stage.solver);
-    if (stage.start == AutoStage::Start::kBest) {
-      inner_.s0 = best_.s;
-    } else if (stage.start == AutoStage::Start::kLast && last_s_.size() != 0) {
-      inner_.s0 = last_s_;
-    } else if (stage.start == AutoStage::Start::kCaller) {
-      inner_.s0 = options_.s0;
-    } else {
-      inner_.s0 = own != own_.end() ? own->second : options_.s0;
-    }
-    inner_.s0 *= stage.of_start;
-    inner_.time_limit = std::max(options_.time_limit - run_.seconds(), 1e-9);
-    inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
-    inner_.parameters = parameters_of(stage);
-    Forecast forecast(stage, inner_.tol, options_.stop);
-    const double stage_start = run_.seconds();
-    inner_.on_iteration = [&](const IterationRecord& r) {
-      forecast.record(r);
-      if (!options_.on_iteration || (iterations_ > 0 && r.iteration == 0)) return;
-      IterationRecord shifted = r;
-      shifted.iteration += iterations_;
-      shifted.seconds += stage_start;
-      options_.on_iteration(shifted);
-    };
-    inner_.cancelled = [&] {
-      return forecast.failed() || (options_.cancelled && options_.cancelled());
-    };
-    SolveResult result;
-    space_.release_scratch();
-    // Memory of the previous stage is fragmented for the next one's arrays.
-    if (!trail_.empty() && p_.num_contacts() > kFreedFrom) return_freed_memory();
-    try {
-      const SolverEntry& entry = require_solver(stage.solver);
-      const bool lacks_delassus = alone() && entry.needs_delassus && !p_.has_delassus();
-      const ErrorShare share = alone() ? run_.whole().share() : ErrorShare{};
-      result = lacks_delassus ? run_solver(entry, with_delassus(), inner_, share)
-                              : run_.nested(entry, inner_, share);
-    } catch (const std::exception& e) {
-      require_common(space_, e);
-      result.status = SolveStatus::kNumericalFailure;
-      result.message = e.what();
-    }
-    iterations_ += result.iterations;
-    best_.setup_seconds += result.setup_seconds;
-    last_ = result.status;
-    double error = std::numeric_limits<double>::infinity();
-    ContactError measured;
-    if (!space_.any(result.s.size() != p_.num_rows() || !result.s.allFinite())) {
-      measured = space_.error(result.s);
-      error = measured.guarded();
-      own_.insert_or_assign(std::string(stage.solver), result.s);
-      last_s_ = result.s;
-    }
-    // W rounds otherwise than A and H: an impulse that meets the tolerance with the one may miss it
-    // with the others, and the stages continue.
-    if (is_success(last_) && options_.stop == StopTest::kGuarded && !(error <= inner_.tol)) {
-      last_ = SolveStatus::kStalled;
-    }
-    // Loops inside a solver do not distinguish a stop from the end of their time.
-    const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
-    const bool by_caller = stopped && run_.cancelled();
-    const bool given_up = stopped && !by_caller && forecast.failed() && !run_.late();
-    if (by_caller) last_ = SolveStatus::kInterrupted;
-    trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver,
-                          result.iterations, given_up ? "given up" : to_string(last_), error);
-    if (given_up) last_ = SolveStatus::kIterationLimit;
-    if (error < best_error_ || is_success(last_)) {
-      best_error_ = error;
-      best_natural_map_ = measured.natural_map;
-      best_.s = result.s;
-    }
-    ended_ = stopped && !given_up;
-  }
-
-  /// The problem with W, assembled by the first stage that needs it.
-  WholeSpace& with_delassus() {
-    if (!delassus_space_) {
-      const Stopwatch setup;
-      with_delassus_ = p_;
-      with_delassus_.W = assemble_delassus(p_.A, p_.H, p_.dim);
-      delassus_space_.emplace(with_delassus_, options_.execution.threads);
-      best_.setup_seconds += setup.seconds();
-    }
-    return *delassus_space_;
-  }
-
-  /// The natural map lags behind the guarded error: on to a smaller one, by the solver that
-  /// succeeded, then by others.
-  void tighten(const AutoStage& successful) {
-    const SolveStatus reached = last_;
-    inner_.tol = kTighter * options_.tol;
-    AutoStage more = successful;
-    more.start = AutoStage::Start::kBest;
-    more.of_start = 1;
-    more.max_iterations = std::clamp(successful.max_iterations, kTightenLeast, kTightenMost);
-    more.min_iterations = more.max_iterations / 2;
-    more.near_iterations = more.max_iterations;
-    for (const std::string_view solver : {successful.solver, "newton"sv, "ipm"sv}) {
-      if (find_solver(solver) == nullptr || out_of_budget()) continue;
-      more.solver = solver;
-      if (solver != successful.solver) {
-        more.min_iterations = more.max_iterations = kTightenByFactor;
-        more.parameters = {};
-      }
-      run_stage(more);
-      if (ended_ || best_natural_map_ <= options_.tol) break;
-    }
-    last_ = reached;  // whatever became of the tighter attempts
-  }
-
-  SolveResult finish() {
-    if (options_.stop == StopTest::kGuarded && best_error_ <= options_.tol) {
-      last_ = SolveStatus::kConverged;
-    }
-    // After a stage that diverged or failed the best impulse is that of the others. The solve as a
-    // whole has stalled, unless nothing better than the start was found.
-    const bool broke = last_ == SolveStatus::kDiverged || last_ == SolveStatus::kNumericalFailure;
-    if (broke && best_error_ < start_error_) last_ = SolveStatus::kStalled;
-    best_.status = last_;
-    best_.message = fmt::format("stages: {}", trail_.empty() ? "none was run" : trail_);
-    best_.iterations = iterations_;
-    best_.solve_seconds = run_.seconds() - best_.setup_seconds;
-    return std::move(best_);
-  }
-
-  SolveRun& run_;
-  const ContactProblem& p_;
-  const SolverOptions& options_;
-  ContactProblem with_delassus_;
-  std::optional<WholeSpace> delassus_space_;  // of that
-  ContactSpace& space_;
-  SolverOptions inner_;
-  bool attempted_;
-  SolveResult best_;
-  std::map<std::string, Vector, std::less<>> own_;
-  Vector last_s_;  // of the last stage
-  double best_error_ = 0, start_error_ = 0;
-  double best_natural_map_ = std::numeric_limits<double>::infinity();
-  int iterations_ = 0;
-  SolveStatus last_ = SolveStatus::kIterationLimit;
-  bool ended_ = false;  // by the caller or the clock
-  std::string trail_;
-};
+/// By the recovered bodies, then, where W rounds otherwise than they do, on W from there.
+void solve_recovered(const AutoPlan& plan, const ContactProblem& bodies, SolveRun& run) {
+  const SolverOptions& options = run.options();
+  SolverEntry entry = run.entry();
+  entry.run = [&plan](SolveRun& part) { solve_by(plan, part); };
+  run.space().release_scratch();
+  WholeSpace space(bodies, options.execution.threads);
+  SolveResult result = run_solver(entry, space, options, run.whole().share());
+  result.message = "disks recovered from W: " + result.message;
+  const bool missed = options.stop == StopTest::kGuarded && is_success(result.status) &&
+                      !(run.space().error(result.s).guarded() <= options.tol);
+  if (!missed) return run.take(std::move(result));
+  SolverOptions rest = options;
+  rest.s0 = result.s;
+  rest.time_limit = std::max(options.time_limit - run.seconds(), 1e-9);
+  rest.max_iterations -= std::min(result.iterations, options.max_iterations);
+  SolveResult more = run.nested(entry, rest, run.whole().share());
+  more.message = result.message + "; then by W: " + more.message;
+  more.iterations += result.iterations;
+  run.take(std::move(more));
+}
 
 }  // namespace
 
-void run_race(SolveRun& run, const Vector& attempted) { run.take(Race(run, attempted).run()); }
-
-void attempt_race(SolveRun& run) { run.take(Race(run, Vector()).attempt()); }
+IslandSolver plan_solver(const AutoPlan& plan) {
+  return {.run = [&plan](SolveRun& run, const Vector& best) { race_plan(plan, run, best, false); },
+          .attempt = [&plan](SolveRun& run) { race_plan(plan, run, Vector(), true); }};
+}
 
 void solve_auto(SolveRun& run) {
-  const bool islands = run.space().whole() != nullptr && run.options().islands.value_or(true);
-  if (!islands) return run_race(run, Vector());
-  solve_islands(run, {.run = &run_race, .attempt = &attempt_race});
+  const std::string file = run.parameters().text("plan");
+  std::optional<AutoPlan> own;
+  try {
+    if (!file.empty()) own = read_plan(file);
+  } catch (const std::exception& e) {
+    return run.end(SolveStatus::kInvalidInput, e.what());
+  }
+  const AutoPlan& plan = own ? *own : shipped_plan();
+  std::optional<ContactProblem> bodies;
+  if (run.space().whole() != nullptr) bodies = recovered_disks(run.problem());
+  if (bodies) return solve_recovered(plan, *bodies, run);
+  solve_by(plan, run);
 }
 
 }  // namespace bipot

@@ -1,27 +1,33 @@
 #pragma once
 
+#include "solvers/auto/islands.h"
+#include "solvers/auto/plan.h"
 #include "solvers/solve_run.h"
 
 namespace bipot {
 
-/// Runs the stages of plan_auto in turn until one meets the stop test; the message says which
-/// stages ran, how they ended and which one succeeded. Budgets grow from round to round, so that a
-/// wrong first guess costs a multiple of the best solver's time, not all of it. With the guarded
-/// test, a success whose natural map is above the tolerance is carried on to a ten times smaller
-/// one by the same solver, then by Newton, so that users who judge by either measure are served.
-/// No stage is hidden: when all fail, the status is that of the last one and the impulse the best
-/// one. `iterations` is the sum over stages, whose iterations differ much in cost.
+/// Runs the stages that the plan has for the problem (auto_plan.h, stage_race.h). The parameter
+/// `plan` names a file; empty: the shipped plan. Budgets grow from stage to stage, so that a wrong
+/// first guess costs a multiple of the best solver's time, not all of it.
 ///
-/// Parts that do not couple are solved one by one (islands.h) unless options.islands is false. On
-/// several processes the race has rounds of first order, and no islands.
+/// Parts that do not couple are solved one by one (islands.h) unless options.islands is false: the
+/// stages marked as such are tried on the whole first, where most of what is easy is solved. In
+/// parallel there are no islands. A problem of W alone is solved by its disks, if it has them
+/// (recovered_disks.h).
 void solve_auto(SolveRun& run);
 
-/// The race alone. `attempted`: the impulse that attempt_race() left, whose stages are not run
-/// again; or empty.
-void run_race(SolveRun& run, const Vector& attempted);
+/// The same for parts, by the stages of this plan, which must live.
+IslandSolver plan_solver(const AutoPlan& plan);
 
-/// The stages alone that are to be tried before parts are cut out: most of what is easy is solved
-/// by then. A result without a status where there is none.
-void attempt_race(SolveRun& run);
+inline constexpr ParameterSpec kAutoParameters[] = {
+    {.name = kIslandsParameter.name,
+     .kind = kIslandsParameter.kind,
+     .default_value = "on",
+     .choices = kIslandsParameter.choices,
+     .help = kIslandsParameter.help},
+    {.name = "plan",
+     .kind = ParameterSpec::Kind::kText,
+     .default_value = "",
+     .help = "file of the plan of stages, as `bipot tune` writes it; empty: the shipped plan"}};
 
 }  // namespace bipot

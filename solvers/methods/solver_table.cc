@@ -26,12 +26,6 @@ namespace {
 Parallel in_parallel(const Parameters&) { return Parallel::kYes; }
 Parallel reproducible(const Parameters&) { return Parallel::kReproducible; }
 
-constexpr ParameterSpec kAutoParameters[] = {{.name = kIslandsParameter.name,
-                                              .kind = kIslandsParameter.kind,
-                                              .default_value = "on",
-                                              .choices = kIslandsParameter.choices,
-                                              .help = kIslandsParameter.help}};
-
 const SolverEntry kSolvers[] = {
     {.name = "auto",
      .summary = "race of the solvers below, given up and taken up by their progress; see --explain",

@@ -9,6 +9,7 @@
 #include "bench/measure/iteration_growth.h"
 #include "bench/measure/problem_target.h"
 #include "bench/problems/moving_scene.h"
+#include "bench/problems/moving_spheres.h"
 #include "core/criterion/contact_error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -83,6 +84,30 @@ TEST(MovingProblems, AreStepsOfOneRunWithTheirStart) {
   const ContactProblem& last = made[2].problem;
   EXPECT_LT(contact_error(last, made[2].start).guarded(),
             contact_error(last, Vector::Zero(last.num_rows())).guarded());
+}
+
+/// In space: side³ spheres without overlap, and problems with three rows a contact.
+TEST(MovingProblems, AreOfSpheresToo) {
+  const OwnCache cache;
+  for (const std::string& family : moving_sphere_names()) {
+    const Scene<3> scene = make_moving_spheres(family, 4, {});
+    EXPECT_EQ(validate(scene), "") << family;
+    EXPECT_EQ(scene.bodies.size(), 64u);
+    EXPECT_EQ(bodies_in(family, 4), 64);
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const Sphere &a = scene.bodies[i], &b = scene.bodies[j];
+        EXPECT_GE((a.x - b.x).norm(), (a.radius + b.radius) * (1 - 1e-12)) << family;
+      }
+    }
+    const auto made = moving_problems({family, 4, {}, moving_steps(family, 4, 1)});
+    ASSERT_EQ(made.size(), 1u);
+    EXPECT_EQ(validate(made[0].problem), "");
+    EXPECT_EQ(made[0].problem.dim, 3);
+    EXPECT_GT(made[0].problem.num_contacts(), 20) << family;
+  }
+  EXPECT_EQ(bodies_in("pour", 4), 16);
+  EXPECT_THROW(make_moving_spheres("pour", 4, {}), std::invalid_argument);
 }
 
 TEST(MovingProblems, TheCacheGivesTheSameBits) {

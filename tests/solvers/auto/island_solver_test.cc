@@ -45,6 +45,9 @@ ContactProblem archipelago(int dim, unsigned seed, bool given_by_delassus) {
   return side_by_side(parts).problem;
 }
 
+/// The race of `auto` alone.
+void run_race(SolveRun& run, const Vector& best) { plan_solver(shipped_plan()).run(run, best); }
+
 /// `auto` that cuts at once, without an attempt on the whole.
 SolverEntry cutting_auto(const IslandSolver& solver = {.run = &run_race}) {
   SolverEntry entry = *find_solver("auto");

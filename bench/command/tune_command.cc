@@ -1,0 +1,95 @@
+#include "bench/command/tune_command.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "bench/command/exit_code.h"
+#include "bench/command/progress_bar.h"
+#include "bench/measure/problem_target.h"
+#include "bench/report/document.h"
+#include "bench/report/json_output.h"
+#include "bench/tune/tuned_plan.h"
+#include "core/base/interrupt.h"
+#include "core/files/atomic_file.h"
+
+namespace bipot {
+
+CommandDeclaration add_tune_command(CommandLine& line, TuneFlags& flags) {
+  CommandDeclaration command =
+      line.add_command("tune", "A plan for auto, computed from measured solves of your problems");
+  command.option("targets", flags.targets,
+                 "Problem files, folders of them, scenes, families, as for compare; none: the rows "
+                 "that are there");
+  command.option("--out", flags.out, "File for the plan").value_name("FILE").required();
+  command
+      .option("--rows", flags.rows,
+              "CSV of the measured rows, added to; rows that are there are kept (the plan's name "
+              "with .csv)")
+      .value_name("FILE");
+  command.option("--solvers", flags.solvers, "Names separated by commas (all)").value_name("NAMES");
+  command.option("--tols", flags.tols, "Tolerances (1e-2,1e-4,1e-8)")
+      .positive()
+      .value_name("NUMBERS");
+  command.option("--time-limit", flags.time_limit, "CPU seconds of one solve")
+      .positive()
+      .show_default()
+      .value_name("SECONDS");
+  command.option("--scene-problems", flags.scene_problems, "Steps of a scene or a moving family")
+      .between(1, 1000)
+      .show_default();
+  command.option("--least-rows", flags.least_rows, "Solves behind a class of the plan, at least")
+      .between(1, 100000)
+      .show_default();
+  command.flag("--quiet,-q", flags.quiet, "No progress, no table");
+  command.footer(
+      "A stopped measurement goes on from its rows.\n"
+      "Examples:\n"
+      "  bipot tune my_scene.toml --out plan.toml\n"
+      "  bipot run my_scene.toml --plan plan.toml\n"
+      "  bipot tune problems/ pour:18 --tols 1e-3 --time-limit 10 --out plan.toml");
+  return command;
+}
+
+int tune_command(const TuneFlags& flags) {
+  namespace fs = std::filesystem;
+  require_writable(flags.out);
+  MeasureOptions options;
+  options.variants = tuned_variants(flags.solvers);
+  if (!flags.tols.empty()) options.tols = flags.tols;
+  options.time_limit = flags.time_limit;
+  options.file =
+      flags.rows.empty() ? fs::path(flags.out).replace_extension(".csv") : fs::path(flags.rows);
+  TargetOptions scenes;
+  scenes.scene_problems = flags.scene_problems;
+  const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
+  const InterruptGuard interrupt;
+  options.interrupted = &InterruptGuard::requested;
+  const long solves = static_cast<long>(2 * sources.size() * (options.variants.size() + 1));
+  std::vector<MeasuredRow> rows;
+  {
+    ProgressBar progress(solves, flags.quiet);
+    options.on_row = [&](const std::string& what, int done, int) { progress.update(done, what); };
+    rows = measure_rows(sources, options);
+  }
+  if (InterruptGuard::requested()) {
+    fmt::print(stderr, "bipot: stopped; the same command goes on from {}\n", options.file.string());
+    return kExitInterrupted;
+  }
+  const TunedPlan plan = tune_plan(rows, options.variants, flags.least_rows);
+  if (plan.classes.empty()) {
+    throw std::invalid_argument(options.file.string() + ": no solver solved any of the problems");
+  }
+  const Provenance made = provenance("tune", typed_command());
+  write_text_file(flags.out,
+                  plan_text(plan, fmt::format("# {}\n# {} rows; commit {}\n", typed_command(),
+                                              rows.size(), made.build.commit)));
+  if (!flags.quiet) {
+    fmt::print("{}\n{} classes in {}, {} rows in {}\n", regret_text(plan), plan.classes.size(),
+               flags.out, rows.size(), options.file.string());
+  }
+  return kExitConverged;
+}
+
+}  // namespace bipot

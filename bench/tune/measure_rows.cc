@@ -1,0 +1,214 @@
+#include "bench/tune/measure_rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "bench/measure/cpu_limit.h"
+#include "bench/measure/stopwatch.h"
+#include "bench/measure/warm_up.h"
+#include "bench/report/csv_text.h"
+#include "core/base/file_error.h"
+#include "solvers/auto/auto_plan.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+
+namespace bipot {
+namespace {
+
+// Powers: sweeps carry a force over a packing in about N^p iterations; factorisations do not grow.
+constexpr struct {
+  std::string_view solver, parameters;
+  double power;
+} kVariants[] = {{"uzawa", "", 1},
+                 {"classical", "", 1},
+                 {"pgs", "", 1},
+                 {"pgs", "omega=1.5", 1},
+                 {"apgd", "", 0.5},
+                 {"assor", "", 0.4},
+                 {"anderson", "", 0.5},
+                 {"assor", "sweeps=4 most_sweeps=4", 0.4},
+                 {"admm", "", 0.4},
+                 {"homotopy", "", 1},
+                 {"homotopy", "start_tol=1", 1}};
+
+/// Targets of one scene share their name up to the last number.
+std::string scene_of(const ProblemSource& source) {
+  if (source.target.find(':') != std::string::npos) return source.target;
+  std::string name = source.name;
+  while (!name.empty() && (std::isdigit(static_cast<unsigned char>(name.back())) ||
+                           name.back() == '_' || name.back() == '@')) {
+    name.pop_back();
+  }
+  return name.empty() ? source.name : name;
+}
+
+/// One problem from one start.
+class ProblemMeasurement {
+ public:
+  ProblemMeasurement(const ProblemSource& source, const MeasureOptions& options,
+                     const TestProblem& given, bool warm)
+      : source_(source), options_(options), given_(given), warm_(warm) {}
+
+  /// Rows at these tolerances, from loose to tight. Interrupted: none.
+  std::vector<MeasuredRow> rows(const std::string& variant, const std::vector<double>& tols) {
+    const std::string solver = variant.substr(0, variant.find(' '));
+    const SolverEntry& entry = require_solver(solver);
+    warm_up(entry);
+    std::vector<MeasuredRow> made;
+    if (entry.path_ignores_tolerance) {
+      if (!once(entry, variant, tols, made)) made.clear();
+      return made;
+    }
+    bool hopeless = false;
+    for (const double tol : tols) {
+      MeasuredRow row = made.empty() ? blank(variant) : made.back();
+      row.traits.tol = tol;
+      if (hopeless) {
+        made.push_back(row);
+        continue;
+      }
+      std::vector<MeasuredRow> one;
+      if (!once(entry, variant, {tol}, one)) return {};
+      made.push_back(one.front());
+      hopeless = !one.front().solved;
+    }
+    return made;
+  }
+
+ private:
+  MeasuredRow blank(const std::string& variant) const {
+    MeasuredRow row;
+    row.problem = source_.name;
+    row.scene = scene_of(source_);
+    row.variant = variant;
+    row.limit = options_.time_limit;
+    row.traits = traits_;
+    return row;
+  }
+
+  /// One solve to the last of the tolerances. False: interrupted.
+  bool once(const SolverEntry& entry, const std::string& variant, const std::vector<double>& tols,
+            std::vector<MeasuredRow>& made) {
+    SolverOptions options;
+    options.tol = tols.back();
+    if (warm_) options.s0 = given_.start;
+    options.parameters = stage_parameters(
+        variant.find(' ') == std::string::npos ? "" : variant.substr(variant.find(' ') + 1));
+    options.time_limit = CpuLimit::kWallFactor * options_.time_limit;
+    CpuLimit limit(options_.time_limit);
+    options.cancelled = [&] { return limit() || interrupted(); };
+    const CpuStopwatch watch;
+    std::vector<std::pair<int, double>> reached(tols.size(), {-1, 0.0});
+    options.on_iteration = [&](const IterationRecord& r) {
+      for (std::size_t k = 0; k < tols.size(); ++k) {
+        if (reached[k].first < 0 && r.error.guarded() <= tols[k]) {
+          reached[k] = {r.iteration, watch.seconds()};
+        }
+      }
+    };
+    const SolveResult result = solve(entry, given_.problem, options);
+    const double seconds = watch.seconds();
+    if (interrupted()) return false;
+    for (std::size_t k = 0; k < tols.size(); ++k) {
+      MeasuredRow row = blank(variant);
+      row.traits.tol = tols[k];
+      row.solved = result.error.guarded() <= tols[k];
+      const bool earlier = row.solved && reached[k].first >= 0 && k + 1 < tols.size();
+      row.iterations = std::max(1, earlier ? reached[k].first : result.iterations);
+      row.seconds = earlier ? reached[k].second : seconds;
+      made.push_back(row);
+    }
+    return true;
+  }
+  bool interrupted() const { return options_.interrupted && options_.interrupted(); }
+
+  const ProblemSource& source_;
+  const MeasureOptions& options_;
+  const TestProblem& given_;
+  const bool warm_;
+  const ProblemTraits traits_ =
+      traits_of(given_.problem, DelassusOperator(given_.problem), warm_, 1);
+};
+
+bool can_run(const std::string& variant, const ContactProblem& p) {
+  const SolverEntry& entry = require_solver(variant.substr(0, variant.find(' ')));
+  return p.dim <= entry.max_dim && p.num_contacts() <= entry.max_contacts;
+}
+
+}  // namespace
+
+std::vector<TunedVariant> tuned_variants(const std::vector<std::string>& solvers) {
+  std::vector<TunedVariant> made;
+  for (const std::string& name : solvers.empty() ? solver_names() : solvers) {
+    require_solver(name);
+    if (name == "auto" || (solvers.empty() && name.find(':') != std::string::npos)) continue;
+    bool listed = false;
+    for (const auto& [solver, parameters, power] : kVariants) {
+      if (name != solver) continue;
+      listed = true;
+      made.push_back({parameters.empty() ? name : fmt::format("{} {}", name, parameters), power});
+    }
+    if (!listed) made.push_back({name, 0});
+  }
+  return made;
+}
+
+std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
+                                      const MeasureOptions& options) {
+  std::vector<MeasuredRow> rows = read_measured_rows(options.file);
+  std::set<std::string> known;
+  const auto key = [](const std::string& instance, const std::string& variant) {
+    return instance + " " + variant;
+  };
+  for (const MeasuredRow& row : rows) known.insert(key(instance_of(row), row.variant));
+  std::ofstream file = open_csv_table(options.file, measured_csv_header());
+  std::vector<double> tols = options.tols;
+  std::sort(tols.begin(), tols.end(), std::greater<>());
+  std::vector<std::string> variants{"auto"};
+  for (const TunedVariant& variant : options.variants) variants.push_back(variant.name);
+  const int total = static_cast<int>(sources.size() * 2 * variants.size());
+  int done = 0;
+  for (const ProblemSource& source : sources) {
+    std::optional<TestProblem> given;
+    for (const bool warm : {false, true}) {
+      for (const std::string& variant : variants) {
+        ++done;
+        std::vector<double> missing;
+        MeasuredRow row;
+        row.problem = source.name;
+        row.traits.marks = warm ? kWarm : kCold;
+        for (const double tol : tols) {
+          row.traits.tol = tol;
+          if (!known.contains(key(instance_of(row), variant))) missing.push_back(tol);
+        }
+        if (missing.empty()) continue;
+        if (options.interrupted && options.interrupted()) return rows;
+        if (!given) given = source.load();
+        const bool has_start = given->start.size() > 0 && !given->start.isZero(0);
+        if ((warm && !has_start) || given->problem.num_contacts() == 0 ||
+            !can_run(variant, given->problem)) {
+          continue;
+        }
+        ProblemMeasurement measurement(source, options, *given, warm);
+        for (const MeasuredRow& made : measurement.rows(variant, missing)) {
+          file << to_csv(made);
+          rows.push_back(made);
+        }
+        file << std::flush;
+        if (!file) throw FileError(options.file, "", "cannot be written");
+        if (options.on_row) options.on_row(source.name + " " + variant, done, total);
+      }
+    }
+  }
+  return rows;
+}
+
+}  // namespace bipot

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/measure/problem_target.h"
+#include "bench/tune/measured_row.h"
+
+namespace bipot {
+
+/// A solver of the table with parameters that a plan may choose.
+struct TunedVariant {
+  std::string name;  ///< "assor sweeps=4"
+  double power = 0;  ///< its iterations grow as N^power, about; budgets are cut by N^power
+};
+
+/// The variants of these solvers; empty: of all solvers of this build but those of other codes.
+/// Throws std::invalid_argument for an unknown name.
+std::vector<TunedVariant> tuned_variants(const std::vector<std::string>& solvers);
+
+struct MeasureOptions {
+  std::vector<TunedVariant> variants;
+  std::vector<double> tols = {1e-2, 1e-4, 1e-8};
+  double time_limit = 2;       ///< CPU seconds of one solve
+  std::filesystem::path file;  ///< rows are appended as they are made; rows there are kept
+  std::function<void(const std::string& what, int done, int total)> on_row;
+  std::function<bool()> interrupted;  ///< asked before each solve and within
+};
+
+/// Measures `auto` and every variant on every problem, from 0 and from the problem's start, at all
+/// tolerances; a problem is made only where a row is missing. A solver whose iterates do not depend
+/// on the tolerance runs once for all of them. One that is out of time does not run at tighter
+/// tolerances. Times are CPU times of this process. Returns all rows of the file. Throws FileError.
+std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
+                                      const MeasureOptions& options);
+
+}  // namespace bipot

@@ -1,0 +1,356 @@
+#include "solvers/auto/plan.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+
+#include "core/base/file_error.h"
+#include "core/base/nearest_name.h"
+#include "solvers/auto/plan_text.h"
+#include "solvers/parameters.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+constexpr struct {
+  std::string_view word;
+  PlanMark mark;
+} kMarks[] = {{"warm", kWarm},        {"cold", kCold},       {"disks", kDisks},
+              {"no_disks", kNoDisks}, {"vectors", kVectors}, {"no_vectors", kNoVectors},
+              {"unequal", kUnequal},  {"bodies", kBodies},   {"w_alone", kWAlone},
+              {"plane", kInPlane},    {"space", kInSpace},   {"parallel", kInParallel}};
+
+constexpr std::string_view kStarts[] = {"own", "caller", "last", "best"};
+
+using Names = std::vector<std::string>;
+
+std::vector<std::string> words_of(std::string_view text) {
+  std::istringstream stream{std::string(text)};
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+/// Reads a plan, with the line of each fault.
+class PlanReader {
+ public:
+  PlanReader(std::string_view text, const std::string& source) : text_(text) {
+    plan_.source = source;
+  }
+
+  AutoPlan read() {
+    toml::table root;
+    try {
+      root = toml::parse(text_, plan_.source);
+    } catch (const toml::parse_error& e) {
+      fail(e.source().begin.line, std::string(e.description()));
+    }
+    check_keys(root, {"why", "list", "class"});
+    if (const toml::table* why = table_of(root, "why")) {
+      for (const auto& [name, node] : *why) why_[std::string(name)] = text_of(node);
+    }
+    if (const toml::table* lists = table_of(root, "list")) {
+      for (const auto& [name, node] : *lists) {
+        list_names_.emplace_back(name);
+        if (!node.is_table()) fail(node, "expected [list.NAME]");
+      }
+      if (lists->contains(kShippedList)) {
+        fail(*lists->get(kShippedList), "the list 'shipped' is that of the program");
+      }
+      for (const auto& [name, node] : *lists) {
+        check_keys(*node.as_table(), {"stages"});
+        plan_.lists[std::string(name)] = rows_of(*node.as_table());
+      }
+    }
+    const toml::node* classes = root.get("class");
+    if (classes == nullptr || !classes->is_array_of_tables()) {
+      fail(classes == nullptr ? 1 : classes->source().begin.line, "expected a [[class]]");
+    }
+    for (const toml::node& node : *classes->as_array()) add_class(*node.as_table());
+    for (const PlanClass& of : plan_.classes) check_depth(of.rows, of.name, 0);
+    return std::move(plan_);
+  }
+
+ private:
+  using Line = decltype(toml::source_position::line);
+
+  [[noreturn]] void fail(Line line, const std::string& reason) const {
+    throw std::invalid_argument(fmt::format("{}:{}: {}", plan_.source, line, reason));
+  }
+  [[noreturn]] void fail(const toml::node& node, const std::string& reason) const {
+    fail(node.source().begin.line, reason);
+  }
+
+  void check_keys(const toml::table& table, const Names& valid) const {
+    for (const auto& [key, node] : table) {
+      if (std::find(valid.begin(), valid.end(), key.str()) == valid.end()) {
+        fail(node, unknown_name_message("key", key.str(), valid));
+      }
+    }
+  }
+  const toml::table* table_of(const toml::table& table, std::string_view key) const {
+    const toml::node* node = table.get(key);
+    if (node != nullptr && !node->is_table()) fail(*node, fmt::format("{}: expected a table", key));
+    return node == nullptr ? nullptr : node->as_table();
+  }
+  std::string text_of(const toml::node& node) const {
+    const auto text = node.value_exact<std::string>();
+    if (!text) fail(node, "expected a text");
+    return *text;
+  }
+  std::string text_at(const toml::table& table, std::string_view key) const {
+    const toml::node* node = table.get(key);
+    return node == nullptr ? std::string() : text_of(*node);
+  }
+  double number_of(const toml::node& node, double least) const {
+    const auto number = node.value<double>();
+    if (!node.is_number() || !number || !(*number >= least)) {
+      fail(node, fmt::format("expected a number, at least {:g}", least));
+    }
+    return *number;
+  }
+  double number_at(const toml::table& table, std::string_view key, double least,
+                   double fallback) const {
+    const toml::node* node = table.get(key);
+    return node == nullptr ? fallback : number_of(*node, least);
+  }
+  int integer_at(const toml::table& table, std::string_view key, int least, int fallback) const {
+    const double number = number_at(table, key, least, fallback);
+    if (number != std::floor(number) || number > 1e9) fail(*table.get(key), "expected an integer");
+    return static_cast<int>(number);
+  }
+  /// Two numbers; the first is smaller.
+  void range_at(const toml::table& table, std::string_view key, double& from, double& to) const {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return;
+    const toml::array* pair = node->as_array();
+    if (pair == nullptr || pair->size() != 2) {
+      fail(*node, fmt::format("{}: expected two numbers, as [0, inf]", key));
+    }
+    from = number_of(*pair->get(0), -1);
+    to = number_of(*pair->get(1), -1);
+    if (!(from < to)) fail(*node, fmt::format("{}: the first number must be smaller", key));
+  }
+
+  /// N, or [factor, power], or [factor, power, least].
+  PlanCount count_at(const toml::table& table, std::string_view key, PlanCount fallback) const {
+    const toml::node* node = table.get(key);
+    if (node == nullptr) return fallback;
+    if (!node->is_array()) return {number_of(*node, 0), 0, 0};
+    const toml::array& parts = *node->as_array();
+    if (parts.size() != 2 && parts.size() != 3) {
+      fail(*node, fmt::format("{}: expected [factor, power] or [factor, power, least]", key));
+    }
+    return {number_of(*parts.get(0), 0), number_of(*parts.get(1), 0),
+            parts.size() == 3 ? number_of(*parts.get(2), 0) : 0};
+  }
+
+  PlanConditions conditions_of(const toml::table& table) const {
+    PlanConditions made;
+    range_at(table, "contacts", made.above, made.up_to);
+    range_at(table, "tol", made.tol_from, made.tol_below);
+    try {
+      made.marks = marks_of_words(text_at(table, "when"));
+    } catch (const std::invalid_argument& e) {
+      fail(*table.get("when"), e.what());
+    }
+    return made;
+  }
+
+  std::vector<PlanRow> rows_of(const toml::table& table) const {
+    const toml::node* stages = table.get("stages");
+    if (stages == nullptr || !stages->is_array()) fail(table, "expected stages = [...]");
+    std::vector<PlanRow> rows;
+    for (const toml::node& node : *stages->as_array()) {
+      if (!node.is_table()) fail(node, "expected a stage, as {solver = \"pgs\", most = 500}");
+      rows.push_back(row_of(*node.as_table()));
+    }
+    return rows;
+  }
+
+  PlanRow row_of(const toml::table& table) const {
+    PlanRow row;
+    row.conditions = conditions_of(table);
+    if (table.contains("list")) {
+      check_keys(table, {"list", "repeat", "growth", "contacts", "tol", "when"});
+      row.list = text_at(table, "list");
+      row.repeat = integer_at(table, "repeat", 1, 1);
+      row.growth = number_at(table, "growth", 1, 1);
+      const bool known =
+          std::find(list_names_.begin(), list_names_.end(), row.list) != list_names_.end();
+      if (!known && row.list != kShippedList) {
+        fail(*table.get("list"), unknown_name_message("list", row.list, list_names_));
+      }
+      return row;
+    }
+    check_keys(table, {"solver", "with", "from", "least", "most", "near", "contacts", "tol", "when",
+                       "error", "whole", "why"});
+    set_solver(table, row);
+    set_start(table, row);
+    row.most = count_at(table, "most", {kInfinity, 0, 0});
+    row.least = count_at(table, "least", row.most);
+    row.near = count_at(table, "near", row.most);
+    row.largest_error = number_at(table, "error", 0, kInfinity);
+    const std::string whole = text_at(table, "whole");
+    if (!whole.empty() && whole != "first" && whole != "only") {
+      fail(*table.get("whole"), "whole: expected first or only");
+    }
+    row.before_cutting = !whole.empty();
+    row.on_whole_only = whole == "only";
+    const std::string why = text_at(table, "why");
+    const auto reason = why_.find(why);
+    row.reason = reason == why_.end() ? why : reason->second;
+    return row;
+  }
+
+  void set_solver(const toml::table& table, PlanRow& row) const {
+    row.solver = text_at(table, "solver");
+    if (row.solver.empty()) fail(table, "a stage needs a solver or a list");
+    row.parameters = text_at(table, "with");
+    const SolverEntry* entry = find_solver(row.solver);
+    if (entry == nullptr && row.solver != "newton") {  // which not every build has
+      fail(*table.get("solver"), unknown_solver_message(row.solver));
+    }
+    if (row.solver == "auto") fail(*table.get("solver"), "a stage of auto cannot be auto");
+    if (entry == nullptr) return;
+    try {
+      Parameters(stage_parameters(row.parameters), entry->parameters);
+    } catch (const std::invalid_argument& e) {
+      fail(*table.get("with"), e.what());
+    }
+  }
+
+  void set_start(const toml::table& table, PlanRow& row) const {
+    Names words = words_of(text_at(table, "from"));
+    if (words.empty()) return;
+    const std::string name = words.back();
+    const auto* start = std::find(std::begin(kStarts), std::end(kStarts), name);
+    char* end = nullptr;
+    if (words.size() == 2) row.of_start = std::strtod(words[0].c_str(), &end);
+    const bool number = end == nullptr || (*end == 0 && std::isfinite(row.of_start));
+    if (start == std::end(kStarts) || words.size() > 2 || !number) {
+      fail(*table.get("from"),
+           "from: expected own, caller, last or best, or a factor and one of "
+           "them, as \"0.98 last\"");
+    }
+    row.start = static_cast<PlanStart>(start - std::begin(kStarts));
+  }
+
+  void add_class(const toml::table& table) {
+    check_keys(table, {"name", "contacts", "tol", "when", "solved", "stages"});
+    PlanClass made;
+    made.name = text_at(table, "name");
+    if (made.name.empty()) fail(table, "a class needs a name");
+    made.conditions = conditions_of(table);
+    double solved = 0, measured = 0;
+    if (const toml::node* odds = table.get("solved")) {
+      const toml::array* pair = odds->as_array();
+      if (pair == nullptr || pair->size() != 2) fail(*odds, "solved: expected [solved, measured]");
+      solved = number_of(*pair->get(0), 0);
+      measured = number_of(*pair->get(1), solved);
+    }
+    made.solved = static_cast<int>(std::min(solved, 1e9));
+    made.measured = static_cast<int>(std::min(measured, 1e9));
+    made.rows = rows_of(table);
+    plan_.classes.push_back(std::move(made));
+  }
+
+  /// Refuses lists that name each other in a circle.
+  void check_depth(const std::vector<PlanRow>& rows, const std::string& name, int depth) const {
+    if (depth > 8) {
+      throw std::invalid_argument(
+          fmt::format("{}: lists within lists without end, in '{}'", plan_.source, name));
+    }
+    for (const PlanRow& row : rows) {
+      const auto list = plan_.lists.find(row.list);
+      if (list != plan_.lists.end()) check_depth(list->second, row.list, depth + 1);
+    }
+  }
+
+  std::string_view text_;
+  AutoPlan plan_;
+  Names list_names_;
+  std::map<std::string, std::string> why_;
+};
+
+}  // namespace
+
+int PlanCount::of(int contacts, double times) const {
+  const double count = times * std::max(least, factor * std::pow(contacts, power));
+  return static_cast<int>(std::min<double>(count, std::numeric_limits<int>::max()));
+}
+
+std::string mark_words(unsigned marks) {
+  Names words;
+  for (const auto& mark : kMarks) {
+    if (marks & mark.mark) words.emplace_back(mark.word);
+  }
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+unsigned marks_of_words(std::string_view words) {
+  unsigned marks = 0;
+  for (const std::string& word : words_of(words)) {
+    const auto* found = std::find_if(std::begin(kMarks), std::end(kMarks),
+                                     [&](const auto& mark) { return mark.word == word; });
+    if (found == std::end(kMarks)) {
+      Names valid;
+      for (const auto& mark : kMarks) valid.emplace_back(mark.word);
+      throw std::invalid_argument(unknown_name_message("property", word, valid));
+    }
+    marks |= found->mark;
+  }
+  return marks;
+}
+
+std::string PlanConditions::to_text() const {
+  Names parts;
+  if (above >= 0) parts.push_back(fmt::format("N > {:g}", above));
+  if (up_to < kInfinity) parts.push_back(fmt::format("N <= {:g}", up_to));
+  if (tol_from > 0) parts.push_back(fmt::format("tol >= {:g}", tol_from));
+  if (tol_below < kInfinity) parts.push_back(fmt::format("tol < {:g}", tol_below));
+  if (marks != 0) parts.push_back(mark_words(marks));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+const PlanClass* AutoPlan::class_of(const ProblemTraits& problem) const {
+  const auto found = std::find_if(classes.begin(), classes.end(),
+                                  [&](const PlanClass& of) { return of.conditions.hold(problem); });
+  return found == classes.end() ? nullptr : &*found;
+}
+
+std::map<std::string, std::string> stage_parameters(std::string_view text) {
+  std::map<std::string, std::string> parameters;
+  for (const std::string& word : words_of(text)) {
+    const std::size_t equals = word.find('=');
+    parameters[word.substr(0, equals)] =
+        equals == std::string::npos ? std::string() : word.substr(equals + 1);
+  }
+  return parameters;
+}
+
+AutoPlan parse_plan(std::string_view text, const std::string& source) {
+  return PlanReader(text, source).read();
+}
+
+AutoPlan read_plan(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw FileError(path, "", "cannot be read");
+  return parse_plan(text.str(), path.string());
+}
+
+const AutoPlan& shipped_plan() {
+  static const AutoPlan plan = parse_plan(shipped_plan_text(), "solvers/auto/plan.toml");
+  return plan;
+}
+
+}  // namespace bipot

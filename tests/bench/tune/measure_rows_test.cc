@@ -1,0 +1,79 @@
+#include "bench/tune/measure_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <stdexcept>
+#include <vector>
+
+#include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/small_problems.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+TEST(MeasureRows, GoesOnFromTheRowsOfAStoppedMeasurement) {
+  const TemporaryFolder folder;
+  int loads = 0;
+  const ProblemSource source{"lattice@7", "scene.toml", [&] {
+                               ++loads;
+                               TestProblem made;
+                               made.problem = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
+                               made.start = solve("pgs", made.problem, {.max_iterations = 3}).s;
+                               return made;
+                             }};
+  MeasureOptions options;
+  options.variants = tuned_variants({"apgd", "ipm"});
+  ASSERT_EQ(options.variants.size(), 2u);
+  options.tols = {1e-6, 1e-2};
+  options.file = folder / "rows.csv";
+  int solves = 0;
+  options.on_row = [&](const std::string&, int, int) { ++solves; };
+  options.interrupted = [&] { return solves >= 2; };
+  EXPECT_EQ(measure_rows({source}, options).size(), 4u);  // auto and apgd, cold
+  options.interrupted = nullptr;
+  const std::vector<MeasuredRow> rows = measure_rows({source}, options);
+  EXPECT_EQ(loads, 2);
+  EXPECT_EQ(solves, 6);
+  ASSERT_EQ(rows.size(), 12u);  // three variants, two tolerances, two starts
+  for (const MeasuredRow& row : rows) {
+    EXPECT_TRUE(row.solved) << row.variant;
+    EXPECT_GT(row.seconds, 0);
+    EXPECT_GT(row.iterations, 0);
+    EXPECT_EQ(row.scene, "lattice");
+    EXPECT_TRUE(row.traits.marks & kDisks);
+  }
+  EXPECT_EQ(measure_rows({source}, options).size(), 12u);
+  EXPECT_EQ(loads, 2);
+  // The last line was cut off: that row alone is measured again.
+  std::filesystem::resize_file(options.file, std::filesystem::file_size(options.file) - 3);
+  EXPECT_EQ(measure_rows({source}, options).size(), 12u);
+  EXPECT_EQ(loads, 3);
+  EXPECT_EQ(solves, 7);
+  EXPECT_EQ(read_measured_rows(options.file).size(), 12u);
+}
+
+TEST(MeasureRows, TheLooserToleranceIsMetOnTheWay) {
+  const TemporaryFolder folder;
+  const ProblemSource source{"lattice", "lattice", [] {
+                               TestProblem made;
+                               made.problem = lattice_step(Lattice::kTriangular, 12, 0.3, 10);
+                               return made;
+                             }};
+  MeasureOptions options;
+  options.variants = tuned_variants({"apgd"});
+  options.tols = {1e-2, 1e-8};
+  options.file = folder / "rows.csv";
+  int loose = 0, tight = 0;
+  for (const MeasuredRow& row : measure_rows({source}, options)) {
+    if (row.variant == "apgd") (row.traits.tol == 1e-2 ? loose : tight) = row.iterations;
+  }
+  EXPECT_GT(loose, 0);
+  EXPECT_GT(tight, loose);
+  EXPECT_THROW(tuned_variants({"apgt"}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace bipot
