@@ -229,7 +229,7 @@ class Race {
     more.min_iterations = more.max_iterations / 2;
     more.near_iterations = more.max_iterations;
     for (const SolverEntry* solver :
-         {successful.solver, find_solver("newton"), find_solver("ipm")}) {
+         {successful.solver, find_solver("ipm"), find_solver("newton")}) {
       if (solver == nullptr || out_of_budget()) continue;
       more.solver = solver;
       if (solver != successful.solver) {

@@ -260,6 +260,34 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   EXPECT_EQ(bipot("compare square:4 --out /proc/nowhere").exit_code, 4);
 }
 
+TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
+  const std::string plan = path("plan.toml");
+  const std::string arguments =
+      "tune square:4 pyramid:4 --solvers pgs,ipm --tols 1e-2,1e-6 --least-rows 2 --out " + plan;
+  const Outcome first = bipot(arguments);
+  ASSERT_EQ(first.exit_code, 0);
+  for (const char* words : {"tuned, scenes left out", "auto, present plan", "ipm"}) {
+    EXPECT_NE(first.out.find(words), std::string::npos) << first.out;
+  }
+  const std::string rows = content(path("plan.csv")), text = content(plan);
+  EXPECT_NE(text.find("[[class]]"), std::string::npos);
+  EXPECT_EQ(bipot(arguments + " -q").out, "");
+  EXPECT_EQ(content(path("plan.csv")), rows);
+  EXPECT_EQ(content(plan).substr(text.find('\n')), text.substr(text.find('\n')));  // from the rows
+  const std::string problem = source_folder().string() + "/data/problems/1d_square_20.hdf5";
+  const Outcome solved = bipot("solve " + problem + " --explain --plan " + plan);
+  EXPECT_EQ(solved.exit_code, 0);
+  EXPECT_NE(solved.out.find(plan + ": "), std::string::npos) << solved.out;
+  EXPECT_EQ(bipot("solve " + problem + " --solver pgs --plan " + plan).exit_code, 2);
+  EXPECT_EQ(bipot("run four_spheres --steps 2 --plan " + plan + " --out " + path("run")).exit_code,
+            0);
+  std::ofstream(plan) << "[[class]]\nname = 'a'\nstages = [{solver = 'pgz'}]\n";
+  const Outcome faulty = bipot("solve " + problem + " --plan " + plan);
+  EXPECT_EQ(faulty.exit_code, 2);
+  EXPECT_NE(faulty.out.find("plan.toml:3: unknown solver 'pgz'"), std::string::npos) << faulty.out;
+  EXPECT_EQ(bipot("tune no_such_thing --out " + plan).exit_code, 2);
+}
+
 TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
   std::string whole = content(source_folder().string() + "/data/scenes/triangular_lattice.toml");
   whole.replace(whole.find("steps = 10"), 10, "steps = 40");  // for several stretches

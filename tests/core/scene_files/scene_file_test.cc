@@ -335,6 +335,8 @@ TEST(SceneFile, SolverAndOutput) {
   EXPECT_EQ(s.solver.tol, 1e-5);
   EXPECT_EQ(s.solver.stop, "impulse");
   EXPECT_EQ(s.solver.max_iterations, 7);
+  const Scene<2> own = parse_scene("[solver]\nplan = 'own.toml'\n" + kTime, "/a/b/scene.toml");
+  EXPECT_EQ(own.solver.parameters.at("plan"), "/a/b/own.toml");
   EXPECT_FALSE(s.solver.warm_start);
   EXPECT_EQ(s.solver.parameters, (std::map<std::string, std::string>{
                                      {"rho", "paper"}, {"omega", "1.5"}, {"count", "3"}}));
