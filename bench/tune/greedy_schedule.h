@@ -9,7 +9,7 @@
 namespace bipot {
 
 /// What one variant did on one instance (a problem, a start, a tolerance).
-struct Outcome {
+struct VariantOutcome {
   double work = 0;     ///< iterations in the variant's unit, until solved or given up; 0: not run
   double seconds = 0;  ///< until then
   bool solved = false;
@@ -19,9 +19,9 @@ struct Outcome {
 };
 
 struct TunedInstance {
-  std::vector<Outcome> outcomes;  ///< one for each variant
-  double limit = 0;               ///< time that a schedule may take                       [s]
-  double best = 0;                ///< least time of a variant that solves it; its unit of time  [s]
+  std::vector<VariantOutcome> outcomes;  ///< one for each variant
+  double limit = 0;  ///< time that a schedule may take                       [s]
+  double best = 0;   ///< least time of a variant that solves it; its unit of time  [s]
 };
 
 /// Run the variant until its work in all stages is `budget`.

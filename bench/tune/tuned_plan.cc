@@ -17,7 +17,7 @@ constexpr int kParts = 10;  // of the cross-validation
 struct Measured {
   ClassifiedInstance instance;
   std::string scene;
-  Outcome present;  // of auto
+  VariantOutcome present;  // of auto
 };
 
 std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
@@ -35,7 +35,8 @@ std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
     }
     Measured& to = made[at->second];
     TunedInstance& instance = to.instance.measured;
-    Outcome outcome{static_cast<double>(row.iterations), std::max(row.seconds, 1e-7), row.solved};
+    VariantOutcome outcome{static_cast<double>(row.iterations), std::max(row.seconds, 1e-7),
+                           row.solved};
     if (row.variant == "auto") {
       to.present = outcome;
       instance.limit = std::max(instance.limit, row.limit);
@@ -145,7 +146,7 @@ TunedPlan tune_plan(std::span<const MeasuredRow> rows, std::span<const TunedVari
     ratios.clear();
     int ran = 0;
     for (const Measured& m : all) {
-      const Outcome& outcome = m.instance.measured.outcomes[v];
+      const VariantOutcome& outcome = m.instance.measured.outcomes[v];
       ran += outcome.work > 0;
       if (outcome.solved) ratios.push_back(outcome.seconds / m.instance.measured.best);
     }
