@@ -39,6 +39,9 @@ constexpr struct {
                  {"homotopy", "", 1},
                  {"homotopy", "start_tol=1", 1}};
 
+constexpr int kRepeats = 3;      // of a solve shorter than
+constexpr double kShort = 0.01;  // CPU seconds
+
 /// Targets of one scene share their name up to the last number.
 std::string scene_of(const ProblemSource& source) {
   if (source.target.find(':') != std::string::npos) return source.target;
@@ -64,7 +67,7 @@ class ProblemMeasurement {
     warm_up(entry);
     std::vector<MeasuredRow> made;
     if (entry.path_ignores_tolerance) {
-      if (!once(entry, variant, tols, made)) made.clear();
+      if (!least_of_some(entry, variant, tols, made)) made.clear();
       return made;
     }
     bool hopeless = false;
@@ -76,7 +79,7 @@ class ProblemMeasurement {
         continue;
       }
       std::vector<MeasuredRow> one;
-      if (!once(entry, variant, {tol}, one)) return {};
+      if (!least_of_some(entry, variant, {tol}, one)) return {};
       made.push_back(one.front());
       hopeless = !one.front().solved;
     }
@@ -92,6 +95,20 @@ class ProblemMeasurement {
     row.limit = options_.time_limit;
     row.traits = traits_;
     return row;
+  }
+
+  /// Short solves are repeated, and the least times count: the first one warms caches up.
+  bool least_of_some(const SolverEntry& entry, const std::string& variant,
+                     const std::vector<double>& tols, std::vector<MeasuredRow>& made) {
+    if (!once(entry, variant, tols, made)) return false;
+    for (int repeat = 1; repeat < kRepeats && made.back().seconds < kShort; ++repeat) {
+      std::vector<MeasuredRow> again;
+      if (!once(entry, variant, tols, again)) return false;
+      for (std::size_t k = 0; k < made.size(); ++k) {
+        made[k].seconds = std::min(made[k].seconds, again[k].seconds);
+      }
+    }
+    return true;
   }
 
   /// One solve to the last of the tolerances. False: interrupted.
