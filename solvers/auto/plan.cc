@@ -5,12 +5,14 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <system_error>
 
 #include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
@@ -232,9 +234,12 @@ class PlanReader {
     if (words.empty()) return;
     const std::string name = words.back();
     const auto* start = std::find(std::begin(kStarts), std::end(kStarts), name);
-    char* end = nullptr;
-    if (words.size() == 2) row.of_start = std::strtod(words[0].c_str(), &end);
-    const bool number = end == nullptr || (*end == 0 && std::isfinite(row.of_start));
+    bool number = true;
+    if (words.size() == 2) {
+      const char* const last = words[0].data() + words[0].size();
+      const auto [end, error] = std::from_chars(words[0].data(), last, row.of_start);
+      number = error == std::errc() && end == last && std::isfinite(row.of_start);
+    }
     if (start == std::end(kStarts) || words.size() > 2 || !number) {
       fail(*table.get("from"),
            "from: expected own, caller, last or best, or a factor and one of "
