@@ -282,7 +282,7 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   EXPECT_EQ(bipot("run four_spheres --steps 2 --plan " + plan + " --out " + path("run")).exit_code,
             0);
   std::ofstream(plan) << "[[class]]\nname = 'a'\nstages = [{solver = 'pgz'}]\n";
-  const Outcome faulty = bipot("solve " + problem + " --plan " + plan);
+  const Outcome faulty = bipot("solve " + problem + " --json - --plan " + plan);
   EXPECT_EQ(faulty.exit_code, 2);
   EXPECT_NE(faulty.out.find("plan.toml:3: unknown solver 'pgz'"), std::string::npos) << faulty.out;
   EXPECT_EQ(bipot("tune no_such_thing --out " + plan).exit_code, 2);
