@@ -2,6 +2,7 @@
 // detection and one assembly, beside the bandwidth of this machine in the same run. Own flags
 // beside --benchmark_*:
 //   --side=100 (rows of a triangular packing, about 3 side² contacts)   --threads=1,2
+//   --spheres=19 (along a side of a cubic packing, about 3 side³ contacts)
 //   --path=portable,avx2,avx512 (those that the machine has)   --family=triangular
 // Counters: ns (per contact and iteration), B and flop (per contact, for a single iteration;
 // several in flight share it), GB_s. data/manual/results/performance.md explains the counting and
@@ -58,7 +59,8 @@ void sweep_explicit(benchmark::State& state, const Packing& p) {
   report(state, with.num_contacts(), 1, explicit_sweep_work(row));
 }
 
-void criterion(benchmark::State& state, const Packing& p, int threads) {
+template <int D>
+void criterion(benchmark::State& state, const PackedProblem<D>& p, int threads) {
   ContactErrorEvaluator evaluate(p.problem, threads);
   const Vector s = p.start();
   for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(evaluate(s));
@@ -104,7 +106,7 @@ void triad(benchmark::State& state, int threads, double bytes) {
 
 struct Flags {
   std::string family = "triangular";
-  std::vector<int> sides = {100}, threads = {1};
+  std::vector<int> sides = {100}, threads = {1}, sphere_sides = {19};
   std::vector<std::string> paths;
 };
 
@@ -113,6 +115,35 @@ void add(const std::string& name, int threads, const F& run) {
   auto* row = benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond);
   // One thread: its own CPU time, which depends least on other work of the machine.
   if (threads > 1) row->UseRealTime();
+}
+
+/// Rows of the kernels that disks and spheres have. `get`: the packing.
+template <int D, class Get>
+void add_kernels(const Flags& flags, const std::string& family, int side,
+                 const std::vector<SimdPath>& paths, const Get& get) {
+  const auto name = [&](const std::string& what) {
+    return fmt::format("{}{}/{}", family, what, side);
+  };
+  for (const int threads : flags.threads) {
+    for (const SimdPath path : paths) {
+      const Execution e{threads, path};
+      const std::string how = fmt::format("{}/{}", to_string(path), threads);
+      const auto measure = [&](const std::string& what, const auto& kernel) {
+        add(name(what + how), threads, [=](auto& s) {
+          const auto p = get();
+          run(s, kernel(static_cast<const PackedProblem<D>&>(*p), e));
+        });
+      };
+      measure("sweep_tiled/", [](const auto& p, const Execution& e) { return tiled_sweep(p, e); });
+      measure("gradient/", [](const auto& p, const Execution& e) { return tiled_gradient(p, e); });
+      measure("symmetric/",
+              [](const auto& p, const Execution& e) { return symmetric_sweep(p, e); });
+    }
+    add(name(fmt::format("criterion/scalar/{}", threads)), threads, [=](auto& s) {
+      const auto p = get();
+      criterion(s, static_cast<const PackedProblem<D>&>(*p), threads);
+    });
+  }
 }
 
 void add_rows(const Flags& flags, int side, const std::vector<SimdPath>& paths) {
@@ -124,21 +155,9 @@ void add_rows(const Flags& flags, int side, const std::vector<SimdPath>& paths) 
   });
   add(name("sweep_explicit_W/scalar/1"), 1, [=](auto& s) { sweep_explicit(s, *get()); });
   add(name("tiling/scalar/1"), 1, [=](auto& s) { tiling(s, *get()); });
+  add_kernels<2>(flags, "", side, paths, get);
   for (const int threads : flags.threads) {
-    for (const SimdPath path : paths) {
-      const Execution e{threads, path};
-      const std::string how = fmt::format("{}/{}", to_string(path), threads);
-      add(name("sweep_tiled/" + how), threads, [=](auto& s) {
-        const auto p = get();
-        run(s, tiled_sweep(*p, e));
-      });
-      add(name("gradient/" + how), threads, [=](auto& s) {
-        const auto p = get();
-        run(s, tiled_gradient(*p, e));
-      });
-    }
     const std::string how = fmt::format("scalar/{}", threads);
-    add(name("criterion/" + how), threads, [=](auto& s) { criterion(s, *get(), threads); });
     add(name("detection/" + how), threads, [=](auto& s) { detection(s, *get(), threads); });
     add(name("assembly/" + how), threads, [=](auto& s) { assembly(s, *get(), threads); });
   }
@@ -154,6 +173,8 @@ int main(int argc, char** argv) {
   app.allow_extras();  // Google Benchmark's own
   app.add_option("--family", flags.family, "Scene family (disks with friction)");
   app.add_option("--side", flags.sides, "Disks along a side")->delimiter(',');
+  app.add_option("--spheres", flags.sphere_sides, "Spheres along a side of a cubic packing")
+      ->delimiter(',');
   app.add_option("--threads", flags.threads, "Numbers of threads")->delimiter(',');
   app.add_option("--path", flags.paths, "portable, avx2, avx512; all that the machine has")
       ->delimiter(',');
@@ -175,6 +196,10 @@ int main(int argc, char** argv) {
     }
   }
   for (const int side : flags.sides) add_rows(flags, side, paths);
+  for (const int side : flags.sphere_sides) {
+    add_kernels<3>(flags, "spheres/", side, paths,
+                   [side] { return tilted_spheres("cubic", side); });
+  }
   std::vector<std::string> rest = app.remaining();
   std::vector<char*> arguments{argv[0]};
   for (std::string& text : rest) arguments.push_back(text.data());

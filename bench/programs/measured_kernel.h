@@ -10,9 +10,11 @@
 #include <utility>
 
 #include "bench/measure/kernel_work.h"
+#include "bench/problems/sphere_problems.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
+#include "solvers/disks/symmetric_sweep.h"
 #include "solvers/disks/tiled_gradient.h"
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_sweep.h"
@@ -20,34 +22,43 @@
 
 namespace bipot {
 
-/// One packing and the data that the kernels need.
-struct Packing {
-  Scene<2> scene;
-  State<2> state;
+/// A problem of disks or spheres with friction, and the data that the kernels need.
+template <int D>
+struct PackedProblem {
   ContactProblem problem;
   DelassusOperator delassus;
   ContactScaling scaling;
   double lambda;
 
-  explicit Packing(Scene<2> given)
-      : scene(std::move(given)),
-        state(initial_state(scene)),
-        problem(step_problem(scene, state, false)),
+  explicit PackedProblem(ContactProblem given)
+      : problem(std::move(given)),
         delassus(problem),
         scaling(equilibrated_scaling(problem, delassus.diagonal())),
         lambda(kSpectralMargin * largest_eigenvalue()) {
-    if (!delassus.disks() || problem.dim != 2) {
-      throw std::invalid_argument("not disks with friction");
+    if (!delassus.is_packed() || problem.dim != D) {
+      throw std::invalid_argument("not disks or spheres with friction");
     }
   }
+  const BodiesOf<D>& bodies() const { return *delassus.template bodies<D>(); }
   Vector start() const { return Vector::Zero(problem.num_rows()); }
   double largest_eigenvalue() const {
     WholeSpace space(problem);
     return spectral_estimate(space, scaling.velocity);
   }
   double bodies_per_contact() const {
-    return static_cast<double>(delassus.disks()->surroundings()) / problem.num_contacts();
+    return static_cast<double>(bodies().surroundings()) / problem.num_contacts();
   }
+};
+
+/// Disks of a scene.
+struct Packing : PackedProblem<2> {
+  Scene<2> scene;
+  State<2> state;
+
+  explicit Packing(const Scene<2>& given)
+      : PackedProblem(step_problem(given, initial_state(given), false)),
+        scene(given),
+        state(initial_state(scene)) {}
 };
 
 /// A family at a side, tilted by 10°; shared while in use.
@@ -60,6 +71,17 @@ inline std::shared_ptr<const Packing> tilted_packing(const std::string& family, 
     options.tilt_degrees = 10;
     made = std::make_shared<const Packing>(make_family_scene(family, side, options));
     slot = made;
+  }
+  return made;
+}
+
+/// A family of sphere_problems.h, tilted by 10°; shared while in use.
+inline std::shared_ptr<const PackedProblem<3>> tilted_spheres(const std::string& family, int side) {
+  static std::map<std::pair<std::string, int>, std::weak_ptr<const PackedProblem<3>>> cache;
+  auto& slot = cache[{family, side}];
+  std::shared_ptr<const PackedProblem<3>> made = slot.lock();
+  if (!made) {
+    slot = made = std::make_shared<const PackedProblem<3>>(sphere_family(family, side, 0.3, 10));
   }
   return made;
 }
@@ -92,23 +114,34 @@ inline MeasuredKernel given_order_sweep(const Packing& p) {
           }};
 }
 
-inline MeasuredKernel tiled_sweep(const Packing& p, const Execution& execution) {
-  auto sweep =
-      std::make_shared<TiledSweep<2>>(p.problem, *p.delassus.disks(), p.scaling, 1, execution);
+template <int D>
+MeasuredKernel tiled_sweep(const PackedProblem<D>& p, const Execution& execution) {
+  auto sweep = std::make_shared<TiledSweep<D>>(p.problem, p.bodies(), p.scaling, 1, execution);
   sweep->reset(p.start());
   return {static_cast<double>(p.problem.num_contacts()), kTogether,
-          tiled_sweep_work(p.bodies_per_contact()), [sweep] { sweep->advance(kTogether); }};
+          tiled_sweep_work<D>(p.bodies_per_contact()), [sweep] { sweep->advance(kTogether); }};
 }
 
-inline MeasuredKernel tiled_gradient(const Packing& p, const Execution& execution) {
-  auto gradient =
-      std::make_shared<TiledGradient<2>>(p.problem, *p.delassus.disks(), p.scaling, execution);
+template <int D>
+MeasuredKernel tiled_gradient(const PackedProblem<D>& p, const Execution& execution) {
+  auto gradient = std::make_shared<TiledGradient<D>>(p.problem, p.bodies(), p.scaling, execution);
   gradient->reset(p.start());
   GradientControl control;
   control.lambda = p.lambda;
   return {static_cast<double>(p.problem.num_contacts()), kTogether,
-          gradient_work(p.bodies_per_contact()),
+          gradient_work<D>(p.bodies_per_contact()),
           [gradient, control]() mutable { gradient->advance(kTogether, control); }};
+}
+
+/// An iteration of `assor` with two sweeps each way, momentum left out.
+template <int D>
+MeasuredKernel symmetric_sweep(const PackedProblem<D>& p, const Execution& execution) {
+  auto sweep =
+      std::make_shared<SymmetricSweep<D>>(p.problem, p.bodies(), p.scaling, 1, 2, execution);
+  sweep->reset(p.start());
+  return {static_cast<double>(p.problem.num_contacts()), kTogether, {}, [sweep] {
+            for (int k = 0; k < kTogether; ++k) sweep->iterate(0);
+          }};
 }
 
 }  // namespace bipot

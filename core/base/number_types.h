@@ -49,6 +49,19 @@ template <class Real>
 [[gnu::always_inline]] inline Real root(const Real& x) {
   if constexpr (std::is_floating_point_v<Real>) {
     return Eigen::numext::sqrt(x);  // Eigen's has no test for errno
+  } else if constexpr (requires { x[0]; }) {
+    Real y = x;
+#ifdef __x86_64__
+    // g++ has no operation for lanes, and makes slow code of a loop over them.
+    if constexpr (sizeof(Real) == 16) {
+      asm("sqrtpd %1, %0" : "=x"(y) : "x"(x));
+    } else {
+      asm("vsqrtpd %1, %0" : "=v"(y) : "v"(x));
+    }
+#else
+    for (std::size_t k = 0; k < sizeof(Real) / sizeof(double); ++k) y[k] = std::sqrt(x[k]);
+#endif
+    return y;
   } else {
     // A step of Newton's method doubles the digits of the root in long double.
     const Real near = std::sqrt(static_cast<long double>(x));

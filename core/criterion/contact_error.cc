@@ -8,7 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/base/types.h"
 #include "core/criterion/error_terms.h"
-#include "core/criterion/plane_error.h"
+#include "core/criterion/vector_error.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 
@@ -143,7 +143,7 @@ PieceSums ContactErrorEvaluator::sums(int begin, int end) const {
   return e;
 }
 
-PlaneContacts ContactErrorEvaluator::plane_contacts() const {
+ContactArrays ContactErrorEvaluator::arrays() const {
   const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
   const double* const row_scale =
       problem_.row_scale.size() == 0 ? nullptr : problem_.row_scale.data();
@@ -158,23 +158,27 @@ ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) 
   run_pieces(threads_, contacts, [&](int begin, int end) {
     s_.segment(begin * D, (end - begin) * D) = s.segment(begin * D, (end - begin) * D);
     if constexpr (D == 2) {
-      project_on_plane_cones(plane_contacts(), begin, end, s_.data());
+      project_on_plane_cones(arrays(), begin, end, s_.data());
+    } else if constexpr (D == 3) {
+      project_on_space_cones(arrays(), begin, end, s_.data());
     } else {
       project<D, kScaled>(begin, end);
     }
   });
-  const bool disks = delassus_->disks().has_value();
-  if (disks) {
-    delassus_->move_disks(s_);
+  const bool packed = delassus_->is_packed();
+  if (packed) {
+    delassus_->move_bodies(s_);
   } else {
     delassus_->velocity(s_, u_);
   }
   std::vector<PieceSums> pieces(to_size((contacts + kPieceItems - 1) / kPieceItems));
   run_pieces(threads_, contacts, [&](int begin, int end) {
-    if (disks) delassus_->disk_velocity(begin, end, u_);
+    if (packed) delassus_->contact_velocity(begin, end, u_);
     PieceSums& piece = pieces[to_size(begin / kPieceItems)];
     if constexpr (D == 2) {
-      piece = sum_plane_errors(plane_contacts(), begin, end);
+      piece = sum_plane_errors(arrays(), begin, end);
+    } else if constexpr (D == 3) {
+      piece = sum_space_errors(arrays(), begin, end);
     } else {
       piece = sums<D, kScaled>(begin, end);
     }

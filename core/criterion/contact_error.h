@@ -75,7 +75,7 @@ using ErrorSums = ErrorSumsOf<double>;
 
 class DelassusOperator;  // core/problem/delassus.h
 struct PieceSums;
-struct PlaneContacts;
+struct ContactArrays;
 
 /// The criterion of these sums; the worst contacts are unknown (-1).
 ContactError error_of(const ErrorSums& sums);
@@ -139,7 +139,7 @@ class ContactErrorEvaluator {
   void project(int begin, int end);
   template <int D, bool kScaled>
   PieceSums sums(int begin, int end) const;
-  PlaneContacts plane_contacts() const;
+  ContactArrays arrays() const;
 
   const ContactProblem& problem_;
   int threads_;

@@ -6,7 +6,7 @@
 namespace bipot {
 
 // The terms of the criterion (contact_error.h) of one contact, for every number type: double, lanes
-// (plane_error.cc), long double and Quadruple (extended_error.cc), and Rounded (rounded.h). Terms
+// (vector_error.cc), long double and Quadruple (extended_error.cc), and Rounded (rounded.h). Terms
 // are added by `a = a + b`, sums over contacts by `+=`: Rounded distinguishes the two.
 
 template <class Real, int D>

@@ -13,8 +13,8 @@ namespace {
 // Roundings of a product through H or W beside those of its sums: the projection of s (at most 10
 // of each component), the inverse mass, the division by row_scale, the addition of u_free.
 constexpr double kOfAProduct = 16;
-// The packed form of disks may differ from H by 16 epsilons = 32 roundings an entry. An arm counts
-// twice in a product.
+// The packed form of disks or spheres may differ from H by 16 epsilons = 32 roundings an entry. An
+// arm counts twice in a product.
 constexpr double kOfPacking = 100;
 // Roundings of a component of s by its projection.
 constexpr double kOfAnImpulse = 10;
@@ -217,8 +217,7 @@ RoundedMomentum rounded_momentum(const ContactProblem& p, const Eigen::Ref<const
 
 RoundedSums rounded_sums(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
                          const RoundedMomentum& pushed, int threads) {
-  const double packing = p.dim == 3 ? 0 : kOfPacking;
-  return sums_of(p, s, RoundedBodyRows(p, pushed, kOfAProduct + packing), threads);
+  return sums_of(p, s, RoundedBodyRows(p, pushed, kOfAProduct + kOfPacking), threads);
 }
 
 RoundedSums rounded_sums(const ContactProblem& p, const Eigen::Ref<const Vector>& s, int threads) {

@@ -47,24 +47,21 @@ template <int D, class V>
 template <int D, class V, class Real>
 [[gnu::always_inline]] inline V onto_cone(const V& tau, const Real& mu) {
   V s;
+  // The normal part of the three cases is the largest of 0, tau_n and the slip formula. The
+  // tangential part is tau_t cut off at the edge. No branch, since statuses cannot be predicted.
   if constexpr (D == 1) {
     s[0] = positive_part<Real>(tau[0]);
   } else if constexpr (D == 2) {
-    // The normal part of the three cases is the largest of 0, tau_n and the slip formula. The
-    // tangential part is tau_t cut off at the edge. No branch, since statuses cannot be predicted.
     const Real tn = tau[0], tt = tau[1];
     const Real edge = (tn + mu * absolute(tt)) / (1 + mu * mu);
     s[0] = positive_part(select(edge > tn, edge, tn));
     s[1] = cut_off(tt, Real(mu * s[0]));
   } else {
     const Real tn = tau[0], tt = tangential_norm<D>(tau);
-    if (mu * tt <= -tn) {
-      each_component<D>([&](int k) { s[k] = Real(0); });
-      return s;
-    }
-    if (tt <= mu * tn) return tau;
-    s[0] = (tn + mu * tt) / (1 + mu * mu);
-    const Real shrink = mu * s[0] / tt;
+    const Real edge = (tn + mu * tt) / (1 + mu * mu);
+    s[0] = positive_part(select(edge > tn, edge, tn));
+    const Real radius = mu * s[0];
+    const Real shrink = select(tt > radius, Real(radius / tt), Real(Real{} + 1));
     s[1] = shrink * tau[1];
     s[2] = shrink * tau[2];
   }

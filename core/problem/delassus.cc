@@ -166,19 +166,21 @@ SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int d
   return dispatch_dim(dim, [&](auto d) { return assemble_diagonal<d()>(A, H); });
 }
 
+template <int D>
 void DelassusOperator::Prepared::list_sides() {
-  side_start.assign(disks->bodies.size() + 1, 0);
-  for (const DiskStructure::Contact& c : disks->contacts) {
+  const auto& packed = *bodies<D>();
+  side_start.assign(packed.bodies.size() + 1, 0);
+  for (const auto& c : packed.contacts) {
     ++side_start[to_size(c.i) + 1];
     ++side_start[to_size(c.j) + 1];
   }
   std::partial_sum(side_start.begin(), side_start.end(), side_start.begin());
-  side.resize(2 * disks->contacts.size());
+  side.resize(2 * packed.contacts.size());
   std::vector<int> next(side_start.begin(), side_start.end() - 1);
-  for (std::size_t c = 0; c < disks->contacts.size(); ++c) {
+  for (std::size_t c = 0; c < packed.contacts.size(); ++c) {
     const int first = 2 * static_cast<int>(c);
-    side[to_size(next[to_size(disks->contacts[c].i)]++)] = first;
-    side[to_size(next[to_size(disks->contacts[c].j)]++)] = first + 1;
+    side[to_size(next[to_size(packed.contacts[c].i)]++)] = first;
+    side[to_size(next[to_size(packed.contacts[c].j)]++)] = first + 1;
   }
 }
 
@@ -195,7 +197,10 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int
   if (two_pass_) {
     made->inverse_mass = problem.A.diagonal().cwiseInverse();
     made->disks = disk_structure(problem);
-    if (made->disks && threads_ > 1) made->list_sides();
+    made->spheres = sphere_structure(problem);
+    if (is_packed() && threads_ > 1) {
+      dispatch_dim(problem.dim, [&](auto d) { made->list_sides<d()>(); });
+    }
     scratch();
   } else if (!problem.has_delassus() && problem.has_velocities()) {
     made->delassus = assemble_delassus(problem.A, problem.H, problem.dim);
@@ -205,29 +210,92 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int
 
 Vector& DelassusOperator::scratch() const {
   if (velocity_.size() == 0 && two_pass_) {
-    const std::optional<DiskStructure>& disks = prepared_->disks;
-    velocity_ = large_vector(disks ? 4 * static_cast<Eigen::Index>(disks->bodies.size())
-                                   : problem_.num_dofs());
+    Eigen::Index size = problem_.num_dofs();
+    if (disks()) size = 4 * static_cast<Eigen::Index>(disks()->bodies.size());
+    if (const auto& spheres = prepared_->spheres) {
+      size = 8 * static_cast<Eigen::Index>(spheres->bodies.size());
+    }
+    velocity_ = large_vector(size);
   }
   return velocity_;
 }
 
 namespace {
 
-/// The impulse of a contact in 2D, and its moment on both bodies.
+/// The values of a body in the scratch memory: x, y (z), padding, and a ω from kSpin on.
+template <int D>
+struct BodyPlace {
+  static constexpr int kSize = D == 3 ? 8 : 4, kSpin = D == 3 ? 4 : 2;
+  static constexpr int kForces = D == 3 ? 3 : 2, kTorques = D == 3 ? 3 : D - 1;
+};
+
+/// The impulse of a contact, and its moment on both bodies.
+template <int D>
 struct Push {
-  double x, y, spin;
+  double force[3] = {0, 0, 0}, spin[3] = {0, 0, 0};
+
+  /// Adds to a body: the force times `sign`, and the moment.
+  void add(double sign, double* v) const {
+    for (int x = 0; x < BodyPlace<D>::kForces; ++x) v[x] += sign * force[x];
+    for (int x = 0; x < BodyPlace<D>::kTorques; ++x) v[BodyPlace<D>::kSpin + x] -= spin[x];
+  }
 };
 template <int D>
-inline Push push(const DiskStructure::Contact& c, const double* s) {
+inline Push<D> push(const DiskStructure::Contact& c, const double* s) {
   const double normal = c.normal * s[0];
-  Push p{normal * c.n[0], normal * c.n[1], 0};
+  Push<D> p{{normal * c.n[0], normal * c.n[1]}};
   if constexpr (D == 2) {
-    p.spin = c.tangential * s[1];
-    p.x -= p.spin * c.n[1];
-    p.y += p.spin * c.n[0];
+    p.spin[0] = c.tangential * s[1];
+    p.force[0] -= p.spin[0] * c.n[1];
+    p.force[1] += p.spin[0] * c.n[0];
   }
   return p;
+}
+inline void cross(const double* a, const double* b, double* to) {
+  to[0] = a[1] * b[2] - a[2] * b[1];
+  to[1] = a[2] * b[0] - a[0] * b[2];
+  to[2] = a[0] * b[1] - a[1] * b[0];
+}
+template <int D>
+inline Push<D> push(const SphereStructure::Contact& c, const double* s) {
+  const double normal = c.normal * s[0], t1 = c.tangential * s[1], t2 = c.tangential * s[2];
+  Push<D> p;
+  double tangential[3];
+  for (int x = 0; x < 3; ++x) {
+    tangential[x] = t1 * c.frame[1][x] + t2 * c.frame[2][x];
+    p.force[x] = normal * c.frame[0][x] + tangential[x];
+  }
+  cross(c.frame[0], tangential, p.spin);
+  return p;
+}
+
+/// Calls put(row, w) for the velocities of a contact between bodies with the values vi, vj.
+template <int D, class Put>
+inline void relative_velocity(const DiskStructure::Contact& c, const double* vi, const double* vj,
+                              const Put& put) {
+  const double x = vi[0] - vj[0], y = vi[1] - vj[1];
+  put(0, c.normal * (c.n[0] * x + c.n[1] * y));
+  if constexpr (D == 2) {
+    put(1, c.tangential * (c.n[0] * y - c.n[1] * x - (vi[2] + vj[2])));
+  }
+}
+template <int D, class Put>
+inline void relative_velocity(const SphereStructure::Contact& c, const double* vi, const double* vj,
+                              const Put& put) {
+  // (n x t)·w = t·(w x n).
+  double v[3], w[3], turned[3];
+  for (int x = 0; x < 3; ++x) {
+    v[x] = vi[x] - vj[x];
+    w[x] = vi[4 + x] + vj[4 + x];
+  }
+  cross(w, c.frame[0], turned);
+  const auto along = [&](int k, const double* of) {
+    return c.frame[k][0] * of[0] + c.frame[k][1] * of[1] + c.frame[k][2] * of[2];
+  };
+  put(0, c.normal * along(0, v));
+  for (int x = 0; x < 3; ++x) v[x] -= turned[x];
+  put(1, c.tangential * along(1, v));
+  put(2, c.tangential * along(2, v));
 }
 
 }  // namespace
@@ -237,18 +305,10 @@ template <int D>
 void DelassusOperator::add_impulses(const double* s) const {
   double* const v = scratch().data();
   velocity_.setZero();
-  for (const DiskStructure::Contact& c : prepared_->disks->contacts) {
-    const Push p = push<D>(c, s);
-    double* const vi = v + 4 * c.i;
-    double* const vj = v + 4 * c.j;
-    vi[0] += p.x;
-    vi[1] += p.y;
-    vj[0] -= p.x;
-    vj[1] -= p.y;
-    if constexpr (D == 2) {
-      vi[2] -= p.spin;
-      vj[2] -= p.spin;
-    }
+  for (const auto& c : prepared_->bodies<D>()->contacts) {
+    const Push<D> p = push<D>(c, s);
+    p.add(1, v + BodyPlace<D>::kSize * c.i);
+    p.add(-1, v + BodyPlace<D>::kSize * c.j);
     s += D;
   }
 }
@@ -256,91 +316,71 @@ void DelassusOperator::add_impulses(const double* s) const {
 /// The same sums, body by body.
 template <int D>
 void DelassusOperator::add_impulses_by_body(const double* s) const {
+  constexpr int kSize = BodyPlace<D>::kSize;
   const Prepared& made = *prepared_;
+  const auto& bodies = *made.bodies<D>();
   scratch();
-  run_pieces(threads_, made.disks->surroundings(), [&](int begin, int end) {
+  run_pieces(threads_, bodies.surroundings(), [&](int begin, int end) {
     for (int body = begin; body < end; ++body) {
-      double x = 0, y = 0, spin = 0;
+      double sum[to_size(kSize)] = {};
       for (int k = made.side_start[to_size(body)]; k < made.side_start[to_size(body) + 1]; ++k) {
         const int c = made.side[to_size(k)] / 2;
-        const Push p = push<D>(made.disks->contacts[to_size(c)], s + D * c);
-        if (made.side[to_size(k)] % 2 == 0) {
-          x += p.x;
-          y += p.y;
-        } else {
-          x -= p.x;
-          y -= p.y;
-        }
-        if constexpr (D == 2) spin -= p.spin;
+        const Push<D> p = push<D>(bodies.contacts[to_size(c)], s + D * c);
+        p.add(made.side[to_size(k)] % 2 == 0 ? 1 : -1, sum);
       }
-      double* const v = velocity_.data() + 4 * body;
-      v[0] = x;
-      v[1] = y;
-      v[2] = spin;
+      std::copy_n(sum, kSize, velocity_.data() + kSize * body);
     }
   });
-  velocity_.tail<4>().setZero();  // entry for the surroundings: its value does not matter
+  velocity_.tail<kSize>().setZero();  // entry for the surroundings: its value does not matter
 }
 
 template <int D>
-void DelassusOperator::move_disks(const double* s) const {
+void DelassusOperator::move_bodies(const double* s) const {
   if (prepared_->side.empty()) {
     add_impulses<D>(s);
   } else {
     add_impulses_by_body<D>(s);
   }
-  double* body_velocity = velocity_.data();
-  for (const DiskStructure::Body& body : prepared_->disks->bodies) {
-    body_velocity[0] *= body.inverse_mass;
-    body_velocity[1] *= body.inverse_mass;
-    body_velocity[2] *= body.inverse_inertia;
-    body_velocity += 4;
+  using Place = BodyPlace<D>;
+  double* v = velocity_.data();
+  for (const auto& body : prepared_->bodies<D>()->bodies) {
+    for (int x = 0; x < Place::kForces; ++x) v[x] *= body.inverse_mass;
+    for (int x = 0; x < Place::kTorques; ++x) v[Place::kSpin + x] *= body.inverse_inertia;
+    v += Place::kSize;
   }
 }
 
 /// u of the contacts [begin, end), plus `u_free` unless it is null.
 template <int D>
-void DelassusOperator::disk_velocity(int begin, int end, const double* u_free, double* u) const {
+void DelassusOperator::contact_velocity(int begin, int end, const double* u_free, double* u) const {
   const double* const v = velocity_.data();
-  const auto put = [&](int row, double w) { u[row] = u_free != nullptr ? w + u_free[row] : w; };
   for (int k = begin; k < end; ++k) {
-    const DiskStructure::Contact& c = prepared_->disks->contacts[to_size(k)];
-    const double* const vi = v + 4 * c.i;
-    const double* const vj = v + 4 * c.j;
-    const double x = vi[0] - vj[0], y = vi[1] - vj[1];
-    put(D * k, c.normal * (c.n[0] * x + c.n[1] * y));
-    if constexpr (D == 2) {
-      put(D * k + 1, c.tangential * (c.n[0] * y - c.n[1] * x - (vi[2] + vj[2])));
-    }
+    const auto& c = prepared_->bodies<D>()->contacts[to_size(k)];
+    relative_velocity<D>(c, v + BodyPlace<D>::kSize * c.i, v + BodyPlace<D>::kSize * c.j,
+                         [&](int row, double w) {
+                           const int at = D * k + row;
+                           u[at] = u_free != nullptr ? w + u_free[at] : w;
+                         });
   }
 }
 
-void DelassusOperator::move_disks(const Eigen::Ref<const Vector>& s) const {
-  if (problem_.dim == 1) {
-    move_disks<1>(s.data());
-  } else {
-    move_disks<2>(s.data());
-  }
+void DelassusOperator::move_bodies(const Eigen::Ref<const Vector>& s) const {
+  dispatch_dim(problem_.dim, [&](auto d) { move_bodies<d()>(s.data()); });
 }
 
-void DelassusOperator::disk_velocity(int begin, int end, Vector& u) const {
-  const double* const u_free = problem_.u_free.data();
-  if (problem_.dim == 1) {
-    disk_velocity<1>(begin, end, u_free, u.data());
-  } else {
-    disk_velocity<2>(begin, end, u_free, u.data());
-  }
+void DelassusOperator::contact_velocity(int begin, int end, Vector& u) const {
+  dispatch_dim(problem_.dim, [&](auto d) {
+    contact_velocity<d()>(begin, end, problem_.u_free.data(), u.data());
+  });
 }
 
 void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const {
-  if (prepared_->disks) {
+  if (is_packed()) {
     u.resize(problem_.num_rows());
     dispatch_dim(problem_.dim, [&](auto d) {
-      if constexpr (d() < 3) {
-        move_disks<d()>(s.data());
-        run_pieces(threads_, problem_.num_contacts(),
-                   [&](int begin, int end) { disk_velocity<d()>(begin, end, nullptr, u.data()); });
-      }
+      move_bodies<d()>(s.data());
+      run_pieces(threads_, problem_.num_contacts(),
+                 [&](int begin, int end) { contact_velocity<d()>(begin, end, nullptr, u.data()); });
     });
   } else if (two_pass_) {
     scratch().noalias() = problem_.H * s;
@@ -352,11 +392,11 @@ void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const
 }
 
 void DelassusOperator::velocity(const Eigen::Ref<const Vector>& s, Vector& u) const {
-  if (prepared_->disks) {
+  if (is_packed()) {
     u.resize(problem_.num_rows());
-    move_disks(s);
+    move_bodies(s);
     run_pieces(threads_, problem_.num_contacts(),
-               [&](int begin, int end) { disk_velocity(begin, end, u); });
+               [&](int begin, int end) { contact_velocity(begin, end, u); });
   } else {
     apply(s, u);
     u += problem_.u_free;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/problem/contact_problem.h"
-#include "core/problem/disk_structure.h"
+#include "core/problem/packed_bodies.h"
 
 namespace bipot {
 
@@ -16,14 +16,14 @@ namespace bipot {
 SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int dim);
 
 /// s -> W s, by the cheaper form that the problem offers. With a diagonal A: two passes through H
-/// (about 10 multiplications a row; packed if H is that of disks). Else: the explicit W. A problem
-/// without W and with a general A gets its W assembled here once.
+/// (about 10 multiplications a row; packed if H is that of disks or spheres). Else: the explicit W.
+/// A problem without W and with a general A gets its W assembled here once.
 ///
 /// Keeps a reference to the problem, which must outlive it and all its copies. A copy has its own
-/// scratch memory and shares all constant data: the packed H of disks, a W that was assembled here.
+/// scratch memory and shares all constant data: the packed H, a W that was assembled here.
 ///
 /// One operator serves one caller at a time: apply() and velocity() write to its scratch memory.
-/// Give every thread a copy. With `threads` > 1 the products for disks use as many, with the same
+/// Give every thread a copy. With `threads` > 1 the packed products use as many, with the same
 /// bits: a body always sums its contacts in their order.
 class DelassusOperator {
  public:
@@ -38,10 +38,11 @@ class DelassusOperator {
   void apply(const Eigen::Ref<const Vector>& s, Vector& u) const;
   /// u = W s + u_free. No allocation.
   void velocity(const Eigen::Ref<const Vector>& s, Vector& u) const;
-  /// velocity() in two parts, for callers that process the contacts part by part. Requires disks().
-  void move_disks(const Eigen::Ref<const Vector>& s) const;
-  /// u of the contacts [begin, end) after move_disks().
-  void disk_velocity(int begin, int end, Vector& u) const;
+  /// velocity() in two parts, for callers that process the contacts part by part. Requires
+  /// is_packed().
+  void move_bodies(const Eigen::Ref<const Vector>& s) const;
+  /// u of the contacts [begin, end) after move_bodies().
+  void contact_velocity(int begin, int end, Vector& u) const;
   /// Diagonal d x d block of contact c, row-major storage of d*d values.
   Eigen::MatrixXd diagonal_block(int contact) const;
   /// Frees the scratch memory; the next product allocates it anew.
@@ -50,12 +51,18 @@ class DelassusOperator {
   Vector diagonal() const;
   /// The packed H of disks; empty if the two-pass form is not used or finds other bodies.
   const std::optional<DiskStructure>& disks() const { return prepared_->disks; }
+  /// The same for disks or spheres, as dim = D says.
+  template <int D>
+  const std::optional<BodiesOf<D>>& bodies() const {
+    return prepared_->bodies<D>();
+  }
+  bool is_packed() const { return prepared_->disks || prepared_->spheres; }
 
  private:
   template <int D>
-  void move_disks(const double* s) const;
+  void move_bodies(const double* s) const;
   template <int D>
-  void disk_velocity(int begin, int end, const double* u_free, double* u) const;
+  void contact_velocity(int begin, int end, const double* u_free, double* u) const;
   template <int D>
   void add_impulses(const double* s) const;
   template <int D>
@@ -65,10 +72,20 @@ class DelassusOperator {
   struct Prepared {
     Vector inverse_mass;  // diagonal of A⁻¹, two-pass form only
     std::optional<DiskStructure> disks;
+    std::optional<SphereStructure> spheres;
     // With threads, the contacts of each body in their order: 2 c if it is body i, else 2 c + 1.
     std::vector<int> side_start, side;
     SparseRows delassus;  // only when W had to be assembled here
 
+    template <int D>
+    const std::optional<BodiesOf<D>>& bodies() const {
+      if constexpr (D == 3) {
+        return spheres;
+      } else {
+        return disks;
+      }
+    }
+    template <int D>
     void list_sides();
   };
 
@@ -79,7 +96,9 @@ class DelassusOperator {
   bool two_pass_ = false;
   std::shared_ptr<const Prepared> prepared_;
   const SparseRows* delassus_ = nullptr;  // prepared_'s or the problem's W
-  mutable Vector velocity_;  // scratch, n; for disks 4 values a body: (x, y, a ω, padding)
+  // Scratch, n. For disks 4 values a body: (x, y, a ω, padding); for spheres 8: (x, y, z, padding,
+  // a ω, padding).
+  mutable Vector velocity_;
 };
 
 /// v = v_free + A⁻¹ H s, the velocities after the step in the problem's own degrees of freedom

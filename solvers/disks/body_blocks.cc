@@ -22,10 +22,11 @@ constexpr int kWindowBodies = kWindowBlocks * kLanes;
 struct Places {
   std::vector<int> position, starts, tile;  // of bodies; of tiles; of positions
 
-  explicit Places(const DiskStructure& disks)
-      : position(body_rows(disks)),
-        starts(tile_starts(disks, position, kLeastBodies)),
-        tile(to_size(disks.surroundings())) {
+  template <class Bodies>
+  explicit Places(const Bodies& packed)
+      : position(body_rows(packed)),
+        starts(tile_starts(packed, position, kLeastBodies)),
+        tile(to_size(packed.surroundings())) {
     for (int t = 0; t < num_tiles(); ++t) {
       std::fill(tile.begin() + starts[to_size(t)], tile.begin() + starts[to_size(t) + 1], t);
     }
@@ -40,12 +41,13 @@ struct Owned {
 };
 
 /// The body to which each contact belongs, by position.
+template <class Bodies>
 class Owners {
  public:
-  Owners(const DiskStructure& disks, const Places& places)
-      : disks_(disks), places_(places), start_(to_size(disks.surroundings()) + 1, 0) {
-    const int contacts = static_cast<int>(disks.contacts.size());
-    std::vector<int> owner(to_size(contacts)), count(to_size(disks.surroundings()), 0);
+  Owners(const Bodies& packed, const Places& places)
+      : packed_(packed), places_(places), start_(to_size(packed.surroundings()) + 1, 0) {
+    const int contacts = static_cast<int>(packed.contacts.size());
+    std::vector<int> owner(to_size(contacts)), count(to_size(packed.surroundings()), 0);
     std::vector<int> open;
     for (int c = 0; c < contacts; ++c) {
       const auto [i, j] = ends(c);
@@ -86,9 +88,9 @@ class Owners {
 
  private:
   std::pair<int, int> ends(int c) const {
-    const DiskStructure::Contact& contact = disks_.contacts[to_size(c)];
+    const auto& contact = packed_.contacts[to_size(c)];
     return {places_.position[to_size(contact.i)],
-            contact.j == disks_.surroundings() ? -1 : places_.position[to_size(contact.j)]};
+            contact.j == packed_.surroundings() ? -1 : places_.position[to_size(contact.j)]};
   }
   /// The body that the sweep reaches later, -1 within one window.
   int later(int a, int b) const {
@@ -98,20 +100,21 @@ class Owners {
     return turn(a) == turn(b) ? -1 : turn(a) > turn(b) ? a : b;
   }
 
-  const DiskStructure& disks_;
+  const Bodies& packed_;
   const Places& places_;
   std::vector<int> start_;
   std::vector<Owned> owned_;
 };
 
+template <class Bodies>
 class BlockWriter {
  public:
-  BlockWriter(const Owners& owners, BodyBlocks& out) : owners_(owners), out_(out) {}
+  BlockWriter(const Owners<Bodies>& owners, BodyBlocks& out) : owners_(owners), out_(out) {}
 
   void begin_tile() { out_.first_block.push_back(static_cast<int>(out_.blocks.size())); }
   void write_block(int row, const std::vector<int>& bodies, int window) {
     BodyBlock block;
-    block.row = row_offset(row);
+    block.row = row_offset<RowOfBodies<Bodies>>(row);
     block.first = out_.tiles.num_batches();
     for (int k = 0; k < owners_.count(bodies.front()); ++k) {
       int used = 0;
@@ -171,23 +174,22 @@ class BlockWriter {
     out_.tiles.contact[out_.tiles.contact.size() - kLanes + to_size(lane)] = owned.contact;
   }
 
-  const Owners& owners_;
+  const Owners<Bodies>& owners_;
   BodyBlocks& out_;
   std::vector<Loose> loose_;
   std::vector<int> others_;  // second bodies of a batch
 };
 
-}  // namespace
-
-BodyBlocks block_contacts(const DiskStructure& disks) {
+template <class Bodies>
+BodyBlocks blocks_of(const Bodies& packed) {
   BodyBlocks out;
-  const Places places(disks);
-  const Owners owners(disks, places);
-  const int bodies = disks.surroundings();
+  const Places places(packed);
+  const Owners<Bodies> owners(packed, places);
+  const int bodies = packed.surroundings();
   std::vector<int> at_row(to_size(bodies));  // row of each position
   out.tiles.outside_rows = kLanes;
-  out.tiles.contact.reserve(disks.contacts.size() + disks.contacts.size() / 4);
-  BlockWriter writer(owners, out);
+  out.tiles.contact.reserve(packed.contacts.size() + packed.contacts.size() / 4);
+  BlockWriter<Bodies> writer(owners, out);
   std::vector<int> window, block;
   for (int t = 0; t < places.num_tiles(); ++t) {
     const int first = places.starts[to_size(t)], last = places.starts[to_size(t) + 1];
@@ -224,5 +226,14 @@ BodyBlocks block_contacts(const DiskStructure& disks) {
   }
   return out;
 }
+
+}  // namespace
+
+template <class Bodies>
+BodyBlocks block_contacts(const Bodies& bodies) {
+  return blocks_of(bodies);
+}
+template BodyBlocks block_contacts(const DiskStructure&);
+template BodyBlocks block_contacts(const SphereStructure&);
 
 }  // namespace bipot

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "core/problem/disk_structure.h"
 #include "solvers/disks/contact_tiles.h"
 #include "solvers/disks/disk_kernels.h"
 
@@ -25,6 +24,7 @@ struct BodyBlocks {
   std::vector<int> first_block;   ///< of each tile, and the end
 };
 
-BodyBlocks block_contacts(const DiskStructure& disks);
+template <class Bodies>
+BodyBlocks block_contacts(const Bodies& bodies);
 
 }  // namespace bipot

@@ -27,9 +27,10 @@ constexpr double kFilled = 0.75;
 struct BodyGraph {
   std::vector<int> start, neighbour;
 
-  explicit BodyGraph(const DiskStructure& disks) : start(disks.bodies.size(), 0) {
-    const int outside = disks.surroundings();
-    for (const DiskStructure::Contact& c : disks.contacts) {
+  template <class Bodies>
+  explicit BodyGraph(const Bodies& packed) : start(packed.bodies.size(), 0) {
+    const int outside = packed.surroundings();
+    for (const auto& c : packed.contacts) {
       if (c.j == outside) continue;
       ++start[to_size(c.i) + 1];
       ++start[to_size(c.j) + 1];
@@ -37,7 +38,7 @@ struct BodyGraph {
     std::partial_sum(start.begin(), start.end(), start.begin());
     neighbour.resize(to_size(start.back()));
     std::vector<int> next(start.begin(), start.end() - 1);
-    for (const DiskStructure::Contact& c : disks.contacts) {
+    for (const auto& c : packed.contacts) {
       if (c.j == outside) continue;
       neighbour[to_size(next[to_size(c.i)]++)] = c.j;
       neighbour[to_size(next[to_size(c.j)]++)] = c.i;
@@ -69,10 +70,11 @@ void breadth_first(const BodyGraph& graph, int root, int round, std::vector<int>
 }
 
 /// Largest distance of two bodies in contact.
-int bandwidth(const DiskStructure& disks, const std::vector<int>& row) {
+template <class Bodies>
+int bandwidth(const Bodies& packed, const std::vector<int>& row) {
   int widest = 0;
-  for (const DiskStructure::Contact& c : disks.contacts) {
-    if (c.j == disks.surroundings()) continue;
+  for (const auto& c : packed.contacts) {
+    if (c.j == packed.surroundings()) continue;
     widest = std::max(widest, std::abs(row[to_size(c.i)] - row[to_size(c.j)]));
   }
   return widest;
@@ -80,32 +82,33 @@ int bandwidth(const DiskStructure& disks, const std::vector<int>& row) {
 
 /// The contacts in the order of the rows: by their first body, those with the surroundings first,
 /// then by the second.
-std::vector<int> sweep_order(const DiskStructure& disks, const std::vector<int>& row) {
+template <class Bodies>
+std::vector<int> sweep_order(const Bodies& packed, const std::vector<int>& row) {
   struct Placed {
     int second, contact;
     bool operator<(const Placed& other) const {
       return std::tie(second, contact) < std::tie(other.second, other.contact);
     }
   };
-  const auto rows = [&](const DiskStructure::Contact& contact) {
+  const auto rows = [&](const auto& contact) {
     const int i = row[to_size(contact.i)];
-    if (contact.j == disks.surroundings()) return std::pair(i, -1);
+    if (contact.j == packed.surroundings()) return std::pair(i, -1);
     const int j = row[to_size(contact.j)];
     return std::pair(std::min(i, j), std::max(i, j));
   };
   // Sorts into a list for each first body, which is short.
-  std::vector<int> end(to_size(disks.surroundings()) + 1, 0);
-  for (const DiskStructure::Contact& contact : disks.contacts) {
+  std::vector<int> end(to_size(packed.surroundings()) + 1, 0);
+  for (const auto& contact : packed.contacts) {
     ++end[to_size(rows(contact).first) + 1];
   }
   std::partial_sum(end.begin(), end.end(), end.begin());
-  std::vector<Placed> placed(disks.contacts.size());
-  for (std::size_t c = 0; c < disks.contacts.size(); ++c) {
-    const auto [first, second] = rows(disks.contacts[c]);
+  std::vector<Placed> placed(packed.contacts.size());
+  for (std::size_t c = 0; c < packed.contacts.size(); ++c) {
+    const auto [first, second] = rows(packed.contacts[c]);
     placed[to_size(end[to_size(first)]++)] = {second, static_cast<int>(c)};
   }
   int begin = 0;  // every end has moved to the beginning of the next one
-  for (int body = 0; body < disks.surroundings(); ++body) {
+  for (int body = 0; body < packed.surroundings(); ++body) {
     std::sort(placed.begin() + begin, placed.begin() + end[to_size(body)]);
     begin = end[to_size(body)];
   }
@@ -189,9 +192,10 @@ void interleave(std::vector<int>& entries, std::vector<int>& scratch) {
 
 }  // namespace
 
-std::vector<int> reverse_cuthill_mckee(const DiskStructure& disks) {
-  const BodyGraph graph(disks);
-  const int bodies = disks.surroundings();
+template <class Bodies>
+std::vector<int> reverse_cuthill_mckee(const Bodies& packed) {
+  const BodyGraph graph(packed);
+  const int bodies = packed.surroundings();
   std::vector<int> mark(to_size(bodies), -1), order, trial;
   order.reserve(to_size(bodies));
   int round = 0;
@@ -211,20 +215,22 @@ std::vector<int> reverse_cuthill_mckee(const DiskStructure& disks) {
   return row;
 }
 
-std::vector<int> body_rows(const DiskStructure& disks) {
-  const int bodies = disks.surroundings();
+template <class Bodies>
+std::vector<int> body_rows(const Bodies& packed) {
+  const int bodies = packed.surroundings();
   std::vector<int> row(to_size(bodies));
   std::iota(row.begin(), row.end(), 0);
   // A square packing in rows has as bandwidth the square root of the number of its bodies.
-  if (bandwidth(disks, row) <= 2 * std::sqrt(bodies) + kTileBodies) return row;
-  return reverse_cuthill_mckee(disks);
+  if (bandwidth(packed, row) <= 2 * std::sqrt(bodies) + kTileBodies) return row;
+  return reverse_cuthill_mckee(packed);
 }
 
-std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>& row, int least) {
-  const int bodies = disks.surroundings();
+template <class Bodies>
+std::vector<int> tile_starts(const Bodies& packed, const std::vector<int>& row, int least) {
+  const int bodies = packed.surroundings();
   std::vector<int> reach(to_size(bodies), 0);  // of the contacts of each row
-  for (const DiskStructure::Contact& c : disks.contacts) {
-    if (c.j == disks.surroundings()) continue;
+  for (const auto& c : packed.contacts) {
+    if (c.j == packed.surroundings()) continue;
     const int a = row[to_size(c.i)], b = row[to_size(c.j)];
     int& r = reach[to_size(std::min(a, b))];
     r = std::max({r, a, b});
@@ -244,12 +250,13 @@ std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>&
   return starts;
 }
 
-ContactTiles tile_contacts(const DiskStructure& disks) {
+template <class Bodies>
+ContactTiles tile_contacts(const Bodies& packed) {
   ContactTiles out;
-  const std::vector<int> position = body_rows(disks);
-  const std::vector<int> starts = tile_starts(disks, position, kTileBodies);
+  const std::vector<int> position = body_rows(packed);
+  const std::vector<int> starts = tile_starts(packed, position, kTileBodies);
   const int tiles = static_cast<int>(starts.size()) - 1;
-  const int bodies = disks.surroundings();
+  const int bodies = packed.surroundings();
 
   // Every tile ends with its own row for the surroundings.
   std::vector<int> tile_of(to_size(bodies));
@@ -264,12 +271,12 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   out.num_rows = bodies + tiles;
 
   const auto pair_of = [&](int c) {
-    const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
+    const auto& contact = packed.contacts[to_size(c)];
     const int i = position[to_size(contact.i)];
     return std::pair(i, contact.j == bodies ? -1 : position[to_size(contact.j)]);
   };
   std::vector<std::vector<int>> contacts(to_size(tiles));
-  for (int c = 0; c < static_cast<int>(disks.contacts.size()); ++c) {
+  for (int c = 0; c < static_cast<int>(packed.contacts.size()); ++c) {
     const auto [i, j] = pair_of(c);
     contacts[to_size(tile_of[to_size(std::max(i, j))])].push_back(c);
   }
@@ -281,7 +288,7 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   };
   BatchFiller filler(to_size(bodies));
   std::vector<int> scratch;
-  out.contact.reserve(disks.contacts.size() + to_size(tiles) * kLanes);
+  out.contact.reserve(packed.contacts.size() + to_size(tiles) * kLanes);
   for (int t = 0; t < tiles; ++t) {
     ContactTiles::Tile tile;
     tile.first_row = starts[to_size(t)] + t;
@@ -296,13 +303,17 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   return out;
 }
 
-ContactTiles order_contacts(const DiskStructure& disks) {
+namespace {
+
+/// Batches for the contacts in this order, in tiles of at most `of_tile` batches.
+template <class Bodies>
+ContactTiles batches_in_order(const Bodies& packed, const std::vector<int>& order, int of_tile) {
   ContactTiles out;
-  const int bodies = disks.surroundings();
+  const int bodies = packed.surroundings();
   FreeLanes free;
   std::vector<int> next(to_size(bodies), 0);  // first batch in which a body may occur again
-  for (const int c : sweep_order(disks, body_rows(disks))) {
-    const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
+  for (const int c : order) {
+    const auto& contact = packed.contacts[to_size(c)];
     int wanted = next[to_size(contact.i)];
     if (contact.j != bodies) wanted = std::max(wanted, next[to_size(contact.j)]);
     const int batch = free.first(wanted);
@@ -321,13 +332,13 @@ ContactTiles order_contacts(const DiskStructure& disks) {
   do {
     ContactTiles::Tile tile;
     tile.first_batch = batch;
-    tile.last_batch = batch = std::min(batch + kOrderedBatches, out.num_batches());
+    tile.last_batch = batch = std::min(batch + of_tile, out.num_batches());
     tile.first_row = out.num_rows;
     for (int lane = tile.first_batch * kLanes; lane < tile.last_batch * kLanes; ++lane) {
       const int c = out.contact[to_size(lane)];
       if (c < 0) continue;
-      place(disks.contacts[to_size(c)].i);
-      place(disks.contacts[to_size(c)].j);
+      place(packed.contacts[to_size(c)].i);
+      place(packed.contacts[to_size(c)].j);
     }
     if (batch == out.num_batches()) {
       for (int body = 0; body < bodies; ++body) place(body);  // those without contacts
@@ -338,10 +349,37 @@ ContactTiles order_contacts(const DiskStructure& disks) {
   return out;
 }
 
-ContactTiles symmetric_order(const DiskStructure& disks) {
-  ContactTiles along = order_contacts(disks);
-  const auto contacts = static_cast<double>(disks.contacts.size());
-  return contacts >= kFilled * kLanes * along.num_batches() ? along : tile_contacts(disks);
+}  // namespace
+
+template <class Bodies>
+ContactTiles order_contacts(const Bodies& packed) {
+  return batches_in_order(packed, sweep_order(packed, body_rows(packed)), kOrderedBatches);
 }
+
+template <class Bodies>
+ContactTiles given_order(const Bodies& packed) {
+  std::vector<int> order(packed.contacts.size());
+  std::iota(order.begin(), order.end(), 0);
+  return batches_in_order(packed, order, std::max(1, static_cast<int>(order.size())));
+}
+
+template <class Bodies>
+ContactTiles symmetric_order(const Bodies& packed) {
+  ContactTiles along = order_contacts(packed);
+  const auto contacts = static_cast<double>(packed.contacts.size());
+  return contacts >= kFilled * kLanes * along.num_batches() ? along : tile_contacts(packed);
+}
+
+#define BIPOT_ORDERS(Bodies)                                                          \
+  template ContactTiles tile_contacts(const Bodies&);                                 \
+  template ContactTiles given_order(const Bodies&);                                   \
+  template ContactTiles order_contacts(const Bodies&);                                \
+  template ContactTiles symmetric_order(const Bodies&);                               \
+  template std::vector<int> tile_starts(const Bodies&, const std::vector<int>&, int); \
+  template std::vector<int> body_rows(const Bodies&);                                 \
+  template std::vector<int> reverse_cuthill_mckee(const Bodies&);
+BIPOT_ORDERS(DiskStructure)
+BIPOT_ORDERS(SphereStructure)
+#undef BIPOT_ORDERS
 
 }  // namespace bipot

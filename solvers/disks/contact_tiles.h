@@ -1,14 +1,19 @@
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "core/base/execution.h"
 #include "core/base/large_pages.h"
 #include "core/base/types.h"
-#include "core/problem/disk_structure.h"
+#include "core/problem/packed_bodies.h"
 #include "solvers/disks/disk_kernels.h"
 
 namespace bipot {
+
+/// The rows of a DiskStructure or SphereStructure. The functions below are for both.
+template <class Bodies>
+using RowOfBodies = std::conditional_t<std::is_same_v<Bodies, SphereStructure>, SphereRow, BodyRow>;
 
 /// An order of bodies and contacts for kernels that stream through memory.
 ///
@@ -45,31 +50,41 @@ struct ContactTiles {
   }
 };
 
-ContactTiles tile_contacts(const DiskStructure& disks);
+template <class Bodies>
+ContactTiles tile_contacts(const Bodies& bodies);
 
 /// Batches for sweeps in the order of the rows: by the first body, then the second. A contact comes
 /// at least two batches after all earlier ones that share a body with it. Hence the sweep batch
 /// after batch equals the sweep contact after contact. Tiles are parts of that order here: bodies
 /// belong to the tile that uses them first, and may occur in many.
-ContactTiles order_contacts(const DiskStructure& disks);
+template <class Bodies>
+ContactTiles order_contacts(const Bodies& bodies);
+
+/// The same in the given order of the contacts, all in one tile.
+template <class Bodies>
+ContactTiles given_order(const Bodies& bodies);
 
 /// Order for symmetric sweeps: the order along the rows if its batches are three quarters full,
 /// else that of tile_contacts(). Short rows do not hold eight independent contacts in sequence; the
 /// first order would then make nearly empty batches. In both a body belongs to the tile that uses
 /// it first, or to one before.
-ContactTiles symmetric_order(const DiskStructure& disks);
+template <class Bodies>
+ContactTiles symmetric_order(const Bodies& bodies);
 
 /// First body of every tile, in the order of rows along the graph, and the number of bodies.
 /// `least`: least number of bodies of a tile.
-std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>& row, int least);
+template <class Bodies>
+std::vector<int> tile_starts(const Bodies& bodies, const std::vector<int>& row, int least);
 
 /// Rows of the bodies along the graph: the given order if that is local, else reverse
 /// Cuthill-McKee.
-std::vector<int> body_rows(const DiskStructure& disks);
+template <class Bodies>
+std::vector<int> body_rows(const Bodies& bodies);
 
 /// Rows of the bodies along the graph by reverse Cuthill and McKee (1969): breadth first from a
 /// body at the far end, neighbours by their number of neighbours. The order of the bodies breaks
 /// ties.
-std::vector<int> reverse_cuthill_mckee(const DiskStructure& disks);
+template <class Bodies>
+std::vector<int> reverse_cuthill_mckee(const Bodies& bodies);
 
 }  // namespace bipot

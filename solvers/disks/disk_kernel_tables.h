@@ -5,11 +5,12 @@
 
 namespace bipot {
 
-/// One instantiation of disk_kernel_body.h and stress_kernel_body.h, compiled for one instruction
-/// set.
+/// One instantiation of disk_kernel_body.h, sphere_kernel_body.h and stress_kernel_body.h, compiled
+/// for one instruction set.
 struct DiskKernelTable {
   DiskKernels<1> one;
   DiskKernels<2> two;
+  DiskKernels<3> three;
   StressKernels stress;
 };
 extern const DiskKernelTable kPortableDiskKernels;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <type_traits>
+
 #include "core/base/execution.h"
 
 namespace bipot {
@@ -11,9 +13,21 @@ struct alignas(32) BodyRow {
 };
 inline constexpr int kRowX = 0, kRowSpin = 1, kRowY = 2, kRowLast = 3;
 
+/// Values of a sphere, one line of the cache: x, y, z and 1/m, then a ω in x, y, z and a²/I. The
+/// two inverses stand in velocities; momenta have zeros there.
+struct alignas(64) SphereRow {
+  double value[8] = {0, 0, 0, 0, 0, 0, 0, 0};
+};
+inline constexpr int kRowInverseMass = 3, kRowTurn = 4, kRowInverseInertia = 7;
+
+/// The row of a body of a problem with dim = D.
+template <int D>
+using RowOf = std::conditional_t<D == 3, SphereRow, BodyRow>;
+
 /// Offset of a row in bytes.
-inline unsigned row_offset(int row) {
-  return static_cast<unsigned>(sizeof(BodyRow)) * static_cast<unsigned>(row);
+template <class Row>
+unsigned row_offset(int row) {
+  return static_cast<unsigned>(sizeof(Row)) * static_cast<unsigned>(row);
 }
 
 /// The wrench map of kLanes contacts of disks (core/problem/disk_structure.h) in variables that the
@@ -29,7 +43,20 @@ struct alignas(64) ContactBatch {
   double spin[kLanes];
   double b[static_cast<unsigned>(D)][kLanes];
 };
-/// Impulses of a batch in the scaled variables.
+/// The same for spheres (core/problem/sphere_structure.h). Impulses and velocities of a contact are
+/// vectors in space, so that no tangents are needed: with v = V_i - V_j and Ω = w_i + w_j,
+///
+///     w = scale ((n·v) n + ratio (v - (n·v) n - Ω x n)) + b.
+///
+/// A lane without a contact has n = scale = b = 0 and the surroundings as both bodies.
+template <>
+struct alignas(64) ContactBatch<3> {
+  unsigned i[kLanes], j[kLanes];
+  double n[3][kLanes];
+  double scale[kLanes];
+  double b[3][kLanes];
+};
+/// Impulses of a batch in the scaled variables. Normal and tangential parts, for spheres x, y, z.
 template <int D>
 struct alignas(64) ImpulseBatch {
   double x[static_cast<unsigned>(D)][kLanes] = {};
@@ -52,8 +79,8 @@ struct SweepTask {
   const int* law = nullptr;  ///< of each batch
   const LawBatch* laws = nullptr;
   ImpulseBatch<D>* impulse = nullptr;
-  BodyRow* velocity = nullptr;       ///< all rows
-  const BodyRow* inverse = nullptr;  ///< all rows: 1/m, a²/I, 1/m, 0
+  RowOf<D>* velocity = nullptr;       ///< all rows
+  const RowOf<D>* inverse = nullptr;  ///< all rows: 1/m, a²/I, 1/m, 0; not used for spheres
 };
 
 /// kLanes consecutive rows, and batches whose lanes each have one of these as their first body
@@ -85,21 +112,22 @@ struct GradientTask {
   const LawBatch* laws = nullptr;
   const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
   ImpulseBatch<D>* next = nullptr;                         ///< x⁺, may be `before`
-  // The fourth value of a row holds an inverse: 1/m in a velocity, a²/I in a momentum. This saves
-  // the memory traffic of separate rows.
-  const BodyRow *momentum = nullptr, *momentum_before = nullptr;  ///< of x, x⁻
-  BodyRow* velocity = nullptr;
-  BodyRow* next_momentum = nullptr;  ///< of x⁺, may be that of x⁻
+  // The fourth value of a disk's row holds an inverse: 1/m in a velocity, a²/I in a momentum. This
+  // saves the memory traffic of separate rows.
+  const RowOf<D>*momentum = nullptr, *momentum_before = nullptr;  ///< of x, x⁻
+  RowOf<D>* velocity = nullptr;
+  RowOf<D>* next_momentum = nullptr;  ///< of x⁺, may be that of x⁻
 };
 /// Partial sums of one tile, for each lane: they must be added in a fixed order.
 struct alignas(64) GradientSums {
   double along[kLanes] = {};    ///< (x - x⁻)·(x⁺ - x)
   double change2[kLanes] = {};  ///< ‖x⁺ - x‖²
-  double energy[8] = {};  ///< ‖momentum - momentum before‖² in 1/mass, of two rows at once
+  /// ‖momentum - momentum before‖² in 1/mass, of two rows at once; for spheres of one.
+  double energy[8] = {};
 };
 
 /// Velocities of y = x + beta (x - x⁻), which are linear in the impulses: `before` of x⁻ becomes
-/// now + beta (now - before).
+/// now + beta (now - before). A row of a sphere counts as two here.
 struct ExtrapolationTask {
   int rows = 0;
   bool ask_ahead = false;
@@ -122,8 +150,8 @@ struct SymmetricTask {
   const LawBatch* laws = nullptr;
   const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
   ImpulseBatch<D>* next = nullptr;                         ///< x⁺
-  BodyRow* velocity = nullptr;                             ///< all rows
-  const BodyRow* inverse = nullptr;                        ///< all rows
+  RowOf<D>* velocity = nullptr;                            ///< all rows
+  const RowOf<D>* inverse = nullptr;                       ///< all rows; not used for spheres
   /// Offsets of rows, one for each line of the cache, that a backward sweep uses after these
   /// batches.
   const unsigned* coming = nullptr;

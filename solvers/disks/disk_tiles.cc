@@ -60,7 +60,7 @@ class Snap {
 }  // namespace
 
 template <int D>
-DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
+DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
                         const ContactScaling& scaling, ContactTiles tiles)
     : tiles_(std::move(tiles)),
       impulse_scale_(large_copy(scaling.impulse)),
@@ -68,25 +68,31 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
       contacts_(to_size(tiles_.num_batches()) + 1),
       law_(to_size(tiles_.num_batches())),
       inverse_(to_size(tiles_.num_rows)) {
-  for (int body = 0; body < disks.surroundings(); ++body) {
-    const DiskStructure::Body& from = disks.bodies[to_size(body)];
-    BodyRow& inverse = inverse_[to_size(tiles_.row[to_size(body)])];
-    inverse.value[kRowX] = inverse.value[kRowY] = from.inverse_mass;
-    inverse.value[kRowSpin] = from.inverse_inertia;
+  for (int body = 0; body < bodies.surroundings(); ++body) {
+    const auto& from = bodies.bodies[to_size(body)];
+    auto& inverse = inverse_[to_size(tiles_.row[to_size(body)])].value;
+    if constexpr (D == 3) {
+      std::fill_n(inverse, 3, from.inverse_mass);
+      std::fill_n(inverse + kRowTurn, 3, from.inverse_inertia);
+    } else {
+      inverse[kRowX] = inverse[kRowY] = from.inverse_mass;
+      inverse[kRowSpin] = from.inverse_inertia;
+    }
   }
+  if constexpr (D == 3) frame_.resize(tiles_.contact.size());
+  const auto offset = [](int row) { return row_offset<RowOf<D>>(row); };
   Snap snap_ratio, snap_mu;
   for (const Tile& tile : tiles_.tiles) {
     for (int batch = tile.first_batch; batch < tile.last_batch; ++batch) {
       ContactBatch<D>& to = contacts_[to_size(batch)];
+      to = {};
       LawBatch law;
       for (int lane = 0; lane < kLanes; ++lane) {
         const int c = tiles_.contact[to_size(batch * kLanes + lane)];
-        const unsigned outside = row_offset(tile.last_row - 1 - lane % tiles_.outside_rows);
+        const unsigned outside = offset(tile.last_row - 1 - lane % tiles_.outside_rows);
         const int own = tiles_.first_body_row(batch, lane);
-        to.i[lane] = own >= 0 ? row_offset(own) : outside;
+        to.i[lane] = own >= 0 ? offset(own) : outside;
         to.j[lane] = outside;
-        to.gx[lane] = to.gy[lane] = to.spin[lane] = 0;
-        for (int k = 0; k < D; ++k) to.b[k][lane] = 0;
         // An empty lane uses the law of its neighbour, which saves a LawBatch.
         if (c < 0) {
           law.ratio[lane] = law.ratio[0];
@@ -94,28 +100,38 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
           law.cone[lane] = law.cone[0];
           continue;
         }
-        const DiskStructure::Contact& from = disks.contacts[to_size(c)];
+        const auto& from = bodies.contacts[to_size(c)];
+        to.i[lane] = offset(tiles_.row[to_size(from.i)]);
+        if (from.j != bodies.surroundings()) to.j[lane] = offset(tiles_.row[to_size(from.j)]);
+        const bool swapped = own >= 0 && to.i[lane] != offset(own);
+        if (swapped) std::swap(to.i[lane], to.j[lane]);
         const double normal = from.normal * scaling.velocity[c * D];
-        to.i[lane] = row_offset(tiles_.row[to_size(from.i)]);
-        if (from.j != disks.surroundings()) {
-          to.j[lane] = row_offset(tiles_.row[to_size(from.j)]);
-        }
-        to.gx[lane] = normal * from.n[0];
-        to.gy[lane] = normal * from.n[1];
-        if (own >= 0 && to.i[lane] != row_offset(own)) {
-          std::swap(to.i[lane], to.j[lane]);
-          to.gx[lane] = -to.gx[lane];
-          to.gy[lane] = -to.gy[lane];
-        }
-        for (int k = 0; k < D; ++k) {
-          to.b[k][lane] = scaling.velocity[c * D + k] * p.u_free[c * D + k];
-        }
-        if constexpr (D == 2) {
-          to.spin[lane] = from.tangential * scaling.velocity[c * D + 1];
-          law.ratio[lane] = snap_ratio(to.spin[lane] / normal);
+        if constexpr (D > 1) {
+          law.ratio[lane] = snap_ratio(from.tangential * scaling.velocity[c * D + 1] / normal);
         }
         law.mu[lane] = snap_mu(scaling.mu[c]);
         law.cone[lane] = 1 / (1 + law.mu[lane] * law.mu[lane]);
+        const double sign = swapped ? -1 : 1;
+        const Eigen::Matrix<double, D, 1> b =
+            scaling.velocity.template segment<D>(c * D).cwiseProduct(
+                p.u_free.template segment<D>(c * D));
+        if constexpr (D == 3) {
+          auto& frame = frame_[to_size(batch * kLanes + lane)];
+          for (int k = 0; k < 3; ++k) {
+            for (int x = 0; x < 3; ++x) frame(k, x) = sign * from.frame[k][x];
+          }
+          const Eigen::Matrix<double, 3, 1> in_space = frame.transpose() * b;
+          to.scale[lane] = normal;
+          for (int x = 0; x < 3; ++x) {
+            to.n[x][lane] = frame(0, x);
+            to.b[x][lane] = in_space[x];
+          }
+        } else {
+          to.gx[lane] = sign * normal * from.n[0];
+          to.gy[lane] = sign * normal * from.n[1];
+          if constexpr (D == 2) to.spin[lane] = from.tangential * scaling.velocity[c * D + 1];
+          for (int k = 0; k < D; ++k) to.b[k][lane] = b[k];
+        }
       }
       law_[to_size(batch)] = law_number(law);
     }
@@ -135,13 +151,18 @@ int DiskTiles<D>::law_number(const LawBatch& law) {
 
 template <int D>
 void DiskTiles<D>::rescale(double factor) {
+  const auto scale = [&](double(&values)[kLanes]) {
+    for (double& value : values) value *= factor;
+  };
   for (ContactBatch<D>& batch : contacts_) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      batch.gx[lane] *= factor;
-      batch.gy[lane] *= factor;
-      batch.spin[lane] *= factor;
-      for (int k = 0; k < D; ++k) batch.b[k][lane] *= factor;
+    if constexpr (D == 3) {
+      scale(batch.scale);
+    } else {
+      scale(batch.gx);
+      scale(batch.gy);
+      scale(batch.spin);
     }
+    for (auto& b : batch.b) scale(b);
   }
   velocity_scale_ *= factor;
   impulse_scale_ /= factor;
@@ -151,47 +172,66 @@ template <int D>
 void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x) const {
   for (int lane = 0; lane < num_batches() * kLanes; ++lane) {
     const int c = contact(lane);
-    for (int k = 0; k < D; ++k) {
-      x[to_size(lane / kLanes)].x[k][lane % kLanes] =
-          c < 0 ? 0 : impulse_scale_[c * D + k] * s[c * D + k];
+    Eigen::Matrix<double, D, 1> scaled = Eigen::Matrix<double, D, 1>::Zero();
+    if (c >= 0) {
+      scaled = impulse_scale_.template segment<D>(c * D).cwiseProduct(s.template segment<D>(c * D));
+      if constexpr (D == 3) scaled = (frame_[to_size(lane)].transpose() * scaled).eval();
     }
+    for (int k = 0; k < D; ++k) x[to_size(lane / kLanes)].x[k][lane % kLanes] = scaled[k];
   }
 }
 
 template <int D>
-void DiskTiles<D>::push(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> momentum) const {
-  std::fill(momentum.begin(), momentum.end(), BodyRow{});
+void DiskTiles<D>::push(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> momentum) const {
+  std::fill(momentum.begin(), momentum.end(), RowOf<D>{});
   for (int batch = 0; batch < num_batches(); ++batch) {
     const ContactBatch<D>& contact = contacts_[to_size(batch)];
     const LawBatch& law = laws_[to_size(law_[to_size(batch)])];
     const ImpulseBatch<D>& impulse = x[to_size(batch)];
     for (int lane = 0; lane < kLanes; ++lane) {
-      const double normal = impulse.x[0][lane];
-      double px = contact.gx[lane] * normal, py = contact.gy[lane] * normal, spin = 0;
-      if constexpr (D == 2) {
-        const double tangential = law.ratio[lane] * impulse.x[1][lane];
-        px -= contact.gy[lane] * tangential;
-        py += contact.gx[lane] * tangential;
-        spin = contact.spin[lane] * impulse.x[1][lane];
+      double* const i = momentum[contact.i[lane] / sizeof(RowOf<D>)].value;
+      double* const j = momentum[contact.j[lane] / sizeof(RowOf<D>)].value;
+      if constexpr (D == 3) {
+        const Vec3 n(contact.n[0][lane], contact.n[1][lane], contact.n[2][lane]);
+        const Vec3 s(impulse.x[0][lane], impulse.x[1][lane], impulse.x[2][lane]);
+        const double tangential = contact.scale[lane] * law.ratio[lane];
+        const Vec3 pushed = tangential * s;
+        const Vec3 force = pushed + (contact.scale[lane] - tangential) * n.dot(s) * n;
+        const Vec3 torque = pushed.cross(n);
+        for (int k = 0; k < 3; ++k) {
+          i[k] += force[k];
+          j[k] -= force[k];
+          i[kRowTurn + k] += torque[k];
+          j[kRowTurn + k] += torque[k];
+        }
+      } else {
+        const double normal = impulse.x[0][lane];
+        double px = contact.gx[lane] * normal, py = contact.gy[lane] * normal, spin = 0;
+        if constexpr (D == 2) {
+          const double tangential = law.ratio[lane] * impulse.x[1][lane];
+          px -= contact.gy[lane] * tangential;
+          py += contact.gx[lane] * tangential;
+          spin = contact.spin[lane] * impulse.x[1][lane];
+        }
+        i[kRowX] += px;
+        i[kRowY] += py;
+        i[kRowSpin] -= spin;
+        j[kRowX] -= px;
+        j[kRowY] -= py;
+        j[kRowSpin] -= spin;
       }
-      double* const i = momentum[contact.i[lane] / sizeof(BodyRow)].value;
-      double* const j = momentum[contact.j[lane] / sizeof(BodyRow)].value;
-      i[kRowX] += px;
-      i[kRowY] += py;
-      i[kRowSpin] -= spin;
-      j[kRowX] -= px;
-      j[kRowY] -= py;
-      j[kRowSpin] -= spin;
     }
   }
 }
 
 template <int D>
 void DiskTiles<D>::velocities(std::span<const ImpulseBatch<D>> x,
-                              std::span<BodyRow> velocity) const {
+                              std::span<RowOf<D>> velocity) const {
   push(x, velocity);
   for (std::size_t row = 0; row < velocity.size(); ++row) {
-    for (int k = 0; k < 4; ++k) velocity[row].value[k] *= inverse_[row].value[k];
+    auto& value = velocity[row].value;
+    for (std::size_t k = 0; k < std::size(value); ++k) value[k] *= inverse_[row].value[k];
+    if constexpr (D == 3) put_inverses(inverse_[row], velocity[row]);
   }
 }
 
@@ -232,5 +272,6 @@ Pipeline DiskTiles<D>::pipeline(int threads, Streamed bytes) const {
 
 template class DiskTiles<1>;
 template class DiskTiles<2>;
+template class DiskTiles<3>;
 
 }  // namespace bipot

@@ -13,19 +13,25 @@
 
 namespace bipot {
 
-/// A problem of disks packed for the vector kernels, tile by tile: 64 constant bytes for each
-/// contact and 32 for each body. Arrays of the kernels are indexed by batch and by row.
+/// Writes the inverse masses of a row of DiskTiles::inverse() into velocities.
+inline void put_inverses(const SphereRow& inverse, SphereRow& velocity) {
+  velocity.value[kRowInverseMass] = inverse.value[0];
+  velocity.value[kRowInverseInertia] = inverse.value[kRowTurn];
+}
+
+/// A problem of disks, or of spheres (D = 3), packed for the vector kernels, tile by tile: 48
+/// constant bytes for each contact and 32 for each body, 64 for either in space. Arrays of the
+/// kernels are indexed by batch and by row.
 template <int D>
 class DiskTiles {
  public:
   /// `scaling`: the variables x = impulse ∘ s of the kernels. Ratios and friction coefficients that
   /// are equal to rounding (16 ε) are taken as equal, so that few LawBatch serve all.
-  DiskTiles(const ContactProblem& problem, const DiskStructure& disks,
-            const ContactScaling& scaling)
-      : DiskTiles(problem, disks, scaling, tile_contacts(disks)) {}
+  DiskTiles(const ContactProblem& problem, const BodiesOf<D>& bodies, const ContactScaling& scaling)
+      : DiskTiles(problem, bodies, scaling, tile_contacts(bodies)) {}
   /// The same with given tiles.
-  DiskTiles(const ContactProblem& problem, const DiskStructure& disks,
-            const ContactScaling& scaling, ContactTiles tiles);
+  DiskTiles(const ContactProblem& problem, const BodiesOf<D>& bodies, const ContactScaling& scaling,
+            ContactTiles tiles);
 
   using Tile = ContactTiles::Tile;
   int num_tiles() const { return static_cast<int>(tiles_.tiles.size()); }
@@ -40,7 +46,7 @@ class DiskTiles {
   const int* law_numbers() const { return law_.data(); }
   const int* law_numbers(const Tile& t) const { return &law_[to_size(t.first_batch)]; }
   const LawBatch* laws() const { return laws_.data(); }
-  const BodyRow* inverse() const { return inverse_.data(); }
+  const RowOf<D>* inverse() const { return inverse_.data(); }
   int row(int body) const { return tiles_.row[to_size(body)]; }
   /// The contact in a lane, kLanes for each batch; -1: none.
   int contact(int lane) const { return tiles_.contact[to_size(lane)]; }
@@ -48,10 +54,9 @@ class DiskTiles {
   Eigen::Matrix<double, D, 1> impulse(std::span<const ImpulseBatch<D>> x, int lane) const {
     const int c = contact(lane);
     Eigen::Matrix<double, D, 1> s;
-    for (int k = 0; k < D; ++k) {
-      s[k] = x[to_size(lane / kLanes)].x[k][lane % kLanes] * velocity_scale_[c * D + k];
-    }
-    return s;
+    for (int k = 0; k < D; ++k) s[k] = x[to_size(lane / kLanes)].x[k][lane % kLanes];
+    if constexpr (D == 3) s = frame_[to_size(lane)] * s;
+    return s.cwiseProduct(velocity_scale_.template segment<D>(c * D));
   }
 
   /// Divides the variables by `factor`: x, the impulses of this packing, too.
@@ -60,9 +65,9 @@ class DiskTiles {
   /// Writes x = impulse ∘ s into the lanes.
   void pack(const Vector& s, std::span<ImpulseBatch<D>> x) const;
   /// Adds Σ ± g x to the rows.
-  void push(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> momentum) const;
+  void push(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> momentum) const;
   /// The same times inverse().
-  void velocities(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> velocity) const;
+  void velocities(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> velocity) const;
   /// s = x / impulse.
   void unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const;
 
@@ -85,7 +90,9 @@ class DiskTiles {
   LargeVector<ContactBatch<D>> contacts_;
   std::vector<int> law_;
   std::vector<LawBatch> laws_;
-  LargeVector<BodyRow> inverse_;
+  LargeVector<RowOf<D>> inverse_;
+  /// For D = 3, of each lane: its rows are n, t1 and t2 of the contact.
+  LargeVector<Eigen::Matrix<double, D, D, Eigen::RowMajor | Eigen::DontAlign>> frame_;
 };
 
 }  // namespace bipot

@@ -19,24 +19,24 @@ int threads_of(const TileLinks& links, int threads) {
 }  // namespace
 
 template <int D>
-SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
+SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
                                   const ContactScaling& equilibrated, double omega, int sweeps,
                                   const Execution& options)
-    : SymmetricSweep(problem, disks, equilibrated, omega, sweeps, options, symmetric_order(disks)) {
-}
+    : SymmetricSweep(problem, bodies, equilibrated, omega, sweeps, options,
+                     symmetric_order(bodies)) {}
 
 template <int D>
-SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
+SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
                                   const ContactScaling& equilibrated, double omega, int sweeps,
                                   const Execution& options, ContactTiles order)
-    : links_(tile_links(order, disks)),
-      disks_(problem, disks, equilibrated, std::move(order)),
+    : links_(tile_links(order, bodies)),
+      disks_(problem, bodies, equilibrated, std::move(order)),
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
       sweeps_(sweeps),
       team_(threads_of(links_, options.threads)),
       asks_ahead_(disks_.asks_ahead(
-          {sizeof(ContactBatch<D>) + 3 * sizeof(ImpulseBatch<D>), 3 * sizeof(BodyRow)})),
+          {sizeof(ContactBatch<D>) + 3 * sizeof(ImpulseBatch<D>), 3 * sizeof(RowOf<D>)})),
       forth_(links_.ready_up),
       back_(links_.ready_down),
       now_(to_size(disks_.num_batches())),
@@ -103,9 +103,12 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
     task.outer = sweep == 0;
     if (task.outer) {
       // No sweep has used these bodies yet.
-      const int rows = tile.last_row - tile.first_row;
-      kernels_.extrapolate_velocity({rows, asks_ahead_, beta, velocity_.data() + tile.first_row,
-                                     velocity_before_.data() + tile.first_row});
+      constexpr int kParts = static_cast<int>(sizeof(RowOf<D>) / sizeof(BodyRow));
+      const auto rows = [&](auto& of) {
+        return reinterpret_cast<BodyRow*>(of.data() + tile.first_row);
+      };
+      kernels_.extrapolate_velocity({kParts * (tile.last_row - tile.first_row), asks_ahead_, beta,
+                                     rows(velocity_), rows(velocity_before_)});
     }
     kernels_.sweep_forth(task);
   };
@@ -137,5 +140,6 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
 
 template class SymmetricSweep<1>;
 template class SymmetricSweep<2>;
+template class SymmetricSweep<3>;
 
 }  // namespace bipot

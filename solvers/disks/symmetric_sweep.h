@@ -11,16 +11,16 @@
 
 namespace bipot {
 
-/// Symmetric Gauss-Seidel with momentum for disks, vectorised, in the order of symmetric_order().
-/// In large packings the lanes of a vector hold eight consecutive rows, each some contacts behind
-/// the one before it. For every contact and body the result is that of sweeps contact after
-/// contact. At most as many threads work as there are sweeps each way. Any number of threads and
-/// all paths of disk_kernels.h give the same bits.
+/// Symmetric Gauss-Seidel with momentum for disks or spheres (D = 3), vectorised, in the order of
+/// symmetric_order(). In large packings the lanes of a vector hold eight consecutive rows, each
+/// some contacts behind the one before it. For every contact and body the result is that of sweeps
+/// contact after contact. At most as many threads work as there are sweeps each way. Any number of
+/// threads and all paths of disk_kernels.h give the same bits.
 template <int D>
 class SymmetricSweep {
  public:
   /// `sweeps`: number of sweeps each way in one iteration.
-  SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
+  SymmetricSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
                  const ContactScaling& equilibrated, double omega, int sweeps,
                  const Execution& options);
 
@@ -38,8 +38,8 @@ class SymmetricSweep {
 
   /// State before and after a sweep for other iterations. Valid until the next call of a member.
   struct Swept {
-    std::span<ImpulseBatch<D>> y, swept, spare;   ///< y, S(y), and a free one
-    std::span<BodyRow> velocity, swept_velocity;  ///< of y, of S(y)
+    std::span<ImpulseBatch<D>> y, swept, spare;    ///< y, S(y), and a free one
+    std::span<RowOf<D>> velocity, swept_velocity;  ///< of y, of S(y)
   };
   /// Symmetric sweep from y = the impulse, which stays; so do its velocities.
   Swept sweep();
@@ -47,7 +47,7 @@ class SymmetricSweep {
   const DiskTiles<D>& disks() const { return disks_; }
 
  private:
-  SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
+  SymmetricSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
                  const ContactScaling& equilibrated, double omega, int sweeps,
                  const Execution& options, ContactTiles order);
   double sweep_from(double beta, const ImpulseBatch<D>* before);
@@ -61,7 +61,7 @@ class SymmetricSweep {
   bool asks_ahead_;
   FollowingSweeps forth_, back_;
   LargeVector<ImpulseBatch<D>> now_, before_, next_;
-  LargeVector<BodyRow> velocity_, velocity_before_;
+  LargeVector<RowOf<D>> velocity_, velocity_before_;
   Vector s_;
 };
 

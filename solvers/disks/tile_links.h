@@ -3,7 +3,6 @@
 #include <span>
 #include <vector>
 
-#include "core/problem/disk_structure.h"
 #include "solvers/disks/contact_tiles.h"
 
 namespace bipot {
@@ -22,6 +21,7 @@ struct TileLinks {
   std::span<const unsigned> coming_to(int t) const;
 };
 
-TileLinks tile_links(const ContactTiles& order, const DiskStructure& disks);
+template <class Bodies>
+TileLinks tile_links(const ContactTiles& order, const Bodies& bodies);
 
 }  // namespace bipot

@@ -20,11 +20,11 @@ constexpr int kAtFirst = 8;
 double next_momentum(double t) { return 0.5 * (1 + std::sqrt(1 + 4 * t * t)); }
 
 template <int D>
-TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructure& disks,
+TiledGradient<D>::TiledGradient(const ContactProblem& problem, const BodiesOf<D>& bodies,
                                 const ContactScaling& scaling, const Execution& options,
                                 GradientNeighbours<D>* neighbours)
-    : blocks_(block_contacts(disks)),
-      disks_(problem, disks, scaling, std::move(blocks_.tiles)),
+    : blocks_(block_contacts(bodies)),
+      disks_(problem, bodies, scaling, std::move(blocks_.tiles)),
       kernels_(disk_kernels<D>(options.path)),
       neighbours_(neighbours),
       threads_(options.threads),
@@ -68,9 +68,13 @@ void TiledGradient<D>::reset(const Vector& s) {
     neighbours_->complete(disks_, impulse_[roles_.now], momentum_[roles_.now]);
   }
   for (std::size_t row = 0; row < velocity_.size(); ++row) {
-    const BodyRow& inverse = disks_.inverse()[row];
-    velocity_[row].value[kRowLast] = inverse.value[kRowX];
-    momentum_[roles_.now][row].value[kRowLast] = inverse.value[kRowSpin];
+    const RowOf<D>& inverse = disks_.inverse()[row];
+    if constexpr (D == 3) {
+      put_inverses(inverse, velocity_[row]);
+    } else {
+      velocity_[row].value[kRowLast] = inverse.value[kRowX];
+      momentum_[roles_.now][row].value[kRowLast] = inverse.value[kRowSpin];
+    }
   }
   impulse_[roles_.before] = impulse_[roles_.now];
   momentum_[roles_.before] = momentum_[roles_.now];
@@ -229,5 +233,6 @@ void TiledGradient<D>::advance(int iterations, GradientControl& control) {
 
 template class TiledGradient<1>;
 template class TiledGradient<2>;
+template class TiledGradient<3>;
 
 }  // namespace bipot

@@ -18,14 +18,16 @@ class GradientNeighbours {
   /// Adds the impulses of other processes to the momentum (the rows of `tiles`, in the scale of
   /// DiskTiles::push). `x`: the scaled impulses here, all batches.
   virtual void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
-                        std::span<BodyRow> momentum) = 0;
+                        std::span<RowOf<D>> momentum) = 0;
   /// Sums over all processes, from those of the contacts and bodies here. `now`, `before`: the
   /// momenta from which `here.energy` was computed.
   virtual GradientProgress total(const DiskTiles<D>& tiles, const GradientProgress& here,
-                                 std::span<const BodyRow> now, std::span<const BodyRow> before) = 0;
+                                 std::span<const RowOf<D>> now,
+                                 std::span<const RowOf<D>> before) = 0;
 };
 
-/// The accelerated projected gradient for disks, vectorised, by blocks of bodies (body_blocks.h).
+/// The accelerated projected gradient for disks or spheres (D = 3), vectorised, by blocks of bodies
+/// (body_blocks.h).
 ///
 /// A restart of momentum depends on sums over all contacts of the iteration before. Several
 /// iterations are in flight (wavefront.h); they are computed as if there was no restart. If the
@@ -35,7 +37,7 @@ template <int D>
 class TiledGradient final : public GradientKernel {
  public:
   /// With neighbours, kept by reference, one iteration at a time.
-  TiledGradient(const ContactProblem& problem, const DiskStructure& disks,
+  TiledGradient(const ContactProblem& problem, const BodiesOf<D>& bodies,
                 const ContactScaling& scaling, const Execution& options,
                 GradientNeighbours<D>* neighbours = nullptr);
 
@@ -46,7 +48,7 @@ class TiledGradient final : public GradientKernel {
 
  private:
   static constexpr typename DiskTiles<D>::Streamed kStreamed{
-      sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>), 5 * sizeof(BodyRow)};
+      sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>), 5 * sizeof(RowOf<D>)};
   /// Indices of the buffers of x and of the momentum; iteration k of a group reads two and writes
   /// one.
   struct Roles {
@@ -67,7 +69,7 @@ class TiledGradient final : public GradientKernel {
   bool asks_ahead_;
   int group_;  // iterations between two looks at the sums
   LargeVector<ImpulseBatch<D>> impulse_[4];
-  LargeVector<BodyRow> momentum_[4], velocity_;
+  LargeVector<RowOf<D>> momentum_[4], velocity_;
   std::vector<GradientSums> sums_;  // of every iteration in flight and tile
   Roles roles_;
   double rho_ = 1;                 // step that the variables are scaled by

@@ -1,14 +1,16 @@
 #include "solvers/disks/tiled_sweep.h"
 
+#include <utility>
+
 #include "solvers/disks/wavefront.h"
 
 namespace bipot {
 
 template <int D>
-TiledSweep<D>::TiledSweep(const ContactProblem& problem, const DiskStructure& disks,
+TiledSweep<D>::TiledSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
                           const ContactScaling& equilibrated, double omega,
-                          const Execution& options)
-    : disks_(problem, disks, equilibrated),
+                          const Execution& options, ContactTiles tiles)
+    : disks_(problem, bodies, equilibrated, std::move(tiles)),
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
       threads_(options.threads),
@@ -49,5 +51,6 @@ void TiledSweep<D>::advance(int sweeps) {
 
 template class TiledSweep<1>;
 template class TiledSweep<2>;
+template class TiledSweep<3>;
 
 }  // namespace bipot

@@ -9,24 +9,28 @@
 namespace bipot {
 namespace {
 
-/// Calls f(kernel) with the vectorised iteration on disks. False if the problem is not one of
-/// disks.
+/// Calls f(kernel) with the vectorised iteration on disks or spheres. False if the problem is not
+/// one of these. Spheres run so on one process only.
 template <int D, class F>
-bool with_disk_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
+bool with_tiled_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
   const Execution& execution = run.options().execution;
   if (DistributedSpace* const parts = run.space().parts()) {
-    if (parts->exact()) return false;
-    std::optional<DiskStructure> disks = DiskFrontier<D>::structure(*parts);
-    if (!disks) return false;
-    DiskFrontier<D> frontier(*parts);
-    TiledGradient<D> kernel(run.problem(), *disks, scaling, execution, &frontier);
-    disks.reset();  // packed: 48 bytes a contact less
-    f(kernel);
-    return true;
+    if constexpr (D == 3) {
+      return false;
+    } else {
+      if (parts->exact()) return false;
+      std::optional<DiskStructure> disks = DiskFrontier<D>::structure(*parts);
+      if (!disks) return false;
+      DiskFrontier<D> frontier(*parts);
+      TiledGradient<D> kernel(run.problem(), *disks, scaling, execution, &frontier);
+      disks.reset();  // packed: 48 bytes a contact less
+      f(kernel);
+      return true;
+    }
   }
-  const auto& disks = run.delassus().disks();
-  if (!disks) return false;
-  TiledGradient<D> kernel(run.problem(), *disks, scaling, execution);
+  const auto& bodies = run.delassus().bodies<D>();
+  if (!bodies) return false;
+  TiledGradient<D> kernel(run.problem(), *bodies, scaling, execution);
   f(kernel);
   return true;
 }
@@ -58,9 +62,7 @@ void solve_accelerated_gradient(SolveRun& run) {
     iterate_gradient(kernel, schedule, lambda, step, run);
   };
   dispatch_dim(run.problem().dim, [&](auto d) {
-    if constexpr (d() < 3) {
-      if (with_disk_kernel<d()>(run, scaling, iterate)) return;
-    }
+    if (with_tiled_kernel<d()>(run, scaling, iterate)) return;
     with_any_kernel<d()>(run, scaling, iterate);
   });
 }

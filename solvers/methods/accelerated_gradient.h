@@ -43,8 +43,9 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 /// is not proved. An unsymmetric W (rounded data) is used as it is.
 ///
 /// Deviations from the source: equilibrated variables, split map, no line search on the objective
-/// (with friction there is none), velocities at y from those at x and x⁻. Disks run in vectors and
-/// on threads (solvers/disks/tiled_gradient.h), with the same bits for any number of them.
+/// (with friction there is none), velocities at y from those at x and x⁻. Disks and spheres run in
+/// vectors and on threads (solvers/disks/tiled_gradient.h), with the same bits for any number of
+/// them.
 ///
 /// In parallel the iterates are those of one process up to the order of the sums. An iteration is
 /// one exchange and one reduction of three numbers.

@@ -17,7 +17,7 @@ namespace {
 
 /// Largest number of iterations between two looks at the clock.
 constexpr int kUnwatched = 32;
-/// Number of contacts from which the contacts of disks are streamed from memory.
+/// Number of contacts from which packed contacts are streamed from memory.
 constexpr int kStreamed = 20000;
 /// Iterations of more than two sweeps diverge on large packings if omega is near 2.
 constexpr double kOmegaOfMany = 1.6;
@@ -228,22 +228,19 @@ void solve_accelerated_ssor(SolveRun& run) {
   const DelassusOperator& delassus = run.delassus();
   const Execution& execution = run.options().execution;
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const Turns turns(omega, delassus.disks().has_value(), sweeps, parameters.integer("most_sweeps"),
-                    side);
-  run.judge_half_as_often(delassus.disks() && p.num_contacts() >= kStreamed);
+  const Turns turns(omega, delassus.is_packed(), sweeps, parameters.integer("most_sweeps"), side);
+  run.judge_half_as_often(delassus.is_packed() && p.num_contacts() >= kStreamed);
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();
-    if constexpr (D < 3) {
-      if (delassus.disks()) {
-        SymmetricSweep<D> kernel(p, *delassus.disks(), scaling, omega, sweeps, execution);
-        if constexpr (D == 2) {
-          const int least = parameters.integer("stresses_from");
-          iterate(kernel, turns, Stresses(kernel, *delassus.disks(), least, execution), run);
-        } else {
-          iterate(kernel, turns, NoStresses(), run);
-        }
-        return;
+    if (const auto& bodies = delassus.bodies<D>()) {
+      SymmetricSweep<D> kernel(p, *bodies, scaling, omega, sweeps, execution);
+      if constexpr (D == 2) {
+        const int least = parameters.integer("stresses_from");
+        iterate(kernel, turns, Stresses(kernel, *bodies, least, execution), run);
+      } else {
+        iterate(kernel, turns, NoStresses(), run);
       }
+      return;
     }
     with_local_updates<D>(p, delassus, {.omega = omega}, false,
                           [&](auto& sweep, const auto& visit) {

@@ -64,8 +64,8 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 /// twelve disks (solvers/disks/deflated_sweep.h). If 24 of these do not halve the error, the
 /// iteration above continues.
 ///
-/// Limits: with friction convergence is not proved. Disks run in vectors, with contacts along the
-/// rows or, if that leaves lanes empty, in the order that fills them
+/// Limits: with friction convergence is not proved. Disks and spheres run in vectors, with contacts
+/// along the rows or, if that leaves lanes empty, in the order that fills them
 /// (solvers/disks/contact_tiles.h). Every path and any number of threads give the same bits. Other
 /// problems run contact after contact in the given order on one thread.
 void solve_accelerated_ssor(SolveRun& run);

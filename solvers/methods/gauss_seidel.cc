@@ -56,11 +56,14 @@ class SweepOrder {
 /// Largest number of iterations between two looks at the clock.
 constexpr int kUnwatchedSweeps = 64;
 
+/// Sweeps in vectors, tile by tile or contact after contact.
 template <int D>
-void sweep_tiles(SolveRun& run, double omega) {
+void sweep_vectors(SolveRun& run, double omega, bool tiled) {
   const ContactProblem& p = run.problem();
   const ContactScaling scaling = equilibrated_scaling(p, run.delassus().diagonal());
-  TiledSweep<D> sweep(p, *run.delassus().disks(), scaling, omega, run.options().execution);
+  const BodiesOf<D>& bodies = *run.delassus().bodies<D>();
+  TiledSweep<D> sweep(p, bodies, scaling, omega, run.options().execution,
+                      tiled ? tile_contacts(bodies) : given_order(bodies));
   sweep.reset(run.start());
   run.end_setup();
   int iteration = 0;
@@ -103,12 +106,14 @@ void solve_gauss_seidel(SolveRun& run) {
                    static_cast<unsigned>(parameters.number("seed")));
   const bool explicit_delassus = parameters.choice("operator") == "explicit";
   const bool tiled = parameters.choice("order") == "tiled";
+  // Spheres in the given order: vectors do the same contact after contact, if one round is all.
+  const bool one_round = settings.omega == 1 || (!settings.exact && settings.local_iterations == 1);
+  const bool given = parameters.choice("order") == "forward" && one_round &&
+                     run.problem().dim == 3 && run.space().parts() == nullptr;
   dispatch_dim(run.problem().dim, [&](auto d) {
-    if constexpr (d() < 3) {
-      if (tiled && run.delassus().disks() && !explicit_delassus) {
-        sweep_tiles<d()>(run, settings.omega);
-        return;
-      }
+    if ((tiled || given) && run.delassus().is_packed() && !explicit_delassus) {
+      sweep_vectors<d()>(run, settings.omega, tiled);
+      return;
     }
     sweep_contacts<d()>(run, explicit_delassus, order, settings);
   });

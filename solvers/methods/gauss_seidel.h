@@ -23,7 +23,8 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
      .choices = "forward|symmetric|shuffled|tiled",
      .help =
          "contacts as they stand, alternately forwards and backwards, or drawn anew each sweep; "
-         "tiled: disks in vectors and on threads, tile by tile from both ends of the packing"},
+         "tiled: disks and spheres in vectors and on threads, tile by tile from both ends of the "
+         "packing"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",
@@ -49,11 +50,14 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
 ///
 /// local = projection: rounds of improve_local() (local_coulomb.h) with relaxed steps omega/W_nn
 /// and omega/lambda_max(W_tt). local = exact: solve_local(), then s + omega (s_exact - s) projected
-/// on K_mu; where the exact solution fails its own check, one round of projection. Disks have
-/// diagonal blocks: one round with omega = 1 is exact there, and both choices are the same.
+/// on K_mu; where the exact solution fails its own check, one round of projection. Disks and
+/// spheres have diagonal blocks with equal tangents: one round with omega = 1 is exact there, and
+/// both choices are the same.
 ///
-/// order = tiled: a sweep over disks in vectors and on threads (solvers/disks/tiled_sweep.h), with
-/// the same bits for any number of them; other problems take their contacts as they stand.
+/// order = tiled: a sweep over disks or spheres in vectors and on threads
+/// (solvers/disks/tiled_sweep.h), with the same bits for any number of them; other problems take
+/// their contacts as they stand. Spheres do so in vectors too, contacts without a common body at
+/// once.
 ///
 /// For mu = 0 and 0 < omega < 2 each update decreases a convex quadratic and the sweep converges
 /// (Luo and Tseng 1992); with friction there is no proof, exact local solutions can cycle where

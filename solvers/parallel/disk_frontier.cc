@@ -52,7 +52,7 @@ void DiskFrontier<D>::find_sent(const DiskTiles<D>& tiles) {
 
 template <int D>
 void DiskFrontier<D>::complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
-                               std::span<BodyRow> momentum) {
+                               std::span<RowOf<D>> momentum) {
   if (!found_) find_sent(tiles);
   for (const int lane : sent_) {
     s_.template segment<D>(tiles.contact(lane) * D) = tiles.impulse(x, lane);
@@ -85,8 +85,8 @@ void DiskFrontier<D>::complete(const DiskTiles<D>& tiles, std::span<const Impuls
 
 template <int D>
 GradientProgress DiskFrontier<D>::total(const DiskTiles<D>& tiles, const GradientProgress& here,
-                                        std::span<const BodyRow> now,
-                                        std::span<const BodyRow> before) {
+                                        std::span<const RowOf<D>> now,
+                                        std::span<const RowOf<D>> before) {
   double values[3] = {here.turn, here.change2, here.energy};
   for (const Shared& shared : shared_) {
     const std::size_t row = to_size(tiles.row(shared.body));

@@ -27,9 +27,9 @@ class DiskFrontier final : public GradientNeighbours<D> {
   explicit DiskFrontier(DistributedSpace& space);
 
   void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
-                std::span<BodyRow> momentum) override;
+                std::span<RowOf<D>> momentum) override;
   GradientProgress total(const DiskTiles<D>& tiles, const GradientProgress& here,
-                         std::span<const BodyRow> now, std::span<const BodyRow> before) override;
+                         std::span<const RowOf<D>> now, std::span<const RowOf<D>> before) override;
 
  private:
   /// A contact of the halo, and the bodies here on which it acts; -1: none.

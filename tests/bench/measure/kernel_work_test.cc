@@ -7,11 +7,14 @@ namespace {
 
 TEST(KernelWork, OfAContactOnASquareLattice) {
   // Half a body a contact: 48.5 + 32 + 48, 96 + 32 + 32, 48.5 + 48 + 80; 51 + 10.5.
-  EXPECT_DOUBLE_EQ(tiled_sweep_work(0.5).bytes, 128.5);
-  EXPECT_DOUBLE_EQ(tiled_sweep_work(0.5).flops, 39);
+  EXPECT_DOUBLE_EQ(tiled_sweep_work<2>(0.5).bytes, 128.5);
+  EXPECT_DOUBLE_EQ(tiled_sweep_work<2>(0.5).flops, 39);
   EXPECT_DOUBLE_EQ(given_order_sweep_work(0.5).bytes, 160);
-  EXPECT_DOUBLE_EQ(gradient_work(0.5).bytes, 176.5);
-  EXPECT_DOUBLE_EQ(gradient_work(0.5).flops, 61);
+  EXPECT_DOUBLE_EQ(gradient_work<2>(0.5).bytes, 176.5);
+  EXPECT_DOUBLE_EQ(gradient_work<2>(0.5).flops, 61);
+  // Spheres on a cubic lattice, a third of a body a contact: 112.5 + 42.67, 136.5 + 106.67.
+  EXPECT_DOUBLE_EQ(tiled_sweep_work<3>(1.0 / 3).bytes, 112.5 + 128.0 / 3);
+  EXPECT_DOUBLE_EQ(gradient_work<3>(1.0 / 3).bytes, 136.5 + 320.0 / 3);
 }
 
 TEST(KernelWork, OfAnExplicitRowIsThatOfTheTable) {

@@ -12,9 +12,11 @@
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_sweep.h"
 #include "solvers/kernels/gradient_iteration.h"
+#include "solvers/kernels/local_updates.h"
 #include "solvers/kernels/spectral_estimate.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
@@ -27,6 +29,7 @@ ContactProblem packing(int dim, bool square = false, int side = 30) {
   o.tilt = 0.2;
   o.e_n = 0.2;
   o.e_t = dim == 1 ? 0 : 0.7;
+  if (dim == 3) return cubic_lattice(side, o);
   return square ? square_lattice(side, o) : triangular_lattice(side, o);
 }
 
@@ -39,6 +42,10 @@ struct Setting {
         delassus(problem),
         scaling(equilibrated_scaling(problem, delassus.diagonal())) {}
   const DiskStructure& disks() const { return *delassus.disks(); }
+  template <int D>
+  const BodiesOf<D>& bodies() const {
+    return *delassus.bodies<D>();
+  }
   Vector zero() const { return Vector::Zero(problem.num_rows()); }
   double largest_eigenvalue() const {
     WholeSpace space(problem);
@@ -49,7 +56,7 @@ struct Setting {
 template <int D>
 Vector swept(const Setting& at, double omega, const Execution& execution,
              const std::vector<int>& portions) {
-  TiledSweep<D> sweep(at.problem, at.disks(), at.scaling, omega, execution);
+  TiledSweep<D> sweep(at.problem, at.bodies<D>(), at.scaling, omega, execution);
   sweep.reset(at.zero());
   for (const int sweeps : portions) sweep.advance(sweeps);
   return sweep.impulse();
@@ -58,7 +65,7 @@ Vector swept(const Setting& at, double omega, const Execution& execution,
 template <int D>
 Vector descended(const Setting& at, bool cone, const Execution& execution,
                  const std::vector<int>& portions) {
-  TiledGradient<D> gradient(at.problem, at.disks(), at.scaling, execution);
+  TiledGradient<D> gradient(at.problem, at.bodies<D>(), at.scaling, execution);
   gradient.reset(at.zero());
   GradientControl control;
   // Too small on purpose: it is raised on the way.
@@ -77,12 +84,23 @@ bool same_bits(const Vector& a, const Vector& b) {
                     [](double x, double y) { return std::memcmp(&x, &y, sizeof(double)) == 0; });
 }
 
+/// Of few bodies a side many lanes are empty. Cannonballs have normals along no axis.
+template <int D>
+std::vector<ContactProblem> packings() {
+  if constexpr (D == 3) {
+    return {packing(3, true, 9), packing(3, true, 2), packing(3, true, 1), packing(3, true, 4),
+            shipped_file("3d_sphere_pyramid_4.hdf5")};
+  } else {
+    return {packing(D), packing(D, true), packing(D, true, 2), packing(D, false, 5),
+            packing(D, true, 7)};
+  }
+}
+
 template <int D>
 void check_bits() {
-  // Of 2, 5 and 7 disks a side many lanes are empty.
-  for (const auto& [square, side] : {std::pair(false, 30), std::pair(true, 30), std::pair(true, 2),
-                                     std::pair(false, 5), std::pair(true, 7)}) {
-    const Setting at(packing(D, square, side));
+  for (const ContactProblem& problem : packings<D>()) {
+    const Setting at(problem);
+    ASSERT_TRUE(at.delassus.is_packed());
     const Vector sweep = swept<D>(at, 1, {1, SimdPath::kPortable}, kOneByOne);
     const Vector relaxed = swept<D>(at, 1.5, {1, SimdPath::kPortable}, kOneByOne);
     const Vector split = descended<D>(at, false, {1, SimdPath::kPortable}, kOneByOne);
@@ -93,7 +111,8 @@ void check_bits() {
       for (int threads = 1; threads <= 4; ++threads) {
         const Execution e{threads, path};
         const std::string where = std::string(to_string(path)) + ", threads " +
-                                  std::to_string(threads) + ", side " + std::to_string(side);
+                                  std::to_string(threads) + ", contacts " +
+                                  std::to_string(problem.num_contacts());
         const std::vector<int>& portions = threads % 2 == 0 ? kMixed : kTogether;
         EXPECT_TRUE(same_bits(swept<D>(at, 1, e, portions), sweep)) << where;
         EXPECT_TRUE(same_bits(swept<D>(at, 1.5, e, portions), relaxed)) << where;
@@ -106,6 +125,7 @@ void check_bits() {
 
 TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsWithFriction) { check_bits<2>(); }
 TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsWithoutFriction) { check_bits<1>(); }
+TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsOfSpheres) { check_bits<3>(); }
 
 // The tiled sweep is a Gauss-Seidel sweep in its own order: the scalar sweep in that order does the
 // same to rounding.
@@ -136,21 +156,71 @@ TEST(TiledKernels, ATiledSweepIsTheScalarSweepInItsOrder) {
   EXPECT_LT((s - scalar.impulse()).norm(), 1e-12 * s.norm());
 }
 
-// The same iterates as through the Delassus operator, restarts and raised eigenvalues among them.
-TEST(TiledKernels, ATiledGradientStepIsThatOfTheDelassusOperator) {
+// The given order in vectors is that of contact after contact: a body meets its contacts in turn.
+TEST(TiledKernels, TheGivenOrderIsContactAfterContact) {
+  const Setting at(packing(3, true, 6));
+  TwoPassSweep<3, 6> general(at.problem);
+  general.reset(at.zero());
+  LocalUpdates<3> update(at.problem, at.delassus, {});
+  for (int sweep = 0; sweep < 40; ++sweep) {
+    for (int c = 0; c < at.problem.num_contacts(); ++c) update(c, general);
+  }
+  TiledSweep<3> sweep(at.problem, at.bodies<3>(), at.scaling, 1, {}, given_order(at.bodies<3>()));
+  sweep.reset(at.zero());
+  sweep.advance(40);
+  const Vector& s = sweep.impulse();
+  EXPECT_LT((s - general.impulse()).norm(), 1e-10 * s.norm());
+}
+
+// For spheres, contact after contact by the general sweep: the block of W of a contact is diagonal,
+// so that one round of projections is the same as the kernel's exact solution.
+TEST(TiledKernels, ATiledSweepOfSpheresIsTheGeneralSweepInItsOrder) {
+  const Setting at(packing(3, true, 6));
+  const ContactTiles tiles = tile_contacts(at.bodies<3>());
+  TwoPassSweep<3, 6> general(at.problem);
+  general.reset(at.zero());
+  LocalUpdates<3> update(at.problem, at.delassus, {.omega = 1.2});
+  const auto num_tiles = static_cast<int>(tiles.tiles.size());
+  ASSERT_GT(num_tiles, 1);
+  const auto relax = [&](int tile) {
+    const ContactTiles::Tile& at_tile = tiles.tiles[static_cast<std::size_t>(tile)];
+    for (int lane = at_tile.first_batch * kLanes; lane < at_tile.last_batch * kLanes; ++lane) {
+      const int c = tiles.contact[static_cast<std::size_t>(lane)];
+      if (c >= 0) update(c, general);
+    }
+  };
+  for (int sweep = 0; sweep < 40; ++sweep) {
+    for (int tile = 0; tile < num_tiles / 2; ++tile) relax(tile);
+    for (int tile = num_tiles - 1; tile >= num_tiles / 2; --tile) relax(tile);
+  }
+  const Vector s = swept<3>(at, 1.2, {}, {40});
+  EXPECT_LT((s - general.impulse()).norm(), 1e-10 * s.norm());
+}
+
+/// The same iterates as through the Delassus operator, restarts and raised eigenvalues among them.
+template <int D>
+void check_gradient(const ContactProblem& problem) {
   for (const bool cone : {false, true}) {
-    const Setting at(packing(2, false, 7));
+    const Setting at(problem);
     WholeSpace space(at.problem);
     SpaceSums sums{space};
-    GradientIteration<2, SpaceSums> plain(at.problem, sums, at.scaling);
+    GradientIteration<D, SpaceSums> plain(at.problem, sums, at.scaling);
     plain.reset(at.zero());
     GradientControl control;
     control.lambda = 0.8 * at.largest_eigenvalue();
     control.cone = cone;
     plain.advance(40, control);
-    const Vector s = descended<2>(at, cone, {}, {40});
+    const Vector s = descended<D>(at, cone, {}, {40});
     EXPECT_LT((s - plain.impulse()).norm(), 1e-10 * s.norm()) << cone;
   }
+}
+
+TEST(TiledKernels, ATiledGradientStepIsThatOfTheDelassusOperator) {
+  check_gradient<2>(packing(2, false, 7));
+}
+TEST(TiledKernels, ATiledGradientStepOfSpheresIsThatOfTheDelassusOperator) {
+  check_gradient<3>(packing(3, true, 5));
+  check_gradient<3>(shipped_file("3d_sphere_pyramid_4.hdf5"));
 }
 
 // Whole solves. Few iterations: on a busy machine threads wait for each other at every wave.

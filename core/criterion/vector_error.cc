@@ -1,6 +1,7 @@
-#include "core/criterion/plane_error.h"
+#include "core/criterion/vector_error.h"
 
 #include <cstring>
+#include <utility>
 
 #include "core/base/instruction_sets.h"
 #include "core/criterion/contact_terms.h"
@@ -35,36 +36,39 @@ struct Registers<8> {
 
 /// The arrays of the contacts [first, first + count) with count < kLanes, filled up with contacts
 /// that add nothing.
+template <int D>
 struct LastContacts {
-  double s[2 * kLanes] = {}, u[2 * kLanes] = {}, b[2 * kLanes] = {}, row_scale[2 * kLanes],
-               mu[kLanes] = {}, w_nn[kLanes] = {}, rho_nn[kLanes] = {}, rho_nat[kLanes] = {};
+  static constexpr std::size_t kValues = std::size_t{D} * kLanes;
+  double s[kValues] = {}, u[kValues] = {}, b[kValues] = {}, row_scale[kValues], mu[kLanes] = {},
+         w_nn[kLanes] = {}, rho_nn[kLanes] = {}, rho_nat[kLanes] = {};
 
-  LastContacts(const PlaneContacts& p, int first, int count) {
+  LastContacts(const ContactArrays& p, int first, int count) {
     for (double& r : row_scale) r = 1;
     const auto copy = [&](double* to, const double* from, int size) {
       if (from == nullptr) return;
       for (int k = 0; k < size * count; ++k) to[k] = from[size * first + k];
     };
-    copy(s, p.s, 2);
-    copy(u, p.u, 2);
-    copy(b, p.b, 2);
-    copy(row_scale, p.row_scale, 2);
+    copy(s, p.s, D);
+    copy(u, p.u, D);
+    copy(b, p.b, D);
+    copy(row_scale, p.row_scale, D);
     copy(mu, p.mu, 1);
     copy(w_nn, p.w_nn, 1);
     copy(rho_nn, p.rho_nn, 1);
     copy(rho_nat, p.rho_nat, 1);
   }
-  PlaneContacts arrays() const { return {s, u, b, row_scale, mu, w_nn, rho_nn, rho_nat}; }
+  ContactArrays arrays() const { return {s, u, b, row_scale, mu, w_nn, rho_nn, rho_nat}; }
 };
 
-[[gnu::always_inline]] inline PlaneContacts from(const PlaneContacts& p, int first) {
-  const auto pairs = [&](const double* x) { return x == nullptr ? x : x + 2 * first; };
-  return {pairs(p.s),   pairs(p.u),     pairs(p.b),       pairs(p.row_scale),
+template <int D>
+[[gnu::always_inline]] inline ContactArrays from(const ContactArrays& p, int first) {
+  const auto frames = [&](const double* x) { return x == nullptr ? x : x + D * first; };
+  return {frames(p.s),  frames(p.u),    frames(p.b),      frames(p.row_scale),
           p.mu + first, p.w_nn + first, p.rho_nn + first, p.rho_nat + first};
 }
 
 /// The criterion of kWidth contacts at once.
-template <int kWidth>
+template <int kWidth, int D>
 struct Kernel {
   using Values = typename Registers<kWidth>::Values;
   using Whole = typename Registers<kWidth>::Whole;
@@ -77,32 +81,49 @@ struct Kernel {
   }
 
   /// A vector of the frame of each contact.
-  using Frames = FrameVector<Values, 2>;
-  [[gnu::always_inline]] static Frames frames_at(const double* pairs) {
-    const Values a = load(pairs), b = load(pairs + kWidth);
-    if constexpr (kWidth == 2) {
-      return {__builtin_shufflevector(a, b, 0, 2), __builtin_shufflevector(a, b, 1, 3)};
-    } else if constexpr (kWidth == 4) {
-      return {__builtin_shufflevector(a, b, 0, 2, 4, 6), __builtin_shufflevector(a, b, 1, 3, 5, 7)};
+  using Frames = FrameVector<Values, D>;
+  template <std::size_t... k>
+  [[gnu::always_inline]] static Frames frames_at(const double* from, std::index_sequence<k...>) {
+    const Values a = load(from), b = load(from + kWidth);
+    if constexpr (D == 2) {
+      return {__builtin_shufflevector(a, b, 2 * k...),
+              __builtin_shufflevector(a, b, 2 * k + 1 ...)};
     } else {
-      return {__builtin_shufflevector(a, b, 0, 2, 4, 6, 8, 10, 12, 14),
-              __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15)};
+      // From the first two registers, then from the third.
+      const Values c = load(from + 2 * kWidth);
+      constexpr std::size_t kTwo = 2 * kWidth;
+      const Values x = __builtin_shufflevector(a, b, (3 * k < kTwo ? 3 * k : 0)...);
+      const Values y = __builtin_shufflevector(a, b, (3 * k + 1 < kTwo ? 3 * k + 1 : 0)...);
+      const Values z = __builtin_shufflevector(a, b, (3 * k + 2 < kTwo ? 3 * k + 2 : 0)...);
+      return {__builtin_shufflevector(x, c, (3 * k < kTwo ? k : 3 * k - kWidth)...),
+              __builtin_shufflevector(y, c, (3 * k + 1 < kTwo ? k : 3 * k + 1 - kWidth)...),
+              __builtin_shufflevector(z, c, (3 * k + 2 < kTwo ? k : 3 * k + 2 - kWidth)...)};
     }
   }
-  [[gnu::always_inline]] static void put(const Frames& x, double* pairs) {
-    Values a, b;
-    if constexpr (kWidth == 2) {
-      a = __builtin_shufflevector(x[0], x[1], 0, 2);
-      b = __builtin_shufflevector(x[0], x[1], 1, 3);
-    } else if constexpr (kWidth == 4) {
-      a = __builtin_shufflevector(x[0], x[1], 0, 4, 1, 5);
-      b = __builtin_shufflevector(x[0], x[1], 2, 6, 3, 7);
+  using Lane = std::make_index_sequence<std::size_t{kWidth}>;
+  [[gnu::always_inline]] static Frames frames_at(const double* from) {
+    return frames_at(from, Lane{});
+  }
+  /// Values kPart kWidth + k of the frames, one after the other.
+  template <std::size_t kPart, std::size_t... k>
+  [[gnu::always_inline]] static Values part_of(const Frames& x, std::index_sequence<k...>) {
+    constexpr std::size_t kFirst = kPart * kWidth;
+    const Values two = __builtin_shufflevector(
+        x[0], x[1], ((kFirst + k) / D + ((kFirst + k) % D == 1 ? kWidth : 0))...);
+    if constexpr (D == 2) {
+      return two;
     } else {
-      a = __builtin_shufflevector(x[0], x[1], 0, 8, 1, 9, 2, 10, 3, 11);
-      b = __builtin_shufflevector(x[0], x[1], 4, 12, 5, 13, 6, 14, 7, 15);
+      return __builtin_shufflevector(two, x[2],
+                                     ((kFirst + k) % D == 2 ? (kFirst + k) / D + kWidth : k)...);
     }
-    std::memcpy(pairs, &a, sizeof a);
-    std::memcpy(pairs + kWidth, &b, sizeof b);
+  }
+  [[gnu::always_inline]] static void put(const Frames& x, double* to) {
+    const auto store = [&](const Values& values, int part) {
+      std::memcpy(to + part * kWidth, &values, sizeof values);
+    };
+    store(part_of<0>(x, Lane{}), 0);
+    store(part_of<1>(x, Lane{}), 1);
+    if constexpr (D == 3) store(part_of<2>(x, Lane{}), 2);
   }
   /// The sums in one register each, and the worst contact of each lane.
   struct Sums : ErrorSumsOf<Values> {
@@ -112,7 +133,7 @@ struct Kernel {
 
   /// Contacts from `first` on; the arrays of p start with them.
   template <bool kScaled>
-  [[gnu::always_inline]] static void add(const PlaneContacts& p, int first, Sums& e) {
+  [[gnu::always_inline]] static void add(const ContactArrays& p, int first, Sums& e) {
     Frames r;
     if constexpr (kScaled) r = frames_at(p.row_scale);
     const auto contacts = physical_contact<kScaled>(frames_at(p.s), frames_at(p.u), frames_at(p.b),
@@ -151,20 +172,20 @@ struct Kernel {
   }
 
   template <bool kScaled>
-  [[gnu::always_inline]] static PieceSums sum(const PlaneContacts& p, int begin, int end) {
+  [[gnu::always_inline]] static PieceSums sum(const ContactArrays& p, int begin, int end) {
     Sums parts[std::size_t{kParts}];
     int c = begin;
     for (; c + kLanes <= end; c += kLanes) {
       for (int part = 0; part < kParts; ++part) {
         const int first = c + part * kWidth;
-        add<kScaled>(from(p, first), first, parts[part]);
+        add<kScaled>(from<D>(p, first), first, parts[part]);
       }
     }
     if (c < end) {
-      const LastContacts last(p, c, end - c);
+      const LastContacts<D> last(p, c, end - c);
       for (int part = 0; part < kParts; ++part) {
         const int first = part * kWidth;
-        add<kScaled>(from(last.arrays(), first), c + first, parts[part]);
+        add<kScaled>(from<D>(last.arrays(), first), c + first, parts[part]);
       }
     }
     PieceSums sums;
@@ -182,28 +203,28 @@ struct Kernel {
                sums.worst_eta);
     return sums;
   }
-  [[gnu::always_inline]] static PieceSums sum(const PlaneContacts& p, int begin, int end) {
+  [[gnu::always_inline]] static PieceSums sum(const ContactArrays& p, int begin, int end) {
     return p.row_scale != nullptr ? sum<true>(p, begin, end) : sum<false>(p, begin, end);
   }
 
   template <bool kScaled>
-  [[gnu::always_inline]] static void project_some(const PlaneContacts& p, double* s) {
+  [[gnu::always_inline]] static void project_some(const ContactArrays& p, double* s) {
     Frames r;
     if constexpr (kScaled) r = frames_at(p.row_scale);
     put(physical_projection<kScaled>(frames_at(s), r, load(p.mu)), s);
   }
   template <bool kScaled>
-  [[gnu::always_inline]] static void project(const PlaneContacts& p, int begin, int end,
+  [[gnu::always_inline]] static void project(const ContactArrays& p, int begin, int end,
                                              double* s) {
     int c = begin;
-    for (; c + kWidth <= end; c += kWidth) project_some<kScaled>(from(p, c), s + 2 * c);
+    for (; c + kWidth <= end; c += kWidth) project_some<kScaled>(from<D>(p, c), s + D * c);
     if (c == end) return;
-    LastContacts last(p, c, end - c);
-    for (int k = 0; k < 2 * (end - c); ++k) last.s[k] = s[2 * c + k];
+    LastContacts<D> last(p, c, end - c);
+    for (int k = 0; k < D * (end - c); ++k) last.s[k] = s[D * c + k];
     project_some<kScaled>(last.arrays(), last.s);
-    for (int k = 0; k < 2 * (end - c); ++k) s[2 * c + k] = last.s[k];
+    for (int k = 0; k < D * (end - c); ++k) s[D * c + k] = last.s[k];
   }
-  [[gnu::always_inline]] static void project(const PlaneContacts& p, int begin, int end,
+  [[gnu::always_inline]] static void project(const ContactArrays& p, int begin, int end,
                                              double* s) {
     if (p.row_scale != nullptr) {
       project<true>(p, begin, end, s);
@@ -227,27 +248,24 @@ void PieceSums::add(const PieceSums& later) {
   }
 }
 
-#ifdef BIPOT_LEVELS
-#define BIPOT_KERNEL(level, width)                                                              \
-  __attribute__((target(level))) void project_on_plane_cones(const PlaneContacts& p, int begin, \
-                                                             int end, double* s) {              \
-    Kernel<width>::project(p, begin, end, s);                                                   \
-  }                                                                                             \
-  __attribute__((target(level))) PieceSums sum_plane_errors(const PlaneContacts& p, int begin,  \
-                                                            int end) {                          \
-    return Kernel<width>::sum(p, begin, end);                                                   \
+#define BIPOT_KERNEL_OF(how, width, project_name, sum_name, d)                   \
+  how void project_name(const ContactArrays& p, int begin, int end, double* s) { \
+    Kernel<width, d>::project(p, begin, end, s);                                 \
+  }                                                                              \
+  how PieceSums sum_name(const ContactArrays& p, int begin, int end) {           \
+    return Kernel<width, d>::sum(p, begin, end);                                 \
   }
-BIPOT_KERNEL("arch=x86-64-v4", 8)
-BIPOT_KERNEL("arch=x86-64-v3", 4)
-BIPOT_KERNEL("default", 2)
-#undef BIPOT_KERNEL
+#define BIPOT_KERNEL(how, width)                                           \
+  BIPOT_KERNEL_OF(how, width, project_on_plane_cones, sum_plane_errors, 2) \
+  BIPOT_KERNEL_OF(how, width, project_on_space_cones, sum_space_errors, 3)
+#ifdef BIPOT_LEVELS
+BIPOT_KERNEL(__attribute__((target("arch=x86-64-v4"))), 8)
+BIPOT_KERNEL(__attribute__((target("arch=x86-64-v3"))), 4)
+BIPOT_KERNEL(__attribute__((target("default"))), 2)
 #else
-void project_on_plane_cones(const PlaneContacts& p, int begin, int end, double* s) {
-  Kernel<2>::project(p, begin, end, s);
-}
-PieceSums sum_plane_errors(const PlaneContacts& p, int begin, int end) {
-  return Kernel<2>::sum(p, begin, end);
-}
+BIPOT_KERNEL(, 2)
 #endif
+#undef BIPOT_KERNEL
+#undef BIPOT_KERNEL_OF
 
 }  // namespace bipot

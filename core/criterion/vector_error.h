@@ -13,9 +13,9 @@ struct PieceSums : ErrorSums {
   void add(const PieceSums& later);
 };
 
-/// Arrays of the contacts of a problem with d = 2: two numbers of each in s, u, b and row_scale,
-/// one in the others.
-struct PlaneContacts {
+/// Arrays of the contacts of a problem: d numbers of each in s, u, b and row_scale, one in the
+/// others.
+struct ContactArrays {
   const double* s;  ///< on the cone
   const double* u;  ///< W s + b
   const double* b;
@@ -28,7 +28,11 @@ struct PlaneContacts {
 /// contacts [begin, end), as many at once as the machine's registers hold. Compiled for several
 /// instruction sets, with the same bits from all: every eighth contact is added to the same sum,
 /// and these sums are added in one order.
-void project_on_plane_cones(const PlaneContacts& p, int begin, int end, double* s);
-PieceSums sum_plane_errors(const PlaneContacts& p, int begin, int end);
+///
+/// For d = 2 and for d = 3.
+void project_on_plane_cones(const ContactArrays& p, int begin, int end, double* s);
+PieceSums sum_plane_errors(const ContactArrays& p, int begin, int end);
+void project_on_space_cones(const ContactArrays& p, int begin, int end, double* s);
+PieceSums sum_space_errors(const ContactArrays& p, int begin, int end);
 
 }  // namespace bipot

@@ -1,0 +1,466 @@
+#pragma once
+
+// The kernels for spheres, for registers of the same width as disk_kernel_body.h, from which they
+// take the basic operations. Internal linkage, for the same reason.
+
+#include "solvers/disks/disk_kernel_body.h"
+
+namespace bipot {
+namespace {
+
+/// A vector in space for each lane.
+struct Space {
+  Lanes x, y, z;
+};
+[[gnu::always_inline]] inline Space operator+(const Space& a, const Space& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+[[gnu::always_inline]] inline Space operator-(const Space& a, const Space& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+[[gnu::always_inline]] inline Space operator*(Lanes factor, const Space& a) {
+  return {factor * a.x, factor * a.y, factor * a.z};
+}
+[[gnu::always_inline]] inline Lanes dot(const Space& a, const Space& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+[[gnu::always_inline]] inline Space cross(const Space& a, const Space& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+[[gnu::always_inline]] inline Space load(const double (*from)[kLanes], int part) {
+  return {load(from[0], part), load(from[1], part), load(from[2], part)};
+}
+[[gnu::always_inline]] inline void store(double (*to)[kLanes], int part, const Space& a) {
+  store(to[0], part, a.x);
+  store(to[1], part, a.y);
+  store(to[2], part, a.z);
+}
+inline Lanes root(Lanes x) {
+#if BIPOT_WIDTH == 8
+  return _mm512_maskz_sqrt_pd(kAllLanes, x);
+#elif BIPOT_WIDTH == 4
+  return __builtin_ia32_sqrtpd256(x);
+#else
+  return Lanes{__builtin_sqrt(x[0]), __builtin_sqrt(x[1])};
+#endif
+}
+
+/// V_i - V_j and w_i + w_j; or a force, opposite on body j, and the torque on either body.
+struct SpaceMotion {
+  Space v, w;
+};
+
+inline const SphereRow& at(const SphereRow* rows, unsigned offset) {
+  return *reinterpret_cast<const SphereRow*>(reinterpret_cast<const char*>(rows) + offset);
+}
+inline SphereRow& at(SphereRow* rows, unsigned offset) {
+  return *reinterpret_cast<SphereRow*>(reinterpret_cast<char*>(rows) + offset);
+}
+
+#if BIPOT_WIDTH == 8
+inline const Lanes& whole(const SphereRow& r) { return *reinterpret_cast<const Lanes*>(&r); }
+inline Lanes& whole(SphereRow& r) { return *reinterpret_cast<Lanes*>(&r); }
+/// Products with one are exact, so that sums with these signs are rounded once.
+constexpr Lanes kSecondSign{1, 1, 1, 1, -1, -1, -1, -1};
+
+/// Every second of four pairs, of two vectors.
+inline Lanes even_pairs(Lanes a, Lanes b) {
+  return __builtin_shufflevector(a, b, 0, 1, 4, 5, 8, 9, 12, 13);
+}
+inline Lanes odd_pairs(Lanes a, Lanes b) {
+  return __builtin_shufflevector(a, b, 2, 3, 6, 7, 10, 11, 14, 15);
+}
+
+[[gnu::always_inline]] inline SpaceMotion gather(const SphereRow* v, const unsigned* i,
+                                                 const unsigned* j) {
+  const auto both_of = [&](int k) {
+    return _mm512_fnmadd_pd(whole(at(v, j[k])), kSecondSign, whole(at(v, i[k])));
+  };
+  // (x, z, a ω_x, a ω_z) and (y, 1/m, a ω_y, a²/I) of two lanes each.
+  Lanes even[4], odd[4];
+  for (int k = 0; k < 4; ++k) {
+    const Lanes a = both_of(2 * k), b = both_of(2 * k + 1);
+    even[k] = first_of_pairs(a, b);
+    odd[k] = second_of_pairs(a, b);
+  }
+  const Lanes xw0 = even_pairs(even[0], even[1]), xw1 = even_pairs(even[2], even[3]);
+  const Lanes zw0 = odd_pairs(even[0], even[1]), zw1 = odd_pairs(even[2], even[3]);
+  const Lanes yw0 = even_pairs(odd[0], odd[1]), yw1 = even_pairs(odd[2], odd[3]);
+  return {{even_pairs(xw0, xw1), even_pairs(yw0, yw1), even_pairs(zw0, zw1)},
+          {odd_pairs(xw0, xw1), odd_pairs(yw0, yw1), odd_pairs(zw0, zw1)}};
+}
+/// Calls add(row, lane) in the order of the lanes.
+template <class Add>
+[[gnu::always_inline]] inline void for_rows(const SpaceMotion& p, const Add& add) {
+  const Lanes zero{};
+  const auto rows = [&](const auto& pairs, Lanes* row) {
+    const Lanes xy = pairs(p.v.x, p.v.y), z = pairs(p.v.z, zero);
+    const Lanes turn_xy = pairs(p.w.x, p.w.y), turn_z = pairs(p.w.z, zero);
+    const Lanes a = even_pairs(xy, z), b = odd_pairs(xy, z);
+    const Lanes c = even_pairs(turn_xy, turn_z), d = odd_pairs(turn_xy, turn_z);
+    row[0] = even_pairs(a, c);
+    row[1] = even_pairs(b, d);
+    row[2] = odd_pairs(a, c);
+    row[3] = odd_pairs(b, d);
+  };
+  Lanes even[4], odd[4];
+  rows([](Lanes a, Lanes b) { return first_of_pairs(a, b); }, even);
+  rows([](Lanes a, Lanes b) { return second_of_pairs(a, b); }, odd);
+  for (int k = 0; k < 4; ++k) {
+    add(even[k], 2 * k);
+    add(odd[k], 2 * k + 1);
+  }
+}
+/// Adds the wrench to body i and its opposite to body j. kInverse: to velocities, times the inverse
+/// masses in them.
+template <bool kInverse>
+[[gnu::always_inline]] inline void scatter(const SpaceMotion& p, const unsigned* i,
+                                           const unsigned* j, SphereRow* to) {
+  const auto weighted = [](Lanes row, Lanes wrench) {
+    if constexpr (!kInverse) return wrench;
+    return __builtin_shufflevector(row, row, 3, 3, 3, 3, 7, 7, 7, 7) * wrench;
+  };
+  for_rows(p, [&](Lanes wrench, int k) {
+    Lanes& a = whole(at(to, i[k]));
+    a += weighted(a, wrench);
+    Lanes& b = whole(at(to, j[k]));
+    b = _mm512_fnmadd_pd(weighted(b, wrench), kSecondSign, b);
+  });
+}
+#else
+/// The halves of a row: (x, y, z, 1/m) and (a ω, a²/I).
+#if BIPOT_WIDTH == 4
+using Half = Row;
+inline const Row& half(const SphereRow& r, int k) { return reinterpret_cast<const Row*>(&r)[k]; }
+inline Row& half(SphereRow& r, int k) { return reinterpret_cast<Row*>(&r)[k]; }
+/// The first three values of four rows.
+[[gnu::always_inline]] inline Space lanes_of(const Row* r) {
+  const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
+  const Row even23 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
+  const Row odd01 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+  const Row odd23 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+  return {__builtin_shufflevector(even01, even23, 0, 1, 4, 5),
+          __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5),
+          __builtin_shufflevector(even01, even23, 2, 3, 6, 7)};
+}
+[[gnu::always_inline]] inline void rows_of(const Space& a, Row* row) {
+  const Row zero{};
+  const Row xy_even = __builtin_shufflevector(a.x, a.y, 0, 4, 2, 6);
+  const Row xy_odd = __builtin_shufflevector(a.x, a.y, 1, 5, 3, 7);
+  const Row z_even = __builtin_shufflevector(a.z, zero, 0, 4, 2, 6);
+  const Row z_odd = __builtin_shufflevector(a.z, zero, 1, 5, 3, 7);
+  row[0] = __builtin_shufflevector(xy_even, z_even, 0, 1, 4, 5);
+  row[1] = __builtin_shufflevector(xy_odd, z_odd, 0, 1, 4, 5);
+  row[2] = __builtin_shufflevector(xy_even, z_even, 2, 3, 6, 7);
+  row[3] = __builtin_shufflevector(xy_odd, z_odd, 2, 3, 6, 7);
+}
+inline Row inverse_in(Row half) { return __builtin_shufflevector(half, half, 3, 3, 3, 3); }
+#else
+struct Half {
+  Pair xy, z;
+};
+inline Half operator+(Half a, Half b) { return {a.xy + b.xy, a.z + b.z}; }
+inline Half operator-(Half a, Half b) { return {a.xy - b.xy, a.z - b.z}; }
+inline Half operator*(Half a, Half b) { return {a.xy * b.xy, a.z * b.z}; }
+inline const Half& half(const SphereRow& r, int k) { return reinterpret_cast<const Half*>(&r)[k]; }
+inline Half& half(SphereRow& r, int k) { return reinterpret_cast<Half*>(&r)[k]; }
+[[gnu::always_inline]] inline Space lanes_of(const Half* r) {
+  return {__builtin_shufflevector(r[0].xy, r[1].xy, 0, 2),
+          __builtin_shufflevector(r[0].xy, r[1].xy, 1, 3),
+          __builtin_shufflevector(r[0].z, r[1].z, 0, 2)};
+}
+[[gnu::always_inline]] inline void rows_of(const Space& a, Half* row) {
+  const Pair zero{};
+  row[0] = {__builtin_shufflevector(a.x, a.y, 0, 2), __builtin_shufflevector(a.z, zero, 0, 2)};
+  row[1] = {__builtin_shufflevector(a.x, a.y, 1, 3), __builtin_shufflevector(a.z, zero, 1, 3)};
+}
+inline Half inverse_in(Half half) {
+  const Pair inverse = __builtin_shufflevector(half.z, half.z, 1, 1);
+  return {inverse, inverse};
+}
+#endif
+
+[[gnu::always_inline]] inline SpaceMotion gather(const SphereRow* v, const unsigned* i,
+                                                 const unsigned* j) {
+  Half moved[kWidth], turned[kWidth];
+  for (int k = 0; k < kWidth; ++k) {
+    const SphereRow &a = at(v, i[k]), &b = at(v, j[k]);
+    moved[k] = half(a, 0) - half(b, 0);
+    turned[k] = half(a, 1) + half(b, 1);
+  }
+  return {lanes_of(moved), lanes_of(turned)};
+}
+template <bool kInverse>
+[[gnu::always_inline]] inline void scatter(const SpaceMotion& p, const unsigned* i,
+                                           const unsigned* j, SphereRow* to) {
+  Half force[kWidth], torque[kWidth];
+  rows_of(p.v, force);
+  rows_of(p.w, torque);
+  const auto weighted = [](const Half& row, const Half& wrench) {
+    if constexpr (!kInverse) return wrench;
+    return inverse_in(row) * wrench;
+  };
+  for (int k = 0; k < kWidth; ++k) {
+    SphereRow &a = at(to, i[k]), &b = at(to, j[k]);
+    half(a, 0) = half(a, 0) + weighted(half(a, 0), force[k]);
+    half(a, 1) = half(a, 1) + weighted(half(a, 1), torque[k]);
+    half(b, 0) = half(b, 0) - weighted(half(b, 0), force[k]);
+    half(b, 1) = half(b, 1) + weighted(half(b, 1), torque[k]);
+  }
+}
+#endif
+
+/// The wrench map of a part of a batch.
+struct SphereContacts {
+  Space n;
+  Lanes tangential, normal_excess;  ///< scale ratio; scale - scale ratio
+
+  [[gnu::always_inline]] SphereContacts(const ContactBatch<3>& batch, const LawBatch& law, int part)
+      : n(load(batch.n, part)) {
+    const Lanes scale = load(batch.scale, part);
+    tangential = scale * load(law.ratio, part);
+    normal_excess = scale - tangential;
+  }
+  /// w - b.
+  [[gnu::always_inline]] Space velocity(const SpaceMotion& m) const {
+    return tangential * (m.v - cross(m.w, n)) + (normal_excess * dot(n, m.v)) * n;
+  }
+  /// Of impulses x. The torque on either body is opposite to n x (tangential force).
+  [[gnu::always_inline]] SpaceMotion wrench(const Space& x) const {
+    const Space pushed = tangential * x;
+    return {pushed + (normal_excess * dot(n, x)) * n, cross(pushed, n)};
+  }
+};
+
+/// z with the normal part and the tangential one, this cut off at mu times the normal part.
+[[gnu::always_inline]] inline Space cut_off(const Space& n, Lanes normal, const Space& tangential,
+                                            Lanes mu) {
+  const Lanes radius = mu * normal, length2 = dot(tangential, tangential);
+  const Lanes shrunk = radius / root(length2), one = all(1);
+  const Lanes factor = length2 > radius * radius ? shrunk : one;
+  return normal * n + factor * tangential;
+}
+/// max(0, τ_n) and τ_t cut off: the exact solution of the contact for ω = 1, since the contact's
+/// own block of W is diagonal with equal tangents.
+[[gnu::always_inline]] inline Space onto_disk(const Space& n, const Space& tau, Lanes mu) {
+  const Lanes along = dot(n, tau);
+  return cut_off(n, positive(along), tau - along * n, mu);
+}
+
+/// Runs solve(batch, part, motion) -> wrench over all parts of the batches from `first` to before
+/// `last`, downwards with kBack: see for_parts(). kInverse: the wrenches change the velocities.
+template <bool kBack, bool kInverse, class Solve>
+[[gnu::always_inline]] inline void for_sphere_parts(const ContactBatch<3>* contact, int first,
+                                                    int last, const SphereRow* velocity,
+                                                    SphereRow* to, const Solve& solve) {
+  const int batches = last - first, step = kBack ? -1 : 1;
+  SpaceMotion wrench{};
+  const unsigned *i_before = nullptr, *j_before = nullptr;
+  int k = kBack ? last - 1 : first;
+  for (int n = 0; n < batches; ++n, k += step) {
+#pragma GCC unroll 4
+    for (int part = 0; part < kParts; ++part) {
+      const unsigned *const i = contact[k].i + part * kWidth, *const j =
+                                                                  contact[k].j + part * kWidth;
+      const SpaceMotion motion = gather(velocity, i, j);
+      if (part > 0 || n > 0) scatter<kInverse>(wrench, i_before, j_before, to);
+      wrench = solve(k, part, motion);
+      i_before = i;
+      j_before = j;
+    }
+  }
+  if (batches > 0) scatter<kInverse>(wrench, i_before, j_before, to);
+}
+
+void sweep_spheres(const SweepTask<3>& task) {
+  const SweepTask<3> a = task;
+  const Lanes omega = all(a.omega);
+  const auto solve = [&](int k, int part, const SpaceMotion& motion) {
+    if (part == 0 && a.ask_ahead) {
+      prefetch_item(a.contact, k + kAhead);
+      prefetch_item(a.impulse, k + kAhead);
+    }
+    const LawBatch& law = a.laws[a.law[k]];
+    const SphereContacts c(a.contact[k], law, part);
+    const Space x = load(a.impulse[k].x, part);
+    const Space tau = x - omega * (c.velocity(motion) + load(a.contact[k].b, part));
+    const Space z = onto_disk(c.n, tau, load(law.mu, part));
+    store(a.impulse[k].x, part, z);
+    return c.wrench(z - x);
+  };
+  for_sphere_parts<false, true>(a.contact, 0, a.batches, a.velocity, a.velocity, solve);
+}
+
+/// kOuter: starts from y in the forward sweep, computes sums at the end of the backward sweep.
+template <bool kBack, bool kOuter>
+void sweep_spheres_symmetric(const SymmetricTask<3>& task, Lanes* turn) {
+  const SymmetricTask<3> a = task;
+  const Lanes omega = all(a.omega), beta = all(a.beta);
+  constexpr bool kStream = kBack || kOuter;
+  const int batches = a.last_batch - a.first_batch;
+  const int share = batches > 0 ? (a.num_coming + batches - 1) / batches : 0;
+  int coming = 0;
+  const auto solve = [&](int k, int part, const SpaceMotion& motion) {
+    if (kStream && part == 0 && a.ask_ahead) {
+      const int ahead = kBack ? k - kAhead : k + kAhead;
+      prefetch_item(a.contact, ahead);
+      prefetch_item(a.next, ahead);
+      if constexpr (kOuter) {
+        prefetch_item(a.now, ahead);
+        prefetch_item(a.before, ahead);
+      }
+      if constexpr (kBack) {
+        const int end = coming + share < a.num_coming ? coming + share : a.num_coming;
+        for (; coming < end; ++coming) prefetch(at(a.velocity, a.coming[coming]));
+      }
+    }
+    const auto extrapolated = [&](const Space& now) {
+      return now + beta * (now - load(a.before[k].x, part));
+    };
+    const LawBatch& law = a.laws[a.law[k]];
+    const SphereContacts c(a.contact[k], law, part);
+    Space x;
+    if constexpr (kBack || !kOuter) {
+      x = load(a.next[k].x, part);
+    } else {
+      x = extrapolated(load(a.now[k].x, part));
+    }
+    const Space tau = x - omega * (c.velocity(motion) + load(a.contact[k].b, part));
+    const Space z = onto_disk(c.n, tau, load(law.mu, part));
+    if constexpr (kBack && kOuter) {
+      const Space now = load(a.now[k].x, part);
+      turn[part] += dot(extrapolated(now) - z, z - now);
+    }
+    store(a.next[k].x, part, z);
+    return c.wrench(z - x);
+  };
+  for_sphere_parts<kBack, true>(a.contact, a.first_batch, a.last_batch, a.velocity, a.velocity,
+                                solve);
+}
+
+void sweep_spheres_forth(const SymmetricTask<3>& task) {
+  if (task.outer) {
+    sweep_spheres_symmetric<false, true>(task, nullptr);
+  } else {
+    sweep_spheres_symmetric<false, false>(task, nullptr);
+  }
+}
+void sweep_spheres_back(const SymmetricTask<3>& task, TurnSums& sums) {
+  if (!task.outer) return sweep_spheres_symmetric<true, false>(task, nullptr);
+  Lanes turn[kParts];
+  for (int part = 0; part < kParts; ++part) turn[part] = load(sums.turn, part);
+  sweep_spheres_symmetric<true, true>(task, turn);
+  for (int part = 0; part < kParts; ++part) store(sums.turn, part, turn[part]);
+}
+
+/// A row in registers, for what is done value by value.
+#if BIPOT_WIDTH == 8
+constexpr int kPiecesOfRow = 1;
+using RowPiece = Lanes;
+inline RowPiece inverse_in(RowPiece row) {
+  return __builtin_shufflevector(row, row, 3, 3, 3, 3, 7, 7, 7, 7);
+}
+inline RowPiece with_inverse_of(RowPiece values, RowPiece row) {
+  return __builtin_shufflevector(values, row, 0, 1, 2, 11, 4, 5, 6, 15);
+}
+#else
+constexpr int kPiecesOfRow = 2;
+using RowPiece = Row;
+#if BIPOT_WIDTH == 2
+inline Row inverse_in(Row half) { return __builtin_shufflevector(half, half, 3, 3, 3, 3); }
+#endif
+inline RowPiece with_inverse_of(RowPiece values, RowPiece row) {
+  return __builtin_shufflevector(values, row, 0, 1, 2, 7);
+}
+#endif
+
+/// Sets the velocities of some spheres at the extrapolated momentum; their next momentum starts
+/// from 0.
+[[gnu::always_inline]] inline void begin_spheres(const GradientTask<3>& a, unsigned first, int rows,
+                                                 RowPiece* energy) {
+  const SphereRow *const now = &at(a.momentum, first), *const before =
+                                                           &at(a.momentum_before, first);
+  SphereRow *const velocity = &at(a.velocity, first), *const next = &at(a.next_momentum, first);
+  const RowPiece beta = RowPiece{} + a.beta;
+  for (int k = 0; k < rows; ++k) {
+    if (a.ask_ahead) {
+      prefetch_item(now, k + kRowsAhead);
+      prefetch_item(before, k + kRowsAhead);
+      prefetch_item(velocity, k + kRowsAhead);
+      prefetch_item(next, k + kRowsAhead);
+    }
+    for (int piece = 0; piece < kPiecesOfRow; ++piece) {
+      RowPiece& v = reinterpret_cast<RowPiece*>(velocity + k)[piece];
+      const RowPiece p = reinterpret_cast<const RowPiece*>(now + k)[piece];
+      const RowPiece change = p - reinterpret_cast<const RowPiece*>(before + k)[piece];
+      const RowPiece inverse = inverse_in(v);
+      energy[piece] += inverse * change * change;
+      v = with_inverse_of(inverse * (p + beta * change), v);
+      reinterpret_cast<RowPiece*>(next + k)[piece] = RowPiece{};
+    }
+  }
+}
+
+template <bool kCone>
+void project_spheres(const GradientTask<3>& task, GradientSums& sums) {
+  const GradientTask<3> a = task;
+  const Lanes beta = all(a.beta);
+  Lanes along[kParts] = {}, change2[kParts] = {};
+  RowPiece energy[kPiecesOfRow] = {};
+  const auto solve = [&](int k, int part, const SpaceMotion& motion) {
+    if (part == 0 && a.ask_ahead) {
+      prefetch_item(a.contact, k + kAhead);
+      prefetch_item(a.now, k + kAhead);
+      prefetch_item(a.before, k + kAhead);
+    }
+    const LawBatch& law = a.laws[a.law[k]];
+    const SphereContacts c(a.contact[k], law, part);
+    const Lanes mu = load(law.mu, part);
+    const Space x = load(a.now[k].x, part), step = x - load(a.before[k].x, part);
+    const Space y = x + beta * step;
+    const Space w = c.velocity(motion) + load(a.contact[k].b, part);
+    const Space tau = y - w;
+    Space z;
+    if constexpr (kCone) {
+      const Space w_t = w - dot(c.n, w) * c.n;
+      const Lanes tau_n = dot(c.n, tau);
+      const Space tau_t = tau - tau_n * c.n;
+      const Lanes modified = tau_n - mu * root(dot(w_t, w_t));
+      const Lanes edge = (modified + mu * root(dot(tau_t, tau_t))) * load(law.cone, part);
+      z = cut_off(c.n, positive(edge > modified ? edge : modified), tau_t, mu);
+    } else {
+      z = onto_disk(c.n, tau, mu);
+    }
+    const Space change = z - x;
+    along[part] += dot(step, change);
+    change2[part] += dot(change, change);
+    store(a.next[k].x, part, z);
+    return c.wrench(z);
+  };
+  for (const BodyBlock* window = a.begin; window != a.end;) {
+    const auto left = a.end - window;
+    const BodyBlock* const end = window + (left < kWindowBlocks ? left : kWindowBlocks);
+    begin_spheres(a, window->row, static_cast<int>(end - window) * kLanes, energy);
+    for_sphere_parts<false, false>(a.contact, window->first, end->first, a.velocity,
+                                   a.next_momentum, solve);
+    window = end;
+  }
+  for (int piece = 0; piece < kPiecesOfRow; ++piece) {
+    reinterpret_cast<RowPiece*>(sums.energy)[piece] = energy[piece];
+  }
+  for (int part = 0; part < kParts; ++part) {
+    store(sums.along, part, along[part]);
+    store(sums.change2, part, change2[part]);
+  }
+}
+
+void gradient_spheres(const GradientTask<3>& task, GradientSums& sums) {
+  if (task.cone) {
+    project_spheres<true>(task, sums);
+  } else {
+    project_spheres<false>(task, sums);
+  }
+}
+
+}  // namespace
+}  // namespace bipot
