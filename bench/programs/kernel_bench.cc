@@ -134,10 +134,12 @@ void add_kernels(const Flags& flags, const std::string& family, int side,
           run(s, kernel(static_cast<const PackedProblem<D>&>(*p), e));
         });
       };
-      measure("sweep_tiled/", [](const auto& p, const Execution& e) { return tiled_sweep(p, e); });
-      measure("gradient/", [](const auto& p, const Execution& e) { return tiled_gradient(p, e); });
+      measure("sweep_tiled/",
+              [](const auto& p, const Execution& by) { return tiled_sweep(p, by); });
+      measure("gradient/",
+              [](const auto& p, const Execution& by) { return tiled_gradient(p, by); });
       measure("symmetric/",
-              [](const auto& p, const Execution& e) { return symmetric_sweep(p, e); });
+              [](const auto& p, const Execution& by) { return symmetric_sweep(p, by); });
     }
     add(name(fmt::format("criterion/scalar/{}", threads)), threads, [=](auto& s) {
       const auto p = get();
