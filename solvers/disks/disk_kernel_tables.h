@@ -5,16 +5,19 @@
 
 namespace bipot {
 
-/// One instantiation of disk_kernel_body.h, sphere_kernel_body.h and stress_kernel_body.h, compiled
-/// for one instruction set.
+/// One instantiation of disk_kernel_body.h and stress_kernel_body.h, compiled for one instruction
+/// set. The kernels for spheres are compiled by themselves: together g++ makes slower code of both.
 struct DiskKernelTable {
   DiskKernels<1> one;
   DiskKernels<2> two;
-  DiskKernels<3> three;
+  const DiskKernels<3>* three;
   StressKernels stress;
 };
 extern const DiskKernelTable kPortableDiskKernels;
 extern const DiskKernelTable kAvx2DiskKernels;
 extern const DiskKernelTable kAvx512DiskKernels;
+extern const DiskKernels<3> kPortableSphereKernels;
+extern const DiskKernels<3> kAvx2SphereKernels;
+extern const DiskKernels<3> kAvx512SphereKernels;
 
 }  // namespace bipot

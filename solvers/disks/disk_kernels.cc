@@ -26,7 +26,7 @@ template <int D>
 const DiskKernels<D>& disk_kernels(SimdPath path) {
   if constexpr (D == 1) return table_of(path).one;
   if constexpr (D == 2) return table_of(path).two;
-  if constexpr (D == 3) return table_of(path).three;
+  if constexpr (D == 3) return *table_of(path).three;
 }
 template const DiskKernels<1>& disk_kernels<1>(SimdPath);
 template const DiskKernels<2>& disk_kernels<2>(SimdPath);

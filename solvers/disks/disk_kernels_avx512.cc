@@ -1,6 +1,5 @@
 #define BIPOT_WIDTH 8
 #include "solvers/disks/disk_kernel_body.h"
-#include "solvers/disks/sphere_kernel_body.h"
 #include "solvers/disks/stress_kernel_body.h"
 
 namespace bipot {
@@ -8,8 +7,7 @@ namespace bipot {
 const DiskKernelTable kAvx512DiskKernels = {
     {&sweep<1>, &gradient<1>, &extrapolate_velocity, &sweep_forth<1>, &sweep_back<1>},
     {&sweep<2>, &gradient<2>, &extrapolate_velocity, &sweep_forth<2>, &sweep_back<2>},
-    {&sweep_spheres, &gradient_spheres, &extrapolate_velocity, &sweep_spheres_forth,
-     &sweep_spheres_back},
+    &kAvx512SphereKernels,
     kStressKernels};
 
 }  // namespace bipot

@@ -17,10 +17,10 @@ ln -sfn /usr/include/eigen3/Eigen "$folder/include/Eigen"
 ln -sfn /usr/include/fmt "$folder/include/fmt"
 sources=(tests/machines/kernel_bits.cc tests/support/lattice_problem.cc
   core/base/{execution,interrupt,parallel}.cc
-  core/criterion/{contact_error,plane_error,rounding_bound}.cc
-  core/problem/{body_rows,contact_problem,delassus,disk_structure,energy_norm}.cc
+  core/criterion/{contact_error,rounding_bound,vector_error}.cc
+  core/problem/{body_rows,contact_problem,delassus,disk_structure,energy_norm,sphere_structure}.cc
   solvers/disks/{body_blocks,contact_tiles,disk_kernels,disk_kernels_portable,disk_positions}.cc
-  solvers/disks/{disk_tiles,tile_links,tiled_gradient,tiled_sweep}.cc
+  solvers/disks/{disk_tiles,sphere_kernels_portable,tile_links,tiled_gradient,tiled_sweep}.cc
   solvers/kernels/{contact_scaling,local_coulomb}.cc)
 printf '%s\n' "${sources[@]}" | xargs -P "$(nproc)" -I{} bash -c '
   object="$0/$(echo "$1" | tr / _).o"

@@ -82,17 +82,17 @@ void criterion(const ContactProblem& p, const Vector& s) {
 template <int D>
 void sweeps(const ContactProblem& p) {
   const DelassusOperator delassus(p);
-  const DiskStructure& disks = *delassus.disks();
+  const BodiesOf<D>& bodies = *delassus.bodies<D>();
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
   const Vector zero = Vector::Zero(p.num_rows());
-  TiledSweep<D> sweep(p, disks, scaling, 1.5, {});
+  TiledSweep<D> sweep(p, bodies, scaling, 1.5, {});
   sweep.reset(zero);
   sweep.advance(40);
   BitHash swept;
   swept.add(sweep.impulse());
   print("tiled sweeps", D, swept);
   for (const bool cone : {false, true}) {
-    TiledGradient<D> gradient(p, disks, scaling, {});
+    TiledGradient<D> gradient(p, bodies, scaling, {});
     gradient.reset(zero);
     GradientControl control;
     control.lambda = 2;
@@ -117,5 +117,6 @@ int main() {
   options.dim = 1;
   sweeps<1>(square_lattice(12, options));
   const ContactProblem spheres = cubic_lattice(4);
+  sweeps<3>(spheres);
   criterion(spheres, random_vector(spheres.num_rows(), 5));
 }

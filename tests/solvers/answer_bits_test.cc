@@ -40,8 +40,8 @@ constexpr Answer kAnswers[] = {
      0xa624319b2786cec2, 0x28cb088bf9183973},
     {"2d_triangular_20_tilt10", 0x8ffe539d5d56966f, 0xcc3dd42fbdaf5441, 0xd3f3e6b466dc84da,
      0xdf0a92de90fb5b97, 0x9145df0cb3c48016},
-    {"3d_sphere_pyramid_4", 0xbebcad4d7966c359, 0x8ec28c1f0945e795, 0x8ec28c1f0945e795,
-     0x536004878130c2ce, 0x69e4370282a15b56},
+    {"3d_sphere_pyramid_4", 0x4fae00fe5ed9980c, 0xe18b88ca93a6e111, 0x1be8e8b8c8e88384,
+     0xd1954e607311e42e, 0x2e275ca31b2f53a0},
 };
 
 /// As it stands in the table above.
