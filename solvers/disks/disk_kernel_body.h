@@ -683,7 +683,7 @@ template <int D>
   }
 }
 
-template <int D, bool kCone>
+template <int D, GradientMap kMap>
 void project(const GradientTask<D>& task, GradientSums& sums) {
   const GradientTask<D> a = task;
   const Lanes beta = all(a.beta);
@@ -716,10 +716,9 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
       const Lanes step_t = x_t - load(a.before[k].x[1], part);
       const Lanes y_t = x_t + beta * step_t;
       const Lanes tau_t = (y_t - b_t) - from_bodies_t;
-      if constexpr (kCone) {
-        const Lanes tau_n = z_n - mu * magnitude(from_bodies_t + b_t);
-        const Lanes edge = (tau_n + mu * magnitude(tau_t)) * load(law.cone, part);
-        z_n = edge > tau_n ? edge : tau_n;
+      if constexpr (kMap == GradientMap::kFollowed) {
+        const Lanes edge = (z_n + mu * magnitude(tau_t)) * load(law.cone, part);
+        z_n = edge > z_n ? edge : z_n;
       }
       z_n = positive(z_n);
       const Lanes z_t = cut_off(tau_t, mu * z_n);
@@ -751,10 +750,10 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
 
 template <int D>
 void gradient(const GradientTask<D>& task, GradientSums& sums) {
-  if (task.cone) {
-    project<D, true>(task, sums);
+  if (task.map == GradientMap::kFollowed) {
+    project<D, GradientMap::kFollowed>(task, sums);
   } else {
-    project<D, false>(task, sums);
+    project<D, GradientMap::kSplit>(task, sums);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <type_traits>
 
 #include "core/base/execution.h"
+#include "solvers/kernels/gradient_map.h"
 
 namespace bipot {
 
@@ -104,7 +105,7 @@ template <int D>
 struct GradientTask {
   const BodyBlock *begin = nullptr, *end = nullptr;  ///< windows; there is one more at the end
   bool ask_ahead = false;
-  bool cone = false;
+  GradientMap map = GradientMap::kSplit;
   double beta = 0;
   // Arrays over all batches and rows.
   const ContactBatch<D>* contact = nullptr;

@@ -170,6 +170,53 @@ void DiskTiles<D>::rescale(double factor) {
 }
 
 template <int D>
+void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, const Vector& u_free) {
+  for (int at = 0; at < num_batches() * kLanes; ++at) {
+    const int c = contact(at), lane = at % kLanes;
+    if (c < 0) continue;
+    ContactBatch<D>& batch = contacts_[to_size(at / kLanes)];
+    const LawBatch& law = laws_[to_size(law_[to_size(at / kLanes)])];
+    const std::size_t i = batch.i[lane] / sizeof(RowOf<D>), j = batch.j[lane] / sizeof(RowOf<D>);
+    const auto velocity = [&](int k, double sign) {
+      return inverse_[i].value[k] * momentum[i].value[k] +
+             sign * (inverse_[j].value[k] * momentum[j].value[k]);
+    };
+    const auto stepped = [&](double sigma, double slip) {
+      return sigma + kappa * (law.mu[lane] * slip - sigma);
+    };
+    if constexpr (D == 3) {
+      const Vec3 n(batch.n[0][lane], batch.n[1][lane], batch.n[2][lane]);
+      const Vec3 without =
+          frame_[to_size(at)].transpose() * velocity_scale_.template segment<3>(c * D).cwiseProduct(
+                                                u_free.template segment<3>(c * D));
+      Vec3 b(batch.b[0][lane], batch.b[1][lane], batch.b[2][lane]);
+      double slip = 0;
+      if (!momentum.empty()) {
+        const Vec3 v(velocity(0, -1), velocity(1, -1), velocity(2, -1));
+        const Vec3 turn(velocity(kRowTurn, 1), velocity(kRowTurn + 1, 1),
+                        velocity(kRowTurn + 2, 1));
+        const Vec3 w = batch.scale[lane] * law.ratio[lane] * (v - turn.cross(n)) + b;
+        slip = (w - n.dot(w) * n).norm();
+      }
+      b = without + stepped(n.dot(b - without), slip) * n;
+      for (int k = 0; k < D; ++k) batch.b[k][lane] = b[k];
+    } else {
+      const double without = velocity_scale_[c * D] * u_free[c * D];
+      double slip = 0;
+      if constexpr (D == 2) {
+        if (!momentum.empty()) {
+          const double along =
+              batch.gx[lane] * velocity(kRowY, -1) - batch.gy[lane] * velocity(kRowX, -1);
+          slip = std::abs(law.ratio[lane] * along - batch.spin[lane] * velocity(kRowSpin, 1) +
+                          batch.b[1][lane]);
+        }
+      }
+      batch.b[0][lane] = without + stepped(batch.b[0][lane] - without, slip);
+    }
+  }
+}
+
+template <int D>
 void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x) const {
   for (int lane = 0; lane < num_batches() * kLanes; ++lane) {
     const int c = contact(lane);

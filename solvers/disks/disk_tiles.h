@@ -62,6 +62,10 @@ class DiskTiles {
   /// Divides the variables by `factor`: x, the impulses of this packing, too.
   void rescale(double factor);
 
+  /// With sigma in the offset of w_n, sigma <- sigma + kappa (mu |w_t| - sigma). w: the velocity at
+  /// the impulses of this momentum; without any, sigma <- (1 - kappa) sigma.
+  void follow(double kappa, std::span<const RowOf<D>> momentum, const Vector& u_free);
+
   /// Writes x = impulse ∘ s into the lanes.
   void pack(const Vector& s, std::span<ImpulseBatch<D>> x) const;
   /// Adds Σ ± g x to the rows.

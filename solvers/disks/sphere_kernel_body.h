@@ -401,7 +401,7 @@ inline RowPiece with_inverse_of(RowPiece values, RowPiece row) {
   }
 }
 
-template <bool kCone>
+template <GradientMap kMap>
 void project_spheres(const GradientTask<3>& task, GradientSums& sums) {
   const GradientTask<3> a = task;
   const Lanes beta = all(a.beta);
@@ -421,13 +421,11 @@ void project_spheres(const GradientTask<3>& task, GradientSums& sums) {
     const Space w = c.velocity(motion) + load(a.contact[k].b, part);
     const Space tau = y - w;
     Space z;
-    if constexpr (kCone) {
-      const Space w_t = w - dot(c.n, w) * c.n;
+    if constexpr (kMap == GradientMap::kFollowed) {
       const Lanes tau_n = dot(c.n, tau);
       const Space tau_t = tau - tau_n * c.n;
-      const Lanes modified = tau_n - mu * root(dot(w_t, w_t));
-      const Lanes edge = (modified + mu * root(dot(tau_t, tau_t))) * load(law.cone, part);
-      z = cut_off(c.n, positive(edge > modified ? edge : modified), tau_t, mu);
+      const Lanes edge = (tau_n + mu * root(dot(tau_t, tau_t))) * load(law.cone, part);
+      z = cut_off(c.n, positive(edge > tau_n ? edge : tau_n), tau_t, mu);
     } else {
       z = onto_disk(c.n, tau, mu);
     }
@@ -455,10 +453,10 @@ void project_spheres(const GradientTask<3>& task, GradientSums& sums) {
 }
 
 void gradient_spheres(const GradientTask<3>& task, GradientSums& sums) {
-  if (task.cone) {
-    project_spheres<true>(task, sums);
+  if (task.map == GradientMap::kFollowed) {
+    project_spheres<GradientMap::kFollowed>(task, sums);
   } else {
-    project_spheres<false>(task, sums);
+    project_spheres<GradientMap::kSplit>(task, sums);
   }
 }
 

@@ -23,7 +23,8 @@ template <int D>
 TiledGradient<D>::TiledGradient(const ContactProblem& problem, const BodiesOf<D>& bodies,
                                 const ContactScaling& scaling, const Execution& options,
                                 GradientNeighbours<D>* neighbours)
-    : blocks_(block_contacts(bodies)),
+    : u_free_(problem.u_free),
+      blocks_(block_contacts(bodies)),
       disks_(problem, bodies, scaling, std::move(blocks_.tiles)),
       kernels_(disk_kernels<D>(options.path)),
       neighbours_(neighbours),
@@ -61,6 +62,7 @@ void TiledGradient<D>::set_step(double rho) {
 
 template <int D>
 void TiledGradient<D>::reset(const Vector& s) {
+  disks_.follow(1, {}, u_free_);
   roles_ = {};
   disks_.pack(s, impulse_[roles_.now]);
   disks_.push(impulse_[roles_.now], momentum_[roles_.now]);
@@ -86,6 +88,11 @@ template <int D>
 const Vector& TiledGradient<D>::impulse() {
   disks_.unpack(impulse_[roles_.now], s_);
   return s_;
+}
+
+template <int D>
+void TiledGradient<D>::follow(double kappa) {
+  disks_.follow(kappa, momentum_[roles_.now], u_free_);
 }
 
 template <int D>
@@ -119,7 +126,7 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
     task.end = &blocks_.blocks[to_size(blocks_.first_block[to_size(t) + 1])];
     task.beta = beta[to_size(k)];
     task.ask_ahead = asks_ahead_;
-    task.cone = control.cone;
+    task.map = control.map;
     task.contact = disks_.contacts();
     task.law = disks_.law_numbers();
     task.laws = disks_.laws();
@@ -182,11 +189,11 @@ void TiledGradient<D>::advance(int iterations, GradientControl& control) {
   std::vector<double> beta, t;
   while (iterations > 0) {
     set_step(control.step / control.lambda);
-    const int group = std::min(iterations, control.momentum ? before_restart() : group_);
+    const int group = std::min(iterations, before_restart());
     beta.assign(1, beta_);
     t.assign(1, control.t);
     for (int k = 1; k < group; ++k) {
-      const double last = control.momentum ? t.back() : 1;
+      const double last = t.back();
       t.push_back(next_momentum(last));
       beta.push_back((last - 1) / t.back());
     }
@@ -213,7 +220,7 @@ void TiledGradient<D>::advance(int iterations, GradientControl& control) {
     if (good > 0) {
       roles_ = after(good);
       change2_ = change2;
-      const double last = restart || !control.momentum ? 1 : t[to_size(good) - 1];
+      const double last = restart ? 1 : t[to_size(good) - 1];
       control.t = next_momentum(last);
       beta_ = (last - 1) / control.t;
       since_restart_ += good;

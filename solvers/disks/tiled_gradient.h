@@ -36,14 +36,14 @@ class GradientNeighbours {
 template <int D>
 class TiledGradient final : public GradientKernel {
  public:
-  /// With neighbours, kept by reference, one iteration at a time.
+  /// Keeps problem.u_free by reference. With neighbours, kept by reference, one iteration at a time.
   TiledGradient(const ContactProblem& problem, const BodiesOf<D>& bodies,
                 const ContactScaling& scaling, const Execution& options,
                 GradientNeighbours<D>* neighbours = nullptr);
 
-  /// Starts from s without momentum.
   void reset(const Vector& s) override;
   const Vector& impulse() override;
+  void follow(double kappa) override;
   void advance(int iterations, GradientControl& control) override;
 
  private:
@@ -60,6 +60,7 @@ class TiledGradient final : public GradientKernel {
   void run(int iterations, const std::vector<double>& beta, const GradientControl& control);
   GradientProgress totals(int iteration, double beta) const;
 
+  const Vector& u_free_;
   BodyBlocks blocks_;  // without its tiles, which disks_ has
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;

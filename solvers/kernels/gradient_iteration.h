@@ -16,13 +16,11 @@ namespace bipot {
 // The accelerated projected gradient of solvers/methods/accelerated_gradient.h, for one process and
 // in parallel.
 
-enum class GradientMap { kSplit, kCone };
-
-/// x⁺ of one contact from the extrapolated impulse y and its velocity w.
+/// x⁺ of one contact from the extrapolated impulse y and its velocity w (with sigma).
 template <int D, GradientMap kMap>
 inline Local<D> corrected(const Local<D>& y, const Local<D>& w, double mu, double rho) {
-  if constexpr (kMap == GradientMap::kCone) {
-    return project_coulomb_cone<D>(y - rho * de_saxce_velocity<D>(w, mu), mu);
+  if constexpr (kMap == GradientMap::kFollowed) {
+    return project_coulomb_cone<D>(y - rho * w, mu);
   } else {
     Local<D> x = y - rho * w;
     x[0] = std::max(x[0], 0.0);
@@ -52,17 +50,23 @@ class GradientIteration final : public GradientKernel {
     space_.velocity(s_, w_);
     w_.array() *= scaling_.velocity.array();
     w_before_ = w_y_ = w_;
+    sigma_.setZero(p_.num_contacts());
   }
   const Vector& impulse() override {
     s_ = x_.cwiseProduct(scaling_.velocity);
     return s_;
   }
+  void follow(double kappa) override {
+    for (int c = 0; c < p_.num_contacts(); ++c) {
+      const double slip = tangential_norm<D>(Local<D>(w_.segment<D>(c * D)));
+      sigma_[c] += kappa * (scaling_.mu[c] * slip - sigma_[c]);
+    }
+  }
   void advance(int iterations, GradientControl& control) override {
     for (; iterations > 0; --iterations) {
       const double rho = control.step / control.lambda;
-      const GradientProgress progress =
-          control.cone ? project<GradientMap::kCone>(rho) : project<GradientMap::kSplit>(rho);
-      const double t = progress.turn > 0 || !control.momentum ? 1 : control.t;
+      const GradientProgress progress = project(control.map, rho);
+      const double t = progress.turn > 0 ? 1 : control.t;
       control.t = next_momentum(t);
       extrapolate((t - 1) / control.t);
       if (progress.energy > control.lambda * progress.change2) {
@@ -77,13 +81,19 @@ class GradientIteration final : public GradientKernel {
  private:
   using Sum = typename Space::Sum;
 
+  GradientProgress project(GradientMap map, double rho) {
+    return map == GradientMap::kSplit ? project<GradientMap::kSplit>(rho)
+                                      : project<GradientMap::kFollowed>(rho);
+  }
   template <GradientMap kMap>
   GradientProgress project(double rho) {
     Sum turn{}, change2{}, energy{};
     before_.swap(x_);
     for (int c = 0; c < p_.num_contacts(); ++c) {
       const Local<D> y = y_.segment<D>(c * D);
-      const Local<D> x = corrected<D, kMap>(y, w_y_.segment<D>(c * D), scaling_.mu[c], rho);
+      Local<D> w = w_y_.segment<D>(c * D);
+      if constexpr (kMap == GradientMap::kFollowed) w[0] += sigma_[c];
+      const Local<D> x = corrected<D, kMap>(y, w, scaling_.mu[c], rho);
       const Local<D> change = x - before_.segment<D>(c * D);
       turn += (y - x).dot(change);
       change2 += change.squaredNorm();
@@ -104,7 +114,7 @@ class GradientIteration final : public GradientKernel {
   const ContactProblem& p_;
   Space& space_;
   const ContactScaling& scaling_;
-  Vector s_, x_, before_, y_, w_, w_before_, w_y_;
+  Vector s_, x_, before_, y_, w_, w_before_, w_y_, sigma_;
 };
 
 /// The Space of a GradientIteration with sums in double precision, taken by process.
@@ -124,51 +134,60 @@ struct SpaceSums {
   }
 };
 
-/// The map in use. With the choice "auto", a map that stagnates is replaced by the next of: split,
-/// cone, split without momentum.
+/// The map in use. With the choice "auto", `split` is replaced by `followed` when it stagnates.
 class MapSchedule {
  public:
-  /// `choice`: auto, split or cone.
+  /// `choice`: auto, split or followed.
   explicit MapSchedule(const std::string& choice)
-      : auto_(choice == "auto"), phase_(choice == "cone" ? 1 : 0) {}
+      : auto_(choice == "auto"),
+        map_(choice == "followed" ? GradientMap::kFollowed : GradientMap::kSplit) {}
 
-  bool cone() const { return phase_ == 1; }
-  bool momentum() const { return phase_ != 2; }
+  GradientMap map() const { return map_; }
 
   /// Records the best error so far. True if the map changes: return to the best iterate.
   bool advance(int iteration, double best_error) {
-    if (!auto_ || !stagnation_.stagnates(iteration, best_error)) return false;
-    phase_ = (phase_ + 1) % 3;
+    if (!auto_ || map_ != GradientMap::kSplit) return false;
+    if (!stagnation_.stagnates(iteration, best_error)) return false;
+    map_ = GradientMap::kFollowed;
     return true;
   }
 
  private:
   bool auto_;
-  int phase_ = 0;
+  GradientMap map_;
   StagnationTest stagnation_{1000};
 };
 
 /// Largest number of iterations between two looks at the clock.
 inline constexpr int kUnwatchedSteps = 64;
+/// Iterations between two steps of sigma, and number of iterations after which these are damped.
+inline constexpr int kFollowPeriod = 16, kFollowDamped = 1600;
 
 /// Iterates until the monitor stops it.
 inline void iterate_gradient(GradientKernel& kernel, MapSchedule schedule, double lambda,
                              double step, SolveRun& run) {
   kernel.reset(run.start());
   GradientControl control{.lambda = lambda, .step = step};
+  int since = 0;  // iterations with the present map
   for (int iteration = 0;;) {
     if (run.due(iteration)) {
       if (run.stop(iteration, kernel.impulse(), step / control.lambda)) return;
       if (schedule.advance(iteration, run.best_error())) {
         kernel.reset(run.best_impulse());
         control.t = 1;
+        since = 0;
       }
     }
-    control.cone = schedule.cone();
-    control.momentum = schedule.momentum();
-    const int count = run.undue(iteration, kUnwatchedSteps);
+    control.map = schedule.map();
+    const bool follows = control.map == GradientMap::kFollowed;
+    const int most = follows ? kFollowPeriod - since % kFollowPeriod : kUnwatchedSteps;
+    const int count = run.undue(iteration, most);
     kernel.advance(count, control);
     iteration += count;
+    since += count;
+    if (follows && since % kFollowPeriod == 0) {
+      kernel.follow(std::min(1.0, static_cast<double>(kFollowDamped) / since));
+    }
   }
 }
 

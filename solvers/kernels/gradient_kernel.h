@@ -1,17 +1,17 @@
 #pragma once
 
 #include "core/base/types.h"
+#include "solvers/kernels/gradient_map.h"
 
 namespace bipot {
 
 /// State of the steps of an accelerated projected gradient
 /// (solvers/methods/accelerated_gradient.h).
 struct GradientControl {
-  double lambda = 0;     ///< estimate of the largest eigenvalue; raised if it is too small
-  double step = 1;       ///< rho = step / lambda
-  bool cone = false;     ///< the projection on the cone with de Saxce's term, else the split one
-  bool momentum = true;  ///< false: t = 1 throughout
-  double t = 1;          ///< Nesterov's sequence
+  double lambda = 0;  ///< estimate of the largest eigenvalue; raised if it is too small
+  double step = 1;    ///< rho = step / lambda
+  GradientMap map = GradientMap::kSplit;
+  double t = 1;  ///< Nesterov's sequence
 };
 
 /// Sums over all contacts of one step from x to x⁺ via y.
@@ -28,9 +28,11 @@ double next_momentum(double t);
 class GradientKernel {
  public:
   virtual ~GradientKernel() = default;
-  /// Starts from s without momentum.
+  /// Starts from s without momentum and with sigma = 0.
   virtual void reset(const Vector& s) = 0;
   virtual const Vector& impulse() = 0;
+  /// sigma <- sigma + kappa (mu |w_t| - sigma), for the map kFollowed.
+  virtual void follow(double kappa) = 0;
   virtual void advance(int iterations, GradientControl& control) = 0;
 };
 

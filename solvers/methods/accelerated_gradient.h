@@ -8,9 +8,9 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
     {.name = "map",
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "auto",
-     .choices = "auto|split|cone",
+     .choices = "auto|split|followed",
      .help = "normal part first, then the friction disk; or projection on the cone with de Saxce's "
-             "term; auto: split, and the other where it stagnates"},
+             "term held and followed; auto: split, and followed once it stagnates"},
     {.name = "step",
      .kind = ParameterSpec::Kind::kNumber,
      .default_value = "1",
@@ -29,12 +29,17 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 ///
 /// with t = 1 again whenever (y - x⁺)·(x⁺ - x) > 0 (gradient restart of O'Donoghue and Candes,
 /// Found. Comput. Math. 15, 2015). P is either
-///   - cone: proj(y - (w + mu |w_t| n)/L, K_mu), the map (41), de Saxcé's term taken at y; or
-///   - split: x_n = max(0, tau_n), then x_t = tau_t cut off at mu x_n (Alart and Curnier 1991).
-/// The fixed points of both are exactly the solutions of Coulomb's law. Split needs fewer
-/// iterations on lattices and piles; cone is stable if split cycles (free pyramids). [ours] auto
-/// starts with split. If it stagnates (at least 1000 iterations), it continues from the best
-/// iterate with cone, then with split without momentum, and so on.
+///   - split: x_n = max(0, tau_n), then x_t = tau_t cut off at mu x_n (Alart and Curnier 1991), or
+///   - followed: proj(y - (w + sigma n)/L, K_mu). Here sigma holds de Saxcé's term mu |w_t| from an
+///     earlier iterate: every 16 iterations sigma <- sigma + kappa (mu |w_t| - sigma), kappa =
+///     min(1, 1600/k) after k iterations.
+/// The fixed points of both are exactly the solutions of Coulomb's law. [ours] For a given sigma
+/// the steps of `followed` minimise a convex function on K_mu, with the velocity v(sigma)
+/// of data/manual/explanation/method.md §6. Thus sigma follows the map of Brouwer's theorem there,
+/// with the damping of Krasnoselskii and Mann. De Saxcé's term at the iterate itself (kappa = 1 in
+/// every iteration) cycles where bodies slide, as split does. Split needs fewer iterations on
+/// lattices and piles. [ours] auto starts with split. If it stagnates (at least 1000 iterations),
+/// followed continues from the best iterate.
 ///
 /// L: 30 steps of the power method, with a margin of 5 %. Each step measures the curvature (x -
 /// x⁻)·W(x - x⁻)/‖x - x⁻‖². If it exceeds L, L is raised and momentum dropped.

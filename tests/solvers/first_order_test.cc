@@ -47,7 +47,7 @@ std::vector<Variant> variants() {
           {"pgs", {{"order", "shuffled"}, {"seed", "7"}}},
           {"pgs", {{"operator", "explicit"}}},
           {"apgd", {}},
-          {"apgd", {{"map", "cone"}}},
+          {"apgd", {{"map", "followed"}}},
           {"apgd", {{"map", "split"}}},
           {"anderson", {}},
           {"anderson", {{"map", "gradient"}, {"memory", "4"}}},

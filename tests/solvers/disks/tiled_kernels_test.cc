@@ -63,15 +63,19 @@ Vector swept(const Setting& at, double omega, const Execution& execution,
 }
 
 template <int D>
-Vector descended(const Setting& at, bool cone, const Execution& execution,
+Vector descended(const Setting& at, GradientMap map, const Execution& execution,
                  const std::vector<int>& portions) {
   TiledGradient<D> gradient(at.problem, at.bodies<D>(), at.scaling, execution);
   gradient.reset(at.zero());
   GradientControl control;
   // Too small on purpose: it is raised on the way.
   control.lambda = 0.8 * at.largest_eigenvalue();
-  control.cone = cone;
+  control.map = map;
   for (const int iterations : portions) gradient.advance(iterations, control);
+  if (map == GradientMap::kFollowed) {
+    gradient.follow(0.7);
+    for (const int iterations : portions) gradient.advance(iterations, control);
+  }
   return gradient.impulse();
 }
 
@@ -103,8 +107,9 @@ void check_bits() {
     ASSERT_TRUE(at.delassus.is_packed());
     const Vector sweep = swept<D>(at, 1, {1, SimdPath::kPortable}, kOneByOne);
     const Vector relaxed = swept<D>(at, 1.5, {1, SimdPath::kPortable}, kOneByOne);
-    const Vector split = descended<D>(at, false, {1, SimdPath::kPortable}, kOneByOne);
-    const Vector cone = descended<D>(at, true, {1, SimdPath::kPortable}, kOneByOne);
+    const Vector split = descended<D>(at, GradientMap::kSplit, {1, SimdPath::kPortable}, kOneByOne);
+    const Vector followed =
+        descended<D>(at, GradientMap::kFollowed, {1, SimdPath::kPortable}, kOneByOne);
     ASSERT_GT(split.norm(), 0);
     for (const SimdPath path : kPaths) {
       if (!has_path(path)) continue;
@@ -116,8 +121,9 @@ void check_bits() {
         const std::vector<int>& portions = threads % 2 == 0 ? kMixed : kTogether;
         EXPECT_TRUE(same_bits(swept<D>(at, 1, e, portions), sweep)) << where;
         EXPECT_TRUE(same_bits(swept<D>(at, 1.5, e, portions), relaxed)) << where;
-        EXPECT_TRUE(same_bits(descended<D>(at, false, e, portions), split)) << where;
-        EXPECT_TRUE(same_bits(descended<D>(at, true, e, portions), cone)) << where;
+        EXPECT_TRUE(same_bits(descended<D>(at, GradientMap::kSplit, e, portions), split)) << where;
+        EXPECT_TRUE(same_bits(descended<D>(at, GradientMap::kFollowed, e, portions), followed))
+            << where;
       }
     }
   }
@@ -200,7 +206,7 @@ TEST(TiledKernels, ATiledSweepOfSpheresIsTheGeneralSweepInItsOrder) {
 /// The same iterates as through the Delassus operator, restarts and raised eigenvalues among them.
 template <int D>
 void check_gradient(const ContactProblem& problem) {
-  for (const bool cone : {false, true}) {
+  for (const GradientMap map : {GradientMap::kSplit, GradientMap::kFollowed}) {
     const Setting at(problem);
     WholeSpace space(at.problem);
     SpaceSums sums{space};
@@ -208,10 +214,14 @@ void check_gradient(const ContactProblem& problem) {
     plain.reset(at.zero());
     GradientControl control;
     control.lambda = 0.8 * at.largest_eigenvalue();
-    control.cone = cone;
+    control.map = map;
     plain.advance(40, control);
-    const Vector s = descended<D>(at, cone, {}, {40});
-    EXPECT_LT((s - plain.impulse()).norm(), 1e-10 * s.norm()) << cone;
+    if (map == GradientMap::kFollowed) {
+      plain.follow(0.7);
+      plain.advance(40, control);
+    }
+    const Vector s = descended<D>(at, map, {}, {40});
+    EXPECT_LT((s - plain.impulse()).norm(), 1e-10 * s.norm());
   }
 }
 

@@ -39,7 +39,7 @@ TEST(AcceleratedGradient, DiskKernelAndOperatorDoTheSameSteps) {
   for (o.dim = 1; o.dim <= 2; ++o.dim) {
     if (o.dim == 1) o.e_t = 0;
     const ContactProblem p = triangular_lattice(8, o);
-    for (const std::string map : {"split", "cone"}) {
+    for (const std::string map : {"split", "followed"}) {
       const SolveResult disks = run_apgd(p, map, 1e-14, 40);
       const SolveResult whole = run_apgd(without_bodies(p), map, 1e-14, 40);
       EXPECT_LT((disks.s - whole.s).norm(), 1e-9 * whole.s.norm()) << o.dim << map;
@@ -56,11 +56,11 @@ TEST(AcceleratedGradient, IterationsGrowWithTheSideOfALatticeNotWithItsArea) {
   EXPECT_LT(large.iterations, 5 * small.iterations);  // three times the side, nine times the area
 }
 
-// The split map cycles on the free pyramid, the cone map does not, and auto finds that out.
+// The split map cycles on the free pyramid, the followed one does not, and auto finds that out.
 TEST(AcceleratedGradient, AutoSolvesThePyramidThatSplitDoesNot) {
   const ContactProblem p = pyramid(10);
   EXPECT_EQ(run_apgd(p, "split", 1e-8, 20000).status, SolveStatus::kIterationLimit);
-  EXPECT_EQ(run_apgd(p, "cone", 1e-8, 20000).status, SolveStatus::kConverged);
+  EXPECT_EQ(run_apgd(p, "followed", 1e-8, 20000).status, SolveStatus::kConverged);
   EXPECT_EQ(run_apgd(p, "auto", 1e-8, 20000).status, SolveStatus::kConverged);
 }
 

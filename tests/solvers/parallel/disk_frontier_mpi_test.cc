@@ -29,13 +29,14 @@ struct Iterated {
 };
 
 /// So many iterations from a lambda that is far too small, which the energies of the steps raise.
-Iterated iterate(GradientKernel& kernel, const Vector& s0, bool cone) {
+Iterated iterate(GradientKernel& kernel, const Vector& s0, GradientMap map) {
   constexpr int kIterations = 40;
   Iterated out;
   kernel.reset(s0);
-  GradientControl control{.lambda = 1e-3, .cone = cone};
+  GradientControl control{.lambda = 1e-3, .map = map};
   for (int k = 0; k < kIterations; ++k) {
     kernel.advance(1, control);
+    if (k % 8 == 7 && map == GradientMap::kFollowed) kernel.follow(0.7);
     out.lambda.push_back(control.lambda);
   }
   out.s = kernel.impulse();
@@ -43,14 +44,14 @@ Iterated iterate(GradientKernel& kernel, const Vector& s0, bool cone) {
 }
 
 template <int D>
-void expect_iterates_of_the_whole(const ContactProblem& p, bool cone) {
+void expect_iterates_of_the_whole(const ContactProblem& p, GradientMap map) {
   const DelassusOperator delassus(p);
   ASSERT_TRUE(delassus.disks());
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
   Vector s0 = Vector::Zero(p.num_rows());
   for (int c = 0; c < p.num_contacts(); ++c) s0[c * D] = 0.1 * (1 + c % 5);
   TiledGradient<D> whole(p, *delassus.disks(), scaling, {});
-  const Iterated one = iterate(whole, s0, cone);
+  const Iterated one = iterate(whole, s0, map);
   EXPECT_GT(one.lambda.back(), 0.1);  // raised, by the energies alone
 
   const ProblemPiece piece = piece_of(p);
@@ -64,7 +65,7 @@ void expect_iterates_of_the_whole(const ContactProblem& p, bool cone) {
     start.segment<D>(static_cast<int>(k) * D) = s0.segment<D>(piece.number[k] * D);
   }
   TiledGradient<D> kernel(piece.own, *disks, scaling_here, {}, &frontier);
-  const Iterated many = iterate(kernel, start, cone);
+  const Iterated many = iterate(kernel, start, map);
   for (std::size_t k = 0; k < one.lambda.size(); ++k) {
     EXPECT_NEAR(many.lambda[k], one.lambda[k], 1e-9 * one.lambda[k]) << "iteration " << k;
   }
@@ -77,19 +78,20 @@ void expect_iterates_of_the_whole(const ContactProblem& p, bool cone) {
 }
 
 TEST(DiskFrontier, IteratesAndSumsAreThoseOfTheWhole) {
-  expect_iterates_of_the_whole<2>(square_lattice(8, {.tilt = 0.05}), false);
-  expect_iterates_of_the_whole<2>(triangular_lattice(8), true);
-  expect_iterates_of_the_whole<1>(triangular_lattice(8, {.dim = 1}), false);
-  expect_iterates_of_the_whole<2>(square_lattice(6, {.e_n = 0.5, .e_t = 0.2}), false);
+  expect_iterates_of_the_whole<2>(square_lattice(8, {.tilt = 0.05}), GradientMap::kSplit);
+  expect_iterates_of_the_whole<2>(triangular_lattice(8), GradientMap::kFollowed);
+  expect_iterates_of_the_whole<1>(triangular_lattice(8, {.dim = 1}), GradientMap::kSplit);
+  expect_iterates_of_the_whole<2>(square_lattice(6, {.e_n = 0.5, .e_t = 0.2}), GradientMap::kSplit);
   expect_iterates_of_the_whole<2>(
-      read_problem(source_folder() / "data/problems/2d_strike12_450.hdf5").problem, false);
+      read_problem(source_folder() / "data/problems/2d_strike12_450.hdf5").problem,
+      GradientMap::kSplit);
 }
 
 TEST(DiskFrontier, AProcessWithoutContactsTakesPart) {
   // Two contacts of one disk: two processes at most have any.
   const ContactProblem p = square_lattice(1);
   ASSERT_LE(p.num_contacts(), 3);
-  expect_iterates_of_the_whole<2>(p, false);
+  expect_iterates_of_the_whole<2>(p, GradientMap::kSplit);
 }
 
 TEST(DiskFrontier, OtherBodiesAndWallsThatAllPushHaveNoStructure) {
