@@ -91,16 +91,21 @@ void sweeps(const ContactProblem& p) {
   BitHash swept;
   swept.add(sweep.impulse());
   print("tiled sweeps", D, swept);
-  for (const bool cone : {false, true}) {
+  for (const GradientMap map : {GradientMap::kSplit, GradientMap::kFollowed}) {
     TiledGradient<D> gradient(p, bodies, scaling, {});
     gradient.reset(zero);
     GradientControl control;
     control.lambda = 2;
-    control.cone = cone;
+    control.map = map;
     gradient.advance(40, control);
+    const bool followed = map == GradientMap::kFollowed;
+    if (followed) {
+      gradient.follow(0.7);
+      gradient.advance(40, control);
+    }
     BitHash hash;
     hash.add(gradient.impulse());
-    print(cone ? "gradient, cone map" : "gradient, split map", D, hash);
+    print(followed ? "gradient, followed map" : "gradient, split map", D, hash);
   }
   criterion(p, sweep.impulse());
 }
