@@ -21,6 +21,7 @@
 #include "bench/command/run_summary.h"
 #include "bench/measure/peak_memory.h"
 #include "bench/page/run_page.h"
+#include "bench/page/watch_server.h"
 #include "bench/problems/observable_charts.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/chart.h"
@@ -47,6 +48,7 @@ namespace fs = std::filesystem;
 
 /// For proofs that steps have no solution, in all; a step takes a part of it.             [s]
 constexpr double kProofSeconds = 20;
+constexpr int kWatchPort = 8017;
 
 /// A flag without effect would mislead.
 void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
@@ -89,7 +91,12 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
     throw std::invalid_argument("give --steps or --duration: one decides the other");
   }
   if (flags.step_size) scene.step = *flags.step_size;
+  if (flags.watch && flags.no_page) {
+    throw std::invalid_argument("--watch shows the page that --no-page leaves out: give one");
+  }
+  if (flags.port && !flags.watch) throw std::invalid_argument("--port goes with --watch");
   if (flags.no_page) scene.output.page = false;
+  if (flags.watch) scene.output.page = true;
   scene.solver = merged(scene.solver, flags.solver);
   if (flags.model) {
     scene.model = *flags.model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
@@ -242,7 +249,8 @@ struct PreparedRun {
   Scene<D> scene;
   State<D> state;
   SceneRunOptions<D> options;
-  std::unique_ptr<FolderLock> lock;  // of the folder of the results, on the speaker
+  std::unique_ptr<FolderLock> lock;     // of the folder of the results, on the speaker
+  std::unique_ptr<WatchServer> server;  // likewise, with --watch
   StartReport start;
   std::string note;         // on the simulated time
   std::string whole_state;  // reason why this process has the whole state; empty: it has a part
@@ -283,7 +291,10 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
   run.scene.num_steps = run.state.step + *options.steps;
   run.note = changed_time(planned, run.scene, run.state);
   if (!flags.restart.empty() && *options.steps == 0) return run;
-  if (is_speaker()) run.lock = claim_folder(flags, options.folder);
+  if (is_speaker()) {
+    if (flags.watch) run.server = std::make_unique<WatchServer>(flags.port.value_or(kWatchPort));
+    run.lock = claim_folder(flags, options.folder);
+  }
   if (flags.restart.empty()) {
     const fs::path picture = is_speaker() ? options.folder.folder / "start.png" : fs::path();
     std::error_code no_matter;
@@ -324,6 +335,14 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
     progress.add(report, report.step - first, step.state.time);
     return true;
   };
+  if (prepared.server) {
+    // From the first step on the folder is that of this run.
+    options.before_step = [&, serves = false](State<D>&) mutable {
+      if (std::exchange(serves, true)) return;
+      prepared.server->serve(options.folder.folder);
+      fmt::print(stderr, "watch the run: {}\n", prepared.server->address());
+    };
+  }
   // The root process needs the bodies of the scene for its files.
   if (prepared.whole_state.empty() && !is_speaker()) scene.bodies = {};
   taken.run = run_scene(scene, state, options);
@@ -401,6 +420,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   json["command_line"] = typed_command();
   write_json(json, (folder / "summary.json").string());
   append_to_log(folder, to_text(summary));
+  if (prepared.server) prepared.server->finish();
   if (scene.output.page) write_page_or_say(folder);
   if (!flags.common.json.empty()) write_json(json, flags.common.json);
   if (!quiet) {
@@ -453,6 +473,12 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
   dem("--tangential-ratio", flags.tangential_ratio, "FRACTION", "Tangential over normal stiffness");
   dem("--substep", flags.substep, "SECONDS", "Largest substep (default: from the stability limit)");
   command.flag("--no-page", flags.no_page, "No index.html, which plays the run").group("Results");
+  command.flag("--watch", flags.watch, "Serve the page to this machine while the run goes on")
+      .group("Results");
+  command.option("--port", flags.port, fmt::format("Of --watch; 0: any (default {})", kWatchPort))
+      .value_name("N")
+      .between(0, 65535)
+      .group("Results");
   add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
   command.flag("--overwrite", flags.overwrite, "Delete the run that DIR holds");

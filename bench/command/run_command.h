@@ -19,6 +19,8 @@ struct RunFlags {
   std::string on_tunnel = "stop";  ///< or "warn", "smaller-step"
   std::optional<std::string> model;
   bool no_page = false;
+  bool watch = false;  ///< serves the page while the run goes on
+  std::optional<int> port;
   bool reproducible = false;  ///< exact sums, the same bits for any number of processes
   /// Parameters of the spring-dashpot model; unset entries leave the scene's choice.
   std::optional<double> stiffness, overlap, tangential_ratio, substep;

@@ -17,6 +17,7 @@
 #include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/version.h"
+#include "core/files/atomic_file.h"
 #include "core/problem_files/fclib_file.h"
 #include "solvers/analysis/several_answers.h"
 
@@ -79,9 +80,10 @@ SeveralOptions options_of(const SolveFlags& flags, const ProblemFile& file) {
   return options;
 }
 
-void write_answers(const fs::path& out, const std::string& problem, const ProblemFile& file,
+/// True if there is a picture.
+bool write_answers(const fs::path& out, const std::string& problem, const ProblemFile& file,
                    const SeveralAnswers& found) {
-  if (found.answers.empty() || file.problem.num_contacts() == 0) return;
+  if (found.answers.empty() || file.problem.num_contacts() == 0) return false;
   std::vector<Vector> impulses;
   for (const Answer& answer : found.answers) impulses.push_back(answer.impulse.s);
   write_fclib(out / "answers.hdf5", file.problem, file.info, impulses);
@@ -91,7 +93,17 @@ void write_answers(const fs::path& out, const std::string& problem, const Proble
     for (const char* name : {"answers.svg", "answers.png"}) {
       draw_several_picture(out / name, file.problem, *geometry, found, title);
     }
+    return true;
   }
+  return false;
+}
+
+void write_page(const fs::path& out, const std::string& problem, const SeveralAnswers& found,
+                bool picture) {
+  write_text_file(out / "answers.csv", to_csv(found));
+  const Document page = several_page(found, fs::path(problem).filename().string(),
+                                     provenance("solve", typed_command()), picture);
+  write_text_file(out / "index.html", to_html(page));
 }
 
 }  // namespace
@@ -113,7 +125,8 @@ int several_command(const SolveFlags& flags, const ProblemFile& file) {
   if (!file.caution.empty()) found.message += "; " + file.caution;
   if (found.status == SolveStatus::kInvalidInput) throw std::invalid_argument(found.message);
   const int code = exit_code_of(found);
-  if (!out.empty()) write_answers(out, flags.problem, file, found);
+  if (!out.empty())
+    write_page(out, flags.problem, found, write_answers(out, flags.problem, file, found));
   if (!json.empty()) {
     Json j{{"command", "solve"},
            {"version", program_version()},

@@ -166,8 +166,7 @@ class ComparisonPage {
                     "A dash: nothing that was tried got there. † several exact answers: errors "
                     "are distances to the nearest that is known. ‡ no reference with a guarded "
                     "error below 1e-9: ranked by the guarded error, because a distance to none "
-                    "says nothing.",
-                .look = "cards"};
+                    "says nothing."};
     for (double a : kProfileAccuracies)
       table.columns.push_back({.name = "to " + accuracy_label(a)});
     for (const ProblemSummary& p : c_.problems) {

@@ -78,9 +78,10 @@ Table cases_table(const ExtremeMatrix& m) {
 }
 
 /// Known facts of a case, and the result of each solver.
-void add_case(const ExtremeMatrix& m, std::size_t k, Document& page) {
+void add_case(const ExtremeMatrix& m, std::size_t k, Document& whole) {
   const ExtremeCase& c = m.cases[k];
-  page.heading(c.name, c.name, 3);
+  Document page;
+  page.heading(c.name, c.name, 3);  // a link to it opens the fold
   page.say(c.what + ".");
   Terms terms{{{"known", c.known}}};
   if (!m.existence[k].empty()) terms.entries.emplace_back("proved", m.existence[k]);
@@ -115,6 +116,7 @@ void add_case(const ExtremeMatrix& m, std::size_t k, Document& page) {
               cell->end == CellEnd::kWrong ? "bad" : "");
   }
   page.add(std::move(table));
+  whole.fold(c.name, std::move(page));
 }
 
 }  // namespace
@@ -259,6 +261,7 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
   for (std::size_t k = 0; k < m.cases.size(); ++k) add_case(m, k, page);
   page.heading("How this was made", "made");
   page.add(to_terms(made));
+  page.say("[All cells as CSV](extremes.csv), [all numbers](extremes.json).", "small");
   return page;
 }
 

@@ -44,7 +44,6 @@ Table claim_table(const ReportItem& item) {
       {"note", [](const Claim& c) { return TableCell(c.note).as("small"); }}};
   const std::vector<Claim>& claims = item.result.claims;
   Table table;
-  table.look = "cards";
   std::vector<const Column*> used;
   for (const Column& column : kColumns) {
     const bool any = std::any_of(claims.begin(), claims.end(), [&](const Claim& c) {
@@ -117,7 +116,6 @@ void add_item(Document& page, const ReportItem& item) {
 
 Table overview(const ClaimReport& report) {
   Table table;
-  table.look = "cards";
   table.columns = {{.name = "item"}, {.name = "checks"}, {.name = "time"}};
   for (const ReportItem& item : report.items) {
     TableCell checks = "none";

@@ -32,7 +32,7 @@ void describe_bodies(const State<D>& first, RunFrames<D>& run) {
 }  // namespace
 
 template <int D>
-RunFrames<D> read_frames(const fs::path& folder, double step) {
+RunFrames<D> read_frames(const fs::path& folder, double step, int after) {
   RunFrames<D> run;
   const std::vector<int> steps = steps_in_folder(folder);
   if (steps.empty()) throw FileError(folder, "frames", "no frame has been written");
@@ -40,8 +40,8 @@ RunFrames<D> read_frames(const fs::path& folder, double step) {
   run.gates = !first.population.numbers.empty() || !first.population.outlets.empty() ||
               !first.population.inlets.empty();
   run.walls = first.walls;
-  run.film = read_film(folder);
-  if (run.film.frames.empty()) {
+  run.film = read_film(folder, after);
+  if (run.film.frames.empty() && after < 0) {
     double smallest = kInfinity;
     for (const Body<D>& body : first.bodies) smallest = std::min(smallest, body.radius);
     run.film.quantum = smallest < kInfinity ? smallest / 1024 : 1e-6;
@@ -116,8 +116,8 @@ State<D> shown_state(const RunFrames<D>& run, const FilmFrame& frame, double ste
   return state;
 }
 
-template RunFrames<2> read_frames<2>(const fs::path&, double);
-template RunFrames<3> read_frames<3>(const fs::path&, double);
+template RunFrames<2> read_frames<2>(const fs::path&, double, int);
+template RunFrames<3> read_frames<3>(const fs::path&, double, int);
 template State<2> shown_state(const RunFrames<2>&, const FilmFrame&, double);
 template State<3> shown_state(const RunFrames<3>&, const FilmFrame&, double);
 

@@ -19,9 +19,10 @@ struct RunFrames {
 };
 
 /// Frames of the film in the folder of a run; without a film, of an older version, those of its HDF5
-/// files. `step`: size of the time step [s]. Throws FileError.
+/// files. `step`: size of the time step [s]. `after`: frames up to that step are left out; with gates,
+/// `bodies` then has only those of the other frames. Throws FileError.
 template <int D>
-RunFrames<D> read_frames(const std::filesystem::path& folder, double step);
+RunFrames<D> read_frames(const std::filesystem::path& folder, double step, int after = -1);
 
 /// The state that a frame shows, as exact as the frame; without clusters and populations.
 template <int D>

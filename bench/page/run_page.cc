@@ -13,6 +13,7 @@
 
 #include "bench/page/deflate.h"
 #include "bench/page/page_curves.h"
+#include "bench/page/page_data.h"
 #include "bench/page/page_files.h"
 #include "bench/page/page_frames.h"
 #include "bench/page/run_frames.h"
@@ -29,33 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostPageBytes = 20'000'000;
 constexpr std::size_t kFewFrames = 32;  // a page keeps so many, and loses weak contacts instead
-constexpr std::size_t kMostCurvePoints = 2400;
-constexpr std::size_t kMostMarks = 2000;
-
-std::string base64(std::string_view bytes) {
-  constexpr const char* kLetters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t k = 0; k < bytes.size(); k += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      group = group << 8 | (k + c < bytes.size() ? static_cast<unsigned char>(bytes[k + c]) : 0u);
-    }
-    for (std::size_t c = 0; c < 4; ++c) {
-      text += k + c <= bytes.size() ? kLetters[group >> (18 - 6 * c) & 63] : '=';
-    }
-  }
-  return text;
-}
-
-/// The file's JSON; null if there is none, or none that is whole.
-Json read_summary(const fs::path& folder) {
-  std::ifstream file(folder / "summary.json");
-  return file ? Json::parse(file, nullptr, false) : Json();
-}
 
 template <int N>
 Json numbers(const Eigen::Matrix<double, N, 1>& x) {
@@ -105,62 +80,6 @@ Json gates_json(const std::string& scene_text, const std::string& source) {
   return list;
 }
 
-/// Steps that a reader must know of: unsolved, taken in parts, with several answers.
-Json marks_json(const std::vector<CurveTable>& curves) {
-  Json marks = Json::array();
-  if (curves.empty() || curves.front().file != "ledger") return marks;
-  const CurveTable& ledger = curves.front();
-  const std::vector<double>* step = ledger.column("step");
-  const std::vector<double>* time = ledger.column("time");
-  if (step == nullptr || time == nullptr) return marks;
-  const auto mark = [&](const char* column, const char* kind, const auto& is) {
-    const std::vector<double>* values = ledger.column(column);
-    if (values == nullptr) return;
-    for (std::size_t k = 0; k < values->size() && marks.size() < kMostMarks; ++k) {
-      if (is((*values)[k])) marks.push_back({kind, (*step)[k], (*time)[k]});
-    }
-  };
-  mark("converged", "unsolved", [](double x) { return x == 0; });
-  mark("parts", "cut", [](double x) { return x > 1; });
-  mark("answers", "several", [](double x) { return x > 1; });
-  return marks;
-}
-
-/// Columns in single precision, one after the other, and their description.
-std::string packed_curves(const std::vector<CurveTable>& curves, Json& about) {
-  about["curves"] = Json::array();
-  std::string bytes;
-  for (const CurveTable& table : curves) {
-    const CurveTable thin = thinned_curves(table, kMostCurvePoints);
-    const std::size_t rows = thin.columns.front().size();
-    about["curves"].push_back({{"file", table.file},
-                               {"part", table.part},
-                               {"names", thin.names},
-                               {"rows", rows},
-                               {"all_rows", table.columns.front().size()}});
-    for (const std::vector<double>& column : thin.columns) {
-      const std::vector<float> single(column.begin(), column.end());
-      bytes.append(reinterpret_cast<const char*>(single.data()), rows * sizeof(float));
-    }
-  }
-  return bytes;
-}
-
-/// What changes from frame to frame and is short.
-void describe_frames(const std::vector<FilmFrame>& frames, Json& about) {
-  Json &list = about["frames"] = Json::array(), &walls = about["wall_places"] = Json::array();
-  const FilmFrame* before = nullptr;
-  for (const FilmFrame& frame : frames) {
-    list.push_back({frame.step, frame.time, frame.number.size(), frame.i.size()});
-    const bool same = before != nullptr && before->walls == frame.walls;
-    walls.push_back(same ? Json() : Json(frame.walls));
-    before = &frame;
-  }
-  if (frames.front().cell[0] == 0) return;
-  Json& cells = about["cells"] = Json::array();
-  for (const FilmFrame& frame : frames) cells.push_back(frame.cell);
-}
-
 /// The deflated frames, fewer or with fewer contacts where they would take more than `most` bytes
 /// of text. Says so in the notes.
 template <int D>
@@ -187,13 +106,14 @@ std::string fitted_frames(RunFrames<D>& run, std::size_t most, Json& about) {
       break;  // two frames are the least that a page can play
     }
   }
+  const std::string limit = fmt::format("a page has at most {} MB", kMostPageBytes / 1'000'000);
   if (frames.size() < all) {
     about["notes"].push_back(
-        fmt::format("{} of {} frames are shown: a page has at most 20 MB.", frames.size(), all));
+        fmt::format("{} of {} frames are shown: {}.", frames.size(), all, limit));
   }
   if (weakest > 0) {
     about["notes"].push_back(
-        fmt::format("Contacts below {:.3g} N are left out: a page has at most 20 MB.", weakest));
+        fmt::format("Contacts below {:.3g} N are left out: {}.", weakest, limit));
   }
   describe_frames(frames, about);
   run.film.frames = std::move(frames);
@@ -213,8 +133,14 @@ std::string script_json(const Json& json) {
   return text;
 }
 
+struct PageText {
+  std::string text;
+  std::size_t frames = 0;
+};
+
 template <int D>
-RunPage write_page(const fs::path& folder, const Hdf5File& fixed, Json about) {
+PageText page_text(const fs::path& folder, const Hdf5File& fixed, std::size_t most_bytes,
+                   Json about) {
   RunFrames<D> run = read_frames<D>(folder, about["time_step"].get<double>());
   about["quantum"] = run.film.quantum;
   about["gates"] = run.gates;
@@ -229,18 +155,19 @@ RunPage write_page(const fs::path& folder, const Hdf5File& fixed, Json about) {
     }
   }
   const std::vector<CurveTable> curves = read_curves(folder);
-  about["marks"] = marks_json(curves);
-  const std::string curve_text = base64(deflated(packed_curves(curves, about)));
+  about["marks"] = page_marks(curves);
+  const std::string curve_text = packed_text(packed_curves(curves, about));
   const PageFiles files = page_files();
   const std::size_t rest = files.page.size() + files.style.size() + files.script.size() +
                            curve_text.size() + script_json(about).size();
-  const std::string packed =
-      fitted_frames(run, kMostPageBytes - std::min(rest, kMostPageBytes / 2), about);
+  const std::string packed = fitted_frames(run, most_bytes - std::min(rest, most_bytes / 2), about);
   const std::string title = about["title"].get<std::string>();
   std::string page(files.page);
   const auto fill = [&](std::string_view mark, const std::string& text) {
     page.replace(page.find(mark), mark.size(), text);
   };
+  // A page that is served asks its server, and no other.
+  fill("{{connect}}", about["live"].get<bool>() ? "; connect-src 'self'" : "");
   fill("{{title}}", escape_markup(title));  // of the window
   fill("{{title}}", escape_markup(title));  // of the page
   fill("{{style}}", std::string(files.style));
@@ -248,14 +175,11 @@ RunPage write_page(const fs::path& folder, const Hdf5File& fixed, Json about) {
   fill("{{curves}}", curve_text);
   fill("{{frames}}", base64(packed));
   fill("{{script}}", std::string(files.script));
-  write_text_file(folder / "index.html", page);
-  return {folder / "index.html", page.size(), run.film.frames.size()};
+  return {std::move(page), run.film.frames.size()};
 }
 
-}  // namespace
-
-RunPage write_run_page(const fs::path& run) {
-  const fs::path folder = run_folder(run);
+/// `live`: the page asks for more while the run goes on.
+PageText page_of(const fs::path& folder, std::size_t most_bytes, bool live) {
   const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
   const int dim = fixed.exists("/dimensions") ? fixed.read_int("/dimensions") : 2;
   const std::string title = fixed.read_string("/title"), source = fixed.read_string("/source");
@@ -273,10 +197,24 @@ RunPage write_run_page(const fs::path& run) {
              {"num_steps", fixed.read_int("/num_steps")},
              {"gravity", fixed.read_doubles("/gravity")},
              {"materials", fixed.read_strings("/materials/name")},
-             {"summary", read_summary(folder)},
-             {"notes", Json::array()}};
-  return dim == 3 ? write_page<3>(folder, fixed, std::move(about))
-                  : write_page<2>(folder, fixed, std::move(about));
+             {"summary", live ? Json() : page_summary(folder)},
+             {"notes", Json::array()},
+             {"live", live}};
+  return dim == 3 ? page_text<3>(folder, fixed, most_bytes, std::move(about))
+                  : page_text<2>(folder, fixed, most_bytes, std::move(about));
+}
+
+}  // namespace
+
+RunPage write_run_page(const fs::path& run, std::size_t most_bytes) {
+  const fs::path folder = run_folder(run), path = folder / "index.html";
+  const PageText page = page_of(folder, most_bytes, false);
+  write_text_file(path, page.text);
+  return {path, page.text.size(), page.frames};
+}
+
+std::string live_run_page(const fs::path& run) {
+  return page_of(run_folder(run), kMostPageBytes, true).text;
 }
 
 }  // namespace bipot

@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 
 namespace bipot {
+
+inline constexpr std::size_t kMostPageBytes = 20'000'000;
 
 struct RunPage {
   std::filesystem::path path;
@@ -14,6 +17,10 @@ struct RunPage {
 /// the run, with nothing to load. Frames are those of its film (core/run_files/film.h). A run without
 /// one, of an older version, has the frames of its HDF5 files. A page has at most 20 MB: frames go
 /// first, then weak contacts, and the page says so. Throws FileError.
-RunPage write_run_page(const std::filesystem::path& run);
+RunPage write_run_page(const std::filesystem::path& run, std::size_t most_bytes = kMostPageBytes);
+
+/// The same page as text, for a run that goes on: it asks its server for what is new
+/// (page_update.h). Throws FileError.
+std::string live_run_page(const std::filesystem::path& run);
 
 }  // namespace bipot

@@ -328,7 +328,7 @@ class Script {
             fmt::format("{} {} {}\n", at, number(lifted_y(p.y_low)), number(lifted_y(p.y_high)));
       }
       if (!p.marked || s.kind == Kind::kLine || s.background) continue;
-      const bool note = page_ && !p.note.empty();
+      const bool note = page_;
       marked[(p.hollow ? 1 : 0) + (note ? 2 : 0)] +=
           note ? fmt::format("{} {} n{}_{}\n", inside(chart_.x, lifted_x(p.x), x_middle_),
                              inside(chart_.y, lifted_y(p.y), y_middle_), index, k)
@@ -404,13 +404,20 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
   }
 }
 
-/// The point with the label "n<series>_<point>".
-const std::string& note_of(const Chart& chart, std::string_view label) {
+/// Note of the point with the label "n<series>_<point>"; else where it stands.
+std::string note_of(const Chart& chart, std::string_view label) {
   const std::string text(label);
   char* end = nullptr;
   const std::size_t series = std::strtoul(text.c_str() + 1, &end, 10);
   const std::size_t point = std::strtoul(end + 1, nullptr, 10);
-  return chart.series.at(series).points.at(point).note;
+  const ChartSeries& s = chart.series.at(series);
+  const ChartPoint& p = s.points.at(point);
+  if (!p.note.empty()) return p.note;
+  const auto named = [](const std::string& axis, double x) {
+    return axis.empty() ? fmt::format("{:.4g}", x) : fmt::format("{}: {:.4g}", axis, x);
+  };
+  return fmt::format("{}{}{}, {}", s.name, s.name.empty() ? "" : "; ", named(chart.x.label, p.x),
+                     named(chart.y.label, p.y));
 }
 
 /// Additional data of a drawing for a page.
@@ -459,7 +466,7 @@ std::string page_element(const Chart& chart, std::string_view document, const Pl
     out.append(svg, begin, at == std::string::npos ? at : at - begin);
     if (at == std::string::npos) return out;
     const bool note = label < title;
-    const std::string& tip =
+    const std::string tip =
         note ? note_of(chart, svg.substr(label + kLabel.size(), 40)) : plan.tips.at(plot++);
     if (note) out += "<g>";
     if (!tip.empty()) out += "<title>" + escape_markup(tip) + "</title>";

@@ -13,7 +13,8 @@ namespace bipot {
 struct ChartPoint {
   double x = 0, y = 0;
   bool hollow = false;  ///< drawn without filling
-  std::string note;     ///< shown by the browser when the pointer rests on the marker
+  /// Shown by the browser when the pointer rests on the marker; empty: its numbers.
+  std::string note;
   bool marked = true;
   /// Ends of an error bar; none if one is not finite.
   double y_low = std::numeric_limits<double>::quiet_NaN();

@@ -69,7 +69,6 @@ struct Table {
   std::string key;      ///< in the JSON of a document; empty: not included
   std::string caption;  ///< above it
   std::string note;     ///< below it, small
-  std::string look;     ///< "cards": rows are cards on small screens
   bool sortable = false;
 
   void add(std::vector<TableCell> cells, std::string row_look = {}, std::string id = {});
@@ -87,8 +86,7 @@ struct Paragraph {
 /// A chart or an image. Consecutive ones form a grid.
 struct Figure {
   std::optional<Chart> chart;
-  /// Name of an image beside the page. With a chart: its SVG file, which write_figures makes,
-  /// instead of a drawing in the page.
+  /// Name of an image beside the page. With a chart: its SVG file, which write_figures makes.
   std::string file;
   std::string caption;
   std::string command;  ///< makes it again; empty: not said

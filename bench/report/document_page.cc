@@ -125,7 +125,7 @@ class PageWriter {
   static void collect(const std::vector<Block>& blocks, std::vector<Chart>& charts) {
     for (const Block& block : blocks) {
       if (const auto* figure = std::get_if<Figure>(&block.content)) {
-        if (figure->chart && figure->file.empty()) charts.push_back(*figure->chart);
+        if (figure->chart) charts.push_back(*figure->chart);
       } else if (const auto* details = std::get_if<Details>(&block.content)) {
         collect(details->blocks, charts);
       }
@@ -187,16 +187,18 @@ class PageWriter {
 
   void write(const Figure& f) {
     add("<figure{}>", f.wide ? " class=\"wide\"" : "");
-    if (f.file.empty()) {
+    if (f.chart) {
       html_ += drawings_[next_++];
     } else {
       add("<a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\"></a>", escape_markup(f.file),
-          escape_markup(f.chart ? f.chart->title : f.caption));
+          escape_markup(f.caption));
     }
     add("<figcaption>{}", prose(f.caption));
     if (f.chart && !f.file.empty()) {
       const std::string name = f.file.substr(0, f.file.rfind('.'));
-      add(" <a href=\"{0}.csv\">Data</a>, <a href=\"{0}.gp\">script</a>.", escape_markup(name));
+      add(" <a href=\"{0}.svg\">Picture</a>, <a href=\"{0}.csv\">data</a>, "
+          "<a href=\"{0}.gp\">script</a>.",
+          escape_markup(name));
     }
     if (!f.command.empty()) {
       add("<br><span class=\"small\">Made by <code>{}</code>{}.</span>", escape_markup(f.command),
@@ -212,8 +214,7 @@ class PageWriter {
     }
     if (shown.empty()) return;
     if (table.sortable) write_filters(table, shown);
-    const std::string look = table.sortable ? "sortable " + table.look : table.look;
-    add("<div class=\"scroll\"><table{}>", attribute("class", look));
+    add("<div class=\"scroll\"><table{}>", table.sortable ? " class=\"sortable\"" : "");
     if (!table.caption.empty()) add("<caption>{}</caption>", prose(table.caption));
     add("<thead><tr>");
     for (const std::size_t k : shown) {
@@ -241,7 +242,7 @@ class PageWriter {
 
   void write_cell(const Table& table, const TableCell& cell, const TableColumn& column) {
     add("<td{}{}", class_of(cell.look, column.show != nullptr), attribute("title", cell.tip));
-    if (table.look == "cards") html_ += attribute("data-label", column.name);
+    html_ += attribute("data-label", heading_of(column));  // rows are cards on small screens
     if (table.sortable) {
       if (const auto* number = std::get_if<double>(&cell.value)) add(" data-v=\"{}\"", *number);
     }

@@ -66,13 +66,12 @@ button#open-all{font:inherit;font-size:.87rem}
 dl{display:grid;grid-template-columns:minmax(7em,max-content) 1fr;gap:.3em 1em}
 dt{font-weight:600}dd{margin:0;max-width:42em}
 @media(max-width:620px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}
- table.cards thead{display:none}
- table.cards tr{display:block;border-bottom:1px solid var(--line);padding:.4em 0}
- table.cards td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
- table.cards td:first-child{font-weight:600;font-size:1rem}
- table.cards td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:var(--soft)}
- table.sortable td:first-child,table.sortable th:first-child{min-width:7.5em;max-width:7.5em;
-  overflow-wrap:anywhere}}
+ table thead{display:none}
+ table tr{display:block;border-bottom:1px solid var(--line);padding:.4em 0}
+ table td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
+ table td:first-child{font-weight:600;font-size:1rem}
+ table td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:var(--soft)}
+ td.n{white-space:normal}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.scroll{overflow:visible;border:0}
  .filters,nav,#open-all{display:none}table{font-size:7.5pt}th,td{padding:.15em .3em}
  table.sortable{font-size:6pt}figcaption,.small{font-size:8pt}.grid{grid-template-columns:1fr 1fr}

@@ -116,42 +116,115 @@ std::string conclusion(const SeveralAnswers& found) {
   return text;
 }
 
+Table answer_table(const SeveralAnswers& found) {
+  Table table{
+      .columns = {{.key = "answer", .name = "answer", .show = count_label},
+                  {.key = "starts", .name = "starts", .show = count_label},
+                  {.key = "error", .name = "error", .show = compact_label},
+                  {.key = "kinetic [J]", .name = "energy", .show = value_label, .unit = "J"},
+                  {.key = "open", .name = "open", .show = count_label},
+                  {.key = "stick", .name = "stick", .show = count_label},
+                  {.key = "slip", .name = "slip", .show = count_label},
+                  {.key = "velocity", .name = "velocity", .show = compact_label},
+                  {.key = "body_velocity", .name = "fastest", .show = compact_label},
+                  {.key = "kinetic", .name = "energy", .show = compact_label},
+                  {.key = "force", .name = "force", .show = compact_label},
+                  {.key = "contacts", .name = "contacts", .show = count_label}},
+      .note =
+          "From velocity on: how far from answer 1, relative: velocities in the "
+          "energy norm, of the fastest body, kinetic energy, force on a body over "
+          "the mean one; contacts that differ."};
+  for (std::size_t k = 0; k < found.answers.size(); ++k) {
+    const Answer& a = found.answers[k];
+    const AnswerDifference& from = a.from_first;
+    table.add({k + 1, a.starts.size(), a.impulse.error.guarded(), a.kinetic, a.take_off, a.stick,
+               a.slip, from.velocity, from.body_velocity, from.kinetic, from.force, from.contacts});
+  }
+  return table;
+}
+
+/// A line for each answer: what kind it is, and who found it.
+std::string kind_lines(const SeveralAnswers& found) {
+  std::string kinds;
+  for (std::size_t k = 0; k < found.answers.size(); ++k) {
+    const Answer& a = found.answers[k];
+    kinds += fmt::format("{}answer {}: {}; by {}", k > 0 ? "\n" : "", k + 1, kind_text(found, a),
+                         solvers_of(found, a));
+  }
+  return kinds;
+}
+
+Table start_table(const SeveralAnswers& found) {
+  Table table{.columns = {{.name = "start"},
+                          {.name = "solver", .filter = true},
+                          {.name = "answer", .show = count_label},
+                          {.name = "error", .show = compact_label},
+                          {.name = "time", .show = seconds_label},
+                          {.name = "message"}},
+              .sortable = true};
+  for (const AnswerStart& start : found.starts) {
+    const bool finished = !start.finished_by.empty() && start.finished_by != start.solver;
+    table.add({start.from, finished ? start.solver + ", then " + start.finished_by : start.solver,
+               start.answer < 0 ? TableCell(kNaN).shown("–") : TableCell(start.answer + 1),
+               start.error.guarded(), start.seconds, start.message});
+  }
+  return table;
+}
+
+Table difference_table(const SeveralAnswers& found) {
+  Table table{.columns = {{.name = "contact", .show = count_label}}, .sortable = true};
+  for (std::size_t k = 0; k < found.answers.size(); ++k) {
+    table.columns.push_back({.name = fmt::format("answer {}", k + 1)});
+  }
+  for (const int c : found.differing_contacts) {
+    std::vector<TableCell> cells = {c};
+    for (const Answer& answer : found.answers) cells.emplace_back(word(answer.status[to_size(c)]));
+    table.add(std::move(cells));
+  }
+  return table;
+}
+
 }  // namespace
 
 std::string to_text(const SeveralAnswers& found) {
   Document d;
   d.say(fmt::format("{} ({}), {:.2f} s", to_string(found.status), found.message, found.seconds));
   if (!found.answers.empty()) {
-    Table table{.columns = {{.name = "answer", .show = count_label},
-                            {.name = "starts", .show = count_label},
-                            {.name = "error", .show = compact_label},
-                            {.name = "energy", .show = value_label, .unit = "J"},
-                            {.name = "open", .show = count_label},
-                            {.name = "stick", .show = count_label},
-                            {.name = "slip", .show = count_label},
-                            {.name = "velocity", .show = compact_label},
-                            {.name = "fastest", .show = compact_label},
-                            {.name = "energy", .show = compact_label},
-                            {.name = "force", .show = compact_label},
-                            {.name = "contacts", .show = count_label}},
-                .note =
-                    "From velocity on: how far from answer 1, relative: velocities in the "
-                    "energy norm, of the fastest body, kinetic energy, force on a body over "
-                    "the mean one; contacts that differ."};
-    std::string kinds;
-    for (std::size_t k = 0; k < found.answers.size(); ++k) {
-      const Answer& a = found.answers[k];
-      const AnswerDifference& from = a.from_first;
-      table.add({k + 1, a.starts.size(), a.impulse.error.guarded(), a.kinetic, a.take_off, a.stick,
-                 a.slip, from.velocity, from.body_velocity, from.kinetic, from.force,
-                 from.contacts});
-      kinds +=
-          fmt::format("\nanswer {}: {}; by {}", k + 1, kind_text(found, a), solvers_of(found, a));
-    }
-    d.add(std::move(table));
-    d.say(kinds.substr(1));
+    d.add(answer_table(found));
+    d.say(kind_lines(found));
   }
   return to_text(d) + conclusion(found);
+}
+
+std::string to_csv(const SeveralAnswers& found) { return to_csv(answer_table(found)); }
+
+Document several_page(const SeveralAnswers& found, const std::string& problem, Provenance made,
+                      bool picture) {
+  Document page{.title = "Answers of " + problem, .made = std::move(made)};
+  page.say(conclusion(found));
+  page.say(fmt::format("{} ({}), {:.2f} s", to_string(found.status), found.message, found.seconds),
+           "small");
+  if (!found.answers.empty()) {
+    page.add(answer_table(found));
+    page.say("[The table as CSV](answers.csv), [all numbers](summary.json)" +
+                 std::string(picture ? ", [picture](answers.svg)." : "."),
+             "small");
+    page.say(kind_lines(found));
+  }
+  if (picture)
+    page.add(Figure{.file = "answers.svg", .caption = "Forces of the answers.", .wide = true});
+  const auto fold = [&page](const std::string& summary, Table table) {
+    if (table.rows.empty()) return;
+    Document inside;
+    inside.add(std::move(table));
+    page.fold(summary, std::move(inside));
+  };
+  fold(fmt::format("{} starts", found.starts.size()), start_table(found));
+  fold(fmt::format("{} contacts that differ", found.differing_contacts.size()),
+       difference_table(found));
+  page.heading("How this was made", "made");
+  page.add(to_terms(page.made));
+  return page;
 }
 
 Json to_json(const SeveralAnswers& found) {

@@ -167,10 +167,11 @@ Table setting_table(const SceneTrade& s) {
   return table;
 }
 
-void add_scene(const SceneTrade& s, const TradeContext& context, Document& report) {
+void add_scene(const SceneTrade& s, const std::string& id, const TradeContext& context,
+               Document& report) {
   const TradeScene& scene = *s.scene;
   const char* body = std::holds_alternative<Scene<2>>(scene.scene) ? "disk" : "sphere";
-  report.heading(s.scene->title, "", 3);
+  report.heading(s.scene->title, id, 3);
   std::string run =
       fmt::format("{}: {} {}{}, {:g} s in steps of {:g} s.", scene.target, scene.bodies, body,
                   scene.bodies == 1 ? "" : "s", scene.num_steps * scene.step, scene.step);
@@ -182,7 +183,6 @@ void add_scene(const SceneTrade& s, const TradeContext& context, Document& repor
     run += fmt::format(" {} runs of each setting; their means are compared.", s.scene->replicas);
   }
   report.say(run, "small");
-  report.say(s.answer(), s.sufficient_tol ? "" : "weak");
   if (!s.tols.empty()) report.add(error_table(s));
   if (Table springs = spring_table(s); !springs.rows.empty()) report.add(std::move(springs));
   for (Figure& figure : trade_charts(s)) {
@@ -343,14 +343,22 @@ Table outcome_table(const Trade& trade) {
 
 Document trade_document(const AnalysedTrade& analysed, const TradeContext& context) {
   Document report;
+  const auto id_of = [](std::size_t k) { return fmt::format("scene-{}", k + 1); };
+  for (std::size_t k = 0; k < analysed.scenes.size(); ++k) {
+    const SceneTrade& s = analysed.scenes[k];
+    report.say(fmt::format("**[{}](#{})**: {}", s.scene->title, id_of(k), s.answer()));
+  }
   report.say(
       "A tolerance is worth its cost as long as the solver's error in the outcome is larger than "
       "two others: that of the time step, which a better solver cannot reduce, and, where disks "
       "fly freely, the difference of runs with small initial perturbations. Each scene below is "
       "run as a whole, at several tolerances, at several time steps, and with springs and dashpots "
-      "instead of rigid contacts.");
+      "instead of rigid contacts.",
+      "small");
   report.add(answers_table(analysed.scenes));
-  for (const SceneTrade& s : analysed.scenes) add_scene(s, context, report);
+  for (std::size_t k = 0; k < analysed.scenes.size(); ++k) {
+    add_scene(analysed.scenes[k], id_of(k), context, report);
+  }
   return report;
 }
 
@@ -364,7 +372,7 @@ Document trade_page(const AnalysedTrade& analysed, const TradeContext& context) 
   terms.entries.emplace_back("limit",
                              fmt::format("{:g} s of CPU time for one run", context.time_limit));
   page.add(std::move(terms));
-  page.say("Every run and outcome stands in trade.csv and trade.json beside this page.", "small");
+  page.say("Every run and outcome: [trade.csv](trade.csv), [trade.json](trade.json).", "small");
   return page;
 }
 

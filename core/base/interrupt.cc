@@ -1,5 +1,7 @@
 #include "core/base/interrupt.h"
 
+#include <pthread.h>
+
 #include <csignal>
 
 namespace bipot {
@@ -26,5 +28,15 @@ InterruptGuard::~InterruptGuard() {
 }
 
 bool InterruptGuard::requested() { return interrupt_requested != 0; }
+
+InterruptBlock::InterruptBlock() {
+  sigset_t ends;
+  sigemptyset(&ends);
+  sigaddset(&ends, SIGINT);
+  sigaddset(&ends, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &ends, &before_);
+}
+
+InterruptBlock::~InterruptBlock() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
 
 }  // namespace bipot

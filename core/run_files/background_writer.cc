@@ -1,10 +1,9 @@
 #include "core/run_files/background_writer.h"
 
-#include <pthread.h>
-
-#include <csignal>
 #include <system_error>
 #include <utility>
+
+#include "core/base/interrupt.h"
 
 namespace bipot {
 
@@ -31,18 +30,13 @@ void BackgroundWriter::begin(std::function<void()> job) {
   std::exchange(job_, nullptr)();
 }
 
-/// True if the system provides a thread. It inherits the signal mask of the thread that starts it.
+/// True if the system provides a thread.
 bool BackgroundWriter::start() {
-  sigset_t ends, before;
-  sigemptyset(&ends);
-  sigaddset(&ends, SIGINT);
-  sigaddset(&ends, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &ends, &before);
+  const InterruptBlock block;
   try {
     thread_ = std::thread(&BackgroundWriter::work, this);
   } catch (const std::system_error&) {
   }
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
   return thread_.joinable();
 }
 

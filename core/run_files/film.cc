@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <utility>
 
 namespace bipot {
@@ -28,29 +27,40 @@ Film film_up_to(const fs::path& folder, int last) {
 
 }  // namespace
 
-Film read_film(const fs::path& folder) {
+Film read_film(const fs::path& folder, int after) {
   const fs::path path = folder / kFilmFile;
   Film film;
   std::ifstream in(path, std::ios::binary);
   if (!in) return film;
-  const std::string content{std::istreambuf_iterator<char>(in), {}};
-  std::string_view rest = content;
-  if (rest.size() < kFilmMark.size() + sizeof film.quantum) return film;  // killed at the start
-  if (!rest.starts_with(kFilmMark)) throw FileError(path, "", "not a film of this version");
-  rest.remove_prefix(kFilmMark.size());
-  std::memcpy(&film.quantum, rest.data(), sizeof film.quantum);
-  rest.remove_prefix(sizeof film.quantum);
+  in.seekg(0, std::ios::end);
+  const std::streamoff end = in.tellg();
+  in.seekg(0);
+  const auto take = [&](auto& value) {
+    in.read(reinterpret_cast<char*>(&value), sizeof value);
+    return bool(in);
+  };
+  std::string mark(kFilmMark.size(), '\0');
+  in.read(mark.data(), static_cast<std::streamsize>(mark.size()));
+  if (in && mark != kFilmMark) throw FileError(path, "", "not a film of this version");
+  if (!in || !take(film.quantum)) return film;  // killed at the start
   std::uint32_t size = 0;
-  while (rest.size() >= sizeof size) {
-    std::memcpy(&size, rest.data(), sizeof size);
-    rest.remove_prefix(sizeof size);
-    if (size > rest.size()) break;  // the frame under way when the run was killed
-    try {
-      film.frames.push_back(frame_of_bytes(rest.substr(0, size)));
-    } catch (const std::invalid_argument& defect) {
-      throw FileError(path, "", defect.what());
+  std::int32_t step = 0;  // with which a frame begins
+  std::string bytes;
+  while (take(size)) {
+    const std::streamoff begin = in.tellg();
+    if (size > end - begin || !take(step)) break;  // the frame under way when the run was killed
+    film.steps.push_back(step);
+    if (step > after) {
+      bytes.resize(size);
+      in.seekg(begin);
+      in.read(bytes.data(), size);
+      try {
+        film.frames.push_back(frame_of_bytes(bytes));
+      } catch (const std::invalid_argument& defect) {
+        throw FileError(path, "", defect.what());
+      }
     }
-    rest.remove_prefix(size);
+    in.seekg(begin + size);
   }
   return film;
 }

@@ -50,10 +50,12 @@ class FilmRecorder {
 struct Film {
   double quantum = 0;  ///< of the positions [m]
   std::vector<FilmFrame> frames;
+  std::vector<int> steps;  ///< of all frames, of those left out as well
 };
 
 /// The film of a run, in which a frame that is cut off at the end does not count; without frames if
-/// the run has none. Throws FileError.
-Film read_film(const std::filesystem::path& folder);
+/// the run has none. `after`: frames up to that step are left out. The run may go on meanwhile.
+/// Throws FileError.
+Film read_film(const std::filesystem::path& folder, int after = -1);
 
 }  // namespace bipot

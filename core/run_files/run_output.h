@@ -68,7 +68,6 @@ class RunWriter {
   void write_row(const State<D>& state, const StepReport<D>& report);
   std::optional<MeanStress<D>> stress_if_known(const State<D>& state) const;
   void write_frame(const State<D>& state, const std::optional<MeanStress<D>>& stress);
-  void write_frame_file(const State<D>& state, const MeanStress<D>& stress) const;
   void add_frame(const FrameEntry& frame);
   void write_index();
   void write_run_file() const;

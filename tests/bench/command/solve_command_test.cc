@@ -114,6 +114,10 @@ TEST_F(Command, DumpedStepsAreDrawnWithTheirAnswers) {
   EXPECT_EQ(read_problem(path("answers/answers.hdf5")).guesses.size(), j["answers"].size());
   EXPECT_NE(content(path("answers/answers.svg")).find("<svg"), std::string::npos);
   EXPECT_GT(fs::file_size(path("answers/answers.png")), 1000u);
+  const std::string page = content(path("answers/index.html"));
+  EXPECT_NE(page.find("<img src=\"answers.svg\""), std::string::npos);
+  EXPECT_NE(page.find("<a href=\"answers.csv\">"), std::string::npos);
+  EXPECT_TRUE(content(path("answers/answers.csv")).starts_with("answer,starts,error,kinetic [J],"));
 }
 
 TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {

@@ -7,8 +7,10 @@ import json
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import chromium
 
@@ -165,6 +167,47 @@ def check_page(page, name, steps):
     expect(not errors, f"{name}: the console is silent {errors[:3] or ''}")
 
 
+def check_watched_run(page):
+    """A page of a run that goes on gets its frames without a reload, and learns of the end."""
+    run = subprocess.Popen([BIPOT, "run", "drum", "--steps", "100000", "--watch", "--port", "0", "--quiet",
+                            "--out", FOLDER / "watched"], stderr=subprocess.PIPE, text=True)
+    line = run.stderr.readline()
+    if "built without cpp-httplib" in line:
+        print("cpp-httplib is not installed: --watch is not tested")
+        return
+    address = re.search(r"http://127\.0\.0\.1:\d+/", line)[0]
+    page.own += (address,)
+    page.show(1280, 900, False)
+    page.open_address(address)
+    page.wait("window.bipotPlayer !== undefined")
+    page.value("window.sameDocument = true")
+    last = "bipotPlayer.run.frames.at(-1).step"
+    first = page.value(last)
+    page.wait(f"{last} > {first} + 20")
+    expect(page.value("window.sameDocument && bipotPlayer.at === bipotPlayer.run.frames.length - 1"),
+           f"watched: frames after step {first} arrive without a reload, and the last is shown")
+    expect(page.value("bipotPlayer.curves.charts.every(c => !c.plot || c.plot.data[0].length > 20)"),
+           "watched: the curves grow")
+    expect("running" in page.value("document.getElementById('status').textContent"), "watched: the head says so")
+    page.key("Home")
+    step = page.value(last)
+    page.wait(f"{last} > {step}")
+    expect(page.value("bipotPlayer.at") == 0, "watched: a reader who looks at the beginning stays there")
+    page.screenshot(FOLDER / "watched.png", whole=True)
+    began = time.time()
+    run.send_signal(signal.SIGINT)
+    run.wait(60)
+    took = time.time() - began
+    page.wait("!bipotPlayer.run.about.live")
+    head = page.value("document.getElementById('status').textContent")
+    expect("interrupted" in head, f"watched: the page learns of the end: {head}")
+    frame = page.value(last)
+    expect(frame == json.loads((FOLDER / "watched" / "summary.json").read_text())["last_step"],
+           "watched: and has the last frame")
+    print(f"      Ctrl-C ended the run in {took:.2f} s")
+    expect(not page.errors, f"watched: the console is silent {page.errors[:3] or ''}")
+
+
 LATTICE = """
 gravity = [0, -9.81]
 [contact]
@@ -234,6 +277,7 @@ def main():
         for name, steps in SCENES.items():
             subprocess.run([BIPOT, "run", name, "--steps", str(steps), "--out", FOLDER / name, "--quiet"], check=False)
             check_page(page, name, steps)
+        check_watched_run(page)
         measure_frames(page)
     finally:
         page.close()

@@ -7,6 +7,7 @@
 #include "bench/page/run_frames.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/simulation/scene_run.h"
+#include "tests/support/floor_text.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -24,21 +25,11 @@ TEST(RunMovie, AnotherEndingIsRefusedBeforeAnythingIsDrawn) {
 
 TEST(RunFrames, AShownStateIsTheOneOfItsFile) {
   const TemporaryFolder folder;
-  const Scene<2> scene = parse_scene(R"(
-[contact]
-mu = 0.5
-[[disks]]
+  const Scene<2> scene = parse_scene(floor_text(5) + R"([[disks]]
 radius = 0.1
 density = 1000
 position = [0.05, 0.1]
 velocity = [1, 0]
-[[walls]]
-name = "floor"
-point = [0, 0]
-normal = [0, 1]
-[time]
-step = 0.01
-steps = 5
 )",
                                      "one");
   State<2> state = initial_state(scene);

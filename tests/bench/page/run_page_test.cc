@@ -8,29 +8,20 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/page/page_update.h"
 #include "core/base/file_error.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/simulation/scene_run.h"
+#include "tests/support/floor_text.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
 
-const std::string kScene = R"(
-title = "A disk & <a floor>"
-[contact]
-mu = 0.5
-[[disks]]
+const std::string kScene = "title = \"A disk & <a floor>\"" + floor_text(30) + R"([[disks]]
 radius = 0.1
 density = 1000
 position = [0, 0.15]
-[[walls]]
-name = "floor"
-point = [0, 0]
-normal = [0, 1]
-[time]
-step = 0.01
-steps = 30
 [output]
 every = 10
 picture = false
@@ -92,6 +83,35 @@ TEST(RunPage, MarksUnsolvedSteps) {
   ASSERT_EQ(marks.size(), 2u);
   EXPECT_EQ(marks[0], nlohmann::json::parse(R"(["unsolved", 2.0, 0.02])"));
   EXPECT_EQ(marks[1], nlohmann::json::parse(R"(["cut", 3.0, 0.03])"));
+}
+
+TEST(RunPage, ShowsFewerFramesWhereAllAreTooMuchAndSaysSo) {
+  const TemporaryFolder folder;
+  run_into(folder.path());
+  const std::size_t all = write_run_page(folder.path()).bytes;
+  // Half of what is left beside the frames: fewer of them.
+  const RunPage small = write_run_page(folder.path(), all / 1000);
+  EXPECT_LT(small.frames, 31u);
+  EXPECT_GE(small.frames, 2u);
+  const auto facts = about(read(small.path));
+  EXPECT_EQ(facts["frames"].size(), small.frames);
+  EXPECT_EQ(facts["frames"].back()[0], 30);  // the last one stays
+  EXPECT_EQ(facts["notes"][0],
+            std::to_string(small.frames) + " of 31 frames are shown: a page has at most 20 MB.");
+}
+
+TEST(RunPage, AnUpdateHasWhatCameAfterAStep) {
+  const TemporaryFolder folder;
+  run_into(folder.path());
+  const auto update = nlohmann::json::parse(page_update(folder.path(), 27, true));
+  ASSERT_EQ(update["frames"].size(), 3u);
+  EXPECT_EQ(update["frames"][0][0], 28);
+  EXPECT_EQ(update["steps"].size(), 31u);
+  EXPECT_EQ(update["bodies"], 1);
+  EXPECT_EQ(update["curves"][0]["all_rows"], 30);
+  EXPECT_EQ(update["ended"], true);
+  EXPECT_EQ(nlohmann::json::parse(page_update(folder.path(), 30, false))["frames"].size(), 0u);
+  EXPECT_NE(live_run_page(folder.path()).find("connect-src 'self'"), std::string::npos);
 }
 
 TEST(RunPage, AFolderWithoutARunIsRefused) {

@@ -53,15 +53,16 @@ TEST(Document, PageIsWellFormedAndNeedsNoOtherFile) {
   const std::string page = to_html(d);
   EXPECT_EQ(markup_defect(page), "");
   EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
-  for (const char* part :
-       {"<title>Solvers &amp; more</title>", "<code>a &lt; b</code>", "<strong>loudly</strong>",
-        "<a href=\"#made\">the end</a>", "[x](http://y)", "<nav><a href=\"#first\">First</a>",
-        "<h2 id=\"made\">", "<th class=\"n\" title=\"the least of all\">time [CPU]</th>",
-        "<td class=\"n good\" title=\"0.3 s &quot;all&quot;\">300 ms</td>",
-        "<tr class=\"group\"><td colspan=\"3\">others</td>", "<tr class=\"bad\" id=\"second\">",
-        "<details id=\"folded\"><summary>more of <strong>it</strong></summary>",
-        "<dd><code>bipot compare &lt;x&gt;</code></dd>", "data: x.csv.", "<img src=\"two.svg\"",
-        "<a href=\"two.csv\">Data</a>"}) {
+  for (
+      const char* part :
+      {"<title>Solvers &amp; more</title>", "<code>a &lt; b</code>", "<strong>loudly</strong>",
+       "<a href=\"#made\">the end</a>", "[x](http://y)", "<nav><a href=\"#first\">First</a>",
+       "<h2 id=\"made\">", "<th class=\"n\" title=\"the least of all\">time [CPU]</th>",
+       "<td class=\"n good\" title=\"0.3 s &quot;all&quot;\" data-label=\"time [CPU]\">300 ms</td>",
+       "<tr class=\"group\"><td colspan=\"3\">others</td>", "<tr class=\"bad\" id=\"second\">",
+       "<details id=\"folded\"><summary>more of <strong>it</strong></summary>",
+       "<dd><code>bipot compare &lt;x&gt;</code></dd>", "data: x.csv.",
+       "<a href=\"two.svg\">Picture</a>", "<a href=\"two.csv\">data</a>"}) {
     EXPECT_TRUE(has(page, part)) << part;
   }
   for (const char* outside : {"href=\"http", "src=\"http", "@import", "url(//", "<script"}) {

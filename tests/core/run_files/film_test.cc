@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/scene_files/scene_file.h"
+#include "tests/support/floor_text.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -42,10 +43,7 @@ TEST(FilmFrame, DirectionsAreWithinATenThousandth) {
 }
 
 Scene<2> two_disks() {
-  return parse_scene(R"(
-[contact]
-mu = 0.5
-[[disks]]
+  return parse_scene(floor_text(10) + R"([[disks]]
 radius = 0.5
 density = 1000
 position = [0, 0.5]
@@ -53,13 +51,6 @@ position = [0, 0.5]
 radius = 0.25
 density = 1000
 position = [3, 0.25]
-[[walls]]
-name = "floor"
-point = [0, 0]
-normal = [0, 1]
-[time]
-step = 0.01
-steps = 10
 )",
                      "two");
 }
@@ -153,6 +144,10 @@ TEST(Film, AFrameThatIsCutOffDoesNotCount) {
   const auto path = folder.path() / "film.bin";
   std::filesystem::resize_file(path, std::filesystem::file_size(path) - 3);
   EXPECT_EQ(read_film(folder.path()).frames.size(), 9u);
+  const Film later = read_film(folder.path(), 6);  // the frames after step 6
+  ASSERT_EQ(later.frames.size(), 2u);
+  EXPECT_EQ(later.frames[0].step, 7);
+  EXPECT_EQ(later.steps, (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8}));
   std::filesystem::resize_file(path, 5);
   EXPECT_TRUE(read_film(folder.path()).frames.empty());
 }

@@ -1,0 +1,96 @@
+#include "bench/page/page_data.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "bench/page/deflate.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostCurvePoints = 2400;
+constexpr std::size_t kMostMarks = 2000;
+
+}  // namespace
+
+std::string base64(std::string_view bytes) {
+  constexpr const char* kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      group = group << 8 | (k + c < bytes.size() ? static_cast<unsigned char>(bytes[k + c]) : 0u);
+    }
+    for (std::size_t c = 0; c < 4; ++c) {
+      text += k + c <= bytes.size() ? kLetters[group >> (18 - 6 * c) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+std::string packed_text(std::string_view bytes) { return base64(deflated(bytes)); }
+
+Json page_summary(const fs::path& folder) {
+  std::ifstream file(folder / "summary.json");
+  return file ? Json::parse(file, nullptr, false) : Json();
+}
+
+Json page_marks(const std::vector<CurveTable>& curves) {
+  Json marks = Json::array();
+  if (curves.empty() || curves.front().file != "ledger") return marks;
+  const CurveTable& ledger = curves.front();
+  const std::vector<double>* step = ledger.column("step");
+  const std::vector<double>* time = ledger.column("time");
+  if (step == nullptr || time == nullptr) return marks;
+  const auto mark = [&](const char* column, const char* kind, const auto& is) {
+    const std::vector<double>* values = ledger.column(column);
+    if (values == nullptr) return;
+    for (std::size_t k = 0; k < values->size() && marks.size() < kMostMarks; ++k) {
+      if (is((*values)[k])) marks.push_back({kind, (*step)[k], (*time)[k]});
+    }
+  };
+  mark("converged", "unsolved", [](double x) { return x == 0; });
+  mark("parts", "cut", [](double x) { return x > 1; });
+  mark("answers", "several", [](double x) { return x > 1; });
+  return marks;
+}
+
+std::string packed_curves(const std::vector<CurveTable>& curves, Json& about) {
+  about["curves"] = Json::array();
+  std::string bytes;
+  for (const CurveTable& table : curves) {
+    const CurveTable thin = thinned_curves(table, kMostCurvePoints);
+    const std::size_t rows = thin.columns.front().size();
+    about["curves"].push_back({{"file", table.file},
+                               {"part", table.part},
+                               {"names", thin.names},
+                               {"rows", rows},
+                               {"all_rows", table.columns.front().size()}});
+    for (const std::vector<double>& column : thin.columns) {
+      const std::vector<float> single(column.begin(), column.end());
+      bytes.append(reinterpret_cast<const char*>(single.data()), rows * sizeof(float));
+    }
+  }
+  return bytes;
+}
+
+void describe_frames(const std::vector<FilmFrame>& frames, Json& about) {
+  Json &list = about["frames"] = Json::array(), &walls = about["wall_places"] = Json::array();
+  const FilmFrame* before = nullptr;
+  for (const FilmFrame& frame : frames) {
+    list.push_back({frame.step, frame.time, frame.number.size(), frame.i.size()});
+    const bool same = before != nullptr && before->walls == frame.walls;
+    walls.push_back(same ? Json() : Json(frame.walls));
+    before = &frame;
+  }
+  if (frames.empty() || frames.front().cell[0] == 0) return;
+  Json& cells = about["cells"] = Json::array();
+  for (const FilmFrame& frame : frames) cells.push_back(frame.cell);
+}
+
+}  // namespace bipot

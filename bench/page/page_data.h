@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/page/page_curves.h"
+#include "bench/report/json_output.h"
+#include "core/run_files/film_frame.h"
+
+namespace bipot {
+
+/// Parts of a page's data, in the names that the scripts of the player read.
+
+/// The bytes deflated, in base64.
+std::string packed_text(std::string_view bytes);
+std::string base64(std::string_view bytes);
+
+/// summary.json of a run; null if there is none, or none that is whole.
+Json page_summary(const std::filesystem::path& folder);
+
+/// Steps that a reader must know of: unsolved, taken in parts, with several answers.
+Json page_marks(const std::vector<CurveTable>& curves);
+
+/// Columns in single precision, one after the other; their description goes into `about`.
+std::string packed_curves(const std::vector<CurveTable>& curves, Json& about);
+
+/// What changes from frame to frame and is short, into `about`.
+void describe_frames(const std::vector<FilmFrame>& frames, Json& about);
+
+}  // namespace bipot
