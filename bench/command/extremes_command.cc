@@ -68,13 +68,12 @@ int dump(const ExtremesFlags& flags) {
 }
 
 int random_sets(const ExtremesFlags& flags) {
-  RandomSetOptions options;
-  options.first = flags.first;
-  options.seed = flags.seed;
-  options.tol = flags.tol;
-  options.time_limit = flags.time_limit.value_or(2);
-  options.solvers = solvers_of(flags);
-  options.interrupted = &InterruptGuard::requested;
+  RandomSetOptions options{.first = flags.first,
+                           .seed = flags.seed,
+                           .tol = flags.tol,
+                           .time_limit = flags.time_limit.value_or(2),
+                           .solvers = solvers_of(flags),
+                           .interrupted = &InterruptGuard::requested};
   bool sound = true;
   Document page{.made = provenance("extremes", typed_command())};
   Table findings{.columns = {{"set"}, {"kind"}, {"index"}, {"solver"}, {"message"}, {"again"}},
@@ -112,13 +111,12 @@ int random_sets(const ExtremesFlags& flags) {
 }
 
 int matrix(const ExtremesFlags& flags) {
-  MatrixOptions options;
-  options.solvers = solvers_of(flags);
-  options.only = flags.only;
-  options.quick = flags.quick;
-  options.tol = flags.tol;
-  options.time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2);
-  options.interrupted = &InterruptGuard::requested;
+  MatrixOptions options{.solvers = solvers_of(flags),
+                        .only = flags.only,
+                        .quick = flags.quick,
+                        .tol = flags.tol,
+                        .time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2),
+                        .interrupted = &InterruptGuard::requested};
   ExtremeMatrix result;
   {
     std::optional<ProgressBar> progress;

@@ -41,13 +41,12 @@ constexpr const char* kIntroduction =
 
 ReportItem run_item(const PaperItem& item, const PaperContext& context,
                     const std::string& command) {
-  ReportItem entry;
-  entry.name = item.name;
-  entry.title = item.title;
-  entry.command = command;
-  entry.quick = context.quick;
-  entry.build = build_info();
-  entry.date = date_and_time();
+  ReportItem entry{.name = item.name,
+                   .title = item.title,
+                   .command = command,
+                   .quick = context.quick,
+                   .build = build_info(),
+                   .date = date_and_time()};
   const Stopwatch wall;
   const CpuStopwatch cpu;
   try {
@@ -150,10 +149,8 @@ int paper_command(const PaperFlags& flags) {
       std::count_if(names.begin(), names.end(), [&](const auto& name) { return chosen(name); }));
   ProgressBar progress(total, quiet);
   const InterruptGuard interrupt;
-  PaperContext context;
-  context.out = folder;
-  context.quick = flags.quick;
-  context.interrupted = &InterruptGuard::requested;
+  PaperContext context{
+      .out = folder, .quick = flags.quick, .interrupted = &InterruptGuard::requested};
   long done = 0;
   bool sound = true;
   std::string summary;

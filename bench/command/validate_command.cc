@@ -105,15 +105,11 @@ int validate_command(const ValidateFlags& flags) {
     if (failure) throw FileError(flags.out, "", failure.message());
   }
   const InterruptGuard interrupt;
-  ValidationContext context;
-  context.quick = flags.quick;
-  context.solver = flags.solver;
-  context.max_iterations = flags.max_iterations;
-  context.stopped = &InterruptGuard::requested;
-  ValidationPage page;
-  page.command = again(flags);
-  page.solver = flags.solver;
-  page.quick = flags.quick;
+  ValidationContext context{.quick = flags.quick,
+                            .solver = flags.solver,
+                            .max_iterations = flags.max_iterations,
+                            .stopped = &InterruptGuard::requested};
+  ValidationPage page{.command = again(flags), .solver = flags.solver, .quick = flags.quick};
   {
     long total = 0, done = 0;
     for (const ValidationExperiment& e : experiments) {

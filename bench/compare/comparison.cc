@@ -193,20 +193,19 @@ class ProblemRows {
         prepare();
       }
     }
-    ProblemSummary s;
-    s.name = source_.name;
-    s.target = source_.target;
-    s.origin = reference_.origin;
-    s.defect = defect_;
-    s.series = source_.series;
-    s.contacts = reference_.contacts;
-    s.dim = reference_.dim;
-    s.dofs = reference_.dofs;
-    s.reference_solver = reference_.solver;
-    s.reference_guarded = reference_.error.guarded();
-    s.reference_natural_map = reference_.error.natural_map;
-    s.attempts = reference_.attempts;
-    s.velocity_spread = reference_.velocity_spread;
+    ProblemSummary s{.name = source_.name,
+                     .target = source_.target,
+                     .origin = reference_.origin,
+                     .defect = defect_,
+                     .series = source_.series,
+                     .contacts = reference_.contacts,
+                     .dim = reference_.dim,
+                     .dofs = reference_.dofs,
+                     .reference_solver = reference_.solver,
+                     .reference_guarded = reference_.error.guarded(),
+                     .reference_natural_map = reference_.error.natural_map,
+                     .attempts = reference_.attempts,
+                     .velocity_spread = reference_.velocity_spread};
     if (!s.poor_reference()) s.answers = 1 + static_cast<int>(reference_.others.size());
     s.spread = reference_.spread;
     return s;
@@ -419,9 +418,7 @@ std::string Comparison::link_to(const ProblemSummary& problem) const {
 }
 
 double HistoryPoint::guarded() const {
-  ContactError error;
-  error.epsilon = epsilon;
-  error.eta = eta;
+  ContactError error{.epsilon = epsilon, .eta = eta};
   return error.guarded();
 }
 

@@ -100,8 +100,7 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
                    .known = "u_1 + u_2 = -3 whatever s: none",
                    .expect = Expect::kNone,
                    .problem = [] {
-                     ContactProblem p;
-                     p.dim = 1;
+                     ContactProblem p{.dim = 1};
                      p.W.resize(2, 2);
                      p.W.insert(0, 0) = 1;
                      p.W.insert(0, 1) = -1;

@@ -43,8 +43,7 @@ Table claim_table(const ReportItem& item) {
       {"error bar", [](const Claim& c) { return TableCell(c.bar_is).as("small"); }},
       {"note", [](const Claim& c) { return TableCell(c.note).as("small"); }}};
   const std::vector<Claim>& claims = item.result.claims;
-  Table table;
-  table.look = "cards";
+  Table table{.look = "cards"};
   std::vector<const Column*> used;
   for (const Column& column : kColumns) {
     const bool any = std::any_of(claims.begin(), claims.end(), [&](const Claim& c) {
@@ -189,8 +188,7 @@ int ReportItem::held() const {
 }
 
 Document to_document(const ClaimReport& report) {
-  Document page;
-  page.title = report.title;
+  Document page{.title = report.title};
   add_verdict(page, report);
   page.add(overview(report));
   Document about;

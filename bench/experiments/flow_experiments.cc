@@ -265,16 +265,16 @@ ValidationExperiment column_collapse() {
 /// change of L less the moment of their weight, its work that times its speed. The work is lost in
 /// contacts or goes into the grains' energy: two sums that share only the states.
 ValidationExperiment turning_drum() {
-  ValidationExperiment e;
-  e.rows = {validation_row(
-      kFlow, "drum_power",
-      "rotating drum (shipped scene): work of the wall by the grains' angular momentum and weight, "
-      "over what contacts dissipate and the grains gain",
-      "angular momentum and energy (derived)", "1", Expectation::equal(1), 5e-3,
-      "overlaps: the arms of the wall and of a grain that overlap by δ differ by δ",
-      "discretisation: one run")};
-  e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
-  e.quick_tols = {1, 1e-1};
+  ValidationExperiment e{
+      .rows = {validation_row(
+          kFlow, "drum_power",
+          "rotating drum (shipped scene): work of the wall by the grains' angular momentum and weight, "
+          "over what contacts dissipate and the grains gain",
+          "angular momentum and energy (derived)", "1", Expectation::equal(1), 5e-3,
+          "overlaps: the arms of the wall and of a grain that overlap by δ differ by δ",
+          "discretisation: one run")},
+      .tols = {10, 1, 1e-1, 1e-2, 1e-3},
+      .quick_tols = {1, 1e-1}};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
     Scene<2> scene = read_scene(find_scene("drum"));

@@ -65,10 +65,8 @@ ValidationExperiment groove_forces() {
     const int starts = context.quick ? 30 : 300;
     double outside = 0, least = kInfinity, most = 0;
     PortableRandom random(1);
-    SolverOptions options;
-    options.tol = tol;
-    options.max_iterations = context.max_iterations;
-    options.parameters = {{"islands", "off"}};
+    SolverOptions options{
+        .tol = tol, .max_iterations = context.max_iterations, .parameters = {{"islands", "off"}}};
     for (int k = 0; k < starts; ++k) {
       options.s0 = Vector::Zero(4);
       for (const int row : {0, 2}) {

@@ -173,9 +173,8 @@ Scene<3> pressed_box(int count, double mu, std::uint64_t seed, double tol,
   }
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
-      Wall<3> wall;
-      wall.name = fmt::format("{}{}", sign > 0 ? "low" : "high", axis);
-      wall.normal = sign * Vec3::Unit(axis);
+      Wall<3> wall{.name = fmt::format("{}{}", sign > 0 ? "low" : "high", axis),
+                   .normal = sign * Vec3::Unit(axis)};
       if (sign < 0) {
         wall.a = top[axis] * Vec3::Unit(axis);
         wall.motion = Wall<3>::Motion::kDriven;

@@ -128,9 +128,9 @@ class Fig14 {
         if (context_.stopped()) return;
         context_.report(
             fmt::format("{}, {:.0f} disks, {}", c.scene.family, disks, method.method.name));
-        GrowthLimits limits;
-        limits.max_iterations = static_cast<int>(std::min(cap, method.work < 1e300 ? 1e9 : 500.0));
-        limits.cancelled = context_.interrupted;
+        GrowthLimits limits{
+            .max_iterations = static_cast<int>(std::min(cap, method.work < 1e300 ? 1e9 : 500.0)),
+            .cancelled = context_.interrupted};
         const auto rows = growth_rows(c.scene, problem, method.method, tols, limits);
         std::fill(before[m].begin(), before[m].end(), std::numeric_limits<double>::infinity());
         for (const GrowthRow& row : rows) {
@@ -231,11 +231,10 @@ class Fig14 {
 
   void figure(const std::string& name, const std::string& title, const std::string& caption,
               std::vector<ChartSeries> all, bool seconds) {
-    Chart chart;
-    chart.title = title;
-    chart.x = {"number of disks", ChartAxis::Kind::kLog};
-    chart.y = {seconds ? "time of the solve" : "iterations",
-               seconds ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog};
+    Chart chart{.title = title,
+                .x = {"number of disks", ChartAxis::Kind::kLog},
+                .y = {seconds ? "time of the solve" : "iterations",
+                      seconds ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog}};
     std::erase_if(all, [](const ChartSeries& s) { return s.points.empty(); });
     chart.series = std::move(all);
     result_.draw(name, caption, std::move(chart));

@@ -25,12 +25,10 @@ ValidationRow validation_row(std::string group, std::string name, std::string qu
 }
 
 SolverChoice ValidationContext::choice(double tol) const {
-  SolverChoice choice;
-  choice.name = solver;
-  choice.tol = tol;
-  choice.max_iterations = max_iterations;
-  choice.parameters = {{"islands", "off"}};
-  return choice;
+  return SolverChoice{.name = solver,
+                      .tol = tol,
+                      .max_iterations = max_iterations,
+                      .parameters = {{"islands", "off"}}};
 }
 
 std::vector<double> decades(int first, int last) {

@@ -88,8 +88,7 @@ void judge(ValidationRow& row) {
 ExperimentResult run_experiment(const ValidationExperiment& experiment,
                                 const ValidationContext& context,
                                 const std::function<void(int, int)>& on_tolerance) {
-  ExperimentResult result;
-  result.rows = experiment.rows;
+  ExperimentResult result{.rows = experiment.rows};
   for (ValidationRow& row : result.rows) row.shared = static_cast<int>(result.rows.size());
   const std::vector<double>& tols = context.quick ? experiment.quick_tols : experiment.tols;
   for (std::size_t k = 0; k < tols.size(); ++k) {
@@ -118,13 +117,12 @@ ExperimentResult run_experiment(const ValidationExperiment& experiment,
     outcome.seen.resize(experiment.rows.size());
     const double seconds = clock.seconds();
     for (std::size_t r = 0; r < result.rows.size(); ++r) {
-      ValidationPoint point;
-      point.tol = tols[k];
-      point.seen = outcome.seen[r];
-      point.steps = outcome.steps;
-      point.unsolved = outcome.unsolved;
-      point.seconds = seconds;
-      point.failure = failure;
+      ValidationPoint point{.tol = tols[k],
+                            .seen = outcome.seen[r],
+                            .steps = outcome.steps,
+                            .unsolved = outcome.unsolved,
+                            .seconds = seconds,
+                            .failure = failure};
       result.rows[r].points.push_back(std::move(point));
       result.rows[r].seconds += seconds;
     }

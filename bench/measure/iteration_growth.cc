@@ -38,25 +38,21 @@ double disks_of(const std::string& family, int side) {
 }
 
 SolverOptions options_of(const GrowthMethod& method, double tol, const GrowthLimits& limits) {
-  SolverOptions options;
-  options.tol = tol;
-  options.time_limit = limits.time_limit;
-  options.max_iterations = limits.max_iterations;
-  options.cancelled = limits.cancelled;
-  options.parameters = method.parameters;
-  return options;
+  return SolverOptions{.tol = tol,
+                       .max_iterations = limits.max_iterations,
+                       .time_limit = limits.time_limit,
+                       .parameters = method.parameters,
+                       .cancelled = limits.cancelled};
 }
 
 GrowthRow empty_row(const GrowthScene& scene, const GrowthProblem& problem,
                     const GrowthMethod& method, double tol) {
-  GrowthRow row;
-  row.family = scene.family;
-  row.method = method.name;
-  row.tol = tol;
-  row.side = problem.side;
-  row.bodies = problem.bodies;
-  row.contacts = problem.problem.num_contacts();
-  return row;
+  return GrowthRow{.family = scene.family,
+                   .method = method.name,
+                   .tol = tol,
+                   .side = problem.side,
+                   .bodies = problem.bodies,
+                   .contacts = problem.problem.num_contacts()};
 }
 
 void fill(GrowthRow& row, const SolveResult& result) {
@@ -77,8 +73,7 @@ Json to_json(const PowerLaw& law) {
 }  // namespace
 
 GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
-  GrowthProblem made;
-  made.side = side;
+  GrowthProblem made{.side = side};
   const std::vector<std::string> moving = moving_family_names();
   if (std::find(moving.begin(), moving.end(), scene.family) != moving.end()) {
     const FamilyOptions options{
@@ -176,11 +171,8 @@ std::vector<GrowthFit> fit_growth(std::span<const GrowthRow> rows, double least_
       ++k;
     }
     if (k == fits.size()) {
-      GrowthFit fit;
-      fit.family = row.family;
-      fit.method = row.method;
-      fit.tol = row.tol;
-      fit.least_disks = least_disks;
+      GrowthFit fit{
+          .family = row.family, .method = row.method, .tol = row.tol, .least_disks = least_disks};
       fits.push_back(std::move(fit));
       members.emplace_back();
     }

@@ -8,10 +8,7 @@ namespace bipot {
 SolveResult solve_within(const std::string& solver, const ContactProblem& problem, double tol,
                          double seconds, const Vector& s0) {
   CpuLimit limit(seconds);
-  SolverOptions o;
-  o.tol = tol;
-  o.s0 = s0;
-  o.time_limit = CpuLimit::kWallFactor * seconds;
+  SolverOptions o{.tol = tol, .time_limit = CpuLimit::kWallFactor * seconds, .s0 = s0};
   o.cancelled = [&limit] { return limit(); };
   SolveResult r = solve(solver, problem, o);
   if (r.status == SolveStatus::kInterrupted && limit.reached()) r.status = SolveStatus::kTimeLimit;

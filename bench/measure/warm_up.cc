@@ -5,8 +5,7 @@
 namespace bipot {
 
 void warm_up(const SolverEntry& entry) {
-  ContactProblem p;
-  p.dim = 2;
+  ContactProblem p{.dim = 2};
   p.W.resize(2, 2);
   p.W.setIdentity();
   p.W.makeCompressed();

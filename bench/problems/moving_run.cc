@@ -10,9 +10,7 @@ namespace bipot {
 void run_moving_scene(const Scene<2>& scene, const std::vector<int>& steps,
                       const std::function<void(const SceneStep<2>&)>& on_step) {
   if (steps.empty()) return;
-  SolverOptions options;
-  options.tol = kMovingTolerance;
-  options.max_iterations = kMovingIterations;
+  SolverOptions options{.tol = kMovingTolerance, .max_iterations = kMovingIterations};
   State<2> state = initial_state(scene);
   SceneRunOptions<2> to_last;
   to_last.steps = steps.back();

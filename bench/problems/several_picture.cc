@@ -64,8 +64,7 @@ void draw_several_picture(const std::filesystem::path& path, const ContactProble
   double mean = 0;
   for (const Vec2& sum : sums.front()) mean += sum.norm();
   mean /= std::max<double>(1, static_cast<double>(std::count(touched.begin(), touched.end(), 1)));
-  ForcePictureOptions options;
-  options.take_off = false;
+  ForcePictureOptions options{.take_off = false};
   options.fill.values.assign(disks, 0);
   for (std::size_t a = 0; a < sums.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {

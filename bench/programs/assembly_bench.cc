@@ -17,15 +17,11 @@ namespace {
 /// About `count` disks in a triangular lattice (six contacts each) in a box, with friction.
 Scene<2> dense_packing(int count) {
   const int side = static_cast<int>(std::lround(std::sqrt(count)));
-  Scene<2> scene;
-  scene.gravity = Vec2(0, -9.81);
-  scene.bodies = triangular_lattice(side, side, 0.01, Vec2::Zero());
+  Scene<2> scene{.gravity = Vec2(0, -9.81),
+                 .bodies = triangular_lattice(side, side, 0.01, Vec2::Zero())};
   for (Disk& d : scene.bodies) give_mass(d, 1);
   const auto wall = [](const Vec2& a, const Vec2& normal) {
-    Wall<2> w;
-    w.a = a;
-    w.normal = normal;
-    return w;
+    return Wall<2>{.a = a, .normal = normal};
   };
   scene.walls = {wall(Vec2::Zero(), Vec2(0, 1)), wall(Vec2::Zero(), Vec2(1, 0)),
                  wall(Vec2(0.02 * side, 0), Vec2(-1, 0))};
@@ -73,8 +69,7 @@ void assembly(benchmark::State& state) {
 /// About `count` spheres in a face-centred packing (six contacts each) on a floor, with friction.
 Scene<3> dense_spheres(int count) {
   const int side = static_cast<int>(std::lround(std::cbrt(count)));
-  Scene<3> scene;
-  scene.gravity = Vec3(0, 0, -9.81);
+  Scene<3> scene{.gravity = Vec3(0, 0, -9.81)};
   // Square layers, each sphere in the hollow of four below.
   const double radius = 0.01;
   for (int k = 0; k < side; ++k) {

@@ -83,9 +83,7 @@ void measure(int side, double tilt, int iterations, int repeat, bool reproducibl
   const auto group = launched_group();
   const CutPacking packing(side, tilt);
   const int contacts = packing.problem.num_contacts();
-  SolverOptions options;
-  options.tol = 1e-300;
-  options.max_iterations = iterations;
+  SolverOptions options{.tol = 1e-300, .max_iterations = iterations};
   const DistributedOptions extra{.reproducible = reproducible, .contact_places = packing.places};
   Timed t = fastest(repeat, [&] {
     DistributedResult r = distributed_solve("apgd", packing.problem, options, *group, extra);
@@ -134,9 +132,7 @@ void measure(int side, double tilt, int iterations, int repeat, bool reproducibl
 void measure_state(int side, double tilt, int iterations, int steps, double tol) {
   const auto group = launched_group();
   Scene<2> scene = make_family_scene("triangular", side, {.tilt_degrees = tilt});
-  SolverOptions options;
-  options.tol = tol;
-  options.max_iterations = iterations;
+  SolverOptions options{.tol = tol, .max_iterations = iterations};
   Domain<2> domain(scene, initial_state(scene), *group,
                    [&](const ProblemPiece& piece, const Vector& s0) {
                      options.s0 = s0;
@@ -194,8 +190,7 @@ struct CutCount {
 /// Counts the bytes of one exchange of a cut for P processes, without running it.
 CutCount count_cut(const CutPacking& packing, const BodyNodes& nodes, int processes) {
   const ContactOwners owners = contact_owners(packing.problem, nodes, packing.places, processes);
-  CutCount count;
-  count.imbalance = imbalance(owners.contacts);
+  CutCount count{.imbalance = imbalance(owners.contacts)};
   std::vector<int> sent(to_size(processes), 0);
   std::vector<std::set<int>> to(to_size(processes));
   for (int rank = 0; rank < processes; ++rank) {

@@ -113,10 +113,8 @@ void measure_solve(const ContactProblem& problem, const Flags& flags, Row& row) 
     const Vector zero = Vector::Zero(problem.num_rows());
     row.value[kCriterion] = seconds_of([&] { (void)evaluate(zero); });
   }
-  SolverOptions options;
-  options.tol = flags.tol;
-  options.time_limit = flags.time_limit;
-  options.max_iterations = 1000000000;
+  SolverOptions options{
+      .tol = flags.tol, .max_iterations = 1000000000, .time_limit = flags.time_limit};
   options.execution.threads = flags.threads;
   const SolveResult result = solve(flags.solver, problem, options);
   row.met = is_success(result.status);

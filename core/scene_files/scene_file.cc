@@ -331,11 +331,10 @@ void read_cell_and_turn(const SceneTable& root, Scene<2>& scene) {
 
 template <int D>
 Scene<D> parse_in(const SceneTable& root, const std::string& source) {
-  Scene<D> scene;
-  scene.source = source;
-  scene.title = root.word("title", "");
-  scene.gravity = root.maybe_vec<D>("gravity").value_or(-9.81 * Vec<D>::Unit(D - 1));
-  scene.contact_distance = -1;
+  Scene<D> scene{.title = root.word("title", ""),
+                 .source = source,
+                 .gravity = root.maybe_vec<D>("gravity").value_or(-9.81 * Vec<D>::Unit(D - 1)),
+                 .contact_distance = -1};
   read_materials(root, scene);
   // Walls come first: disks may name them.
   for (const SceneTable& table : root.tables("walls")) {

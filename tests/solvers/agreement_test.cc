@@ -49,9 +49,7 @@ Case without_bodies(Case c) {
 
 Case lattice(Lattice shape, int rows, double mu, double tilt) {
   Case c{lattice_step(shape, rows, mu, tilt), {}};
-  SolverOptions options;
-  options.tol = 1e-11;
-  const SolveResult reference = solve("pgs", c.problem, options);
+  const SolveResult reference = solve("pgs", c.problem, {.tol = 1e-11});
   EXPECT_TRUE(is_success(reference.status)) << reference.message;
   c.u = reference.u;
   return c;
@@ -101,8 +99,7 @@ TEST_P(Agreement, VelocitiesAndErrorsAreTheTrueOnes) {
   const Case c = cases().at(name)();
   const ContactProblem& p = c.problem;
   ASSERT_EQ(validate(p), "");
-  SolverOptions options;
-  options.tol = 1e-8;
+  SolverOptions options{.tol = 1e-8};
   const SolveResult r = solve(entry, p, options);
   if (p.dim > entry.max_dim || p.num_contacts() > entry.max_contacts) {
     EXPECT_EQ(r.status, SolveStatus::kInvalidInput) << r.message;
@@ -144,8 +141,7 @@ TEST(AgreementEvidence, ThePyramidHasSeveralVelocitySolutions) {
   // far below their distances and by both implementations of the criterion.
   const Case c = cases().at("pyramid")();
   const double scale = c.problem.u_free.norm();
-  SolverOptions options;
-  options.tol = 1e-11;
+  SolverOptions options{.tol = 1e-11};
   std::vector<Vector> velocities;
   for (const char* solver : {"anderson", "pgs", "lemke"}) {
     const SolveResult r = solve(solver, c.problem, options);

@@ -60,11 +60,7 @@ void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name()
 class FirstOrder : public testing::TestWithParam<Variant> {
  protected:
   SolverOptions options(double tol = 1e-8) const {
-    SolverOptions o;
-    o.tol = tol;
-    o.max_iterations = 200000;
-    o.parameters = GetParam().parameters;
-    return o;
+    return SolverOptions{.tol = tol, .max_iterations = 200000, .parameters = GetParam().parameters};
   }
   SolveResult run(const ContactProblem& p, const SolverOptions& o) const {
     return solve(GetParam().solver, p, o);
@@ -101,11 +97,7 @@ TEST_P(FirstOrder, LeavesTheContactThatOpensAlone) {
   SparseRows W(4, 4);
   for (int k = 0; k < 4; ++k) W.insert(k, k) = k % 2 == 0 ? 2 : 5;
   W.makeCompressed();
-  ContactProblem p;
-  p.dim = 2;
-  p.W = W;
-  p.mu = Vector::Constant(2, 0.5);
-  p.u_free = Vector(4);
+  ContactProblem p{.dim = 2, .W = W, .u_free = Vector(4), .mu = Vector::Constant(2, 0.5)};
   p.u_free << 1, 2, -4, 0;
   const SolveResult r = run(p, options(1e-10));
   ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
@@ -125,10 +117,7 @@ TEST_P(FirstOrder, FindsTheManufacturedVelocities) {
 }
 
 TEST_P(FirstOrder, SolvesLatticesOfDisksAndSpheres) {
-  LatticeOptions o;
-  o.tilt = 10 * std::numbers::pi / 180;
-  o.e_n = 0.1;
-  o.e_t = 1;
+  LatticeOptions o{.tilt = 10 * std::numbers::pi / 180, .e_n = 0.1, .e_t = 1};
   for (const ContactProblem& p :
        {triangular_lattice(6, o), square_lattice(6), cubic_lattice(3, {.tilt = o.tilt})}) {
     ASSERT_EQ(validate(p), "");
@@ -155,9 +144,7 @@ TEST_P(FirstOrder, SaysThatTimeIsUp) {
 }
 
 TEST_P(FirstOrder, NeedsFewerIterationsFromANearbyStart) {
-  LatticeOptions lattice;
-  lattice.tilt = 0.1;
-  const ContactProblem p = triangular_lattice(8, lattice);
+  const ContactProblem p = triangular_lattice(8, {.tilt = 0.1});
   const SolveResult cold = run(p, options(1e-7));
   ASSERT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
   SolverOptions o = options(1e-7);
@@ -180,8 +167,7 @@ TEST_P(FirstOrder, GivesTheSameBitsTwice) {
 
 TEST_P(FirstOrder, DoesNotDependOnUnits) {
   // m, kg, s against mm, g, ms: lengths, masses and times are 1000 times larger numbers.
-  LatticeOptions si;
-  si.tilt = 0.1;
+  LatticeOptions si{.tilt = 0.1};
   LatticeOptions small = si;
   small.radius *= 1e3;
   small.mass *= 1e3;
@@ -203,8 +189,7 @@ TEST_P(FirstOrder, DoesNotDependOnUnits) {
 }
 
 TEST_P(FirstOrder, DoesNotDependOnTheDirectionOfTheScene) {
-  LatticeOptions upright;
-  upright.tilt = 0.1;
+  LatticeOptions upright{.tilt = 0.1};
   LatticeOptions turned = upright;
   turned.turn = 37 * std::numbers::pi / 180;
   const SolveResult a = run(triangular_lattice(6, upright), options(1e-6));

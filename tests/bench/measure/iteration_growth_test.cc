@@ -66,14 +66,13 @@ TEST(IterationGrowth, LimitLeavesTheTightRowsUnmet) {
 TEST(IterationGrowth, FitLeavesOutSmallAndUnmetRows) {
   std::vector<GrowthRow> rows;
   for (const int disks : {10, 300, 1000, 3000, 10000}) {
-    GrowthRow row;
-    row.family = "square";
-    row.method = "pgs";
-    row.tol = 1e-4;
-    row.bodies = static_cast<std::size_t>(disks);
-    row.status = disks == 10000 ? SolveStatus::kTimeLimit : SolveStatus::kConverged;
-    row.iterations = disks == 10 ? 1 : 3 * disks * disks;
-    row.solve_seconds = disks;
+    GrowthRow row{.family = "square",
+                  .method = "pgs",
+                  .tol = 1e-4,
+                  .bodies = static_cast<std::size_t>(disks),
+                  .status = disks == 10000 ? SolveStatus::kTimeLimit : SolveStatus::kConverged,
+                  .iterations = disks == 10 ? 1 : 3 * disks * disks,
+                  .solve_seconds = disks};
     rows.push_back(row);
     rows.push_back(row);  // measured again: counts once
   }

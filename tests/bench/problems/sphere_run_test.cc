@@ -95,8 +95,7 @@ TEST(SphereRun, GoesOnFromItsFilesBitForBit) {
   EXPECT_LT(momentum_imbalance, 1e-11);
   EXPECT_GT(std::abs(whole.wall_work), 0.1);
 
-  RunFolderOptions files;
-  files.folder = folder.path() / "run";
+  RunFolderOptions files{.folder = folder.path() / "run"};
   State<3> part = initial_state(scene);
   options.on_step = {};
   options.steps = 90;
@@ -116,8 +115,7 @@ TEST(SphereRun, WritesWhatParaViewAndPeopleLookAt) {
   const TemporaryFolder folder;
   const Scene<3> scene = spheres_in_a_drum(150);
   State<3> state = initial_state(scene);
-  RunFolderOptions files;
-  files.folder = folder.path() / "run";
+  RunFolderOptions files{.folder = folder.path() / "run"};
   run_scene(scene, state, {.folder = files});
   for (const char* name : {"forces.svg", "forces.png", "slice.svg", "slice.png", "stress.svg",
                            "run.xdmf", "ledger.csv", "trajectory.csv"}) {
@@ -155,8 +153,7 @@ TEST(SphereRun, OneBallOnARampHasItsVolumeInEachRow) {
   scene.num_steps = 1000;
   scene.output.picture = false;
   State<3> state = initial_state(scene);
-  RunFolderOptions files;
-  files.folder = folder.path() / "run";
+  RunFolderOptions files{.folder = folder.path() / "run"};
   const auto run = run_scene(scene, state, {.folder = files});
   EXPECT_EQ(run.totals.converged, 1000);
   EXPECT_NEAR(state.bodies[0].v[0], 9.81 * std::sin(0.1111) / (1 + 7e-5), 1e-9);

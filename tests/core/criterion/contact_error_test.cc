@@ -24,12 +24,7 @@ Vector vector_of(std::initializer_list<double> values) {
 
 /// A problem given by W alone. dense: row-major, dim * mu.size() squared entries.
 ContactProblem local_problem(int dim, const Eigen::MatrixXd& W, const Vector& b, const Vector& mu) {
-  ContactProblem p;
-  p.dim = dim;
-  p.W = SparseRows(W.sparseView());
-  p.u_free = b;
-  p.mu = mu;
-  return p;
+  return ContactProblem{.dim = dim, .W = SparseRows(W.sparseView()), .u_free = b, .mu = mu};
 }
 
 /// One contact with W = diag(w).

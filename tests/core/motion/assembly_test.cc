@@ -34,11 +34,7 @@ Disk disk_at(double x, double y, double radius, const Vec2& v = Vec2::Zero(), do
   return d;
 }
 
-SolverOptions tolerance(double tol) {
-  SolverOptions options;
-  options.tol = tol;
-  return options;
-}
+SolverOptions tolerance(double tol) { return SolverOptions{.tol = tol}; }
 
 struct Bodies {
   std::vector<Disk> bodies;

@@ -232,8 +232,7 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
   scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
                  half_space<2>(Vec2(0.2, 0), Vec2(-1, 0))};
   State<2> state = initial_state(scene);
-  SolverOptions options;
-  options.tol = 1e-4;
+  SolverOptions options{.tol = 1e-4};
   Vector start;
   const StepSolver inner = make_step_solver(*find_solver("pgs"), options);
   TimeStepper<2> stepper(
@@ -280,10 +279,7 @@ TEST(TimeStepping, WithoutWarmStartTheSolverGetsNoStart) {
       scene,
       [](const ContactProblem& p, const Vector& s0) {
         EXPECT_EQ(s0.size(), 0);
-        StepSolution step;
-        step.converged = true;
-        step.s = Vector::Zero(p.num_rows());
-        return step;
+        return StepSolution{.converged = true, .s = Vector::Zero(p.num_rows())};
       },
       false);
   stepper.advance(state);
@@ -313,33 +309,25 @@ TEST(TimeStepping, FailureLeavesTheStateAsItWas) {
   };
   expect_failure(
       [](const ContactProblem&, const Vector&) {
-        StepSolution step;
-        step.failed = true;
-        step.message = "the pivot broke";
-        return step;
+        return StepSolution{.failed = true, .message = "the pivot broke"};
       },
       "the pivot broke");
   expect_failure(
       [](const ContactProblem& p, const Vector&) {
-        StepSolution step;
-        step.converged = true;
-        step.s = Vector::Constant(p.num_rows(), std::numeric_limits<double>::quiet_NaN());
+        StepSolution step{
+            .converged = true,
+            .s = Vector::Constant(p.num_rows(), std::numeric_limits<double>::quiet_NaN())};
         return step;
       },
       "no finite impulse");
-  expect_failure(
-      [](const ContactProblem& p, const Vector&) {
-        StepSolution step;
-        step.s = Vector::Zero(p.num_rows() + 1);
-        return step;
-      },
-      "no finite impulse");
+  expect_failure([](const ContactProblem& p,
+                    const Vector&) { return StepSolution{.s = Vector::Zero(p.num_rows() + 1)}; },
+                 "no finite impulse");
 }
 
 TEST(TimeStepping, AStepThatDidNotConvergeIsTakenAndSaysSo) {
   Scene<2> scene = row_of_disks(8, 0, Vec2(1, 0));
-  SolverOptions options;
-  options.max_iterations = 1;
+  SolverOptions options{.max_iterations = 1};
   State<2> state = initial_state(scene);
   TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), options), false);
   const StepReport<2> report = stepper.advance(state);

@@ -15,10 +15,8 @@ namespace bipot {
 namespace {
 
 ContactProblem problem(int dim, int contacts) {
-  ContactProblem p;
-  p.dim = dim;
-  p.mu = Vector::Constant(contacts, 0.5);
-  p.u_free = Vector::Zero(dim * contacts);
+  ContactProblem p{
+      .dim = dim, .u_free = Vector::Zero(dim * contacts), .mu = Vector::Constant(contacts, 0.5)};
   return p;
 }
 

@@ -47,14 +47,13 @@ density = 2000.0
 
 /// Three disks and three walls with awkward numbers in every field.
 Scene<2> awkward_scene() {
-  Scene<2> scene;
-  scene.title = "a <\"title\"> & such";
-  scene.source = "generated";
-  scene.gravity = Vec2(0.1, -9.81);
-  scene.materials = {"steel", "glass"};
-  scene.laws = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, {0.4, 0.5, 0.6}, {0.7, 0.8, 0.9}};
-  scene.step = 1e-3;
-  scene.num_steps = 10;
+  Scene<2> scene{.title = "a <\"title\"> & such",
+                 .source = "generated",
+                 .gravity = Vec2(0.1, -9.81),
+                 .materials = {"steel", "glass"},
+                 .laws = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, {0.4, 0.5, 0.6}, {0.7, 0.8, 0.9}},
+                 .step = 1e-3,
+                 .num_steps = 10};
   scene.output.ledger_every = 2;
   scene.output.track = {2, 0};
   scene.solver.parameters = {{"omega", "1.5"}};
@@ -84,12 +83,11 @@ Scene<2> awkward_scene() {
   lid.mass = 2.0 / 3;
   lid.v = Vec2(0, -1.0 / 7);
   lid.material = 1;
-  Wall<2> side;
-  side.name = "";
-  side.motion = Wall<2>::Motion::kMoving;
-  side.a = Vec2(-1.5, 0);
-  side.normal = Vec2(0.6, 0.8);
-  side.v = Vec2(1.0 / 3, 0);
+  Wall<2> side{.name = "",
+               .motion = Wall<2>::Motion::kMoving,
+               .a = Vec2(-1.5, 0),
+               .normal = Vec2(0.6, 0.8),
+               .v = Vec2(1.0 / 3, 0)};
   scene.walls = {floor, lid, side};
   return scene;
 }
@@ -171,10 +169,7 @@ std::map<std::string, std::string> files_in(const std::filesystem::path& folder)
 }
 
 StepReport<2> report_of(const State<2>& state) {
-  StepReport<2> report;
-  report.step = state.step;
-  report.time = state.time;
-  report.iterations = 7;
+  StepReport<2> report{.step = state.step, .time = state.time, .iterations = 7};
   report.energy.kinetic = 1.0 / 3;
   report.penetration = 1e-7 / 3;
   return report;

@@ -398,8 +398,7 @@ TEST(AutoSolver, LargePackingsAtRestAreSolvedBySweepsForthAndBack) {
 // pyramids, settled piles and steps of pours are not.
 TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBack) {
   for (const int side : {5, 12}) {  // few contacts and more
-    LatticeOptions tilted;
-    tilted.tilt = 0.2;
+    LatticeOptions tilted{.tilt = 0.2};
     EXPECT_EQ(planned(square_lattice(side, tilted)).front().solver, "anderson") << side;
     EXPECT_EQ(planned(triangular_lattice(side, tilted)).front().solver, "assor") << side;
   }
@@ -418,8 +417,7 @@ TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBac
       EXPECT_NE(stage.solver, "anderson") << name;
     }
   }
-  LatticeOptions options;
-  options.tilt = 0.2;
+  LatticeOptions options{.tilt = 0.2};
   const ContactProblem larger = triangular_lattice(30, options);
   ASSERT_GT(larger.num_contacts(), 2500);
   for (const bool warm : {false, true}) {

@@ -17,10 +17,7 @@ namespace {
 
 SolveResult run_apgd(const ContactProblem& p, const std::string& map, double tol = 1e-8,
                      int max_iterations = 100000) {
-  SolverOptions o;
-  o.tol = tol;
-  o.max_iterations = max_iterations;
-  o.parameters = {{"map", map}};
+  SolverOptions o{.tol = tol, .max_iterations = max_iterations, .parameters = {{"map", map}}};
   return solve("apgd", p, o);
 }
 
@@ -33,9 +30,7 @@ ContactProblem without_bodies(ContactProblem p) {
 }
 
 TEST(AcceleratedGradient, DiskKernelAndOperatorDoTheSameSteps) {
-  LatticeOptions o;
-  o.e_n = 0.1;
-  o.e_t = 1;
+  LatticeOptions o{.e_n = 0.1, .e_t = 1};
   for (o.dim = 1; o.dim <= 2; ++o.dim) {
     if (o.dim == 1) o.e_t = 0;
     const ContactProblem p = triangular_lattice(8, o);
@@ -94,9 +89,7 @@ TEST(SpectralEstimate, LiesBetweenTheTrueEigenvalueAndTheBound) {
 }
 
 TEST(SpectralBound, DoesNotDependOnTheDirectionOfTheScene) {
-  LatticeOptions turned;
-  turned.turn = 0.6;
-  const ContactProblem a = triangular_lattice(4), b = triangular_lattice(4, turned);
+  const ContactProblem a = triangular_lattice(4), b = triangular_lattice(4, {.turn = 0.6});
   const Vector ones = Vector::Ones(a.num_rows());
   const double bound = WholeSpace(a).norm_bound(ones);
   EXPECT_NEAR(bound, WholeSpace(b).norm_bound(ones), 1e-12 * bound);

@@ -17,10 +17,8 @@ namespace {
 
 SolveResult run_admm(const ContactProblem& p, std::map<std::string, std::string> parameters = {},
                      double tol = 1e-8, int max_iterations = 20000) {
-  SolverOptions o;
-  o.tol = tol;
-  o.max_iterations = max_iterations;
-  o.parameters = std::move(parameters);
+  SolverOptions o{
+      .tol = tol, .max_iterations = max_iterations, .parameters = std::move(parameters)};
   return solve("admm", p, o);
 }
 
@@ -61,9 +59,7 @@ TEST(Admm, GoesOnWithBalancedPenaltiesWhereThoseByStatusFail) {
 }
 
 TEST(Admm, AFewDozenIterationsSolveALattice) {
-  LatticeOptions o;
-  o.tilt = 0.17;
-  for (const ContactProblem& p : {triangular_lattice(20, o), square_lattice(20)}) {
+  for (const ContactProblem& p : {triangular_lattice(20, {.tilt = 0.17}), square_lattice(20)}) {
     const SolveResult r = run_admm(p);
     EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
     EXPECT_LT(r.iterations, 200);
@@ -87,8 +83,7 @@ TEST(Admm, SolvesAnUnsymmetricOperator) {
 
 // An eigenvalue of -0.01 is more than the first penalty: that is raised until the factor exists.
 TEST(Admm, RaisesThePenaltyOfAnIndefiniteOperator) {
-  ContactProblem p;
-  p.dim = 2;
+  ContactProblem p{.dim = 2};
   p.W.resize(4, 4);
   p.W.insert(0, 0) = 1;
   p.W.insert(0, 2) = 1.01;

@@ -24,10 +24,7 @@ namespace {
 
 SolveResult homotopy(const ContactProblem& p, double tol = 1e-11,
                      std::map<std::string, std::string> parameters = {}) {
-  SolverOptions options;
-  options.tol = tol;
-  options.parameters = std::move(parameters);
-  return solve("homotopy", p, options);
+  return solve("homotopy", p, {.tol = tol, .parameters = std::move(parameters)});
 }
 
 /// Paths from s = 0 as it is: no help by apgd.
@@ -84,9 +81,7 @@ TEST(Homotopy, SolvesRandomNetworksFromZeroAndAgreesWithLemke) {
       const SolveResult path = homotopy(m.problem, 1e-12, kFromZero);
       ASSERT_EQ(path.status, SolveStatus::kConverged) << dim << " " << seed << path.message;
       EXPECT_LE(naive_error(m.problem, path.s).guarded(), 1.01e-12);
-      SolverOptions options;
-      options.tol = 1e-11;
-      const SolveResult exact = solve("lemke", m.problem, options);
+      const SolveResult exact = solve("lemke", m.problem, {.tol = 1e-11});
       if (!is_success(exact.status)) continue;
       ++compared;
       EXPECT_LT((exact.u - path.u).norm(), 1e-8 * m.problem.u_free.norm())
@@ -146,8 +141,7 @@ TEST(Homotopy, TakesAnUnsymmetricOperatorAsItIs) {
 
 TEST(Homotopy, SaysWhenAProblemHasNoSolution) {
   // A body between two walls that close in on it from both sides: u_1 + u_2 = -2 whatever s is.
-  ContactProblem p;
-  p.dim = 1;
+  ContactProblem p{.dim = 1};
   p.A.resize(1, 1);
   p.A.insert(0, 0) = 1;
   p.H.resize(1, 2);
@@ -168,10 +162,7 @@ TEST(Homotopy, AWarmStartNeedsFewerPivots) {
   const ContactProblem p = shipped("2d_pour300_392");
   const SolveResult cold = homotopy(p, 1e-10, kFromZero);
   ASSERT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
-  SolverOptions options;
-  options.tol = 1e-10;
-  options.parameters = kFromZero;
-  options.s0 = cold.s;
+  SolverOptions options{.tol = 1e-10, .s0 = cold.s, .parameters = kFromZero};
   for (Eigen::Index i = 0; i < options.s0.size(); ++i) options.s0[i] *= i % 4 < 2 ? 0.99 : 1.01;
   const SolveResult warm = solve("homotopy", p, options);
   ASSERT_EQ(warm.status, SolveStatus::kConverged) << warm.message;
@@ -238,9 +229,7 @@ TEST(Homotopy, EveryScheduleArrivesInItsOwnWay) {
 
 TEST(Homotopy, StopsAtItsLimitsAndSaysSo) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
-  SolverOptions options;
-  options.parameters = kFromZero;
-  options.max_iterations = 3;
+  SolverOptions options{.max_iterations = 3, .parameters = kFromZero};
   const SolveResult few = solve("homotopy", p, options);
   EXPECT_EQ(few.status, SolveStatus::kIterationLimit) << few.message;
   EXPECT_EQ(few.iterations, 3);

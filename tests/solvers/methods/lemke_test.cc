@@ -10,9 +10,7 @@ namespace bipot {
 namespace {
 
 SolveResult lemke(const ContactProblem& p, double tol = 1e-11) {
-  SolverOptions options;
-  options.tol = tol;
-  return solve("lemke", p, options);
+  return solve("lemke", p, {.tol = tol});
 }
 
 TEST(Lemke, OneContactTakesOffSticksAndSlips) {
@@ -48,9 +46,7 @@ TEST(Lemke, SolvesRandomNetworksExactlyAndAgreesWithGaussSeidel) {
       const SolveResult exact = lemke(m.problem);
       ASSERT_EQ(exact.status, SolveStatus::kConverged) << dim << seed << exact.message;
       EXPECT_LE(contact_error(m.problem, exact.s).guarded(), 1e-11);
-      SolverOptions options;
-      options.tol = 1e-10;
-      const SolveResult swept = solve("pgs", m.problem, options);
+      const SolveResult swept = solve("pgs", m.problem, {.tol = 1e-10});
       if (!is_success(swept.status)) continue;
       ++compared;
       EXPECT_LT((swept.u - exact.u).norm(), 1e-6 * m.problem.u_free.norm())
@@ -84,8 +80,7 @@ TEST(Lemke, TakesAnUnsymmetricOperatorAsItIs) {
 
 TEST(Lemke, SaysWhenAProblemHasNoSolution) {
   // A body between two walls that close in on it from both sides: u_1 + u_2 = -2 whatever s is.
-  ContactProblem p;
-  p.dim = 1;
+  ContactProblem p{.dim = 1};
   p.A.resize(1, 1);
   p.A.insert(0, 0) = 1;
   p.H.resize(1, 2);
@@ -103,8 +98,7 @@ TEST(Lemke, SaysWhenAProblemHasNoSolution) {
 
 TEST(Lemke, StopsAtItsLimitsAndSaysSo) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
-  SolverOptions options;
-  options.max_iterations = 3;
+  SolverOptions options{.max_iterations = 3};
   const SolveResult few = solve("lemke", p, options);
   EXPECT_EQ(few.status, SolveStatus::kIterationLimit) << few.message;
   EXPECT_EQ(few.iterations, 3);

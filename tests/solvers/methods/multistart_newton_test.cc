@@ -10,9 +10,7 @@ namespace bipot {
 namespace {
 
 SolveResult multistart(const ContactProblem& p, double tol = 1e-11) {
-  SolverOptions options;
-  options.tol = tol;
-  return solve("multistart", p, options);
+  return solve("multistart", p, {.tol = tol});
 }
 
 TEST(MultistartNewton, SolvesRandomNetworksExactlyAndAgreesWithGaussSeidel) {
@@ -22,9 +20,7 @@ TEST(MultistartNewton, SolvesRandomNetworksExactlyAndAgreesWithGaussSeidel) {
       const Manufactured m = manufactured_problem(dim, 8, 10, seed);
       const SolveResult exact = multistart(m.problem);
       ASSERT_EQ(exact.status, SolveStatus::kConverged) << dim << seed << exact.message;
-      SolverOptions options;
-      options.tol = 1e-10;
-      const SolveResult swept = solve("pgs", m.problem, options);
+      const SolveResult swept = solve("pgs", m.problem, {.tol = 1e-10});
       if (!is_success(swept.status)) continue;
       ++compared;
       EXPECT_LT((swept.u - exact.u).norm(), 1e-6 * m.problem.u_free.norm())
@@ -39,8 +35,7 @@ TEST(MultistartNewton, SolvesRandomNetworksExactlyAndAgreesWithGaussSeidel) {
 // would need s_n = -1 at u = 0.
 TEST(MultistartNewton, SlipsExactlyWhateverTheFriction) {
   for (const double mu : {0.1, 1.0, 1e3, 1e6, 1e9}) {
-    ContactProblem p;
-    p.dim = 2;
+    ContactProblem p{.dim = 2};
     p.W.resize(2, 2);
     p.W.insert(0, 0) = 2;
     p.W.insert(0, 1) = -1;
@@ -69,18 +64,14 @@ TEST(MultistartNewton, SolvesHyperstaticScenes) {
 
 TEST(MultistartNewton, BeginsWithTheCallersImpulse) {
   const Manufactured m = manufactured_problem(3, 8, 10, 1);
-  SolverOptions options;
-  options.tol = 1e-11;
-  options.s0 = m.s * (1 + 1e-6);
-  const SolveResult r = solve("multistart", m.problem, options);
+  const SolveResult r = solve("multistart", m.problem, {.tol = 1e-11, .s0 = m.s * (1 + 1e-6)});
   ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
   EXPECT_LE(r.iterations, 3);
 }
 
 TEST(MultistartNewton, StopsAtItsLimitsAndSaysSo) {
   const ContactProblem p = manufactured_problem(3, 12, 20, 3).problem;
-  SolverOptions options;
-  options.max_iterations = 1;
+  SolverOptions options{.max_iterations = 1};
   const SolveResult few = solve("multistart", p, options);
   EXPECT_EQ(few.status, SolveStatus::kIterationLimit) << few.message;
   EXPECT_EQ(few.iterations, 1);

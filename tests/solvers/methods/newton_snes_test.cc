@@ -153,17 +153,14 @@ TEST(Newton, RepeatsItselfBitForBit) {
 
 TEST(Newton, AnExactStartCostsNoIteration) {
   const Manufactured m = manufactured_problem(2, 10, 12, 3);
-  SolverOptions options;
-  options.s0 = m.s;
-  const SolveResult r = solve("newton", m.problem, options);
+  const SolveResult r = solve("newton", m.problem, {.s0 = m.s});
   EXPECT_EQ(r.status, SolveStatus::kConverged);
   EXPECT_EQ(r.iterations, 0);
 }
 
 TEST(Newton, StopsAtItsLimitsAndSaysSo) {
   const ContactProblem p = lattice_step(Lattice::kPyramid, 10, 0.3, 0);
-  SolverOptions options;
-  options.max_iterations = 2;
+  SolverOptions options{.max_iterations = 2};
   const SolveResult few = solve("newton", p, options);
   EXPECT_EQ(few.status, SolveStatus::kIterationLimit) << few.message;
   EXPECT_EQ(few.iterations, 2);
@@ -234,8 +231,7 @@ SolveResult with_factor(const ContactProblem& p, const SolverOptions& options,
 
 TEST(Newton, SystemsMayBeFactoredElsewhere) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
-  SolverOptions options;
-  options.parameters = {{"start_sweeps", "0"}};
+  SolverOptions options{.parameters = {{"start_sweeps", "0"}}};
   OthersFactor others;
   const SolveResult r = with_factor(p, options, &others);
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
@@ -247,8 +243,7 @@ TEST(Newton, SystemsMayBeFactoredElsewhere) {
 
 TEST(Newton, AFactorElsewhereThatRefusesOrThrowsIsSaid) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
-  SolverOptions options;
-  options.parameters = {{"start_sweeps", "0"}};
+  SolverOptions options{.parameters = {{"start_sweeps", "0"}}};
   OthersFactor refuses(3);
   const SolveResult r = with_factor(p, options, &refuses);
   EXPECT_FALSE(is_success(r.status)) << r.message;

@@ -11,10 +11,7 @@ namespace {
 
 SolveResult ppa(const ContactProblem& p, std::map<std::string, std::string> parameters = {},
                 double tol = 1e-8) {
-  SolverOptions options;
-  options.tol = tol;
-  options.max_iterations = 1000;
-  options.parameters = std::move(parameters);
+  SolverOptions options{.tol = tol, .max_iterations = 1000, .parameters = std::move(parameters)};
   return solve("ppa", p, options);
 }
 
@@ -72,8 +69,7 @@ TEST(ProximalPoint, RefusesItselfUnknownSolversAndBadParameters) {
 
 TEST(ProximalPoint, StopsAtItsLimitsAndSaysSo) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 8, 0.3, 10);
-  SolverOptions options;
-  options.max_iterations = 2;
+  SolverOptions options{.max_iterations = 2};
   const SolveResult few = solve("ppa", p, options);
   EXPECT_EQ(few.status, SolveStatus::kIterationLimit) << few.message;
   EXPECT_EQ(few.iterations, 2);

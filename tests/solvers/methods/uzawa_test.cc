@@ -22,9 +22,7 @@ SolveResult run_uzawa(const std::string& solver, const ContactProblem& p,
 // velocity is (-4 + 0.5·3, 3) = (-2.5, 3), tau = (1.25, -1.5), outside the cone; (34) gives
 // s_n = (1.25 + 0.5·1.5)/1.25 = 1.6, s_t = -0.8.
 TEST(Uzawa, PaperStepIsFormula41) {
-  SolverOptions o;
-  o.max_iterations = 1;
-  o.tol = 1e-15;
+  SolverOptions o{.tol = 1e-15, .max_iterations = 1};
   double epsilon = 0;
   Vector b_t(1);
   b_t << 3;
@@ -40,9 +38,7 @@ TEST(Uzawa, PaperStepIsFormula41) {
 
 // The same contact: s_n = max(0, 0 + 4/2) = 2, then s_t = -3/2 cut off at mu s_n = 1.
 TEST(Classical, TakesTheNormalPartFirst) {
-  SolverOptions o;
-  o.max_iterations = 1;
-  o.tol = 1e-15;
+  SolverOptions o{.tol = 1e-15, .max_iterations = 1};
   double epsilon = 0;
   Vector b_t(1);
   b_t << 3;
@@ -58,12 +54,8 @@ TEST(Classical, TakesTheNormalPartFirst) {
 
 // rho W_tt = 3 > 2 on sticking contacts: the paper's step leaves the stable range.
 TEST(Uzawa, ThePapersStepFailsWhereDisksStick) {
-  LatticeOptions lattice;
-  lattice.tilt = 0.17;
-  const ContactProblem p = triangular_lattice(6, lattice);
-  SolverOptions o;
-  o.tol = 1e-2;
-  o.max_iterations = 20000;
+  const ContactProblem p = triangular_lattice(6, {.tilt = 0.17});
+  SolverOptions o{.tol = 1e-2, .max_iterations = 20000};
   for (const std::string solver : {"uzawa", "classical"}) {
     for (const std::string refresh : {"jacobi", "gauss-seidel"}) {
       const SolveResult r = run_uzawa(solver, p, {{"rho", "paper"}, {"refresh", refresh}}, o);
@@ -77,9 +69,7 @@ TEST(Uzawa, ThePapersStepFailsWhereDisksStick) {
 // The classical stop test is met long before the law holds: the iterates creep on a lattice.
 TEST(Classical, ItsOwnStopTestIsMetEarly) {
   const ContactProblem p = square_lattice(12);
-  SolverOptions o;
-  o.tol = 1e-2;
-  o.stop = StopTest::kImpulse;
+  SolverOptions o{.tol = 1e-2, .stop = StopTest::kImpulse};
   const SolveResult impulse = run_uzawa("classical", p, {}, o);
   ASSERT_EQ(impulse.status, SolveStatus::kConverged) << impulse.message;
   EXPECT_GT(impulse.error.guarded(), 10 * o.tol);

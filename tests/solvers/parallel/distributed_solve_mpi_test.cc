@@ -89,9 +89,7 @@ TEST(DistributedSolve, EverySolverMeetsTheToleranceOfTheWhole) {
   EXPECT_GE(several_solvers().size(), 9u);
   for (const NamedProblem& p : problems()) {
     for (const std::string& solver : several_solvers()) {
-      SolverOptions options;
-      options.tol = gets_near(solver) ? 1e-6 : 1e-3;
-      options.max_iterations = 200000;
+      SolverOptions options{.tol = gets_near(solver) ? 1e-6 : 1e-3, .max_iterations = 200000};
       const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group());
       expect_solved(p, out, options.tol, solver);
     }
@@ -132,10 +130,7 @@ TEST(DistributedSolve, AStartFarBeyondTheFreeMotionIsNoGrowth) {
 
 /// The best of so many iterations, all of them judged.
 SolverOptions first_iterations(int count) {
-  SolverOptions options;
-  options.tol = 1e-300;
-  options.max_iterations = count;
-  return options;
+  return SolverOptions{.tol = 1e-300, .max_iterations = count};
 }
 
 TEST(DistributedSolve, GradientIteratesAreThoseOfOneProcess) {
@@ -166,8 +161,7 @@ TEST(DistributedSolve, UzawaHasTheBitsOfOneProcess) {
 TEST(DistributedSolve, ReproducibleGradientHasTheSameBitsForAnyNumberOfProcesses) {
   for (const NamedProblem& p : problems()) {
     SCOPED_TRACE(p.name);
-    SolverOptions options;
-    options.tol = 1e-6;
+    SolverOptions options{.tol = 1e-6};
     const auto lone = lone_process();
     const DistributedOptions exact{.reproducible = true};
     const DistributedResult one = distributed_solve("apgd", p.problem, options, *lone, exact);
@@ -210,8 +204,7 @@ TEST(DistributedSolve, AProcessWithoutABodyTakesPart) {
 /// each held by a fixed wall outside: 24 contacts of the middle, 24 with the wall.
 ContactProblem wheel(std::vector<Vec3>& places) {
   constexpr int kRing = 24;
-  ContactProblem p;
-  p.dim = 2;
+  ContactProblem p{.dim = 2};
   const int dofs = 3 * (kRing + 1), contacts = 2 * kRing;
   std::vector<Eigen::Triplet<double>> H, A;
   // The ring first, so that contacts belong to its disks and the middle is everybody's ghost.
@@ -284,13 +277,11 @@ TEST(DistributedSolve, ADrivenWallMayBeCutByAllProcesses) {
   EXPECT_LE((same.result.s - one.s).norm(), 1e-9 * one.s.norm());
   EXPECT_LE((same.result.u - one.u).norm(), 1e-9 * one.u.norm());
   for (const std::string& solver : several_solvers()) {
-    SolverOptions options;
-    options.tol = 1e-3;
+    SolverOptions options{.tol = 1e-3};
     const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group());
     expect_solved(p, out, options.tol, solver);
   }
-  SolverOptions options;
-  options.tol = 1e-5;
+  SolverOptions options{.tol = 1e-5};
   const auto lone = lone_process();
   const DistributedOptions exact{.reproducible = true};
   const DistributedResult a = distributed_solve("apgd", p.problem, options, *lone, exact);
@@ -423,9 +414,7 @@ TEST(DistributedSolve, OtherSolversAndParametersRunOnTheFirstProcess) {
       {"pgs", {{"order", "shuffled"}}},
       {"uzawa", {{"refresh", "gauss-seidel"}}}};
   for (const auto& [solver, parameters] : ways) {
-    SolverOptions options;
-    options.tol = 1e-6;
-    options.parameters = parameters;
+    SolverOptions options{.tol = 1e-6, .parameters = parameters};
     const SolveResult one = solve(solver, p, options);
     const SolveResult out = distributed_solve(solver, p, options, mpi_group()).result;
     EXPECT_EQ(out.status, SolveStatus::kConverged) << solver << ": " << out.message;
@@ -433,8 +422,7 @@ TEST(DistributedSolve, OtherSolversAndParametersRunOnTheFirstProcess) {
     EXPECT_EQ(out.iterations, one.iterations) << solver;
     EXPECT_TRUE(out.s == one.s) << solver;
   }
-  SolverOptions exact;
-  exact.parameters = {{"order", "shuffled"}};
+  SolverOptions exact{.parameters = {{"order", "shuffled"}}};
   EXPECT_EQ(distributed_solve("pgs", p, exact, mpi_group(), {.reproducible = true}).result.status,
             SolveStatus::kInvalidInput);
 }

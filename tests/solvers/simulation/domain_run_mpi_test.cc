@@ -25,10 +25,7 @@ struct Way {
 };
 
 SolverOptions options_of(const Way& way) {
-  SolverOptions options;
-  options.tol = way.tol;
-  options.max_iterations = 20000;
-  return options;
+  return SolverOptions{.tol = way.tol, .max_iterations = 20000};
 }
 
 /// A state on the processes of a group, and its steps.

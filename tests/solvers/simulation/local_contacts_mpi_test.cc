@@ -285,8 +285,7 @@ TEST(Domains, AClaimAtRoundingIsProvedOnTheWholeOrNotMade) {
       const int c = reader.integer();
       for (int k = 0; k < whole.dim; ++k) impulse[c * whole.dim + k] = reader.number();
     }
-    SolverOptions options;
-    options.tol = tol;
+    SolverOptions options{.tol = tol};
     const ContactError error = contact_error(whole, impulse);
     const bool holds = error.guarded() <= tol && prove_claim(whole, options, impulse, error).holds;
     EXPECT_EQ(out.result.status == SolveStatus::kConverged, holds) << tol << out.result.message;
