@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
-#include <utility>
 
 #include "bench/command/exit_code.h"
 #include "bench/problems/scene_catalogue.h"

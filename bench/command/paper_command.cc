@@ -9,14 +9,12 @@
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/claim_report.h"
-#include "bench/experiments/paper_items.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
-#include "core/files/atomic_file.h"
 
 namespace bipot {
 namespace {

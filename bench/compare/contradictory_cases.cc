@@ -1,5 +1,4 @@
 #include <cmath>
-#include <numbers>
 
 #include "bench/compare/case_parts.h"
 #include "bench/compare/extreme_case.h"

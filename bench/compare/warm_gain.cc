@@ -1,7 +1,6 @@
 #include "bench/compare/warm_gain.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bench/measure/statistics.h"
 #include "bench/report/labels.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "bench/experiments/experiment_scene.h"
@@ -12,7 +11,6 @@
 #include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/observables/observables.h"
-#include "core/scene/generators.h"
 #include "core/scene_files/scene_file.h"
 
 namespace bipot {

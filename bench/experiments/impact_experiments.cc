@@ -1,7 +1,6 @@
 // A ball that bounces and a disk that swings in a hollow circle.
 
 #include <cmath>
-#include <numbers>
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"

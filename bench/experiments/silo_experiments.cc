@@ -16,7 +16,6 @@
 #include "bench/experiments/packing.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
-#include "core/scene/generators.h"
 
 namespace bipot {
 namespace {

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <limits>
-#include <span>
 #include <string>
 #include <vector>
 

@@ -1,7 +1,5 @@
 #include "bench/experiments/warm_start_study.h"
 
-#include <utility>
-
 #include "bench/measure/stopwatch.h"
 #include "core/motion/time_stepping.h"
 #include "solvers/registry.h"

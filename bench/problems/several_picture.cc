@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/motion/step_outcome.h"
 #include "core/pictures/force_picture.h"
 
 namespace bipot {

@@ -17,7 +17,6 @@
 #include "bench/python/callable_solver.h"
 #include "bench/python/python_problem.h"
 #include "bench/python/python_watch.h"
-#include "bench/report/build_info.h"
 #include "bench/report/chart.h"
 
 namespace bipot {

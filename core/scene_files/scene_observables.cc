@@ -1,7 +1,5 @@
 #include "core/scene_files/scene_observables.h"
 
-#include "core/scene/contact_frame.h"
-
 namespace bipot {
 namespace {
 

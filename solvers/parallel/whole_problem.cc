@@ -1,7 +1,6 @@
 #include "solvers/parallel/whole_problem.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace bipot {

@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "bench/problems/settled_pile.h"
 #include "core/scene/scene_family.h"

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "core/criterion/contact_error.h"
 #include "core/problem_files/problem_file.h"

@@ -4,17 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "bench/compare/comparison_measures.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/measure/true_error.h"
-#include "core/problem_files/fclib_file.h"
 #include "solvers/registry.h"
-#include "solvers/solve.h"
 #include "tests/support/several_problems.h"
-#include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 

@@ -17,7 +17,6 @@
 #include "bench/measure/true_error.h"
 #include "core/criterion/contact_error.h"
 #include "core/problem_files/fclib_file.h"
-#include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/markup_defect.h"
 #include "tests/support/naive_error.h"

@@ -2,13 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "bench/experiments/paper_items.h"
 #include "core/base/file_error.h"
 #include "tests/support/temporary_folder.h"
 

@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <random>
 
 #include "bench/page/deflate.h"

@@ -9,7 +9,6 @@
 #include "core/base/portable_random.h"
 #include "core/base/types.h"
 #include "core/motion/assembly.h"
-#include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
 #include "tests/support/manufactured.h"

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "core/base/portable_random.h"
-#include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/scene_parts.h"

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/motion/midpoint.h"
 #include "core/scene/scene_parts.h"
 
 namespace bipot {

@@ -12,7 +12,6 @@
 #include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "solvers/solve.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {

@@ -7,7 +7,6 @@
 
 #include "core/motion/sample_area.h"
 #include "core/motion/spring_dashpot.h"
-#include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_parts.h"
 #include "tests/support/scene_run.h"

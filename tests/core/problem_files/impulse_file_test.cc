@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <stdexcept>
 
 #include "core/base/file_error.h"
-#include "core/problem/delassus.h"
 #include "core/problem_files/fclib_file.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/temporary_folder.h"

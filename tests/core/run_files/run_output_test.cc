@@ -10,10 +10,8 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <regex>
-#include <set>
 #include <sstream>
 
 #include "core/files/hdf5_file.h"

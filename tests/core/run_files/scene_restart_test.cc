@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene_files/scene_file.h"

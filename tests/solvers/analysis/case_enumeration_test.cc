@@ -4,7 +4,6 @@
 
 #include "core/problem_files/problem_file.h"
 #include "solvers/analysis/several_answers.h"
-#include "solvers/solve.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/source_folder.h"
 

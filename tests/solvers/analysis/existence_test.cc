@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/base/portable_random.h"
-#include "core/problem/delassus.h"
 #include "solvers/analysis/certificate_check.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"

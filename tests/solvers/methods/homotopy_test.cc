@@ -3,15 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <random>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "core/problem_files/problem_file.h"
 #include "solvers/homotopy/path_follower.h"
-#include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "solvers/solve_run.h"
 #include "tests/support/manufactured.h"

@@ -10,7 +10,6 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/generators.h"
 #include "solvers/interior/interior_state.h"
-#include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "solvers/systems/shifted_delassus.h"
 #include "tests/support/manufactured.h"

@@ -18,7 +18,6 @@
 #include "solvers/solve_run.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
-#include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 

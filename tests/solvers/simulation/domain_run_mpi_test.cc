@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_parts.h"

@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "core/criterion/rounding_bound.h"
 #include "core/problem/delassus.h"
-#include "core/scene/contact_detection.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/distributed_space.h"
 #include "solvers/parallel/whole_problem.h"
 #include "solvers/simulation/body_buffer.h"
 #include "solvers/simulation/domain_piece.h"
-#include "solvers/solve.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/solvers/simulation/domain_scenes.h"
 
