@@ -1,13 +1,15 @@
-#include "bench/command/extremes_command.h"
-
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <system_error>
+#include <vector>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/compare/extreme_matrix.h"
@@ -23,6 +25,21 @@
 
 namespace bipot {
 namespace {
+
+struct ExtremesFlags {
+  std::vector<std::string> solvers;  ///< empty: all
+  std::string only;                  ///< a case, or how its name begins
+  bool quick = false;
+  double tol = 1e-8;
+  std::optional<double> time_limit;  ///< CPU seconds of a cell
+  std::string out;
+  std::string json;          ///< "-": standard output
+  std::string dump_problem;  ///< FCLIB file for the one problem that --only or --first names
+  int random_problems = 0, random_scenes = 0;
+  std::uint64_t seed = 1;
+  int first = 0;
+  bool quiet = false;
+};
 
 namespace fs = std::filesystem;
 
@@ -158,9 +175,7 @@ int matrix(const ExtremesFlags& flags) {
   return count_cells(result).wrong == 0 ? kExitConverged : kExitNotConverged;
 }
 
-}  // namespace
-
-CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags) {
+CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
   CommandDeclaration command = line.add_command(
       "extremes", "Where solvers hold and where they break: extreme cases, random problems");
   command.option("--only", flags.only, "One case, or all whose names begin so");
@@ -210,13 +225,19 @@ CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags)
   return command;
 }
 
-int extremes_command(const ExtremesFlags& flags) {
+int run_extremes(const ExtremesFlags& flags) {
   if (!flags.dump_problem.empty()) return dump(flags);
   make_folder(flags.out);
   require_writable(flags.json);
   const InterruptGuard interrupt;
   if (flags.random_problems + flags.random_scenes > 0) return random_sets(flags);
   return matrix(flags);
+}
+
+}  // namespace
+
+Command extremes_command(CommandLine& line) {
+  return make_command(line, &add_extremes, &run_extremes);
 }
 
 }  // namespace bipot

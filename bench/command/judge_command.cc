@@ -1,5 +1,3 @@
-#include "bench/command/judge_command.h"
-
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -7,8 +5,10 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
@@ -20,6 +20,19 @@
 
 namespace bipot {
 namespace {
+
+struct JudgeFlags {
+  std::string problem;   ///< FCLIB HDF5 or Siconos text
+  std::string impulses;  ///< empty: /solution of the problem file
+  double tol = 1e-8;
+  std::string order = "contact";  ///< or "component"
+  std::string components, negated;
+  double factor = 1;
+  int worst = 5;                   ///< contacts that are named
+  bool accept_indefinite = false;  ///< take a W that is no Delassus operator
+  bool quiet = false;
+  std::string json;
+};
 
 ImpulseLayout layout_of(const JudgeFlags& flags) {
   return {.order = flags.order == "component" ? ImpulseLayout::Order::kComponent
@@ -114,9 +127,7 @@ void print(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdic
   }
 }
 
-}  // namespace
-
-CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
+CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
   CommandDeclaration command = line.add_command(
       "judge", "How wrong is an impulse that any code computed for a problem file, and where");
   command.option("problem", flags.problem, "Problem file (FCLIB HDF5, Siconos text)").required();
@@ -169,7 +180,7 @@ CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
   return command;
 }
 
-int judge_command(const JudgeFlags& flags) {
+int run_judge(const JudgeFlags& flags) {
   const ProblemFile file =
       readable(flags.problem, [&] { return read_problem(flags.problem, flags.accept_indefinite); });
   require_writable(flags.json);
@@ -182,5 +193,9 @@ int judge_command(const JudgeFlags& flags) {
   if (!flags.quiet && flags.json != "-") print(flags, file.problem, verdict);
   return code;
 }
+
+}  // namespace
+
+Command judge_command(CommandLine& line) { return make_command(line, &add_judge, &run_judge); }
 
 }  // namespace bipot

@@ -1,11 +1,12 @@
-#include "bench/command/paper_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/claim_report.h"
@@ -18,6 +19,13 @@
 
 namespace bipot {
 namespace {
+
+struct PaperFlags {
+  std::vector<std::string> only;
+  bool quick = false, quiet = false;
+  std::string out = "out/paper";
+  std::string json;
+};
 
 namespace fs = std::filesystem;
 
@@ -76,9 +84,7 @@ ReportItem run_item(const PaperItem& item, const PaperContext& context,
   return entry;
 }
 
-}  // namespace
-
-CommandDeclaration add_paper_command(CommandLine& line, PaperFlags& flags) {
+CommandDeclaration add_paper(CommandLine& line, PaperFlags& flags) {
   CommandDeclaration command = line.add_command(
       "paper", "The paper's figures and tables, made again and checked, as a page");
   std::string names;
@@ -107,7 +113,7 @@ CommandDeclaration add_paper_command(CommandLine& line, PaperFlags& flags) {
   return command;
 }
 
-int paper_command(const PaperFlags& flags) {
+int run_paper(const PaperFlags& flags) {
   const std::vector<PaperItem>& items = paper_items();
   std::vector<std::string> names;
   for (const PaperItem& item : items) names.emplace_back(item.name);
@@ -186,5 +192,9 @@ int paper_command(const PaperFlags& flags) {
   if (InterruptGuard::requested()) return kExitInterrupted;
   return sound ? kExitConverged : kExitNotConverged;
 }
+
+}  // namespace
+
+Command paper_command(CommandLine& line) { return make_command(line, &add_paper, &run_paper); }
 
 }  // namespace bipot
