@@ -37,22 +37,23 @@ double disks_of(const std::string& family, int side) {
   return n * n;
 }
 
-SolverOptions options_of(const GrowthMethod& method, double tol, const GrowthLimits& limits) {
-  return SolverOptions{.tol = tol,
-                       .max_iterations = limits.max_iterations,
-                       .time_limit = limits.time_limit,
-                       .parameters = method.parameters,
-                       .cancelled = limits.cancelled};
+SolverOptions options_of(const SolverVariant& method, double tol, const GrowthLimits& limits) {
+  return {.tol = tol,
+          .max_iterations = limits.max_iterations,
+          .time_limit = limits.time_limit,
+          .parameters = method.parameters,
+          .execution = {.threads = limits.threads},
+          .cancelled = limits.cancelled};
 }
 
 GrowthRow empty_row(const GrowthScene& scene, const GrowthProblem& problem,
-                    const GrowthMethod& method, double tol) {
-  return GrowthRow{.family = scene.family,
-                   .method = method.name,
-                   .tol = tol,
-                   .side = problem.side,
-                   .bodies = problem.bodies,
-                   .contacts = problem.problem.num_contacts()};
+                    const SolverVariant& method, double tol) {
+  return {.family = scene.family,
+          .method = method.label,
+          .tol = tol,
+          .side = problem.side,
+          .bodies = problem.bodies,
+          .contacts = problem.problem.num_contacts()};
 }
 
 void fill(GrowthRow& row, const SolveResult& result) {
@@ -122,14 +123,14 @@ int side_of(const std::string& family, double disks) {
 }
 
 GrowthRow growth_row(const GrowthScene& scene, const GrowthProblem& problem,
-                     const GrowthMethod& method, double tol, const GrowthLimits& limits) {
+                     const SolverVariant& method, double tol, const GrowthLimits& limits) {
   GrowthRow row = empty_row(scene, problem, method, tol);
   fill(row, solve(method.solver, problem.problem, options_of(method, tol, limits)));
   return row;
 }
 
 std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem& problem,
-                                   const GrowthMethod& method, std::span<const double> tols,
+                                   const SolverVariant& method, std::span<const double> tols,
                                    const GrowthLimits& limits) {
   std::vector<GrowthRow> rows;
   if (!require_solver(method.solver).path_ignores_tolerance) {

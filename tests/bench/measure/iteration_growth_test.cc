@@ -34,9 +34,9 @@ TEST(IterationGrowth, OneSolveGivesTheRowsOfAllTolerances) {
   const GrowthScene scene{.family = "triangular", .tilt_degrees = 10};
   const GrowthProblem problem = make_growth_problem(scene, 8);
   const double tols[] = {1e-2, 1e-4, 1e-8};
-  for (const GrowthMethod& method :
-       {GrowthMethod{"u", "uzawa", {{"rho", "stable"}}}, GrowthMethod{"p", "pgs"},
-        GrowthMethod{"a", "apgd"}, GrowthMethod{"i", "ipm"}, GrowthMethod{"n", "auto"}}) {
+  for (const SolverVariant& method :
+       {SolverVariant{"u", "uzawa", {{"rho", "stable"}}}, SolverVariant{"p", "pgs"},
+        SolverVariant{"a", "apgd"}, SolverVariant{"i", "ipm"}, SolverVariant{"n", "auto"}}) {
     const auto rows = growth_rows(scene, problem, method, tols, {});
     ASSERT_EQ(rows.size(), 3u);
     for (std::size_t k = 0; k < 3; ++k) {
