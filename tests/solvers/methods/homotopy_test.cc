@@ -43,32 +43,6 @@ int counted(const SolveResult& r, const std::string& word) {
                                         : r.message.find_last_of(" (", at - 1) + 1));
 }
 
-TEST(Homotopy, OneContactTakesOffSticksAndSlips) {
-  const Vector gentle = Vector::Constant(1, 0.3), strong = Vector::Constant(1, 3.0);
-  for (const auto& start : {std::map<std::string, std::string>{}, kFromZero}) {
-    // w_n = 2, w_t = 3, mu = 0.4, b_n = -1: s_n = 1/2, friction bound 0.2.
-    SolveResult r = homotopy(one_contact_problem(2, 2, 3, 0.4, -1, gentle), 1e-14, start);
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
-    EXPECT_NEAR(r.s[0], 0.5, 1e-14);
-    EXPECT_NEAR(r.s[1], -0.1, 1e-14);
-    r = homotopy(one_contact_problem(2, 2, 3, 0.4, -1, strong), 1e-14, start);
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
-    EXPECT_NEAR(r.s[0], 0.5, 1e-14);
-    EXPECT_NEAR(r.s[1], -0.2, 1e-14);
-    EXPECT_NEAR(r.u[1], 2.4, 1e-14);
-    r = homotopy(one_contact_problem(2, 2, 3, 0.4, -1, -strong), 1e-14, start);
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
-    EXPECT_NEAR(r.s[1], 0.2, 1e-14);
-    r = homotopy(one_contact_problem(2, 2, 3, 0, -1, strong), 1e-14, start);
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
-    EXPECT_NEAR(r.s[0], 0.5, 1e-14);
-    EXPECT_EQ(r.s[1], 0);
-    r = homotopy(one_contact_problem(1, 2, 3, 0, -1, Vector()), 1e-14, start);
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
-    EXPECT_NEAR(r.s[0], 0.5, 1e-14);
-  }
-}
-
 TEST(Homotopy, SolvesRandomNetworksFromZeroAndAgreesWithLemke) {
   int compared = 0;
   for (int dim = 1; dim <= 2; ++dim) {
@@ -96,17 +70,6 @@ TEST(Homotopy, SolvesManufacturedProblemsBeyondTheReachOfLemke) {
   }
 }
 
-TEST(Homotopy, SolvesHyperstaticAndSymmetricScenes) {
-  const ContactProblem problems[] = {
-      lattice_step(Lattice::kSquare, 5, 0.3, 0), lattice_step(Lattice::kTriangular, 5, 0.3, 10),
-      lattice_step(Lattice::kTriangular, 6, 0, 0), lattice_step(Lattice::kPyramid, 5, 0.5, 0),
-      lattice_step(Lattice::kPyramid, 10, 0.3, 0)};
-  for (const ContactProblem& p : problems) {
-    const SolveResult r = homotopy(p);
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << p.num_contacts() << r.message;
-  }
-}
-
 TEST(Homotopy, SolvesSquareLatticesWhoseSideContactsNeitherPushNorMove) {
   // Every cell of a side contact touches its state: ties everywhere.
   for (const double mu : {0.0, 0.3}) {
@@ -124,34 +87,6 @@ TEST(Homotopy, SolvesMovingStepsToTwelveDigits) {
     ASSERT_EQ(r.status, SolveStatus::kConverged) << name << ": " << r.message;
     EXPECT_LE(naive_error(p, r.s).guarded(), 1.01e-12) << name;
   }
-}
-
-TEST(Homotopy, TakesAnUnsymmetricOperatorAsItIs) {
-  const Manufactured m = manufactured_problem(2, 8, 8, 5);
-  ContactProblem p = local_form(m.problem);
-  for (int k = 0; k < p.W.nonZeros(); ++k) p.W.valuePtr()[k] *= 1 + 1e-3 * (k % 7);
-  p.u_free = m.u - p.W * m.s;
-  const SolveResult r = homotopy(p);
-  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
-}
-
-TEST(Homotopy, SaysWhenAProblemHasNoSolution) {
-  // A body between two walls that close in on it from both sides: u_1 + u_2 = -2 whatever s is.
-  ContactProblem p{.dim = 1};
-  p.A.resize(1, 1);
-  p.A.insert(0, 0) = 1;
-  p.H.resize(1, 2);
-  p.H.insert(0, 0) = 1;
-  p.H.insert(0, 1) = -1;
-  p.A.makeCompressed();
-  p.H.makeCompressed();
-  p.v_free = Vector::Zero(1);
-  p.u_free = Vector::Constant(2, -1.0);
-  p.mu = Vector::Zero(2);
-  const SolveResult r = homotopy(p);
-  EXPECT_TRUE(r.status == SolveStatus::kStalled || r.status == SolveStatus::kDiverged)
-      << to_string(r.status) << ": " << r.message;
-  EXPECT_GT(r.error.guarded(), 1e-3);
 }
 
 TEST(Homotopy, AWarmStartNeedsFewerPivots) {
@@ -221,18 +156,6 @@ TEST(Homotopy, EveryScheduleArrivesInItsOwnWay) {
     iterations.insert(r.iterations);
   }
   EXPECT_EQ(iterations.size(), 3U);
-}
-
-TEST(Homotopy, StopsAtItsLimitsAndSaysSo) {
-  const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
-  SolverOptions options{.max_iterations = 3, .parameters = kFromZero};
-  const SolveResult few = solve("homotopy", p, options);
-  EXPECT_EQ(few.status, SolveStatus::kIterationLimit) << few.message;
-  EXPECT_EQ(few.iterations, 3);
-  options = {};
-  options.time_limit = 1e-9;
-  EXPECT_EQ(solve("homotopy", p, options).status, SolveStatus::kTimeLimit);
-  EXPECT_EQ(homotopy(manufactured_problem(3, 3, 4, 1).problem).status, SolveStatus::kInvalidInput);
 }
 
 TEST(Homotopy, StopsInsideAPath) {

@@ -416,23 +416,6 @@ TEST(InteriorPoint, PolishRemovesTheImpulsesOfDegenerateContacts) {
   EXPECT_LT(r.s[2], 1e-14);
 }
 
-TEST(InteriorPoint, NeverClaimsASolutionWhereNoneExists) {
-  // A body between two walls that close in on it.
-  ContactProblem p{.dim = 1};
-  p.A.resize(1, 1);
-  p.A.insert(0, 0) = 1;
-  p.H.resize(1, 2);
-  p.H.insert(0, 0) = 1;
-  p.H.insert(0, 1) = -1;
-  p.v_free = Vector::Zero(1);
-  p.u_free = Vector::Constant(2, -1);
-  p.mu = Vector::Zero(2);
-  const SolveResult r = solve("ipm", p);
-  EXPECT_TRUE(r.status == SolveStatus::kStalled || r.status == SolveStatus::kDiverged)
-      << to_string(r.status) << ": " << r.message;
-  EXPECT_TRUE(r.s.allFinite());
-}
-
 TEST(InteriorPoint, AGoodStartCostsAFewNewtonSteps) {
   const ContactProblem p = lattice(true, 10, 0.3, 10);
   const SolveResult rough = solve("ipm", p, with({}, 1e-5));
