@@ -10,11 +10,10 @@
 #include <tuple>
 
 #include "bench/compare/comparison_store.h"
-#include "bench/measure/cpu_limit.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/measure/statistics.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/measure/true_error.h"
-#include "bench/measure/warm_up.h"
 #include "bench/report/build_info.h"
 #include "core/base/file_error.h"
 #include "core/motion/time_stepping.h"

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "solvers/solve.h"
 

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/observables/observables.h"

@@ -13,7 +13,7 @@
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/packing.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/compression_scene.h"
 #include "bench/problems/scene_catalogue.h"

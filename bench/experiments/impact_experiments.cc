@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 
 namespace bipot {
 namespace {

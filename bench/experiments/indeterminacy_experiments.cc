@@ -7,7 +7,7 @@
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/force_range.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "core/base/portable_random.h"
 #include "core/scene/generators.h"

@@ -13,7 +13,7 @@
 #include <numbers>
 
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "core/observables/observables.h"
 #include "core/scene/generators.h"

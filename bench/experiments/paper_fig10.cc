@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/experiments/static_equilibrium.h"
 #include "core/criterion/contact_error.h"
 #include "core/linear/dense_factor.h"

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "bench/experiments/packing.h"
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/pictures/force_picture.h"

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "bench/experiments/compression_run.h"
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "core/pictures/force_picture.h"
 
 namespace bipot {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/measure/iteration_growth.h"
 
 namespace bipot {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/experiments/stop_test_study.h"
 #include "bench/measure/problem_target.h"
 #include "bench/measure/statistics.h"

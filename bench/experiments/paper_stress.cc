@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/experiments/compression_run.h"
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "core/motion/sample_area.h"
 #include "core/pictures/stress_picture.h"
 #include "core/scene/scene_family.h"

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "bench/experiments/paper_items.h"
-#include "bench/experiments/paper_scene.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/scene_files/scene_file.h"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/experiments/warm_start_study.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/scene_files/scene_file.h"

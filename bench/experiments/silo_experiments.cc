@@ -14,7 +14,7 @@
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/packing.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 
 namespace bipot {

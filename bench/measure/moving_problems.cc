@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <optional>
 
-#include "bench/problems/moving_run.h"
 #include "bench/problems/moving_scene.h"
 #include "bench/report/build_info.h"
 #include "core/base/file_error.h"

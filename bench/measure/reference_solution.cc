@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "bench/measure/cpu_limit.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/base/types.h"

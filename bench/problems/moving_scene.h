@@ -1,10 +1,12 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "core/scene/scene.h"
 #include "core/scene/scene_family.h"
+#include "solvers/simulation/scene_run.h"
 
 namespace bipot {
 
@@ -21,5 +23,15 @@ namespace bipot {
 /// is ignored. Throws std::invalid_argument for another name.
 Scene<2> make_moving_scene(const std::string& family, int side, const FamilyOptions& options);
 std::vector<std::string> moving_family_names();
+
+/// Runs a moving scene (moving_scene.h) up to the last of `steps`, increasing from 1. The solver is
+/// `apgd` to 1e-2 with at most kMovingIterations in each step, warm started. This is fixed, so that
+/// the problems do not depend on changes of other solvers. `on_step` receives those of `steps` that
+/// have contacts. Throws StepFailure.
+void run_moving_scene(const Scene<2>& scene, const std::vector<int>& steps,
+                      const std::function<void(const SceneStep<2>&)>& on_step);
+
+inline constexpr double kMovingTolerance = 1e-2;
+inline constexpr int kMovingIterations = 1000;
 
 }  // namespace bipot

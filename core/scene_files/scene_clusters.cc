@@ -1,5 +1,3 @@
-#include "core/scene_files/scene_clusters.h"
-
 #include <Eigen/Geometry>
 #include <numbers>
 
@@ -8,7 +6,7 @@
 #include "core/scene/generators.h"
 #include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_groups.h"
-#include "core/scene_files/scene_walls.h"
+#include "core/scene_files/scene_tables.h"
 
 namespace bipot {
 namespace {

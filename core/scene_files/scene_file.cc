@@ -19,15 +19,10 @@
 #include "core/files/input_file.h"
 #include "core/scene/generators.h"
 #include "core/scene_files/position_file.h"
-#include "core/scene_files/scene_cell.h"
-#include "core/scene_files/scene_clusters.h"
 #include "core/scene_files/scene_filling.h"
-#include "core/scene_files/scene_gates.h"
 #include "core/scene_files/scene_groups.h"
-#include "core/scene_files/scene_observables.h"
-#include "core/scene_files/scene_spheres.h"
 #include "core/scene_files/scene_table.h"
-#include "core/scene_files/scene_walls.h"
+#include "core/scene_files/scene_tables.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,10 @@
 // Items of `bipot paper` whose checks hold at every size, small. Label "long".
 
-#include "bench/experiments/paper_items.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "bench/experiments/paper_item.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

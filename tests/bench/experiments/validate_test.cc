@@ -6,9 +6,8 @@
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/force_range.h"
-#include "bench/experiments/validation_experiments.h"
 #include "bench/experiments/validation_report.h"
-#include "bench/experiments/validation_run.h"
+#include "bench/experiments/validation_row.h"
 #include "core/scene/scene_family.h"
 #include "tests/support/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "bench/report/gnuplot.h"
+#include "bench/report/program.h"
 #include "bench/report/text_lines.h"
 #include "core/base/file_error.h"
 #include "core/base/types.h"

@@ -1,10 +1,9 @@
-#include "bench/measure/cpu_limit.h"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cmath>
 
+#include "bench/measure/limited_solve.h"
 #include "bench/measure/stopwatch.h"
 
 namespace bipot {
