@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-/// Steps of a run of a moving scene (bench/problems/moving_scene.h, moving_run.h), counted from 1.
+/// Steps of a run of a moving scene (bench/problems/moving_scene.h), counted from 1.
 struct MovingRunRequest {
   std::string family;
   int side = 0;
