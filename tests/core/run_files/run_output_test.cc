@@ -24,6 +24,7 @@
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/state_bits.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -110,41 +111,6 @@ State<2> awkward_state(const Scene<2>& scene, int step) {
   return state;
 }
 
-/// All numbers of a state as bits, in one text: equal texts are equal states.
-std::string bits(const State<2>& state) {
-  std::string out;
-  const auto add = [&](double x) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, &x, sizeof(word));
-    out += fmt::format("{:016x} ", word);
-  };
-  const auto add2 = [&](const Vec2& x) {
-    add(x[0]);
-    add(x[1]);
-  };
-  out += fmt::format("{} ", state.step);
-  for (double x : {state.time, state.wall_work, state.friction_loss, state.shock_loss}) add(x);
-  for (const Disk& d : state.bodies) {
-    out += fmt::format("\ndisk {} ", d.material);
-    add2(d.x);
-    add2(d.v);
-    for (double x : {d.angle, d.spin, d.radius, d.mass, d.inertia}) add(x);
-  }
-  for (const Wall<2>& w : state.walls) {
-    out += fmt::format("\nwall '{}' {} {} {} ", w.name, static_cast<int>(w.shape),
-                       static_cast<int>(w.motion), w.material);
-    for (const Vec2& x : {w.a, w.b, w.normal, w.v, w.direction}) add2(x);
-    add(w.force);
-    add(w.mass);
-  }
-  for (const ContactOutcome<2>& c : state.contacts) {
-    out += fmt::format("\ncontact {} {} {} ", c.contact.i, c.contact.j, static_cast<int>(c.status));
-    add2(c.contact.n);
-    for (double x : {c.contact.gap, c.s_n, c.s_t, c.u_n, c.u_t}) add(x);
-  }
-  return out;
-}
-
 std::vector<std::vector<std::string>> csv(const std::filesystem::path& path) {
   std::vector<std::vector<std::string>> rows;
   std::ifstream in(path);
@@ -185,9 +151,9 @@ TEST(RunOutput, AStateIsReadBackBitForBit) {
     writer.close();
   }
   EXPECT_EQ(steps_in_folder(folder / "out"), (std::vector<int>{0, 8}));
-  EXPECT_EQ(bits(read_state(folder / "out")), bits(last));
-  EXPECT_EQ(bits(read_state(folder / "out/run.h5", 8)), bits(last));
-  EXPECT_EQ(bits(read_state(folder / "out", 0)), bits(first));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out")), bits_of_state(last));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out/run.h5", 8)), bits_of_state(last));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out", 0)), bits_of_state(first));
   EXPECT_EQ(Hdf5File(folder / "out/run.h5", Hdf5File::Mode::kRead).read_string("/scene"),
             "the scene's text");
   EXPECT_THROW(read_state(folder / "out", 3), FileError);
@@ -224,7 +190,7 @@ steps = 12
   ASSERT_GT(restarted.contacts.size(), 0u);
   TimeStepper<2> again(scene, make_step_solver(*entry, options), entry->needs_delassus);
   while (restarted.step < 12) again.advance(restarted);
-  EXPECT_EQ(bits(restarted), bits(state));
+  EXPECT_EQ(bits_of_state(restarted), bits_of_state(state));
 }
 
 TEST(RunOutput, EveryFrameCanBeReadThroughTheLinksOfTheRunFile) {
@@ -566,12 +532,12 @@ TEST(RunOutput, ARunWithTheOldNameOfTheBodiesIsContinued) {
     file.rename("/bodies", "/disks");
     if (file.exists("/format_version")) file.write("/format_version", 1);
   }
-  EXPECT_EQ(bits(read_state(folder / "out")), bits(state));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out")), bits_of_state(state));
   {
     RunWriter<2> writer(folder / "out", scene, "", 2);
     writer.frame(awkward_state(scene, 4));
   }
-  EXPECT_EQ(bits(read_state(folder / "out", 2)), bits(state));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out", 2)), bits_of_state(state));
   expect_data(folder / "out", file_text(folder / "out/run.xdmf"));
 }
 
@@ -596,7 +562,7 @@ TEST(RunOutput, ARunOfAVersionWithoutStressesIsContinued) {
     old += "\n";
   }
   std::ofstream(ledger) << old;
-  EXPECT_EQ(bits(read_state(folder / "out")), bits(first));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out")), bits_of_state(first));
   {
     RunWriter<2> writer(folder / "out", scene, "", 2);
     writer.step(second, report_of(second));
@@ -713,7 +679,8 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
     const std::vector<int> steps = steps_in_folder(folder / "out");
     ASSERT_GE(steps.size(), 2u);
     for (int step : steps) {
-      ASSERT_EQ(bits(read_state(folder / "out", step)), bits(awkward_state(scene, step)));
+      ASSERT_EQ(bits_of_state(read_state(folder / "out", step)),
+                bits_of_state(awkward_state(scene, step)));
     }
     const std::string xml = file_text(folder / "out/run.xdmf");
     expect_well_formed(xml);
