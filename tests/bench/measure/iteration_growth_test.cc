@@ -71,7 +71,7 @@ TEST(IterationGrowth, FitLeavesOutSmallAndUnmetRows) {
                   .bodies = static_cast<std::size_t>(disks),
                   .status = disks == 10000 ? SolveStatus::kTimeLimit : SolveStatus::kConverged,
                   .iterations = disks == 10 ? 1 : 3 * disks * disks,
-                  .solve_seconds = disks};
+                  .solve_seconds = static_cast<double>(disks)};
     rows.push_back(row);
     rows.push_back(row);  // measured again: counts once
   }
