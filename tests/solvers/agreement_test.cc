@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -17,6 +16,7 @@
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -123,18 +123,13 @@ TEST_P(Agreement, VelocitiesAndErrorsAreTheTrueOnes) {
   EXPECT_LT((r.u - c.u).norm(), 1e-6 * scale);
 }
 
-std::string test_name(const testing::TestParamInfo<Agreement::ParamType>& parameters) {
-  std::string name = std::get<0>(parameters.param) + "_on_" + std::get<1>(parameters.param);
-  for (char& c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-  }
-  return name;
-}
-
 INSTANTIATE_TEST_SUITE_P(, Agreement,
                          testing::Combine(testing::ValuesIn(solver_names()),
                                           testing::ValuesIn(case_names())),
-                         test_name);
+                         [](const auto& tested) {
+                           return test_name(std::get<0>(tested.param) + "_on_" +
+                                            std::get<1>(tested.param));
+                         });
 
 TEST(AgreementEvidence, ThePyramidHasSeveralVelocitySolutions) {
   // Coulomb's law is not associated: several motions of the pyramid satisfy it, to a tolerance

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <ostream>
 #include <string>
@@ -15,6 +14,7 @@
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -30,9 +30,7 @@ struct ExactVariant {
   std::string name() const {
     std::string text = solver;
     for (const auto& [key, value] : parameters) text += "_" + key + "_" + value;
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
-    return text;
+    return test_name(text);
   }
 };
 

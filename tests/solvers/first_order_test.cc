@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -15,6 +14,7 @@
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -26,10 +26,7 @@ struct Variant {
   std::string name() const {
     std::string text = solver;
     for (const auto& [key, value] : parameters) text += "_" + key + "_" + value;
-    for (char& c : text) {
-      if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-    }
-    return text;
+    return test_name(text);
   }
 };
 
@@ -199,6 +196,18 @@ TEST_P(FirstOrder, DoesNotDependOnTheDirectionOfTheScene) {
 
 INSTANTIATE_TEST_SUITE_P(, FirstOrder, testing::ValuesIn(variants()),
                          [](const auto& tested) { return tested.param.name(); });
+
+TEST(FirstOrderSolvers, SolveAnUnsymmetricOperator) {
+  const Manufactured m = manufactured_problem(3, 12, 10, 4);
+  ContactProblem p = local_form(m.problem);
+  const double scale = p.W.diagonal().maxCoeff();
+  for (int k = 0; k < p.W.nonZeros(); ++k) p.W.valuePtr()[k] += 1e-3 * scale * std::sin(k + 1);
+  p.u_free = m.u - Vector(p.W * m.s);
+  for (const char* solver : {"apgd", "admm"}) {
+    const SolveResult r = solve(solver, p, {.max_iterations = 20000});
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << solver << ": " << r.message;
+  }
+}
 
 }  // namespace
 }  // namespace bipot

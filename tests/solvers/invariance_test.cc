@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <cctype>
 #include <numbers>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -73,13 +73,7 @@ TEST_P(Invariance, DirectionDoesNotMatter) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, Invariance, testing::ValuesIn(solver_names()),
-                         [](const testing::TestParamInfo<std::string>& parameters) {
-                           std::string name = parameters.param;
-                           for (char& c : name) {
-                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-                           }
-                           return name;
-                         });
+                         [](const auto& tested) { return test_name(tested.param); });
 
 }  // namespace
 }  // namespace bipot

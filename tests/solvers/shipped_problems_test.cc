@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -19,6 +18,7 @@
 #include "solvers/solve.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -99,15 +99,8 @@ TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
   EXPECT_GE(converged, kHard.contains(name) ? kHard.at(name) : 3);
 }
 
-std::string name_of_problem(const testing::TestParamInfo<std::string>& parameters) {
-  std::string name = parameters.param;
-  for (char& c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-  }
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(, ShippedProblems, testing::ValuesIn(shipped_problems()), name_of_problem);
+INSTANTIATE_TEST_SUITE_P(, ShippedProblems, testing::ValuesIn(shipped_problems()),
+                         [](const auto& tested) { return test_name(tested.param); });
 
 TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
   // Two impulses that obey the law to 1e-10, by both implementations, with velocities that differ

@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <string>
 
 #include "core/problem/delassus.h"
 #include "solvers/kernels/spectral_estimate.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
-#include "tests/support/manufactured.h"
 
 namespace bipot {
 namespace {
@@ -56,21 +54,6 @@ TEST(AcceleratedGradient, AutoSolvesThePyramidThatSplitDoesNot) {
   EXPECT_EQ(run_apgd(p, "split", 1e-8, 20000).status, SolveStatus::kIterationLimit);
   EXPECT_EQ(run_apgd(p, "cone", 1e-8, 20000).status, SolveStatus::kConverged);
   EXPECT_EQ(run_apgd(p, "auto", 1e-8, 20000).status, SolveStatus::kConverged);
-}
-
-TEST(AcceleratedGradient, SolvesAnUnsymmetricOperator) {
-  const Manufactured m = manufactured_problem(3, 12, 10, 4);
-  ContactProblem p = without_bodies(m.problem);
-  const double scale = p.W.diagonal().maxCoeff();
-  int k = 0;
-  for (int row = 0; row < p.W.outerSize(); ++row) {
-    for (SparseRows::InnerIterator it(p.W, row); it; ++it) {
-      it.valueRef() += 1e-3 * scale * std::sin(++k);
-    }
-  }
-  p.u_free = m.u - Vector(p.W * m.s);
-  const SolveResult r = run_apgd(p, "auto");
-  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 
 TEST(SpectralEstimate, LiesBetweenTheTrueEigenvalueAndTheBound) {

@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <string>
 #include <utility>
 
 #include "core/problem/delassus.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
-#include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -64,21 +62,6 @@ TEST(Admm, AFewDozenIterationsSolveALattice) {
     EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
     EXPECT_LT(r.iterations, 200);
   }
-}
-
-TEST(Admm, SolvesAnUnsymmetricOperator) {
-  const Manufactured m = manufactured_problem(3, 12, 10, 4);
-  ContactProblem p = local_form(m.problem);
-  const double scale = p.W.diagonal().maxCoeff();
-  int k = 0;
-  for (int row = 0; row < p.W.outerSize(); ++row) {
-    for (SparseRows::InnerIterator it(p.W, row); it; ++it) {
-      it.valueRef() += 1e-3 * scale * std::sin(++k);
-    }
-  }
-  p.u_free = m.u - Vector(p.W * m.s);
-  const SolveResult r = run_admm(p);
-  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 
 // An eigenvalue of -0.01 is more than the first penalty: that is raised until the factor exists.

@@ -6,14 +6,12 @@
 #include <set>
 #include <string>
 
-#include "core/problem_files/problem_file.h"
 #include "solvers/homotopy/path_follower.h"
 #include "solvers/solve.h"
 #include "solvers/solve_run.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/small_problems.h"
-#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -25,10 +23,6 @@ SolveResult homotopy(const ContactProblem& p, double tol = 1e-11,
 
 /// Paths from s = 0 as it is: no help by apgd.
 const std::map<std::string, std::string> kFromZero = {{"start_tol", "1"}};
-
-ContactProblem shipped(const std::string& name) {
-  return read_problem(source_folder() / "data/problems" / (name + ".hdf5")).problem;
-}
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -82,7 +76,7 @@ TEST(Homotopy, SolvesSquareLatticesWhoseSideContactsNeitherPushNorMove) {
 
 TEST(Homotopy, SolvesMovingStepsToTwelveDigits) {
   for (const char* name : {"2d_pour300_273", "2d_pour300_392", "2d_tilt1000hi_182"}) {
-    const ContactProblem p = shipped(name);
+    const ContactProblem p = shipped_file(std::string(name) + ".hdf5");
     const SolveResult r = homotopy(p, 1e-12);
     ASSERT_EQ(r.status, SolveStatus::kConverged) << name << ": " << r.message;
     EXPECT_LE(naive_error(p, r.s).guarded(), 1.01e-12) << name;
@@ -90,7 +84,7 @@ TEST(Homotopy, SolvesMovingStepsToTwelveDigits) {
 }
 
 TEST(Homotopy, AWarmStartNeedsFewerPivots) {
-  const ContactProblem p = shipped("2d_pour300_392");
+  const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
   const SolveResult cold = homotopy(p, 1e-10, kFromZero);
   ASSERT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
   SolverOptions options{.tol = 1e-10, .s0 = cold.s, .parameters = kFromZero};
@@ -103,7 +97,7 @@ TEST(Homotopy, AWarmStartNeedsFewerPivots) {
 
 TEST(Homotopy, AnotherChainOfStartsArrivesWhereTheFirstStops) {
   // From a small delta all paths of the first chain fail, here after 42 of them.
-  const ContactProblem p = shipped("2d_pyramid_10");
+  const ContactProblem p = shipped_file("2d_pyramid_10.hdf5");
   const SolveResult r = homotopy(p, 1e-9, {{"start_tol", "1e-2"}, {"delta", "1e-6"}});
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
@@ -111,7 +105,7 @@ TEST(Homotopy, AnotherChainOfStartsArrivesWhereTheFirstStops) {
 /// Impulses are judged where a path arrived, and at the turning points of others: so many
 /// iterations are neither pivots nor steps of apgd.
 TEST(Homotopy, TurningPointsThatItGoesOnFromAreJudged) {
-  const SolveResult r = homotopy(shipped("2d_pyramid_20_mu05"), 1e-8, kFromZero);
+  const SolveResult r = homotopy(shipped_file("2d_pyramid_20_mu05.hdf5"), 1e-8, kFromZero);
   ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
   const int judged = r.iterations - counted(r, "pivots") - counted(r, "of apgd");
   const int arrived = counted(r, "paths (") - counted(r, "paths failed");
@@ -121,7 +115,7 @@ TEST(Homotopy, TurningPointsThatItGoesOnFromAreJudged) {
 
 /// From a start that is no good: without its own chain, each seed's changes of it lead another way.
 TEST(Homotopy, ShakenStartsArriveEachInItsOwnWay) {
-  const ContactProblem p = shipped("2d_pour300_273");
+  const ContactProblem p = shipped_file("2d_pour300_273.hdf5");
   std::set<int> pivots;
   std::set<std::string> said;
   for (const char* seed : {"1", "2", "3", "1"}) {
@@ -147,7 +141,7 @@ TEST(Homotopy, ShakenStartsArriveEachInItsOwnWay) {
 
 TEST(Homotopy, EveryScheduleArrivesInItsOwnWay) {
   // From zero at a small delta paths fail: what follows is the schedule's.
-  const ContactProblem p = shipped("2d_pour300_392");
+  const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
   std::set<int> iterations;
   for (const char* schedule : {"bold", "cautious", "steady"}) {
     const SolveResult r =
@@ -160,7 +154,7 @@ TEST(Homotopy, EveryScheduleArrivesInItsOwnWay) {
 
 TEST(Homotopy, StopsInsideAPath) {
   // From zero the path of this step has hundreds of pivots; the caller says stop after a few polls.
-  const ContactProblem p = shipped("2d_tilt1000hi_182");
+  const ContactProblem p = shipped_file("2d_tilt1000hi_182.hdf5");
   SolverOptions options;
   options.parameters = kFromZero;
   int polls = 0;

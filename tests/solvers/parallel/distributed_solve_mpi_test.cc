@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
-#include "core/problem_files/problem_file.h"
 #include "solvers/parallel/contact_owners.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/registry.h"
@@ -19,7 +18,6 @@
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"
-#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -29,10 +27,6 @@ struct NamedProblem {
   ContactProblem problem;
 };
 
-ContactProblem shipped(const std::string& name) {
-  return read_problem(source_folder() / "data/problems" / name).problem;
-}
-
 std::vector<NamedProblem> problems() {
   std::vector<NamedProblem> list;
   list.push_back({"square lattice", square_lattice(8, {.tilt = 0.05})});
@@ -40,8 +34,8 @@ std::vector<NamedProblem> problems() {
   list.push_back({"triangular lattice, d = 1", triangular_lattice(8, {.dim = 1})});
   list.push_back({"restitution", square_lattice(6, {.e_n = 0.5, .e_t = 0.2})});
   list.push_back({"spheres", cubic_lattice(4)});
-  list.push_back({"pile", shipped("2d_pour12_170.hdf5")});
-  list.push_back({"moving", shipped("2d_strike12_450.hdf5")});
+  list.push_back({"pile", shipped_file("2d_pour12_170.hdf5")});
+  list.push_back({"moving", shipped_file("2d_strike12_450.hdf5")});
   return list;
 }
 
@@ -175,7 +169,7 @@ TEST(DistributedSolve, ReproducibleGradientHasTheSameBitsForAnyNumberOfProcesses
 }
 
 TEST(DistributedSolve, TheSameProcessesGetTheSameBitsAgain) {
-  const ContactProblem p = shipped("2d_pour12_170.hdf5");
+  const ContactProblem p = shipped_file("2d_pour12_170.hdf5");
   for (const std::string& solver : several_solvers()) {
     const SolverOptions options = first_iterations(300);
     const DistributedResult a = distributed_solve(solver, p, options, mpi_group());
@@ -264,7 +258,7 @@ TEST(DistributedSolve, ABodyMayTouchAllProcesses) {
 }
 
 TEST(DistributedSolve, ADrivenWallMayBeCutByAllProcesses) {
-  const NamedProblem p{"compression", shipped("2d_isotropic_compression.hdf5")};
+  const NamedProblem p{"compression", shipped_file("2d_isotropic_compression.hdf5")};
   const BodyNodes nodes = body_nodes(p.problem);
   ASSERT_FALSE(nodes.everywhere.empty());
   const ContactOwners owners = contact_owners(p.problem, nodes, {}, mpi_group().size());
@@ -360,7 +354,7 @@ TEST(DistributedSolve, SplitMassesBoundTheOperator) {
 }
 
 TEST(DistributedSolve, AllStopWhereOneIsInterruptedOrOutOfTime) {
-  const ContactProblem p = shipped("2d_pour300_392.hdf5");
+  const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
   const bool last = mpi_group().rank() == mpi_group().size() - 1;
   SolverOptions options;
   options.tol = 1e-14;
