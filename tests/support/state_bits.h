@@ -13,7 +13,7 @@ inline std::string bits_of(double x) { return fmt::format("{:a} ", x); }
 template <class Derived>
 std::string bits_of(const Eigen::DenseBase<Derived>& x) {
   std::string text;
-  for (const double entry : x.reshaped()) text += bits_of(entry);
+  for (Eigen::Index k = 0; k < x.size(); ++k) text += bits_of(x.derived().coeff(k));
   return text;
 }
 template <class... Values>
