@@ -32,7 +32,7 @@ TEST(DiskStructure, IsFoundInLatticesWithAndWithoutFriction) {
 TEST(DiskStructure, GivesTheSameProductsAsH) {
   for (const int dim : {1, 2}) {
     const ContactProblem p =
-        triangular_lattice(5, {.dim = dim, .turn = 0.3, .e_n = 0.1, .e_t = dim == 2 ? 1 : 0});
+        triangular_lattice(5, {.dim = dim, .turn = 0.3, .e_n = 0.1, .e_t = dim == 2 ? 1.0 : 0.0});
     const DelassusOperator packed(p);
     ASSERT_TRUE(packed.disks().has_value());
     const Vector s = sine_vector(p.num_rows());
