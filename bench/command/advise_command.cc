@@ -186,6 +186,8 @@ int run_advise(const AdviseFlags& flags) {
 
 }  // namespace
 
-Command advise_command(CommandLine& line) { return make_command(line, &add_advise, &run_advise); }
+ProgramCommand advise_command(CommandLine& line) {
+  return make_command(line, &add_advise, &run_advise);
+}
 
 }  // namespace bipot

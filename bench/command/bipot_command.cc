@@ -53,9 +53,10 @@ std::string_view status_of(ExitCode code) {
 }
 
 /// The command named by the arguments; empty if there is none.
-std::string command_name(const std::vector<Command>& commands, int argc, const char* const* argv) {
+std::string command_name(const std::vector<ProgramCommand>& commands, int argc,
+                         const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
-    for (const Command& c : commands) {
+    for (const ProgramCommand& c : commands) {
       if (c.declaration.name() == argv[i]) return argv[i];
     }
   }
@@ -101,7 +102,7 @@ int run_command_line(int argc, const char* const* argv) {
       "  bipot validate --quick --out out/validate\n"
       "  bipot new heap > my.toml\n"
       "  bipot list solvers");
-  const std::vector<Command> commands = {
+  const std::vector<ProgramCommand> commands = {
       make_command(line, &add_run_command, &run_command),
       page_command(line),
       movie_command(line),
@@ -133,7 +134,7 @@ int run_command_line(int argc, const char* const* argv) {
     return refuse(message, code);
   };
   try {
-    for (const Command& c : commands) {
+    for (const ProgramCommand& c : commands) {
       if (!c.declaration.given()) continue;
       const std::string name = c.declaration.name();
       if (on_several_processes() && name != "solve" && name != "run") {

@@ -9,42 +9,42 @@ namespace bipot {
 
 /// A command of the program: declared on its command line, run after that was parsed. `run` returns
 /// an ExitCode, and throws std::invalid_argument or FileError before anything is done.
-struct Command {
+struct ProgramCommand {
   CommandDeclaration declaration;
   std::function<int()> run;
 };
 
 /// The command keeps its flags, which are filled when the line is parsed.
 template <class Flags>
-Command make_command(CommandLine& line, CommandDeclaration (*declare)(CommandLine&, Flags&),
-                     int (*run)(const Flags&)) {
+ProgramCommand make_command(CommandLine& line, CommandDeclaration (*declare)(CommandLine&, Flags&),
+                            int (*run)(const Flags&)) {
   const auto flags = std::make_shared<Flags>();
   return {declare(line, *flags), [flags, run] { return run(*flags); }};
 }
 
 /// Tries solvers and time steps on a scene and prints a recommendation: 0 if the goal is met or
 /// nothing touches.
-Command advise_command(CommandLine& line);
+ProgramCommand advise_command(CommandLine& line);
 /// Fills the table of solver x problem x tolerance and writes it: 0 if it is complete.
-Command compare_command(CommandLine& line);
+ProgramCommand compare_command(CommandLine& line);
 /// The matrix of cases and solvers, or random sets: 1 if anything is wrong.
-Command extremes_command(CommandLine& line);
+ProgramCommand extremes_command(CommandLine& line);
 /// Judges an impulse computed by any code for a problem file: 0 within the tolerance.
-Command judge_command(CommandLine& line);
+ProgramCommand judge_command(CommandLine& line);
 /// Names of solvers, scenes and problems.
-Command list_command(CommandLine& line);
+ProgramCommand list_command(CommandLine& line);
 /// A film of a run, by ffmpeg.
-Command movie_command(CommandLine& line);
+ProgramCommand movie_command(CommandLine& line);
 /// Prints a scene to begin with.
-Command new_command(CommandLine& line);
+ProgramCommand new_command(CommandLine& line);
 /// Writes index.html of a run into its folder.
-Command page_command(CommandLine& line);
+ProgramCommand page_command(CommandLine& line);
 /// Reproduces the paper: index page, results.json, charts. Items of an earlier run in the same
 /// folder stay unless they run now.
-Command paper_command(CommandLine& line);
+ProgramCommand paper_command(CommandLine& line);
 /// Runs whole simulations and writes their analysis: 0 if all were run.
-Command trade_command(CommandLine& line);
+ProgramCommand trade_command(CommandLine& line);
 /// Measures observables with known values, at several tolerances each.
-Command validate_command(CommandLine& line);
+ProgramCommand validate_command(CommandLine& line);
 
 }  // namespace bipot

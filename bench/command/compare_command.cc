@@ -191,7 +191,7 @@ int run_compare(const CompareFlags& flags) {
 
 }  // namespace
 
-Command compare_command(CommandLine& line) {
+ProgramCommand compare_command(CommandLine& line) {
   return make_command(line, &add_compare, &run_compare);
 }
 

@@ -236,7 +236,7 @@ int run_extremes(const ExtremesFlags& flags) {
 
 }  // namespace
 
-Command extremes_command(CommandLine& line) {
+ProgramCommand extremes_command(CommandLine& line) {
   return make_command(line, &add_extremes, &run_extremes);
 }
 

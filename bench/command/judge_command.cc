@@ -196,6 +196,8 @@ int run_judge(const JudgeFlags& flags) {
 
 }  // namespace
 
-Command judge_command(CommandLine& line) { return make_command(line, &add_judge, &run_judge); }
+ProgramCommand judge_command(CommandLine& line) {
+  return make_command(line, &add_judge, &run_judge);
+}
 
 }  // namespace bipot

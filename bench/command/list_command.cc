@@ -224,6 +224,6 @@ int run_list(const ListFlags& flags) {
 
 }  // namespace
 
-Command list_command(CommandLine& line) { return make_command(line, &add_list, &run_list); }
+ProgramCommand list_command(CommandLine& line) { return make_command(line, &add_list, &run_list); }
 
 }  // namespace bipot

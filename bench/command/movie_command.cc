@@ -41,6 +41,8 @@ int run_movie(const MovieFlags& flags) {
 
 }  // namespace
 
-Command movie_command(CommandLine& line) { return make_command(line, &add_movie, &run_movie); }
+ProgramCommand movie_command(CommandLine& line) {
+  return make_command(line, &add_movie, &run_movie);
+}
 
 }  // namespace bipot

@@ -52,6 +52,6 @@ int run_new(const NewFlags& flags) {
 
 }  // namespace
 
-Command new_command(CommandLine& line) { return make_command(line, &add_new, &run_new); }
+ProgramCommand new_command(CommandLine& line) { return make_command(line, &add_new, &run_new); }
 
 }  // namespace bipot

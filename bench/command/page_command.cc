@@ -33,6 +33,6 @@ int run_page(const PageFlags& flags) {
 
 }  // namespace
 
-Command page_command(CommandLine& line) { return make_command(line, &add_page, &run_page); }
+ProgramCommand page_command(CommandLine& line) { return make_command(line, &add_page, &run_page); }
 
 }  // namespace bipot

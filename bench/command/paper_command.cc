@@ -195,6 +195,8 @@ int run_paper(const PaperFlags& flags) {
 
 }  // namespace
 
-Command paper_command(CommandLine& line) { return make_command(line, &add_paper, &run_paper); }
+ProgramCommand paper_command(CommandLine& line) {
+  return make_command(line, &add_paper, &run_paper);
+}
 
 }  // namespace bipot

@@ -106,6 +106,8 @@ int run_trade(const TradeFlags& flags) {
 
 }  // namespace
 
-Command trade_command(CommandLine& line) { return make_command(line, &add_trade, &run_trade); }
+ProgramCommand trade_command(CommandLine& line) {
+  return make_command(line, &add_trade, &run_trade);
+}
 
 }  // namespace bipot

@@ -150,7 +150,7 @@ int run_validate(const ValidateFlags& flags) {
 
 }  // namespace
 
-Command validate_command(CommandLine& line) {
+ProgramCommand validate_command(CommandLine& line) {
   return make_command(line, &add_validate, &run_validate);
 }
 

@@ -41,8 +41,8 @@ SolverOptions options_of(const SolverVariant& method, double tol, const GrowthLi
   return {.tol = tol,
           .max_iterations = limits.max_iterations,
           .time_limit = limits.time_limit,
-          .parameters = method.parameters,
           .execution = {.threads = limits.threads},
+          .parameters = method.parameters,
           .cancelled = limits.cancelled};
 }
 

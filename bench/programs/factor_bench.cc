@@ -46,7 +46,8 @@ struct System {
 
 /// The system after `iterations` of the proximal interior point from its own start.
 System system_of(const ContactProblem& p, int iterations) {
-  SolveRun solve(p, {.tol = 1e-14, .max_iterations = iterations});
+  const SolverOptions options{.tol = 1e-14, .max_iterations = iterations};
+  SolveRun solve(p, options);
   solve.judge_every_iteration();
   InteriorSystem<2> system(p, solve.delassus(), ShiftedDelassus::Form::kBody);
   const double energy = spring_energy(system);
