@@ -1,9 +1,10 @@
+#include "bench/measure/limited_solve.h"
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cmath>
 
-#include "bench/measure/limited_solve.h"
 #include "bench/measure/stopwatch.h"
 
 namespace bipot {
