@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "core/base/portable_random.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/disk_union.h"
 #include "core/scene/generators.h"

@@ -16,7 +16,7 @@ DistinctAnswers::DistinctAnswers(const ContactProblem& problem)
 }
 
 VerifiedAnswer DistinctAnswers::judge(const Vector& s, std::string_view found_by) {
-  VerifiedAnswer answer{.error = evaluate_(s), .found_by = found_by};
+  VerifiedAnswer answer{.error = evaluate_(s), .found_by = std::string(found_by)};
   answer.s = evaluate_.impulse();
   const double scale = std::max(answer.error.friction_power, kTheta * answer.error.energy);
   answer.explained = std::sqrt(2 * answer.error.guarded() * largest_scale_ * scale);
