@@ -47,8 +47,8 @@ constexpr const char* kIntroduction =
 
 ReportItem run_item(const PaperItem& item, const PaperContext& context,
                     const std::string& command) {
-  ReportItem entry{.name = item.name,
-                   .title = item.title,
+  ReportItem entry{.name = std::string(item.name),
+                   .title = std::string(item.title),
                    .command = command,
                    .quick = context.quick,
                    .build = build_info(),
