@@ -20,10 +20,7 @@ namespace bipot {
 namespace {
 
 SolveResult refuse(std::string message) {
-  SolveResult result;
-  result.status = SolveStatus::kInvalidInput;
-  result.message = std::move(message);
-  return result;
+  return SolveResult{.status = SolveStatus::kInvalidInput, .message = std::move(message)};
 }
 
 /// Judges result.s and writes s, u and error. Withdraws false claims, and those that only the
@@ -199,8 +196,7 @@ std::string refusal(const SolverEntry& entry, const ContactProblem& p, const Sol
 
 SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const SolverOptions& options,
                      const Stopwatch& watch) {
-  SolveResult result;
-  result.s = Vector::Zero(space.problem().num_rows());
+  SolveResult result{.s = Vector::Zero(space.problem().num_rows())};
   const ContactError none = space.error(result.s);
   std::optional<ContactError> start;
   if (space.any(options.s0.size() != 0) && none.guarded() != 0) {
@@ -268,12 +264,10 @@ SolveResult solve(const SolverEntry& given_entry, const ContactProblem& problem,
     WholeSpace space(*given, options.execution.threads);
     return solve_in(space, entry, options, watch);
   } catch (const std::exception& e) {  // out of memory, an indefinite general mass matrix
-    SolveResult result;
-    result.status = SolveStatus::kNumericalFailure;
-    result.message = e.what();
-    result.s = Vector::Zero(problem.num_rows());
-    result.u = problem.u_free;
-    return result;
+    return SolveResult{.status = SolveStatus::kNumericalFailure,
+                       .message = e.what(),
+                       .s = Vector::Zero(problem.num_rows()),
+                       .u = problem.u_free};
   }
 }
 

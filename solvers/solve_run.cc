@@ -197,14 +197,12 @@ SolveResult SolveRun::nested(std::string_view solver, const SolverOptions& optio
 
 SolveResult SolveRun::finish() {
   if (taken_) return *std::move(taken_);
-  SolveResult result;
-  result.status = status_;
-  result.message = message_ + remarks_;
-  result.s = best_impulse();
-  result.iterations = iterations_;
-  result.setup_seconds = setup_seconds_;
-  result.solve_seconds = seconds() - setup_seconds_;
-  return result;
+  return SolveResult{.status = status_,
+                     .message = message_ + remarks_,
+                     .s = best_impulse(),
+                     .iterations = iterations_,
+                     .setup_seconds = setup_seconds_,
+                     .solve_seconds = seconds() - setup_seconds_};
 }
 
 SolveResult run_solver(const SolverEntry& entry, ContactSpace& space, const SolverOptions& options,

@@ -1,31 +1,14 @@
 #include "solvers/solver.h"
 
+#include <array>
+
 namespace bipot {
 
 std::string_view to_string(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::kNotRun:
-      return "not run";
-    case SolveStatus::kConverged:
-      return "converged";
-    case SolveStatus::kNothingToDo:
-      return "nothing to do";
-    case SolveStatus::kIterationLimit:
-      return "iteration limit";
-    case SolveStatus::kTimeLimit:
-      return "time limit";
-    case SolveStatus::kInterrupted:
-      return "interrupted";
-    case SolveStatus::kStalled:
-      return "stalled";
-    case SolveStatus::kDiverged:
-      return "diverged";
-    case SolveStatus::kNumericalFailure:
-      return "numerical failure";
-    case SolveStatus::kInvalidInput:
-      return "invalid input";
-  }
-  return "unknown status";
+  static constexpr std::array<std::string_view, 10> kNames = {
+      "not run",     "converged", "nothing to do", "iteration limit",   "time limit",
+      "interrupted", "stalled",   "diverged",      "numerical failure", "invalid input"};
+  return kNames.at(static_cast<std::size_t>(status));
 }
 
 bool is_success(SolveStatus status) {
@@ -33,27 +16,13 @@ bool is_success(SolveStatus status) {
 }
 
 std::string_view to_string(StopTest stop) {
-  switch (stop) {
-    case StopTest::kGuarded:
-      return "guarded";
-    case StopTest::kRaw42:
-      return "raw42";
-    case StopTest::kImpulse:
-      return "impulse";
-  }
-  return "unknown stop test";
+  static constexpr std::array<std::string_view, 3> kNames = {"guarded", "raw42", "impulse"};
+  return kNames.at(static_cast<std::size_t>(stop));
 }
 
 bool meets(const SolverOptions& options, const ContactError& error) {
-  switch (options.stop) {
-    case StopTest::kGuarded:
-      return error.guarded() <= options.tol;
-    case StopTest::kRaw42:
-      return error.raw42 <= options.tol;
-    case StopTest::kImpulse:
-      return false;
-  }
-  return false;
+  if (options.stop == StopTest::kImpulse) return false;
+  return (options.stop == StopTest::kRaw42 ? error.raw42 : error.guarded()) <= options.tol;
 }
 
 Vector start_of(const ContactProblem& problem, const SolverOptions& options) {

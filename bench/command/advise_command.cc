@@ -1,18 +1,20 @@
-#include "bench/command/advise_command.h"
-
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <system_error>
-#include <utility>
+#include <vector>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/scene_rewrite.h"
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
+#include "bench/tradeoff/advice.h"
 #include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/advise.h"
 #include "core/base/file_error.h"
@@ -25,6 +27,17 @@
 
 namespace bipot {
 namespace {
+
+struct AdviseFlags {
+  std::string scene;
+  Accuracy goal;                     ///< empty: default_goal of the scene
+  std::vector<std::string> solvers;  ///< empty: the promising ones
+  double time_limit = 60;
+  std::optional<double> window;
+  int samples = 6;
+  bool keep_step = false, quiet = false, force_overwrite = false, all = false;
+  std::string out, json, write;
+};
 
 namespace fs = std::filesystem;
 
@@ -72,9 +85,7 @@ void check_destinations(const AdviseFlags& flags) {
   if (failure) throw FileError(flags.out, "", "cannot create: " + failure.message());
 }
 
-}  // namespace
-
-CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
+CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
   CommandDeclaration command = line.add_command(
       "advise", "Which solver, tolerance and time step a scene needs, tried on the scene itself");
   command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
@@ -133,7 +144,7 @@ CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
   return command;
 }
 
-int advise_command(const AdviseFlags& flags) {
+int run_advise(const AdviseFlags& flags) {
   check_destinations(flags);
   const fs::path path = find_scene(flags.scene);
   const std::string text = read_text_file(path);
@@ -171,6 +182,12 @@ int advise_command(const AdviseFlags& flags) {
     if (!quiet) fmt::print("advice written into {}\n", flags.write);
   }
   return exit_code_of(advice.status);
+}
+
+}  // namespace
+
+ProgramCommand advise_command(CommandLine& line) {
+  return make_command(line, &add_advise, &run_advise);
 }
 
 }  // namespace bipot

@@ -7,9 +7,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <iostream>
-#include <memory>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -17,23 +15,13 @@
 #include <string_view>
 #include <vector>
 
-#include "bench/command/advise_command.h"
 #include "bench/command/command_line.h"
-#include "bench/command/compare_command.h"
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/extremes_command.h"
-#include "bench/command/judge_command.h"
-#include "bench/command/list_command.h"
-#include "bench/command/movie_command.h"
-#include "bench/command/new_command.h"
-#include "bench/command/page_command.h"
-#include "bench/command/paper_command.h"
 #include "bench/command/run_command.h"
 #include "bench/command/run_processes.h"
 #include "bench/command/solve_command.h"
-#include "bench/command/trade_command.h"
 #include "bench/command/tune_command.h"
-#include "bench/command/validate_command.h"
 #include "bench/report/json_output.h"
 #include "core/base/printable_text.h"
 #include "core/base/version.h"
@@ -41,19 +29,6 @@
 
 namespace bipot {
 namespace {
-
-struct Command {
-  CommandDeclaration declaration;
-  std::function<int()> run;
-};
-
-/// Declares a command; its flags are filled when it is parsed.
-template <class Flags>
-Command command(CommandLine& line, CommandDeclaration (*add)(CommandLine&, Flags&),
-                int (*run)(const Flags&)) {
-  const auto flags = std::make_shared<Flags>();
-  return {add(line, *flags), [flags, run] { return run(*flags); }};
-}
 
 /// The value of --json, read from the arguments themselves: it is then known for every command, and
 /// even if they cannot be parsed.
@@ -79,9 +54,10 @@ std::string_view status_of(ExitCode code) {
 }
 
 /// The command named by the arguments; empty if there is none.
-std::string command_name(const std::vector<Command>& commands, int argc, const char* const* argv) {
+std::string command_name(const std::vector<ProgramCommand>& commands, int argc,
+                         const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
-    for (const Command& c : commands) {
+    for (const ProgramCommand& c : commands) {
       if (c.declaration.name() == argv[i]) return argv[i];
     }
   }
@@ -127,21 +103,21 @@ int run_command_line(int argc, const char* const* argv) {
       "  bipot validate --quick --out out/validate\n"
       "  bipot new heap > my.toml\n"
       "  bipot list solvers");
-  const std::vector<Command> commands = {
-      command(line, &add_run_command, &run_command),
-      command(line, &add_page_command, &page_command),
-      command(line, &add_movie_command, &movie_command),
-      command(line, &add_solve_command, &solve_command),
-      command(line, &add_judge_command, &judge_command),
-      command(line, &add_compare_command, &compare_command),
-      command(line, &add_tune_command, &tune_command),
-      command(line, &add_advise_command, &advise_command),
-      command(line, &add_paper_command, &paper_command),
-      command(line, &add_trade_command, &trade_command),
-      command(line, &add_extremes_command, &extremes_command),
-      command(line, &add_validate_command, &validate_command),
-      command(line, &add_list_command, &list_command),
-      command(line, &add_new_command, &new_command),
+  const std::vector<ProgramCommand> commands = {
+      make_command(line, &add_run_command, &run_command),
+      page_command(line),
+      movie_command(line),
+      make_command(line, &add_solve_command, &solve_command),
+      judge_command(line),
+      compare_command(line),
+      make_command(line, &add_tune_command, &tune_command),
+      advise_command(line),
+      paper_command(line),
+      trade_command(line),
+      extremes_command(line),
+      validate_command(line),
+      list_command(line),
+      new_command(line),
   };
   const std::string json = json_destination(argc, argv);
   const auto refuse = [&](const std::string& message, ExitCode code) {
@@ -160,7 +136,7 @@ int run_command_line(int argc, const char* const* argv) {
     return refuse(message, code);
   };
   try {
-    for (const Command& c : commands) {
+    for (const ProgramCommand& c : commands) {
       if (!c.declaration.given()) continue;
       const std::string name = c.declaration.name();
       if (on_several_processes() && name != "solve" && name != "run") {

@@ -142,8 +142,7 @@ std::string meant_flag(const std::string& typed, const std::vector<std::string>&
 }
 
 OptionNode node_of(const CLI::Option* option) {
-  OptionNode node;
-  node.argument = option->get_lnames().empty() && option->get_snames().empty();
+  OptionNode node{.argument = option->get_lnames().empty() && option->get_snames().empty()};
   if (node.argument) {
     node.names = {option->get_name()};
   } else {

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "bench/command/command_line.h"
 #include "core/scene/scene.h"

@@ -1,10 +1,12 @@
-#include "bench/command/compare_command.h"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "bench/command/command_options.h"
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/command/watched_trade.h"
@@ -16,9 +18,29 @@
 #include "solvers/registry.h"
 
 namespace bipot {
+namespace {
+
+struct CompareFlags {
+  std::vector<std::string> targets;
+  std::vector<std::string> solvers = {"all"};
+  std::vector<double> tols;                    ///< empty: 1e-2, 1e-4, 1e-6, 1e-8; quick 1e-2, 1e-6
+  std::optional<double> time_limit;            ///< of one solve, 2 s; quick 1 s
+  std::optional<double> reference_time_limit;  ///< of one attempt, 5 s; quick 3 s
+  int threads = 1;
+  int repeat = 1;
+  double min_time = 0.02;  ///< of the repeats of a short solve together, CPU [s]
+  bool try_all = false;
+  bool warm = false;                  ///< warm rows beside the cold ones
+  std::optional<int> scene_problems;  ///< 3; quick 1
+  std::optional<int> scene_steps;     ///< all; quick 100
+  /// Scenes run as a whole, beside the problems; "set": the set of `bipot trade`.
+  std::vector<std::string> whole_runs;
+  bool quick = false, quiet = false;
+  std::string out, json;
+};
 namespace fs = std::filesystem;
 
-CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags) {
+CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
   CommandDeclaration command = line.add_command(
       "compare", "Solvers on problems at tolerances: time against true error, as a report");
   command
@@ -88,7 +110,7 @@ CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags) {
   return command;
 }
 
-int compare_command(const CompareFlags& flags) {
+int run_compare(const CompareFlags& flags) {
   ComparisonOptions options;
   options.solvers =
       flags.solvers.size() == 1 && flags.solvers[0] == "all" ? solver_names() : flags.solvers;
@@ -165,6 +187,12 @@ int compare_command(const CompareFlags& flags) {
   }
   return comparison.complete && (!whole || whole->analysed.trade.complete) ? kExitConverged
                                                                            : kExitInterrupted;
+}
+
+}  // namespace
+
+ProgramCommand compare_command(CommandLine& line) {
+  return make_command(line, &add_compare, &run_compare);
 }
 
 }  // namespace bipot

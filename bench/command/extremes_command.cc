@@ -1,13 +1,15 @@
-#include "bench/command/extremes_command.h"
-
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <system_error>
+#include <vector>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/compare/extreme_matrix.h"
@@ -23,6 +25,21 @@
 
 namespace bipot {
 namespace {
+
+struct ExtremesFlags {
+  std::vector<std::string> solvers;  ///< empty: all
+  std::string only;                  ///< a case, or how its name begins
+  bool quick = false;
+  double tol = 1e-8;
+  std::optional<double> time_limit;  ///< CPU seconds of a cell
+  std::string out;
+  std::string json;          ///< "-": standard output
+  std::string dump_problem;  ///< FCLIB file for the one problem that --only or --first names
+  int random_problems = 0, random_scenes = 0;
+  std::uint64_t seed = 1;
+  int first = 0;
+  bool quiet = false;
+};
 
 namespace fs = std::filesystem;
 
@@ -68,13 +85,12 @@ int dump(const ExtremesFlags& flags) {
 }
 
 int random_sets(const ExtremesFlags& flags) {
-  RandomSetOptions options;
-  options.first = flags.first;
-  options.seed = flags.seed;
-  options.tol = flags.tol;
-  options.time_limit = flags.time_limit.value_or(2);
-  options.solvers = solvers_of(flags);
-  options.interrupted = &InterruptGuard::requested;
+  RandomSetOptions options{.first = flags.first,
+                           .seed = flags.seed,
+                           .tol = flags.tol,
+                           .time_limit = flags.time_limit.value_or(2),
+                           .solvers = solvers_of(flags),
+                           .interrupted = &InterruptGuard::requested};
   bool sound = true;
   Document page{.made = provenance("extremes", typed_command())};
   Table findings{.columns = {{"set"}, {"kind"}, {"index"}, {"solver"}, {"message"}, {"again"}},
@@ -112,13 +128,12 @@ int random_sets(const ExtremesFlags& flags) {
 }
 
 int matrix(const ExtremesFlags& flags) {
-  MatrixOptions options;
-  options.solvers = solvers_of(flags);
-  options.only = flags.only;
-  options.quick = flags.quick;
-  options.tol = flags.tol;
-  options.time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2);
-  options.interrupted = &InterruptGuard::requested;
+  MatrixOptions options{.solvers = solvers_of(flags),
+                        .only = flags.only,
+                        .quick = flags.quick,
+                        .tol = flags.tol,
+                        .time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2),
+                        .interrupted = &InterruptGuard::requested};
   ExtremeMatrix result;
   {
     std::optional<ProgressBar> progress;
@@ -160,9 +175,7 @@ int matrix(const ExtremesFlags& flags) {
   return count_cells(result).wrong == 0 ? kExitConverged : kExitNotConverged;
 }
 
-}  // namespace
-
-CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags) {
+CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
   CommandDeclaration command = line.add_command(
       "extremes", "Where solvers hold and where they break: extreme cases, random problems");
   command.option("--only", flags.only, "One case, or all whose names begin so");
@@ -212,13 +225,19 @@ CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags)
   return command;
 }
 
-int extremes_command(const ExtremesFlags& flags) {
+int run_extremes(const ExtremesFlags& flags) {
   if (!flags.dump_problem.empty()) return dump(flags);
   make_folder(flags.out);
   require_writable(flags.json);
   const InterruptGuard interrupt;
   if (flags.random_problems + flags.random_scenes > 0) return random_sets(flags);
   return matrix(flags);
+}
+
+}  // namespace
+
+ProgramCommand extremes_command(CommandLine& line) {
+  return make_command(line, &add_extremes, &run_extremes);
 }
 
 }  // namespace bipot

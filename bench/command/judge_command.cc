@@ -1,15 +1,14 @@
-#include "bench/command/judge_command.h"
-
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
@@ -21,6 +20,19 @@
 
 namespace bipot {
 namespace {
+
+struct JudgeFlags {
+  std::string problem;   ///< FCLIB HDF5 or Siconos text
+  std::string impulses;  ///< empty: /solution of the problem file
+  double tol = 1e-8;
+  std::string order = "contact";  ///< or "component"
+  std::string components, negated;
+  double factor = 1;
+  int worst = 5;                   ///< contacts that are named
+  bool accept_indefinite = false;  ///< take a W that is no Delassus operator
+  bool quiet = false;
+  std::string json;
+};
 
 ImpulseLayout layout_of(const JudgeFlags& flags) {
   return {.order = flags.order == "component" ? ImpulseLayout::Order::kComponent
@@ -115,9 +127,7 @@ void print(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdic
   }
 }
 
-}  // namespace
-
-CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
+CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
   CommandDeclaration command = line.add_command(
       "judge", "How wrong is an impulse that any code computed for a problem file, and where");
   command.option("problem", flags.problem, "Problem file (FCLIB HDF5, Siconos text)").required();
@@ -170,7 +180,7 @@ CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
   return command;
 }
 
-int judge_command(const JudgeFlags& flags) {
+int run_judge(const JudgeFlags& flags) {
   const ProblemFile file =
       readable(flags.problem, [&] { return read_problem(flags.problem, flags.accept_indefinite); });
   require_writable(flags.json);
@@ -182,6 +192,12 @@ int judge_command(const JudgeFlags& flags) {
   }
   if (!flags.quiet && flags.json != "-") print(flags, file.problem, verdict);
   return code;
+}
+
+}  // namespace
+
+ProgramCommand judge_command(CommandLine& line) {
+  return make_command(line, &add_judge, &run_judge);
 }
 
 }  // namespace bipot

@@ -1,15 +1,15 @@
-#include "bench/command/list_command.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <variant>
 
 #include "bench/command/command_options.h"
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/help_text.h"
 #include "bench/problems/scene_catalogue.h"
@@ -20,6 +20,12 @@
 
 namespace bipot {
 namespace {
+
+struct ListFlags {
+  std::string what;  ///< "solvers" or "scenes"
+  std::string name;  ///< of one solver; empty: all
+  std::string json;
+};
 
 std::string_view kind_of(const ParameterSpec& spec) {
   switch (spec.kind) {
@@ -164,9 +170,7 @@ void print_names() {
   fmt::print("More: bipot list solvers|scenes|problems, bipot new\n");
 }
 
-}  // namespace
-
-CommandDeclaration add_list_command(CommandLine& line, ListFlags& flags) {
+CommandDeclaration add_list(CommandLine& line, ListFlags& flags) {
   CommandDeclaration command =
       line.add_command("list", "List solvers, shipped scenes and shipped problems");
   command.option("what", flags.what, "Kind of things; without it all names")
@@ -183,7 +187,7 @@ CommandDeclaration add_list_command(CommandLine& line, ListFlags& flags) {
   return command;
 }
 
-int list_command(const ListFlags& flags) {
+int run_list(const ListFlags& flags) {
   const bool solvers = flags.what == "solvers";
   if (!flags.name.empty()) {
     if (!solvers) throw std::invalid_argument(fmt::format("list {} takes no name", flags.what));
@@ -217,5 +221,9 @@ int list_command(const ListFlags& flags) {
   }
   return kExitConverged;
 }
+
+}  // namespace
+
+ProgramCommand list_command(CommandLine& line) { return make_command(line, &add_list, &run_list); }
 
 }  // namespace bipot

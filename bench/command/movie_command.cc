@@ -1,13 +1,21 @@
-#include "bench/command/movie_command.h"
-
 #include <fmt/format.h>
 
+#include <string>
+
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/page/run_movie.h"
 
 namespace bipot {
+namespace {
 
-CommandDeclaration add_movie_command(CommandLine& line, MovieFlags& flags) {
+struct MovieFlags {
+  std::string run;   ///< folder or run.h5
+  std::string file;  ///< of the movie; empty: movie.mp4 in the folder
+  int frames_a_second = 30;
+};
+
+CommandDeclaration add_movie(CommandLine& line, MovieFlags& flags) {
   CommandDeclaration command =
       line.add_command("movie", "Make an mp4 or a gif of a run, by the program ffmpeg");
   command.option("run", flags.run, "Run, finished or interrupted (folder or run.h5)").required();
@@ -24,11 +32,17 @@ CommandDeclaration add_movie_command(CommandLine& line, MovieFlags& flags) {
   return command;
 }
 
-int movie_command(const MovieFlags& flags) {
+int run_movie(const MovieFlags& flags) {
   const auto file =
       write_run_movie(flags.run, {.file = flags.file, .frames_a_second = flags.frames_a_second});
   fmt::print("{}\n", file.string());
   return kExitConverged;
+}
+
+}  // namespace
+
+ProgramCommand movie_command(CommandLine& line) {
+  return make_command(line, &add_movie, &run_movie);
 }
 
 }  // namespace bipot

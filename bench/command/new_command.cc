@@ -1,20 +1,25 @@
-#include "bench/command/new_command.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
 
 namespace bipot {
+namespace {
 
-CommandDeclaration add_new_command(CommandLine& line, NewFlags& flags) {
+struct NewFlags {
+  std::string name;  ///< of a template; empty: they are listed
+};
+
+CommandDeclaration add_new(CommandLine& line, NewFlags& flags) {
   std::vector<std::string> names;
   for (const auto& path : scene_templates()) names.push_back(path.stem().string());
   CommandDeclaration command = line.add_command("new", "Print a scene to begin with");
@@ -24,7 +29,7 @@ CommandDeclaration add_new_command(CommandLine& line, NewFlags& flags) {
   return command;
 }
 
-int new_command(const NewFlags& flags) {
+int run_new(const NewFlags& flags) {
   std::vector<std::string> names;
   for (const auto& path : scene_templates()) {
     std::ifstream file(path);
@@ -44,5 +49,9 @@ int new_command(const NewFlags& flags) {
   if (flags.name.empty()) return kExitConverged;
   throw std::invalid_argument(unknown_name_message("template", flags.name, names));
 }
+
+}  // namespace
+
+ProgramCommand new_command(CommandLine& line) { return make_command(line, &add_new, &run_new); }
 
 }  // namespace bipot

@@ -1,25 +1,31 @@
-#include "bench/command/paper_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/claim_report.h"
-#include "bench/experiments/paper_items.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
-#include "core/files/atomic_file.h"
 
 namespace bipot {
 namespace {
+
+struct PaperFlags {
+  std::vector<std::string> only;
+  bool quick = false, quiet = false;
+  std::string out = "out/paper";
+  std::string json;
+};
 
 namespace fs = std::filesystem;
 
@@ -41,13 +47,12 @@ constexpr const char* kIntroduction =
 
 ReportItem run_item(const PaperItem& item, const PaperContext& context,
                     const std::string& command) {
-  ReportItem entry;
-  entry.name = item.name;
-  entry.title = item.title;
-  entry.command = command;
-  entry.quick = context.quick;
-  entry.build = build_info();
-  entry.date = date_and_time();
+  ReportItem entry{.name = std::string(item.name),
+                   .title = std::string(item.title),
+                   .command = command,
+                   .quick = context.quick,
+                   .build = build_info(),
+                   .date = date_and_time()};
   const Stopwatch wall;
   const CpuStopwatch cpu;
   try {
@@ -79,9 +84,7 @@ ReportItem run_item(const PaperItem& item, const PaperContext& context,
   return entry;
 }
 
-}  // namespace
-
-CommandDeclaration add_paper_command(CommandLine& line, PaperFlags& flags) {
+CommandDeclaration add_paper(CommandLine& line, PaperFlags& flags) {
   CommandDeclaration command = line.add_command(
       "paper", "The paper's figures and tables, made again and checked, as a page");
   std::string names;
@@ -110,7 +113,7 @@ CommandDeclaration add_paper_command(CommandLine& line, PaperFlags& flags) {
   return command;
 }
 
-int paper_command(const PaperFlags& flags) {
+int run_paper(const PaperFlags& flags) {
   const std::vector<PaperItem>& items = paper_items();
   std::vector<std::string> names;
   for (const PaperItem& item : items) names.emplace_back(item.name);
@@ -150,10 +153,8 @@ int paper_command(const PaperFlags& flags) {
       std::count_if(names.begin(), names.end(), [&](const auto& name) { return chosen(name); }));
   ProgressBar progress(total, quiet);
   const InterruptGuard interrupt;
-  PaperContext context;
-  context.out = folder;
-  context.quick = flags.quick;
-  context.interrupted = &InterruptGuard::requested;
+  PaperContext context{
+      .out = folder, .quick = flags.quick, .interrupted = &InterruptGuard::requested};
   long done = 0;
   bool sound = true;
   std::string summary;
@@ -190,6 +191,12 @@ int paper_command(const PaperFlags& flags) {
   if (!quiet) fmt::print("{}{}\n", summary, (folder / "index.html").string());
   if (InterruptGuard::requested()) return kExitInterrupted;
   return sound ? kExitConverged : kExitNotConverged;
+}
+
+}  // namespace
+
+ProgramCommand paper_command(CommandLine& line) {
+  return make_command(line, &add_paper, &run_paper);
 }
 
 }  // namespace bipot

@@ -1,20 +1,28 @@
-#include "bench/command/trade_command.h"
-
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <system_error>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/watched_trade.h"
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
+#include "bench/tradeoff/trade_request.h"
 #include "core/base/file_error.h"
 
 namespace bipot {
+namespace {
 
-CommandDeclaration add_trade_command(CommandLine& line, TradeFlags& flags) {
+struct TradeFlags {
+  TradeRequest request;
+  bool quiet = false;
+  std::string out, json;
+};
+
+CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
   CommandDeclaration command = line.add_command(
       "trade", "Whole simulations: what a tolerance, a time step and springs cost and buy");
   command.option("scenes", flags.request.scenes,
@@ -75,7 +83,7 @@ CommandDeclaration add_trade_command(CommandLine& line, TradeFlags& flags) {
   return command;
 }
 
-int trade_command(const TradeFlags& flags) {
+int run_trade(const TradeFlags& flags) {
   const std::filesystem::path out = flags.out;
   if (!out.empty()) {
     require_plotting_tool();
@@ -94,6 +102,12 @@ int trade_command(const TradeFlags& flags) {
     if (!out.empty()) fmt::print("results in {}\n", flags.out);
   }
   return finished.analysed.trade.complete ? kExitConverged : kExitInterrupted;
+}
+
+}  // namespace
+
+ProgramCommand trade_command(CommandLine& line) {
+  return make_command(line, &add_trade, &run_trade);
 }
 
 }  // namespace bipot

@@ -1,5 +1,3 @@
-#include "bench/command/validate_command.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,8 +5,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 #include <system_error>
+#include <vector>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/validation_report.h"
@@ -21,6 +22,14 @@
 
 namespace bipot {
 namespace {
+
+struct ValidateFlags {
+  std::vector<std::string> only;
+  bool quick = false, quiet = false;
+  std::string solver = "apgd";
+  int max_iterations = 20000;
+  std::string out, json;
+};
 
 /// True if a row was requested, by its name or the beginning of it.
 bool asked_for(const ValidateFlags& flags, const ValidationRow& row) {
@@ -59,9 +68,7 @@ std::string again(const ValidateFlags& flags) {
   return line;
 }
 
-}  // namespace
-
-CommandDeclaration add_validate_command(CommandLine& line, ValidateFlags& flags) {
+CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
   CommandDeclaration command = line.add_command(
       "validate", "Physics that is known beforehand, checked: at which tolerance does it break?");
   command
@@ -94,7 +101,7 @@ CommandDeclaration add_validate_command(CommandLine& line, ValidateFlags& flags)
   return command;
 }
 
-int validate_command(const ValidateFlags& flags) {
+int run_validate(const ValidateFlags& flags) {
   require_solver(flags.solver);
   const std::vector<ValidationExperiment> experiments = chosen_experiments(flags);
   require_writable(flags.json);
@@ -105,15 +112,11 @@ int validate_command(const ValidateFlags& flags) {
     if (failure) throw FileError(flags.out, "", failure.message());
   }
   const InterruptGuard interrupt;
-  ValidationContext context;
-  context.quick = flags.quick;
-  context.solver = flags.solver;
-  context.max_iterations = flags.max_iterations;
-  context.stopped = &InterruptGuard::requested;
-  ValidationPage page;
-  page.command = again(flags);
-  page.solver = flags.solver;
-  page.quick = flags.quick;
+  ValidationContext context{.quick = flags.quick,
+                            .solver = flags.solver,
+                            .max_iterations = flags.max_iterations,
+                            .stopped = &InterruptGuard::requested};
+  ValidationPage page{.command = again(flags), .solver = flags.solver, .quick = flags.quick};
   {
     long total = 0, done = 0;
     for (const ValidationExperiment& e : experiments) {
@@ -143,6 +146,12 @@ int validate_command(const ValidateFlags& flags) {
   }
   if (!page.complete) return kExitInterrupted;
   return page.failed() == 0 ? kExitConverged : kExitNotConverged;
+}
+
+}  // namespace
+
+ProgramCommand validate_command(CommandLine& line) {
+  return make_command(line, &add_validate, &run_validate);
 }
 
 }  // namespace bipot

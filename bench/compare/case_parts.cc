@@ -1,7 +1,6 @@
 #include "bench/compare/case_parts.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/motion/midpoint.h"
 #include "core/motion/state.h"

@@ -10,11 +10,10 @@
 #include <tuple>
 
 #include "bench/compare/comparison_store.h"
-#include "bench/measure/cpu_limit.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/measure/statistics.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/measure/true_error.h"
-#include "bench/measure/warm_up.h"
 #include "bench/report/build_info.h"
 #include "core/base/file_error.h"
 #include "core/motion/time_stepping.h"
@@ -193,20 +192,19 @@ class ProblemRows {
         prepare();
       }
     }
-    ProblemSummary s;
-    s.name = source_.name;
-    s.target = source_.target;
-    s.origin = reference_.origin;
-    s.defect = defect_;
-    s.series = source_.series;
-    s.contacts = reference_.contacts;
-    s.dim = reference_.dim;
-    s.dofs = reference_.dofs;
-    s.reference_solver = reference_.solver;
-    s.reference_guarded = reference_.error.guarded();
-    s.reference_natural_map = reference_.error.natural_map;
-    s.attempts = reference_.attempts;
-    s.velocity_spread = reference_.velocity_spread;
+    ProblemSummary s{.name = source_.name,
+                     .target = source_.target,
+                     .origin = reference_.origin,
+                     .defect = defect_,
+                     .series = source_.series,
+                     .contacts = reference_.contacts,
+                     .dim = reference_.dim,
+                     .dofs = reference_.dofs,
+                     .reference_solver = reference_.solver,
+                     .reference_guarded = reference_.error.guarded(),
+                     .reference_natural_map = reference_.error.natural_map,
+                     .attempts = reference_.attempts,
+                     .velocity_spread = reference_.velocity_spread};
     if (!s.poor_reference()) s.answers = 1 + static_cast<int>(reference_.others.size());
     s.spread = reference_.spread;
     return s;
@@ -419,9 +417,7 @@ std::string Comparison::link_to(const ProblemSummary& problem) const {
 }
 
 double HistoryPoint::guarded() const {
-  ContactError error;
-  error.epsilon = epsilon;
-  error.eta = eta;
+  ContactError error{.epsilon = epsilon, .eta = eta};
   return error.guarded();
 }
 

@@ -57,8 +57,7 @@ ChartAxis error_axis(const Comparison& comparison, const ProblemSummary& problem
 Chart error_chart(const Comparison& comparison, const ProblemSummary& problem,
                   double (*x)(const ComparisonRow&)) {
   const Ranking rank = ranking(problem, comparison.rows);
-  Chart chart;
-  chart.y = error_axis(comparison, problem, rank);
+  Chart chart{.y = error_axis(comparison, problem, rank)};
   if (rank.measure != Ranking::Measure::kGuarded && problem.reference_guarded >= *chart.y.low) {
     chart.y_line = problem.reference_guarded;
     chart.y_line_label = "guarded error of the reference";
@@ -103,10 +102,9 @@ Chart profile_chart(const std::vector<PerformanceProfile>& profiles, const std::
 
 Chart budget_chart(const std::vector<BudgetErrors>& errors, const std::string& title) {
   constexpr double kLeast = 1e-12;
-  Chart chart;
-  chart.title = title;
-  chart.x = {"true error reached", ChartAxis::Kind::kLog, kLeast, 1.0};
-  chart.y = {"share of problems", ChartAxis::Kind::kLinear, 0.0, 1.0};
+  Chart chart{.title = title,
+              .x = {"true error reached", ChartAxis::Kind::kLog, kLeast, 1.0},
+              .y = {"share of problems", ChartAxis::Kind::kLinear, 0.0, 1.0}};
   for (const BudgetErrors& e : errors) {
     std::vector<double> reached;  // an error of 1 is no result
     for (double error : e.errors) {
@@ -132,12 +130,11 @@ Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::st
     }
     std::sort(finite.begin(), finite.end());
   }
-  Chart chart;
-  chart.title = "Time of auto over that of the fastest other solver";
-  chart.x = {"time over the fastest other solver's", ChartAxis::Kind::kLog, decade_below(least),
-             decade_above(largest)};
-  chart.y = {"share of cases", ChartAxis::Kind::kLinear, 0.0, 1.0};
-  chart.x_lines = {{1, "as fast"}};
+  Chart chart{.title = "Time of auto over that of the fastest other solver",
+              .x = {"time over the fastest other solver's", ChartAxis::Kind::kLog,
+                    decade_below(least), decade_above(largest)},
+              .y = {"share of cases", ChartAxis::Kind::kLinear, 0.0, 1.0},
+              .x_lines = {{1, "as fast"}}};
   for (std::size_t i = 0; i < regrets.size(); ++i) {
     chart.series.push_back(distribution(names[i], static_cast<int>(i), ratios[i],
                                         regrets[i].entries.size(), *chart.x.low, *chart.x.high));
@@ -146,10 +143,9 @@ Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::st
 }
 
 Chart success_chart(const std::vector<SuccessCurve>& curves, std::string_view size) {
-  Chart chart;
-  chart.title = fmt::format("Success against tolerance, {}", size);
-  chart.x = {"tolerance", ChartAxis::Kind::kLog};
-  chart.y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0};
+  Chart chart{.title = fmt::format("Success against tolerance, {}", size),
+              .x = {"tolerance", ChartAxis::Kind::kLog},
+              .y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0}};
   for (const SuccessCurve& curve : curves) {
     if (curve.size != size) continue;
     ChartSeries series{curve.solver, style_of(curve.solver), {}};
@@ -188,10 +184,9 @@ Chart tolerance_chart(const Comparison& comparison, const ProblemSummary& proble
 
 Chart history_chart(const Comparison& comparison, const ProblemSummary& problem) {
   constexpr double kMost = 100;  // diverging values leave the picture
-  Chart chart;
-  chart.title = "Guarded error against iteration, " + problem.name;
-  chart.x = {"iteration", ChartAxis::Kind::kLog, 1.0, {}};
-  chart.y = {"guarded error", ChartAxis::Kind::kLog};
+  Chart chart{.title = "Guarded error against iteration, " + problem.name,
+              .x = {"iteration", ChartAxis::Kind::kLog, 1.0, {}},
+              .y = {"guarded error", ChartAxis::Kind::kLog}};
   double largest = 0, least = 1;
   for (const History& history : comparison.histories) {
     if (history.problem != problem.name || history.points.empty()) continue;
@@ -221,12 +216,11 @@ Chart history_chart(const Comparison& comparison, const ProblemSummary& problem)
 Chart growth_chart(const std::vector<Growth>& all, const std::string& series, double tol,
                    GrowthOf quantity) {
   const bool time = quantity == GrowthOf::kTime;
-  Chart chart;
-  chart.title = fmt::format("{} against size, {} at {}", time ? "Time" : "Iterations", series,
-                            tolerance_label(tol));
-  chart.x = {"number of disks", ChartAxis::Kind::kLog};
-  chart.y = {time ? "time" : "iterations",
-             time ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog};
+  Chart chart{.title = fmt::format("{} against size, {} at {}", time ? "Time" : "Iterations",
+                                   series, tolerance_label(tol)),
+              .x = {"number of disks", ChartAxis::Kind::kLog},
+              .y = {time ? "time" : "iterations",
+                    time ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog}};
   for (const Growth& g : all) {
     if (g.series != series || g.tol != tol) continue;
     const PowerLaw& law = time ? g.time : g.iterations;

@@ -289,8 +289,7 @@ std::vector<Growth> growth(const Comparison& comparison) {
 }
 
 Regret regret_of(const Comparison& comparison, const std::string& solver, double least_time) {
-  Regret regret;
-  regret.solver = solver;
+  Regret regret{.solver = solver};
   for (const ComparisonRow& row : comparison.rows) {
     if (row.solver != solver) continue;
     const ComparisonRow* best = nullptr;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "bench/compare/comparison_success.h"
@@ -19,8 +18,7 @@ double largest(const std::vector<double>& x) {
 }
 
 SeveralShare share_of(const Comparison& comparison, const SizeClass& size) {
-  SeveralShare share;
-  share.size = size.name;
+  SeveralShare share{.size = size.name};
   std::vector<double> velocity, force, energy;
   for (const ProblemSummary& p : comparison.problems) {
     if (!size.has(p.contacts) || p.answers == 0) continue;

@@ -34,9 +34,7 @@ std::vector<SuccessCurve> success_curves(const Comparison& comparison) {
   std::vector<SuccessCurve> curves;
   for (const SizeClass& size : kSizeClasses) {
     for (const std::string& solver : solvers_of(comparison)) {
-      SuccessCurve curve;
-      curve.size = size.name;
-      curve.solver = solver;
+      SuccessCurve curve{.size = size.name, .solver = solver};
       for (const double tol : kTolerances) {
         // 1e-12 as typed and as computed may differ in the last bit.
         if (tol > 0.999 * tightest) curve.points.push_back({tol, 0});

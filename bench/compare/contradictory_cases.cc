@@ -1,5 +1,4 @@
 #include <cmath>
-#include <numbers>
 
 #include "bench/compare/case_parts.h"
 #include "bench/compare/extreme_case.h"
@@ -100,8 +99,7 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
                    .known = "u_1 + u_2 = -3 whatever s: none",
                    .expect = Expect::kNone,
                    .problem = [] {
-                     ContactProblem p;
-                     p.dim = 1;
+                     ContactProblem p{.dim = 1};
                      p.W.resize(2, 2);
                      p.W.insert(0, 0) = 1;
                      p.W.insert(0, 1) = -1;

@@ -122,14 +122,10 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
 
 ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
                      const MatrixOptions& options) {
-  ExtremeCell cell;
-  cell.steps = of.steps;
-  cell.guarded = 0;
-  cell.energy_error = 0;
+  ExtremeCell cell{.guarded = 0, .energy_error = 0, .steps = of.steps};
   const Scene<2> scene = of.scene();
-  SceneRunOptions<2> run;
-  run.steps = of.steps;
-  run.explicit_delassus = require_solver(solver).needs_delassus;
+  SceneRunOptions<2> run{.steps = of.steps,
+                         .explicit_delassus = require_solver(solver).needs_delassus};
   bool wrong = false, beyond = false;
   const auto fail = [&](bool is_wrong, const std::string& status, const std::string& message) {
     if (cell.message.empty() || (is_wrong && !wrong)) {
@@ -143,12 +139,11 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
     const double left = std::max(1e-3, limit_of(of, options) - (cpu_seconds() - begin));
     const SolveResult r = solve_within(solver, p, options.tol, left, s0);
     cell.iterations += r.iterations;
-    StepSolution step;
-    step.converged = is_success(r.status);
-    step.refused = r.status == SolveStatus::kInvalidInput;
-    step.message = r.message;
-    step.s = r.s;
-    step.error = r.error;
+    StepSolution step{.converged = is_success(r.status),
+                      .refused = r.status == SolveStatus::kInvalidInput,
+                      .message = r.message,
+                      .s = r.s,
+                      .error = r.error};
     if (step.refused) {
       beyond = true;
       fail(false, std::string(to_string(r.status)), r.message);
@@ -258,8 +253,7 @@ const ExtremeCell* ExtremeMatrix::find(const std::string& name, const std::strin
 }
 
 ExtremeMatrix measure_extremes(const MatrixOptions& options) {
-  ExtremeMatrix matrix;
-  matrix.solvers = options.solvers;
+  ExtremeMatrix matrix{.solvers = options.solvers};
   for (const std::string& name : options.solvers) require_solver(name);
   std::vector<std::string> names;
   for (ExtremeCase& c : extreme_cases()) {

@@ -11,8 +11,7 @@ namespace {
 
 /// One contact of a unit mass in 3D, W = diag(1, 3, 3) + coupling of normal and tangent.
 ContactProblem contact_in_space(double mu, double coupling, const Vector& b) {
-  ContactProblem p;
-  p.dim = 3;
+  ContactProblem p{.dim = 3};
   p.W.resize(3, 3);
   const double w[3][3] = {{1, coupling, 0}, {coupling, 3, 0}, {0, 0, 3}};
   for (int i = 0; i < 3; ++i) {

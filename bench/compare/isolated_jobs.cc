@@ -12,7 +12,6 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <optional>
 #include <system_error>
 
 #include "core/base/stopwatch.h"

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "bench/compare/case_parts.h"
 #include "core/base/portable_random.h"
 
 namespace bipot {

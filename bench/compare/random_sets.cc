@@ -212,12 +212,11 @@ std::string scene_job(const RandomSetOptions& options, int index) {
   run.solver = [&](const ContactProblem& p, const Vector& s0) {
     const double begin = cpu_seconds();
     const SolveResult r = solve_within(name, p, options.tol, options.time_limit, s0);
-    StepSolution step;
-    step.converged = is_success(r.status);
-    step.refused = r.status == SolveStatus::kInvalidInput;
-    step.message = r.message;
-    step.s = r.s;
-    step.error = r.error;
+    StepSolution step{.converged = is_success(r.status),
+                      .refused = r.status == SolveStatus::kInvalidInput,
+                      .message = r.message,
+                      .s = r.s,
+                      .error = r.error};
     if (p.num_contacts() == 0) {
       ++without_contacts;
       return step;

@@ -34,8 +34,7 @@ ContactProblem rounded_problem(int digits, bool asymmetric) {
 }
 
 ContactProblem one_normal(double w, double b) {
-  ContactProblem p;
-  p.dim = 1;
+  ContactProblem p{.dim = 1};
   p.W.resize(1, 1);
   p.W.insert(0, 0) = w;
   p.W.makeCompressed();

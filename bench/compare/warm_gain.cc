@@ -1,7 +1,6 @@
 #include "bench/compare/warm_gain.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bench/measure/statistics.h"
 #include "bench/report/labels.h"
@@ -33,9 +32,7 @@ std::vector<WarmGain> warm_gains(const Comparison& comparison) {
       return g.solver == warm.solver && g.tol == warm.tol;
     });
     if (at == gains.end()) {
-      WarmGain fresh;
-      fresh.solver = warm.solver;
-      fresh.tol = warm.tol;
+      WarmGain fresh{.solver = warm.solver, .tol = warm.tol};
       at = gains.insert(gains.end(), fresh);
       ratios.emplace_back();
     }

@@ -10,10 +10,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "solvers/solve.h"
 
@@ -50,16 +48,16 @@ double shortening(const State<2>& state, int n) {
 }
 
 ValidationExperiment stiffness() {
-  ValidationExperiment e;
-  e.rows = {
-      validation_row(kChain, "chain_is_rigid",
-                     "way of the wall that presses a row of 40 disks, over that of free masses "
-                     "under the force",
-                     "rigid bodies: the force is balanced at once", "0", Expectation::equal(0),
-                     1e-6, "a hundred times the tightest tolerance",
-                     "discretisation: one deterministic run, Gauss–Seidel (`pgs`), warm start")};
-  e.tols = decades(-1, 8);
-  e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
+  ValidationExperiment e{
+      .rows = {validation_row(
+          kChain, "chain_is_rigid",
+          "way of the wall that presses a row of 40 disks, over that of free masses "
+          "under the force",
+          "rigid bodies: the force is balanced at once", "0", Expectation::equal(0), 1e-6,
+          "a hundred times the tightest tolerance",
+          "discretisation: one deterministic run, Gauss–Seidel (`pgs`), warm start")},
+      .tols = decades(-1, 8),
+      .quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8}};
   e.run = [](double tol, const ValidationContext& context) {
     constexpr int kDisks = 40;
     ExperimentOutcome outcome;
@@ -75,8 +73,8 @@ ValidationExperiment stiffness() {
 /// error: as in codes that bound the work of a step. Frictionless problems with W.
 StepSolver plain_sweeps(int sweeps) {
   return [sweeps](const ContactProblem& problem, const Vector& start) {
-    StepSolution solution;
-    solution.s = start.size() == problem.num_rows() ? start : Vector::Zero(problem.num_rows());
+    StepSolution solution{
+        .s = start.size() == problem.num_rows() ? start : Vector::Zero(problem.num_rows())};
     for (int k = 0; k < sweeps; ++k) {
       for (int row = 0; row < problem.num_rows(); ++row) {
         const double u = problem.W.row(row).dot(solution.s) + problem.u_free[row];
@@ -134,10 +132,8 @@ ValidationExperiment speed_of_sound() {
                          ChartSeries::Kind::kLine};
       State<2> state = initial_state(scene);
       double farthest = 0, turns = 0;
-      SceneRunOptions<2> options;
-      options.solver = plain_sweeps(sweeps);
-      options.explicit_delassus = true;
-      options.cancelled = context.stopped;
+      SceneRunOptions<2> options{
+          .solver = plain_sweeps(sweeps), .explicit_delassus = true, .cancelled = context.stopped};
       options.on_step = [&](const SceneStep<2>& step) {
         const double way = kDisks - step.state.walls[1].a[0];
         series.points.push_back({step.state.time, way});
@@ -182,10 +178,8 @@ ValidationExperiment sweeps_needed() {
       const ContactProblem problem = step_problem(scene, initial_state(scene), false);
       int sweeps[2] = {0, 0};
       for (const int k : {0, 1}) {
-        SolverOptions options;
-        options.tol = k == 0 ? tol : 1e-2 * tol;
-        options.parameters = {{"islands", "off"}};
-        const SolveResult result = solve("pgs", problem, options);
+        const SolveResult result = solve(
+            "pgs", problem, {.tol = k == 0 ? tol : 1e-2 * tol, .parameters = {{"islands", "off"}}});
         ++outcome.steps;
         if (!is_success(result.status)) ++outcome.unsolved;
         sweeps[k] = result.iterations;

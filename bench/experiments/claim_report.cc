@@ -187,8 +187,7 @@ int ReportItem::held() const {
 }
 
 Document to_document(const ClaimReport& report) {
-  Document page;
-  page.title = report.title;
+  Document page{.title = report.title};
   add_verdict(page, report);
   page.add(overview(report));
   Document about;

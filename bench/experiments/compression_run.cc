@@ -77,8 +77,7 @@ Sample measure(const Scene<2>& scene, const State<2>& before, const State<2>& af
 }
 
 CompressionPhase summarise(std::span<const Sample> samples) {
-  CompressionPhase phase;
-  phase.steps = static_cast<int>(samples.size());
+  CompressionPhase phase{.steps = static_cast<int>(samples.size())};
   if (samples.empty()) return phase;
   const double n = static_cast<double>(samples.size());
   std::vector<double> windows(kWindows * kWindows, 0.0);
@@ -153,9 +152,7 @@ WindowStatistics window_statistics(const std::vector<double>& pressures) {
 }
 
 Compression run_compression(const Scene<2>& scene, const std::function<bool()>& interrupted) {
-  Compression c;
-  c.scene = scene;
-  c.state = initial_state(scene);
+  Compression c{.scene = scene, .state = initial_state(scene)};
   std::vector<Sample> samples;
   int jammed_converged = 0;
   const int jammed_from = scene.num_steps - scene.num_steps / 3;  // steps after it are `jammed`

@@ -35,11 +35,8 @@ double fill_box(Scene<2>& scene, int count, double width, double spacing, std::u
 template <int D>
 ScenePartRun<D> run_from(const Scene<D>& scene, State<D> start, const ValidationContext& context,
                          const std::function<bool(const SceneStep<D>&)>& on_step) {
-  ScenePartRun<D> part;
-  part.state = std::move(start);
-  SceneRunOptions<D> options;
-  options.cancelled = context.stopped;
-  options.on_step = on_step;
+  ScenePartRun<D> part{.state = std::move(start)};
+  SceneRunOptions<D> options{.cancelled = context.stopped, .on_step = on_step};
   const SceneRun<D> run = run_scene<D>(scene, part.state, options);
   if (run.end == SceneRun<D>::End::kFailed) throw *run.failure;
   part.stopped = run.end == SceneRun<D>::End::kCancelled;

@@ -4,15 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/observables/observables.h"
-#include "core/scene/generators.h"
 #include "core/scene_files/scene_file.h"
 
 namespace bipot {
@@ -265,16 +263,16 @@ ValidationExperiment column_collapse() {
 /// change of L less the moment of their weight, its work that times its speed. The work is lost in
 /// contacts or goes into the grains' energy: two sums that share only the states.
 ValidationExperiment turning_drum() {
-  ValidationExperiment e;
-  e.rows = {validation_row(
-      kFlow, "drum_power",
-      "rotating drum (shipped scene): work of the wall by the grains' angular momentum and weight, "
-      "over what contacts dissipate and the grains gain",
-      "angular momentum and energy (derived)", "1", Expectation::equal(1), 5e-3,
-      "overlaps: the arms of the wall and of a grain that overlap by δ differ by δ",
-      "discretisation: one run")};
-  e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
-  e.quick_tols = {1, 1e-1};
+  ValidationExperiment e{
+      .rows = {validation_row(
+          kFlow, "drum_power",
+          "rotating drum (shipped scene): work of the wall by the grains' angular momentum and weight, "
+          "over what contacts dissipate and the grains gain",
+          "angular momentum and energy (derived)", "1", Expectation::equal(1), 5e-3,
+          "overlaps: the arms of the wall and of a grain that overlap by δ differ by δ",
+          "discretisation: one run")},
+      .tols = {10, 1, 1e-1, 1e-2, 1e-3},
+      .quick_tols = {1, 1e-1}};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
     Scene<2> scene = read_scene(find_scene("drum"));

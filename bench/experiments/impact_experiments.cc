@@ -1,10 +1,9 @@
 // A ball that bounces and a disk that swings in a hollow circle.
 
 #include <cmath>
-#include <numbers>
 
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 
 namespace bipot {
 namespace {
@@ -73,10 +72,7 @@ ValidationExperiment swinging() {
     scene.gravity = Vec2(0, -kGravity);
     const double way = kDrum - kRadius;
     scene.bodies = {round_body<2>(way * Vec2(std::sin(kStart), -std::cos(kStart)), kRadius, 1)};
-    Wall<2> drum;
-    drum.name = "circle";
-    drum.shape = Wall<2>::Shape::kHollowCircle;
-    drum.radius = kDrum;
+    Wall<2> drum{.name = "circle", .shape = Wall<2>::Shape::kHollowCircle, .radius = kDrum};
     scene.walls = {drum};
     scene.num_steps = 5000;
     std::vector<double> crossings;  // upwards in x

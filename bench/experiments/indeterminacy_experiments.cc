@@ -7,7 +7,7 @@
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/force_range.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "core/base/portable_random.h"
 #include "core/scene/generators.h"
@@ -65,10 +65,8 @@ ValidationExperiment groove_forces() {
     const int starts = context.quick ? 30 : 300;
     double outside = 0, least = kInfinity, most = 0;
     PortableRandom random(1);
-    SolverOptions options;
-    options.tol = tol;
-    options.max_iterations = context.max_iterations;
-    options.parameters = {{"islands", "off"}};
+    SolverOptions options{
+        .tol = tol, .max_iterations = context.max_iterations, .parameters = {{"islands", "off"}}};
     for (int k = 0; k < starts; ++k) {
       options.s0 = Vector::Zero(4);
       for (const int row : {0, 2}) {

@@ -13,7 +13,7 @@
 #include <numbers>
 
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "core/observables/observables.h"
 #include "core/scene/generators.h"
@@ -173,9 +173,8 @@ Scene<3> pressed_box(int count, double mu, std::uint64_t seed, double tol,
   }
   for (int axis = 0; axis < 3; ++axis) {
     for (const double sign : {1.0, -1.0}) {
-      Wall<3> wall;
-      wall.name = fmt::format("{}{}", sign > 0 ? "low" : "high", axis);
-      wall.normal = sign * Vec3::Unit(axis);
+      Wall<3> wall{.name = fmt::format("{}{}", sign > 0 ? "low" : "high", axis),
+                   .normal = sign * Vec3::Unit(axis)};
       if (sign < 0) {
         wall.a = top[axis] * Vec3::Unit(axis);
         wall.motion = Wall<3>::Motion::kDriven;

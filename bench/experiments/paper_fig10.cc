@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/experiments/static_equilibrium.h"
 #include "core/criterion/contact_error.h"
 #include "core/linear/dense_factor.h"
@@ -37,9 +37,7 @@ struct Rest {
 
 Rest one_step(const std::string& family, int side, double mu, const std::string& solver) {
   Rest rest{make_family_scene(family, side, {.mu = mu}), {}};
-  SolverOptions options;
-  options.tol = 1e-10;
-  options.max_iterations = 200000;
+  SolverOptions options{.tol = 1e-10, .max_iterations = 200000};
   const SolverEntry& entry = require_solver(solver);
   TimeStepper<2> stepper(rest.scene, make_step_solver(entry, options), entry.needs_delassus);
   rest.state = initial_state(rest.scene);
@@ -86,10 +84,7 @@ ContactProblem pyramid_problem(int rows, double mu, double mu_floor) {
 /// The contacts of a pyramid at rest, with the impulses that hold it.
 State<2> held_pyramid(const Scene<2>& scene, const StaticEquilibrium& equilibrium) {
   StepSolver held = [&](const ContactProblem&, const Vector&) {
-    StepSolution solution;
-    solution.converged = true;
-    solution.s = equilibrium.s;
-    return solution;
+    return StepSolution{.converged = true, .s = equilibrium.s};
   };
   State<2> state = initial_state(scene);
   TimeStepper<2> stepper(scene, held, false);
@@ -289,13 +284,13 @@ class Fig10 {
   }
 
   void curve() {
-    Chart chart;
-    chart.title = "Least friction coefficient with which a pyramid can stand, against its rows";
-    chart.x = {"rows", ChartAxis::Kind::kLinear, 0.0, context_.quick ? 12.0 : 24.0};
-    chart.y = {"least friction coefficient", ChartAxis::Kind::kLinear, 0.2, 0.6};
-    chart.y_line = std::tan(std::numbers::pi / 6);
-    chart.y_line_label = "tan 30°";
-    chart.key = Chart::Key::kNone;
+    Chart chart{
+        .title = "Least friction coefficient with which a pyramid can stand, against its rows",
+        .x = {"rows", ChartAxis::Kind::kLinear, 0.0, context_.quick ? 12.0 : 24.0},
+        .y = {"least friction coefficient", ChartAxis::Kind::kLinear, 0.2, 0.6},
+        .y_line = std::tan(std::numbers::pi / 6),
+        .y_line_label = "tan 30°",
+        .key = Chart::Key::kNone};
     ChartSeries series{"disks and floor alike", 0, {}};
     for (const int rows : {2, 3, 4, 5, 6, 8, 10, 14, 20}) {
       if (context_.quick && rows > 10) break;
@@ -357,14 +352,14 @@ class Fig10 {
     const std::vector<double> mus = {0.545, 0.6, 0.8, 1, 2, 4};
     for (const int rows : {10, 20}) {
       if (context_.quick && rows > 10) break;
-      ClaimTable table;
-      table.name = fmt::format("selection_{}", rows);
-      table.caption = fmt::format(
-          "Pyramid of {} rows from rest, one step to ε ≤ 1e-8 from zero impulses: stands, or falls "
-          "with this mean velocity over g h. A dash: no answer within {} iterations ({} of `ipm` "
-          "and `newton`).",
-          rows, kFirstOrder, kSecondOrder);
-      table.columns = {"solver"};
+      ClaimTable table{
+          .name = fmt::format("selection_{}", rows),
+          .caption = fmt::format(
+              "Pyramid of {} rows from rest, one step to ε ≤ 1e-8 from zero impulses: stands, or falls "
+              "with this mean velocity over g h. A dash: no answer within {} iterations ({} of `ipm` "
+              "and `newton`).",
+              rows, kFirstOrder, kSecondOrder),
+          .columns = {"solver"}};
       for (const double mu : mus) table.columns.push_back(fmt::format("μ = {:g}", mu));
       // Over the answers: the largest mu at which one falls; extremes of motion for those mu with
       // an equilibrium.
@@ -428,10 +423,9 @@ class Fig10 {
       const char* solver;
       bool held;
     };
-    Chart chart;
-    chart.title = "Height lost by the top disk of a pyramid of 10 rows against time";
-    chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 1.0};
-    chart.y = {"height lost by the top disk (radii)", ChartAxis::Kind::kLinear, 0.0, {}};
+    Chart chart{.title = "Height lost by the top disk of a pyramid of 10 rows against time",
+                .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 1.0},
+                .y = {"height lost by the top disk (radii)", ChartAxis::Kind::kLinear, 0.0, {}}};
     int style = 0;
     for (const Case& c :
          {Case{"μ = 0.5, pgs", 0.5, "pgs", false}, Case{"μ = 0.6, pgs", kStandingMu, "pgs", false},
@@ -445,18 +439,15 @@ class Fig10 {
                              static_equilibrium(step_problem(scene, initial_state(scene), false)));
       }
       const SolverEntry& entry = require_solver(c.solver);
-      SolverOptions options;
-      options.tol = 1e-6;
-      options.max_iterations = 200000;
-      options.cancelled = context_.interrupted;
+      SolverOptions options{
+          .tol = 1e-6, .max_iterations = 200000, .cancelled = context_.interrupted};
       ChartSeries series{c.name, style++, {{0, 0}}};
       const double top = state.bodies.back().x[1];
       const int steps = context_.quick ? 20 : 100;
-      SceneRunOptions<2> fall;
-      fall.steps = steps;
-      fall.solver = make_step_solver(entry, options);
-      fall.explicit_delassus = entry.needs_delassus;
-      fall.cancelled = context_.interrupted;
+      SceneRunOptions<2> fall{.steps = steps,
+                              .solver = make_step_solver(entry, options),
+                              .explicit_delassus = entry.needs_delassus,
+                              .cancelled = context_.interrupted};
       fall.before_step = [&](const State<2>&) {
         context_.report(fmt::format("{}, step {}", c.name, series.points.size()));
       };

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "bench/experiments/packing.h"
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/pictures/force_picture.h"
@@ -333,10 +333,9 @@ class Fig11 {
   }
 
   void distribution_chart(const Samples& samples) {
-    Chart chart;
-    chart.title = "Distribution of the normal forces";
-    chart.x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}};
-    chart.y = {"P(f/⟨f⟩)", ChartAxis::Kind::kLog, {}, {}};
+    Chart chart{.title = "Distribution of the normal forces",
+                .x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}},
+                .y = {"P(f/⟨f⟩)", ChartAxis::Kind::kLog, {}, {}}};
     const auto add = [&chart](const char* name, int style, const std::vector<double>& x) {
       const double rate = fit_exponential_tail(x, kForceTail).rate;
       chart.series.push_back(force_histogram(name, style, x, 0.25));
@@ -471,10 +470,9 @@ class Fig11 {
 
   void decay_chart(const std::vector<ChartPoint>& elastic,
                    const std::vector<ChartPoint>& inelastic) {
-    Chart decay;
-    decay.title = "Kinetic energy against time";
-    decay.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
-    decay.y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, 1e-12, 1.0};
+    Chart decay{.title = "Kinetic energy against time",
+                .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}},
+                .y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, 1e-12, 1.0}};
     decay.series = {{"e_t = 1", 0, elastic}, {"e_t = 0", 1, inelastic}};
     for (ChartSeries& series : decay.series) series.kind = ChartSeries::Kind::kLine;
     decay.y_line = kRestEnergy;

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "bench/experiments/compression_run.h"
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "core/pictures/force_picture.h"
 
 namespace bipot {
@@ -238,10 +238,9 @@ class Fig12 {
   }
 
   void correlation_chart(const Compression& main) {
-    Chart chart;
-    chart.title = "Correlation of the contact forces against the number of steps between";
-    chart.x = {"steps between", ChartAxis::Kind::kLinear, 0.0, 20.0};
-    chart.y = {"correlation", ChartAxis::Kind::kLinear, {}, 1.0};
+    Chart chart{.title = "Correlation of the contact forces against the number of steps between",
+                .x = {"steps between", ChartAxis::Kind::kLinear, 0.0, 20.0},
+                .y = {"correlation", ChartAxis::Kind::kLinear, {}, 1.0}};
     const auto series = [&](const std::string& name, int style, const CompressionPhase& phase) {
       ChartSeries s{name, style, {}};
       for (std::size_t lag = 0; lag < phase.correlation.size() && lag <= 20; ++lag) {
@@ -302,10 +301,9 @@ class Fig12 {
         "the ones of one step before ({far_starts} of 300 steps). The walls arrive fast, so that "
         "disks overlap by {overlap_mean} of the smallest radius in the mean, {overlap} at most; "
         "overlaps are not pushed back.");
-    Chart chart;
-    chart.title = "Pressure against time";
-    chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
-    chart.y = {"pressure (Pa)", ChartAxis::Kind::kLinear, 0.0, {}};
+    Chart chart{.title = "Pressure against time",
+                .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}},
+                .y = {"pressure (Pa)", ChartAxis::Kind::kLinear, 0.0, {}}};
     const auto series = [&](const char* name, int style, const std::vector<double>& values) {
       ChartSeries s{name, style, {}};
       s.kind = ChartSeries::Kind::kLine;

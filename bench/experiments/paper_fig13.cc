@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
@@ -56,11 +56,10 @@ History history(const ErrorMethod& method, int side, double mu, double tilt, int
   const ContactProblem problem = step_problem(scene, initial_state(scene), entry.needs_delassus);
   History h;
   h.side = side;
-  SolverOptions options;
-  options.tol = kExactTol;
-  options.max_iterations = max_iterations;
-  options.parameters = method.parameters;
-  options.cancelled = context.interrupted;
+  SolverOptions options{.tol = kExactTol,
+                        .max_iterations = max_iterations,
+                        .parameters = method.parameters,
+                        .cancelled = context.interrupted};
   options.on_iteration = [&h](const IterationRecord& record) { h.records.push_back(record); };
   h.result = solve(entry, problem, options);
   return h;
@@ -118,11 +117,9 @@ int first_below(const History& h, double error) {
 }
 
 Chart error_chart(const std::string& title, const char* ordinate) {
-  Chart chart;
-  chart.title = title;
-  chart.x = {"iteration", ChartAxis::Kind::kLog};
-  chart.y = {ordinate, ChartAxis::Kind::kLog, 1e-10, {}};
-  return chart;
+  return Chart{.title = title,
+               .x = {"iteration", ChartAxis::Kind::kLog},
+               .y = {ordinate, ChartAxis::Kind::kLog, 1e-10, {}}};
 }
 constexpr const char* kLawError = "error in the contact law, ε";
 
@@ -153,8 +150,7 @@ class Fig13 {
 
   /// The paper's method on lattices of several sizes, from zero impulses.
   void transient() {
-    ClaimTable rows;
-    rows.name = "transient";
+    ClaimTable rows{.name = "transient"};
     rows.caption =
         "`uzawa` with the paper's ρ, μ = 0. Reached: first iteration in which every row carries "
         "force. Time constant: iterations for a factor e, measured over the last four decades and "

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/measure/iteration_growth.h"
 
 namespace bipot {
@@ -26,7 +26,7 @@ std::string exponent(const PowerLaw& law) {
 std::string tol_text(double tol) { return fmt::format("1e{:.0f}", std::log10(tol)); }
 
 struct CurveMethod {
-  GrowthMethod method;
+  SolverVariant method;
   std::string id;
   int style;
   double work;  ///< largest number of contact updates of a solve; larger problems are not started
@@ -127,10 +127,10 @@ class Fig14 {
         if (tols.empty()) continue;
         if (context_.stopped()) return;
         context_.report(
-            fmt::format("{}, {:.0f} disks, {}", c.scene.family, disks, method.method.name));
-        GrowthLimits limits;
-        limits.max_iterations = static_cast<int>(std::min(cap, method.work < 1e300 ? 1e9 : 500.0));
-        limits.cancelled = context_.interrupted;
+            fmt::format("{}, {:.0f} disks, {}", c.scene.family, disks, method.method.label));
+        GrowthLimits limits{
+            .max_iterations = static_cast<int>(std::min(cap, method.work < 1e300 ? 1e9 : 500.0)),
+            .cancelled = context_.interrupted};
         const auto rows = growth_rows(c.scene, problem, method.method, tols, limits);
         std::fill(before[m].begin(), before[m].end(), std::numeric_limits<double>::infinity());
         for (const GrowthRow& row : rows) {
@@ -159,7 +159,7 @@ class Fig14 {
     if (c.scene.tilt_degrees != 0) line += fmt::format(" --tilt={:g}", c.scene.tilt_degrees);
     std::vector<int> sides;
     for (const GrowthRow& row : rows_) {
-      if (row.family == c.scene.family && row.method == m.method.name && is_success(row.status) &&
+      if (row.family == c.scene.family && row.method == m.method.label && is_success(row.status) &&
           std::find(sides.begin(), sides.end(), row.side) == sides.end()) {
         sides.push_back(row.side);
       }
@@ -171,14 +171,14 @@ class Fig14 {
     const Case& square = cases_[0];
     for (const CurveMethod& m : methods_) {
       for (const double tol : kTols) {
-        const GrowthFit* fit = fit_of("square", m.method.name, tol);
+        const GrowthFit* fit = fit_of("square", m.method.label, tol);
         PowerLaw law;
         if (fit != nullptr) law = fit->iterations;
         Claim& n = result_.state(
             fmt::format("{}_{}", m.id, tol_text(tol)), law.exponent, "",
             fmt::format(
                 "square lattice, {}, ε ≤ {}: exponent of the iterations, ± {} ({} sizes)",
-                m.method.name, tol_text(tol),
+                m.method.label, tol_text(tol),
                 std::isfinite(law.confidence) ? fmt::format("{:.3f}", law.confidence) : "unknown",
                 law.points));
         n.command = command(square, m, "1e-2,1e-4,1e-6,1e-8");
@@ -197,7 +197,7 @@ class Fig14 {
     }
     int met = 0, tried = 0;
     for (const GrowthRow& row : rows_) {
-      if (row.family == "square" || row.method != methods_[0].method.name || row.tol != 1e-2) {
+      if (row.family == "square" || row.method != methods_[0].method.label || row.tol != 1e-2) {
         continue;
       }
       ++tried;
@@ -231,11 +231,10 @@ class Fig14 {
 
   void figure(const std::string& name, const std::string& title, const std::string& caption,
               std::vector<ChartSeries> all, bool seconds) {
-    Chart chart;
-    chart.title = title;
-    chart.x = {"number of disks", ChartAxis::Kind::kLog};
-    chart.y = {seconds ? "time of the solve" : "iterations",
-               seconds ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog};
+    Chart chart{.title = title,
+                .x = {"number of disks", ChartAxis::Kind::kLog},
+                .y = {seconds ? "time of the solve" : "iterations",
+                      seconds ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog}};
     std::erase_if(all, [](const ChartSeries& s) { return s.points.empty(); });
     chart.series = std::move(all);
     result_.draw(name, caption, std::move(chart));
@@ -245,7 +244,7 @@ class Fig14 {
     std::vector<ChartSeries> all;
     for (std::size_t t = 0; t < kTols.size(); ++t) {
       all.push_back(series("ε ≤ " + tol_text(kTols[t]), static_cast<int>(t), "square",
-                           methods_[0].method.name, kTols[t], false));
+                           methods_[0].method.label, kTols[t], false));
     }
     ChartSeries slope{"slope 1.042", 9, {}, ChartSeries::Kind::kLine};
     if (!all[0].points.empty()) {
@@ -264,7 +263,7 @@ class Fig14 {
         std::vector<ChartSeries> methods;
         for (const CurveMethod& m : methods_) {
           methods.push_back(
-              series(m.method.name, m.style, c.scene.family, m.method.name, tol, false));
+              series(m.method.label, m.style, c.scene.family, m.method.label, tol, false));
         }
         figure(fmt::format("fig14_{}_{}", c.scene.family, tol == 1e-4 ? 4 : 8),
                fmt::format("Iterations against the number of disks, {}", c.what),
@@ -274,7 +273,7 @@ class Fig14 {
     }
     std::vector<ChartSeries> times;
     for (const CurveMethod& m : methods_) {
-      times.push_back(series(m.method.name, m.style, "square", m.method.name, 1e-8, true));
+      times.push_back(series(m.method.label, m.style, "square", m.method.label, 1e-8, true));
     }
     figure("fig14_time", "Time against the number of disks, square lattice",
            "Wall time to ε ≤ 1e-8, square lattice, one core.", std::move(times), true);
@@ -292,12 +291,12 @@ class Fig14 {
       for (const double tol : kTols) table.columns.push_back(tol_text(tol));
       table.columns.emplace_back("time to 1e-4");
       for (const CurveMethod& m : methods_) {
-        std::vector<std::string> cells = {m.method.name};
+        std::vector<std::string> cells = {m.method.label};
         for (const double tol : kTols) {
-          const GrowthFit* fit = fit_of(c.scene.family, m.method.name, tol);
+          const GrowthFit* fit = fit_of(c.scene.family, m.method.label, tol);
           cells.push_back(fit == nullptr ? "–" : exponent(fit->iterations));
         }
-        const GrowthFit* fit = fit_of(c.scene.family, m.method.name, 1e-4);
+        const GrowthFit* fit = fit_of(c.scene.family, m.method.label, 1e-4);
         cells.push_back(fit == nullptr ? "–" : exponent(fit->seconds));
         table.rows.push_back(std::move(cells));
       }

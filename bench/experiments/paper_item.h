@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/experiments/claim.h"
+#include "core/motion/time_stepping.h"
 
 namespace bipot {
 
@@ -32,7 +33,25 @@ struct PaperItem {
 };
 
 /// In the order of the page. Adding one: a source paper_<name>.cc, its declaration in
-/// paper_items.h, a row in paper_items.cc, a line in CMakeLists.txt.
+/// here, a row in paper_item.cc, a line in CMakeLists.txt.
 const std::vector<PaperItem>& paper_items();
+
+Findings run_table1(const PaperContext& context);      ///< bouncing ball
+Findings run_table2(const PaperContext& context);      ///< sliding cylinder
+Findings run_fig10(const PaperContext& context);       ///< quasi-static arrays
+Findings run_fig11(const PaperContext& context);       ///< compaction by gravity
+Findings run_fig12(const PaperContext& context);       ///< isotropic compression
+Findings run_stress(const PaperContext& context);      ///< mean stress tensor
+Findings run_fig13(const PaperContext& context);       ///< error against iteration
+Findings run_fig14(const PaperContext& context);       ///< iterations against number of particles
+Findings run_stop_test(const PaperContext& context);   ///< stop tests against true errors
+Findings run_warm_start(const PaperContext& context);  ///< iterations, cold and warm
+
+/// Runs a scene with its own solver choice, step by step, and returns the last state. A step that
+/// does not meet the scene's tolerance throws std::runtime_error with the solver's message. Stops
+/// early when the context is interrupted.
+State<2> run_paper_scene(
+    const Scene<2>& scene, const PaperContext& context,
+    const std::function<void(const State<2>&, const StepReport<2>&)>& on_step = {});
 
 }  // namespace bipot

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/experiments/stop_test_study.h"
 #include "bench/measure/problem_target.h"
 #include "bench/measure/statistics.h"
@@ -42,12 +42,10 @@ TestProblem load(const std::string& target, int scene_steps = 0) {
 }
 
 TestProblem first_step(const std::string& origin, const Scene<2>& scene, const State<2>& state) {
-  TestProblem made;
-  made.origin = origin;
-  made.problem = step_problem(scene, state, false);
-  made.step = scene.step;
-  made.smallest_radius = smallest_radius(scene);
-  return made;
+  return TestProblem{.origin = origin,
+                     .problem = step_problem(scene, state, false),
+                     .step = scene.step,
+                     .smallest_radius = smallest_radius(scene)};
 }
 
 /// Three rows of ten disks on a floor, all at 1 m/s.
@@ -122,10 +120,9 @@ std::vector<StopTestRow> select(const std::vector<StopTestRow>& rows,
 /// test. Errors of exactly 0 (one contact, solved by one sweep) are not informative and left out.
 Chart envelope_chart(const std::vector<StopTestRow>& rows, const Group& group,
                      const std::string& measure, Measure value, const std::vector<double>& tols) {
-  Chart chart;
-  chart.title = fmt::format("{} against tolerance, {}", measure, group.title);
-  chart.x = {"tolerance asked for", ChartAxis::Kind::kLog};
-  chart.y = {measure, ChartAxis::Kind::kLog, 1e-10, 10};
+  Chart chart{.title = fmt::format("{} against tolerance, {}", measure, group.title),
+              .x = {"tolerance asked for", ChartAxis::Kind::kLog},
+              .y = {measure, ChartAxis::Kind::kLog, 1e-10, 10}};
   int style = 0;
   for (const Test& test : kTests) {
     ChartSeries largest{fmt::format("{} max", test.legend), style++, {}};
@@ -161,12 +158,12 @@ struct Growth {
 Growth study_growth(const PaperContext& context) {
   constexpr double kTol = 1e-4;
   const std::vector<int> sides = context.quick ? std::vector{4, 6, 10} : std::vector{5, 10, 20, 40};
-  StopTestOptions options;
-  options.solvers = {{"pgs", "pgs", {}}, {"uzawa stable", "uzawa", {{"rho", "stable"}}}};
-  options.stops = {StopTest::kGuarded, StopTest::kImpulse};
-  options.tols = {kTol};
-  options.max_iterations = 100000;
-  options.interrupted = context.interrupted;
+  StopTestOptions options{
+      .solvers = {{"pgs", "pgs", {}}, {"uzawa stable", "uzawa", {{"rho", "stable"}}}},
+      .stops = {StopTest::kGuarded, StopTest::kImpulse},
+      .tols = {kTol},
+      .max_iterations = 100000,
+      .interrupted = context.interrupted};
   Growth growth;
   growth.chart.title = "Velocity error over tolerance against rows of a square lattice";
   growth.chart.x = {"rows of the lattice", ChartAxis::Kind::kLog};
@@ -204,13 +201,13 @@ Growth study_growth(const PaperContext& context) {
 
 /// One row for each scene and solver at one tolerance: result and time of each test.
 ClaimTable cases_table(const std::vector<StopTestRow>& rows, double tol) {
-  ClaimTable table;
-  table.name = "stop_test_cases";
-  table.caption = fmt::format(
-      "Velocity error (energy norm, relative) at which each test stops for a tolerance of {}, and "
-      "after how many iterations. –: not met within the iterations allowed.",
-      short_number(tol));
-  table.columns = {"scene", "solver"};
+  ClaimTable table{
+      .name = "stop_test_cases",
+      .caption = fmt::format(
+          "Velocity error (energy norm, relative) at which each test stops for a tolerance of {}, and "
+          "after how many iterations. –: not met within the iterations allowed.",
+          short_number(tol)),
+      .columns = {"scene", "solver"}};
   for (const Test& test : kTests) {
     table.columns.push_back(fmt::format("{}: error", test.title));
     table.columns.emplace_back("iterations");
@@ -229,8 +226,7 @@ ClaimTable cases_table(const std::vector<StopTestRow>& rows, double tol) {
 
 ClaimTable scenes_table(const std::vector<StopTestRow>& rows,
                         const std::vector<StopTestScene>& scenes, Measure velocity) {
-  ClaimTable table;
-  table.name = "stop_test_scenes";
+  ClaimTable table{.name = "stop_test_scenes"};
   table.caption =
       "How well each test foretells the velocity error, scene by scene, over all solvers and "
       "tolerances: error over tolerance, from smallest to largest (1 to 1: a perfect forecast), "
@@ -346,8 +342,7 @@ class StopTestItem {
   }
 
   ClaimTable summary_table() const {
-    ClaimTable summary;
-    summary.name = "stop_test_summary";
+    ClaimTable summary{.name = "stop_test_summary"};
     summary.caption =
         "Velocity error over tolerance, over all solves that met the test. Early: above 10; late: "
         "below 0.1. Factor and spread: geometric mean and standard deviation. Slope: median "

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/experiments/compression_run.h"
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "core/motion/sample_area.h"
 #include "core/pictures/stress_picture.h"
 #include "core/scene/scene_family.h"
@@ -148,10 +148,9 @@ class StressItem {
   }
 
   void parts_chart(const Compression& rough) {
-    Chart chart;
-    chart.title = "Parts of the pressure against time";
-    chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
-    chart.y = {"pressure / applied pressure", ChartAxis::Kind::kLinear, 0.0, {}};
+    Chart chart{.title = "Parts of the pressure against time",
+                .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}},
+                .y = {"pressure / applied pressure", ChartAxis::Kind::kLinear, 0.0, {}}};
     ChartSeries whole{"mean stress", 0, {}}, moving{"its kinetic part", 1, {}},
         walls{"contacts on the walls", 2, {}};
     for (std::size_t k = 0; k < rough.time.size(); ++k) {
@@ -206,10 +205,9 @@ class StressItem {
     State<2> state = initial_state(scene);
     run_packing(scene, state, context_.interrupted, {});
     const std::vector<double> moments = contact_moments(state);
-    Chart chart;
-    chart.title = "Vertical stress against depth in a square lattice";
-    chart.x = {"depth (m)", ChartAxis::Kind::kLinear, 0.0, {}};
-    chart.y = {"σ_yy (Pa)", ChartAxis::Kind::kLinear, 0.0, {}};
+    Chart chart{.title = "Vertical stress against depth in a square lattice",
+                .x = {"depth (m)", ChartAxis::Kind::kLinear, 0.0, {}},
+                .y = {"σ_yy (Pa)", ChartAxis::Kind::kLinear, 0.0, {}}};
     ChartSeries rows{"windows, one row each", 0, {}}, theory{"ρ g depth", 1, {}};
     rows.kind = ChartSeries::Kind::kPoints;
     theory.kind = ChartSeries::Kind::kLine;

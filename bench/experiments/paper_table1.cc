@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/experiments/paper_items.h"
-#include "bench/experiments/paper_scene.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/scene_files/scene_file.h"
 
@@ -63,10 +62,9 @@ Findings run_table1(const PaperContext& context) {
       "A ball dropped from 0.10 m on a plane, time step 1e-4 s. With e_n = 1 heights and times of "
       "the bounces are exact to the digits printed; with e_n = 0.9 the heights of the first two "
       "bounces are 2.1 % and 5.6 % off, the times 0.3 % and 0.4 %; 2 iterations an impact.";
-  Chart film;
-  film.title = "Height of the ball against time for two restitution coefficients";
-  film.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 0.8};
-  film.y = {"height above the plane (m)", ChartAxis::Kind::kLinear, 0.0, 0.1};
+  Chart film{.title = "Height of the ball against time for two restitution coefficients",
+             .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 0.8},
+             .y = {"height above the plane (m)", ChartAxis::Kind::kLinear, 0.0, 0.1}};
   // The paper's relative errors in percent: heights and times of the bounces 1 and 2.
   constexpr double kPaper[2][2][2] = {{{0, 0}, {0, 0}}, {{2.1, 5.6}, {0.3, 0.4}}};
   // An impact is located within one step of length |v| h <= 0.14 mm of the plane. Errors of heights

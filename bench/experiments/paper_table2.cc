@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "bench/experiments/paper_items.h"
-#include "bench/experiments/paper_scene.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/scene_files/scene_file.h"
 
@@ -19,10 +18,9 @@ Findings run_table2(const PaperContext& context) {
   const double t1 = v0 / (3 * mu * g), v1 = 2 * v0 / 3;
 
   double rolls_from = std::nan("");
-  Chart chart;
-  chart.title = "Velocity of the cylinder against time";
-  chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 0.1};
-  chart.y = {"velocity (m/s)", ChartAxis::Kind::kLinear, 0.0, 1.0};
+  Chart chart{.title = "Velocity of the cylinder against time",
+              .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 0.1},
+              .y = {"velocity (m/s)", ChartAxis::Kind::kLinear, 0.0, 1.0}};
   ChartSeries centre{"centre", 0, {{0, v0, false, "", false}}};
   ChartSeries rim{"rim, −a ω", 1, {{0, 0, false, "", false}}};
   ChartSeries theory{"(45), (46)", 2, {{0, v0}, {t1, v1}, {0.1, v1}}};

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/experiments/warm_start_study.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/scene_files/scene_file.h"
@@ -110,10 +110,9 @@ ClaimTable gains_table(const Run& run, const std::vector<SolverVariant>& solvers
 }
 
 Chart iterations_chart(const Run& run, const std::vector<std::string>& solvers) {
-  Chart chart;
-  chart.title = fmt::format("Iterations per step, cold and warm, {}", run.title);
-  chart.x = {"step", ChartAxis::Kind::kLinear, 0.0, 1000.0};
-  chart.y = {"iterations", ChartAxis::Kind::kLog, 1.0, 1e5};
+  Chart chart{.title = fmt::format("Iterations per step, cold and warm, {}", run.title),
+              .x = {"step", ChartAxis::Kind::kLinear, 0.0, 1000.0},
+              .y = {"iterations", ChartAxis::Kind::kLog, 1.0, 1e5}};
   int style = 0;
   for (const std::string& solver : solvers) {
     ChartSeries cold{solver + ", cold", style++, {}}, warm{solver + ", warm", style++, {}};

@@ -14,9 +14,8 @@
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/packing.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
-#include "core/scene/generators.h"
 
 namespace bipot {
 namespace {
@@ -219,11 +218,10 @@ Discharge discharge(double hole, int count, std::uint64_t seed, double tol,
   const double edges[] = {0, 0.5 * (kWidth - hole), 0.5 * (kWidth + hole), kWidth};
   scene.walls.erase(scene.walls.begin());
   for (int k = 0; k < 3; ++k) {
-    Wall<2> part;
-    part.name = k == 1 ? "plug" : "floor";
-    part.shape = Wall<2>::Shape::kSegment;
-    part.a = Vec2(edges[k], 0);
-    part.b = Vec2(edges[k + 1], 0);
+    Wall<2> part{.name = k == 1 ? "plug" : "floor",
+                 .shape = Wall<2>::Shape::kSegment,
+                 .a = Vec2(edges[k], 0),
+                 .b = Vec2(edges[k + 1], 0)};
     if (k == 1) part.removed = 1 + std::sqrt(2 * top / kGravity);
     scene.walls.push_back(part);
   }

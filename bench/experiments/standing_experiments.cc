@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_row.h"
 
 namespace bipot {
 namespace {

@@ -15,10 +15,7 @@ namespace {
 
 /// Contacts 2k and 2k + 1 push along the edges (1, ±mu) of the cone of contact k, unit length.
 ContactProblem edges(const ContactProblem& p) {
-  ContactProblem q;
-  q.dim = 1;
-  q.A = p.A;
-  q.v_free = p.v_free;
+  ContactProblem q{.dim = 1, .A = p.A, .v_free = p.v_free};
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<std::size_t>(4 * p.H.nonZeros()));
   for (int k = 0; k < p.num_contacts(); ++k) {
@@ -48,10 +45,7 @@ StaticEquilibrium static_equilibrium(const ContactProblem& problem) {
         "static equilibrium: a plane problem with H and without restitution is needed");
   }
   const ContactProblem q = edges(problem);
-  SolverOptions options;
-  options.tol = 1e-11;
-  options.max_iterations = 5000;
-  const SolveResult result = solve("ipm", q, options);
+  const SolveResult result = solve("ipm", q, {.tol = 1e-11, .max_iterations = 5000});
   StaticEquilibrium found;
   found.v = body_velocities(q, result.s);
   found.motion = std::sqrt(found.v.dot(q.A * found.v) / q.v_free.dot(q.A * q.v_free));

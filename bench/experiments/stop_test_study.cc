@@ -41,11 +41,10 @@ std::vector<StopTestRow> study_stop_tests(const StopTestScene& scene,
         row.stop = stop;
         row.tol = tol;
         if (!out_of_reach) {
-          SolverOptions solver;
-          solver.tol = tol;
-          solver.stop = stop;
-          solver.max_iterations = options.max_iterations;
-          solver.parameters = variant.parameters;
+          SolverOptions solver{.tol = tol,
+                               .stop = stop,
+                               .max_iterations = options.max_iterations,
+                               .parameters = variant.parameters};
           const SolveResult result = solve(variant.solver, scene.given.problem, solver);
           row.status = result.status;
           row.met = is_success(result.status);

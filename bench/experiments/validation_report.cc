@@ -193,14 +193,15 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
     series.style = style++;
     for (const ValidationPoint& p : row.points) {
       if (!std::isfinite(p.error)) continue;
-      ChartPoint point;
-      point.x = p.tol;
-      point.y = std::max(p.error, floor);
-      point.hollow = !p.reached();
-      point.note = fmt::format(
-          "{} at {}: {} (error {}){}", row.claim.name, tolerance_label(p.tol),
-          value_label(p.seen.value), compact_label(p.error),
-          p.unsolved > 0 ? fmt::format(", {} of {} steps not solved", p.unsolved, p.steps) : "");
+      ChartPoint point{
+          .x = p.tol,
+          .y = std::max(p.error, floor),
+          .hollow = !p.reached(),
+          .note = fmt::format("{} at {}: {} (error {}){}", row.claim.name, tolerance_label(p.tol),
+                              value_label(p.seen.value), compact_label(p.error),
+                              p.unsolved > 0
+                                  ? fmt::format(", {} of {} steps not solved", p.unsolved, p.steps)
+                                  : "")};
       series.points.push_back(point);
     }
     if (!series.points.empty()) chart.series.push_back(std::move(series));
@@ -231,14 +232,13 @@ ClaimReport to_report(const ValidationPage& page) {
                    "Statistical rows have wide bars.\n"
                  : "");
   for (const std::string& group : groups_of(page)) {
-    ReportItem item;
-    item.name = fmt::format("errors_{}", report.items.size() + 1);
-    item.title = group;
-    item.status = ReportItem::Status::kDone;
-    item.quick = page.quick;
-    item.build = build_info();
-    item.date = date_and_time();
-    item.command = page.command;
+    ReportItem item{.name = fmt::format("errors_{}", report.items.size() + 1),
+                    .title = group,
+                    .command = page.command,
+                    .status = ReportItem::Status::kDone,
+                    .quick = page.quick,
+                    .build = build_info(),
+                    .date = date_and_time()};
     Findings& found = item.result;
     for (const ValidationRow& row : page.rows) {
       if (row.group != group) continue;

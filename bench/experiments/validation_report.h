@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/experiments/claim_report.h"
-#include "bench/experiments/validation_run.h"
+#include "bench/experiments/validation_row.h"
 
 namespace bipot {
 

@@ -1,10 +1,14 @@
 #include "bench/experiments/validation_row.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
-#include "bench/experiments/validation_experiments.h"
+#include "bench/measure/stopwatch.h"
+#include "bench/report/labels.h"
 
 namespace bipot {
 
@@ -25,12 +29,10 @@ ValidationRow validation_row(std::string group, std::string name, std::string qu
 }
 
 SolverChoice ValidationContext::choice(double tol) const {
-  SolverChoice choice;
-  choice.name = solver;
-  choice.tol = tol;
-  choice.max_iterations = max_iterations;
-  choice.parameters = {{"islands", "off"}};
-  return choice;
+  return SolverChoice{.name = solver,
+                      .tol = tol,
+                      .max_iterations = max_iterations,
+                      .parameters = {{"islands", "off"}}};
 }
 
 std::vector<double> decades(int first, int last) {
@@ -47,6 +49,128 @@ std::vector<ValidationExperiment> validation_experiments() {
     all.insert(all.end(), group.begin(), group.end());
   }
   return all;
+}
+
+namespace {
+
+// A row whose error bar is wider than this fraction of its scale is undecided.
+constexpr double kWidestBar = 0.5;
+// Fraction of the steps that may miss the tolerance in a run that counts at that tolerance.
+constexpr double kMayMiss = 0.01;
+
+std::string missed(const ValidationPoint& p) {
+  return fmt::format("the solver did not reach it in {} of {} steps", p.unsolved, p.steps);
+}
+
+/// Reason for no value at any tolerance.
+std::string no_value(const ValidationPoint& p) {
+  const std::string why = !p.failure.empty() ? ": " + p.failure
+                          : p.unsolved > 0
+                              ? " " + missed(p)
+                              : fmt::format(" the observable is undefined{}{}",
+                                            p.seen.note.empty() ? "" : ": ", p.seen.note);
+  return fmt::format("; at {}{}", tolerance_label(p.tol), why);
+}
+
+}  // namespace
+
+bool ValidationPoint::reached() const {
+  return failure.empty() &&
+         static_cast<double>(unsolved) <= kMayMiss * static_cast<double>(steps) &&
+         std::isfinite(seen.value);
+}
+
+void judge(ValidationRow& row) {
+  const double scale = row.range.scale;
+  Claim& claim = row.claim;
+  row.best = -1;
+  row.loosest = claim.measured = kNaN;
+  claim.bar = 0;
+  claim.holds = false;
+  claim.reason.clear();
+  for (ValidationPoint& p : row.points) {
+    if (std::isnan(p.seen.bar)) p.seen.bar = kInfinity;
+    p.error = row.range.error(p.seen.value);
+    p.right = std::isfinite(p.error) && p.seen.bar <= kWidestBar * scale &&
+              p.error <= std::max(kRightTo, row.allowed) + p.seen.bar / scale;
+    if (p.reached()) row.best = static_cast<int>(&p - row.points.data());
+  }
+  if (row.best < 0) {
+    claim.reason = "no value at any tolerance";
+    if (!row.points.empty()) claim.reason += no_value(row.points.front());
+    return;
+  }
+  const ValidationPoint& best = *row.measured();
+  const double bar = best.seen.bar / scale;
+  claim.measured = best.seen.value;
+  claim.bar = best.seen.bar + row.allowed * scale;
+  claim.holds = decide(std::max(0.0, best.error - row.allowed), bar, kWidestBar);
+  if (!claim.holds) {
+    claim.reason = fmt::format("the error bar at {} is {} of its scale: too few samples to say",
+                               tolerance_label(best.tol), compact_label(bar));
+  } else if (!*claim.holds) {
+    claim.reason =
+        fmt::format("off by {} of its scale at {}, {} are allowed", compact_label(best.error),
+                    tolerance_label(best.tol), compact_label(row.allowed + bar));
+    if (to_size(row.best) + 1 < row.points.size()) {
+      const ValidationPoint& tighter = row.points[to_size(row.best) + 1];
+      claim.reason += fmt::format(", and at {} {}", tolerance_label(tighter.tol),
+                                  tighter.failure.empty() ? missed(tighter) : tighter.failure);
+    }
+  }
+  for (int k = row.best; k >= 0; --k) {
+    const ValidationPoint& p = row.points[to_size(k)];
+    if (!p.reached()) continue;
+    if (!p.right) break;
+    row.loosest = p.tol;
+  }
+}
+
+ExperimentResult run_experiment(const ValidationExperiment& experiment,
+                                const ValidationContext& context,
+                                const std::function<void(int, int)>& on_tolerance) {
+  ExperimentResult result{.rows = experiment.rows};
+  for (ValidationRow& row : result.rows) row.shared = static_cast<int>(result.rows.size());
+  const std::vector<double>& tols = context.quick ? experiment.quick_tols : experiment.tols;
+  for (std::size_t k = 0; k < tols.size(); ++k) {
+    if (on_tolerance) on_tolerance(static_cast<int>(k), static_cast<int>(tols.size()));
+    if (context.interrupted()) {
+      result.complete = false;
+      break;
+    }
+    const CpuStopwatch clock;
+    ExperimentOutcome outcome;
+    std::string failure;
+    try {
+      outcome = experiment.run(tols[k], context);
+      if (context.interrupted()) {
+        result.complete = false;
+        break;
+      }
+      if (outcome.seen.size() != experiment.rows.size()) {
+        throw std::logic_error(fmt::format("{} observations for {} rows", outcome.seen.size(),
+                                           experiment.rows.size()));
+      }
+    } catch (const std::exception& e) {
+      failure = e.what();
+      outcome = {};
+    }
+    outcome.seen.resize(experiment.rows.size());
+    const double seconds = clock.seconds();
+    for (std::size_t r = 0; r < result.rows.size(); ++r) {
+      ValidationPoint point{.tol = tols[k],
+                            .seen = outcome.seen[r],
+                            .steps = outcome.steps,
+                            .unsolved = outcome.unsolved,
+                            .seconds = seconds,
+                            .failure = failure};
+      result.rows[r].points.push_back(std::move(point));
+      result.rows[r].seconds += seconds;
+    }
+    if (!outcome.figures.empty()) result.figures = std::move(outcome.figures);
+  }
+  for (ValidationRow& row : result.rows) judge(row);
+  return result;
 }
 
 }  // namespace bipot

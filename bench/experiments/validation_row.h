@@ -1,8 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <limits>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -101,5 +99,27 @@ std::vector<ValidationExperiment> validation_experiments();
 
 /// 10^-first … 10^-last.
 std::vector<double> decades(int first, int last);
+
+struct ExperimentResult {
+  std::vector<ValidationRow> rows;   ///< judged
+  std::vector<ClaimFigure> figures;  ///< of the tightest tolerance that gave some
+  bool complete = true;              ///< false: the context stopped it
+};
+
+/// Runs the experiment at each of its tolerances; its exceptions become part of the points.
+/// `on_tolerance`: called before each, with the number of finished ones and of all.
+ExperimentResult run_experiment(const ValidationExperiment& experiment,
+                                const ValidationContext& context,
+                                const std::function<void(int done, int total)>& on_tolerance = {});
+
+std::vector<ValidationExperiment> slope_experiments();     ///< one body on a floor, by hand
+std::vector<ValidationExperiment> standing_experiments();  ///< three disks, four spheres, a hollow
+std::vector<ValidationExperiment> impact_experiments();    ///< bouncing, swinging
+std::vector<ValidationExperiment> chain_experiments();     ///< few sweeps look elastic
+std::vector<ValidationExperiment> indeterminacy_experiments();  ///< admissible forces
+std::vector<ValidationExperiment> packing_experiments();        ///< coordination, solid fraction
+std::vector<ValidationExperiment> force_experiments();          ///< distribution of forces
+std::vector<ValidationExperiment> flow_experiments();           ///< shear, collapse, drum
+std::vector<ValidationExperiment> silo_experiments();           ///< Janssen
 
 }  // namespace bipot

@@ -1,7 +1,5 @@
 #include "bench/experiments/warm_start_study.h"
 
-#include <utility>
-
 #include "bench/measure/stopwatch.h"
 #include "core/motion/time_stepping.h"
 #include "solvers/registry.h"
@@ -36,14 +34,11 @@ Timed timed_solve(const SolverVariant& variant, const ContactProblem& p, SolverO
 
 std::vector<WarmStartRow> study_warm_start(Scene<2> scene, const WarmStartOptions& options) {
   scene.solver.warm_start = true;
-  SolverOptions run;
-  run.tol = options.run_tol;
-  run.max_iterations = options.run_iterations;
-  run.parameters = options.runner.parameters;
+  SolverOptions run{.tol = options.run_tol,
+                    .max_iterations = options.run_iterations,
+                    .parameters = options.runner.parameters};
   const StepSolver runner = make_step_solver(require_solver(options.runner.solver), run);
-  SolverOptions compared;
-  compared.tol = options.tol;
-  compared.max_iterations = options.max_iterations;
+  SolverOptions compared{.tol = options.tol, .max_iterations = options.max_iterations};
 
   std::vector<WarmStartRow> rows;
   State<2> state = initial_state(scene);

@@ -42,26 +42,23 @@ double disks_of(const std::string& family, int side) {
   return n * n;
 }
 
-SolverOptions options_of(const GrowthMethod& method, double tol, const GrowthLimits& limits) {
-  SolverOptions options;
-  options.tol = tol;
-  options.time_limit = limits.time_limit;
-  options.max_iterations = limits.max_iterations;
-  options.cancelled = limits.cancelled;
-  options.parameters = method.parameters;
-  return options;
+SolverOptions options_of(const SolverVariant& method, double tol, const GrowthLimits& limits) {
+  return {.tol = tol,
+          .max_iterations = limits.max_iterations,
+          .time_limit = limits.time_limit,
+          .execution = {.threads = limits.threads},
+          .parameters = method.parameters,
+          .cancelled = limits.cancelled};
 }
 
 GrowthRow empty_row(const GrowthScene& scene, const GrowthProblem& problem,
-                    const GrowthMethod& method, double tol) {
-  GrowthRow row;
-  row.family = scene.family;
-  row.method = method.name;
-  row.tol = tol;
-  row.side = problem.side;
-  row.bodies = problem.bodies;
-  row.contacts = problem.problem.num_contacts();
-  return row;
+                    const SolverVariant& method, double tol) {
+  return {.family = scene.family,
+          .method = method.label,
+          .tol = tol,
+          .side = problem.side,
+          .bodies = problem.bodies,
+          .contacts = problem.problem.num_contacts()};
 }
 
 void fill(GrowthRow& row, const SolveResult& result) {
@@ -82,8 +79,7 @@ Json to_json(const PowerLaw& law) {
 }  // namespace
 
 GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
-  GrowthProblem made;
-  made.side = side;
+  GrowthProblem made{.side = side};
   if (is_moving_family(scene.family)) {
     const FamilyOptions options{
         .mu = scene.mu, .tilt_degrees = scene.tilt_degrees, .seed = scene.seed};
@@ -131,14 +127,14 @@ int side_of(const std::string& family, double disks) {
 }
 
 GrowthRow growth_row(const GrowthScene& scene, const GrowthProblem& problem,
-                     const GrowthMethod& method, double tol, const GrowthLimits& limits) {
+                     const SolverVariant& method, double tol, const GrowthLimits& limits) {
   GrowthRow row = empty_row(scene, problem, method, tol);
   fill(row, solve(method.solver, problem.problem, options_of(method, tol, limits)));
   return row;
 }
 
 std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem& problem,
-                                   const GrowthMethod& method, std::span<const double> tols,
+                                   const SolverVariant& method, std::span<const double> tols,
                                    const GrowthLimits& limits) {
   std::vector<GrowthRow> rows;
   if (!require_solver(method.solver).path_ignores_tolerance) {
@@ -180,11 +176,8 @@ std::vector<GrowthFit> fit_growth(std::span<const GrowthRow> rows, double least_
       ++k;
     }
     if (k == fits.size()) {
-      GrowthFit fit;
-      fit.family = row.family;
-      fit.method = row.method;
-      fit.tol = row.tol;
-      fit.least_disks = least_disks;
+      GrowthFit fit{
+          .family = row.family, .method = row.method, .tol = row.tol, .least_disks = least_disks};
       fits.push_back(std::move(fit));
       members.emplace_back();
     }

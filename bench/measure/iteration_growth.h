@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "bench/measure/solver_variant.h"
 #include "bench/measure/statistics.h"
 #include "bench/report/json_output.h"
 #include "solvers/solver.h"
@@ -37,12 +37,6 @@ GrowthProblem make_growth_problem(const GrowthScene& scene, int side);
 /// The side whose number of disks is nearest to `disks`.
 int side_of(const std::string& family, double disks);
 
-struct GrowthMethod {
-  std::string name;  ///< for tables: "uzawa, paper's rho"
-  std::string solver;
-  std::map<std::string, std::string> parameters = {};
-};
-
 /// One solver on one problem at one tolerance, from s = 0.
 struct GrowthRow {
   std::string family, method;
@@ -59,17 +53,18 @@ struct GrowthRow {
 struct GrowthLimits {
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of a solve
   int max_iterations = 1000000;
+  int threads = 1;
   std::function<bool()> cancelled;  ///< may be empty
 };
 
 GrowthRow growth_row(const GrowthScene& scene, const GrowthProblem& problem,
-                     const GrowthMethod& method, double tol, const GrowthLimits& limits);
+                     const SolverVariant& method, double tol, const GrowthLimits& limits);
 
 /// Rows for several tolerances, in their order. If the solver's iterates do not depend on the
 /// tolerance, one solve gives all. A row then ends at the first judged iteration that meets it, and
 /// its time is the time until then.
 std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem& problem,
-                                   const GrowthMethod& method, std::span<const double> tols,
+                                   const SolverVariant& method, std::span<const double> tols,
                                    const GrowthLimits& limits);
 
 /// Power laws in the number of disks for one family, method and tolerance.

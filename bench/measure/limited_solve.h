@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 
 #include "core/problem/contact_problem.h"
@@ -11,5 +12,30 @@ namespace bipot {
 /// empty.
 SolveResult solve_within(const std::string& solver, const ContactProblem& problem, double tol,
                          double seconds, const Vector& s0 = {});
+
+/// A limit on CPU time for inner loops: other work on the machine must not change the result of a
+/// solver. It asks the system once in a millisecond at most.
+class CpuLimit {
+ public:
+  /// Counts from construction. `seconds` > 0.
+  explicit CpuLimit(double seconds);
+  bool operator()();
+  /// True if a call has reported the limit.
+  bool reached() const { return reached_; }
+
+  /// Limit on wall time, relative to the CPU limit, for loops that do not call this.
+  static constexpr double kWallFactor = 20;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double end_, grain_;
+  Clock::time_point asked_, read_;
+  int stride_ = 1, calls_ = 0;
+  bool reached_ = false;
+};
+
+/// Solves one contact, so that libraries that a solver loads at its first call (PETSc, MPI) are not
+/// part of a measurement.
+void warm_up(const SolverEntry& entry);
 
 }  // namespace bipot

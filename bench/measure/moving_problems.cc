@@ -59,9 +59,7 @@ std::optional<TestProblem> read_step(const MovingRunRequest& request, int step) 
   }
   const std::string recipe = recipe_of(request, step);
   if (file.info.description != recipe) return std::nullopt;
-  TestProblem made;
-  made.origin = recipe;
-  made.problem = std::move(file.problem);
+  TestProblem made{.origin = recipe, .problem = std::move(file.problem)};
   if (!file.guesses.empty()) made.start = std::move(file.guesses.front());
   return made;
 }

@@ -298,8 +298,7 @@ class ProblemRun {
 
  private:
   void run() {
-    SolverOptions options;
-    options.tol = scene_.solver.tol;
+    SolverOptions options{.tol = scene_.solver.tol};
     State<D> state = initial_state(scene_);
     SceneRunOptions<D> to_last;
     to_last.steps = steps_.back();

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "bench/measure/cpu_limit.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/base/types.h"
@@ -31,12 +31,11 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
                                  LimitOn limit_on, const std::function<bool()>& interrupted) {
   const double witness = std::max(ReferenceSolution::kTrusted, 10 * target);
   const ContactProblem& problem = given.problem;
-  ReferenceSolution best;
-  best.origin = given.origin;
-  best.contacts = problem.num_contacts();
-  best.dim = problem.dim;
-  best.dofs = problem.num_dofs();
-  best.s = Vector::Zero(problem.num_rows());
+  ReferenceSolution best{.origin = given.origin,
+                         .contacts = problem.num_contacts(),
+                         .dim = problem.dim,
+                         .dofs = problem.num_dofs(),
+                         .s = Vector::Zero(problem.num_rows())};
   double best_error = kInfinity;
   std::vector<Vector> trusted, attempts;
   const DelassusOperator delassus(problem);
@@ -49,10 +48,7 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
   for (const char* name : names) {
     const SolverEntry* entry = find_solver(name);
     if (entry == nullptr) continue;
-    SolverOptions options;
-    options.tol = target;
-    options.time_limit = time_limit;
-    options.cancelled = interrupted;
+    SolverOptions options{.tol = target, .time_limit = time_limit, .cancelled = interrupted};
     CpuLimit limit(time_limit);
     if (limit_on == LimitOn::kCpu) {
       options.time_limit *= CpuLimit::kWallFactor;
@@ -119,10 +115,9 @@ bool learn_answer(const ContactProblem& problem, const Vector& s, double time_li
     const SolverEntry* entry = find_solver(name);
     if (entry == nullptr || problem.dim > entry->max_dim) continue;
     CpuLimit limit(time_limit);
-    SolverOptions options;
-    options.tol = ReferenceSolution::kTarget;
-    options.s0 = found.s;
-    options.time_limit = CpuLimit::kWallFactor * time_limit;
+    SolverOptions options{.tol = ReferenceSolution::kTarget,
+                          .time_limit = CpuLimit::kWallFactor * time_limit,
+                          .s0 = found.s};
     options.cancelled = [&] { return limit() || (interrupted && interrupted()); };
     if (std::string_view(name) == "homotopy") options.parameters = as_it_is;
     const SolveResult result = solve(*entry, problem, options);
@@ -161,12 +156,11 @@ ReferenceSolution read_reference(const std::filesystem::path& path) {
   const std::string text = read_text_file(path);
   try {
     const Json j = Json::parse(text);
-    ReferenceSolution reference;
-    reference.origin = j.at("origin").get<std::string>();
-    reference.contacts = j.at("contacts").get<int>();
-    reference.dim = j.at("dim").get<int>();
-    reference.dofs = j.at("dofs").get<int>();
-    reference.solver = j.at("solver").get<std::string>();
+    ReferenceSolution reference{.origin = j.at("origin").get<std::string>(),
+                                .contacts = j.at("contacts").get<int>(),
+                                .dim = j.at("dim").get<int>(),
+                                .dofs = j.at("dofs").get<int>(),
+                                .solver = j.at("solver").get<std::string>()};
     reference.error.epsilon = number_or_nan(j.at("epsilon"));
     reference.error.eta = number_or_nan(j.at("eta"));
     reference.error.raw42 = number_or_nan(j.at("epsilon_raw"));

@@ -27,8 +27,7 @@ PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& 
     a.push_back(std::log(x[k]));
     b.push_back(std::log(y[k]));
   }
-  PowerLaw law;
-  law.points = static_cast<int>(a.size());
+  PowerLaw law{.points = static_cast<int>(a.size())};
   if (law.points < 2) return law;
   double mean_a = 0, mean_b = 0;
   for (int k = 0; k < law.points; ++k) {
@@ -80,8 +79,7 @@ MeanValue mean_value(std::span<const double> x) {
 ExponentialTail fit_exponential_tail(std::vector<double> x, double from) {
   std::erase_if(x, [&](double value) { return !(value >= from); });
   std::sort(x.begin(), x.end());
-  ExponentialTail tail;
-  tail.points = static_cast<int>(x.size());
+  ExponentialTail tail{.points = static_cast<int>(x.size())};
   double sum = 0;
   for (double value : x) sum += value - from;
   if (!(sum > 0)) return tail;

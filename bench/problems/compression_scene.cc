@@ -15,10 +15,9 @@ Scene<2> compression_scene(const CompressionOptions& options) {
   constexpr int kCount = 2470;
   const double share = static_cast<double>(options.count) / kCount;
   const double width = kWidth * std::sqrt(share);
-  Scene<2> scene;
-  scene.title = "Isotropic compression, " + std::to_string(options.count) + " disks";
-  scene.source = "generated";
-  scene.materials = {"default"};
+  Scene<2> scene{.title = "Isotropic compression, " + std::to_string(options.count) + " disks",
+                 .source = "generated",
+                 .materials = {"default"}};
   scene.laws = {{.mu = 0.1, .e_n = 0, .e_t = options.e_t}};
   if (options.smooth_walls) {
     const ContactLaw rough = scene.laws[0], smooth = {.mu = 0, .e_n = 0, .e_t = options.e_t};
@@ -39,10 +38,7 @@ Scene<2> compression_scene(const CompressionOptions& options) {
         std::tuple{"right", Vec2(width, 0), Vec2(-1, 0)},
         std::tuple{"bottom", Vec2(0, 0), Vec2(0, 1)},
         std::tuple{"top", Vec2(0, rows * pitch), Vec2(0, -1)}}) {
-    Wall<2> wall;
-    wall.name = name;
-    wall.motion = Wall<2>::Motion::kDriven;
-    wall.a = point;
+    Wall<2> wall{.name = name, .motion = Wall<2>::Motion::kDriven, .a = point};
     wall.normal = wall.direction = normal;
     wall.material = options.smooth_walls ? 1 : 0;
     wall.force = kForce * std::sqrt(share);

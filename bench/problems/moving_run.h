@@ -7,8 +7,8 @@
 
 namespace bipot {
 
-/// Runs a moving scene (moving_scene.h, moving_spheres.h) up to the last of `steps`, increasing from 1. The solver is
-/// `apgd` to 1e-2 with at most kMovingIterations in each step, warm started. This is fixed, so that
+/// Runs a moving scene (moving_scene.h, moving_spheres.h) up to the last of `steps`, increasing
+/// from 1. The solver is `apgd` to 1e-2 with at most kMovingIterations in each step, warm started. This is fixed, so that
 /// the problems do not depend on changes of other solvers. `on_step` receives those of `steps` that
 /// have contacts. Throws StepFailure.
 template <int D>

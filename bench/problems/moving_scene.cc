@@ -56,9 +56,7 @@ Scene<2> make_moving_scene(const std::string& name, int side, const FamilyOption
   if (family == std::end(kFamilies)) {
     throw std::invalid_argument(unknown_name_message("moving family", name, moving_family_names()));
   }
-  Scene<2> scene;
-  scene.title = fmt::format("{} {}", name, side);
-  scene.source = "generated";
+  Scene<2> scene{.title = fmt::format("{} {}", name, side), .source = "generated"};
   const bool tilted = name == "tilt";
   const double degrees = tilted && options.tilt_degrees == 0 ? 30 : options.tilt_degrees;
   const double tilt = degrees * std::numbers::pi / 180;

@@ -4,8 +4,6 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <utility>

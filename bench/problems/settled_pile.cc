@@ -15,9 +15,7 @@ SettledPile settle_pile(const PileOptions& options) {
   pile.scene = make_family_scene("random", side, {.mu = options.mu, .seed = options.seed});
   pile.scene.bodies.resize(options.count);
   pile.state = initial_state(pile.scene);
-  SolverOptions solver;
-  solver.tol = options.tol;
-  solver.max_iterations = 1000;
+  SolverOptions solver{.tol = options.tol, .max_iterations = 1000};
   double initial = 0;
   SceneRunOptions<2> to_rest;
   to_rest.steps = options.max_steps;

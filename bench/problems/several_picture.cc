@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/motion/step_outcome.h"
 #include "core/pictures/force_picture.h"
 
 namespace bipot {
@@ -64,8 +63,7 @@ void draw_several_picture(const std::filesystem::path& path, const ContactProble
   double mean = 0;
   for (const Vec2& sum : sums.front()) mean += sum.norm();
   mean /= std::max<double>(1, static_cast<double>(std::count(touched.begin(), touched.end(), 1)));
-  ForcePictureOptions options;
-  options.take_off = false;
+  ForcePictureOptions options{.take_off = false};
   options.fill.values.assign(disks, 0);
   for (std::size_t a = 0; a < sums.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {

@@ -46,16 +46,13 @@ struct System {
 
 /// The system after `iterations` of the proximal interior point from its own start.
 System system_of(const ContactProblem& p, int iterations) {
-  SolverOptions options;
-  options.max_iterations = iterations;
-  options.tol = 1e-14;
+  const SolverOptions options{.tol = 1e-14, .max_iterations = iterations};
   SolveRun solve(p, options);
   solve.judge_every_iteration();
   InteriorSystem<2> system(p, solve.delassus(), ShiftedDelassus::Form::kBody);
   const double energy = spring_energy(system);
   InteriorRun run(solve);
-  ProximalInteriorPointOptions stage;
-  stage.far_iterations = iterations;
+  ProximalInteriorPointOptions stage{.far_iterations = iterations};
   InteriorState<2> z = cold_start(system, energy, 1), best = z;
   (void)proximal_interior_point(system, z, run, stage, best);
   if (!system.linearise(z, 0)) throw std::runtime_error("the matrix is singular");

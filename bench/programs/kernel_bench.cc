@@ -14,14 +14,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 
 #include "bench/programs/measured_kernel.h"
 #include "core/base/parallel.h"
 #include "core/criterion/contact_error.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/time_stepping.h"
-#include "core/scene/contact_detection.h"
 #include "solvers/kernels/local_updates.h"
 
 namespace bipot {

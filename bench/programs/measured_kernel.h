@@ -67,8 +67,7 @@ inline std::shared_ptr<const Packing> tilted_packing(const std::string& family, 
   auto& slot = cache[{family, side}];
   std::shared_ptr<const Packing> made = slot.lock();
   if (!made) {
-    FamilyOptions options;
-    options.tilt_degrees = 10;
+    FamilyOptions options{.tilt_degrees = 10};
     made = std::make_shared<const Packing>(make_family_scene(family, side, options));
     slot = made;
   }
@@ -126,8 +125,7 @@ template <int D>
 MeasuredKernel tiled_gradient(const PackedProblem<D>& p, const Execution& execution) {
   auto gradient = std::make_shared<TiledGradient<D>>(p.problem, p.bodies(), p.scaling, execution);
   gradient->reset(p.start());
-  GradientControl control;
-  control.lambda = p.lambda;
+  GradientControl control{.lambda = p.lambda};
   return {static_cast<double>(p.problem.num_contacts()), kTogether,
           gradient_work<D>(p.bodies_per_contact()),
           [gradient, control]() mutable { gradient->advance(kTogether, control); }};

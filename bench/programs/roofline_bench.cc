@@ -12,7 +12,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -315,8 +314,7 @@ void write_page(const Measured& m, const Flags& flags) {
 
 void run(const Flags& flags) {
   require_plotting_tool();
-  Measured m;
-  m.peaks = measure_peaks(flags.repeat);
+  Measured m{.peaks = measure_peaks(flags.repeat)};
   for (const int threads : flags.threads) {
     for (const double megabytes : {0.5, 3.0, 300.0}) {
       m.bandwidths.push_back(

@@ -4,7 +4,7 @@
 //   --solver=a,b  --family=square,triangular,diluted,pyramid,random,pile,pour,collapse,tilt,
 //   strike,cannonballs,cubic (the last two of spheres)  --tol=1e-2,1e-4
 //   --side=10,20,50 or --sizes=100,1000,10000 (numbers of disks; the nearest side is taken)
-//   --mu=0.3  --tilt=10  --mass-ratio=1e6  --time-limit=10  --seed=1  --set=name:value (solver
+//   --mu=0.3  --tilt=10  --mass-ratio=1e6  --time-limit=10  --threads=1  --seed=1  --set=name:value (solver
 //   parameter, repeatable)  --fit-from=300 (smaller problems stay out of the fits)
 //   --fit-out=FILE (rows and fits as JSON)
 // Rows as JSON or CSV: --benchmark_out=FILE --benchmark_out_format=json|csv. A pile of side n has
@@ -23,6 +23,7 @@
 #include "bench/command/blas_kernels.h"
 #include "bench/measure/iteration_growth.h"
 #include "bench/measure/moving_problems.h"
+#include "bench/measure/peak_memory.h"
 #include "bench/problems/sphere_problems.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
@@ -54,7 +55,7 @@ std::shared_ptr<const GrowthProblem> problem_of(const GrowthScene& scene, int si
 }
 
 void solve_row(benchmark::State& state, const BenchFlags& flags, const GrowthScene& scene,
-               const GrowthMethod& method, double tol, int side, std::vector<GrowthRow>& rows) {
+               const SolverVariant& method, double tol, int side, std::vector<GrowthRow>& rows) {
   const auto problem = problem_of(scene, side);
   GrowthRow row;
   for ([[maybe_unused]] auto _ : state) {
@@ -77,6 +78,7 @@ void solve_row(benchmark::State& state, const BenchFlags& flags, const GrowthSce
   state.counters["epsilon"] = row.error.epsilon;
   state.counters["eta"] = row.error.eta;
   state.counters["natural_map"] = row.error.natural_map;
+  state.counters["peak_MB"] = 1e-6 * peak_memory();  // of the process, so far
   state.counters["setup_s"] = row.setup_seconds;
   state.counters["solve_s"] = row.solve_seconds;
   state.counters["ns_per_contact_it"] =
@@ -143,6 +145,8 @@ int main(int argc, char** argv) {
   app.add_option("--tilt", flags.scene.tilt_degrees, "Tilt of gravity in degrees");
   app.add_option("--mass-ratio", flags.scene.mass_ratio, "Masses log-uniform in [1, ratio] kg");
   app.add_option("--time-limit", flags.limits.time_limit, "Seconds for one solve");
+  app.add_option("--threads", flags.limits.threads, "Threads of the solver")
+      ->check(CLI::PositiveNumber);
   app.add_option("--seed", flags.scene.seed, "Seed of masses, gaps and piles");
   app.add_option("--fit-from", flags.fit_from, "Fewest disks of a problem that enters the fits");
   app.add_option("--fit-out", flags.fit_out, "Rows and fits as JSON")->type_name("FILE");
@@ -158,7 +162,7 @@ int main(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 2;
   }
 
-  GrowthMethod method;
+  SolverVariant method;
   for (const std::string& text : flags.parameters) {
     const std::size_t colon = text.find(':');
     method.parameters[text.substr(0, colon)] =
@@ -189,7 +193,7 @@ int main(int argc, char** argv) {
       for (const double disks : flags.sizes) sides.push_back(side_of(family, disks));
     }
     for (const std::string& solver : flags.solvers) {
-      method.name = method.solver = solver;
+      method.label = method.solver = solver;
       for (const double tol : flags.tolerances) {
         for (const int n : sides) {
           const std::string name = fmt::format("{}/{}/{:.0e}/{}", family, solver, tol, n);

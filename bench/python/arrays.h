@@ -4,7 +4,6 @@
 #include <pybind11/pybind11.h>
 
 #include <string_view>
-#include <type_traits>
 
 #include "core/base/types.h"
 

@@ -17,7 +17,6 @@
 #include "bench/python/callable_solver.h"
 #include "bench/python/python_problem.h"
 #include "bench/python/python_watch.h"
-#include "bench/report/build_info.h"
 #include "bench/report/chart.h"
 
 namespace bipot {
@@ -35,10 +34,8 @@ ProblemSource source_of(const std::string& name, const PythonProblem& given, Vec
   ProblemSource source;
   source.name = source.target = name;
   source.load = [problem = given.problem, start = std::move(start)] {
-    TestProblem made;
-    made.origin = "a problem that Python handed over";
-    made.problem = *problem;
-    made.start = start;
+    TestProblem made{
+        .origin = "a problem that Python handed over", .problem = *problem, .start = start};
     return made;
   };
   return source;
@@ -131,8 +128,7 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
   options.out = out;
   options.interrupted = options.cancelled = [&watch] { return watch.stopped(); };
   report_rows_to(on_row, watch, options);
-  TargetOptions scenes;
-  scenes.scene_problems = scene_problems;
+  TargetOptions scenes{.scene_problems = scene_problems};
   if (!scene_steps.is_none()) scenes.scene_steps = scene_steps.cast<int>();
   const std::vector<ProblemSource> sources = sources_of(targets, scenes);
   {
@@ -159,8 +155,7 @@ void write_into(const PythonComparison& self, const std::filesystem::path& folde
 std::vector<std::shared_ptr<PythonProblem>> load_problems(const std::vector<std::string>& targets,
                                                           int scene_problems,
                                                           const py::object& scene_steps) {
-  TargetOptions scenes;
-  scenes.scene_problems = scene_problems;
+  TargetOptions scenes{.scene_problems = scene_problems};
   if (!scene_steps.is_none()) scenes.scene_steps = scene_steps.cast<int>();
   std::vector<std::shared_ptr<PythonProblem>> problems;
   const py::gil_scoped_release release;

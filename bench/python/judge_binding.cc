@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <string>
 
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"

@@ -309,8 +309,7 @@ py::tuple parts_of_problem(const PythonProblem& self) {
 HeldProblem problem_of_parts(const py::tuple& parts) {
   if (parts.size() != 12) throw std::invalid_argument("not the parts of a Problem");
   auto made = std::make_shared<PythonProblem>();
-  ContactProblem p;
-  p.dim = parts[0].cast<int>();
+  ContactProblem p{.dim = parts[0].cast<int>()};
   if (!parts[1].is_none()) p.A = from_parts<SparseMatrix>(parts[1], "A");
   if (!parts[2].is_none()) p.H = from_parts<SparseMatrix>(parts[2], "H");
   if (!parts[3].is_none()) p.W = from_parts<SparseRows>(parts[3], "W");

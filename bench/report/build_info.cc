@@ -10,14 +10,13 @@
 namespace bipot {
 
 BuildInfo build_info() {
-  BuildInfo info;
-  info.version = program_version();
-  info.commit = BIPOT_COMMIT;
-  info.compiler = BIPOT_COMPILER;
-  info.flags = BIPOT_FLAGS;
-  info.build_type = BIPOT_BUILD_TYPE;
-  info.cores = static_cast<int>(std::thread::hardware_concurrency());
-  info.cpu = "unknown";
+  BuildInfo info{.version = program_version(),
+                 .commit = BIPOT_COMMIT,
+                 .compiler = BIPOT_COMPILER,
+                 .flags = BIPOT_FLAGS,
+                 .build_type = BIPOT_BUILD_TYPE,
+                 .cpu = "unknown",
+                 .cores = static_cast<int>(std::thread::hardware_concurrency())};
   std::ifstream cpuinfo("/proc/cpuinfo");
   for (std::string line; std::getline(cpuinfo, line);) {
     const std::size_t colon = line.find(": ");

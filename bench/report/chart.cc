@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "bench/report/csv_text.h"
-#include "bench/report/gnuplot.h"
+#include "bench/report/program.h"
 #include "bench/report/text_lines.h"
 #include "core/base/file_error.h"
 #include "core/base/number_text.h"

@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-/// A chart, drawn by gnuplot (bench/report/gnuplot.h) as SVG with its text as text.
+/// A chart, drawn by gnuplot (bench/report/program.h) as SVG with its text as text.
 struct ChartPoint {
   double x = 0, y = 0;
   bool hollow = false;  ///< drawn without filling

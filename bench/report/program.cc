@@ -19,8 +19,6 @@
 #include "core/base/interrupt.h"
 #include "core/base/stopwatch.h"
 
-extern char** environ;
-
 namespace bipot {
 namespace {
 
@@ -101,6 +99,12 @@ std::string run_program(std::vector<std::string> words, const std::string& input
                     content(err.get()).substr(0, 500)));
   }
   return content(out.get());
+}
+
+std::string run_gnuplot(const std::string& script) {
+  constexpr double kPatience = 120;  // seconds for one chart
+  return run_program({"gnuplot", "--default-settings"}, script,
+                     "charts are drawn by it: install the package gnuplot-nox", kPatience);
 }
 
 }  // namespace bipot

@@ -11,4 +11,9 @@ namespace bipot {
 std::string run_program(std::vector<std::string> words, const std::string& input,
                         const std::string& purpose, double patience);
 
+/// Runs gnuplot with the script on its standard input, without the user's settings, and returns its
+/// standard output. Throws FileError, with gnuplot's own text, if it cannot be run or refuses the
+/// script.
+std::string run_gnuplot(const std::string& script);
+
 }  // namespace bipot

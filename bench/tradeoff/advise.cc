@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "bench/measure/warm_up.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/report/labels.h"
 #include "bench/tradeoff/stretch.h"
 #include "bench/tradeoff/time_budget.h"

@@ -11,9 +11,8 @@
 #include <string_view>
 #include <utility>
 
-#include "bench/measure/cpu_limit.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/measure/stopwatch.h"
-#include "bench/measure/warm_up.h"
 #include "bench/report/csv_text.h"
 #include "core/base/file_error.h"
 #include "solvers/auto/auto_plan.h"

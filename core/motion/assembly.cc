@@ -52,8 +52,7 @@ template <int D>
 DofMap number_dofs(bool friction, std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
                    std::span<const Contact<D>> contacts, const PeriodicCell* cell,
                    std::size_t clusters) {
-  DofMap dofs;
-  dofs.per_disk = friction || clusters > 0 ? D + kSpins<D> : D;
+  DofMap dofs{.per_disk = friction || clusters > 0 ? D + kSpins<D> : D};
   dofs.disk.assign(disks.size(), -1);
   dofs.wall.assign(walls.size(), -1);
   for (const Contact<D>& c : contacts) {
@@ -285,8 +284,8 @@ AssembledStep assemble_step(const Scene<D>& scene,
   const int d = friction ? D : 1;
   const int num_contacts = static_cast<int>(contacts.size());
 
-  AssembledStep step;
-  step.dofs = number_dofs<D>(friction, disks, walls, contacts, cell.cell, clusters.bodies.size());
+  AssembledStep step{
+      .dofs = number_dofs<D>(friction, disks, walls, contacts, cell.cell, clusters.bodies.size())};
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
   p.dim = d;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
-#include <utility>
 
 #include "core/motion/population.h"
 

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <stdexcept>
 
 #include "core/base/portable_random.h"

@@ -1,7 +1,6 @@
 #include "core/motion/projection.h"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include "core/motion/assembly.h"

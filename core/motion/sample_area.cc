@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/base/types.h"
-#include "core/motion/periodic_state.h"
 #include "core/scene/scene_box.h"
 
 namespace bipot {

@@ -18,8 +18,7 @@ struct View {
 };
 
 View view_of(const Vec3& gravity) {
-  View view;
-  view.up = gravity.norm() > 0 ? Vec3(-gravity.normalized()) : Vec3(Vec3::UnitZ());
+  View view{.up = gravity.norm() > 0 ? Vec3(-gravity.normalized()) : Vec3(Vec3::UnitZ())};
   // The axis nearest to the horizontal; the first one of several.
   int axis = 0;
   for (int k = 1; k < 3; ++k) {
@@ -35,9 +34,7 @@ View view_of(const Vec3& gravity) {
 /// is a circle if seen along its axis. A hollow one seen from the side is the two lines that bound
 /// the content at distance `off` from its axis.
 void add_wall(const Wall<3>& w, const View& view, double off, FlatView& flat) {
-  Wall<2> wall;
-  wall.name = w.name;
-  wall.a = view(w.a);
+  Wall<2> wall{.name = w.name, .a = view(w.a)};
   if (!w.present) return;
   const double away = std::abs(w.normal.dot(view.away));
   if (w.shape == Wall<3>::Shape::kHalfPlane) {
@@ -97,11 +94,10 @@ void add_contacts(const State<3>& state, const View& view, FlatView& flat) {
     const int j = o.contact.j < spheres ? disk_of[to_size(o.contact.j)] : disks;
     if (i < 0 || j < 0) continue;
     if (o.contact.image_x != 0 && !flat.state.cell.periodic()) continue;  // it has no place to end
-    ContactOutcome<2> shown;
-    shown.contact = {i, j, view(o.contact.n), o.contact.gap, o.contact.image_x};
-    shown.s_n = o.s_n;
-    shown.s_t = o.s_t.norm();
-    shown.status = o.status;
+    ContactOutcome<2> shown{.contact = {i, j, view(o.contact.n), o.contact.gap, o.contact.image_x},
+                            .s_n = o.s_n,
+                            .s_t = o.s_t.norm(),
+                            .status = o.status};
     flat.state.contacts.push_back(shown);
   }
 }

@@ -35,9 +35,7 @@ std::optional<BodyRows> find_body_rows(const ContactProblem& p) {
   if (!p.has_velocities()) return std::nullopt;
   // Clusters turn even without friction, unlike single disks.
   for (const int per_body : p.dim == 1 ? std::vector{2, 3} : std::vector{p.dim == 2 ? 3 : 6}) {
-    BodyRows rows;
-    rows.per_body = per_body;
-    rows.translations = p.dim == 1 ? 2 : p.dim;
+    BodyRows rows{.per_body = per_body, .translations = p.dim == 1 ? 2 : p.dim};
     // A few rows of walls could also be rows of another body: their number is searched.
     constexpr int kMaxWalls = 24;
     for (rows.walls = p.num_dofs() % rows.per_body; rows.walls <= std::min(kMaxWalls, p.num_dofs());

@@ -54,9 +54,7 @@ SparseGroup read_matrix(const Hdf5File& file, const std::string& group) {
     throw FileError(file.path(), group, reason);
   };
   if (!file.exists(group)) refuse("missing");
-  SparseGroup matrix;
-  matrix.rows = file.read_int(group + "/m");
-  matrix.columns = file.read_int(group + "/n");
+  SparseGroup matrix{.rows = file.read_int(group + "/m"), .columns = file.read_int(group + "/n")};
   const int nz = file.read_int(group + "/nz");
   if (matrix.rows < 0 || matrix.columns < 0) {
     refuse(fmt::format("m = {}, n = {}", matrix.rows, matrix.columns));
@@ -143,10 +141,7 @@ Vector every_other(const Vector& x) {
 
 /// Inverse of the spacedim-2 form of a frictionless problem, see the header.
 ContactProblem without_tangents(const ContactProblem& p, int dofs) {
-  ContactProblem q;
-  q.dim = 1;
-  q.mu = p.mu;
-  q.u_free = every_other(p.u_free);
+  ContactProblem q{.dim = 1, .u_free = every_other(p.u_free), .mu = p.mu};
   if (p.has_velocities()) {
     q.v_free = p.v_free.head(dofs);
     q.A = p.A.topLeftCorner(dofs, dofs);
@@ -177,10 +172,7 @@ ContactProblem with_inert_tangents(const ContactProblem& p) {
   const int contacts = p.num_contacts();
   const int dofs = p.num_dofs();
   const Vector w_nn = DelassusOperator(p).diagonal();
-  ContactProblem q;
-  q.dim = 2;
-  q.mu = Vector::Zero(contacts);
-  q.u_free = Vector::Zero(2 * contacts);
+  ContactProblem q{.dim = 2, .u_free = Vector::Zero(2 * contacts), .mu = Vector::Zero(contacts)};
   for (int c = 0; c < contacts; ++c) q.u_free[2 * c] = p.u_free[c];
   if (p.has_velocities()) {
     Triplets mass, wrench;

@@ -101,8 +101,7 @@ NpyArray read_npy(const std::filesystem::path& path) {
   const std::string_view header = all.substr(begin, length);
   const std::string_view bytes = all.substr(begin + length);
 
-  NpyArray array;
-  array.shape = parse_shape(path, entry(path, header, "shape"));
+  NpyArray array{.shape = parse_shape(path, entry(path, header, "shape"))};
   const std::string_view type = entry(path, header, "descr").substr(0, 5);
   const std::size_t width = type == "'<f8'" || type == "'<i8'" ? 8 : 4;
   if (type != "'<f8'" && type != "'<f4'" && type != "'<i8'" && type != "'<i4'") {

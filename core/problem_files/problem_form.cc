@@ -45,11 +45,7 @@ ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu
   require_size("number of rows of W", W.rows(), rows);
   require_size("number of columns of W", W.cols(), rows);
   require_size("size of q", q.size(), rows);
-  ContactProblem p;
-  p.dim = dim;
-  p.W = W;
-  p.u_free = std::move(q);
-  p.mu = std::move(mu);
+  ContactProblem p{.dim = dim, .W = W, .u_free = std::move(q), .mu = std::move(mu)};
   drop_zeros(p.W);
   return checked(std::move(p));
 }
@@ -62,11 +58,7 @@ ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatr
   require_size("number of columns of H", H.cols(), dim * mu.size());
   require_size("size of f", f.size(), M.rows());
   require_size("size of w", w.size(), H.cols());
-  ContactProblem p;
-  p.dim = dim;
-  p.A = M;
-  p.H = H;
-  p.mu = std::move(mu);
+  ContactProblem p{.dim = dim, .A = M, .H = H, .mu = std::move(mu)};
   drop_zeros(p.A);
   drop_zeros(p.H);
   // Validates the matrices first: a factorisation would hide their errors.

@@ -128,13 +128,12 @@ std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, 
   const std::vector<int> present =
       circles ? read_indices(file, "walls/present", walls, 2) : std::vector<int>(walls, 1);
   for (std::size_t k = 0; k < walls; ++k) {
-    Wall<2> wall;
-    wall.radius = wall_radii[k];
-    wall.present = present[k] != 0;
-    wall.shape = static_cast<Wall<2>::Shape>(shapes[k]);
-    wall.a = vector_at(a, k);
-    wall.b = vector_at(b, k);
-    wall.normal = vector_at(normal, k);
+    Wall<2> wall{.shape = static_cast<Wall<2>::Shape>(shapes[k]),
+                 .a = vector_at(a, k),
+                 .b = vector_at(b, k),
+                 .normal = vector_at(normal, k),
+                 .radius = wall_radii[k],
+                 .present = present[k] != 0};
     made.state.walls.push_back(wall);
   }
   const std::size_t count = to_size(contacts);

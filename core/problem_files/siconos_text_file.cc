@@ -286,9 +286,8 @@ void read_sparse(Words& words, TextMatrix& matrix) {
 TextMatrix read_matrix(Words& words) {
   enum Storage { kDense = 0, kSparseBlocks = 1, kSparse = 2 };
   const int storage = words.integer("storage of a matrix");
-  TextMatrix matrix;
-  matrix.rows = words.integer("number of rows");
-  matrix.columns = words.integer("number of columns");
+  TextMatrix matrix{.rows = words.integer("number of rows"),
+                    .columns = words.integer("number of columns")};
   // Vectors of these lengths follow.
   words.require_plausible(matrix.rows, "rows of a matrix");
   words.require_plausible(matrix.columns, "columns of a matrix");

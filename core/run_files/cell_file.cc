@@ -1,9 +1,8 @@
-#include "core/run_files/cell_file.h"
-
 #include <numeric>
 #include <vector>
 
 #include "core/motion/periodic_state.h"
+#include "core/run_files/frame_entries.h"
 #include "core/scene/wall_pieces.h"
 
 namespace bipot {

@@ -1,10 +1,9 @@
-#include "core/run_files/cluster_file.h"
-
 #include <fmt/format.h>
 
 #include <string>
 #include <vector>
 
+#include "core/run_files/frame_entries.h"
 #include "core/run_files/run_layout.h"
 
 namespace bipot {

@@ -1,6 +1,6 @@
-#include "core/run_files/dataset_descriptions.h"
-
 #include <string>
+
+#include "core/run_files/frame_entries.h"
 
 namespace bipot {
 namespace {

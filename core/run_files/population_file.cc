@@ -1,5 +1,3 @@
-#include "core/run_files/population_file.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <numeric>
 
 #include "core/run_files/csv_file.h"
+#include "core/run_files/frame_entries.h"
 #include "core/run_files/run_layout.h"
 
 namespace bipot {

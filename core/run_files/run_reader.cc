@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "core/files/hdf5_file.h"
-#include "core/run_files/cluster_file.h"
-#include "core/run_files/population_file.h"
+#include "core/run_files/frame_entries.h"
 
 namespace bipot {
 namespace {

@@ -44,10 +44,9 @@ void join_disks(Scene<2>& scene, std::size_t count, const ClusterMass& given) {
     circles.push_back({scene.bodies[i].x, scene.bodies[i].radius});
   }
   const UnionMoments moments = union_moments(circles);
-  Cluster body;
-  body.area = moments.area;
-  body.x = moments.centre;
-  body.mass = given.mass > 0 ? given.mass : given.density * moments.area;
+  Cluster body{.x = moments.centre,
+               .mass = given.mass > 0 ? given.mass : given.density * moments.area,
+               .area = moments.area};
   body.inertia = given.inertia > 0 ? given.inertia : body.mass * moments.polar / moments.area;
   if (count == 1) {
     Disk& disk = scene.bodies.back();

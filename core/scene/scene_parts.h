@@ -14,11 +14,7 @@ inline constexpr double kGravity = 9.81;  ///< [m/s²]
 /// Solid behind the line or plane through `point`; `normal` is a unit vector.
 template <int D>
 Wall<D> half_space(const Vec<D>& point, const Vec<D>& normal, std::string name = {}) {
-  Wall<D> wall;
-  wall.name = std::move(name);
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
+  return Wall<D>{.name = std::move(name), .a = point, .normal = normal};
 }
 
 /// Solid below the height 0 of the last axis.
@@ -53,10 +49,7 @@ Body<D> round_body(const Vec<D>& x, double radius, double mass, const Vec<D>& v 
 /// A scene of one material, without bodies, walls and gravity.
 template <int D>
 Scene<D> one_law(const ContactLaw& law) {
-  Scene<D> scene;
-  scene.materials = {"m"};
-  scene.laws = {law};
-  return scene;
+  return Scene<D>{.materials = {"m"}, .laws = {law}};
 }
 
 }  // namespace bipot

@@ -89,8 +89,7 @@ WallRoom<D> room_within(std::vector<Wall<D>> walls) {
         "'{}' is solid: bodies lie outside of it, those inside need hollow = true", walls[0].name));
   }
   require_closed(walls);
-  WallRoom<D> room;
-  room.walls = std::move(walls);
+  WallRoom<D> room{.walls = std::move(walls)};
   Box<D> of_segments;
   for (const Wall<D>& wall : room.walls) {
     narrow(wall, room.box);

@@ -1,4 +1,4 @@
-#include "core/scene_files/scene_cell.h"
+#include "core/scene_files/scene_tables.h"
 
 namespace bipot {
 

@@ -1,15 +1,13 @@
-#include "core/scene_files/scene_clusters.h"
-
 #include <Eigen/Geometry>
 #include <numbers>
 
+#include "core/base/portable_random.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/disk_union.h"
 #include "core/scene/generators.h"
-#include "core/scene/random_radii.h"
 #include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_groups.h"
-#include "core/scene_files/scene_walls.h"
+#include "core/scene_files/scene_tables.h"
 
 namespace bipot {
 namespace {

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -20,15 +19,10 @@
 #include "core/files/input_file.h"
 #include "core/scene/generators.h"
 #include "core/scene_files/position_file.h"
-#include "core/scene_files/scene_cell.h"
-#include "core/scene_files/scene_clusters.h"
 #include "core/scene_files/scene_filling.h"
-#include "core/scene_files/scene_gates.h"
 #include "core/scene_files/scene_groups.h"
-#include "core/scene_files/scene_observables.h"
-#include "core/scene_files/scene_spheres.h"
 #include "core/scene_files/scene_table.h"
-#include "core/scene_files/scene_walls.h"
+#include "core/scene_files/scene_tables.h"
 
 namespace bipot {
 namespace {
@@ -334,11 +328,10 @@ void read_cell_and_turn(const SceneTable& root, Scene<2>& scene) {
 
 template <int D>
 Scene<D> parse_in(const SceneTable& root, const std::string& source) {
-  Scene<D> scene;
-  scene.source = source;
-  scene.title = root.word("title", "");
-  scene.gravity = root.maybe_vec<D>("gravity").value_or(-9.81 * Vec<D>::Unit(D - 1));
-  scene.contact_distance = -1;
+  Scene<D> scene{.title = root.word("title", ""),
+                 .source = source,
+                 .gravity = root.maybe_vec<D>("gravity").value_or(-9.81 * Vec<D>::Unit(D - 1)),
+                 .contact_distance = -1};
   read_materials(root, scene);
   // Walls come first: disks may name them.
   for (const SceneTable& table : root.tables("walls")) {

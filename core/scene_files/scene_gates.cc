@@ -1,7 +1,5 @@
-#include "core/scene_files/scene_gates.h"
-
 #include "core/scene_files/scene_groups.h"
-#include "core/scene_files/scene_walls.h"
+#include "core/scene_files/scene_tables.h"
 
 namespace bipot {
 namespace {

@@ -1,6 +1,4 @@
-#include "core/scene_files/scene_observables.h"
-
-#include "core/scene/contact_frame.h"
+#include "core/scene_files/scene_tables.h"
 
 namespace bipot {
 namespace {

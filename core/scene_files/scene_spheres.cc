@@ -1,11 +1,9 @@
-#include "core/scene_files/scene_spheres.h"
-
 #include <numbers>
 
 #include "core/scene/sphere_generators.h"
 #include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_groups.h"
-#include "core/scene_files/scene_walls.h"
+#include "core/scene_files/scene_tables.h"
 
 namespace bipot {
 namespace {

@@ -117,8 +117,8 @@ Obstruction obstruction(const ContactProblem& p, const Vector& stress) {
     if (w_nn > 0) data2 += w * w / w_nn;
   }
   if (!(work.absolute > 0)) return {};
-  Obstruction result;
-  result.strength = static_cast<double>(-work.value / work.absolute - rounding(work.terms));
+  Obstruction result{.strength =
+                         static_cast<double>(-work.value / work.absolute - rounding(work.terms))};
   if (!(result.strength > 0)) return result;
   const Extended left = leftover(p, stress);
   result.speed =

@@ -16,10 +16,8 @@ DistinctAnswers::DistinctAnswers(const ContactProblem& problem)
 }
 
 VerifiedAnswer DistinctAnswers::judge(const Vector& s, std::string_view found_by) {
-  VerifiedAnswer answer;
-  answer.error = evaluate_(s);
+  VerifiedAnswer answer{.error = evaluate_(s), .found_by = std::string(found_by)};
   answer.s = evaluate_.impulse();
-  answer.found_by = found_by;
   const double scale = std::max(answer.error.friction_power, kTheta * answer.error.energy);
   answer.explained = std::sqrt(2 * answer.error.guarded() * largest_scale_ * scale);
   return answer;

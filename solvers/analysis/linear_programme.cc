@@ -26,8 +26,7 @@ LinearOptimum solve(const LinearProgramme& programme, double seconds) {
   Clp_setMaximumSeconds(model.get(), std::min(seconds, 1e8));
   Clp_dual(model.get(), 0);
 
-  LinearOptimum optimum;
-  optimum.pivots = Clp_numberIterations(model.get());
+  LinearOptimum optimum{.pivots = Clp_numberIterations(model.get())};
   const int status = Clp_status(model.get());
   if (status != 0) {
     optimum.message = status == 3 ? fmt::format("out of time after {} pivots", optimum.pivots)

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -99,13 +98,12 @@ class AnswerSearch {
 
   SolveResult attempt(std::string_view solver, const Vector& s0, int iterations,
                       std::map<std::string, std::string> parameters) const {
-    SolverOptions options;
-    options.tol = options_.tol;
-    options.s0 = s0;
-    options.max_iterations = iterations;
-    options.time_limit = std::max(1e-9, options_.time_limit - seconds());
-    options.cancelled = options_.cancelled;
-    options.parameters = std::move(parameters);
+    SolverOptions options{.tol = options_.tol,
+                          .max_iterations = iterations,
+                          .time_limit = std::max(1e-9, options_.time_limit - seconds()),
+                          .s0 = s0,
+                          .parameters = std::move(parameters),
+                          .cancelled = options_.cancelled};
     return solve(solver, p_, options);
   }
 
@@ -317,8 +315,8 @@ class AnswerSearch {
   }
 
   AnswerDifference difference(const Answer& a, const Answer& b) const {
-    AnswerDifference d;
-    d.velocity = distinct_.relative(distinct_.distance(a.impulse.s, b.impulse.s));
+    AnswerDifference d{.velocity =
+                           distinct_.relative(distinct_.distance(a.impulse.s, b.impulse.s))};
     const double kinetic = std::abs(a.kinetic - b.kinetic);
     if (kinetic == 0 || found_.answers.front().kinetic > 0) {
       d.kinetic = kinetic == 0 ? 0 : kinetic / found_.answers.front().kinetic;
@@ -425,8 +423,7 @@ AnswerDifference larger_of(const AnswerDifference& a, const AnswerDifference& b)
 }
 
 SeveralAnswers find_several_answers(const ContactProblem& problem, const SeveralOptions& options) {
-  SeveralAnswers refused;
-  refused.status = SolveStatus::kInvalidInput;
+  SeveralAnswers refused{.status = SolveStatus::kInvalidInput};
   if (refused.message = validate(problem); !refused.message.empty()) return refused;
   if (options.starts < 1) {
     refused.message = fmt::format("starts = {}, expected at least 1", options.starts);

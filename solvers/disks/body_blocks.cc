@@ -113,9 +113,7 @@ class BlockWriter {
 
   void begin_tile() { out_.first_block.push_back(static_cast<int>(out_.blocks.size())); }
   void write_block(int row, const std::vector<int>& bodies, int window) {
-    BodyBlock block;
-    block.row = row_offset<RowOfBodies<Bodies>>(row);
-    block.first = out_.tiles.num_batches();
+    BodyBlock block{.row = row_offset<RowOfBodies<Bodies>>(row), .first = out_.tiles.num_batches()};
     for (int k = 0; k < owners_.count(bodies.front()); ++k) {
       int used = 0;
       for (const int at : bodies) used += k < owners_.count(at) ? 1 : 0;

@@ -81,17 +81,16 @@ typename SymmetricSweep<D>::Swept SymmetricSweep<D>::sweep() {
 template <int D>
 double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before) {
   const auto task_of = [&](const ContactTiles::Tile& tile) {
-    SymmetricTask<D> task;
-    task.first_batch = tile.first_batch;
-    task.last_batch = tile.last_batch;
-    task.beta = beta;
-    task.omega = omega_;
-    task.ask_ahead = asks_ahead_;
-    task.contact = disks_.contacts(disks_.tile(0));
-    task.law = disks_.law_numbers(disks_.tile(0));
-    task.laws = disks_.laws();
-    task.now = now_.data();
-    task.before = before;
+    SymmetricTask<D> task{.first_batch = tile.first_batch,
+                          .last_batch = tile.last_batch,
+                          .ask_ahead = asks_ahead_,
+                          .beta = beta,
+                          .omega = omega_,
+                          .contact = disks_.contacts(disks_.tile(0)),
+                          .law = disks_.law_numbers(disks_.tile(0)),
+                          .laws = disks_.laws(),
+                          .now = now_.data(),
+                          .before = before};
     task.next = next_.data();
     task.velocity = velocity_before_.data();
     task.inverse = disks_.inverse();

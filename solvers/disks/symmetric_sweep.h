@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "core/base/large_pages.h"
 #include "solvers/disks/disk_tiles.h"

@@ -35,16 +35,15 @@ template <int D>
 void TiledSweep<D>::advance(int sweeps) {
   run_wavefront(threads_, disks_.num_tiles(), sweeps, pipeline_, [&](int, int t) {
     const ContactTiles::Tile& tile = disks_.tile(t);
-    SweepTask<D> task;
-    task.batches = tile.last_batch - tile.first_batch;
-    task.ask_ahead = asks_ahead_;
-    task.omega = omega_;
-    task.contact = disks_.contacts(tile);
-    task.law = disks_.law_numbers(tile);
-    task.laws = disks_.laws();
-    task.impulse = &impulse_[to_size(tile.first_batch)];
-    task.velocity = velocity_.data();
-    task.inverse = disks_.inverse();
+    SweepTask<D> task{.batches = tile.last_batch - tile.first_batch,
+                      .ask_ahead = asks_ahead_,
+                      .omega = omega_,
+                      .contact = disks_.contacts(tile),
+                      .law = disks_.law_numbers(tile),
+                      .laws = disks_.laws(),
+                      .impulse = &impulse_[to_size(tile.first_batch)],
+                      .velocity = velocity_.data(),
+                      .inverse = disks_.inverse()};
     kernels_.sweep(task);
   });
 }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "core/base/large_pages.h"
 #include "solvers/disks/disk_tiles.h"
 

@@ -1,7 +1,6 @@
 #include "solvers/interior/active_set.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace bipot {

@@ -6,9 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "core/linear/frontal_cholesky.h"
 #include "core/problem/coulomb_cone.h"

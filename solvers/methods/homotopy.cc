@@ -173,12 +173,11 @@ class Homotopy {
   bool prepare(Vector& s, double wanted) {
     const int limit = std::min(kStartIterations, options_.max_iterations - iteration());
     if (wanted >= 1 || limit <= 0) return false;
-    SolverOptions inner;
-    inner.tol = wanted;
-    inner.s0 = s;
-    inner.max_iterations = limit;
-    inner.time_limit = std::max(run_.remaining_seconds(), 1e-9);
-    inner.cancelled = options_.cancelled;
+    SolverOptions inner{.tol = wanted,
+                        .max_iterations = limit,
+                        .time_limit = std::max(run_.remaining_seconds(), 1e-9),
+                        .s0 = s,
+                        .cancelled = options_.cancelled};
     const SolveResult start = run_.nested("apgd", inner);
     start_steps_ += start.iterations;
     s = start.s;

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -131,8 +129,7 @@ class Driver {
     return newton(s);
   }
   StageEnd newton(const Vector& s) {
-    ProximalNewtonOptions options;
-    options.max_iterations = kPolishSteps;
+    ProximalNewtonOptions options{.max_iterations = kPolishSteps};
     return proximal_newton<D>(p_, system_.delassus(), system_.shifted(), system_.mobility(), s,
                               stages_, options);
   }
@@ -149,10 +146,9 @@ class Driver {
   StageEnd attempt_directly(int round) {
     const std::size_t turn = static_cast<std::size_t>(round) % std::size(kDirectScales);
     const double factor = scale_ * kDirectScales[turn];
-    ProximalInteriorPointOptions options;
-    options.patience = kDirectPatience;
-    options.largest_growth = kDirectGrowth;
-    options.far_iterations = kDirectTrial;
+    ProximalInteriorPointOptions options{.patience = kDirectPatience,
+                                         .largest_growth = kDirectGrowth,
+                                         .far_iterations = kDirectTrial};
     InteriorState<D> z = cold_start(system_, energy_, factor), best = z;
     StageEnd end = proximal_interior_point(system_, z, stages_, options, best);
     if (end == StageEnd::kSmallStart || end == StageEnd::kLargeStart) {
@@ -173,12 +169,11 @@ class Driver {
     Vector network = run_.best_impulse();
     double error = run_.best_error();
     if (!(error <= kNetworkError)) {
-      SolverOptions rough;
-      rough.tol = kNetworkError;
-      rough.max_iterations = kNetworkIterations;
-      rough.time_limit = std::max(run_.remaining_seconds(), 1e-9);
-      rough.s0 = options_.s0;
-      rough.cancelled = options_.cancelled;
+      SolverOptions rough{.tol = kNetworkError,
+                          .max_iterations = kNetworkIterations,
+                          .time_limit = std::max(run_.remaining_seconds(), 1e-9),
+                          .s0 = options_.s0,
+                          .cancelled = options_.cancelled};
       network = run_.nested("apgd", rough).s;
       error = contact_error(p_, network).guarded();
     }
@@ -227,9 +222,7 @@ class Driver {
   StageEnd endgame(const InteriorState<D>& z, double error) {
     const bool near = error < kPolishBelow;
     if (near && finish_status(z) == StageEnd::kStop) return StageEnd::kStop;
-    ProximalInteriorPointOptions options;
-    options.max_iterations = near ? 15 : 25;
-    options.patience = 12;
+    ProximalInteriorPointOptions options{.max_iterations = near ? 15 : 25, .patience = 12};
     InteriorState<D> end = z, best = z;
     if (proximal_interior_point(system_, end, stages_, options, best) == StageEnd::kStop) {
       return StageEnd::kStop;

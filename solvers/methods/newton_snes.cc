@@ -382,12 +382,11 @@ Settings settings_for(const ContactProblem& p, const Parameters& parameters) {
 /// Start sweeps, then the proximal loop around SNES; returns an addition to the message.
 std::string iterate(SolveRun& solve, const Settings& settings, NewtonRun& run, Snes& snes) {
   const SolverOptions& options = solve.options();
-  SolverOptions sweeps;
-  sweeps.max_iterations = settings.start_sweeps;
-  sweeps.tol = options.tol;
-  sweeps.s0 = solve.start();
-  sweeps.time_limit = std::max(solve.remaining_seconds(), 1e-9);
-  sweeps.cancelled = options.cancelled;
+  SolverOptions sweeps{.tol = options.tol,
+                       .max_iterations = settings.start_sweeps,
+                       .time_limit = std::max(solve.remaining_seconds(), 1e-9),
+                       .s0 = solve.start(),
+                       .cancelled = options.cancelled};
   const SolveResult swept = solve.nested("pgs", sweeps);
   ProximalReport report;
   if (solve.meets(swept.s)) {
@@ -435,9 +434,7 @@ void run_newton(SolveRun& solve, const Settings& settings, PetscOptions petsc_op
   const PetscSession session(std::move(petsc_options));
 
   NewtonSystem system(p, solve.delassus().diagonal(), settings.residual, settings.mixed);
-  NewtonRun run;
-  run.system = &system;
-  run.solve = &solve;
+  NewtonRun run{.system = &system, .solve = &solve};
   Snes snes(run, settings.residual, settings.linear, settings.line_search,
             settings.inner_iterations, factor);
   solve.end_setup();

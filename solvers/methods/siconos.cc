@@ -16,7 +16,6 @@
 #include <cstdlib>
 #include <memory>
 #include <stdexcept>
-#include <vector>
 
 #include "core/problem/delassus.h"
 #include "solvers/petsc/mpi_session.h"

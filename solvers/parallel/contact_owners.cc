@@ -15,8 +15,7 @@ ContactOwners contact_owners(const ContactProblem& p, const BodyNodes& nodes,
 
 ContactOwners contact_owners(const BodyNodes& nodes, const std::vector<int>& node_owner,
                              int processes) {
-  ContactOwners owners;
-  owners.processes = processes;
+  ContactOwners owners{.processes = processes};
   owners.contacts.assign(to_size(processes), 0);
   owners.owner.resize(nodes.first.size());
   for (std::size_t c = 0; c < nodes.first.size(); ++c) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/stopwatch.h"
 #include "solvers/parallel/cell_tree.h"

@@ -312,8 +312,8 @@ SolveResult DistributedSpace::solve_on_root(const SolverEntry& entry, const Solv
   const std::vector<double> known =
       group_.gather(first ? std::span<const double>(figures) : std::span<const double>());
   result.message = group_.first_text(first ? result.message : std::string());
-  result.message +=
-      shared && known[4] > 0 ? "; systems factored by all processes" : "; on the root process";
+  result.message += shared && known[4] > 0 ? "; systems factored by all processes"
+                                           : "; on the root process alone";
   result.status = static_cast<SolveStatus>(static_cast<int>(known[0]));
   result.iterations = static_cast<int>(known[1]);
   result.setup_seconds = known[2];

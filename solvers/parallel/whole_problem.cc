@@ -1,7 +1,6 @@
 #include "solvers/parallel/whole_problem.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace bipot {
@@ -42,8 +41,7 @@ class WholeReader {
     read_heads();
     read_dofs();
     number.assign(buffers_.size(), {});
-    ContactProblem p;
-    p.dim = dim_;
+    ContactProblem p{.dim = dim_};
     p.mu.resize(contacts_);
     p.u_free.resize(contacts_ * dim_);
     if (scaled_) p.row_scale.resize(contacts_ * dim_);

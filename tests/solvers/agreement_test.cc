@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <set>
@@ -17,6 +16,7 @@
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -49,9 +49,7 @@ Case without_bodies(Case c) {
 
 Case lattice(Lattice shape, int rows, double mu, double tilt) {
   Case c{lattice_step(shape, rows, mu, tilt), {}};
-  SolverOptions options;
-  options.tol = 1e-11;
-  const SolveResult reference = solve("pgs", c.problem, options);
+  const SolveResult reference = solve("pgs", c.problem, {.tol = 1e-11});
   EXPECT_TRUE(is_success(reference.status)) << reference.message;
   c.u = reference.u;
   return c;
@@ -101,8 +99,7 @@ TEST_P(Agreement, VelocitiesAndErrorsAreTheTrueOnes) {
   const Case c = cases().at(name)();
   const ContactProblem& p = c.problem;
   ASSERT_EQ(validate(p), "");
-  SolverOptions options;
-  options.tol = 1e-8;
+  SolverOptions options{.tol = 1e-8};
   const SolveResult r = solve(entry, p, options);
   if (p.dim > entry.max_dim || p.num_contacts() > entry.max_contacts) {
     EXPECT_EQ(r.status, SolveStatus::kInvalidInput) << r.message;
@@ -126,26 +123,20 @@ TEST_P(Agreement, VelocitiesAndErrorsAreTheTrueOnes) {
   EXPECT_LT((r.u - c.u).norm(), 1e-6 * scale);
 }
 
-std::string test_name(const testing::TestParamInfo<Agreement::ParamType>& parameters) {
-  std::string name = std::get<0>(parameters.param) + "_on_" + std::get<1>(parameters.param);
-  for (char& c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-  }
-  return name;
-}
-
 INSTANTIATE_TEST_SUITE_P(, Agreement,
                          testing::Combine(testing::ValuesIn(solver_names()),
                                           testing::ValuesIn(case_names())),
-                         test_name);
+                         [](const auto& tested) {
+                           return test_name(std::get<0>(tested.param) + "_on_" +
+                                            std::get<1>(tested.param));
+                         });
 
 TEST(AgreementEvidence, ThePyramidHasSeveralVelocitySolutions) {
   // Coulomb's law is not associated: several motions of the pyramid satisfy it, to a tolerance
   // far below their distances and by both implementations of the criterion.
   const Case c = cases().at("pyramid")();
   const double scale = c.problem.u_free.norm();
-  SolverOptions options;
-  options.tol = 1e-11;
+  SolverOptions options{.tol = 1e-11};
   std::vector<Vector> velocities;
   for (const char* solver : {"anderson", "pgs", "lemke"}) {
     const SolveResult r = solve(solver, c.problem, options);

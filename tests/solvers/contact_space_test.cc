@@ -13,8 +13,7 @@ TEST(WholeSpace, OneMadeOfAnotherGivesTheBitsOfOneMadeAnew) {
   for (const int dim : {1, 2, 3}) {
     const Manufactured m = manufactured_problem(dim, 20, 40, 5);
     const Vector s = 1.1 * m.s;
-    ErrorShare share;
-    share.share = 0.5;
+    ErrorShare share{.share = 0.5};
     share.others.friction = 3;
     WholeSpace anew(m.problem, 1, share);
     WholeSpace made(m.problem);
@@ -35,8 +34,7 @@ TEST(WholeSpace, OneMadeOfAnotherGivesTheBitsOfOneMadeAnew) {
 TEST(WholeSpace, RemembersAProofForExactlyThatImpulse) {
   const Manufactured m = manufactured_problem(2, 15, 25, 7);
   WholeSpace made(m.problem);
-  SolverOptions options;
-  options.tol = 1e-8;
+  SolverOptions options{.tol = 1e-8};
   const Vector s = m.s, far = 1.05 * s;
   const ContactError truth = made.error(s), lie{.epsilon = 1e-8, .eta = 0};
   // Known: the answer for s whatever the figures say, as no error is taken again.
@@ -54,8 +52,7 @@ TEST(WholeSpace, RemembersAProofForExactlyThatImpulse) {
   // Another tolerance; and parts are judged by their share and leave no note.
   ASSERT_TRUE(made.prove(options, s, truth).holds);
   options.tol = 1e-7;
-  ErrorShare half;
-  half.share = 0.5;
+  ErrorShare half{.share = 0.5};
   WholeSpace part(made, half);
   ASSERT_TRUE(part.prove(options, s, truth).holds);
   EXPECT_FALSE(std::isnan(known(s)));

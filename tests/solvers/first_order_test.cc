@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -16,6 +14,7 @@
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -27,10 +26,7 @@ struct Variant {
   std::string name() const {
     std::string text = solver;
     for (const auto& [key, value] : parameters) text += "_" + key + "_" + value;
-    for (char& c : text) {
-      if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-    }
-    return text;
+    return test_name(text);
   }
 };
 
@@ -60,11 +56,7 @@ void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name()
 class FirstOrder : public testing::TestWithParam<Variant> {
  protected:
   SolverOptions options(double tol = 1e-8) const {
-    SolverOptions o;
-    o.tol = tol;
-    o.max_iterations = 200000;
-    o.parameters = GetParam().parameters;
-    return o;
+    return SolverOptions{.tol = tol, .max_iterations = 200000, .parameters = GetParam().parameters};
   }
   SolveResult run(const ContactProblem& p, const SolverOptions& o) const {
     return solve(GetParam().solver, p, o);
@@ -101,11 +93,7 @@ TEST_P(FirstOrder, LeavesTheContactThatOpensAlone) {
   SparseRows W(4, 4);
   for (int k = 0; k < 4; ++k) W.insert(k, k) = k % 2 == 0 ? 2 : 5;
   W.makeCompressed();
-  ContactProblem p;
-  p.dim = 2;
-  p.W = W;
-  p.mu = Vector::Constant(2, 0.5);
-  p.u_free = Vector(4);
+  ContactProblem p{.dim = 2, .W = W, .u_free = Vector(4), .mu = Vector::Constant(2, 0.5)};
   p.u_free << 1, 2, -4, 0;
   const SolveResult r = run(p, options(1e-10));
   ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
@@ -125,10 +113,7 @@ TEST_P(FirstOrder, FindsTheManufacturedVelocities) {
 }
 
 TEST_P(FirstOrder, SolvesLatticesOfDisksAndSpheres) {
-  LatticeOptions o;
-  o.tilt = 10 * std::numbers::pi / 180;
-  o.e_n = 0.1;
-  o.e_t = 1;
+  LatticeOptions o{.tilt = 10 * std::numbers::pi / 180, .e_n = 0.1, .e_t = 1};
   for (const ContactProblem& p :
        {triangular_lattice(6, o), square_lattice(6), cubic_lattice(3, {.tilt = o.tilt})}) {
     ASSERT_EQ(validate(p), "");
@@ -155,9 +140,7 @@ TEST_P(FirstOrder, SaysThatTimeIsUp) {
 }
 
 TEST_P(FirstOrder, NeedsFewerIterationsFromANearbyStart) {
-  LatticeOptions lattice;
-  lattice.tilt = 0.1;
-  const ContactProblem p = triangular_lattice(8, lattice);
+  const ContactProblem p = triangular_lattice(8, {.tilt = 0.1});
   const SolveResult cold = run(p, options(1e-7));
   ASSERT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
   SolverOptions o = options(1e-7);
@@ -180,8 +163,7 @@ TEST_P(FirstOrder, GivesTheSameBitsTwice) {
 
 TEST_P(FirstOrder, DoesNotDependOnUnits) {
   // m, kg, s against mm, g, ms: lengths, masses and times are 1000 times larger numbers.
-  LatticeOptions si;
-  si.tilt = 0.1;
+  LatticeOptions si{.tilt = 0.1};
   LatticeOptions small = si;
   small.radius *= 1e3;
   small.mass *= 1e3;
@@ -203,8 +185,7 @@ TEST_P(FirstOrder, DoesNotDependOnUnits) {
 }
 
 TEST_P(FirstOrder, DoesNotDependOnTheDirectionOfTheScene) {
-  LatticeOptions upright;
-  upright.tilt = 0.1;
+  LatticeOptions upright{.tilt = 0.1};
   LatticeOptions turned = upright;
   turned.turn = 37 * std::numbers::pi / 180;
   const SolveResult a = run(triangular_lattice(6, upright), options(1e-6));
@@ -215,6 +196,18 @@ TEST_P(FirstOrder, DoesNotDependOnTheDirectionOfTheScene) {
 
 INSTANTIATE_TEST_SUITE_P(, FirstOrder, testing::ValuesIn(variants()),
                          [](const auto& tested) { return tested.param.name(); });
+
+TEST(FirstOrderSolvers, SolveAnUnsymmetricOperator) {
+  const Manufactured m = manufactured_problem(3, 12, 10, 4);
+  ContactProblem p = local_form(m.problem);
+  const double scale = p.W.diagonal().maxCoeff();
+  for (int k = 0; k < p.W.nonZeros(); ++k) p.W.valuePtr()[k] += 1e-3 * scale * std::sin(k + 1);
+  p.u_free = m.u - Vector(p.W * m.s);
+  for (const char* solver : {"apgd", "admm"}) {
+    const SolveResult r = solve(solver, p, {.max_iterations = 20000});
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << solver << ": " << r.message;
+  }
+}
 
 }  // namespace
 }  // namespace bipot

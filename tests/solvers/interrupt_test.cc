@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <ctime>
 #include <string>
@@ -15,6 +14,7 @@
 #include "tests/support/lattice_problem.h"
 #include "tests/support/machine_slowness.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -137,12 +137,9 @@ TEST_P(EveryRow, KeepsToItsTime) {
 
 INSTANTIATE_TEST_SUITE_P(Table, EveryRow,
                          testing::Combine(testing::ValuesIn(row_names()), testing::Bool()),
-                         [](const testing::TestParamInfo<Row>& row) {
-                           std::string name = std::get<0>(row.param);
-                           std::replace_if(
-                               name.begin(), name.end(),
-                               [](char c) { return std::isalnum(c) == 0; }, '_');
-                           return name + (std::get<1>(row.param) ? "_LocalForm" : "_WithBodies");
+                         [](const auto& row) {
+                           return test_name(std::get<0>(row.param)) +
+                                  (std::get<1>(row.param) ? "_LocalForm" : "_WithBodies");
                          });
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <cctype>
 #include <numbers>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -48,9 +48,7 @@ Scene<2> turned(Scene<2> scene, double degrees) {
 }
 
 SolveResult solve_first_step(const std::string& solver, const Scene<2>& scene) {
-  SolverOptions options;
-  options.tol = 1e-6;
-  return solve(solver, step_problem(scene, initial_state(scene), false), options);
+  return solve(solver, step_problem(scene, initial_state(scene), false), {.tol = 1e-6});
 }
 
 class Invariance : public testing::TestWithParam<std::string> {};
@@ -75,13 +73,7 @@ TEST_P(Invariance, DirectionDoesNotMatter) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, Invariance, testing::ValuesIn(solver_names()),
-                         [](const testing::TestParamInfo<std::string>& parameters) {
-                           std::string name = parameters.param;
-                           for (char& c : name) {
-                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-                           }
-                           return name;
-                         });
+                         [](const auto& tested) { return test_name(tested.param); });
 
 }  // namespace
 }  // namespace bipot

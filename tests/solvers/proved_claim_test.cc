@@ -35,8 +35,7 @@ TEST(ProvedClaim, ASumThatRoundsAwayProvesNothing) {
   const Vector s = Eigen::Vector4d(1, large, large, 1);
   const ContactError error = contact_error(p, s);
   ASSERT_EQ(error.guarded(), 0);
-  SolverOptions options;
-  options.tol = 1e-8;
+  SolverOptions options{.tol = 1e-8};
   const ProvedClaim claim = prove_claim(p, options, s, error);
   EXPECT_FALSE(claim.holds);
   EXPECT_GT(claim.error, large);
@@ -81,11 +80,10 @@ TEST(ProvedClaim, AStartThatOnlyRoundingSupportsIsSolvedOn) {
 // The last thousandth of the tolerance counts: ε = 20 δ - 10 δ² for one contact of 1 kg, b = -1, s
 // = 1 - δ (G = δ (1 - δ), V = δ²/2, E = 1/2), and η = sqrt(10) δ is less.
 TEST(ProvedClaim, HasNoGrace) {
-  ContactProblem p;
-  p.dim = 1;
-  p.W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView());
-  p.u_free = Vector::Constant(1, -1);
-  p.mu = Vector::Zero(1);
+  ContactProblem p{.dim = 1,
+                   .W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView()),
+                   .u_free = Vector::Constant(1, -1),
+                   .mu = Vector::Zero(1)};
   const double delta = std::ldexp(1.0, -30), epsilon = 20 * delta - 10 * delta * delta;
   const Vector s = Vector::Constant(1, 1 - delta);
   const ContactError error = contact_error(p, s);
@@ -103,10 +101,7 @@ TEST(ProvedClaim, EveryConvergedAnswerAtLargeFrictionHoldsInExtendedPrecision) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     for (const int dim : {2, 3}) {
       const Manufactured m = manufactured_problem(dim, 4, 4, seed, 1e6);
-      SolverOptions options;
-      options.tol = 1e-8;
-      options.time_limit = 2;
-      const SolveResult r = solve("multistart", m.problem, options);
+      const SolveResult r = solve("multistart", m.problem, {.tol = 1e-8, .time_limit = 2});
       if (!is_success(r.status)) continue;
       ++converged;
       EXPECT_LE(extended_guarded_error(m.problem, r.s), 1e-8) << "d = " << dim << ", " << seed;

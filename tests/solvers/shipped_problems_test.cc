@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -19,6 +18,7 @@
 #include "solvers/solve.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/test_name.h"
 
 namespace bipot {
 namespace {
@@ -59,10 +59,8 @@ TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
   const std::string name = GetParam();
   const ContactProblem p =
       read_problem(source_folder() / "data/problems" / (name + ".hdf5")).problem;
-  SolverOptions reference_options;
-  reference_options.tol = 1e-11;
-  reference_options.time_limit = 60 * BIPOT_TEST_SLOWNESS;
-  const SolveResult reference = solve("auto", p, reference_options);
+  const SolveResult reference =
+      solve("auto", p, {.tol = 1e-11, .time_limit = 60 * BIPOT_TEST_SLOWNESS});
   ASSERT_LE(reference.error.guarded(), 1e-9) << reference.message;
   const Eigen::MatrixXd W = naive_delassus(p);
   const DelassusOperator delassus(p);
@@ -71,9 +69,7 @@ TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
   int converged = 0;
   for (const SolverEntry& entry : solver_table()) {
     SCOPED_TRACE(std::string(entry.name));
-    SolverOptions options;
-    options.tol = 1e-8;
-    options.time_limit = 0.7 * BIPOT_TEST_SLOWNESS;
+    SolverOptions options{.tol = 1e-8, .time_limit = 0.7 * BIPOT_TEST_SLOWNESS};
     const SolveResult r = solve(entry, p, options);
     if (p.dim > entry.max_dim || p.num_contacts() > entry.max_contacts) {
       EXPECT_EQ(r.status, SolveStatus::kInvalidInput) << r.message;
@@ -103,15 +99,8 @@ TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
   EXPECT_GE(converged, kHard.contains(name) ? kHard.at(name) : 3);
 }
 
-std::string name_of_problem(const testing::TestParamInfo<std::string>& parameters) {
-  std::string name = parameters.param;
-  for (char& c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-  }
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(, ShippedProblems, testing::ValuesIn(shipped_problems()), name_of_problem);
+INSTANTIATE_TEST_SUITE_P(, ShippedProblems, testing::ValuesIn(shipped_problems()),
+                         [](const auto& tested) { return test_name(tested.param); });
 
 TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
   // Two impulses that obey the law to 1e-10, by both implementations, with velocities that differ
@@ -124,10 +113,8 @@ TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
     std::vector<Vector> solutions;
     double largest = 0;
     for (const char* solver : {"auto", "pgs", "apgd", "ipm", "homotopy", "anderson"}) {
-      SolverOptions options;
-      options.tol = 1e-10;
-      options.time_limit = 30 * BIPOT_TEST_SLOWNESS;
-      const SolveResult r = solve(solver, p, options);
+      const SolveResult r =
+          solve(solver, p, {.tol = 1e-10, .time_limit = 30 * BIPOT_TEST_SLOWNESS});
       if (!is_success(r.status) || naive_error(p, W, r.s).guarded() > 1.01e-10) continue;
       solutions.push_back(r.s);
       largest = std::max(

@@ -26,8 +26,7 @@ ContactProblem some_problem(int dim = 2) { return manufactured_problem(dim, 12, 
 
 /// A column of disks on a floor, mu large: sticking, W_tt = 3 W_nn at the floor.
 ContactProblem sticking_column(int disks) {
-  ContactProblem p;
-  p.dim = 2;
+  ContactProblem p{.dim = 2};
   std::vector<Eigen::Triplet<double>> a, h;
   for (int k = 0; k < disks; ++k) {
     for (int dof = 0; dof < 3; ++dof) {
@@ -77,10 +76,7 @@ TEST(Solve, ExactStartCostsNoIteration) {
     const Manufactured m = manufactured_problem(dim, 12, 14, 3);
     for (const SolverEntry& entry : solver_table()) {
       if (dim > entry.max_dim) continue;
-      SolverOptions options;
-      options.tol = 1e-12;
-      options.s0 = m.s;
-      const SolveResult r = solve(entry, m.problem, options);
+      const SolveResult r = solve(entry, m.problem, {.tol = 1e-12, .s0 = m.s});
       EXPECT_EQ(r.status, SolveStatus::kConverged) << entry.name << ": " << r.message;
       EXPECT_EQ(r.iterations, 0) << entry.name;
       EXPECT_LT((r.u - m.u).norm(), 1e-12 * m.u.norm());
@@ -92,9 +88,7 @@ TEST(Solve, ExactStartCostsNoIteration) {
 TEST(Solve, NothingToDoWithoutContacts) {
   for (const StopTest stop : {StopTest::kGuarded, StopTest::kRaw42, StopTest::kImpulse}) {
     for (const SolverEntry& entry : solver_table()) {
-      SolverOptions options;
-      options.stop = stop;
-      const SolveResult r = solve(entry, ContactProblem{}, options);
+      const SolveResult r = solve(entry, ContactProblem{}, {.stop = stop});
       EXPECT_EQ(r.status, SolveStatus::kNothingToDo) << entry.name << ": " << r.message;
       EXPECT_EQ(r.iterations, 0);
       EXPECT_EQ(r.s.size(), 0);
@@ -121,9 +115,7 @@ TEST(Solve, NothingToDoWhereEveryContactOpens) {
 
 TEST(Solve, StatusIterationLimit) {
   for (const int limit : {0, 1, 3}) {
-    SolverOptions options;
-    options.max_iterations = limit;
-    options.tol = 1e-14;
+    SolverOptions options{.tol = 1e-14, .max_iterations = limit};
     const SolveResult r = solve("uzawa", some_problem(), options);
     EXPECT_EQ(r.status, SolveStatus::kIterationLimit) << r.message;
     EXPECT_EQ(r.iterations, limit);
@@ -134,19 +126,14 @@ TEST(Solve, StatusIterationLimit) {
 }
 
 TEST(Solve, StatusTimeLimit) {
-  SolverOptions options;
-  options.time_limit = 1e-9;
-  options.tol = 1e-14;
-  const SolveResult r = solve("uzawa", some_problem(), options);
+  const SolveResult r = solve("uzawa", some_problem(), {.tol = 1e-14, .time_limit = 1e-9});
   EXPECT_EQ(r.status, SolveStatus::kTimeLimit) << r.message;
   EXPECT_MESSAGE(r, "time limit");
   EXPECT_LE(r.iterations, 1);
 }
 
 TEST(Solve, StatusStalledAtRoundOff) {
-  SolverOptions options;
-  options.tol = 1e-300;
-  const SolveResult r = solve("pgs", some_problem(), options);
+  const SolveResult r = solve("pgs", some_problem(), {.tol = 1e-300});
   EXPECT_EQ(r.status, SolveStatus::kStalled) << r.message;
   EXPECT_MESSAGE(r, "round-off");
   EXPECT_LT(r.error.guarded(), 1e-12);  // it says where it stopped, and returns the best
@@ -175,18 +162,14 @@ TEST(Solve, WaitingAtZeroIsNeitherStalledNorConverged) {
   entry.name = "late starter";
   entry.run = [](SolveRun& run) {
     const ContactProblem& p = run.problem();
-    SolverOptions inner;
-    inner.tol = 1e-12;
-    const Vector solution = solve("pgs", p, inner).s;
+    const Vector solution = solve("pgs", p, {.tol = 1e-12}).s;
     Vector s = Vector::Zero(p.num_rows());
     for (int k = 0; !run.stop(k, s); ++k) {
       if (k >= 3) s = solution;
     }
   };
   for (const StopTest stop : {StopTest::kGuarded, StopTest::kImpulse}) {
-    SolverOptions options;
-    options.stop = stop;
-    const SolveResult r = solve(entry, some_problem(), options);
+    const SolveResult r = solve(entry, some_problem(), {.stop = stop});
     EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
     EXPECT_GE(r.iterations, 4);
     EXPECT_LE(r.error.guarded(), 1e-8);
@@ -211,9 +194,7 @@ TEST(Solve, StatusDivergedWhenTheIterateIsNotANumber) {
 
 TEST(Solve, ThePapersStepCyclesOnStickingContactsAndSaysSo) {
   // rho = 1/W_nn, W_tt = 3 W_nn: 1 - rho W_tt = -2.
-  SolverOptions options;
-  options.parameters = {{"rho", "paper"}};
-  options.max_iterations = 2000;
+  SolverOptions options{.max_iterations = 2000, .parameters = {{"rho", "paper"}}};
   const ContactProblem p = sticking_column(10);
   const SolveResult r = solve("uzawa", p, options);
   EXPECT_FALSE(is_success(r.status)) << r.message;
@@ -278,9 +259,7 @@ TEST(Solve, UnknownSolverListsTheValidOnes) {
 }
 
 TEST(Solve, UnknownParameterNamesTheNearest) {
-  SolverOptions options;
-  options.parameters = {{"refesh", "jacobi"}};
-  const SolveResult r = solve("uzawa", some_problem(), options);
+  const SolveResult r = solve("uzawa", some_problem(), {.parameters = {{"refesh", "jacobi"}}});
   EXPECT_EQ(r.status, SolveStatus::kInvalidInput);
   EXPECT_MESSAGE(r, "uzawa");
   EXPECT_MESSAGE(r, "unknown parameter 'refesh'; did you mean 'refresh'?");
@@ -288,9 +267,7 @@ TEST(Solve, UnknownParameterNamesTheNearest) {
 
 TEST(Solve, ParameterValuesAreCheckedAgainstTheirRange) {
   const auto message = [](const char* solver, const char* name, const char* value) {
-    SolverOptions options;
-    options.parameters = {{name, value}};
-    const SolveResult r = solve(solver, some_problem(), options);
+    const SolveResult r = solve(solver, some_problem(), {.parameters = {{name, value}}});
     EXPECT_EQ(r.status, SolveStatus::kInvalidInput) << value;
     return r.message;
   };
@@ -329,18 +306,11 @@ TEST(Solve, AssemblesTheOperatorForSolversThatNeedIt) {
 // Solvers that do not keep the contract.
 
 SolverEntry saboteur(SolveResult (*run)(const ContactProblem&, const SolverOptions&)) {
-  SolverEntry entry;
-  entry.name = "saboteur";
-  entry.run = run_of(run);
-  return entry;
+  return SolverEntry{.name = "saboteur", .run = run_of(run)};
 }
 
 SolveResult claim(Vector s) {
-  SolveResult r;
-  r.status = SolveStatus::kConverged;
-  r.message = "trust me";
-  r.s = std::move(s);
-  return r;
+  return SolveResult{.status = SolveStatus::kConverged, .message = "trust me", .s = std::move(s)};
 }
 
 void expect_caught(const SolverEntry& entry, const std::string& part,
@@ -348,8 +318,7 @@ void expect_caught(const SolverEntry& entry, const std::string& part,
   for (int dim = 1; dim <= 3; ++dim) {
     const ContactProblem p = some_problem(dim);
     for (const StopTest stop : stops) {
-      SolverOptions options;
-      options.stop = stop;
+      SolverOptions options{.stop = stop};
       const SolveResult r = solve(entry, p, options);
       EXPECT_EQ(r.status, SolveStatus::kNumericalFailure) << dim << ": " << r.message;
       EXPECT_MESSAGE(r, part);
@@ -404,9 +373,7 @@ TEST(Sabotage, OnlyTheTangentialPartMoves) {
   expect_caught(tangential, "withdrawn", {StopTest::kGuarded});
   // Who asks for the raw (42) gets it: the projected impulses slide as they should and penetrate,
   // which it does not see. The guarded error beside it does.
-  SolverOptions options;
-  options.stop = StopTest::kRaw42;
-  const SolveResult r = solve(tangential, some_problem(), options);
+  const SolveResult r = solve(tangential, some_problem(), {.stop = StopTest::kRaw42});
   EXPECT_GT(r.error.guarded(), 0.1);
 }
 
@@ -447,9 +414,7 @@ TEST(Sabotage, Exceptions) {
 
 TEST(Sabotage, NoStatus) {
   expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
-                  SolveResult r;
-                  r.s = Vector::Zero(p.num_rows());
-                  return r;
+                  return SolveResult{.s = Vector::Zero(p.num_rows())};
                 }),
                 "without a status");
 }
@@ -479,10 +444,7 @@ TEST(Sabotage, AnHonestFailureKeepsItsStatus) {
 
 TEST(StopTests, Raw42IsMetInThePapersSense) {
   for (int dim = 2; dim <= 3; ++dim) {
-    SolverOptions options;
-    options.stop = StopTest::kRaw42;
-    options.tol = 1e-6;
-    const SolveResult r = solve("pgs", some_problem(dim), options);
+    const SolveResult r = solve("pgs", some_problem(dim), {.tol = 1e-6, .stop = StopTest::kRaw42});
     EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
     EXPECT_LE(r.error.raw42, 1e-6);
     EXPECT_MESSAGE(r, "raw42");
@@ -490,11 +452,8 @@ TEST(StopTests, Raw42IsMetInThePapersSense) {
 }
 
 TEST(StopTests, Raw42IsNeverMetWithoutFriction) {
-  SolverOptions options;
-  options.stop = StopTest::kRaw42;
-  options.tol = 1e-6;
-  options.max_iterations = 50;
-  const SolveResult r = solve("uzawa", some_problem(1), options);
+  const SolveResult r = solve("uzawa", some_problem(1),
+                              {.tol = 1e-6, .stop = StopTest::kRaw42, .max_iterations = 50});
   EXPECT_FALSE(is_success(r.status)) << r.message;
   EXPECT_TRUE(std::isnan(r.error.raw42));
 }
@@ -516,21 +475,15 @@ TEST(StopTests, ImpulseComparesConsecutiveIterates) {
 TEST(StopTests, AnExactStartDoesNotMeetTheImpulseTestByItself) {
   // One impulse says nothing about successive ones: at least one iteration.
   const Manufactured m = manufactured_problem(2, 12, 14, 3);
-  SolverOptions options;
-  options.stop = StopTest::kImpulse;
-  options.tol = 1e-6;
-  options.s0 = m.s;
-  const SolveResult r = solve("pgs", m.problem, options);
+  const SolveResult r =
+      solve("pgs", m.problem, {.tol = 1e-6, .stop = StopTest::kImpulse, .s0 = m.s});
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
   EXPECT_EQ(r.iterations, 1);
 }
 
 TEST(History, IsCalledAtTheStatedCadence) {
   // Whenever the count has grown by its root or by 1/32 (from 1024 on); the last one always.
-  SolverOptions options;
-  options.tol = 1e-300;
-  options.max_iterations = 1500;
-  options.parameters = {{"rho", "stable"}};
+  SolverOptions options{.tol = 1e-300, .max_iterations = 1500, .parameters = {{"rho", "stable"}}};
   std::vector<IterationRecord> records;
   options.on_iteration = [&](const IterationRecord& record) { records.push_back(record); };
   const ContactProblem p = manufactured_problem(2, 30, 60, 5).problem;
@@ -605,8 +558,8 @@ TEST(Registry, EntriesAreCompleteAndTheirNamesDiffer) {
     for (const ParameterSpec& spec : entry.parameters) {
       EXPECT_FALSE(spec.help.empty()) << entry.name << ' ' << spec.name;
       // The default is a valid value.
-      SolverOptions options;
-      options.parameters = {{std::string(spec.name), std::string(spec.default_value)}};
+      SolverOptions options{
+          .parameters = {{std::string(spec.name), std::string(spec.default_value)}}};
       EXPECT_NE(solve(entry, ContactProblem{}, options).status, SolveStatus::kInvalidInput)
           << entry.name << ' ' << spec.name;
     }

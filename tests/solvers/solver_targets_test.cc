@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "bench/problems/settled_pile.h"
 #include "core/scene/scene_family.h"
@@ -17,12 +15,7 @@ ContactProblem first_step(const Scene<2>& scene) {
   return step_problem(scene, initial_state(scene), false);
 }
 
-SolverOptions to_tolerance(double tol) {
-  SolverOptions options;
-  options.tol = tol;
-  options.time_limit = 60;
-  return options;
-}
+SolverOptions to_tolerance(double tol) { return SolverOptions{.tol = tol, .time_limit = 60}; }
 
 TEST(InteriorPointTargets, SettledPilesTakeAtMost150Iterations) {
   int solved = 0, runs = 0;

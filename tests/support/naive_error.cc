@@ -63,8 +63,7 @@ NaiveError naive_error(const ContactProblem& p, const MatrixXd& delassus, const 
     s.segment(c * d, d) = nearest_in_cone(s.segment(c * d, d), mu[c]);
   }
   const VectorXd Ws = W * s;
-  NaiveError e;
-  e.u = Ws.cwiseQuotient(r.cwiseProduct(r)) + b;
+  NaiveError e{.u = Ws.cwiseQuotient(r.cwiseProduct(r)) + b};
 
   double D = 0, G = 0, G_clipped = 0, V = 0, E_free = 0, N2 = 0, natmap2 = 0, b2 = 0;
   for (int c = 0; c < contacts; ++c) {

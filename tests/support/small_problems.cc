@@ -16,8 +16,7 @@ ContactProblem shipped_file(const std::string& name) {
 
 ContactProblem one_contact_problem(int dim, double w_n, double w_t, double mu, double b_n,
                                    const Vector& b_t) {
-  ContactProblem p;
-  p.dim = dim;
+  ContactProblem p{.dim = dim};
   p.A.resize(dim, dim);
   p.H.resize(dim, dim);
   for (int k = 0; k < dim; ++k) {

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 
@@ -15,6 +16,14 @@ namespace bipot {
 /// Runs the built command.
 inline Outcome bipot(const std::string& arguments) {
   return run_command_line(BIPOT_COMMAND, arguments);
+}
+
+/// The JSON on its standard output, with nothing else there (--json - among the arguments), when it
+/// ends with this exit code.
+inline nlohmann::json json_of(const std::string& arguments, int code = 0) {
+  const Outcome run = bipot(arguments);
+  EXPECT_EQ(run.exit_code, code) << arguments;
+  return nlohmann::json::parse(run.out);
 }
 
 /// A fresh folder for one test, removed at its end.

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/state_bits.h"
 
 namespace bipot {
 namespace {
@@ -111,14 +111,9 @@ TEST_F(Command, RestartContinuesBitForBit) {
       0);
   const State<2> whole = read_state(path("whole/run.h5"));
   const State<2> parts = read_state(path("second/run.h5"));
-  ASSERT_EQ(whole.bodies.size(), parts.bodies.size());
   EXPECT_EQ(whole.step, parts.step);
   EXPECT_EQ(whole.friction_loss, parts.friction_loss);
-  for (std::size_t i = 0; i < whole.bodies.size(); ++i) {
-    EXPECT_EQ(whole.bodies[i].x, parts.bodies[i].x);
-    EXPECT_EQ(whole.bodies[i].v, parts.bodies[i].v);
-    EXPECT_EQ(whole.bodies[i].spin, parts.bodies[i].spin);
-  }
+  EXPECT_EQ(bits_of_bodies(whole), bits_of_bodies(parts));
 }
 
 /// Disks that fall apart: the triangular lattice, smaller, without its right wall.
@@ -139,9 +134,7 @@ TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
   const std::string run = "run " + scene + " --tol 1e-4 --json - --out ";
   ASSERT_EQ(bipot(run + path("whole")).exit_code, 0);
   ASSERT_EQ(bipot(run + path("parts") + " --steps 260").exit_code, 0);
-  const Outcome rest = bipot(run + path("parts") + " --restart " + path("parts"));
-  ASSERT_EQ(rest.exit_code, 0);
-  const json j = json::parse(rest.out);
+  const json j = json_of(run + path("parts") + " --restart " + path("parts"));
   EXPECT_EQ(j["steps"], 140);
   EXPECT_EQ(j["steps_planned"], 140);
   EXPECT_EQ(j["last_step"], 400);
@@ -150,12 +143,7 @@ TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
   EXPECT_EQ(whole.time, parts.time);
   EXPECT_EQ(whole.friction_loss, parts.friction_loss);
   EXPECT_GT(whole.friction_loss, 0);  // something slid
-  ASSERT_EQ(whole.bodies.size(), parts.bodies.size());
-  for (std::size_t i = 0; i < whole.bodies.size(); ++i) {
-    EXPECT_EQ(whole.bodies[i].x, parts.bodies[i].x);
-    EXPECT_EQ(whole.bodies[i].v, parts.bodies[i].v);
-    EXPECT_EQ(whole.bodies[i].spin, parts.bodies[i].spin);
-  }
+  EXPECT_EQ(bits_of_bodies(whole), bits_of_bodies(parts));
   EXPECT_EQ(content(path("whole/ledger.csv")), content(path("parts/ledger.csv")));
 
   // At the end there is nothing to do, and nothing is touched.
@@ -239,9 +227,7 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   const std::string arguments =
       "compare square:4 pyramid:3 --solvers pgs,ipm,lemke --tols 1e-2,1e-6 --quick --out " +
       path("out");
-  const Outcome first = bipot(arguments + " --json -");
-  ASSERT_EQ(first.exit_code, 0);
-  const json j = json::parse(first.out);  // nothing else on standard output
+  const json j = json_of(arguments + " --json -");  // nothing else on standard output
   EXPECT_EQ(j["rows"].size(), 12u);
   EXPECT_EQ(j["rows_kept"], 0);
   EXPECT_TRUE(j["complete"]);
@@ -296,16 +282,12 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
                                 " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
                                 "--write " +
                                 path("advised.toml");
-  const Outcome first = bipot(arguments);
-  ASSERT_EQ(first.exit_code, 0);
-  const json j = json::parse(first.out);  // nothing else on standard output
+  const json j = json_of(arguments);  // nothing else on standard output
   EXPECT_EQ(j["status"], "met");
   EXPECT_EQ(j["advised_run"]["steps_run"], j["advised_run"]["steps_planned"]);
   EXPECT_TRUE(j["goal"]["energy"].is_null());            // not asked for
   EXPECT_EQ(bipot(arguments).exit_code, 2);              // the copy exists
-  const Outcome second = bipot(arguments + " --force");  // times decide: the choice may differ
-  ASSERT_EQ(second.exit_code, 0);
-  const json written = json::parse(second.out);
+  const json written = json_of(arguments + " --force");  // times decide: the choice may differ
   const Outcome run = bipot("run " + path("advised.toml") + " --json -");
   EXPECT_EQ(run.exit_code, 0);
   const json r = json::parse(run.out);
@@ -327,9 +309,7 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
 
 TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
   const std::string arguments = "paper --quick --out " + path("out");
-  const Outcome first = bipot(arguments + " --only table2 --json -");
-  ASSERT_EQ(first.exit_code, 0);
-  const json j = json::parse(first.out);  // nothing else on standard output
+  const json j = json_of(arguments + " --only table2 --json -");  // nothing else on standard output
   EXPECT_EQ(j["checks"], j["checks_held"]);
   EXPECT_GT(j["checks"], 2);
   EXPECT_FALSE(j["all_items_done"]);
@@ -382,10 +362,8 @@ TEST_F(Command, InterruptedMeasurementsSaySoAndLeaveValidFiles) {
 }
 
 TEST_F(Command, TimeLimitLeavesTheLastWholeStep) {
-  const Outcome run =
-      bipot("run compaction --tol 1e-6 --time-limit 1.5 --json - --out " + path("out"));
-  EXPECT_EQ(run.exit_code, 1);
-  const json j = json::parse(run.out);
+  const json j =
+      json_of("run compaction --tol 1e-6 --time-limit 1.5 --json - --out " + path("out"), 1);
   EXPECT_EQ(j["status"], "time limit");
   EXPECT_EQ(j["steps"], j["steps_converged"]);  // the step that was cut short is not taken
   EXPECT_EQ(read_state(path("out")).step, j["steps"]);
@@ -396,10 +374,8 @@ TEST_F(Command, RestartRefusesAnotherScene) {
   std::string text = content(source_folder().string() + "/data/scenes/sliding_cylinder.toml");
   const std::string radius = "radius = 0.01";
   text.replace(text.find(radius), radius.size(), "radius = 0.02");
-  const Outcome run =
-      bipot("run " + write("other.toml", text) + " --json - --restart " + path("a"));
-  EXPECT_EQ(run.exit_code, 2);
-  const json j = json::parse(run.out);  // refusals are JSON too
+  const json j = json_of("run " + write("other.toml", text) + " --json - --restart " + path("a"),
+                         2);  // refusals are JSON too
   EXPECT_EQ(j["status"], "invalid input");
   EXPECT_NE(j["message"].get<std::string>().find("radius"), std::string::npos);
 }
@@ -458,9 +434,8 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
     text.replace(text.find(from), from.size(), to);
   }
   const std::string scene = write("tiny.toml", text);
-  const Outcome run = bipot("trade --quick " + scene + ":steps=30 --json - --out " + path("out"));
-  ASSERT_EQ(run.exit_code, 0);
-  const json j = json::parse(run.out);  // nothing else on standard output
+  const json j = json_of("trade --quick " + scene + ":steps=30 --json - --out " +
+                         path("out"));  // nothing else on standard output
   EXPECT_TRUE(j["complete"]);
   // 2 tolerances, the witness, 2 more time steps, 2 kinds of springs; disks that stand need no
   // replicas.

@@ -19,11 +19,7 @@ using nlohmann::json;
 
 const std::string kProblem = source_folder().string() + "/data/problems/2d_triangular_lattice.hdf5";
 
-Vector solution_of(const ContactProblem& p) {
-  SolverOptions options;
-  options.tol = 1e-9;
-  return solve("ipm", p, options).s;
-}
+Vector solution_of(const ContactProblem& p) { return solve("ipm", p, {.tol = 1e-9}).s; }
 
 class JudgeCommand : public testing::Test {
  protected:

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "core/criterion/contact_error.h"
 #include "core/problem_files/problem_file.h"
@@ -24,11 +23,8 @@ TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
       bipot("run triangular_lattice --steps 1 --dump-problems all --out " + path("out")).exit_code,
       0);
   const std::string problem = path("out/problems/step_000001.hdf5");
-  const Outcome solved =
-      bipot("solve " + problem + " --solver pgs --tol 1e-9 --json - --solution " + problem +
-            " --history " + path("history.csv"));
-  ASSERT_EQ(solved.exit_code, 0);
-  const json j = json::parse(solved.out);
+  const json j = json_of("solve " + problem + " --solver pgs --tol 1e-9 --json - --solution " +
+                         problem + " --history " + path("history.csv"));
   EXPECT_EQ(j["status"], "converged");
   EXPECT_EQ(j["dim"], 2);
   const ProblemFile file = read_problem(problem);
@@ -57,10 +53,7 @@ TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
   EXPECT_GT(cold["iterations"], 0);
   EXPECT_EQ(warm["iterations"], 0);
 
-  const Outcome compared =
-      bipot("compare " + problem + " --solvers pgs --tols 1e-6 --warm --json -");
-  ASSERT_EQ(compared.exit_code, 0);
-  const json table = json::parse(compared.out);
+  const json table = json_of("compare " + problem + " --solvers pgs --tols 1e-6 --warm --json -");
   ASSERT_EQ(table["rows"].size(), 2u);
   EXPECT_EQ(table["rows"][0]["warm"], 0);
   EXPECT_EQ(table["rows"][0]["iterations"], cold["iterations"]);

@@ -16,22 +16,14 @@ namespace {
 class RunTable {
  public:
   RunTable& problem(const std::string& name, int dofs = 30, const std::string& series = "") {
-    ProblemSummary p;
-    p.name = name;
-    p.contacts = 10;
-    p.dim = 2;
-    p.dofs = dofs;
-    p.series = series;
+    ProblemSummary p{.name = name, .series = series, .contacts = 10, .dim = 2, .dofs = dofs};
     made.problems.push_back(p);
     return *this;
   }
   RunTable& row(const std::string& solver, double tol, double time, int iterations, double guarded,
                 double error) {
-    ComparisonRow r;
-    r.problem = made.problems.back().name;
-    r.solver = solver;
-    r.tol = tol;
-    r.cpu_min = time;
+    ComparisonRow r{
+        .problem = made.problems.back().name, .solver = solver, .tol = tol, .cpu_min = time};
     r.total_min = kNaN;  // must not matter
     r.iterations = iterations;
     r.guarded = guarded;

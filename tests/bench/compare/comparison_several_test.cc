@@ -4,17 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "bench/compare/comparison_measures.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/measure/true_error.h"
-#include "core/problem_files/fclib_file.h"
 #include "solvers/registry.h"
-#include "solvers/solve.h"
 #include "tests/support/several_problems.h"
-#include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -22,22 +18,15 @@ namespace bipot {
 namespace {
 
 ComparisonOptions options_for(std::vector<std::string> solvers, std::vector<double> tols) {
-  ComparisonOptions options;
-  options.solvers = std::move(solvers);
-  options.tols = std::move(tols);
-  options.time_limit = 20;
-  options.reference_time_limit = 20;
-  options.min_time = 0;
-  return options;
+  return ComparisonOptions{.solvers = std::move(solvers),
+                           .tols = std::move(tols),
+                           .time_limit = 20,
+                           .reference_time_limit = 20,
+                           .min_time = 0};
 }
 
 ProblemSource source_without_scales(const std::string& name, const ContactProblem& problem) {
-  return {name, name, [problem] {
-            TestProblem made;
-            made.origin = "test";
-            made.problem = problem;
-            return made;
-          }};
+  return {name, name, [problem] { return TestProblem{.origin = "test", .problem = problem}; }};
 }
 
 TEST(SeveralAnswersInACompare, AreProvedByTwoVerifiedRows) {
@@ -120,8 +109,7 @@ TEST(SeveralAnswersInACompare, OfATiltedPackingAreThree) {
 
 TEST(ReferenceSolution, LearnsOnlyWhatIsExactAndElsewhere) {
   const SeveralProblem several = painleve_problem();
-  TestProblem given;
-  given.problem = several.problem;
+  TestProblem given{.problem = several.problem};
   ReferenceSolution reference;
   reference.s = several.answers[0];
   reference.error = contact_error(given.problem, reference.s);

@@ -11,19 +11,13 @@ namespace bipot {
 namespace {
 
 void add_problem(Comparison& c, const std::string& name, int contacts) {
-  ProblemSummary p;
-  p.name = name;
-  p.contacts = contacts;
+  ProblemSummary p{.name = name, .contacts = contacts};
   c.problems.push_back(p);
 }
 
 void add_row(Comparison& c, const std::string& problem, const std::string& solver, double tol,
              double guarded) {
-  ComparisonRow r;
-  r.problem = problem;
-  r.solver = solver;
-  r.tol = tol;
-  r.guarded = guarded;
+  ComparisonRow r{.problem = problem, .solver = solver, .tol = tol, .guarded = guarded};
   c.rows.push_back(r);
 }
 

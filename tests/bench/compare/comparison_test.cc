@@ -17,7 +17,6 @@
 #include "bench/measure/true_error.h"
 #include "core/criterion/contact_error.h"
 #include "core/problem_files/fclib_file.h"
-#include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/markup_defect.h"
 #include "tests/support/naive_error.h"
@@ -28,22 +27,17 @@ namespace bipot {
 namespace {
 
 ComparisonOptions quick(std::vector<std::string> solvers, std::vector<double> tols) {
-  ComparisonOptions options;
-  options.solvers = std::move(solvers);
-  options.tols = std::move(tols);
-  options.time_limit = 20;
-  options.reference_time_limit = 20;
-  options.min_time = 0;
-  return options;
+  return ComparisonOptions{.solvers = std::move(solvers),
+                           .tols = std::move(tols),
+                           .time_limit = 20,
+                           .reference_time_limit = 20,
+                           .min_time = 0};
 }
 
 ProblemSource source_of(const std::string& name, const ContactProblem& problem) {
   return {name, name, [problem] {
-            TestProblem made;
-            made.origin = "test";
-            made.problem = problem;
-            made.step = 0.01;
-            made.smallest_radius = 0.5;
+            TestProblem made{
+                .origin = "test", .problem = problem, .step = 0.01, .smallest_radius = 0.5};
             return made;
           }};
 }
@@ -87,10 +81,7 @@ TEST(Comparison, JudgesSolversThatACallerBringsAlong) {
       run_of([](const ContactProblem& p, const SolverOptions& o) { return solve("ipm", p, o); });
   liar.name = "liar";
   liar.run = run_of([](const ContactProblem& p, const SolverOptions&) {
-    SolveResult r;
-    r.status = SolveStatus::kConverged;
-    r.s = Vector::Zero(p.num_rows());
-    return r;
+    return SolveResult{.status = SolveStatus::kConverged, .s = Vector::Zero(p.num_rows())};
   });
   ComparisonOptions options = quick({"pgs"}, {1e-6});
   options.foreign = {honest, liar};
@@ -107,8 +98,7 @@ TEST(Comparison, JudgesSolversThatACallerBringsAlong) {
 }
 
 TEST(Comparison, AProblemWithoutContactsKeepsItsDimension) {
-  ContactProblem free;
-  free.dim = 1;
+  ContactProblem free{.dim = 1};
   const Comparison c = compare({source_of("free", free)}, quick({"pgs"}, {1e-3}));
   ASSERT_EQ(c.rows.size(), 1u);
   EXPECT_EQ(c.rows[0].status, "nothing to do");
@@ -119,9 +109,7 @@ TEST(Comparison, AProblemWithoutContactsKeepsItsDimension) {
 TEST(Comparison, RowsSayWhatASolveOfTheirOwnSays) {
   const ContactProblem problem = lattice_step(Lattice::kTriangular, 5, 0.3, 20);
   const Comparison c = compare({source_of("t5", problem)}, quick({"pgs"}, {1e-3}));
-  SolverOptions options;
-  options.tol = 1e-3;
-  const SolveResult alone = solve("pgs", problem, options);
+  const SolveResult alone = solve("pgs", problem, {.tol = 1e-3});
   ASSERT_EQ(c.rows.size(), 1u);
   EXPECT_EQ(c.rows[0].iterations, alone.iterations);
   const NaiveError naive = naive_error(problem, alone.s);
@@ -130,8 +118,7 @@ TEST(Comparison, RowsSayWhatASolveOfTheirOwnSays) {
 }
 
 TEST(ReferenceSolution, MeetsItsErrorInTheNaiveCriterion) {
-  TestProblem given;
-  given.problem = lattice_step(Lattice::kTriangular, 5, 0.3, 20);
+  TestProblem given{.problem = lattice_step(Lattice::kTriangular, 5, 0.3, 20)};
   const ReferenceSolution reference = find_reference(given, 20);
   EXPECT_LE(reference.error.guarded(), 1e-12);
   // The naive criterion rounds differently at this size.
@@ -141,15 +128,12 @@ TEST(ReferenceSolution, MeetsItsErrorInTheNaiveCriterion) {
 }
 
 TEST(TrueError, AgreesWithDenseMatrices) {
-  TestProblem given;
-  given.problem = lattice_step(Lattice::kTriangular, 4, 0.3, 20);
-  given.step = 0.01;
-  given.smallest_radius = 0.5;
+  TestProblem given{.problem = lattice_step(Lattice::kTriangular, 4, 0.3, 20),
+                    .step = 0.01,
+                    .smallest_radius = 0.5};
   const ContactProblem& p = given.problem;
   const ReferenceSolution reference = find_reference(given, 20);
-  SolverOptions options;
-  options.tol = 1e-2;
-  const Vector s = solve("pgs", p, options).s;
+  const Vector s = solve("pgs", p, {.tol = 1e-2}).s;
   const TrueError error = TrueErrorEvaluator(given, reference)(s);
 
   const Eigen::MatrixXd A(p.A), H(p.H);
@@ -181,9 +165,7 @@ TEST(TrueError, IsThatOfTheLocalFormWhereNoBodiesAreGiven) {
   given.problem = lattice_step(Lattice::kSquare, 4, 0.3, 10);
   local.problem = local_form(given.problem);
   const ReferenceSolution reference = find_reference(given, 20);
-  SolverOptions options;
-  options.tol = 1e-2;
-  const Vector s = solve("pgs", given.problem, options).s;
+  const Vector s = solve("pgs", given.problem, {.tol = 1e-2}).s;
   const TrueError a = TrueErrorEvaluator(given, reference)(s);
   const TrueError b = TrueErrorEvaluator(local, reference)(s);
   EXPECT_NEAR(a.velocity, b.velocity, 1e-9);
@@ -205,12 +187,11 @@ TEST(TrueError, GivesContactForcesOnlyWhereTheyAreUnique) {
 
 TEST(BodyRows, FindDrivenWallsBehindTheDisks) {
   // Two disks on four driven walls, whose rows fill another body's place and one more.
-  ContactProblem p;
-  p.dim = 2;
-  p.mu = Vector::Constant(4, 0.3);
-  p.u_free = Vector::Constant(8, -1);
-  p.v_free = Vector::Zero(10);
-  p.A = SparseMatrix(10, 10);
+  ContactProblem p{.dim = 2,
+                   .A = SparseMatrix(10, 10),
+                   .v_free = Vector::Zero(10),
+                   .u_free = Vector::Constant(8, -1),
+                   .mu = Vector::Constant(4, 0.3)};
   p.A.setIdentity();
   std::vector<Eigen::Triplet<double>> h;
   for (int c = 0; c < 4; ++c) {
@@ -363,15 +344,9 @@ TEST(Comparison, GoesOnWhereItWasStopped) {
 
 /// A problem whose step before left its solution.
 ProblemSource started_at_its_solution(const std::string& name, const ContactProblem& problem) {
-  SolverOptions exact;
-  exact.tol = 1e-13;
-  const Vector start = solve("ipm", problem, exact).s;
+  const Vector start = solve("ipm", problem, {.tol = 1e-13}).s;
   return {name, name, [problem, start] {
-            TestProblem made;
-            made.origin = "test";
-            made.problem = problem;
-            made.start = start;
-            return made;
+            return TestProblem{.origin = "test", .problem = problem, .start = start};
           }};
 }
 
@@ -516,13 +491,12 @@ TEST(ComparisonTargets, TakeProblemsAlongARun) {
 
 TEST(ComparisonRows, SurviveTheCsvFile) {
   const TemporaryFolder folder;
-  ComparisonRow row;
-  row.problem = "a,\"b\"";
-  row.solver = "pgs";
-  row.tol = 0.1 + 0.2;
-  row.message = "first, \"second\"\nthird";
-  row.guarded = std::numeric_limits<double>::infinity();
-  row.iterations = 12;
+  ComparisonRow row{.problem = "a,\"b\"",
+                    .solver = "pgs",
+                    .tol = 0.1 + 0.2,
+                    .message = "first, \"second\"\nthird",
+                    .iterations = 12,
+                    .guarded = std::numeric_limits<double>::infinity()};
   std::ofstream(folder / "rows.csv") << csv_header() << '\n' << to_csv(row) << '\n';
   const auto rows = read_csv_rows(folder / "rows.csv");
   ASSERT_EQ(rows.size(), 1u);
@@ -535,15 +509,11 @@ TEST(ComparisonRows, SurviveTheCsvFile) {
 }
 
 TEST(ComparisonReport, FindsTheFastestAndTheUnbeaten) {
-  ProblemSummary problem;
-  problem.name = "p";
+  ProblemSummary problem{.name = "p"};
   std::vector<ComparisonRow> rows;
   const auto add = [&rows](const char* solver, double seconds, double error) {
-    ComparisonRow row;
-    row.problem = "p";
-    row.solver = solver;
-    row.cpu_min = seconds;
-    row.velocity_error = error;
+    ComparisonRow row{
+        .problem = "p", .solver = solver, .cpu_min = seconds, .velocity_error = error};
     rows.push_back(row);
   };
   add("quick", 1, 1e-2);
@@ -562,9 +532,8 @@ TEST(ComparisonReport, FindsTheFastestAndTheUnbeaten) {
 TEST(ComparisonReport, PageStandsAlone) {
   const Comparison c =
       compare(expand_targets({"square:3", "pyramid:3"}), quick({"pgs", "ipm"}, {1e-2, 1e-6}));
-  ReportContext context;
-  context.made = provenance("compare", "bipot compare <targets> & more");
-  context.command_of_target = "bipot compare {}";
+  ReportContext context{.made = provenance("compare", "bipot compare <targets> & more"),
+                        .command_of_target = "bipot compare {}"};
   Document more;
   more.heading("Whole simulations & more", "simulations");
   more.say("inside");
@@ -603,9 +572,7 @@ TEST(Comparison, TakesFamiliesAndScenesOfSpheres) {
   // 1 + 4 + 9 cannon balls; each but those at the floor has four below it: 9 + 4·4 + 4 contacts,
   // and those of a layer touch: 12 in 3 x 3, 4 in 2 x 2. Without friction velocities and resultants
   // are unique: solvers agree to their tolerance.
-  TargetOptions targets;
-  targets.scene_problems = 2;
-  targets.scene_steps = 20;
+  TargetOptions targets{.scene_problems = 2, .scene_steps = 20};
   const std::vector<ProblemSource> sources =
       expand_targets({"cannonballs:3", "cubic:3:mu=0", "four_spheres"}, targets);
   ASSERT_EQ(sources.size(), 4u);

@@ -66,11 +66,10 @@ TEST(IndependentCheck, ImpulsesThatPullAreNotOnTheCone) {
 
 // One contact of 1 kg, b = -1, s = 1 - δ: ε = 20 δ - 10 δ², see tests/solvers/proved_claim_test.cc.
 TEST(IndependentCheck, ConfirmsNoClaimBeyondTheTolerance) {
-  ContactProblem p;
-  p.dim = 1;
-  p.W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView());
-  p.u_free = Vector::Constant(1, -1);
-  p.mu = Vector::Zero(1);
+  ContactProblem p{.dim = 1,
+                   .W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView()),
+                   .u_free = Vector::Constant(1, -1),
+                   .mu = Vector::Zero(1)};
   const double delta = std::ldexp(1.0, -30), epsilon = 20 * delta - 10 * delta * delta;
   const IndependentCheck check = independent_check(p, Vector::Constant(1, 1 - delta));
   EXPECT_NEAR(check.guarded, epsilon, 1e-15 * epsilon);
@@ -157,11 +156,8 @@ TEST(RandomProblem, AClaimThatTheRaceDoesNotConfirmIsNotItsEnd) {
 }
 
 RandomSetOptions short_set(int count) {
-  RandomSetOptions options;
-  options.count = count;
-  options.seed = 20;
-  options.time_limit = 0.3;
-  options.solvers = solver_names();
+  RandomSetOptions options{
+      .count = count, .seed = 20, .time_limit = 0.3, .solvers = solver_names()};
   return options;
 }
 
@@ -217,11 +213,7 @@ TEST(ExtremeCases, EachSaysWhatItIsAndWhatIsKnown) {
 }
 
 MatrixOptions of(const std::string& name) {
-  MatrixOptions options;
-  options.only = name;
-  options.solvers = {"auto", "pgs"};
-  options.time_limit = 0.3;
-  return options;
+  return MatrixOptions{.solvers = {"auto", "pgs"}, .only = name, .time_limit = 0.3};
 }
 
 TEST(ExtremeMatrix, KnowsWhatItsCasesAre) {

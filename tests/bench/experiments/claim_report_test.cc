@@ -2,13 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "bench/experiments/paper_items.h"
 #include "core/base/file_error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -77,18 +74,16 @@ TEST(ClaimReport, NumbersAreWrittenForReading) {
 }
 
 TEST(ClaimReport, ResultsAreReadBackAsTheyWere) {
-  Findings result;
-  result.paper = "a \"quoted\" sentence";
-  result.claims = {number("x", 0.1, "s"), number("nan", NAN)};
+  Findings result{.paper = "a \"quoted\" sentence",
+                  .claims = {number("x", 0.1, "s"), number("nan", NAN)}};
   result.claims[0].holds = false;
   result.claims[0].digits = 7;
   result.claims[0].bar = 0.25;
   result.claims[0].source = "theory";
-  Chart chart;
-  chart.title = "t";
-  chart.x = {"N", ChartAxis::Kind::kLog, 1.0, {}};
-  chart.y = {"s", ChartAxis::Kind::kLogSeconds};
-  chart.series = {{"a", 3, {{1, 2, true, "note"}, {2, NAN}, {3, 4, false, "", false}}}};
+  Chart chart{.title = "t",
+              .x = {"N", ChartAxis::Kind::kLog, 1.0, {}},
+              .y = {"s", ChartAxis::Kind::kLogSeconds},
+              .series = {{"a", 3, {{1, 2, true, "note"}, {2, NAN}, {3, 4, false, "", false}}}}};
   chart.series[0].kind = ChartSeries::Kind::kSteps;
   chart.series[0].points[0].y_low = 1;
   chart.x_lines = {{3, "three"}};
@@ -113,10 +108,9 @@ TEST(ClaimReport, ResultsAreReadBackAsTheyWere) {
 }
 
 TEST(ClaimPage, MarksChecksAndEscapesMarkup) {
-  Findings result;
-  result.paper = "P(f/<f>) & so on";
-  result.ours = {"see `bipot list <x>`"};
-  result.claims = {number("good", 1), number("bad", 2), number("open", 3)};
+  Findings result{.paper = "P(f/<f>) & so on",
+                  .ours = {"see `bipot list <x>`"},
+                  .claims = {number("good", 1), number("bad", 2), number("open", 3)}};
   result.claims[0].holds = true;
   result.claims[1].holds = false;
   result.claims[1].command = "bipot run <scene>";

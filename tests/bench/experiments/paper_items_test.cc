@@ -1,11 +1,10 @@
 // Items of `bipot paper` whose checks hold at every size, small. Label "long".
 
-#include "bench/experiments/paper_items.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "bench/experiments/paper_item.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -15,9 +14,7 @@ class PaperItemsQuick : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(PaperItemsQuick, ChecksHold) {
   const TemporaryFolder folder;
-  PaperContext context;
-  context.out = folder.path();
-  context.quick = true;
+  PaperContext context{.out = folder.path(), .quick = true};
   const auto& items = paper_items();
   const auto item = std::find_if(items.begin(), items.end(),
                                  [](const PaperItem& i) { return i.name == GetParam(); });

@@ -12,13 +12,8 @@ namespace bipot {
 namespace {
 
 StopTestRow met_row(const std::string& scene, double tol, double velocity) {
-  StopTestRow row;
-  row.scene = scene;
-  row.solver = "pgs";
-  row.met = true;
-  row.tol = tol;
-  row.velocity = velocity;
-  return row;
+  return StopTestRow{
+      .scene = scene, .solver = "pgs", .tol = tol, .met = true, .velocity = velocity};
 }
 
 double velocity_of(const StopTestRow& row) { return row.velocity; }
@@ -69,18 +64,14 @@ TEST(StopTestStudy, RowsAreWhatASolveWithThatTestReturns) {
   StopTestScene scene{"t5", false, {}};
   scene.given.problem = lattice_step(Lattice::kTriangular, 5, 0.3, 10);
   const ReferenceSolution reference = find_reference(scene.given, 20);
-  StopTestOptions options;
-  options.solvers = {{"sweeps", "pgs", {}}};
-  options.tols = {1e-2, 1e-5};
-  options.max_iterations = 5000;
+  StopTestOptions options{
+      .solvers = {{"sweeps", "pgs", {}}}, .tols = {1e-2, 1e-5}, .max_iterations = 5000};
   const std::vector<StopTestRow> rows = study_stop_tests(scene, reference, options);
   ASSERT_EQ(rows.size(), 6u);
   const TrueErrorEvaluator true_error(scene.given, reference);
   for (const StopTestRow& row : rows) {
-    SolverOptions solver;
-    solver.tol = row.tol;
-    solver.stop = row.stop;
-    solver.max_iterations = options.max_iterations;
+    SolverOptions solver{
+        .tol = row.tol, .stop = row.stop, .max_iterations = options.max_iterations};
     const SolveResult alone = solve("pgs", scene.given.problem, solver);
     EXPECT_EQ(row.met, is_success(alone.status)) << to_string(row.stop) << row.tol;
     EXPECT_EQ(row.iterations, alone.iterations);
@@ -101,11 +92,10 @@ TEST(StopTestStudy, WhatIsNotMetIsNotMetTighter) {
   StopTestScene scene{"s5", false, {}};
   scene.given.problem = lattice_step(Lattice::kSquare, 5, 0.3, 0);
   const ReferenceSolution reference = find_reference(scene.given, 20);
-  StopTestOptions options;
-  options.solvers = {{"sweeps", "pgs", {}}};
-  options.stops = {StopTest::kGuarded};
-  options.tols = {1e-1, 1e-6, 1e-8};
-  options.max_iterations = 30;
+  StopTestOptions options{.solvers = {{"sweeps", "pgs", {}}},
+                          .stops = {StopTest::kGuarded},
+                          .tols = {1e-1, 1e-6, 1e-8},
+                          .max_iterations = 30};
   const std::vector<StopTestRow> rows = study_stop_tests(scene, reference, options);
   ASSERT_EQ(rows.size(), 3u);
   EXPECT_FALSE(rows[1].met);

@@ -6,9 +6,8 @@
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/force_range.h"
-#include "bench/experiments/validation_experiments.h"
 #include "bench/experiments/validation_report.h"
-#include "bench/experiments/validation_run.h"
+#include "bench/experiments/validation_row.h"
 #include "core/scene/scene_family.h"
 #include "tests/support/temporary_folder.h"
 
@@ -27,12 +26,7 @@ ValidationRow judged(const Expectation& range, double allowed,
 }
 
 ValidationPoint point(double tol, double value, double bar = 0, long unsolved = 0) {
-  ValidationPoint p;
-  p.tol = tol;
-  p.seen = {value, bar};
-  p.steps = 100;
-  p.unsolved = unsolved;
-  return p;
+  return ValidationPoint{.tol = tol, .seen = {value, bar}, .steps = 100, .unsolved = unsolved};
 }
 
 TEST(Validate, ErrorsAreDistancesFromWhatIsExpected) {
@@ -108,11 +102,7 @@ TEST(Validate, WhatAnExperimentThrowsIsTheReason) {
   EXPECT_FALSE(result.rows[1].holds());
   EXPECT_NE(result.rows[1].claim.reason.find("no disks at all"), std::string::npos);
   // One observation for two rows is a fault of the experiment.
-  broken.run = [](double, const ValidationContext&) {
-    ExperimentOutcome outcome;
-    outcome.seen = {{1}};
-    return outcome;
-  };
+  broken.run = [](double, const ValidationContext&) { return ExperimentOutcome{.seen = {{1}}}; };
   EXPECT_NE(run_experiment(broken, {}).rows[0].claim.reason.find("1 observations for 2 rows"),
             std::string::npos);
 }
@@ -155,8 +145,7 @@ TEST(Validate, EveryRowSaysWhatItIs) {
 class ExactRows : public testing::TestWithParam<std::vector<ValidationExperiment> (*)()> {};
 
 TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
-  ValidationContext context;
-  context.quick = true;
+  ValidationContext context{.quick = true};
   for (ValidationExperiment e : GetParam()()) {
     e.quick_tols = {e.quick_tols.back()};
     for (ValidationRow& v : run_experiment(e, context).rows) {
@@ -181,9 +170,7 @@ INSTANTIATE_TEST_SUITE_P(Validate, ExactRows,
 
 // A solver that may not iterate reaches no tolerance, and no row holds by luck.
 TEST(Validate, WithoutIterationsNothingThatNeedsThemHolds) {
-  ValidationContext context;
-  context.quick = true;
-  context.max_iterations = 1;
+  ValidationContext context{.quick = true, .max_iterations = 1};
   for (ValidationExperiment e : standing_experiments()) {
     e.quick_tols = {1e-8};
     for (const ValidationRow& v : run_experiment(e, context).rows) {
@@ -195,8 +182,7 @@ TEST(Validate, WithoutIterationsNothingThatNeedsThemHolds) {
 
 /// All rows at one tolerance, as --quick measures them.
 ValidationPage small_page() {
-  ValidationContext context;
-  context.quick = true;
+  ValidationContext context{.quick = true};
   ValidationPage page;
   page.command = "bipot validate --quick";
   page.solver = context.solver;
@@ -245,8 +231,7 @@ TEST(Validate, TheQuickPageHasEveryRowAndNoNaN) {
 /// As --quick measures it: every row has an error bar and none is refuted. A planted value does not
 /// pass: an equality is moved to twice what is expected, a bound to beyond what was measured.
 TEST(Validate, QuickRowsHaveBarsAndRefutePlantedValues) {
-  ValidationContext context;
-  context.quick = true;
+  ValidationContext context{.quick = true};
   for (const ValidationExperiment& e : flow_experiments()) {
     for (ValidationRow& row : run_experiment(e, context).rows) {
       EXPECT_GT(row.claim.bar, 0) << row.claim.name;

@@ -14,12 +14,10 @@ Scene<2> lattice_at_rest() {
 }
 
 WarmStartOptions sweeps(int every) {
-  WarmStartOptions options;
-  options.solvers = {{"pgs", "pgs", {}}, {"ipm", "ipm", {}}};
-  options.tol = 1e-6;
-  options.run_tol = 1e-9;
-  options.every = every;
-  return options;
+  return WarmStartOptions{.solvers = {{"pgs", "pgs", {}}, {"ipm", "ipm", {}}},
+                          .tol = 1e-6,
+                          .run_tol = 1e-9,
+                          .every = every};
 }
 
 TEST(WarmStartStudy, SecondStepAtRestStartsFromItsSolution) {

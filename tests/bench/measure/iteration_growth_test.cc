@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <stdexcept>
 
 namespace bipot {
@@ -35,9 +34,9 @@ TEST(IterationGrowth, OneSolveGivesTheRowsOfAllTolerances) {
   const GrowthScene scene{.family = "triangular", .tilt_degrees = 10};
   const GrowthProblem problem = make_growth_problem(scene, 8);
   const double tols[] = {1e-2, 1e-4, 1e-8};
-  for (const GrowthMethod& method :
-       {GrowthMethod{"u", "uzawa", {{"rho", "stable"}}}, GrowthMethod{"p", "pgs"},
-        GrowthMethod{"a", "apgd"}, GrowthMethod{"i", "ipm"}, GrowthMethod{"n", "auto"}}) {
+  for (const SolverVariant& method :
+       {SolverVariant{"u", "uzawa", {{"rho", "stable"}}}, SolverVariant{"p", "pgs"},
+        SolverVariant{"a", "apgd"}, SolverVariant{"i", "ipm"}, SolverVariant{"n", "auto"}}) {
     const auto rows = growth_rows(scene, problem, method, tols, {});
     ASSERT_EQ(rows.size(), 3u);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -66,14 +65,13 @@ TEST(IterationGrowth, LimitLeavesTheTightRowsUnmet) {
 TEST(IterationGrowth, FitLeavesOutSmallAndUnmetRows) {
   std::vector<GrowthRow> rows;
   for (const int disks : {10, 300, 1000, 3000, 10000}) {
-    GrowthRow row;
-    row.family = "square";
-    row.method = "pgs";
-    row.tol = 1e-4;
-    row.bodies = static_cast<std::size_t>(disks);
-    row.status = disks == 10000 ? SolveStatus::kTimeLimit : SolveStatus::kConverged;
-    row.iterations = disks == 10 ? 1 : 3 * disks * disks;
-    row.solve_seconds = disks;
+    GrowthRow row{.family = "square",
+                  .method = "pgs",
+                  .tol = 1e-4,
+                  .bodies = static_cast<std::size_t>(disks),
+                  .status = disks == 10000 ? SolveStatus::kTimeLimit : SolveStatus::kConverged,
+                  .iterations = disks == 10 ? 1 : 3 * disks * disks,
+                  .solve_seconds = static_cast<double>(disks)};
     rows.push_back(row);
     rows.push_back(row);  // measured again: counts once
   }

@@ -15,8 +15,7 @@ Vector vec(std::initializer_list<double> x) {
 
 /// Two contacts that do not couple, W = diag(2, 1, 6, 3), mu = 0.5.
 ContactProblem two_contacts() {
-  ContactProblem p;
-  p.dim = 2;
+  ContactProblem p{.dim = 2};
   p.W.resize(4, 4);
   p.W.insert(0, 0) = 2;
   p.W.insert(1, 1) = 1;

@@ -2,10 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <random>
 
 #include "bench/page/deflate.h"
@@ -148,8 +145,7 @@ std::vector<FilmFrame> random_frames(int dim, bool gates) {
   };
   std::vector<FilmFrame> frames;
   for (int f = 0; f < 4; ++f) {
-    FilmFrame frame;
-    frame.step = f;
+    FilmFrame frame{.step = f};
     for (int number = 0; number < 9; ++number) {
       if (!gates || random() % 4 != 0) frame.number.push_back(number);
     }

@@ -46,8 +46,7 @@ std::string text_of(const std::filesystem::path& path) {
 template <int D>
 void run_in_parts(const Scene<D>& scene, const std::filesystem::path& folder,
                   const std::vector<int>& stops) {
-  RunFolderOptions options;
-  options.folder = folder;
+  RunFolderOptions options{.folder = folder};
   int done = 0;
   for (const int stop : stops) {
     State<D> state = done == 0 ? initial_state(scene) : read_state<D>(folder);
@@ -151,8 +150,7 @@ TEST(ObservableMeans, AreThoseOfTheWindowAlone) {
   Scene<2> scene = measured_scene();
   double sum = 0, all = 0;
   int measured = 0, total = 0;
-  RunFolderOptions options;
-  options.folder = folder.path() / "run";
+  RunFolderOptions options{.folder = folder.path() / "run"};
   State<2> state = initial_state(scene);
   SceneRunOptions<2> run;
   run.on_step = [&](const SceneStep<2>& step) {

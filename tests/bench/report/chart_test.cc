@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "bench/report/gnuplot.h"
+#include "bench/report/program.h"
 #include "bench/report/text_lines.h"
 #include "core/base/file_error.h"
 #include "core/base/types.h"
@@ -41,13 +41,11 @@ std::string content(const std::filesystem::path& path) {
 }
 
 Chart falling() {
-  Chart chart;
-  chart.title = "Error against time";
-  chart.x = {"time", ChartAxis::Kind::kLogSeconds};
-  chart.y = {"force error [−]", ChartAxis::Kind::kLog};
-  chart.series = {{"apgd", 0, {{1e-4, 1e-1, false, "loose"}, {1e-2, 1e-5, true, "tight"}}},
-                  {"ipm", 1, {{3e-3, 1e-2}, {6e-3, 1e-9}}}};
-  return chart;
+  return Chart{.title = "Error against time",
+               .x = {"time", ChartAxis::Kind::kLogSeconds},
+               .y = {"force error [−]", ChartAxis::Kind::kLog},
+               .series = {{"apgd", 0, {{1e-4, 1e-1, false, "loose"}, {1e-2, 1e-5, true, "tight"}}},
+                          {"ipm", 1, {{3e-3, 1e-2}, {6e-3, 1e-9}}}}};
 }
 
 TEST(Chart, IsWellFormedAndNamesEachSeriesOnce) {
@@ -188,11 +186,13 @@ TEST(Chart, ShowsMarkersOnItsFrame) {
   // The four corners of the ranges, with notes and without, on both kinds of axes.
   for (auto kind : {ChartAxis::Kind::kLinear, ChartAxis::Kind::kLog}) {
     for (const char* note : {"", "note"}) {
-      Chart chart;
-      chart.x = {"x", kind, 1.0, 100.0};
-      chart.y = {"y", kind, {}, {}};
-      chart.series = {
-          {"", 0, {{1, 1, false, note}, {1, 10, false, note}, {100, 1, false, note}, {100, 10}}}};
+      Chart chart{
+          .x = {"x", kind, 1.0, 100.0},
+          .y = {"y", kind, {}, {}},
+          .series = {
+              {"",
+               0,
+               {{1, 1, false, note}, {1, 10, false, note}, {100, 1, false, note}, {100, 10}}}}};
       EXPECT_EQ(count(to_svg(chart), "-gpPt6' transform"), 4u) << note;
     }
   }

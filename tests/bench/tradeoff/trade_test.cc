@@ -84,13 +84,8 @@ std::size_t index_of(const std::vector<TradeQuantity>& quantities, const std::st
 /// A trade of one scene whose outcomes come from a formula instead of a run.
 template <class Value>
 Trade manufactured(int replicas, double accuracy, Value&& value) {
-  Trade trade;
-  trade.accuracy = accuracy;
-  trade.complete = true;
-  TradeScene scene;
-  scene.name = "made";
-  scene.replicas = replicas;
-  scene.step = 1e-3;
+  Trade trade{.accuracy = accuracy, .complete = true};
+  TradeScene scene{.name = "made", .step = 1e-3, .replicas = replicas};
   scene.num_steps = scene.whole_steps = 100;
   scene.quantities = {{.name = "q", .unit = "m", .meaning = "manufactured"}};
   trade.scenes = {scene};
@@ -222,12 +217,11 @@ TEST(TradeAnalysis, RunsThatWereNotCompletedSayNothing) {
 
 TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
   const TemporaryFolder folder;
-  TradeOptions options;
-  options.targets = {scene_file(folder, "columns", kColumns)};
-  options.solvers = {"auto", "pgs"};
-  options.tols = {1e-2, 1e-8};
-  options.step_factors = {1, 0.5};
-  options.overlaps = {1e-3, 1e-2};
+  TradeOptions options{.targets = {scene_file(folder, "columns", kColumns)},
+                       .solvers = {"auto", "pgs"},
+                       .tols = {1e-2, 1e-8},
+                       .step_factors = {1, 0.5},
+                       .overlaps = {1e-3, 1e-2}};
   const Trade trade = run_trade(options);
   ASSERT_TRUE(trade.complete);
   ASSERT_EQ(trade.scenes.size(), 1u);
@@ -265,11 +259,10 @@ TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
 
 TEST(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
   const TemporaryFolder folder;
-  TradeOptions options;
-  options.targets = {scene_file(folder, "falling", kFalling) + ":steps=90"};
-  options.tols = {1e-1, 1e-6};
-  options.step_factors = {1};
-  options.overlaps = {1e-2};
+  TradeOptions options{.targets = {scene_file(folder, "falling", kFalling) + ":steps=90"},
+                       .tols = {1e-1, 1e-6},
+                       .step_factors = {1},
+                       .overlaps = {1e-2}};
   const Trade first = run_trade(options), second = run_trade(options);
   EXPECT_EQ(first.scenes[0].replicas, 3);
   ASSERT_EQ(first.rows.size(), 9u);
@@ -286,12 +279,11 @@ TEST(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
 
 TEST(TradeRun, FailuresAndTimeOutsStayInTheTable) {
   const TemporaryFolder folder;
-  TradeOptions options;
-  options.targets = {scene_file(folder, "falling", kFalling)};
-  options.tols = {1e-1, 1e-6};
-  options.step_factors = {1, 0.5};
-  options.stiffness = {10, 1e5};
-  options.time_limit = 1e-9;
+  TradeOptions options{.targets = {scene_file(folder, "falling", kFalling)},
+                       .tols = {1e-1, 1e-6},
+                       .step_factors = {1, 0.5},
+                       .stiffness = {10, 1e5},
+                       .time_limit = 1e-9};
   Trade trade = run_trade(options);
   EXPECT_TRUE(trade.complete);
   ASSERT_EQ(trade.rows.size(), (2u + 1 + 2) * 3);
@@ -375,11 +367,10 @@ steps = 700
 }
 
 TEST(TradeRun, TakesSpheres) {
-  TradeOptions options;
-  options.targets = {"four_spheres:steps=20"};
-  options.tols = {1e-3, 1e-6};
-  options.step_factors = {1};
-  options.replicas = 1;
+  TradeOptions options{.targets = {"four_spheres:steps=20"},
+                       .tols = {1e-3, 1e-6},
+                       .step_factors = {1},
+                       .replicas = 1};
   const Trade trade = run_trade(options);
   const std::size_t floor = index_of(trade.scenes[0].quantities, "floor load");
   // At rest the floor carries the weight.
@@ -393,12 +384,11 @@ TEST(TradeRun, TakesSpheres) {
 TEST(TradeRun, QuickShortensTheScene) {
   // A limit of CPU time that the whole scene does not fit: fewer steps, not fewer tolerances.
   const TemporaryFolder folder;
-  TradeOptions options;
-  options.targets = {scene_file(folder, "falling", kFalling) + ":steps=80"};
-  options.tols = {1e-1, 1e-3};
-  options.step_factors = {1};
-  options.overlaps = {};
-  options.shorten = true;
+  TradeOptions options{.targets = {scene_file(folder, "falling", kFalling) + ":steps=80"},
+                       .tols = {1e-1, 1e-3},
+                       .step_factors = {1},
+                       .overlaps = {},
+                       .shorten = true};
   EXPECT_EQ(run_trade(options).scenes[0].num_steps, 80);  // a length that was asked for stays
   std::string text = kFalling;
   text.replace(text.find("steps = 80"), 10, "steps = 400000");
@@ -446,11 +436,10 @@ steps = 500
 }
 
 TEST(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
-  TradeOptions options;
-  options.targets = {"bouncing_ball", "sliding_cylinder"};
-  options.tols = {1e-8};
-  options.step_factors = {2, 1};
-  options.overlaps = {1e-4};
+  TradeOptions options{.targets = {"bouncing_ball", "sliding_cylinder"},
+                       .tols = {1e-8},
+                       .step_factors = {2, 1},
+                       .overlaps = {1e-4}};
   const Trade trade = run_trade(options);
   ASSERT_EQ(trade.rows.size(), 6u);
   for (const TradeRow& row : trade.rows) {
@@ -479,9 +468,8 @@ TEST(TradeReport, NamesEveryRunAndNoNumberThatIsNone) {
   trade.rows[0].status = "time limit";
   trade.rows[0].message = "5 s were up";
   trade.rows[0].values = {kNaN};
-  TradeContext context;
-  context.made = provenance("trade", "bipot trade made.toml");
-  context.command_of_scene = "bipot trade {}";
+  TradeContext context{.made = provenance("trade", "bipot trade made.toml"),
+                       .command_of_scene = "bipot trade {}"};
   const AnalysedTrade analysed(trade);
   const std::string csv = to_csv(outcome_table(trade));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 7);

@@ -23,10 +23,7 @@ bool same_bits(const Vector& a, const Vector& b) {
 }
 
 Scene<2> packing() {
-  FamilyOptions options;
-  options.tilt_degrees = 10;
-  options.e_n = 0.2;
-  options.e_t = 0.6;
+  FamilyOptions options{.e_n = 0.2, .e_t = 0.6, .tilt_degrees = 10};
   return make_family_scene("diluted", 60, options);
 }
 

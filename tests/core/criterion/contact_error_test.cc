@@ -9,7 +9,6 @@
 #include "core/base/portable_random.h"
 #include "core/base/types.h"
 #include "core/motion/assembly.h"
-#include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
 #include "tests/support/manufactured.h"
@@ -24,12 +23,7 @@ Vector vector_of(std::initializer_list<double> values) {
 
 /// A problem given by W alone. dense: row-major, dim * mu.size() squared entries.
 ContactProblem local_problem(int dim, const Eigen::MatrixXd& W, const Vector& b, const Vector& mu) {
-  ContactProblem p;
-  p.dim = dim;
-  p.W = SparseRows(W.sparseView());
-  p.u_free = b;
-  p.mu = mu;
-  return p;
+  return ContactProblem{.dim = dim, .W = SparseRows(W.sparseView()), .u_free = b, .mu = mu};
 }
 
 /// One contact with W = diag(w).

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/problem/delassus.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 

@@ -94,8 +94,7 @@ TEST(RoundingBound, IsTwoThousandTimesSmallerInExtendedPrecision) {
 TEST(RoundingBound, IsSharedAsTheErrorIs) {
   const Manufactured m = manufactured_problem(2, 6, 9, 3, 0.4);
   const RoundingBound alone = rounding_bound(m.problem, m.s, Precision::kDouble);
-  ErrorShare share;
-  share.share = 0.5;
+  ErrorShare share{.share = 0.5};
   const RoundingBound half = rounding_bound(m.problem, m.s, Precision::kDouble, share);
   EXPECT_NEAR(half.epsilon, 2 * alone.epsilon, 1e-12 * alone.epsilon);
   EXPECT_NEAR(half.eta, 2 * alone.eta, 1e-12 * alone.eta);

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <iterator>
-#include <string>
 
 #include "core/base/file_error.h"
 #include "tests/support/source_folder.h"

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "core/base/portable_random.h"
-#include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/scene_parts.h"
@@ -34,11 +33,7 @@ Disk disk_at(double x, double y, double radius, const Vec2& v = Vec2::Zero(), do
   return d;
 }
 
-SolverOptions tolerance(double tol) {
-  SolverOptions options;
-  options.tol = tol;
-  return options;
-}
+SolverOptions tolerance(double tol) { return SolverOptions{.tol = tol}; }
 
 struct Bodies {
   std::vector<Disk> bodies;

@@ -117,12 +117,11 @@ Scene<2> drum(double mu, double spin, double speed, double step) {
   Scene<2> scene = one_law<2>({.mu = mu});
   scene.step = step;
   scene.contact_distance = 1e-6;
-  Wall<2> wall;
-  wall.name = "drum";
-  wall.shape = Wall<2>::Shape::kHollowCircle;
-  wall.motion = spin != 0 ? Wall<2>::Motion::kMoving : Wall<2>::Motion::kFixed;
-  wall.radius = 2;
-  wall.spin = spin;
+  Wall<2> wall{.name = "drum",
+               .shape = Wall<2>::Shape::kHollowCircle,
+               .motion = spin != 0 ? Wall<2>::Motion::kMoving : Wall<2>::Motion::kFixed,
+               .radius = 2,
+               .spin = spin};
   scene.walls = {wall};
   scene.bodies = {round_body<2>(Vec2(0, -1.5), 0.5, 1, Vec2(speed, 0))};
   return scene;

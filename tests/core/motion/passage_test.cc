@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/motion/midpoint.h"
 #include "core/scene/scene_parts.h"
 
 namespace bipot {
@@ -37,12 +36,7 @@ Seen free_step(Scene<D> scene, bool bounced = false) {
 }
 
 Wall<2> plate(const Vec2& a, const Vec2& b) {
-  Wall<2> wall;
-  wall.shape = Wall<2>::Shape::kSegment;
-  wall.name = "plate";
-  wall.a = a;
-  wall.b = b;
-  return wall;
+  return Wall<2>{.name = "plate", .shape = Wall<2>::Shape::kSegment, .a = a, .b = b};
 }
 
 Body<2> disk(const Vec2& x, const Vec2& v = Vec2::Zero()) { return round_body<2>(x, 0.01, 1, v); }
@@ -149,13 +143,12 @@ TEST(Passage, ASphereThroughASphereAndThroughARod) {
 }
 
 TEST(Passage, PathsKeepTheirNumbersOnTheWay) {
-  BodyPath<2> path;
-  path.number = 7;
-  path.from = Vec2(1, 2);
-  path.mid = Vec2(3, 4);
-  path.to = Vec2(5, 6);
-  path.radius = 0.5;
-  path.cluster = 2;
+  BodyPath<2> path{.number = 7,
+                   .from = Vec2(1, 2),
+                   .mid = Vec2(3, 4),
+                   .to = Vec2(5, 6),
+                   .radius = 0.5,
+                   .cluster = 2};
   const std::vector<BodyPath<2>> there = unpacked<2>(packed<2>({path, path}));
   ASSERT_EQ(there.size(), 2u);
   EXPECT_EQ(there[1].number, 7);

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
-#include <numbers>
 #include <random>
 #include <set>
 #include <string>
@@ -29,9 +27,7 @@ namespace bipot {
 namespace {
 
 PeriodicCell block(double width, double depth) {
-  PeriodicCell cell;
-  cell.in_x = true;
-  cell.in_y = depth > 0;
+  PeriodicCell cell{.in_x = true, .in_y = depth > 0};
   cell.width.length = width;
   cell.height.length = depth;
   return cell;
@@ -117,8 +113,7 @@ TEST(PeriodicSpheres, WhereTheCellBeginsChangesNothing) {
     moved.bodies[i].x += Vec3(0.2 + 0.43 * (static_cast<double>(i % 3) - 1), 0.3 + 0.57 * 2, 0);
   }
   State<3> a = initial_state(scene), b = initial_state(moved);
-  SolverOptions options;
-  options.tol = 1e-9;
+  SolverOptions options{.tol = 1e-9};
   const auto pgs = make_step_solver(*find_solver("pgs"), options);
   TimeStepper<3> at(scene, pgs, false), bt(moved, pgs, false);
   bool across_x = false, across_y = false;

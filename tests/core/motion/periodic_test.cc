@@ -18,9 +18,7 @@ namespace bipot {
 namespace {
 
 PeriodicCell cell_of(double width, double height, double offset) {
-  PeriodicCell cell;
-  cell.in_x = true;
-  cell.in_y = height > 0;
+  PeriodicCell cell{.in_x = true, .in_y = height > 0};
   cell.width.length = width;
   cell.height.length = height;
   cell.offset.length = offset;

@@ -25,27 +25,21 @@ namespace {
 constexpr double kPopulationStep = 0.01;  // s
 
 StepSolver sweeps(double tol = 1e-6) {
-  SolverOptions options;
-  options.tol = tol;
+  SolverOptions options{.tol = tol};
   return make_step_solver(*find_solver("pgs"), options);
 }
 
 template <int D>
 Scene<D> falling_scene() {
-  Scene<D> scene;
-  scene.materials = {"default"};
-  scene.laws = {{}};
-  scene.gravity = -10 * Vec<D>::Unit(D - 1);
-  scene.step = kPopulationStep;
-  return scene;
+  return Scene<D>{.gravity = -10 * Vec<D>::Unit(D - 1),
+                  .materials = {"default"},
+                  .laws = {{}},
+                  .step = kPopulationStep};
 }
 
 template <int D>
 Outlet<D> below(double height) {
-  Outlet<D> outlet;
-  outlet.name = "bottom";
-  outlet.point = height * Vec<D>::Unit(D - 1);
-  return outlet;
+  return Outlet<D>{.name = "bottom", .point = height * Vec<D>::Unit(D - 1)};
 }
 
 /// Bodies of 1, 2, 3 kg fall freely from 0.2, 0.45 and 0.8 m into an outlet below 0: under 10 m/s²
@@ -109,10 +103,7 @@ TEST(Population, AnOutletIsAHalfPlaneOrABoxAndHoldsItsEdge) {
   EXPECT_TRUE(plane.takes(Vec2(1, 7)));
   EXPECT_TRUE(plane.takes(Vec2(0.9, -7)));
   EXPECT_FALSE(plane.takes(Vec2(1.1, 0)));
-  Outlet<2> box;
-  box.box = true;
-  box.lower = Vec2(0, 0);
-  box.upper = Vec2(2, 1);
+  Outlet<2> box{.box = true, .lower = Vec2(0, 0), .upper = Vec2(2, 1)};
   EXPECT_TRUE(box.takes(Vec2(2, 0.5)));
   EXPECT_FALSE(box.takes(Vec2(2.1, 0.5)));
   EXPECT_FALSE(box.takes(Vec2(1, -0.1)));

@@ -21,8 +21,7 @@ struct Landed {
 
 template <int D>
 Landed advance(const Scene<D>& scene, State<D>& state, int steps) {
-  SolverChoice exact;
-  exact.tol = 1e-12;
+  SolverChoice exact{.tol = 1e-12};
   TimeStepper<D> stepper(scene, make_step_solver(require_solver("auto"), to_options(exact)), false);
   Landed landed;
   for (int k = 0; k < steps; ++k) {

@@ -13,8 +13,7 @@ namespace {
 template <int D>
 PushApart pushed(Scene<D>& scene) {
   scene.step = 1e-3;
-  SolverChoice choice;
-  choice.tol = 1e-9;
+  SolverChoice choice{.tol = 1e-9};
   return push_apart(scene, make_step_solver(require_solver("auto"), to_options(choice)), false);
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "core/motion/assembly.h"
@@ -332,11 +331,8 @@ TEST(Spheres, StressIsSymmetricAndAddsUp) {
 // along +x. Gaps: R - |r| - a inside, |r| - R - a outside, |r| the distance from the axis.
 TEST(Spheres, CylindersTouchAndTurnAboutTheirAxes) {
   Scene<3> scene = one_law<3>({.mu = 0.5});
-  Wall<3> drum;
-  drum.shape = Wall<3>::Shape::kHollowCircle;
-  drum.normal = Vec3::UnitY();
-  drum.radius = 3;
-  drum.spin = 0.7;
+  Wall<3> drum{
+      .shape = Wall<3>::Shape::kHollowCircle, .normal = Vec3::UnitY(), .radius = 3, .spin = 0.7};
   Wall<3> roller = drum;
   roller.shape = Wall<3>::Shape::kSolidCircle;
   roller.radius = 1;
@@ -375,10 +371,7 @@ TEST(Spheres, AWarmStartKeepsTheImpulseWhereTheFrameJumps) {
   EXPECT_GT(state.contacts[0].s_t.norm(), 1e-4);
   std::vector<Contact<3>> contacts = {state.contacts[0].contact};
   contacts[0].n = Vec3(1, 0, -1e-12).normalized();
-  ContactProblem p;
-  p.dim = 3;
-  p.mu = Vector::Constant(1, 0.5);
-  p.u_free = Vector::Zero(3);
+  ContactProblem p{.dim = 3, .u_free = Vector::Zero(3), .mu = Vector::Constant(1, 0.5)};
   const Vector s0 = warm_start<3>(state.contacts, contacts, p);
   const auto frame = contact_frame<3>(contacts[0].n);
   const Vec3 start = s0[1] * frame[1] + s0[2] * frame[2];

@@ -46,9 +46,7 @@ void expect_equal(const Mat2& a, const Mat2& b, double tolerance) {
 /// Takes steps of a scene, tightly solved, and shows the states before and after each.
 void run_steps(const Scene<2>& scene, int steps, double tol,
                const std::function<void(const State<2>&, const State<2>&)>& show) {
-  SolverOptions options;
-  options.tol = tol;
-  options.max_iterations = 20000;
+  SolverOptions options{.tol = tol, .max_iterations = 20000};
   TimeStepper<2> stepper(scene, make_step_solver(*find_solver("apgd"), options), false);
   State<2> state = initial_state(scene);
   for (int k = 0; k < steps; ++k) {
@@ -61,12 +59,12 @@ void run_steps(const Scene<2>& scene, int steps, double tol,
 /// Disks of three sizes in a small box whose four walls are pushed inwards: fast, overlapping,
 /// sliding and turning.
 Scene<2> pushed_box() {
-  Scene<2> scene;
-  scene.materials = {"stone"};
-  scene.laws = {{0.4, 0.1, 0.5}};
-  scene.gravity = Vec2(0.3, -1);
-  scene.step = 2e-3;
-  scene.bodies = random_filling(30, {{0.04, 1}, {0.05, 1}, {0.06, 1}}, 0.7, 0.02, 3, Vec2::Zero());
+  Scene<2> scene{
+      .gravity = Vec2(0.3, -1),
+      .bodies = random_filling(30, {{0.04, 1}, {0.05, 1}, {0.06, 1}}, 0.7, 0.02, 3, Vec2::Zero()),
+      .materials = {"stone"},
+      .laws = {{0.4, 0.1, 0.5}},
+      .step = 2e-3};
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     Disk& d = scene.bodies[k];
     d.mass = 100 * d.radius * d.radius;

@@ -12,8 +12,8 @@
 #include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "solvers/solve.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/state_bits.h"
 
 namespace bipot {
 namespace {
@@ -232,8 +232,7 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
   scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
                  half_space<2>(Vec2(0.2, 0), Vec2(-1, 0))};
   State<2> state = initial_state(scene);
-  SolverOptions options;
-  options.tol = 1e-4;
+  SolverOptions options{.tol = 1e-4};
   Vector start;
   const StepSolver inner = make_step_solver(*find_solver("pgs"), options);
   TimeStepper<2> stepper(
@@ -280,10 +279,7 @@ TEST(TimeStepping, WithoutWarmStartTheSolverGetsNoStart) {
       scene,
       [](const ContactProblem& p, const Vector& s0) {
         EXPECT_EQ(s0.size(), 0);
-        StepSolution step;
-        step.converged = true;
-        step.s = Vector::Zero(p.num_rows());
-        return step;
+        return StepSolution{.converged = true, .s = Vector::Zero(p.num_rows())};
       },
       false);
   stepper.advance(state);
@@ -313,33 +309,25 @@ TEST(TimeStepping, FailureLeavesTheStateAsItWas) {
   };
   expect_failure(
       [](const ContactProblem&, const Vector&) {
-        StepSolution step;
-        step.failed = true;
-        step.message = "the pivot broke";
-        return step;
+        return StepSolution{.failed = true, .message = "the pivot broke"};
       },
       "the pivot broke");
   expect_failure(
       [](const ContactProblem& p, const Vector&) {
-        StepSolution step;
-        step.converged = true;
-        step.s = Vector::Constant(p.num_rows(), std::numeric_limits<double>::quiet_NaN());
+        StepSolution step{
+            .converged = true,
+            .s = Vector::Constant(p.num_rows(), std::numeric_limits<double>::quiet_NaN())};
         return step;
       },
       "no finite impulse");
-  expect_failure(
-      [](const ContactProblem& p, const Vector&) {
-        StepSolution step;
-        step.s = Vector::Zero(p.num_rows() + 1);
-        return step;
-      },
-      "no finite impulse");
+  expect_failure([](const ContactProblem& p,
+                    const Vector&) { return StepSolution{.s = Vector::Zero(p.num_rows() + 1)}; },
+                 "no finite impulse");
 }
 
 TEST(TimeStepping, AStepThatDidNotConvergeIsTakenAndSaysSo) {
   Scene<2> scene = row_of_disks(8, 0, Vec2(1, 0));
-  SolverOptions options;
-  options.max_iterations = 1;
+  SolverOptions options{.max_iterations = 1};
   State<2> state = initial_state(scene);
   TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), options), false);
   const StepReport<2> report = stepper.advance(state);
@@ -347,20 +335,6 @@ TEST(TimeStepping, AStepThatDidNotConvergeIsTakenAndSaysSo) {
   EXPECT_NE(report.message.find("iteration limit"), std::string::npos) << report.message;
   EXPECT_GT(report.error.guarded(), options.tol);
   EXPECT_EQ(state.step, 1);
-}
-
-std::uint64_t hash_of(const State<2>& state) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto mix = [&](double value) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 0x100000001b3u;
-  };
-  for (const Disk& d : state.bodies) {
-    for (double x : {d.x[0], d.x[1], d.angle, d.v[0], d.v[1], d.spin}) mix(x);
-  }
-  for (const ContactOutcome<2>& c : state.contacts) {
-    for (double x : {c.s_n, c.s_t, c.u_n, c.u_t, c.contact.gap}) mix(x);
-  }
-  return hash;
 }
 
 /// 80 disks fall into a box; lengths, masses and times in other units.
@@ -386,7 +360,7 @@ TEST(TimeStepping, TheSameSceneGivesTheSameBits) {
   const Scene<2> scene = falling_box(1, 1, 1);
   const State<2> first = solved_run(scene);
   EXPECT_GT(first.contacts.size(), 50u);
-  EXPECT_EQ(hash_of(first), hash_of(solved_run(scene)));
+  EXPECT_EQ(bits_of_state(first), bits_of_state(solved_run(scene)));
 }
 
 TEST(TimeStepping, UnitsDoNotChangeTheIterations) {

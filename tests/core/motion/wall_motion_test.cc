@@ -7,7 +7,6 @@
 
 #include "core/motion/sample_area.h"
 #include "core/motion/spring_dashpot.h"
-#include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_parts.h"
 #include "tests/support/scene_run.h"
@@ -182,10 +181,7 @@ TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
 }
 
 TEST(WallMotion, SurfacesOfCirclesTurnCounterClockwise) {
-  Wall<2> drum;
-  drum.shape = Wall<2>::Shape::kHollowCircle;
-  drum.radius = 2;
-  drum.spin = 3;
+  Wall<2> drum{.shape = Wall<2>::Shape::kHollowCircle, .radius = 2, .spin = 3};
   // At the lowest point of a hollow circle the normal points up; counter-clockwise is +x there.
   EXPECT_EQ(surface_velocity(drum, Vec2(0.5, 0), Vec2(0, 1)), Vec2(6.5, 0));
   // At its right: the normal points to the left, counter-clockwise is up.
@@ -197,10 +193,7 @@ TEST(WallMotion, SurfacesOfCirclesTurnCounterClockwise) {
 
 Scene<2> drum_scene(double spin, double mu) {
   Scene<2> scene = rough_scene(mu);
-  Wall<2> drum;
-  drum.shape = Wall<2>::Shape::kHollowCircle;
-  drum.radius = 1;
-  drum.spin = spin;
+  Wall<2> drum{.shape = Wall<2>::Shape::kHollowCircle, .radius = 1, .spin = spin};
   scene.walls = {drum};
   return scene;
 }
@@ -258,9 +251,7 @@ TEST(WallMotion, ADiskSwingsInAHollowCircleAsAPendulum) {
 TEST(WallMotion, ADiskLiesOnASolidCircleAndRollsOff) {
   // On the very top it stays; the circle carries its weight.
   Scene<2> scene = rough_scene(0.5);
-  Wall<2> hill;
-  hill.shape = Wall<2>::Shape::kSolidCircle;
-  hill.radius = 1;
+  Wall<2> hill{.shape = Wall<2>::Shape::kSolidCircle, .radius = 1};
   scene.walls = {hill};
   scene.gravity = Vec2(0, -kPull);
   scene.bodies = {round_body<2>(Vec2(0, 1.1), 0.1, 2)};
@@ -395,9 +386,7 @@ TEST(WallMotion, SpringsKnowPlatesDrumsAndTilts) {
 TEST(WallMotion, AreaOfADrumIsTheSamplesArea) {
   Scene<2> scene = drum_scene(0, 0);
   scene.bodies = {round_body<2>(Vec2(0, 0.5), 0.1, 2), round_body<2>(Vec2(0, -0.5), 0.1, 2)};
-  Wall<2> core;
-  core.shape = Wall<2>::Shape::kSolidCircle;
-  core.radius = 0.2;
+  Wall<2> core{.shape = Wall<2>::Shape::kSolidCircle, .radius = 0.2};
   scene.walls.push_back(core);
   EXPECT_NEAR(sample_measure(initial_state(scene), scene.step), std::numbers::pi * (1 - 0.04),
               1e-14);
@@ -410,10 +399,7 @@ TEST(WallMotion, ABeltCarriesADiskAndStays) {
   Scene<2> scene = rough_scene(0.2);
   scene.gravity = Vec2(0, -9.81);
   scene.bodies = {round_body<2>(Vec2(0.3, 0.1), 0.1, 1)};
-  Wall<2> belt;
-  belt.shape = Wall<2>::Shape::kSegment;
-  belt.b = Vec2(2, 0);
-  belt.belt = Vec2(1, 0);
+  Wall<2> belt{.shape = Wall<2>::Shape::kSegment, .b = Vec2(2, 0), .belt = Vec2(1, 0)};
   scene.walls = {belt};
   scene.num_steps = 5000;
   Books books;
@@ -429,10 +415,7 @@ TEST(WallMotion, ABeltCarriesADiskAndStays) {
 
 // At an end the surface turns with the normal: it never moves towards the disk.
 TEST(WallMotion, ABeltTurnsAtItsEnds) {
-  Wall<2> belt;
-  belt.shape = Wall<2>::Shape::kSegment;
-  belt.b = Vec2(2, 0);
-  belt.belt = Vec2(1, 0);
+  Wall<2> belt{.shape = Wall<2>::Shape::kSegment, .b = Vec2(2, 0), .belt = Vec2(1, 0)};
   const Vec2 n = Vec2(1, 1).normalized();
   const Vec2 v = surface_velocity<2>(belt, Vec2::Zero(), n);
   EXPECT_NEAR(v.dot(n), 0, 1e-15);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <regex>
 #include <stdexcept>
 
@@ -24,10 +23,7 @@ constexpr const char* kTakeOff = "stroke:rgb\\(55%,55%,55%\\)";
 
 /// A column of `disks` disks of radius 1 cm on a floor, nothing touches yet.
 Scene<2> column(int disks, double mu) {
-  Scene<2> scene;
-  scene.materials = {"stone"};
-  scene.laws = {{mu, 0, 0}};
-  scene.step = 1e-3;
+  Scene<2> scene{.materials = {"stone"}, .laws = {{mu, 0, 0}}, .step = 1e-3};
   for (int k = 0; k < disks; ++k) {
     Disk d;
     d.x = Vec2(0, 0.01 + 0.02 * k);
@@ -103,9 +99,8 @@ TEST_F(ForcePicture, HasASegmentForEachContactOfAWidthInProportionToTheForce) {
 
 TEST_F(ForcePicture, AGivenFullForceMakesPicturesComparable) {
   const Scene<2> scene = column(3, 0.5);
-  ForcePictureOptions options;
-  options.full_force = 6;
-  const std::vector<double> stick = widths(svg(scene, loaded_column(scene), "", options), kStick);
+  const std::vector<double> stick =
+      widths(svg(scene, loaded_column(scene), "", {.full_force = 6}), kStick);
   ASSERT_EQ(stick.size(), 4u);
   EXPECT_NEAR(stick[0], 22 / 6.0, 1e-5);
   EXPECT_NEAR(stick[2], 11, 1e-5);            // 3 N
@@ -178,10 +173,8 @@ TEST_F(ForcePicture, DrawsWhatThereIsWhenNothingTouches) {
 
 TEST_F(ForcePicture, PngsAreWrittenWithTheChosenResolution) {
   const Scene<2> scene = column(3, 0.5);
-  ForcePictureOptions options;
-  options.width = 400;
-  options.resolution = 1.5;
-  draw_force_picture(folder_ / "picture.png", scene, loaded_column(scene), "caption", options);
+  draw_force_picture(folder_ / "picture.png", scene, loaded_column(scene), "caption",
+                     {.width = 400, .resolution = 1.5});
   std::ifstream in(folder_ / "picture.png", std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
   ASSERT_GT(bytes.size(), 24u);

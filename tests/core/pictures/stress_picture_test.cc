@@ -21,11 +21,10 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 TEST(StressPicture, TheBarEndsWhereAllButTwoInAHundredDisksAre) {
-  Scene<2> scene;
-  scene.materials = {"stone"};
-  scene.laws = {{}};
-  scene.step = 1e-3;
-  scene.bodies = rectangular_lattice(10, 10, 0.01, Vec2::Zero());
+  Scene<2> scene{.bodies = rectangular_lattice(10, 10, 0.01, Vec2::Zero()),
+                 .materials = {"stone"},
+                 .laws = {{}},
+                 .step = 1e-3};
   const State<2> state = initial_state(scene);
   std::vector<double> pressures(100, 1900.0);
   pressures[7] = 1e6;

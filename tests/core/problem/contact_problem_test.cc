@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "core/base/types.h"
 #include "tests/support/manufactured.h"
 

@@ -19,10 +19,7 @@ Vector sine_vector(Eigen::Index size) {
 
 TEST(DiskStructure, IsFoundInLatticesWithAndWithoutFriction) {
   for (const int dim : {1, 2}) {
-    LatticeOptions o;
-    o.dim = dim;
-    o.turn = 0.3;
-    const ContactProblem p = triangular_lattice(5, o);
+    const ContactProblem p = triangular_lattice(5, {.dim = dim, .turn = 0.3});
     const auto disks = disk_structure(p);
     ASSERT_TRUE(disks.has_value()) << dim;
     EXPECT_EQ(disks->contacts.size(), p.mu.size());
@@ -34,12 +31,8 @@ TEST(DiskStructure, IsFoundInLatticesWithAndWithoutFriction) {
 
 TEST(DiskStructure, GivesTheSameProductsAsH) {
   for (const int dim : {1, 2}) {
-    LatticeOptions o;
-    o.dim = dim;
-    o.turn = 0.3;
-    o.e_n = 0.1;
-    o.e_t = dim == 2 ? 1 : 0;
-    const ContactProblem p = triangular_lattice(5, o);
+    const ContactProblem p =
+        triangular_lattice(5, {.dim = dim, .turn = 0.3, .e_n = 0.1, .e_t = dim == 2 ? 1.0 : 0.0});
     const DelassusOperator packed(p);
     ASSERT_TRUE(packed.disks().has_value());
     const Vector s = sine_vector(p.num_rows());

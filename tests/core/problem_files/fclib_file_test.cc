@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include "core/base/file_error.h"

@@ -3,10 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <stdexcept>
 
 #include "core/base/file_error.h"
-#include "core/problem/delassus.h"
 #include "core/problem_files/fclib_file.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/temporary_folder.h"
@@ -15,10 +13,8 @@ namespace bipot {
 namespace {
 
 ContactProblem problem(int dim, int contacts) {
-  ContactProblem p;
-  p.dim = dim;
-  p.mu = Vector::Constant(contacts, 0.5);
-  p.u_free = Vector::Zero(dim * contacts);
+  ContactProblem p{
+      .dim = dim, .u_free = Vector::Zero(dim * contacts), .mu = Vector::Constant(contacts, 0.5)};
   return p;
 }
 

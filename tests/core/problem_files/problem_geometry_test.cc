@@ -26,8 +26,8 @@ struct Written {
     state.step = 7;
     state.time = 0.07;
     for (int c = 0; c < problem.num_contacts(); ++c) {
-      ContactOutcome<2> outcome;
-      outcome.contact = {c % 9, c % 12 == c % 9 ? 9 : c % 12, Vec2(0.6, 0.8), 1e-7};
+      ContactOutcome<2> outcome{
+          .contact = {c % 9, c % 12 == c % 9 ? 9 : c % 12, Vec2(0.6, 0.8), 1e-7}};
       state.contacts.push_back(outcome);
     }
     write_fclib(path, problem, {});

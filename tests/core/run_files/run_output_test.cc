@@ -10,10 +10,8 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <map>
 #include <regex>
-#include <set>
 #include <sstream>
 
 #include "core/files/hdf5_file.h"
@@ -26,6 +24,7 @@
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/state_bits.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -47,14 +46,13 @@ density = 2000.0
 
 /// Three disks and three walls with awkward numbers in every field.
 Scene<2> awkward_scene() {
-  Scene<2> scene;
-  scene.title = "a <\"title\"> & such";
-  scene.source = "generated";
-  scene.gravity = Vec2(0.1, -9.81);
-  scene.materials = {"steel", "glass"};
-  scene.laws = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, {0.4, 0.5, 0.6}, {0.7, 0.8, 0.9}};
-  scene.step = 1e-3;
-  scene.num_steps = 10;
+  Scene<2> scene{.title = "a <\"title\"> & such",
+                 .source = "generated",
+                 .gravity = Vec2(0.1, -9.81),
+                 .materials = {"steel", "glass"},
+                 .laws = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, {0.4, 0.5, 0.6}, {0.7, 0.8, 0.9}},
+                 .step = 1e-3,
+                 .num_steps = 10};
   scene.output.ledger_every = 2;
   scene.output.track = {2, 0};
   scene.solver.parameters = {{"omega", "1.5"}};
@@ -84,12 +82,11 @@ Scene<2> awkward_scene() {
   lid.mass = 2.0 / 3;
   lid.v = Vec2(0, -1.0 / 7);
   lid.material = 1;
-  Wall<2> side;
-  side.name = "";
-  side.motion = Wall<2>::Motion::kMoving;
-  side.a = Vec2(-1.5, 0);
-  side.normal = Vec2(0.6, 0.8);
-  side.v = Vec2(1.0 / 3, 0);
+  Wall<2> side{.name = "",
+               .motion = Wall<2>::Motion::kMoving,
+               .a = Vec2(-1.5, 0),
+               .normal = Vec2(0.6, 0.8),
+               .v = Vec2(1.0 / 3, 0)};
   scene.walls = {floor, lid, side};
   return scene;
 }
@@ -114,41 +111,6 @@ State<2> awkward_state(const Scene<2>& scene, int step) {
   return state;
 }
 
-/// All numbers of a state as bits, in one text: equal texts are equal states.
-std::string bits(const State<2>& state) {
-  std::string out;
-  const auto add = [&](double x) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, &x, sizeof(word));
-    out += fmt::format("{:016x} ", word);
-  };
-  const auto add2 = [&](const Vec2& x) {
-    add(x[0]);
-    add(x[1]);
-  };
-  out += fmt::format("{} ", state.step);
-  for (double x : {state.time, state.wall_work, state.friction_loss, state.shock_loss}) add(x);
-  for (const Disk& d : state.bodies) {
-    out += fmt::format("\ndisk {} ", d.material);
-    add2(d.x);
-    add2(d.v);
-    for (double x : {d.angle, d.spin, d.radius, d.mass, d.inertia}) add(x);
-  }
-  for (const Wall<2>& w : state.walls) {
-    out += fmt::format("\nwall '{}' {} {} {} ", w.name, static_cast<int>(w.shape),
-                       static_cast<int>(w.motion), w.material);
-    for (const Vec2& x : {w.a, w.b, w.normal, w.v, w.direction}) add2(x);
-    add(w.force);
-    add(w.mass);
-  }
-  for (const ContactOutcome<2>& c : state.contacts) {
-    out += fmt::format("\ncontact {} {} {} ", c.contact.i, c.contact.j, static_cast<int>(c.status));
-    add2(c.contact.n);
-    for (double x : {c.contact.gap, c.s_n, c.s_t, c.u_n, c.u_t}) add(x);
-  }
-  return out;
-}
-
 std::vector<std::vector<std::string>> csv(const std::filesystem::path& path) {
   std::vector<std::vector<std::string>> rows;
   std::ifstream in(path);
@@ -171,10 +133,7 @@ std::map<std::string, std::string> files_in(const std::filesystem::path& folder)
 }
 
 StepReport<2> report_of(const State<2>& state) {
-  StepReport<2> report;
-  report.step = state.step;
-  report.time = state.time;
-  report.iterations = 7;
+  StepReport<2> report{.step = state.step, .time = state.time, .iterations = 7};
   report.energy.kinetic = 1.0 / 3;
   report.penetration = 1e-7 / 3;
   return report;
@@ -192,9 +151,9 @@ TEST(RunOutput, AStateIsReadBackBitForBit) {
     writer.close();
   }
   EXPECT_EQ(steps_in_folder(folder / "out"), (std::vector<int>{0, 8}));
-  EXPECT_EQ(bits(read_state(folder / "out")), bits(last));
-  EXPECT_EQ(bits(read_state(folder / "out/run.h5", 8)), bits(last));
-  EXPECT_EQ(bits(read_state(folder / "out", 0)), bits(first));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out")), bits_of_state(last));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out/run.h5", 8)), bits_of_state(last));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out", 0)), bits_of_state(first));
   EXPECT_EQ(Hdf5File(folder / "out/run.h5", Hdf5File::Mode::kRead).read_string("/scene"),
             "the scene's text");
   EXPECT_THROW(read_state(folder / "out", 3), FileError);
@@ -231,7 +190,7 @@ steps = 12
   ASSERT_GT(restarted.contacts.size(), 0u);
   TimeStepper<2> again(scene, make_step_solver(*entry, options), entry->needs_delassus);
   while (restarted.step < 12) again.advance(restarted);
-  EXPECT_EQ(bits(restarted), bits(state));
+  EXPECT_EQ(bits_of_state(restarted), bits_of_state(state));
 }
 
 TEST(RunOutput, EveryFrameCanBeReadThroughTheLinksOfTheRunFile) {
@@ -573,12 +532,12 @@ TEST(RunOutput, ARunWithTheOldNameOfTheBodiesIsContinued) {
     file.rename("/bodies", "/disks");
     if (file.exists("/format_version")) file.write("/format_version", 1);
   }
-  EXPECT_EQ(bits(read_state(folder / "out")), bits(state));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out")), bits_of_state(state));
   {
     RunWriter<2> writer(folder / "out", scene, "", 2);
     writer.frame(awkward_state(scene, 4));
   }
-  EXPECT_EQ(bits(read_state(folder / "out", 2)), bits(state));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out", 2)), bits_of_state(state));
   expect_data(folder / "out", file_text(folder / "out/run.xdmf"));
 }
 
@@ -603,7 +562,7 @@ TEST(RunOutput, ARunOfAVersionWithoutStressesIsContinued) {
     old += "\n";
   }
   std::ofstream(ledger) << old;
-  EXPECT_EQ(bits(read_state(folder / "out")), bits(first));
+  EXPECT_EQ(bits_of_state(read_state(folder / "out")), bits_of_state(first));
   {
     RunWriter<2> writer(folder / "out", scene, "", 2);
     writer.step(second, report_of(second));
@@ -720,7 +679,8 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
     const std::vector<int> steps = steps_in_folder(folder / "out");
     ASSERT_GE(steps.size(), 2u);
     for (int step : steps) {
-      ASSERT_EQ(bits(read_state(folder / "out", step)), bits(awkward_state(scene, step)));
+      ASSERT_EQ(bits_of_state(read_state(folder / "out", step)),
+                bits_of_state(awkward_state(scene, step)));
     }
     const std::string xml = file_text(folder / "out/run.xdmf");
     expect_well_formed(xml);

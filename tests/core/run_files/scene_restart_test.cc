@@ -1,12 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
+#include "tests/support/state_bits.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -190,48 +189,6 @@ State<2> run_on(const Scene<2>& scene, State<2> state, int until, RunWriter<2>* 
   return state;
 }
 
-void expect_same(const State<2>& a, const State<2>& b) {
-  EXPECT_EQ(a.step, b.step);
-  EXPECT_EQ(a.time, b.time);
-  EXPECT_EQ(a.wall_work, b.wall_work);
-  EXPECT_EQ(a.friction_loss, b.friction_loss);
-  ASSERT_EQ(a.bodies.size(), b.bodies.size());
-  for (std::size_t i = 0; i < a.bodies.size(); ++i) {
-    EXPECT_EQ(a.bodies[i].x, b.bodies[i].x) << i;
-    EXPECT_EQ(a.bodies[i].v, b.bodies[i].v) << i;
-    EXPECT_EQ(a.bodies[i].angle, b.bodies[i].angle) << i;
-    EXPECT_EQ(a.bodies[i].spin, b.bodies[i].spin) << i;
-  }
-  EXPECT_EQ(a.population.numbers, b.population.numbers);
-  ASSERT_EQ(a.clusters.bodies.size(), b.clusters.bodies.size());
-  for (std::size_t c = 0; c < a.clusters.bodies.size(); ++c) {
-    EXPECT_EQ(a.clusters.bodies[c].x, b.clusters.bodies[c].x) << c;
-    EXPECT_EQ(a.clusters.bodies[c].angle, b.clusters.bodies[c].angle) << c;
-    EXPECT_EQ(a.clusters.bodies[c].spin, b.clusters.bodies[c].spin) << c;
-  }
-  ASSERT_EQ(a.walls.size(), b.walls.size());
-  for (std::size_t w = 0; w < a.walls.size(); ++w) {
-    EXPECT_EQ(a.walls[w].a, b.walls[w].a) << w;
-    EXPECT_EQ(a.walls[w].v, b.walls[w].v) << w;
-    EXPECT_EQ(a.walls[w].motion, b.walls[w].motion) << w;
-    EXPECT_EQ(a.walls[w].present, b.walls[w].present) << w;
-  }
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_EQ(a.cell.side(k).length, b.cell.side(k).length) << k;
-    EXPECT_EQ(a.cell.side(k).speed, b.cell.side(k).speed) << k;
-  }
-  ASSERT_EQ(a.contacts.size(), b.contacts.size());
-  EXPECT_GT(a.contacts.size(), 3u);
-  for (std::size_t c = 0; c < a.contacts.size(); ++c) {
-    EXPECT_EQ(a.contacts[c].contact.i, b.contacts[c].contact.i) << c;
-    EXPECT_EQ(a.contacts[c].contact.j, b.contacts[c].contact.j) << c;
-    EXPECT_EQ(a.contacts[c].contact.image_x, b.contacts[c].contact.image_x) << c;
-    EXPECT_EQ(a.contacts[c].contact.image_y, b.contacts[c].contact.image_y) << c;
-    EXPECT_EQ(a.contacts[c].s_n, b.contacts[c].s_n) << c;
-    EXPECT_EQ(a.contacts[c].s_t, b.contacts[c].s_t) << c;
-  }
-}
-
 TEST(SceneRestart, GoesOnBitForBit) {
   for (const NamedScene& named : kRestartScenes) {
     SCOPED_TRACE(named.name);
@@ -246,7 +203,8 @@ TEST(SceneRestart, GoesOnBitForBit) {
     for (const int step : {4, 17, 29}) {
       const State<2> read = read_state(folder / "out", step);
       EXPECT_EQ(restart_mismatch(scene, read), "");
-      expect_same(run_on(scene, read, 40, nullptr), end);
+      EXPECT_EQ(bits_of_state(run_on(scene, read, 40, nullptr)), bits_of_state(end));
+      EXPECT_GT(end.contacts.size(), 3u);
     }
   }
 }

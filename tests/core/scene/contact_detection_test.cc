@@ -175,9 +175,7 @@ std::vector<Disk> one_disk(const Vec2& x, double radius) {
 }
 
 TEST(Detection, HalfPlaneActsAlongItsNormal) {
-  Wall<2> wall;
-  wall.a = Vec2(5, 1);
-  wall.normal = Vec2(0.6, 0.8);
+  Wall<2> wall{.a = Vec2(5, 1), .normal = Vec2(0.6, 0.8)};
   // Distance of the centre from the line: 0.6 * (8 - 5) + 0.8 * (2 - 1) = 2.6.
   const std::vector<Contact<2>> contacts =
       detect_contacts(one_disk(Vec2(8, 2), 3), std::span(&wall, 1), 0);
@@ -193,10 +191,7 @@ TEST(Detection, HalfPlaneActsAlongItsNormal) {
 }
 
 TEST(Detection, SegmentHasTwoSidesAndTwoEnds) {
-  Wall<2> wall;
-  wall.shape = Wall<2>::Shape::kSegment;
-  wall.a = Vec2(0, 0);
-  wall.b = Vec2(4, 0);
+  Wall<2> wall{.shape = Wall<2>::Shape::kSegment, .a = Vec2(0, 0), .b = Vec2(4, 0)};
   const std::span<const Wall<2>> walls(&wall, 1);
   const auto only = [&](const Vec2& x) { return detect_contacts(one_disk(x, 1), walls, 0).at(0); };
   EXPECT_EQ(only(Vec2(2, 0.75)).n, Vec2(0, 1));
@@ -229,10 +224,7 @@ TEST(Detection, RefusesCoincidentCentres) {
   disks[0].radius = 1;
   disks[1].radius = 200;
   EXPECT_THROW(detect_contacts(disks, {}, 0), std::invalid_argument);
-  Wall<2> wall;
-  wall.shape = Wall<2>::Shape::kSegment;
-  wall.a = Vec2(-1, 0);
-  wall.b = Vec2(1, 0);
+  Wall<2> wall{.shape = Wall<2>::Shape::kSegment, .a = Vec2(-1, 0), .b = Vec2(1, 0)};
   EXPECT_THROW(detect_contacts(one_disk(Vec2(0.5, 0), 1), std::span(&wall, 1), 0),
                std::invalid_argument);
 }

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 
 namespace bipot {

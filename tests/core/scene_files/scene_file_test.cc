@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <regex>
 #include <set>
-#include <sstream>
 
 #include "core/base/file_error.h"
 #include "core/scene_files/scene_keys.h"

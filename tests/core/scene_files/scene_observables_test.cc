@@ -1,10 +1,9 @@
-#include "core/scene_files/scene_observables.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
 #include <variant>
 
+#include "core/scene_files/scene_tables.h"
 #include "tests/support/refused_scene.h"
 
 namespace bipot {

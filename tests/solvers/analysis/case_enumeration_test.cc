@@ -4,7 +4,6 @@
 
 #include "core/problem_files/problem_file.h"
 #include "solvers/analysis/several_answers.h"
-#include "solvers/solve.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/source_folder.h"
 
@@ -81,9 +80,7 @@ TEST(CaseEnumeration, ManyContactsAreLeftToTheStarts) {
 TEST(SeveralAnswers, StatusesAreThoseOfASolve) {
   const ContactProblem p =
       read_problem(source_folder() / "data/problems/2d_triangular_lattice.hdf5").problem;
-  SeveralOptions options;
-  options.starts = 1;
-  const SeveralAnswers found = find_several_answers(p, options);
+  const SeveralAnswers found = find_several_answers(p, {.starts = 1});
   ASSERT_FALSE(found.answers.empty());
   const ContactCount count = count_contacts(p, found.answers[0].impulse.s);
   EXPECT_EQ(found.answers[0].stick, count.stick);

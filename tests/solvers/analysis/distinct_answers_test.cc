@@ -15,10 +15,7 @@ namespace bipot {
 namespace {
 
 Vector solved(std::string_view solver, const ContactProblem& p, double tol, double limit = 20) {
-  SolverOptions options;
-  options.tol = tol;
-  options.time_limit = limit * BIPOT_TEST_SLOWNESS;
-  return solve(solver, p, options).s;
+  return solve(solver, p, {.tol = tol, .time_limit = limit * BIPOT_TEST_SLOWNESS}).s;
 }
 
 TEST(DistinctAnswers, TellsThreeAnswersKnownByHand) {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/base/portable_random.h"
-#include "core/problem/delassus.h"
 #include "solvers/analysis/certificate_check.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
@@ -16,8 +15,7 @@ namespace {
 
 /// Frictionless contacts of one mass on a line: H = the given signs, A = 1.
 ContactProblem on_a_line(const std::vector<double>& directions, const Vector& u_free) {
-  ContactProblem p;
-  p.dim = 1;
+  ContactProblem p{.dim = 1};
   const int m = static_cast<int>(directions.size());
   p.A.resize(1, 1);
   p.A.insert(0, 0) = 1;
@@ -40,8 +38,7 @@ Vector pair(double a, double b) {
 /// A unit disk (m = 1, I = 1/2) in a wedge of two walls whose normals are (±sin a, cos a); w as
 /// given.
 ContactProblem disk_in_a_wedge(double a, double mu, const Vector& w) {
-  ContactProblem p;
-  p.dim = 2;
+  ContactProblem p{.dim = 2};
   p.A.resize(3, 3);
   p.H.resize(3, 4);
   for (int k = 0; k < 3; ++k) p.A.insert(k, k) = k == 2 ? 0.5 : 1.0;
@@ -210,8 +207,7 @@ TEST(CertificateCheck, RefusesWhatDoesNotHold) {
 TEST(CertificateCheck, SeesWhatDoublePrecisionCannot) {
   // The terms 1, x and -1 leave x of a sum of absolutes 2. x = 2^-63 is within the rounding of 64
   // bits and 12 operations, 2^-59.4 of that sum: not taken for positive. x = 2^-55 is.
-  ContactProblem p;
-  p.dim = 1;
+  ContactProblem p{.dim = 1};
   p.A.resize(3, 3);
   p.A.setIdentity();
   p.H.resize(3, 1);

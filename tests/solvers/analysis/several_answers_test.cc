@@ -25,9 +25,7 @@ int known(const SeveralProblem& several, const Vector& s) {
 
 TEST(SeveralAnswers, FindsThoseOfAPainleveContact) {
   const SeveralProblem several = painleve_problem();
-  SeveralOptions options;
-  options.starts = 16;
-  const SeveralAnswers found = find_several_answers(several.problem, options);
+  const SeveralAnswers found = find_several_answers(several.problem, {.starts = 16});
   EXPECT_EQ(found.status, SolveStatus::kConverged) << found.message;
   ASSERT_GE(found.answers.size(), 2u);
   for (const Answer& answer : found.answers) {
@@ -46,9 +44,7 @@ TEST(SeveralAnswers, FindsThoseOfAPainleveContact) {
 
 TEST(SeveralAnswers, TellsAContinuousFamily) {
   const SeveralProblem several = two_frictions_problem();
-  SeveralOptions options;
-  options.starts = 12;
-  const SeveralAnswers found = find_several_answers(several.problem, options);
+  const SeveralAnswers found = find_several_answers(several.problem, {.starts = 12});
   ASSERT_GE(found.answers.size(), 2u);
   EXPECT_EQ(found.sets, 1);
   for (const Answer& answer : found.answers) {
@@ -119,9 +115,8 @@ TEST(SeveralAnswers, TheSameSeedGivesTheSameBits) {
 
 TEST(SeveralAnswers, BeginsAtTheGuessToo) {
   const SeveralProblem several = painleve_problem();
-  SeveralOptions options;
-  options.starts = static_cast<int>(solver_names().size());
-  options.guess = several.answers[1] * (1 + 1e-3);
+  SeveralOptions options{.starts = static_cast<int>(solver_names().size()),
+                         .guess = several.answers[1] * (1 + 1e-3)};
   const SeveralAnswers found = find_several_answers(several.problem, options);
   const auto from_guess = std::count_if(found.starts.begin(), found.starts.end(),
                                         [](const AnswerStart& s) { return s.from == "guess"; });
@@ -132,9 +127,7 @@ TEST(SeveralAnswers, BeginsAtTheGuessToo) {
 
 TEST(SeveralAnswers, StartsByOneSolverAlone) {
   const SeveralProblem several = two_frictions_problem();
-  SeveralOptions options;
-  options.starts = 3;
-  options.solver = "apgd";
+  SeveralOptions options{.starts = 3, .solver = "apgd"};
   for (const AnswerStart& start : find_several_answers(several.problem, options).starts) {
     EXPECT_EQ(start.solver, "apgd");
   }
@@ -147,9 +140,7 @@ TEST(SeveralAnswers, StartsByOneSolverAlone) {
 
 TEST(SeveralAnswers, StopsWhenAsked) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 12, 0.3, 10);
-  SeveralOptions options;
-  options.starts = 1000;
-  options.time_limit = 0.05;
+  SeveralOptions options{.starts = 1000, .time_limit = 0.05};
   const SeveralAnswers late = find_several_answers(p, options);
   EXPECT_EQ(late.status, SolveStatus::kTimeLimit) << late.message;
   EXPECT_LT(late.starts.size(), 1000u);

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <set>
 #include <string>
 #include <string_view>
@@ -375,8 +374,7 @@ TEST(AutoSolver, LargePackingsAtRestAreSolvedBySweepsForthAndBack) {
 // pyramids, settled piles and steps of pours are not.
 TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBack) {
   for (const int side : {5, 12}) {  // few contacts and more
-    LatticeOptions tilted;
-    tilted.tilt = 0.2;
+    LatticeOptions tilted{.tilt = 0.2};
     EXPECT_EQ(planned(square_lattice(side, tilted)).front().solver->name, "anderson") << side;
     EXPECT_EQ(planned(triangular_lattice(side, tilted)).front().solver->name, "assor") << side;
   }
@@ -396,8 +394,7 @@ TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBac
       EXPECT_NE(stage.solver->name, "anderson") << name;
     }
   }
-  LatticeOptions options;
-  options.tilt = 0.2;
+  LatticeOptions options{.tilt = 0.2};
   const ContactProblem larger = triangular_lattice(30, options);
   ASSERT_GT(larger.num_contacts(), 2500);
   for (const bool warm : {false, true}) {

@@ -55,8 +55,7 @@ TEST(ContactIslands, AFixedFloorConnectsNothingAndADrivenOneDoes) {
 
 /// A disk in a corner: contact 0 with the floor, 1 with the wall, normals (0, 1) and (1, 0).
 ContactProblem corner(double mu_floor, double mu_wall) {
-  ContactProblem p;
-  p.dim = 2;
+  ContactProblem p{.dim = 2};
   p.A.resize(3, 3);
   for (int k = 0; k < 3; ++k) p.A.insert(k, k) = 1;
   p.H.resize(3, 4);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <string>
 #include <utility>
 
 #include "core/criterion/contact_error.h"
@@ -30,11 +29,7 @@ struct Deflatable {
 };
 
 ContactProblem leaning_rows(int rows) {
-  LatticeOptions o;
-  o.tilt = 0.2;
-  o.e_n = 0.2;
-  o.e_t = 0.7;
-  return triangular_lattice(rows, o);
+  return triangular_lattice(rows, {.tilt = 0.2, .e_n = 0.2, .e_t = 0.7});
 }
 
 /// S(y) after so many iterations from s.

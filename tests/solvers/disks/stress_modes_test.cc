@@ -16,10 +16,7 @@ namespace bipot {
 namespace {
 
 ContactProblem stressed_packing(bool square) {
-  LatticeOptions o;
-  o.tilt = 0.2;
-  o.e_n = 0.2;
-  o.e_t = 0.7;
+  LatticeOptions o{.tilt = 0.2, .e_n = 0.2, .e_t = 0.7};
   return square ? square_lattice(40, o) : triangular_lattice(40, o);
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,12 +16,7 @@ namespace bipot {
 namespace {
 
 ContactProblem leaning(int dim, int rows) {
-  LatticeOptions o;
-  o.dim = dim;
-  o.tilt = 0.2;
-  o.e_n = 0.2;
-  o.e_t = dim == 1 ? 0 : 0.7;
-  return triangular_lattice(rows, o);
+  return triangular_lattice(rows, {.dim = dim, .tilt = 0.2, .e_n = 0.2, .e_t = dim == 1 ? 0 : 0.7});
 }
 
 struct Prepared {

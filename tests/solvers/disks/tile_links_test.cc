@@ -41,9 +41,7 @@ void check_what_is_done_before(const DiskStructure& disks, const ContactTiles& o
 }
 
 TEST(TileLinks, AllThatShareABodyAreDoneBefore) {
-  LatticeOptions options;
-  options.tilt = 0.2;
-  const ContactProblem p = triangular_lattice(40, options);
+  const ContactProblem p = triangular_lattice(40, {.tilt = 0.2});
   const DiskStructure disks = *DelassusOperator(p).disks();
   check_what_is_done_before(disks, order_contacts(disks));
   check_what_is_done_before(disks, tile_contacts(disks));

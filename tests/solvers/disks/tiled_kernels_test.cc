@@ -24,11 +24,7 @@ namespace {
 constexpr SimdPath kPaths[] = {SimdPath::kPortable, SimdPath::kAvx2, SimdPath::kAvx512};
 
 ContactProblem packing(int dim, bool square = false, int side = 30) {
-  LatticeOptions o;
-  o.dim = dim;
-  o.tilt = 0.2;
-  o.e_n = 0.2;
-  o.e_t = dim == 1 ? 0 : 0.7;
+  LatticeOptions o{.dim = dim, .tilt = 0.2, .e_n = 0.2, .e_t = dim == 1 ? 0 : 0.7};
   if (dim == 3) return cubic_lattice(side, o);
   return square ? square_lattice(side, o) : triangular_lattice(side, o);
 }
@@ -212,9 +208,7 @@ void check_gradient(const ContactProblem& problem) {
     SpaceSums sums{space};
     GradientIteration<D, SpaceSums> plain(at.problem, sums, at.scaling);
     plain.reset(at.zero());
-    GradientControl control;
-    control.lambda = 0.8 * at.largest_eigenvalue();
-    control.map = map;
+    GradientControl control{.lambda = 0.8 * at.largest_eigenvalue(), .map = map};
     plain.advance(40, control);
     if (map == GradientMap::kFollowed) {
       plain.follow(0.7);
@@ -239,10 +233,7 @@ TEST(TiledKernels, SolversReturnTheSameBitsForAllThreads) {
   for (const auto& [solver, parameters] :
        std::vector<std::pair<std::string, std::map<std::string, std::string>>>{
            {"pgs", {{"order", "tiled"}, {"omega", "1.7"}}}, {"apgd", {}}}) {
-    SolverOptions options;
-    options.tol = 1e-6;
-    options.max_iterations = 50;
-    options.parameters = parameters;
+    SolverOptions options{.tol = 1e-6, .max_iterations = 50, .parameters = parameters};
     const SolveResult one = solve(solver, p, options);
     ASSERT_EQ(one.status, SolveStatus::kIterationLimit) << one.message;
     for (options.execution.threads = 2; options.execution.threads <= 4;

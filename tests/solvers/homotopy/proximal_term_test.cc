@@ -8,10 +8,9 @@ namespace {
 /// Contacts of unit mass that do not couple, mu = 0.5; W = 1 needs no scaling but that of the
 /// speeds.
 LawProblem apart(int dim, int contacts) {
-  ContactProblem p;
-  p.dim = dim;
-  p.mu = Vector::Constant(contacts, 0.5);
-  p.u_free = Vector::Constant(dim * contacts, -1);
+  ContactProblem p{.dim = dim,
+                   .u_free = Vector::Constant(dim * contacts, -1),
+                   .mu = Vector::Constant(contacts, 0.5)};
   SparseMatrix one(dim * contacts, dim * contacts);
   one.setIdentity();
   p.W = one;

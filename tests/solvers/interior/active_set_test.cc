@@ -12,8 +12,7 @@ namespace {
 template <int D>
 void expect_exact_from_nearby(int steps, double reached) {
   const Manufactured m = manufactured_problem(D, 30, 40, 3);
-  SolverOptions options;
-  options.tol = 1e-15;
+  const SolverOptions options{.tol = 1e-15};
   SolveRun solve(m.problem, options);
   InteriorSystem<D> system(m.problem, solve.delassus(), ShiftedDelassus::Form::kAuto);
   InteriorRun run(solve);

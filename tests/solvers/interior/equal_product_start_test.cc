@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "core/problem/delassus.h"
 #include "tests/support/manufactured.h"
 

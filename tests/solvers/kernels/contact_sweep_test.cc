@@ -37,11 +37,7 @@ void follows(Sweep sweep, const ContactProblem& p) {
 
 template <int D>
 ContactProblem lattice(double e_t) {
-  LatticeOptions o;
-  o.dim = D;
-  o.e_n = 0.2;
-  o.e_t = e_t;
-  return triangular_lattice(5, o);
+  return triangular_lattice(5, {.dim = D, .e_n = 0.2, .e_t = e_t});
 }
 
 TEST(ContactSweep, DiskVelocitiesFollowTheImpulses) {

@@ -24,11 +24,10 @@ LocalProblem<D> random_problem(std::mt19937& engine, double mu) {
 
 template <int D>
 double error(const LocalProblem<D>& p, const Local<D>& s) {
-  ContactProblem problem;
-  problem.dim = D;
-  problem.W = Eigen::MatrixXd(p.w).sparseView();
-  problem.u_free = p.q;
-  problem.mu = Vector::Constant(1, p.mu);
+  ContactProblem problem{.dim = D,
+                         .W = Eigen::MatrixXd(p.w).sparseView(),
+                         .u_free = p.q,
+                         .mu = Vector::Constant(1, p.mu)};
   return contact_error(problem, Vector(s)).guarded();
 }
 

@@ -11,10 +11,7 @@ namespace {
 
 SolveResult run_accelerated(const std::string& solver, const ContactProblem& p,
                             std::map<std::string, std::string> parameters = {}) {
-  SolverOptions o;
-  o.parameters = std::move(parameters);
-  o.max_iterations = 100000;
-  return solve(solver, p, o);
+  return solve(solver, p, {.max_iterations = 100000, .parameters = std::move(parameters)});
 }
 
 TEST(Anderson, BeatsTheSweepsItAccelerates) {

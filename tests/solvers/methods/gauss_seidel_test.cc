@@ -13,10 +13,8 @@ namespace {
 
 SolveResult run_pgs(const ContactProblem& p, std::map<std::string, std::string> parameters,
                     int max_iterations, double tol = 1e-8) {
-  SolverOptions o;
-  o.tol = tol;
-  o.max_iterations = max_iterations;
-  o.parameters = std::move(parameters);
+  SolverOptions o{
+      .tol = tol, .max_iterations = max_iterations, .parameters = std::move(parameters)};
   return solve("pgs", p, o);
 }
 
@@ -89,9 +87,7 @@ TEST(GaussSeidel, AStartBeyondAllMeasureIsDroppedAndNotCalledDivergence) {
   p.u_free *= 1e-13;
   const SolveResult cold = run_pgs(p, {}, 100000);
   ASSERT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
-  SolverOptions options;
-  options.tol = 1e-8;
-  options.s0 = Vector::Ones(p.num_rows());
+  SolverOptions options{.tol = 1e-8, .s0 = Vector::Ones(p.num_rows())};
   for (const char* solver : {"pgs", "apgd", "auto", "uzawa"}) {
     const SolveResult warm = solve(solver, p, options);
     EXPECT_EQ(warm.status, SolveStatus::kConverged) << solver << ": " << warm.message;

@@ -14,9 +14,7 @@ namespace {
 class Siconos : public testing::TestWithParam<const char*> {
  protected:
   static SolveResult run(const ContactProblem& p, double tol = 1e-8) {
-    SolverOptions options;
-    options.tol = tol;
-    return solve(GetParam(), p, options);
+    return solve(GetParam(), p, {.tol = tol});
   }
   static int max_dim() { return find_solver(GetParam())->max_dim; }
 };
@@ -59,9 +57,8 @@ TEST_P(Siconos, IsJudgedByThisProjectsMeasure) {
 }
 
 TEST_P(Siconos, StopsAtItsIterationLimit) {
-  SolverOptions options;
-  options.max_iterations = 1;
-  const SolveResult r = solve(GetParam(), lattice_step(Lattice::kTriangular, 6, 0.3, 10), options);
+  const SolveResult r =
+      solve(GetParam(), lattice_step(Lattice::kTriangular, 6, 0.3, 10), {.max_iterations = 1});
   EXPECT_TRUE(r.status == SolveStatus::kIterationLimit || is_success(r.status)) << r.message;
 }
 

@@ -20,50 +20,26 @@ SolveResult run_uzawa(const std::string& solver, const ContactProblem& p,
 
 // One iteration by hand: W = diag(2, 5), mu = 0.5, b = (-4, 3), rho = 1/2 from s = 0. De Saxcé's
 // velocity is (-4 + 0.5·3, 3) = (-2.5, 3), tau = (1.25, -1.5), outside the cone; (34) gives
-// s_n = (1.25 + 0.5·1.5)/1.25 = 1.6, s_t = -0.8.
-TEST(Uzawa, PaperStepIsFormula41) {
-  SolverOptions o;
-  o.max_iterations = 1;
-  o.tol = 1e-15;
-  double epsilon = 0;
-  Vector b_t(1);
-  b_t << 3;
-  const ContactProblem p = one_contact_problem(2, 2, 5, 0.5, -4, b_t);
-  o.on_iteration = [&](const IterationRecord& r) {
-    if (r.iteration == 1) epsilon = r.error.epsilon;
-  };
-  run_uzawa("uzawa", p, {{"rho", "paper"}}, o);
-  Vector s(2);
-  s << 1.6, -0.8;
-  EXPECT_NEAR(epsilon, contact_error(p, s).epsilon, 1e-12);
-}
-
-// The same contact: s_n = max(0, 0 + 4/2) = 2, then s_t = -3/2 cut off at mu s_n = 1.
-TEST(Classical, TakesTheNormalPartFirst) {
-  SolverOptions o;
-  o.max_iterations = 1;
-  o.tol = 1e-15;
-  double epsilon = 0;
-  Vector b_t(1);
-  b_t << 3;
-  const ContactProblem p = one_contact_problem(2, 2, 5, 0.5, -4, b_t);
-  o.on_iteration = [&](const IterationRecord& r) {
-    if (r.iteration == 1) epsilon = r.error.epsilon;
-  };
-  run_uzawa("classical", p, {{"rho", "paper"}}, o);
-  Vector s(2);
-  s << 2, -1;
-  EXPECT_NEAR(epsilon, contact_error(p, s).epsilon, 1e-12);
+// s_n = (1.25 + 0.5·1.5)/1.25 = 1.6, s_t = -0.8. The classical way takes the normal part first:
+// s_n = max(0, 0 + 4/2) = 2, then s_t = -3/2 is cut off at mu s_n = 1.
+TEST(Uzawa, PaperStepIsFormula41AndTheClassicalOneTakesTheNormalPartFirst) {
+  const ContactProblem p = one_contact_problem(2, 2, 5, 0.5, -4, Vector::Constant(1, 3));
+  for (const auto& [solver, s] :
+       {std::pair("uzawa", Vector{{1.6, -0.8}}), std::pair("classical", Vector{{2, -1}})}) {
+    double epsilon = 0;
+    const auto keep = [&](const IterationRecord& r) {
+      if (r.iteration == 1) epsilon = r.error.epsilon;
+    };
+    run_uzawa(solver, p, {{"rho", "paper"}},
+              {.tol = 1e-15, .max_iterations = 1, .on_iteration = keep});
+    EXPECT_NEAR(epsilon, contact_error(p, s).epsilon, 1e-12) << solver;
+  }
 }
 
 // rho W_tt = 3 > 2 on sticking contacts: the paper's step leaves the stable range.
 TEST(Uzawa, ThePapersStepFailsWhereDisksStick) {
-  LatticeOptions lattice;
-  lattice.tilt = 0.17;
-  const ContactProblem p = triangular_lattice(6, lattice);
-  SolverOptions o;
-  o.tol = 1e-2;
-  o.max_iterations = 20000;
+  const ContactProblem p = triangular_lattice(6, {.tilt = 0.17});
+  SolverOptions o{.tol = 1e-2, .max_iterations = 20000};
   for (const std::string solver : {"uzawa", "classical"}) {
     for (const std::string refresh : {"jacobi", "gauss-seidel"}) {
       const SolveResult r = run_uzawa(solver, p, {{"rho", "paper"}, {"refresh", refresh}}, o);
@@ -77,9 +53,7 @@ TEST(Uzawa, ThePapersStepFailsWhereDisksStick) {
 // The classical stop test is met long before the law holds: the iterates creep on a lattice.
 TEST(Classical, ItsOwnStopTestIsMetEarly) {
   const ContactProblem p = square_lattice(12);
-  SolverOptions o;
-  o.tol = 1e-2;
-  o.stop = StopTest::kImpulse;
+  SolverOptions o{.tol = 1e-2, .stop = StopTest::kImpulse};
   const SolveResult impulse = run_uzawa("classical", p, {}, o);
   ASSERT_EQ(impulse.status, SolveStatus::kConverged) << impulse.message;
   EXPECT_GT(impulse.error.guarded(), 10 * o.tol);

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "core/problem_files/problem_file.h"
@@ -11,7 +9,6 @@
 #include "solvers/parallel/disk_frontier.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
-#include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 
 namespace bipot {

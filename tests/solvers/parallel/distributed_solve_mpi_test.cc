@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
-#include "core/problem_files/problem_file.h"
 #include "solvers/parallel/contact_owners.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/registry.h"
@@ -18,9 +17,7 @@
 #include "solvers/solve_run.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
-#include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
-#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -30,10 +27,6 @@ struct NamedProblem {
   ContactProblem problem;
 };
 
-ContactProblem shipped(const std::string& name) {
-  return read_problem(source_folder() / "data/problems" / name).problem;
-}
-
 std::vector<NamedProblem> problems() {
   std::vector<NamedProblem> list;
   list.push_back({"square lattice", square_lattice(8, {.tilt = 0.05})});
@@ -41,8 +34,8 @@ std::vector<NamedProblem> problems() {
   list.push_back({"triangular lattice, d = 1", triangular_lattice(8, {.dim = 1})});
   list.push_back({"restitution", square_lattice(6, {.e_n = 0.5, .e_t = 0.2})});
   list.push_back({"spheres", cubic_lattice(4)});
-  list.push_back({"pile", shipped("2d_pour12_170.hdf5")});
-  list.push_back({"moving", shipped("2d_strike12_450.hdf5")});
+  list.push_back({"pile", shipped_file("2d_pour12_170.hdf5")});
+  list.push_back({"moving", shipped_file("2d_strike12_450.hdf5")});
   return list;
 }
 
@@ -89,9 +82,7 @@ TEST(DistributedSolve, EverySolverMeetsTheToleranceOfTheWhole) {
   EXPECT_GE(several_solvers().size(), 9u);
   for (const NamedProblem& p : problems()) {
     for (const std::string& solver : several_solvers()) {
-      SolverOptions options;
-      options.tol = gets_near(solver) ? 1e-6 : 1e-3;
-      options.max_iterations = 200000;
+      SolverOptions options{.tol = gets_near(solver) ? 1e-6 : 1e-3, .max_iterations = 200000};
       const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group());
       expect_solved(p, out, options.tol, solver);
     }
@@ -132,10 +123,7 @@ TEST(DistributedSolve, AStartFarBeyondTheFreeMotionIsNoGrowth) {
 
 /// The best of so many iterations, all of them judged.
 SolverOptions first_iterations(int count) {
-  SolverOptions options;
-  options.tol = 1e-300;
-  options.max_iterations = count;
-  return options;
+  return SolverOptions{.tol = 1e-300, .max_iterations = count};
 }
 
 TEST(DistributedSolve, GradientIteratesAreThoseOfOneProcess) {
@@ -166,8 +154,7 @@ TEST(DistributedSolve, UzawaHasTheBitsOfOneProcess) {
 TEST(DistributedSolve, ReproducibleGradientHasTheSameBitsForAnyNumberOfProcesses) {
   for (const NamedProblem& p : problems()) {
     SCOPED_TRACE(p.name);
-    SolverOptions options;
-    options.tol = 1e-6;
+    SolverOptions options{.tol = 1e-6};
     const auto lone = lone_process();
     const DistributedOptions exact{.reproducible = true};
     const DistributedResult one = distributed_solve("apgd", p.problem, options, *lone, exact);
@@ -182,7 +169,7 @@ TEST(DistributedSolve, ReproducibleGradientHasTheSameBitsForAnyNumberOfProcesses
 }
 
 TEST(DistributedSolve, TheSameProcessesGetTheSameBitsAgain) {
-  const ContactProblem p = shipped("2d_pour12_170.hdf5");
+  const ContactProblem p = shipped_file("2d_pour12_170.hdf5");
   for (const std::string& solver : several_solvers()) {
     const SolverOptions options = first_iterations(300);
     const DistributedResult a = distributed_solve(solver, p, options, mpi_group());
@@ -210,8 +197,7 @@ TEST(DistributedSolve, AProcessWithoutABodyTakesPart) {
 /// each held by a fixed wall outside: 24 contacts of the middle, 24 with the wall.
 ContactProblem wheel(std::vector<Vec3>& places) {
   constexpr int kRing = 24;
-  ContactProblem p;
-  p.dim = 2;
+  ContactProblem p{.dim = 2};
   const int dofs = 3 * (kRing + 1), contacts = 2 * kRing;
   std::vector<Eigen::Triplet<double>> H, A;
   // The ring first, so that contacts belong to its disks and the middle is everybody's ghost.
@@ -272,7 +258,7 @@ TEST(DistributedSolve, ABodyMayTouchAllProcesses) {
 }
 
 TEST(DistributedSolve, ADrivenWallMayBeCutByAllProcesses) {
-  const NamedProblem p{"compression", shipped("2d_isotropic_compression.hdf5")};
+  const NamedProblem p{"compression", shipped_file("2d_isotropic_compression.hdf5")};
   const BodyNodes nodes = body_nodes(p.problem);
   ASSERT_FALSE(nodes.everywhere.empty());
   const ContactOwners owners = contact_owners(p.problem, nodes, {}, mpi_group().size());
@@ -284,13 +270,11 @@ TEST(DistributedSolve, ADrivenWallMayBeCutByAllProcesses) {
   EXPECT_LE((same.result.s - one.s).norm(), 1e-9 * one.s.norm());
   EXPECT_LE((same.result.u - one.u).norm(), 1e-9 * one.u.norm());
   for (const std::string& solver : several_solvers()) {
-    SolverOptions options;
-    options.tol = 1e-3;
+    SolverOptions options{.tol = 1e-3};
     const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group());
     expect_solved(p, out, options.tol, solver);
   }
-  SolverOptions options;
-  options.tol = 1e-5;
+  SolverOptions options{.tol = 1e-5};
   const auto lone = lone_process();
   const DistributedOptions exact{.reproducible = true};
   const DistributedResult a = distributed_solve("apgd", p.problem, options, *lone, exact);
@@ -370,7 +354,7 @@ TEST(DistributedSolve, SplitMassesBoundTheOperator) {
 }
 
 TEST(DistributedSolve, AllStopWhereOneIsInterruptedOrOutOfTime) {
-  const ContactProblem p = shipped("2d_pour300_392.hdf5");
+  const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
   const bool last = mpi_group().rank() == mpi_group().size() - 1;
   SolverOptions options;
   options.tol = 1e-14;
@@ -423,9 +407,7 @@ TEST(DistributedSolve, OtherSolversAndParametersRunOnTheFirstProcess) {
       {"pgs", {{"order", "shuffled"}}},
       {"uzawa", {{"refresh", "gauss-seidel"}}}};
   for (const auto& [solver, parameters] : ways) {
-    SolverOptions options;
-    options.tol = 1e-6;
-    options.parameters = parameters;
+    SolverOptions options{.tol = 1e-6, .parameters = parameters};
     const SolveResult one = solve(solver, p, options);
     const SolveResult out = distributed_solve(solver, p, options, mpi_group()).result;
     EXPECT_EQ(out.status, SolveStatus::kConverged) << solver << ": " << out.message;
@@ -433,8 +415,7 @@ TEST(DistributedSolve, OtherSolversAndParametersRunOnTheFirstProcess) {
     EXPECT_EQ(out.iterations, one.iterations) << solver;
     EXPECT_TRUE(out.s == one.s) << solver;
   }
-  SolverOptions exact;
-  exact.parameters = {{"order", "shuffled"}};
+  SolverOptions exact{.parameters = {{"order", "shuffled"}}};
   EXPECT_EQ(distributed_solve("pgs", p, exact, mpi_group(), {.reproducible = true}).result.status,
             SolveStatus::kInvalidInput);
 }

@@ -93,11 +93,9 @@ TEST(SharedFactor, AFailureOfTheWorkIsKnownToAll) {
 
 TEST(SharedFactor, TheInteriorPointTakesTheIterationsOfOneProcess) {
   const ContactProblem p = triangular_lattice(12, {.tilt = 0.1});
-  SolverOptions options;
-  options.tol = 1e-9;
+  SolverOptions options{.tol = 1e-9};
   const SolveResult alone = solve("ipm", p, options);
-  DistributedOptions shared;
-  shared.shared_factor_rows = 0;
+  DistributedOptions shared{.shared_factor_rows = 0};
   const DistributedResult all = distributed_solve("ipm", p, options, mpi_group(), shared);
   ASSERT_EQ(all.result.status, SolveStatus::kConverged) << all.result.message;
   EXPECT_NEAR(all.result.iterations, alone.iterations, 1);  // factors differ by rounding
@@ -117,9 +115,7 @@ TEST(SharedFactor, TheInteriorPointTakesTheIterationsOfOneProcess) {
 
 TEST(SharedFactor, TheInteriorPointKeepsToItsLimits) {
   const ContactProblem p = triangular_lattice(12, {.tilt = 0.1});
-  SolverOptions options;
-  options.tol = 1e-15;
-  options.max_iterations = 3;
+  SolverOptions options{.tol = 1e-15, .max_iterations = 3};
   EXPECT_EQ(distributed_solve("ipm", p, options, mpi_group()).result.status,
             SolveStatus::kIterationLimit);
   options = {};
@@ -136,10 +132,8 @@ TEST(SharedFactor, TheInteriorPointKeepsToItsLimits) {
 TEST(SharedFactor, NewtonTakesTheStepsOfOneProcess) {
   // The lattice is degenerate (W singular): agreement of velocities, not of impulses.
   const ContactProblem p = triangular_lattice(8, {.tilt = 0.1});
-  SolverOptions options;
-  options.tol = 1e-9;
-  DistributedOptions shared;
-  shared.shared_factor_rows = 0;
+  SolverOptions options{.tol = 1e-9};
+  DistributedOptions shared{.shared_factor_rows = 0};
   for (const char* form : {"mixed", "contact"}) {
     SCOPED_TRACE(form);
     options.parameters = {{"form", form}, {"linear", "mumps"}};
@@ -160,12 +154,10 @@ TEST(SharedFactor, NewtonTakesTheStepsOfOneProcess) {
 
 TEST(SharedFactor, NewtonFactorsOnTheFirstProcessWhereTheOthersCannot) {
   const ContactProblem p = triangular_lattice(3, {.dim = 1, .tilt = 0.1});
-  DistributedOptions shared;
-  shared.shared_factor_rows = 0;
+  DistributedOptions shared{.shared_factor_rows = 0};
   for (const auto& [name, value] :
        {std::pair{"linear", "umfpack"}, std::pair{"residual", "snesvi"}}) {
-    SolverOptions options;
-    options.parameters = {{name, value}};
+    SolverOptions options{.parameters = {{name, value}}};
     const SolveResult alone = solve("newton", p, options);
     const SolveResult out = distributed_solve("newton", p, options, mpi_group(), shared).result;
     EXPECT_EQ(out.status, alone.status) << out.message;

@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "core/criterion/rounding_bound.h"
 #include "core/problem/delassus.h"
-#include "core/scene/contact_detection.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/distributed_space.h"
 #include "solvers/parallel/whole_problem.h"
 #include "solvers/simulation/body_buffer.h"
 #include "solvers/simulation/domain_piece.h"
-#include "solvers/solve.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/solvers/simulation/domain_scenes.h"
 
@@ -285,8 +282,7 @@ TEST(Domains, AClaimAtRoundingIsProvedOnTheWholeOrNotMade) {
       const int c = reader.integer();
       for (int k = 0; k < whole.dim; ++k) impulse[c * whole.dim + k] = reader.number();
     }
-    SolverOptions options;
-    options.tol = tol;
+    SolverOptions options{.tol = tol};
     const ContactError error = contact_error(whole, impulse);
     const bool holds = error.guarded() <= tol && prove_claim(whole, options, impulse, error).holds;
     EXPECT_EQ(out.result.status == SolveStatus::kConverged, holds) << tol << out.result.message;

@@ -4,7 +4,6 @@
 
 #include <stdexcept>
 
-#include "core/motion/spring_dashpot_setup.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/scene_family.h"
@@ -77,9 +76,7 @@ StepSolver gives_up_beyond(int most) {
 TEST(SceneRun, AStepThatIsNotSolvedIsTakenInPartsThatAddUp) {
   const Scene<2> scene = two_landings();
   State<2> state = initial_state(scene);
-  SceneRunOptions<2> options;
-  options.solver = gives_up_beyond(1);
-  options.on_failure = OnFailure::kSmallerStep;
+  SceneRunOptions<2> options{.solver = gives_up_beyond(1), .on_failure = OnFailure::kSmallerStep};
   const SceneRun<2> run = run_scene(scene, state, options);
   ASSERT_EQ(run.end, SceneRun<2>::End::kCompleted);
   EXPECT_EQ(run.totals.split, 1);
@@ -120,9 +117,8 @@ TEST(SceneRun, AStepThatIsNotSolvedEndsTheRunOnRequest) {
   const Scene<2> scene = two_landings();
   for (const OnFailure what : {OnFailure::kStop, OnFailure::kSmallerStep}) {
     State<2> state = initial_state(scene);
-    SceneRunOptions<2> options;
-    options.solver = gives_up_beyond(what == OnFailure::kStop ? 1 : 0);
-    options.on_failure = what;
+    SceneRunOptions<2> options{.solver = gives_up_beyond(what == OnFailure::kStop ? 1 : 0),
+                               .on_failure = what};
     const SceneRun<2> run = run_scene(scene, state, options);
     EXPECT_EQ(run.end, SceneRun<2>::End::kFailed);
     ASSERT_TRUE(run.failure.has_value());
@@ -134,8 +130,7 @@ TEST(SceneRun, AStepThatIsNotSolvedEndsTheRunOnRequest) {
   }
   // Without the request it is taken, and said.
   State<2> state = initial_state(scene);
-  SceneRunOptions<2> options;
-  options.solver = gives_up_beyond(1);
+  SceneRunOptions<2> options{.solver = gives_up_beyond(1)};
   const SceneRun<2> run = run_scene(scene, state, options);
   EXPECT_EQ(run.end, SceneRun<2>::End::kCompleted);
   EXPECT_EQ(run.totals.converged, 0);
@@ -173,8 +168,7 @@ TEST(SceneRun, EndsWhereAnOnlookerOrACallerSaysSo) {
 TEST(SceneRun, AStepThatFailsIsReportedWithItsProblemAndStart) {
   Scene<2> scene = falling_disks(200);
   scene.solver.warm_start = true;
-  SolverOptions options;
-  options.tol = 1e-6;
+  SolverOptions options{.tol = 1e-6};
   const StepSolver apgd = make_step_solver(*find_solver("apgd"), options);
   int with_contacts = 0;
   SceneRunOptions<2> run_options;
@@ -241,9 +235,8 @@ TEST(RunFolder, HoldsTheRunsLastStateAndItsProblems) {
   const TemporaryFolder folder;
   const Scene<2> scene = falling_disks(60);
   State<2> state = initial_state(scene);
-  RunFolderOptions options;
-  options.folder = folder.path() / "run";
-  options.problems = RunFolderOptions::Problems::kAll;
+  RunFolderOptions options{.folder = folder.path() / "run",
+                           .problems = RunFolderOptions::Problems::kAll};
   const SceneRun<2> run = run_scene(scene, state, {.folder = options});
   EXPECT_GT(run.output_seconds, 0);
   EXPECT_EQ(read_state(options.folder).step, 60);

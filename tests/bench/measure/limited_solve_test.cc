@@ -1,4 +1,4 @@
-#include "bench/measure/cpu_limit.h"
+#include "bench/measure/limited_solve.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -5,8 +5,26 @@
 
 #include "core/files/hdf5_file.h"
 #include "core/motion/population.h"
+#include "core/motion/state.h"
 
 namespace bipot {
+
+/// Writes the definition of width, height and offset of a periodic cell (3D: width and depth):
+/// motion, stress and mass of each. Throws FileError.
+void write_cell_definition(Hdf5File& file, const PeriodicCell& cell);
+
+/// Writes the cell of a state, its outline as lines, and the places of the bodies. The bodies must
+/// lie in the cell (wrapped_state). Throws FileError.
+template <int D>
+void write_cell(Hdf5File& frame, const State<D>& inside);
+
+/// Writes the clusters of a state and their disks: /clusters/*, /disks/cluster, /disks/arm of a
+/// frame. Throws FileError.
+void write_clusters(Hdf5File& frame, const State<2>& state);
+
+/// Reads them into a state that has its disks; nothing if the frame has no clusters. Throws
+/// FileError.
+void read_clusters(const Hdf5File& frame, State<2>& state);
 
 /// Writes the additional entries of a frame in scenes with outlets or inlets. They are number,
 /// radius, mass, inertia, material and wall of each body, and what has gone through each gate.
@@ -30,5 +48,9 @@ template <int D>
 std::string gates_header(const Scene<D>& scene);
 template <int D>
 std::string gates_row(const Scene<D>& scene, const State<D>& state);
+
+/// Gives the datasets of run.h5 or of a frame the attribute `description`: meaning, signs, codes and
+/// the rules of the indices. Each dataset with a unit has one. Throws FileError.
+void add_descriptions(Hdf5File& file);
 
 }  // namespace bipot

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/scene/cell.h"
+#include "core/scene/observable_choice.h"
+#include "core/scene/scene.h"
+#include "core/scene_files/scene_table.h"
+
+namespace bipot {
+
+/// Index of the material that the key names; without the key, of the first one.
+template <int D>
+int material_index(const Scene<D>& scene, const SceneTable& table, std::string_view key);
+
+/// Reads one table of [[walls]], with this index. Throws SceneFileError.
+template <int D>
+Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t index);
+
+/// The table [cell]; without it no cell. Throws SceneFileError.
+PeriodicCell read_cell(const SceneTable& root);
+
+/// The same in 3D: width along x, depth along y, both fixed.
+PeriodicCell read_cell_in_space(const SceneTable& root);
+
+/// Reads the tables [[clusters]] of a scene and appends their disks. Materials and other disks must
+/// have been read. Throws SceneFileError.
+void read_clusters(const SceneTable& root, Scene<2>& scene);
+
+/// One table of [[spheres]]: a sphere or an arrangement. Throws SceneFileError.
+std::vector<Sphere> read_spheres(const SceneTable& table, const Scene<3>& scene);
+
+/// Reads the tables [[outlets]] and [[inlets]] of a scene, whose materials must have been read.
+/// `turned`: the scene as a whole is turned, which excludes boxes along the axes. Throws
+/// SceneFileError.
+template <int D>
+void read_gates(const SceneTable& root, bool turned, Scene<D>& scene);
+
+/// The table [observables]; empty without it. Throws SceneFileError.
+std::optional<ObservableChoice<2>> read_observables(const SceneTable& root);
+
+/// The same in 3D. Windows, profiles and faces lie in the cell.
+std::optional<ObservableChoice<3>> read_observables_in_space(const SceneTable& root,
+                                                             const PeriodicCell& cell);
+
+}  // namespace bipot
