@@ -105,7 +105,7 @@ Json gates_json(const std::string& scene_text, const std::string& source) {
   return list;
 }
 
-/// Steps that a reader must know of: unsolved, taken in parts, with several answers.
+/// Steps that a reader must know of: unsolved, with several answers.
 Json marks_json(const std::vector<CurveTable>& curves) {
   Json marks = Json::array();
   if (curves.empty() || curves.front().file != "ledger") return marks;
@@ -121,7 +121,6 @@ Json marks_json(const std::vector<CurveTable>& curves) {
     }
   };
   mark("converged", "unsolved", [](double x) { return x == 0; });
-  mark("parts", "cut", [](double x) { return x > 1; });
   mark("answers", "several", [](double x) { return x > 1; });
   return marks;
 }
@@ -270,6 +269,7 @@ RunPage write_run_page(const fs::path& run) {
              {"solver", fixed.read_string("/solver/name")},
              {"tol", fixed.read_double("/solver/tol")},
              {"time_step", fixed.read_double("/time_step")},
+             {"accuracy", fixed.exists("/accuracy") ? fixed.read_double("/accuracy") : 0.0},
              {"num_steps", fixed.read_int("/num_steps")},
              {"gravity", fixed.read_doubles("/gravity")},
              {"materials", fixed.read_strings("/materials/name")},
