@@ -178,6 +178,7 @@ std::string passage_advice(const Scene<D>& scene, const State<D>& state,
 template <int D>
 std::string less_overlap(const Scene<D>& scene) {
   if (scene.model == Model::kSpringDashpot) return "a larger --stiffness";
+  if (scene.accuracy > 0) return fmt::format("an accuracy below {:g}", scene.accuracy);
   std::string text = scene.travel > 0 ? fmt::format("a travel below {:g} in [time]", scene.travel)
                                       : std::string("a smaller --step-size or travel in [time]");
   Scene<D> predicted = scene;

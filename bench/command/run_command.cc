@@ -451,6 +451,11 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
       .value_name("SECONDS")
       .positive();
   command
+      .option("--accuracy", flags.accuracy,
+              "Radii by which an impact may misplace a body, instead of the scene's; 0: none")
+      .value_name("RADII")
+      .not_negative();
+  command
       .option("--duration", flags.duration,
               "Time to simulate, instead of the scene's; with --restart: more time")
       .value_name("SECONDS")
@@ -516,7 +521,7 @@ int run_command(const RunFlags& given) {
                                                : run_folder(flags.restart).string();
     }
     text = read_text_file(path);
-    scene = parse_any_scene(text, path.string());
+    scene = parse_any_scene(text, path.string(), flags.accuracy);
   });
   return std::visit([&](auto&& any) { return run_in(flags, std::move(any), text); },
                     std::move(scene));

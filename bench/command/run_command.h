@@ -10,7 +10,7 @@ struct RunFlags {
   SolverFlags solver;
   std::string scene;
   std::optional<int> steps;
-  std::optional<double> step_size, duration;
+  std::optional<double> step_size, duration, accuracy;
   std::string restart;        ///< folder or run.h5 of an earlier run
   bool overwrite = false;     ///< deletes a run in the folder of the results
   std::string dump_problems;  ///< "", "all" or "failed"

@@ -99,6 +99,18 @@ std::string bodies_text(const Scene<D>& scene) {
                      kBodyName<D>, scene.bodies.size() == 1 ? "" : "s", top);
 }
 
+/// How the accuracy cut the steps.
+template <int D>
+std::string parts_text(double accuracy, const SceneTotals<D>& t) {
+  const StepParts& cut = t.cut;
+  return fmt::format(
+      "  accuracy     {:g}: {} parts; rejected {} for impacts, {} for drift, {} for accelerations, "
+      "{} failed\n"
+      "  parts        smallest {:.3g} s in step {} ({}); impacts misplaced by at most {:.2g} radii\n",
+      accuracy, cut.parts, cut.misplacing, cut.drifting, cut.accelerating, cut.failed, cut.smallest,
+      t.cut_step, cut.limited_by, cut.misplaced);
+}
+
 }  // namespace
 
 template <int D>
@@ -153,6 +165,21 @@ Json to_json(const RunSummary<D>& s) {
                   {"steps_beyond", t.deep_overlaps},
                   {"beyond", kDeepOverlap}};
   j["travel"] = {{"largest", t.travel}, {"step", t.travel_step}};
+  if (scene.accuracy > 0) {
+    j["accuracy"] = {{"asked", scene.accuracy},
+                     {"parts", t.cut.parts},
+                     {"rejected",
+                      {{"impact", t.cut.misplacing},
+                       {"drift", t.cut.drifting},
+                       {"acceleration", t.cut.accelerating},
+                       {"failure", t.cut.failed}}},
+                     {"smallest_part", of_steps(t.cut.smallest)},
+                     {"smallest_part_step", t.cut_step},
+                     {"limited_by", t.cut.limited_by},
+                     {"misplaced", of_steps(t.cut.misplaced)},
+                     {"misplaced_step", t.misplaced_step},
+                     {"misplaced_sum", of_steps(t.cut.misplaced_sum)}};
+  }
   j["passages"] = {{"count", t.passages}, {"first_step", t.passage_step}, {"first", t.passage}};
   j["energy"] = {{"kinetic", of_steps(t.last.energy.kinetic)},
                  {"potential", of_steps(t.last.energy.potential)},
@@ -240,6 +267,7 @@ std::string to_text(const RunSummary<D>& s) {
   }
   fmt::format_to(add, "  penetration  max {:.3e} m; over the smaller radius max {:.3g} %\n",
                  t.penetration, 100 * t.overlap);
+  if (scene.accuracy > 0) text += parts_text(scene.accuracy, t);
   if (t.deep_overlaps > 0) {
     fmt::format_to(add, "  overlaps     beyond {:g} % in {} steps, most in step {}{}{}\n",
                    100 * kDeepOverlap, t.deep_overlaps, t.overlap_step,

@@ -59,7 +59,7 @@ std::string_view without_unit(std::string_view name) {
   return name.substr(0, std::min(name.find(" ["), name.size()));
 }
 
-/// Tables in the order in which their words appear.
+/// Tables in the order in which their words appear. Words of the ledger are left out.
 std::vector<CurveTable> read_table(const fs::path& path) {
   std::ifstream file(path);
   std::string line;
@@ -84,7 +84,8 @@ std::vector<CurveTable> read_table(const fs::path& path) {
         row.push_back(number_of(cells[k]).value_or(std::numeric_limits<double>::quiet_NaN()));
       }
     }
-    const std::string part = word < cells.size() ? cells[word] : std::string();
+    const bool names_part = word < cells.size() && path.stem() != "ledger";
+    const std::string part = names_part ? cells[word] : std::string();
     auto found = table_of.find(part);
     if (found == table_of.end()) {
       found = table_of.emplace(part, tables.size()).first;

@@ -55,7 +55,6 @@ Json page_marks(const std::vector<CurveTable>& curves) {
     }
   };
   mark("converged", "unsolved", [](double x) { return x == 0; });
-  mark("parts", "cut", [](double x) { return x > 1; });
   mark("answers", "several", [](double x) { return x > 1; });
   return marks;
 }

@@ -194,6 +194,7 @@ PageText page_of(const fs::path& folder, std::size_t most_bytes, bool live) {
              {"solver", fixed.read_string("/solver/name")},
              {"tol", fixed.read_double("/solver/tol")},
              {"time_step", fixed.read_double("/time_step")},
+             {"accuracy", fixed.exists("/accuracy") ? fixed.read_double("/accuracy") : 0.0},
              {"num_steps", fixed.read_int("/num_steps")},
              {"gravity", fixed.read_doubles("/gravity")},
              {"materials", fixed.read_strings("/materials/name")},

@@ -187,6 +187,7 @@ std::string difference(const Scene<D>& a, const Scene<D>& b) {
   if (a.cell.in_x != b.cell.in_x || a.cell.in_y != b.cell.in_y) return "cell";
   if (a.contact_distance != b.contact_distance) return "contact distance";
   if (a.travel != b.travel) return "travel";
+  if (a.accuracy != b.accuracy) return "accuracy";
   if (a.project_overlaps != b.project_overlaps || a.predict_gaps != b.predict_gaps) {
     return "overlaps";
   }

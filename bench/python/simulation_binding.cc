@@ -494,7 +494,7 @@ py::object make_simulation(const std::string& scene, const std::optional<std::st
                            std::optional<int> max_iterations, std::optional<bool> warm_start,
                            std::map<std::string, std::string> parameters,
                            std::optional<double> step, std::optional<int> num_steps,
-                           std::optional<double> friction) {
+                           std::optional<double> friction, std::optional<double> accuracy) {
   const SimulationChoice choice{.solver = solver,
                                 .tol = tol,
                                 .max_iterations = max_iterations,
@@ -505,7 +505,7 @@ py::object make_simulation(const std::string& scene, const std::optional<std::st
                                 .num_steps = num_steps};
   const std::string source = given ? scene : find_scene(scene).string();
   std::string text = given ? *given : content_of(source);
-  AnyScene read = parse_any_scene(text, source);
+  AnyScene read = parse_any_scene(text, source, accuracy);
   return std::visit(
       [&]<int D>(Scene<D>& one) {
         return py::cast(
@@ -547,7 +547,8 @@ void bind_simulation(py::module_& module) {
   bind_simulation_in<3>(module);
   module.def("make_simulation", &make_simulation, py::arg("scene"), py::arg("text"),
              py::arg("solver"), py::arg("tol"), py::arg("max_iterations"), py::arg("warm_start"),
-             py::arg("parameters"), py::arg("step"), py::arg("num_steps"), py::arg("friction"));
+             py::arg("parameters"), py::arg("step"), py::arg("num_steps"), py::arg("friction"),
+             py::arg("accuracy"));
 }
 
 }  // namespace bipot

@@ -223,6 +223,10 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   if (a.choice < 0) {
     line("asked for", error_text(a.goal, a.goal) + whose);
     line("verdict", fmt::format("{}: {}", to_string(a.status), a.message));
+    if (!std::isnan(a.goal.penetration)) {
+      line("or", fmt::format("bipot run {} --accuracy {:.2g} --step-size FRAME", a.scene,
+                             std::clamp(a.goal.penetration / 3, 1e-6, 0.3)));
+    }
     return lines;
   }
   const SolverTrial& t = a.trials[to_size(a.choice)];

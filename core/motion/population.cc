@@ -120,9 +120,10 @@ std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x, co
     const CellNumber cell = cell_number(state.cell, Vec2(x.template head<2>()));
     x -= in_dimensions<D>(state.cell.shift(cell.kx, cell.ky));
   }
-  const auto found =
-      std::find_if(scene.outlets.begin(), scene.outlets.end(),
-                   [&](const Outlet<D>& outlet) { return outlet.takes(x, 0.5 * scene.step * v); });
+  // The parts of a step bend the way.
+  const Vec<D> way = (scene.accuracy > 0 ? 0.0 : 0.5 * scene.step) * v;
+  const auto found = std::find_if(scene.outlets.begin(), scene.outlets.end(),
+                                  [&](const Outlet<D>& outlet) { return outlet.takes(x, way); });
   return static_cast<std::size_t>(found - scene.outlets.begin());
 }
 

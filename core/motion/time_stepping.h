@@ -46,6 +46,20 @@ using StepSolver = std::function<StepSolution(const ContactProblem&, Vector s0)>
 /// From here on an overlap over the smaller radius is worth a warning.
 inline constexpr double kDeepOverlap = 0.05;
 
+/// How a step was cut into parts for an accuracy (solvers/simulation/accurate_step.h).
+struct StepParts {
+  int parts = 0;  ///< 0: no accuracy was asked for
+  /// Rejected parts: an impact would have misplaced a body, a contact drifted, an acceleration
+  /// changed, or the part was not solved or let bodies through each other.
+  int misplacing = 0, drifting = 0, accelerating = 0, failed = 0;
+  double smallest = 0;       ///< part, but for those that end with the step                  [s]
+  std::string limited_by;    ///< what made that part so small: "impact I J", "drift", ...
+  double misplaced = 0;      ///< largest displacement by an impact over the smaller radius [-]
+  double misplaced_sum = 0;  ///< sum of the largest ones of all parts                        [-]
+
+  int rejected() const { return misplacing + drifting + accelerating + failed; }
+};
+
 template <int D>
 struct StepReport {
   int step = 0;
@@ -66,6 +80,7 @@ struct StepReport {
   int passages = 0;                            ///< pairs that went through each other
   std::string passage;                         ///< the first of them (core/motion/passage.h)
   double wall_pushes = 0;                      ///< Σ |s| of the contacts with walls [N s]
+  StepParts cut;
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
 
   /// Adds the iterations and times of another part of the step, or of an attempt at it that was not

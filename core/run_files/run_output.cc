@@ -99,11 +99,13 @@ Vec<D> some_place(const Scene<D>& scene) {
 
 /// Names and units of the columns of the ledger.
 template <int D>
-std::string ledger_header(bool dem, bool gates) {
+std::string ledger_header(bool dem, bool gates, bool accurate) {
   const std::string passed =
       !gates ? ""
              : std::string(",passed [J],momentum_passed_x [kg m/s],momentum_passed_y [kg m/s]") +
                    (D == 3 ? ",momentum_passed_z [kg m/s]" : "");
+  const std::string last =
+      passed + (accurate ? ",parts,rejected,smallest_part [s],misplaced,limited_by" : "");
   if constexpr (D == 3) {
     return "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
            "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
@@ -112,7 +114,7 @@ std::string ledger_header(bool dem, bool gates) {
            "momentum_imbalance_z [kg m/s],penetration [m],overlap,travel,volume [m3],stress_xx [Pa],"
            "stress_yy [Pa],stress_zz [Pa],stress_xy [Pa],stress_xz [Pa],stress_yz [Pa],"
            "kinetic_pressure [Pa]" +
-           passed;
+           last;
   }
   return std::string(
              "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
@@ -121,7 +123,7 @@ std::string ledger_header(bool dem, bool gates) {
              "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],overlap,travel,"
              "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
              "kinetic_pressure [Pa]") +
-         (dem ? ",elastic [J]" : "") + passed;
+         (dem ? ",elastic [J]" : "") + last;
 }
 
 template <class... Values>
@@ -247,7 +249,7 @@ RunWriter<D>::RunWriter(fs::path folder, const Scene<D>& scene, std::string scen
   };
   if (scene_.output.ledger_every > 0) {
     const bool dem = scene_.model == Model::kSpringDashpot;
-    begin(ledger_, "ledger.csv", ledger_header<D>(dem, scene_.has_gates()));
+    begin(ledger_, "ledger.csv", ledger_header<D>(dem, scene_.has_gates(), scene_.accuracy > 0));
     if (scene_.has_gates()) begin(gates_, "gates.csv", gates_header(scene_));
     if (!scene_.walls.empty()) begin(walls_, "walls.csv", walls_header<D>());
   }
@@ -283,6 +285,7 @@ void RunWriter<D>::write_run_file() const {
   file.write_attribute("/gravity", "unit", "m/s2");
   file.write("/time_step", scene_.step);
   file.write_attribute("/time_step", "unit", "s");
+  if (scene_.accuracy > 0) file.write("/accuracy", scene_.accuracy);
   file.write("/num_steps", scene_.num_steps);
   file.write("/contact_distance", scene_.contact_distance);
   file.write_attribute("/contact_distance", "unit", "m");
@@ -346,6 +349,11 @@ void RunWriter<D>::write_row(const State<D>& state, const StepReport<D>& r) {
   if (gates_) {
     add_numbers(line, r.energy.passed);
     for (const double p : momentum_passed(state)) add_numbers(line, p);
+  }
+  if (scene_.accuracy > 0) {
+    line += fmt::format(",{},{}", r.cut.parts, r.cut.rejected());
+    add_numbers(line, r.cut.smallest, r.cut.misplaced);
+    line += "," + csv_cell(r.cut.limited_by);
   }
   ledger_->row(line);
   if (gates_) gates_->row(gates_row(scene_, state));

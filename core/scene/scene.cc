@@ -163,6 +163,37 @@ std::string check_periodic(const Scene<D>& scene) {
   return {};
 }
 
+/// Checks the accuracy, and the entries that it excludes.
+template <int D>
+std::string check_accuracy(const Scene<D>& scene) {
+  const double x = scene.accuracy;
+  if (x == 0) return {};
+  if (!(x >= 1e-6) || !(x <= 0.3)) {
+    return fmt::format("accuracy = {:g} of a radius is not in [1e-6, 0.3], nor 0: none", x);
+  }
+  const auto refused = [](const char* with, const char* why) {
+    return fmt::format("accuracy does not go with {}: {}", with, why);
+  };
+  if (scene.model == Model::kSpringDashpot) {
+    return refused("the model \"dem\"", "its substeps follow from its stiffness");
+  }
+  if (scene.travel > 0) return refused("travel", "both cut the steps");
+  if (scene.predict_gaps) {
+    return refused("overlaps = \"predict\"", "bodies that have not met yet push each other");
+  }
+  if (scene.project_overlaps) {
+    return refused("overlaps = \"project\"", "it takes out the overlaps that measure the accuracy");
+  }
+  const double most = 1e-2 * x * smallest_radius(scene);
+  if (scene.contact_distance > most) {
+    return fmt::format(
+        "accuracy = {:g} needs a contact distance of at most {:.3g} m, a hundredth of the accuracy "
+        "in smallest radii; it is {:.3g} m",
+        x, most, scene.contact_distance);
+  }
+  return {};
+}
+
 /// Checks outlets and inlets, and the entries that they exclude.
 template <int D>
 std::string check_gates(const Scene<D>& scene) {
@@ -245,6 +276,7 @@ std::string validate(const Scene<D>& scene) {
   if (scene.travel > 0 && scene.model == Model::kSpringDashpot) {
     return "travel has no meaning with the model \"dem\", whose substeps are shorter";
   }
+  if (auto e = check_accuracy(scene); !e.empty()) return e;
   if (scene.num_steps < 0) return fmt::format("number of steps = {} is negative", scene.num_steps);
   if (!(scene.contact_distance >= 0) || !std::isfinite(scene.contact_distance)) {
     return fmt::format("contact distance = {} m is not >= 0", scene.contact_distance);

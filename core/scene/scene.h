@@ -200,6 +200,9 @@ struct Scene {
   /// Largest path of a body or wall in a step, relative to the smallest radius. A step with a
   /// longer path is cut into 2, 4, 8 ... parts. 0: never cut.
   double travel = 0;
+  /// Radii by which an impact, or a radius of way, may misplace a body: steps are cut into parts
+  /// accordingly (solvers/simulation/accurate_step.h). 0: they are not.
+  double accuracy = 0;
   double contact_distance = 0;    ///< eta of data/manual/explanation/method.md §4 [m]
   bool project_overlaps = false;  ///< after every step: core/motion/projection.h
   bool predict_gaps = false;      ///< pairs that may meet before the next detection take part

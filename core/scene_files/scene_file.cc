@@ -178,11 +178,12 @@ void read_start(const SceneTable& root, Scene<D>& scene) {
 }
 
 template <int D>
-void read_time(const SceneTable& root, Scene<D>& scene) {
+void read_time(const SceneTable& root, std::optional<double> accuracy, Scene<D>& scene) {
   const auto table = root.table("time");
   if (!table) root.fail("time", "the table [time] is missing");
   scene.step = table->positive("step");
   scene.travel = table->number("travel", 0);
+  scene.accuracy = accuracy.value_or(table->number("accuracy", 0));
   const bool by_count = table->has("steps"), by_duration = table->has("duration");
   if (by_count == by_duration) table->fail("steps", "give either steps or duration [s]");
   if (by_count) {
@@ -196,11 +197,15 @@ void read_time(const SceneTable& root, Scene<D>& scene) {
   table->finish();
 }
 
+/// Errors of the solver are then small beside those of time.
+constexpr double kTolOfAccuracy = 0.01;
+
 template <int D>
 void read_solver(const SceneTable& root, Scene<D>& scene) {
+  SolverChoice& s = scene.solver;
+  if (scene.accuracy > 0) s.tol = std::clamp(kTolOfAccuracy * scene.accuracy, 1e-12, 1e-4);
   const auto table = root.table("solver");
   if (!table) return;
-  SolverChoice& s = scene.solver;
   s.name = table->word("name", s.name);
   s.tol = table->number("tol", s.tol);
   if (!(s.tol > 0)) table->fail("tol", "expected a positive number");
@@ -292,11 +297,12 @@ void rotate(Scene<2>& scene, double degrees) {
 }
 
 /// Touching lattices have gaps of the size of rounding. The default distance covers them and is
-/// negligible otherwise.
+/// negligible otherwise, also beside the accuracy.
 template <int D>
 double default_contact_distance(const Scene<D>& scene) {
   const double smallest = smallest_radius(scene);
-  return std::isfinite(smallest) ? 1e-6 * smallest : 0;
+  const double share = scene.accuracy > 0 ? std::min(1e-6, 1e-2 * scene.accuracy) : 1e-6;
+  return std::isfinite(smallest) ? share * smallest : 0;
 }
 
 /// Reads [[disks]], the cell, and rotations.
@@ -327,7 +333,8 @@ void read_cell_and_turn(const SceneTable& root, Scene<2>& scene) {
 }
 
 template <int D>
-Scene<D> parse_in(const SceneTable& root, const std::string& source) {
+Scene<D> parse_in(const SceneTable& root, const std::string& source,
+                  std::optional<double> accuracy) {
   Scene<D> scene{.title = root.word("title", ""),
                  .source = source,
                  .gravity = root.maybe_vec<D>("gravity").value_or(-9.81 * Vec<D>::Unit(D - 1)),
@@ -347,7 +354,7 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source) {
   }
   read_tilt(root, scene);
   read_start(root, scene);
-  read_time(root, scene);
+  read_time(root, accuracy, scene);
   read_model(root, scene);
   if (D == 3 && scene.model == Model::kSpringDashpot) {
     root.fail("model", "'dem' simulates disks, not spheres");
@@ -395,7 +402,8 @@ bool has_endless_key(std::string_view text) {
 
 }  // namespace
 
-AnyScene parse_any_scene(const std::string& text, const std::string& source) {
+AnyScene parse_any_scene(const std::string& text, const std::string& source,
+                         std::optional<double> accuracy) {
   if (has_endless_key(text)) {
     throw SceneFileError(fmt::format("{}: a key has more than 256 parts", source));
   }
@@ -415,8 +423,8 @@ AnyScene parse_any_scene(const std::string& text, const std::string& source) {
   const int dim = root.integer("dim", spheres ? 3 : 2);
   if (dim != 2 && dim != 3) root.fail("dim", fmt::format("expected 2 or 3, got {}", dim));
   if (dim == 2 && spheres) root.fail("spheres", "need three dimensions: dim = 3");
-  if (dim == 3) return parse_in<3>(root, source);
-  return parse_in<2>(root, source);
+  if (dim == 3) return parse_in<3>(root, source, accuracy);
+  return parse_in<2>(root, source, accuracy);
 }
 
 Scene<2> parse_scene(const std::string& text, const std::string& source) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -25,8 +26,9 @@ Scene<2> read_scene(const std::filesystem::path& path);
 /// Reads a scene in 2D or 3D.
 AnyScene read_any_scene(const std::filesystem::path& path);
 
-/// The same from text; `source` names it in messages.
-AnyScene parse_any_scene(const std::string& text, const std::string& source);
+/// The same from text; `source` names it in messages. `accuracy`: instead of the scene's.
+AnyScene parse_any_scene(const std::string& text, const std::string& source,
+                         std::optional<double> accuracy = {});
 Scene<2> parse_scene(const std::string& text, const std::string& source);
 
 }  // namespace bipot

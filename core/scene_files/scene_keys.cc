@@ -25,7 +25,7 @@ const std::vector<TableKeys>& all_tables() {
         "disks",  "clusters", "spheres", "walls",          "outlets",   "inlets"}},
       {"contact", {"mu", "e_n", "e_t", "distance", "overlaps"}},
       {"pairs", {"between", "mu", "e_n", "e_t"}},
-      {"time", {"step", "steps", "duration", "travel"}},
+      {"time", {"step", "steps", "duration", "travel", "accuracy"}},
       {"disks",
        {"arrangement", "position", "radius",   "columns", "rows",    "corner",  "count", "radii",
         "fractions",   "width",    "height",   "inside",  "spacing", "seed",    "file",  "mass",

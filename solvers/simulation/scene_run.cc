@@ -10,6 +10,25 @@
 namespace bipot {
 
 template <int D>
+void SceneTotals<D>::add_parts(const StepReport<D>& r) {
+  if (cut.parts == 0 || r.cut.smallest < cut.smallest) {
+    cut.smallest = r.cut.smallest;
+    cut.limited_by = r.cut.limited_by;
+    cut_step = r.step;
+  }
+  if (r.cut.misplaced > cut.misplaced) {
+    cut.misplaced = r.cut.misplaced;
+    misplaced_step = r.step;
+  }
+  cut.misplaced_sum += r.cut.misplaced_sum;
+  cut.parts += r.cut.parts;
+  cut.misplacing += r.cut.misplacing;
+  cut.drifting += r.cut.drifting;
+  cut.accelerating += r.cut.accelerating;
+  cut.failed += r.cut.failed;
+}
+
+template <int D>
 void SceneTotals<D>::add(const StepReport<D>& r) {
   ++steps;
   converged += r.converged ? 1 : 0;
@@ -35,6 +54,7 @@ void SceneTotals<D>::add(const StepReport<D>& r) {
     travel = r.travel;
     travel_step = r.step;
   }
+  if (r.cut.parts > 0) add_parts(r);
   passages += r.passages;
   if (r.passages > 0 && passage_step < 0) {
     passage_step = r.step;

@@ -47,6 +47,9 @@ struct SceneTotals {
   int deep_overlaps = 0;       ///< steps beyond kDeepOverlap
   double travel = 0;           ///< largest way of a body in a step over its radius
   int travel_step = -1;        ///< where
+  StepParts cut;               ///< sums and extremes of the steps' parts, with an accuracy
+  int cut_step = -1;           ///< of its smallest part
+  int misplaced_step = -1;     ///< of its largest displacement
   int passages = 0;            ///< pairs that went through each other, and those of the first step
   int passage_step = -1;
   std::string passage;
@@ -54,6 +57,9 @@ struct SceneTotals {
   StepReport<D> last;
 
   void add(const StepReport<D>& report);
+
+ private:
+  void add_parts(const StepReport<D>& report);
 };
 
 /// Action after a step whose problem was not solved to the tolerance.

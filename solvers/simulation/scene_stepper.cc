@@ -32,6 +32,7 @@ std::string needs_whole_state(const Scene<D>& scene,
   if (scene.cell.periodic()) return "the scene is periodic";
   if (scene.observables) return "the scene measures observables";
   if (scene.travel > 0) return "the scene cuts its steps by travel";
+  if (scene.accuracy > 0) return "the scene cuts its steps by accuracy";
   if (scene.predict_gaps) return "the scene predicts gaps";
   if (scene.project_overlaps) return "the scene projects overlaps";
   return {};
@@ -71,13 +72,15 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
       return solution;
     };
   }
-  rigid_.emplace(
-      scene,
-      [this](const ContactProblem& problem, const Vector& start) {
-        start_ = start;
-        return options_.solver(problem, start);
-      },
-      options_.explicit_delassus, options_.threads);
+  const StepSolver remembering = [this](const ContactProblem& problem, const Vector& start) {
+    start_ = start;
+    return options_.solver(problem, start);
+  };
+  if (scene.accuracy > 0) {
+    accurate_.emplace(scene, options_, remembering, [this] { return is_over(); });
+    return;
+  }
+  rigid_.emplace(scene, remembering, options_.explicit_delassus, options_.threads);
   if (options_.on_tunnel != OnTunnel::kWarn) rigid_->refuse_passages();
 }
 
@@ -106,7 +109,7 @@ void SceneStepper<D>::seek_proof(const std::function<ContactProblem()>& problem,
 
 template <int D>
 State<D>& SceneStepper<D>::begin(State<D>& state) {
-  if (rigid_ || springs_) return state;
+  if (rigid_ || springs_ || accurate_) return state;
   DomainOptions choice;
   choice.review = [this](StepSolution& solution) {
     seek_proof([&] { return domain_->gather_problem(); }, solution);
@@ -134,6 +137,7 @@ StepReport<D> SceneStepper<D>::advance(State<D>& state) {
   if constexpr (D == 2) {
     if (springs_) return springs_->advance(state);
   }
+  if (accurate_) return accurate_->advance(state);
   if (const int halvings = travel_halvings(scene_, state); halvings > 0) {
     SplitStep<D> split = advance_in_equal_parts(scene_, options_, state, halvings);
     parts_ = split.parts;

@@ -4,6 +4,7 @@
 
 #include "core/base/stopwatch.h"
 #include "core/motion/spring_dashpot.h"
+#include "solvers/simulation/accurate_step.h"
 #include "solvers/simulation/domain.h"
 #include "solvers/simulation/scene_run.h"
 #include "solvers/simulation/step_solver.h"
@@ -29,11 +30,13 @@ class SceneStepper {
   /// True if the run is cancelled or its time is over, on any process.
   bool is_over() const;
 
-  /// Problem of the last step; without contacts for the model dem.
-  const ContactProblem& problem() const { return rigid_ ? rigid_->problem() : none_; }
+  /// Problem of the last step or part; without contacts for the model dem.
+  const ContactProblem& problem() const {
+    return accurate_ ? accurate_->problem() : rigid_ ? rigid_->problem() : none_;
+  }
   /// Impulse from which the solver of the last step started; empty: none.
   const Vector& start() const { return start_; }
-  /// Number of parts of the last step.
+  /// Number of parts of the last step that failed as a whole or has a `travel`.
   int parts() const { return parts_; }
   /// Model dem only; else null.
   std::shared_ptr<const SpringDashpotSetup> springs() const;
@@ -57,6 +60,7 @@ class SceneStepper {
   std::optional<SpringDashpotStepper> springs_;  // in the plane only
   std::optional<Domain<D>> domain_;
   std::optional<TimeStepper<D>> rigid_;
+  std::optional<AccurateStepper<D>> accurate_;  // instead, for a scene with an accuracy
   int parts_ = 1;
   double proof_seconds_ = 0;  // used
   Vector start_;

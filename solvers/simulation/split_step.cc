@@ -5,35 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "core/motion/population.h"
-#include "core/motion/step_outcome.h"
 #include "core/scene/wall_motion.h"
+#include "solvers/simulation/summed_parts.h"
 
 namespace bipot {
 namespace {
-
-/// Both lists are sorted by (i, j). Frames, velocities and statuses are those of the later part.
-template <int D>
-std::vector<ContactOutcome<D>> added(const std::vector<ContactOutcome<D>>& first,
-                                     const std::vector<ContactOutcome<D>>& second) {
-  const auto key = [](const ContactOutcome<D>& c) { return std::pair(c.contact.i, c.contact.j); };
-  std::vector<ContactOutcome<D>> sum;
-  auto a = first.begin();
-  for (const ContactOutcome<D>& b : second) {
-    for (; a != first.end() && key(*a) < key(b); ++a) sum.push_back(*a);
-    ContactOutcome<D> both = b;
-    if (a != first.end() && key(*a) == key(b)) {
-      both.s_n += a->s_n;
-      both.s_t += a->s_t;
-      ++a;
-    }
-    sum.push_back(both);
-  }
-  sum.insert(sum.end(), a, first.end());
-  return sum;
-}
 
 /// The parts of one step so far.
 template <int D>
@@ -56,10 +34,11 @@ class Parts {
     try {
       const StepReport<D> report = stepper.advance(next);
       if (report.converged || accept) {
-        add(report, std::move(next));
+        state_ = std::move(next);
+        sums_.add(report, state_.contacts);
         return;
       }
-      attempts_.add_cost(report);
+      sums_.add_rejected(report);
       why = report.message;
     } catch (const StepFailure& failure) {
       if (failure.kind == StepFailure::Kind::kPassage) {
@@ -78,51 +57,16 @@ class Parts {
   }
 
   SplitStep<D> finish(State<D>& state) {
-    const int step = state.step + 1;
-    const double time = time_after_step(state, scene_.step);
-    state = std::move(state_);
-    state.contacts = std::move(contacts_);
-    state.step = total_.step = step;
-    state.time = total_.time = time;
-    total_.wall_pushes = wall_pushes(state.contacts, state.bodies.size());
-    total_.add_cost(attempts_);
-    return {std::move(total_), parts_};
+    const State<D> before = std::exchange(state, std::move(state_));
+    const int parts = sums_.count();
+    return {sums_.finish(before, scene_.step, state), parts};
   }
 
  private:
-  void add(const StepReport<D>& part, State<D> next) {
-    const StepReport<D> before = std::exchange(total_, part);
-    if (parts_++ > 0) {
-      total_.add_cost(before);
-      if (!before.converged) {
-        total_.converged = false;
-        total_.message = before.message;
-      }
-      total_.energy.imbalance += before.energy.imbalance;
-      total_.momentum_imbalance += before.momentum_imbalance;
-      total_.unsolvable = total_.unsolvable || before.unsolvable;
-      total_.penetration = std::max(total_.penetration, before.penetration);
-      if (before.overlap > total_.overlap) {
-        total_.overlap = before.overlap;
-        total_.overlap_pair = before.overlap_pair;
-      }
-      total_.travel += before.travel;
-      total_.passages += before.passages;
-      if (before.passages > 0) total_.passage = before.passage;
-      total_.contacts = std::max(total_.contacts, before.contacts);
-      total_.active = std::max(total_.active, before.active);
-      if (before.error.guarded() > total_.error.guarded()) total_.error = before.error;
-    }
-    contacts_ = added(contacts_, next.contacts);
-    state_ = std::move(next);
-  }
-
   const Scene<D>& scene_;
   const SceneRunOptions<D>& options_;
   State<D> state_;
-  StepReport<D> total_, attempts_;  // of the parts taken; the cost of the others
-  std::vector<ContactOutcome<D>> contacts_;
-  int parts_ = 0;
+  SummedParts<D> sums_;
 };
 
 }  // namespace

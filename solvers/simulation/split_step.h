@@ -15,10 +15,8 @@ struct SplitStep {
 };
 
 /// Takes the scene's next step in two halves. Each is halved again if its problem is not solved or
-/// the step fails; `state` becomes that at the end of the whole step. Losses, work, imbalances,
-/// iterations, times and the impulses of each pair of bodies (core/motion/state.h) are summed over
-/// the parts, so that forces are those of the whole step. The cost of rejected parts counts as
-/// well. The error is that of the worst part. Number and time of the step are those without
+/// the step fails; `state` becomes that at the end of the whole step. The parts are reported as one
+/// step (solvers/simulation/summed_parts.h). Number and time of the step are those without
 /// splitting, without drift. The same state gives the same parts, so that a restart continues bit
 /// for bit.
 ///

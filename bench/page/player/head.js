@@ -59,7 +59,7 @@ function warningsOf(run, tables) {
     }
   }
   const {radii, at} = longestWay(run);
-  if (radii > 1 && at) {
+  if (radii > 1 && at && !about.accuracy) {
     warnings.push({text: `Body ${at.number} moves by ${textOf(radii, 2)} smallest radii in one step: it may pass through others. See the key travel.`, time: at.frame.time});
   }
   for (const text of summary?.warnings || []) {
@@ -77,6 +77,11 @@ function fillHead(run, tables, jump) {
   const fact = text => facts.push(element('span', text));
   fact(summary ? `${summary.steps} of ${summary.steps_planned} steps to t = ${textOf(summary.time, 4)} s` : `step ${last.step} of ${about.num_steps}, t = ${textOf(last.time, 4)} s`);
   fact(`${last.count} ${run.dim === 2 ? 'disk' : 'sphere'}${last.count === 1 ? '' : 's'}`);
+  if (summary?.accuracy) {
+    const {asked, parts, rejected, smallest_part, misplaced} = summary.accuracy;
+    const again = Object.values(rejected).reduce((sum, n) => sum + n, 0);
+    fact(`accuracy ${asked} radii: ${parts} parts, ${again} rejected, the smallest ${textOf(smallest_part, 2)} s; impacts misplaced by at most ${textOf(misplaced, 2)} radii`);
+  }
   if (about.model === 'dem') fact('springs and dashpots');
   else {
     fact(`asked: ${about.solver} to ${textOf(about.tol, 1)}`);

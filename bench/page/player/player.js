@@ -347,7 +347,7 @@ class Player {
     canvas.height = height * ratio;
     pen.scale(ratio, ratio);
     const steps = run.frames.map(frame => frame.step), thumb = 8;
-    const colours = {unsolved: this.look.colours.dark ? '#ff9b92' : '#b3261e', cut: this.look.colours.outlet, several: this.look.colours.inlet};
+    const colours = {unsolved: this.look.colours.dark ? '#ff9b92' : '#b3261e', several: this.look.colours.inlet};
     for (const [kind, step] of run.about.marks) {
       const after = steps.findIndex(s => s >= step);
       if (after < 0) continue;

@@ -22,6 +22,7 @@ _OPTIONS = [
     "step",
     "num_steps",
     "friction",
+    "accuracy",
 ]
 
 
@@ -63,8 +64,8 @@ class Simulation:
 
     solver: a name, or a callable f(problem, tol, callback) -> s (see `compare`); the scene's own
         where it is None, as are tol, max_iterations, warm_start (from the step before), step [s],
-        num_steps and friction (of all pairs). Other options are the solver's parameters. A scene of
-        springs and dashpots (model dem) gets rigid contacts where a solver is named.
+        num_steps, friction (of all pairs) and accuracy. Other options are the solver's parameters.
+        A scene of springs and dashpots (model dem) gets rigid contacts where a solver is named.
 
     copy.deepcopy and pickle keep the state bit for bit, with walls as Python set them.
 
@@ -83,6 +84,7 @@ class Simulation:
         step: float | None = None,
         num_steps: int | None = None,
         friction: float | None = None,
+        accuracy: float | None = None,
         **parameters: float | int | str,
     ) -> None:
         refuse_unknown(parameters, [*_OPTIONS, *_bipot.parameter_names("")])
@@ -95,6 +97,7 @@ class Simulation:
             step=optional(number, step, "step"),
             num_steps=optional(integer, num_steps, "num_steps"),
             friction=optional(number, friction, "friction"),
+            accuracy=optional(number, accuracy, "accuracy"),
         )
         if isinstance(scene, Mapping):
             scene = _SceneText(to_toml(scene))

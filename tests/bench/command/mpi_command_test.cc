@@ -186,6 +186,20 @@ TEST_F(MpiCommand, ARunHasTheSameFilesAndGoesOnWithAnotherNumberOfProcesses) {
   EXPECT_EQ(j["status"], "completed");
 }
 
+TEST_F(MpiCommand, AnAccuracyCutsStepsAlikeOnEachNumberOfProcesses) {
+  const std::string run =
+      "run drum --accuracy 0.05 --step-size 0.05 --steps 3 --solver apgd --reproducible -q --out ";
+  EXPECT_EQ(bipot(run + path("one")).exit_code, 0);
+  const std::string ledger = content(path("one/ledger.csv"));
+  EXPECT_NE(ledger.find(",parts,rejected,smallest_part,misplaced,limited_by\n"), std::string::npos);
+  EXPECT_NE(ledger.find(",impact "), std::string::npos);
+  for (const int processes : {2, 3}) {
+    const std::string folder = path(std::to_string(processes));
+    EXPECT_EQ(on(processes, run + folder).exit_code, 0);
+    EXPECT_EQ(content(folder + "/ledger.csv"), ledger);
+  }
+}
+
 /// A packing under a lid that a force presses, on a floor that moves: at rest but for that.
 constexpr const char* kPressed = R"(title = "Pressed"
 gravity = [0, -9.81]

@@ -143,6 +143,19 @@ TEST_F(RunCommand, TheStepSizeLeavesTheDurationOfTheScene) {
   EXPECT_NEAR(more["time"].get<double>(), 0.11, 1e-9);
 }
 
+TEST_F(RunCommand, AnAccuracyIsKeptWithALongStep) {
+  const json run =
+      json::parse(bipot("run bouncing_ball --accuracy 1e-3 --step-size 0.05 --json -").out);
+  EXPECT_EQ(run["steps"], 13);
+  const json& parts = run["accuracy"];
+  EXPECT_EQ(parts["asked"], 1e-3);
+  EXPECT_GE(parts["parts"].get<int>(), 13);
+  EXPECT_LE(parts["misplaced"].get<double>(), 1.5e-3);
+  EXPECT_LT(parts["smallest_part"].get<double>(), 0.005);
+  EXPECT_EQ(bipot("run bouncing_ball --accuracy 1 --overwrite").exit_code, 2);
+  EXPECT_EQ(bipot("run bouncing_ball --accuracy 0.1 --model dem --overwrite").exit_code, 2);
+}
+
 TEST_F(RunCommand, WhereStepsCountTheStepSizeChangesTheTimeAndSaysSo) {
   const std::string scene = write("count.toml",
                                   "[[disks]]\nposition = [0, 1]\nradius = 0.1\nmass = 1\n"

@@ -656,6 +656,16 @@ TEST(SceneFile, OverlapsAreKeptOrProjected) {
   expect_refused("[contact]\ne_n = 0.5\noverlaps = \"predict\"\n" + kTime,
                  {"predict", "e_n = 0.5"});
   EXPECT_EQ(parse(kTime + "travel = 0.1\n").travel, 0.1);
+  const std::string accurate = kTime + "accuracy = 1e-3\n";
+  EXPECT_EQ(parse(accurate).accuracy, 1e-3);
+  EXPECT_EQ(parse(accurate).solver.tol, 1e-5);
+  EXPECT_EQ(parse(accurate + "[solver]\ntol = 1e-3\n").solver.tol, 1e-3);
+  EXPECT_EQ(parse(kTime + "accuracy = 0.3\n").solver.tol, 1e-4);
+  expect_refused(kTime + "accuracy = 1\n", {"accuracy = 1"});
+  expect_refused(accurate + "travel = 0.1\n", {"accuracy", "travel"});
+  expect_refused("model = \"dem\"\n" + accurate, {"accuracy", "dem"});
+  expect_refused("[contact]\noverlaps = \"project\"\n" + accurate, {"accuracy", "project"});
+  expect_refused("[contact]\noverlaps = \"predict\"\n" + accurate, {"accuracy", "predict"});
   expect_refused(kTime + "travel = -1\n", {"travel = -1"});
   expect_refused("model = \"dem\"\n" + kTime + "travel = 0.1\n", {"travel", "dem"});
   expect_refused("model = \"dem\"\n[contact]\noverlaps = \"project\"\n" + kTime,

@@ -1,0 +1,372 @@
+#include "solvers/simulation/accurate_step.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/motion/closing_pairs.h"
+#include "core/motion/population.h"
+#include "core/scene/wall_motion.h"
+#include "solvers/simulation/summed_parts.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kFirst = 0.1;              // part of a step, over the step
+constexpr double kSmallest = 0x1p-20;       // likewise
+constexpr double kSlack = 1.5;              // errors up to this multiple of the accuracy are taken
+constexpr double kAim = 0.9;                // of the accuracy, where smooth motion decides
+constexpr double kGrowth = 3, kDrop = 0.2;  // from a part to the next
+constexpr double kHit = 0.02;               // of the accuracy: from here on a part had an impact
+constexpr double kEnd = 1e-9;               // relative; a part that nearly reaches the end does
+
+double size_of(double spin) { return std::abs(spin); }
+double size_of(const Vec3& spin) { return spin.norm(); }
+
+/// Scales the impulses, from which the next part starts, to its size.
+template <int D>
+void scale_impulses(std::vector<ContactOutcome<D>>& contacts, double factor) {
+  for (ContactOutcome<D>& c : contacts) {
+    c.s_n *= factor;
+    c.s_t *= factor;
+  }
+}
+
+/// An entry of a list that is sorted by (i, j), or null.
+template <int D>
+const ContactOutcome<D>* find_pair(const std::vector<ContactOutcome<D>>& contacts, int i, int j) {
+  const auto at = std::lower_bound(contacts.begin(), contacts.end(), std::pair(i, j),
+                                   [](const ContactOutcome<D>& c, const std::pair<int, int>& key) {
+                                     return std::pair(c.contact.i, c.contact.j) < key;
+                                   });
+  const bool found = at != contacts.end() && at->contact.i == i && at->contact.j == j;
+  return found ? &*at : nullptr;
+}
+
+template <int D>
+bool pushed(const std::vector<ContactOutcome<D>>& contacts, int i, int j) {
+  const ContactOutcome<D>* c = find_pair(contacts, i, j);
+  return c != nullptr && c->status != ContactStatus::kTakeOff;
+}
+
+/// The next time at which a wall or gravity changes by schedule.
+template <int D>
+double next_change(const Scene<D>& scene, double time, double resolution) {
+  double next = kInfinity;
+  const auto add = [&](double at) {
+    if (at > time + resolution) next = std::min(next, at);
+  };
+  for (const Wall<D>& wall : scene.walls) {
+    for (const double at : {wall.starts, wall.stops, wall.removed}) add(at);
+  }
+  if (scene.tilt.rate != 0) {
+    add(scene.tilt.starts);
+    add(scene.tilt.stops);
+  }
+  return next;
+}
+
+/// What a part of a step did wrong, over the accuracy.
+struct PartError {
+  double misplaced = 0;  // largest displacement by an impact
+  int i = -1, j = -1;    // the pair
+  double drift = 0, acceleration = 0;
+  bool hit = false;  // it had an impact
+
+  double smooth() const { return std::max(drift, acceleration); }
+};
+
+}  // namespace
+
+template <int D>
+struct AccurateStepper<D>::Inside {
+  const Scene<D>& scene;
+  SceneRunOptions<D> options;
+  std::function<bool()> is_over;
+  Scene<D> part;  // the scene with the size of a part as its step, without gates
+  TimeStepper<D> stepper;
+  ClosingPairs<D> closings;
+
+  Inside(const Scene<D>& whole, const SceneRunOptions<D>& choice, StepSolver solver,
+         std::function<bool()> over)
+      : scene(whole),
+        options(choice),
+        is_over(std::move(over)),
+        part(without_gates(whole)),
+        stepper(part, std::move(solver), choice.explicit_delassus, choice.threads),
+        closings(part, choice.threads) {
+    stepper.refuse_passages();
+  }
+  static Scene<D> without_gates(Scene<D> scene) {
+    scene.outlets.clear();  // bodies come and go between whole steps
+    scene.inlets.clear();
+    return scene;
+  }
+  bool takes_unsolved() const {
+    return options.on_failure == OnFailure::kContinue ||
+           options.on_failure == OnFailure::kUnlessUnsolvable;
+  }
+
+  std::string impact(const State<D>& state, int i, int j) const;
+  std::string place(const State<D>& now, const std::vector<Closing<D>>& closing, double& h) const;
+  PartError measure(const State<D>& before, const State<D>& after, double h,
+                    const std::optional<Accelerations<D>>& a_before,
+                    const Accelerations<D>& a_after);
+  StepReport<D> advance(State<D>& state);
+};
+
+/// "impact 3 7" with the numbers of bodies, "impact 3 floor" with the name of a wall.
+template <int D>
+std::string AccurateStepper<D>::Inside::impact(const State<D>& state, int i, int j) const {
+  const std::size_t bodies = state.bodies.size();
+  return fmt::format("impact {} {}", body_number(state, i),
+                     to_size(j) < bodies ? fmt::format("{}", body_number(state, j))
+                                         : scene.walls[to_size(j) - bodies].name);
+}
+
+/// Shortens h so that the first collision that matters is in the middle of this part or, where that
+/// would be too long, of the next. Returns which, or nothing.
+template <int D>
+std::string AccurateStepper<D>::Inside::place(const State<D>& now,
+                                              const std::vector<Closing<D>>& closing,
+                                              double& h) const {
+  const Closing<D>* limit = nullptr;
+  for (const Closing<D>& c : closing) {
+    if (c.time >= h) break;
+    const double most = scene.accuracy * pair_radius(now.bodies, now.walls, c.i, c.j) /
+                        (1 + pair_law(scene, now.bodies, now.walls, c.i, c.j).e_n);
+    if (c.speed * h <= most) continue;
+    const double at_impact = most / c.speed;
+    limit = &c;
+    if (c.time <= at_impact) {
+      h = at_impact;
+      continue;
+    }
+    // The first half of a part is straight. A pair that is accelerated towards each other would be
+    // apart by -c h²/8 in the middle, and noticed a part too late.
+    const double late = std::max(0.0, -c.bend) * at_impact * at_impact / (8 * c.speed);
+    h = c.time - 0.5 * at_impact + std::min(late + 0.01 * at_impact, 0.25 * at_impact);
+  }
+  return limit == nullptr ? std::string() : impact(now, limit->i, limit->j);
+}
+
+/// Compares the states before and after a part of size h.
+template <int D>
+PartError AccurateStepper<D>::Inside::measure(const State<D>& before, const State<D>& after,
+                                              double h,
+                                              const std::optional<Accelerations<D>>& a_before,
+                                              const Accelerations<D>& a_after) {
+  const double x = scene.accuracy;
+  using Pair = typename NearPairs<D>::Pair;
+  const auto gap = [&](const State<D>& state, const Pair& pair) {
+    return pair_place<D>(state.bodies, state.walls, state.cell, pair).gap;
+  };
+  PartError error;
+  const auto misplace = [&](int i, int j, double overlap) {
+    const double way = (1 + pair_law(scene, after.bodies, after.walls, i, j).e_n) * overlap;
+    if (way < 2 * scene.contact_distance) return;
+    const double radii = way / pair_radius(after.bodies, after.walls, i, j);
+    if (radii <= x * error.misplaced) return;
+    error.misplaced = radii / x;
+    error.i = i;
+    error.j = j;
+  };
+  std::vector<double> ways(after.bodies.size());
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    const Body<D>&from = before.bodies[k], &to = after.bodies[k];
+    ways[k] = 0.5 * h * std::max((from.v + to.v).norm(), to.radius * size_of(from.spin + to.spin));
+  }
+  for (const ContactOutcome<D>& c : after.contacts) {
+    if (c.status == ContactStatus::kTakeOff) continue;
+    const auto [i, j] = std::pair(c.contact.i, c.contact.j);
+    const Pair pair{i, j, c.contact.image_x, c.contact.image_y};
+    const double start = gap(before, pair);
+    if (!pushed(before.contacts, i, j)) {
+      error.hit = true;
+      misplace(i, j, std::max(std::min(start, 0.0) - c.contact.gap, 0.0));
+      continue;
+    }
+    const double way = ways[to_size(i)] + (to_size(j) < ways.size() ? ways[to_size(j)] : 0.0) +
+                       x * pair_radius(after.bodies, after.walls, i, j);
+    error.drift = std::max(error.drift, std::abs(gap(after, pair) - start) / (x * way));
+  }
+  for (const Pair& pair : closings.overlapping(after)) {
+    if (find_pair(after.contacts, pair.i, pair.j) != nullptr) continue;
+    misplace(pair.i, pair.j, std::min(gap(before, pair), 0.0) - gap(after, pair));
+  }
+  error.hit = error.hit || error.misplaced > kHit;
+  if (error.hit) {
+    error.drift = 0;
+    return error;
+  }
+  if (!a_before) return error;
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    const Body<D>& body = after.bodies[k];
+    if (body.wall >= 0) continue;
+    const double change =
+        std::max((a_after.bodies[k] - a_before->bodies[k]).norm(),
+                 body.radius * size_of(Spin<D>(a_after.spins[k] - a_before->spins[k])));
+    error.acceleration =
+        std::max(error.acceleration, 0.5 * h * h * change / (x * (ways[k] + x * body.radius)));
+  }
+  return error;
+}
+
+template <int D>
+StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
+  using Kind = StepFailure::Kind;
+  const double whole = scene.step, x = scene.accuracy, smallest = kSmallest * whole;
+  State<D> now = with_changed_population(scene, state);
+  const State<D> start = now;
+  if (scene.has_gates()) closings.forget();
+  SummedParts<D> sums;
+  StepParts cut;
+  cut.smallest = kInfinity;
+  double shortest = whole;        // of all parts
+  double done = 0, last = whole;  // time of the parts so far; size of the last one, of its impulses
+  double smooth = kFirst * whole;     // size that smooth motion allows
+  std::string smooth_by = "none";     // why
+  double shrink = 1;                  // after rejected parts
+  std::string shrunk_by;              // why
+  std::optional<Accelerations<D>> a;  // of the last part, if it had no impact
+  while (done < whole) {
+    if (is_over()) throw StepFailure(Kind::kCutShort, start, "ended within the step");
+    const double left =
+        std::min(whole - done, next_change(scene, now.time, kEnd * whole) - now.time);
+    double h = std::min(smooth, left);
+    const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time + 0.5 * h);
+    Accelerations<D> without_contacts;
+    if (!a) without_contacts = free_accelerations(scene, now, walls);
+    const std::vector<Closing<D>> closing =
+        closings.find(now, walls, a ? *a : without_contacts, now.contacts, h);
+    std::string by = place(now, closing, h);
+    if (by.empty()) by = h == smooth ? smooth_by : "none";
+    if (shrink < 1) {
+      h *= shrink;
+      by = shrunk_by;
+    }
+    const bool ends = h >= left * (1 - kEnd);
+    if (ends) h = left;
+    if (h < smallest && !ends) {
+      throw StepFailure(
+          Kind::kInvalidInput, start,
+          fmt::format("accuracy = {:g} asks for a part of {:.3g} s ({}), shorter than "
+                      "the step / 2^20: give a larger accuracy or a shorter step",
+                      x, h, by));
+    }
+
+    State<D> next = now;
+    scale_impulses(next.contacts, h / last);
+    part.step = h;
+    StepReport<D> report;
+    std::string failed;
+    try {
+      report = stepper.advance(next);
+      if (!report.converged && !takes_unsolved()) {
+        failed = report.message;
+        if (options.on_failure == OnFailure::kStop || 0.5 * h < smallest) {
+          throw StepFailure(Kind::kNotConverged, start, failed);
+        }
+      }
+    } catch (const StepFailure& failure) {
+      const bool again =
+          failure.kind == Kind::kPassage ||
+          (failure.kind == Kind::kNumerical && options.on_failure == OnFailure::kSmallerStep);
+      if (!again || 0.5 * h < smallest) throw;
+      failed = failure.what();
+    }
+    if (!failed.empty()) {
+      sums.add_rejected(report);
+      ++cut.failed;
+      shrink *= 0.5;
+      shrunk_by = "failure";
+      continue;
+    }
+
+    const Accelerations<D> a_next = mean_accelerations(now, next, h);
+    const PartError error = measure(now, next, h, a, a_next);
+    const char* const smooth_kind = error.drift > error.acceleration ? "drift" : "acceleration";
+    if (error.misplaced > kSlack) {
+      sums.add_rejected(report);
+      ++cut.misplacing;
+      shrink *= std::clamp(0.8 / error.misplaced, 0.1, 0.7);
+      shrunk_by = impact(next, error.i, error.j);
+      continue;
+    }
+    if (error.smooth() > kSlack) {
+      sums.add_rejected(report);
+      ++(error.drift > error.acceleration ? cut.drifting : cut.accelerating);
+      smooth = h * std::max(kDrop, kAim / error.smooth());
+      smooth_by = smooth_kind;
+      continue;
+    }
+
+    done = h == whole - done ? whole : done + h;
+    next.time = start.time + done;
+    next.step = start.step;
+    now = std::move(next);
+    sums.add(report, now.contacts);
+    last = h;
+    shortest = std::min(shortest, h);
+    if (!ends && h < cut.smallest) {
+      cut.smallest = h;
+      cut.limited_by = by;
+    }
+    cut.misplaced = std::max(cut.misplaced, x * error.misplaced);
+    cut.misplaced_sum += x * error.misplaced;
+    shrink = 1;
+    a.reset();
+    if (error.hit) continue;
+    a = a_next;
+    if (error.smooth() > kAim) {
+      smooth = h * kAim / error.smooth();
+      smooth_by = smooth_kind;
+    } else if (h >= 0.5 * std::min(smooth, whole)) {
+      const double growth = kAim / std::max(error.smooth(), 1e-3);
+      smooth = std::min(whole, h * std::min(kGrowth, growth));
+      smooth_by = growth < kGrowth && smooth < whole ? smooth_kind : "none";
+    }
+  }
+  cut.parts = sums.count();
+  if (!std::isfinite(cut.smallest)) {
+    cut.smallest = shortest;
+    cut.limited_by = "none";
+  }
+  const std::vector<ContactOutcome<D>> of_last_part = now.contacts;
+  StepReport<D> report = sums.finish(start, whole, now);
+  for (ContactOutcome<D>& c : now.contacts) {
+    if (find_pair(of_last_part, c.contact.i, c.contact.j) == nullptr) {
+      c.status = ContactStatus::kTakeOff;
+    }
+  }
+  report.cut = std::move(cut);
+  state = std::move(now);
+  return report;
+}
+
+template <int D>
+AccurateStepper<D>::AccurateStepper(const Scene<D>& scene, const SceneRunOptions<D>& options,
+                                    StepSolver solver, std::function<bool()> is_over)
+    : inside_(new Inside(scene, options, std::move(solver), std::move(is_over))) {}
+
+template <int D>
+AccurateStepper<D>::~AccurateStepper() = default;
+
+template <int D>
+StepReport<D> AccurateStepper<D>::advance(State<D>& state) {
+  return inside_->advance(state);
+}
+
+template <int D>
+const ContactProblem& AccurateStepper<D>::problem() const {
+  return inside_->stepper.problem();
+}
+
+template class AccurateStepper<2>;
+template class AccurateStepper<3>;
+
+}  // namespace bipot

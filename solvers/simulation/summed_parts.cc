@@ -1,0 +1,75 @@
+#include "solvers/simulation/summed_parts.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/motion/step_outcome.h"
+
+namespace bipot {
+namespace {
+
+/// Both lists are sorted by (i, j). Frames, velocities and statuses are those of the later part.
+template <int D>
+std::vector<ContactOutcome<D>> added(const std::vector<ContactOutcome<D>>& first,
+                                     const std::vector<ContactOutcome<D>>& second) {
+  const auto key = [](const ContactOutcome<D>& c) { return std::pair(c.contact.i, c.contact.j); };
+  std::vector<ContactOutcome<D>> sum;
+  auto a = first.begin();
+  for (const ContactOutcome<D>& b : second) {
+    for (; a != first.end() && key(*a) < key(b); ++a) sum.push_back(*a);
+    ContactOutcome<D> both = b;
+    if (a != first.end() && key(*a) == key(b)) {
+      both.s_n += a->s_n;
+      both.s_t += a->s_t;
+      ++a;
+    }
+    sum.push_back(both);
+  }
+  sum.insert(sum.end(), a, first.end());
+  return sum;
+}
+
+}  // namespace
+
+template <int D>
+void SummedParts<D>::add(const StepReport<D>& part,
+                         const std::vector<ContactOutcome<D>>& contacts) {
+  const StepReport<D> before = std::exchange(total_, part);
+  if (count_++ > 0) {
+    total_.add_cost(before);
+    if (!before.converged) {
+      total_.converged = false;
+      total_.message = before.message;
+    }
+    total_.energy.imbalance += before.energy.imbalance;
+    total_.momentum_imbalance += before.momentum_imbalance;
+    total_.unsolvable = total_.unsolvable || before.unsolvable;
+    total_.penetration = std::max(total_.penetration, before.penetration);
+    if (before.overlap > total_.overlap) {
+      total_.overlap = before.overlap;
+      total_.overlap_pair = before.overlap_pair;
+    }
+    total_.travel += before.travel;
+    total_.passages += before.passages;
+    if (before.passages > 0) total_.passage = before.passage;
+    total_.contacts = std::max(total_.contacts, before.contacts);
+    total_.active = std::max(total_.active, before.active);
+    if (before.error.guarded() > total_.error.guarded()) total_.error = before.error;
+  }
+  contacts_ = added(contacts_, contacts);
+}
+
+template <int D>
+StepReport<D> SummedParts<D>::finish(const State<D>& before, double h, State<D>& state) {
+  state.time = total_.time = time_after_step(before, h);
+  state.step = total_.step = before.step + 1;
+  state.contacts = std::move(contacts_);
+  total_.wall_pushes = wall_pushes(state.contacts, state.bodies.size());
+  total_.add_cost(attempts_);
+  return std::move(total_);
+}
+
+template class SummedParts<2>;
+template class SummedParts<3>;
+
+}  // namespace bipot

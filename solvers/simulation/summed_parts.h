@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+/// The parts of one step as one step. Losses, work, imbalances, iterations, times and the impulses
+/// of each pair of bodies (core/motion/state.h) are summed, so that forces are those of the whole
+/// step. The cost of rejected parts counts as well. The error is that of the worst part. Frames and
+/// velocities of a contact are those of the last part that has it.
+template <int D>
+class SummedParts {
+ public:
+  /// `contacts`: of the state after the part.
+  void add(const StepReport<D>& part, const std::vector<ContactOutcome<D>>& contacts);
+  void add_rejected(const StepReport<D>& attempt) { attempts_.add_cost(attempt); }
+  int count() const { return count_; }
+
+  /// The report of the step of size h from the state `before`; `state`, at the end of the last
+  /// part, gets number, time and contacts of the whole step.
+  StepReport<D> finish(const State<D>& before, double h, State<D>& state);
+
+ private:
+  StepReport<D> total_, attempts_;  // of the parts taken; the cost of the others
+  std::vector<ContactOutcome<D>> contacts_;
+  int count_ = 0;
+};
+
+}  // namespace bipot

@@ -1,0 +1,444 @@
+// [time] accuracy: parts of steps that end on impacts. Errors of places are given in radii.
+
+#include "solvers/simulation/accurate_step.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/run_files/run_reader.h"
+#include "core/scene/scene_parts.h"
+#include "solvers/registry.h"
+#include "solvers/simulation/scene_stepper.h"
+#include "solvers/simulation/step_solver.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kRadius = 0.01;
+
+template <int D>
+Scene<D> with_accuracy(Scene<D> scene, double x, double step, int steps) {
+  scene.accuracy = x;
+  scene.step = step;
+  scene.num_steps = steps;
+  scene.solver.tol = 1e-12;
+  scene.contact_distance = std::min(1e-6, 0.01 * x) * smallest_radius(scene);
+  return scene;
+}
+
+template <int D>
+struct Ended {
+  State<D> state;
+  SceneTotals<D> totals;
+};
+
+template <int D>
+Ended<D> run(const Scene<D>& scene) {
+  EXPECT_EQ(validate(scene), "");
+  State<D> state = initial_state(scene);
+  const SceneRun<D> done = run_scene(scene, state);
+  if (done.failure) throw *done.failure;
+  EXPECT_EQ(done.totals.converged, done.totals.steps) << done.totals.message;
+  EXPECT_LE(done.totals.cut.misplaced, 1.5 * scene.accuracy);
+  return {state, done.totals};
+}
+
+/// A disk or sphere 0.1 m above a floor.
+template <int D>
+Scene<D> ball(double e) {
+  Scene<D> scene = one_law<D>({.e_n = e});
+  scene.gravity = -9.81 * Vec<D>::Unit(D - 1);
+  scene.walls = {flat_floor<D>()};
+  scene.bodies = {round_body<D>(Vec<D>(0.11 * Vec<D>::Unit(D - 1)), kRadius, 1)};
+  return scene;
+}
+
+/// Its height at a time.
+double height(double e, double time) {
+  const double fall = std::sqrt(2 * 0.1 / 9.81);
+  if (time <= fall) return 0.11 - 0.5 * 9.81 * time * time;
+  double speed = 9.81 * fall, left = time - fall;
+  for (;;) {
+    speed *= e;
+    const double flight = 2 * speed / 9.81;
+    if (left <= flight || flight < 1e-12) return kRadius + speed * left - 0.5 * 9.81 * left * left;
+    left -= flight;
+  }
+}
+
+TEST(AccurateStep, AnImpactIsMisplacedByItsPlaceInAStepOfFixedSize) {
+  // It is noticed at the next mid-step: late by (1/2 - t) h, or by (3/2 - t) h. In the meantime the
+  // body goes on with w instead of -e w.
+  const double h = 0.01, w = 1, e = 0.5;
+  for (const double t : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+    Scene<2> scene = one_law<2>({.e_n = e});
+    scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
+    scene.bodies = {round_body<2>(Vec2(kRadius + w * t * h, 0), kRadius, 1, Vec2(-w, 0))};
+    scene.step = h;
+    scene.contact_distance = 1e-12;
+    State<2> state = initial_state(scene);
+    SceneStepper<2> stepper(scene);
+    stepper.advance(state);
+    stepper.advance(state);
+    const double exact = kRadius + e * w * (2 - t) * h;
+    const double late = t <= 0.5 ? 0.5 - t : 1.5 - t;
+    EXPECT_NEAR(state.bodies[0].x[0] - exact, -(1 + e) * w * h * late, 1e-11) << t;
+  }
+}
+
+TEST(AccurateStep, AWallMeetsADiskInTheMiddleOfAPart) {
+  // After 0.2 s; the disk leaves at (1 + e) 0.5 m/s. Parts are placed a hundredth late, so that
+  // rounding finds the pair in touch: x r / 100.
+  std::vector<int> parts;
+  for (const double x : {1e-1, 1e-2, 1e-3}) {
+    Scene<2> scene = one_law<2>({.e_n = 0.8});
+    scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
+    scene.walls[0].motion = Wall<2>::Motion::kMoving;
+    scene.walls[0].v = Vec2(0.5, 0);
+    scene.bodies = {round_body<2>(Vec2(0.11, 0), kRadius, 1)};
+    const Ended<2> end = run(with_accuracy(scene, x, 0.3, 1));
+    EXPECT_NEAR(end.state.bodies[0].v[0], 0.9, 1e-12);
+    EXPECT_NEAR(end.state.bodies[0].x[0], 0.2 - 0.01 * x * kRadius, 1e-9 * x);
+    EXPECT_EQ(end.totals.cut.rejected(), 0);
+    parts.push_back(end.totals.cut.parts);
+  }
+  EXPECT_EQ(parts, std::vector<int>(3, parts[0]));
+  EXPECT_LE(parts[0], 9);
+}
+
+TEST(AccurateStep, ABallBouncesWithAnErrorProportionalToTheAccuracy) {
+  // Without restitution it ends as deep as its part was late.
+  for (const double x : {1e-1, 1e-2, 1e-3}) {
+    const Ended<2> end = run(with_accuracy(ball<2>(0), x, 0.05, 13));
+    EXPECT_NEAR((kRadius - end.state.bodies[0].x[1]) / kRadius, 0.01 * x, 4e-4 * x) << x;
+  }
+  std::vector<double> errors;
+  std::vector<int> parts;
+  for (const double x : {1e-1, 1e-2, 1e-3, 1e-4}) {
+    const Ended<2> end = run(with_accuracy(ball<2>(0.9), x, 0.065, 10));
+    errors.push_back(std::abs(end.state.bodies[0].x[1] - height(0.9, 0.65)) / (kRadius * x));
+    parts.push_back(end.totals.cut.parts);
+    EXPECT_NEAR(end.totals.last.energy.imbalance, 0, 1e-14);
+    EXPECT_EQ(end.totals.cut.rejected(), 0);
+  }
+  // Each of the three impacts is late by 0.01 x r, which is time for the next flights. No step ends
+  // beside an impact: that would cut its part.
+  for (const double error : errors) EXPECT_NEAR(error, 0.103, 0.002);
+  EXPECT_EQ(parts, std::vector<int>(4, parts[0]));
+}
+
+TEST(AccurateStep, InSpaceItIsTheSameBall) {
+  const Ended<2> flat = run(with_accuracy(ball<2>(0.9), 1e-3, 0.05, 13));
+  const Ended<3> space = run(with_accuracy(ball<3>(0.9), 1e-3, 0.05, 13));
+  EXPECT_NEAR(space.state.bodies[0].x[2], flat.state.bodies[0].x[1], 1e-12);
+  EXPECT_EQ(space.totals.cut.parts, flat.totals.cut.parts);
+}
+
+TEST(AccurateStep, BouncesThatSinkBelowTheAccuracyEnd) {
+  // The sum of all flights of e = 1/2 is 0.143 (1 + 2) = 0.43 s.
+  for (const double x : {1e-2, 1e-4}) {
+    const Ended<2> end = run(with_accuracy(ball<2>(0.5), x, 0.05, 13));
+    EXPECT_NEAR(end.state.bodies[0].x[1], kRadius, x * kRadius);
+    EXPECT_NEAR(end.state.bodies[0].v[1], 0, 1e-6);
+    EXPECT_LE(end.totals.cut.parts, 80 + 3 * 13);
+  }
+}
+
+/// Six disks on a line between two walls, without gravity.
+Scene<2> chain() {
+  Scene<2> scene = one_law<2>({.e_n = 0.8});
+  const double gaps[] = {0.006, 0.009, 0.02, 0.015, 0.006, 0.013, 0.01};
+  const double speeds[] = {2, -0.6, 0.1, -0.75, 0.35, 0.84},
+               masses[] = {1, 0.7, 1.9, 0.6, 1.2, 1.6};
+  double x = 0;
+  for (std::size_t k = 0; k < 6; ++k) {
+    x += gaps[k] + kRadius;
+    scene.bodies.push_back(round_body<2>(Vec2(x, 0), kRadius, masses[k], Vec2(speeds[k], 0)));
+    x += kRadius;
+  }
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+                 half_space<2>(Vec2(x + gaps[6], 0), Vec2(-1, 0))};
+  return scene;
+}
+
+/// The places of its disks, from collision to collision.
+std::vector<double> places(const Scene<2>& scene, double time, int& collisions) {
+  std::vector<double> x, v, m;
+  for (const Body<2>& d : scene.bodies) {
+    x.push_back(d.x[0]);
+    v.push_back(d.v[0]);
+    m.push_back(d.mass);
+  }
+  const std::size_t n = x.size();
+  const double e = scene.laws[0].e_n, end = scene.walls[1].a[0];
+  for (collisions = 0;; ++collisions) {
+    double next = time;
+    std::size_t which = n + 1;
+    for (std::size_t c = 0; c <= n; ++c) {
+      const double gap = c == 0   ? x[0] - kRadius
+                         : c == n ? end - x[n - 1] - kRadius
+                                  : x[c] - x[c - 1] - 2 * kRadius;
+      const double w = c == 0 ? -v[0] : c == n ? v[n - 1] : v[c - 1] - v[c];
+      if (w > 1e-14 && gap / w < next) {
+        next = gap / w;
+        which = c;
+      }
+    }
+    for (std::size_t k = 0; k < n; ++k) x[k] += v[k] * next;
+    time -= next;
+    if (which > n) return x;
+    if (which == 0 || which == n) {
+      v[which == 0 ? 0 : n - 1] *= -e;
+      continue;
+    }
+    const double push = (1 + e) * (v[which - 1] - v[which]) / (1 / m[which - 1] + 1 / m[which]);
+    v[which - 1] -= push / m[which - 1];
+    v[which] += push / m[which];
+  }
+}
+
+TEST(AccurateStep, AChainOfCollisionsIsFollowed) {
+  int collisions = 0;
+  const std::vector<double> exact = places(chain(), 0.2, collisions);
+  EXPECT_GE(collisions, 15);
+  for (const double x : {1e-2, 1e-3, 1e-4}) {
+    const Ended<2> end = run(with_accuracy(chain(), x, 0.1, 2));
+    double error = 0;
+    for (std::size_t k = 0; k < exact.size(); ++k) {
+      error = std::max(error, std::abs(end.state.bodies[k].x[0] - exact[k]) / kRadius);
+    }
+    EXPECT_LT(error, 0.05 * x);
+    EXPECT_EQ(end.totals.cut.rejected(), 0);
+    EXPECT_LE(end.totals.cut.parts, 3 * collisions + 6);
+  }
+}
+
+TEST(AccurateStep, RollingDownASlopeIsExactAndPartsGrow) {
+  const double angle = 20 * std::numbers::pi / 180, time = 0.5;
+  for (const double x : {1e-1, 1e-4}) {
+    Scene<2> scene = one_law<2>({.mu = 0.5});
+    scene.gravity = 9.81 * Vec2(std::sin(angle), -std::cos(angle));
+    scene.walls = {flat_floor<2>()};
+    scene.bodies = {round_body<2>(Vec2(0, kRadius), kRadius, 1)};
+    const Ended<2> end = run(with_accuracy(scene, x, time, 1));
+    // A cylinder rolls with 2/3 of the acceleration.
+    EXPECT_NEAR(end.state.bodies[0].x[0], 9.81 * std::sin(angle) * time * time / 3, 1e-12);
+    EXPECT_EQ(end.totals.cut.parts, 4);  // 0.1 twice, for new contacts; 0.3; the rest
+  }
+}
+
+TEST(AccurateStep, ASlidingCylinderStartsToRollWithTheErrorOfOnePart) {
+  const double mu = 0.5, step = 5e-3, time = 0.1, stop = 1 / (3 * mu * 9.81);
+  const double exact =
+      stop - 0.5 * mu * 9.81 * stop * stop + (1 - mu * 9.81 * stop) * (time - stop);
+  Scene<2> scene = one_law<2>({.mu = mu});
+  scene.gravity = Vec2(0, -9.81);
+  scene.walls = {flat_floor<2>()};
+  scene.bodies = {round_body<2>(Vec2(0, kRadius), kRadius, 1, Vec2(1, 0))};
+  const Ended<2> end = run(with_accuracy(scene, 1e-3, step, 20));
+  // The switch at t h of a step costs mu g h² t (1 - t) / 2.
+  EXPECT_NEAR(end.state.bodies[0].x[0], exact, mu * 9.81 * step * step / 8);
+}
+
+TEST(AccurateStep, SlidingInABowlIsOfTheFirstOrder) {
+  const double length = 0.09, start = std::numbers::pi / 3;
+  Scene<2> scene = one_law<2>({});
+  scene.gravity = Vec2(0, -9.81);
+  Wall<2> bowl;
+  bowl.shape = Wall<2>::Shape::kHollowCircle;
+  bowl.radius = 0.1;
+  scene.walls = {bowl};
+  scene.bodies = {round_body<2>(length * Vec2(std::sin(start), -std::cos(start)), kRadius, 1)};
+  // The pendulum by Runge and Kutta's rule.
+  double angle = start, rate = 0;
+  const double h = 1e-4;
+  const auto pull = [&](double a) { return -9.81 / length * std::sin(a); };
+  for (int k = 0; k < 10000; ++k) {
+    const double a1 = rate, r1 = pull(angle), a2 = rate + 0.5 * h * r1,
+                 r2 = pull(angle + 0.5 * h * a1), a3 = rate + 0.5 * h * r2,
+                 r3 = pull(angle + 0.5 * h * a2), a4 = rate + h * r3, r4 = pull(angle + h * a3);
+    angle += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    rate += h / 6 * (r1 + 2 * r2 + 2 * r3 + r4);
+  }
+  const Vec2 exact = length * Vec2(std::sin(angle), -std::cos(angle));
+  std::vector<double> errors;
+  for (const double x : {1e-2, 2e-3}) {
+    const Ended<2> end = run(with_accuracy(scene, x, 0.05, 20));
+    errors.push_back((end.state.bodies[0].x - exact).norm() / kRadius / x);
+    EXPECT_GT(end.totals.cut.parts, 1 / x);
+  }
+  EXPECT_NEAR(errors[1] / errors[0], 1, 0.1);
+}
+
+TEST(AccurateStep, ADrivenWallIsFollowedWithItsAcceleration) {
+  // 2 kg, 4 N: 0.04 m in 0.2 s, then at 0.4 m/s on a disk of 2 kg at rest: together at 0.2 m/s with
+  // 1 m/s².
+  Scene<2> scene = one_law<2>({});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
+  scene.walls[0].motion = Wall<2>::Motion::kDriven;
+  scene.walls[0].direction = Vec2(1, 0);
+  scene.walls[0].force = 4;
+  scene.walls[0].mass = 2;
+  scene.bodies = {round_body<2>(Vec2(0.04 + kRadius, 0), kRadius, 2)};
+  for (const double x : {1e-1, 1e-3}) {
+    const Ended<2> end = run(with_accuracy(scene, x, 0.3, 1));
+    EXPECT_NEAR(end.state.bodies[0].x[0], 0.05 + 0.02 + 0.005, 0.1 * x * kRadius);
+    EXPECT_NEAR(end.state.bodies[0].v[0], 0.3, 1e-2 * x);
+    EXPECT_EQ(end.totals.cut.rejected(), 0);
+  }
+}
+
+TEST(AccurateStep, ImagesOfACellCollide) {
+  // 0.58 m apart across the edge, at 2 m/s: after 0.29 s they exchange their velocities.
+  Scene<2> scene = one_law<2>({.e_n = 1});
+  scene.cell.in_x = scene.cell.in_y = true;
+  scene.cell.width.length = scene.cell.height.length = 1;
+  scene.bodies = {round_body<2>(Vec2(0.3, 0.5), kRadius, 1, Vec2(-1, 0)),
+                  round_body<2>(Vec2(0.7, 0.5), kRadius, 1, Vec2(1, 0))};
+  for (const double x : {1e-1, 1e-3}) {
+    const Ended<2> end = run(with_accuracy(scene, x, 0.4, 1));
+    EXPECT_NEAR(end.state.bodies[0].x[0], 0.3 - 0.29 + 0.11, 0.03 * x * kRadius);
+    EXPECT_NEAR(end.state.bodies[1].v[0], -1, 1e-12);
+    EXPECT_EQ(end.totals.cut.rejected(), 0);
+  }
+}
+
+TEST(AccurateStep, ClustersAndCylindersCollide) {
+  Scene<2> scene = one_law<2>({.e_n = 1});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
+  scene.bodies = {round_body<2>(Vec2(0.11, -kRadius), kRadius, 1, Vec2(-1, 0)),
+                  round_body<2>(Vec2(0.11, kRadius), kRadius, 1, Vec2(-1, 0))};
+  Cluster both;
+  both.x = Vec2(0.11, 0);
+  both.v = Vec2(-1, 0);
+  both.mass = both.area = 1;
+  both.inertia = 1e-4;
+  scene.clusters.bodies = {both};
+  scene.clusters.arms = {Vec2(0, -kRadius), Vec2(0, kRadius)};
+  for (Body<2>& d : scene.bodies) {
+    d.mass = d.inertia = 0;
+    d.cluster = 0;
+  }
+  const double x = 1e-2;
+  EXPECT_NEAR(run(with_accuracy(scene, x, 0.2, 1)).state.clusters.bodies[0].x[0], 0.11,
+              0.03 * x * kRadius);
+
+  Scene<3> pipe = one_law<3>({.e_n = 1});
+  Wall<3> wall;
+  wall.shape = Wall<3>::Shape::kHollowCircle;
+  wall.radius = 0.11;
+  wall.normal = Vec3(0, 0, 1);
+  pipe.walls = {wall};
+  pipe.bodies = {round_body<3>(Vec3(0, 0, 0), kRadius, 1, Vec3(1, 0, 1))};
+  const Ended<3> end = run(with_accuracy(pipe, x, 0.2, 1));
+  EXPECT_NEAR(end.state.bodies[0].x[0], 0, 0.03 * x * kRadius);
+  EXPECT_NEAR(end.state.bodies[0].x[2], 0.2, 1e-12);
+}
+
+/// Disks that fall into a box.
+Scene<2> pour(int count) {
+  Scene<2> scene = one_law<2>({.mu = 0.3});
+  scene.gravity = Vec2(0, -9.81);
+  scene.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+                 half_space<2>(Vec2(0.08, 0), Vec2(-1, 0))};
+  for (int k = 0; k < count; ++k) {
+    const double radius = kRadius * (0.8 + 0.05 * ((7 * k) % 9));
+    scene.bodies.push_back(
+        round_body<2>(Vec2(0.014 + 0.026 * (k % 3) + 1e-4 * (k % 5), 0.015 + 0.026 * (k / 3)),
+                      radius, 1000 * std::numbers::pi * radius * radius));
+  }
+  return scene;
+}
+
+TEST(AccurateStep, TheSameStateGivesTheSameBitsAlsoAfterARestart) {
+  Scene<2> scene = with_accuracy(pour(9), 3e-2, 0.02, 10);
+  scene.output.every = 5;
+  const TemporaryFolder folder;
+  SceneRunOptions<2> options;
+  options.folder.folder = folder / "whole";
+  State<2> whole = initial_state(scene);
+  const SceneRun<2> done = run_scene(scene, whole, options);
+  EXPECT_GT(done.totals.cut.parts, 30);
+  EXPECT_LT(done.totals.overlap, 4 * scene.accuracy);
+  EXPECT_LT(std::abs(done.totals.last.energy.imbalance), 1e-12);
+  State<2> halfway = initial_state(scene);
+  SceneRunOptions<2> first;
+  first.steps = 5;
+  first.folder.folder = folder / "half";
+  run_scene(scene, halfway, first);
+  State<2> restarted = read_state<2>(folder / "half");
+  EXPECT_EQ(restarted.step, 5);
+  run_scene(scene, restarted, first);
+  ASSERT_EQ(restarted.step, 10);
+  for (std::size_t k = 0; k < whole.bodies.size(); ++k) {
+    EXPECT_EQ(whole.bodies[k].x, restarted.bodies[k].x);
+    EXPECT_EQ(whole.bodies[k].v, restarted.bodies[k].v);
+  }
+  EXPECT_EQ(whole.shock_loss, restarted.shock_loss);
+}
+
+TEST(AccurateStep, EachPartIsSolvedOnce) {
+  const Scene<2> scene = with_accuracy(pour(6), 1e-2, 0.05, 4);
+  int solves = 0;
+  const StepSolver solver = make_step_solver(require_solver("auto"), to_options(scene.solver));
+  SceneRunOptions<2> options;
+  options.solver = [&](const ContactProblem& problem, Vector s0) {
+    ++solves;
+    return solver(problem, std::move(s0));
+  };
+  State<2> state = initial_state(scene);
+  const StepParts cut = run_scene(scene, state, options).totals.cut;
+  EXPECT_EQ(solves, cut.parts + cut.rejected());
+}
+
+TEST(AccurateStep, APartThatMissesACollisionIsTakenAgain) {
+  // The floor throws a disk that spins, and falls at 1 m/s, to the right: at mu (1 m/s) = 5 m/s. In
+  // the half part that is left, x r / (2 m/s), it goes 2.5 x r, but the wall is 1e-3 r away.
+  Scene<2> scene = one_law<2>({.mu = 5});
+  scene.walls = {flat_floor<2>(),
+                 half_space<2>(Vec2((1 + 1e-3) * kRadius, 0), Vec2(-1, 0), "side")};
+  scene.bodies = {round_body<2>(Vec2(0, 0.05), kRadius, 1, Vec2(0, -1), -3000)};
+  const double x = 1e-2;
+  const Ended<2> end = run(with_accuracy(scene, x, 0.1, 1));
+  EXPECT_GT(end.totals.cut.misplacing, 0);
+  EXPECT_LE(end.state.bodies[0].x[0], (1e-3 + 1.5 * x) * kRadius);
+}
+
+TEST(AccurateStep, ItEndsWithASentenceWhereAPartWouldBeTooShort) {
+  // The part of the impact at 1.4 m/s: x r / w = 7e-9 s, below 0.65 s / 2^20.
+  const Scene<2> scene = with_accuracy(ball<2>(0), 1e-6, 0.65, 1);
+  State<2> state = initial_state(scene);
+  SceneStepper<2> stepper(scene);
+  try {
+    stepper.advance(state);
+    FAIL();
+  } catch (const StepFailure& failure) {
+    EXPECT_EQ(failure.kind, StepFailure::Kind::kInvalidInput);
+    EXPECT_NE(std::string(failure.what()).find("impact 0 floor"), std::string::npos)
+        << failure.what();
+  }
+  EXPECT_EQ(state.step, 0);
+}
+
+TEST(AccurateStep, WallsStartInTheMiddleOfAStep) {
+  // It starts at 0.13 s, at 0.5 m/s: 0.035 m until 0.2 s.
+  Scene<2> scene = one_law<2>({});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
+  scene.walls[0].motion = Wall<2>::Motion::kMoving;
+  scene.walls[0].v = Vec2(0.5, 0);
+  scene.walls[0].starts = 0.13;
+  scene.bodies = {round_body<2>(Vec2(kRadius, 0), kRadius, 1)};
+  const Ended<2> end = run(with_accuracy(scene, 1e-2, 0.2, 1));
+  EXPECT_NEAR(end.state.walls[0].a[0], 0.035, 1e-14);
+  EXPECT_NEAR(end.state.bodies[0].x[0], kRadius + 0.035, 1e-2 * kRadius);
+}
+
+}  // namespace
+}  // namespace bipot
