@@ -10,6 +10,7 @@
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/claim_report.h"
+#include "bench/experiments/paper_item.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"

@@ -20,7 +20,7 @@ std::string base64(std::string_view bytes);
 /// summary.json of a run; null if there is none, or none that is whole.
 Json page_summary(const std::filesystem::path& folder);
 
-/// Steps that a reader must know of: unsolved, taken in parts, with several answers.
+/// Steps that a reader must know of: unsolved, with several answers.
 Json page_marks(const std::vector<CurveTable>& curves);
 
 /// Columns in single precision, one after the other; their description goes into `about`.

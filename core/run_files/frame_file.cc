@@ -51,7 +51,7 @@ void write_stresses(Hdf5File& file, const State<D>& state, double step,
                     const MeanStress<D>& sample) {
   const std::vector<Spin<D>> moments = contact_moments(state);
   const std::vector<MeanStress<D>> disks = disk_stresses<D>(state, step, moments);
-  Column tensors(6 * disks.size());
+  Hdf5Column tensors(6 * disks.size());
   for (const MeanStress<D>& stress : disks) {
     for (const double x : six_components<D>(stress.total())) tensors.add(x);
   }
@@ -74,7 +74,7 @@ void write_stresses(Hdf5File& file, const State<D>& state, double step,
 
 /// Writes walls as they are drawn: lines, and the rims of circles; in 3D pieces with four corners.
 void write_wall_shapes(Hdf5File& file, const std::vector<Wall<2>>& walls, const Box<2>& view) {
-  Column lines(4 * walls.size());
+  Hdf5Column lines(4 * walls.size());
   for (const auto& [first, last] : wall_lines(walls, view)) {
     lines.add(first);
     lines.add(last);
@@ -83,7 +83,7 @@ void write_wall_shapes(Hdf5File& file, const std::vector<Wall<2>>& walls, const 
   write_point_numbers(file, "/walls/points", 2 * walls.size());
 }
 void write_wall_shapes(Hdf5File& file, const std::vector<Wall<3>>& walls, const Box<3>& view) {
-  Column corners(12 * walls.size());
+  Hdf5Column corners(12 * walls.size());
   for (const WallPiece& piece : wall_pieces(walls, view)) {
     for (const Vec3& corner : piece.corners) corners.add(corner);
   }
@@ -93,7 +93,7 @@ void write_wall_shapes(Hdf5File& file, const std::vector<Wall<3>>& walls, const 
 
 /// Circles as polygons, closed: kRimPoints points each.
 void write_rims(Hdf5File& file, const std::vector<Wall<2>>& walls) {
-  Column rim(0);
+  Hdf5Column rim(0);
   for (const Wall<2>& w : walls) {
     if (!w.is_circle()) continue;
     for (int k = 0; k < kRimPoints; ++k) {
@@ -111,7 +111,7 @@ void write_rims(Hdf5File& file, const std::vector<Wall<2>>& walls) {
 /// Velocities with three components, as ParaView's vectors have them.
 template <int D>
 void write_velocities(Hdf5File& file, const std::vector<Body<D>>& bodies) {
-  Column velocity(3 * bodies.size());
+  Hdf5Column velocity(3 * bodies.size());
   for (const Body<D>& b : bodies) {
     velocity.add(b.v);
     if constexpr (D == 2) velocity.add(0.0);
@@ -206,7 +206,7 @@ void write_frame_file(const std::filesystem::path& path, const Scene<D>& scene,
     const Body<D>& body = drawn.bodies[to_size(c.contact.i)];
     return Vec<D>(body.x - body.radius * c.contact.n);
   });
-  Column branch(2 * D * contacts.size());
+  Hdf5Column branch(2 * D * contacts.size());
   for (const Outcome& c : contacts) {
     const auto [a, b] = drawn_branch(drawn, c.contact);
     branch.add(a);

@@ -12,9 +12,9 @@ namespace bipot {
 /// Datasets of the files of a run: a value of each item of a range.
 
 /// Collects one column of numbers, or several, row by row.
-class Column {
+class Hdf5Column {
  public:
-  explicit Column(std::size_t reserve) { values_.reserve(reserve); }
+  explicit Hdf5Column(std::size_t reserve) { values_.reserve(reserve); }
   void add(double x) { values_.push_back(x); }
   template <int D>
   void add(const Eigen::Matrix<double, D, 1>& x) {
@@ -29,7 +29,7 @@ class Column {
 template <class Range, class Get>
 void write_doubles(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
                    Get&& get) {
-  Column column(range.size());
+  Hdf5Column column(range.size());
   for (const auto& item : range) column.add(static_cast<double>(get(item)));
   file.write(name, column.values());
   file.write_attribute(name, "unit", unit);
@@ -40,7 +40,7 @@ void write_vectors(Hdf5File& file, const std::string& name, const char* unit, co
                    Get&& get) {
   using Vec = std::remove_cvref_t<decltype(get(*range.begin()))>;
   constexpr std::size_t kWidth = Vec::RowsAtCompileTime;
-  Column column(kWidth * range.size());
+  Hdf5Column column(kWidth * range.size());
   for (const auto& item : range) column.add(Vec(get(item)));
   file.write_rows(name, column.values(), kWidth);
   file.write_attribute(name, "unit", unit);

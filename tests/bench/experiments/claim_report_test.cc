@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "bench/experiments/paper_item.h"
 #include "core/base/file_error.h"
 #include "tests/support/temporary_folder.h"
 
