@@ -331,7 +331,7 @@ ContactTiles batches_in_order(const Bodies& packed, const std::vector<int>& orde
   do {
     ContactTiles::Tile tile;
     tile.first_batch = batch;
-    tile.last_batch = batch = std::min(batch + of_tile, out.num_batches());
+    tile.last_batch = batch += std::min(of_tile, out.num_batches() - batch);
     tile.first_row = out.num_rows;
     for (int lane = tile.first_batch * kLanes; lane < tile.last_batch * kLanes; ++lane) {
       const int c = out.contact[to_size(lane)];
@@ -356,14 +356,17 @@ ContactTiles order_contacts(const Bodies& packed) {
 }
 
 template <class Bodies>
-ContactTiles given_order(const Bodies& packed) {
+ContactTiles given_order(const Bodies& packed, int batches_of_tile) {
   std::vector<int> order(packed.contacts.size());
   std::iota(order.begin(), order.end(), 0);
-  return batches_in_order(packed, order, std::max(1, static_cast<int>(order.size())));
+  return batches_in_order(packed, order, batches_of_tile);
 }
 
 template <class Bodies>
 ContactTiles symmetric_order(const Bodies& packed) {
+  if constexpr (std::is_same_v<Bodies, SphereStructure>) {
+    return given_order(packed, kOrderedBatches);
+  }
   ContactTiles along = order_contacts(packed);
   const auto contacts = static_cast<double>(packed.contacts.size());
   return contacts >= kFilled * kLanes * along.num_batches() ? along : tile_contacts(packed);
@@ -371,7 +374,7 @@ ContactTiles symmetric_order(const Bodies& packed) {
 
 #define BIPOT_ORDERS(Bodies)                                                          \
   template ContactTiles tile_contacts(const Bodies&);                                 \
-  template ContactTiles given_order(const Bodies&);                                   \
+  template ContactTiles given_order(const Bodies&, int);                              \
   template ContactTiles order_contacts(const Bodies&);                                \
   template ContactTiles symmetric_order(const Bodies&);                               \
   template std::vector<int> tile_starts(const Bodies&, const std::vector<int>&, int); \

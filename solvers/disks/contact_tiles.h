@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -60,13 +61,15 @@ ContactTiles tile_contacts(const Bodies& bodies);
 template <class Bodies>
 ContactTiles order_contacts(const Bodies& bodies);
 
-/// The same in the given order of the contacts, all in one tile.
+/// The same in the given order of the contacts, in tiles of at most so many batches.
 template <class Bodies>
-ContactTiles given_order(const Bodies& bodies);
+ContactTiles given_order(const Bodies& bodies,
+                         int batches_of_tile = std::numeric_limits<int>::max());
 
 /// Order for symmetric sweeps: the order along the rows if its batches are three quarters full,
 /// else that of tile_contacts(). Short rows do not hold eight independent contacts in sequence; the
-/// first order would then make nearly empty batches. In both a body belongs to the tile that uses
+/// first order would then make nearly empty batches. For spheres the given order, in which moving
+/// steps need fewer iterations. In all a body belongs to the tile that uses
 /// it first, or to one before.
 template <class Bodies>
 ContactTiles symmetric_order(const Bodies& bodies);
