@@ -58,7 +58,8 @@ void judge(ContactSpace& space, const SolverOptions& options, SolveResult& resul
     result.message = "the solver returned without a status";
     result.status = SolveStatus::kNumericalFailure;
   }
-  const bool unsolved = !is_success(result.status) && result.status != SolveStatus::kInterrupted;
+  const bool unsolved = !is_success(result.status) && result.status != SolveStatus::kInterrupted &&
+                        result.status != SolveStatus::kTimeLimit;
   if (unsolved && space.whole() != nullptr &&
       at_rounding_floor(space.problem(), options, result.s, result.error)) {
     result.status = SolveStatus::kStalled;

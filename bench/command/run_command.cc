@@ -452,7 +452,7 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
       .positive();
   command
       .option("--accuracy", flags.accuracy,
-              "Radii by which an impact may misplace a body, instead of the scene's; 0: none")
+              "Radii by which an impact may misplace a body; 0: no parts")
       .value_name("RADII")
       .not_negative();
   command

@@ -36,10 +36,10 @@ DistributedSpace::DistributedSpace(const ProblemPiece& piece, ProcessGroup& grou
       given_whole_(whole),
       shared_factor_rows_(shared_factor_rows) {
   const ContactProblem& p = piece.with_halo;
-  if (piece.disks && p.num_contacts() > 0) disks_.emplace(p, DelassusOperator::Form::kTwoPass);
+  if (piece.packed && p.num_contacts() > 0) packed_.emplace(p, DelassusOperator::Form::kTwoPass);
   // All use the packed form or none does: it rounds differently.
-  all_disks_ = !group.any(p.num_contacts() > 0 && !(disks_ && disks_->disks()));
-  if (!all_disks_) disks_.reset();
+  all_packed_ = !group.any(p.num_contacts() > 0 && !(packed_ && packed_->is_packed()));
+  if (!all_packed_) packed_.reset();
   const Vector inverse_own = piece.own.A.diagonal().cwiseInverse();
   diagonal_ = Vector::Zero(piece.own.num_rows());
   for (int i = 0; i < piece.own.num_rows(); ++i) {
@@ -87,8 +87,8 @@ const std::vector<double>& DistributedSpace::everywhere_momentum(const Vector& s
 
 /// u_all_ <- W s_all_, valid in the rows of the owned contacts.
 void DistributedSpace::product() {
-  if (disks_) {
-    disks_->apply(s_all_, u_all_);
+  if (packed_) {
+    packed_->apply(s_all_, u_all_);
     return;
   }
   const ContactProblem& p = piece_.with_halo;

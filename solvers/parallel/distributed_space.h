@@ -64,9 +64,9 @@ class DistributedSpace final : public ContactSpace {
   /// s of the contacts of the halo, in the order of piece().halo.
   const std::vector<double>& halo(const Vector& s);
   /// True if the contacts of all processes are those of disks.
-  bool disks() const { return all_disks_; }
+  bool disks() const { return all_packed_ && piece_.own.dim < 3; }
   /// piece().with_halo as disks. Requires disks(), and a contact here.
-  const DiskStructure& halo_disks() const { return *disks_->disks(); }
+  const DiskStructure& halo_disks() const { return *packed_->disks(); }
   /// The values of the owned contacts and of the halo, in the rows of piece().with_halo.
   void with_halo(const Vector& s, Vector& all);
   /// v = v_free + A⁻¹ H s in the degrees of freedom of piece().own.
@@ -103,8 +103,8 @@ class DistributedSpace final : public ContactSpace {
   ProcessGroup& group_;
   bool exact_;
   std::unique_ptr<Exchange> exchange_;
-  std::optional<DelassusOperator> disks_;  // where the whole problem is one of disks
-  bool all_disks_ = false;
+  std::optional<DelassusOperator> packed_;  // where the whole problem is one of disks or spheres
+  bool all_packed_ = false;
   Vector inverse_mass_, velocity_;  // of with_halo
   Vector diagonal_;
   bool any_everywhere_ = false;

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <string>
 
-#include "core/problem/disk_structure.h"
+#include "core/problem/packed_bodies.h"
 
 namespace bipot {
 namespace {
@@ -74,7 +74,7 @@ class PieceCutter {
     cut_with_halo();
     find_everywhere();
     piece_.dof_number = dofs_;
-    piece_.disks = disk_structure(whole_).has_value();
+    piece_.packed = disk_structure(whole_) || sphere_structure(whole_);
     return std::move(piece_);
   }
 

@@ -41,7 +41,7 @@ struct ProblemPiece {
   std::vector<EverywhereEntry> everywhere;
   std::vector<double> everywhere_inverse_mass;  ///< the same on every process
   std::vector<int> everywhere_own_dof;          ///< place in `own`; -1: no owned contact there
-  bool disks = false;  ///< the whole problem is one of disks (core/problem/disk_structure.h)
+  bool packed = false;  ///< the whole problem is one of disks or spheres (packed_bodies.h)
 };
 
 /// Reason why a problem cannot be distributed, in one sentence; empty if it can. A and H are

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/problem/disk_structure.h"
+#include "core/problem/packed_bodies.h"
 
 namespace bipot {
 namespace {
@@ -115,7 +115,8 @@ DomainPiece assemble_piece(const Scene<D>& scene, const LocalBodies<D>& local,
   piece.copies = contacts.copies;
   // If one process has contacts that are not of disks, DistributedSpace uses the general form on
   // all.
-  piece.disks = piece.own.num_contacts() == 0 || disk_structure(piece.own).has_value();
+  piece.packed =
+      piece.own.num_contacts() == 0 || disk_structure(piece.own) || sphere_structure(piece.own);
   follow_rows(local, mid, contacts, bodies, out);
   follow_walls(mid, group, out);
   return out;

@@ -59,7 +59,7 @@ class Caller {
     longest_ = std::max(longest_, since_question_.seconds());
     since_question_.restart();
   }
-  static constexpr int kQuestions = 60;  // before the quickest solver is at round-off
+  static constexpr int kQuestions = 40;  // before the quickest solver is at round-off
   double patience_, longest_ = 0;
   int questions_ = 0;
   Timer since_start_, since_question_;
@@ -129,6 +129,11 @@ TEST_P(EveryRow, KeepsToItsTime) {
     const Timer timer;
     const SolveResult r = solve(*entry_, problem_, options_);
     seconds = std::min(seconds, timer.seconds());
+    // A solver that arrives at the floor of rounding before ends there, and says so.
+    if (r.status == SolveStatus::kStalled && seconds < options_.time_limit) {
+      ASSERT_NE(r.message.find("as exact as doubles allow"), std::string::npos) << r.message;
+      continue;
+    }
     ASSERT_EQ(r.status, SolveStatus::kTimeLimit) << to_string(r.status) << ": " << r.message;
   }
   RecordProperty("seconds", std::to_string(seconds));

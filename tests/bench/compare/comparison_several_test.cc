@@ -95,13 +95,13 @@ TEST(SeveralAnswersInACompare, AreKeptWithTheReference) {
   }
 }
 
-TEST(SeveralAnswersInACompare, OfATiltedPackingAreThree) {
-  // pgs and newton, apgd, and ipm end 5e-2 to 1.5e-1 apart.
+TEST(SeveralAnswersInACompare, OfATiltedPackingAreTwo) {
+  // pgs ends 0.1 and more from where apgd and ipm end.
   const Comparison c =
       compare(expand_targets({source_folder().string() + "/data/problems/2d_tilt1000hi_182.hdf5"}),
               options_for({"pgs", "apgd", "ipm"}, {1e-10}));
   ASSERT_EQ(c.problems.size(), 1u);
-  EXPECT_GE(c.problems[0].answers, 3);
+  EXPECT_GE(c.problems[0].answers, 2);
   EXPECT_GT(c.problems[0].spread.velocity, 5e-2);
   EXPECT_LT(c.problems[0].spread.energy, c.problems[0].spread.velocity);
   for (const ComparisonRow& row : c.rows) EXPECT_LT(row.velocity_error, 1e-4) << row.solver;

@@ -479,7 +479,7 @@ TEST(TradeReport, NamesEveryRunAndNoNumberThatIsNone) {
   EXPECT_EQ(json["scenes"][0]["settings"].size(), 7u);
   const std::string page = to_html(trade_page(analysed, context));
   EXPECT_EQ(markup_defect(page), "");
-  EXPECT_NE(page.find("<h3>&lt;made&gt;</h3>"), std::string::npos);
+  EXPECT_NE(page.find("<h3 id=\"scene-1\">&lt;made&gt;</h3>"), std::string::npos);
   EXPECT_NE(page.find("5 s were up"), std::string::npos);
   EXPECT_EQ(page.find("nan"), std::string::npos);
   EXPECT_NE(page.find("bipot trade made.toml"), std::string::npos);

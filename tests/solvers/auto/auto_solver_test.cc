@@ -461,8 +461,8 @@ TEST(AutoSolver, PathsSeeTheCallersCancel) {
   SolverOptions options{.tol = 1e-12};
   bool on_path = false;
   options.on_iteration = [&](const IterationRecord& r) {
-    // The rough start and apgd are given up by 2900 iterations: what follows are paths.
-    on_path = r.iteration > 2900;
+    // The rough start and apgd are given up by 1850 iterations: what follows are paths.
+    on_path = r.iteration > 1850;
   };
   options.cancelled = [&on_path] { return on_path; };
   const SolveResult result = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), options);
