@@ -331,7 +331,7 @@ TEST(AutoSolver, InSpaceFactorisationsHaveTheirTime) {
   for (const bool warm : {false, true}) {
     const std::vector<AutoStage> stages = planned(shipped_file("3d_sphere_box_4.hdf5"), warm);
     const auto endless = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
-      return stage.max_iterations >= 100000;
+      return stage.max_iterations >= 1000000;
     });
     int first = 0, most = 0, splitting = 0;
     for (auto stage = stages.begin(); stage != endless; ++stage) {
