@@ -103,7 +103,9 @@ class Page:
         elif method == "Runtime.consoleAPICalled" and what["type"] in ("error", "warning", "assert"):
             self.errors.append(" ".join(str(a.get("value", a.get("description"))) for a in what["args"]))
         elif method == "Log.entryAdded" and what["entry"]["level"] in ("error", "warning"):
-            self.errors.append(what["entry"]["text"])
+            # What a software driver says of its own speed is no fault of the page.
+            if "GL Driver Message" not in what["entry"]["text"]:
+                self.errors.append(what["entry"]["text"])
         elif method == "Network.requestWillBeSent":
             url = what["request"]["url"]
             if not url.startswith(self.own):
