@@ -59,7 +59,7 @@ class Caller {
     longest_ = std::max(longest_, since_question_.seconds());
     since_question_.restart();
   }
-  static constexpr int kQuestions = 40;  // before the quickest solver is at round-off
+  static constexpr int kQuestions = 60;  // before the quickest solver is at round-off
   double patience_, longest_ = 0;
   int questions_ = 0;
   Timer since_start_, since_question_;
