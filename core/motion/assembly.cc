@@ -177,6 +177,68 @@ double lever(const ClusterInput& clusters, const Body<D>& disk, const Vec<D>& ax
   }
 }
 
+/// 1 over the distance between the centres of a contact: its normal turns by the way across n over
+/// this distance. Negative in a hollow circle, 0 on a plane.                               [1/m]
+template <int D>
+double bend_of(const Contact<D>& contact, const Body<D>& body, const Body<D>* other,
+               const Wall<D>* wall) {
+  double distance = contact.gap + body.radius;
+  if (other != nullptr) {
+    distance += other->radius;
+  } else if (wall->is_circle()) {
+    const bool hollow = wall->shape == Wall<D>::Shape::kHollowCircle;
+    distance += hollow ? -wall->radius : wall->radius;
+  } else {
+    const bool half_plane = wall->shape == Wall<D>::Shape::kHalfPlane;
+    const Vec<D> along = wall->b - wall->a;
+    if (half_plane || std::abs(contact.n.dot(along)) < 1e-9 * along.norm()) return 0;
+  }
+  return distance == 0 ? 0 : 1 / distance;
+}
+
+/// Acceleration of a disk's centre by the turning of its cluster.
+template <int D>
+Vec<D> pull_of(const ClusterInput& clusters, const Body<D>& disk) {
+  if constexpr (D == 2) {
+    if (disk.cluster >= 0) {
+      const Cluster& cluster = clusters.bodies[to_size(disk.cluster)];
+      return -cluster.spin * cluster.spin * (disk.x - cluster.x);
+    }
+  }
+  return Vec<D>::Zero();
+}
+
+/// Half of the change of a contact's velocity in a step in which only its normal and the clusters
+/// turn: δ of data/manual/explanation/accuracy.md, along n and the tangents [m/s]. b: null at a
+/// wall.
+template <int D>
+Vec<D> half_turn(const StepInput<D>& in, const Contact<D>& contact,
+                 const std::array<Vec<D>, to_size(D)>& frame, const Body<D>& a, const Body<D>* b,
+                 const Wall<D>* wall) {
+  const Vec<D>& n = frame[0];
+  Vec<D> other = b != nullptr ? b->v : wall->v, unused = other, pull = pull_of<D>(in.clusters, a);
+  add_image_velocity<D>(in.cell, contact, other, unused);
+  Vec<D> w = a.v - other;
+  Spin<D> arms = a.radius * a.spin;
+  if (b != nullptr) {
+    arms += b->radius * b->spin;
+    pull -= pull_of<D>(in.clusters, *b);
+  }
+  w -= n.dot(w) * n;
+  if constexpr (D == 3) {
+    if (b == nullptr && wall->is_circle()) w -= w.dot(wall->normal) * wall->normal;
+  }
+  const std::size_t j = to_size(contact.j);
+  const Body<D>* const disk = j < in.bodies.size() ? &in.bodies[j] : nullptr;
+  const Vec<D> turn = bend_of<D>(contact, a, disk, wall) * w;  // of n in time
+  Vec<D> change = Vec<D>::Zero();
+  change[0] = w.dot(turn) + n.dot(pull);
+  if constexpr (D == 3) {
+    for (int k = 1; k < 3; ++k) change[k] = -frame[to_size(k)].dot(arms.cross(turn));
+  }
+  return 0.5 * in.scene.step * change;
+}
+
 /// The columns and rows of contact c.
 template <int D>
 void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, ColumnWriter& columns,
@@ -211,6 +273,8 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   const int l = with_disk ? dofs.disk[j] : dofs.wall[w];
   const auto frame = contact_frame<D>(contact.n);
   const bool turns_a = a.cluster >= 0, turns_b = with_disk && b->cluster >= 0;
+  Vec<D> turn = Vec<D>::Zero();
+  if (in.scene.accuracy > 0) turn = half_turn<D>(in, contact, frame, a, b, wall);
   for (int row = 0; row < d; ++row) {
     const Vec<D>& axis = frame[to_size(row)];
     const double e = row == 0 ? law.e_n : law.e_t;
@@ -224,9 +288,14 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
     step.u_before[c * d + row] = before;
     p.u_free[c * d + row] = (free + e * before) / r;
     if (p.row_scale.size() > 0) p.row_scale[c * d + row] = r;
-    if (row == 0 && step.gap_rate.size() > 0 && contact.gap > 0) {
-      step.gap_rate[c * d] = contact.gap / (in.scene.step * r);
-      p.u_free[c * d] += step.gap_rate[c * d];
+    if (step.shift.size() > 0) {
+      double& shift = step.shift[c * d + row];
+      if (in.scene.accuracy > 0) {
+        shift = (1 - e) * turn[row] / r;
+      } else if (row == 0 && contact.gap > 0) {
+        shift = contact.gap / (in.scene.step * r);
+      }
+      p.u_free[c * d + row] += shift;
     }
 
     for (int x = 0; x < D; ++x) columns.add(k + x, axis[x] / r);
@@ -325,7 +394,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
   p.mu = large_vector(num_contacts);
   p.u_free = large_vector(d * num_contacts);
   step.u_before = large_vector(d * num_contacts);
-  if (scene.predict_gaps) step.gap_rate = Vector::Zero(d * num_contacts);
+  if (scene.predict_gaps || scene.accuracy > 0) step.shift = Vector::Zero(d * num_contacts);
   if (any_restitution) p.row_scale = large_vector(d * num_contacts);
 
   // First entry of each contact's columns, which several threads write.

@@ -39,9 +39,9 @@ struct AssembledStep {
   ContactProblem problem;
   DofMap dofs;
   Vector u_before;  ///< m, physical relative velocities u⁻ before the step    [m/s]
-  /// Part of u_free that is not a velocity, m values: g/h of pairs not yet in contact, in the
-  /// problem's variables. Empty if gaps are not predicted. [m/s]
-  Vector gap_rate;
+  /// Part of u_free that is not a velocity, m values in the problem's variables: g/h of pairs not
+  /// yet in contact, or the turning of contacts. Empty without both. [m/s]
+  Vector shift;
 };
 
 /// Assembles A, H, u_free, mu (and W on request) of one step of size h. Input: the bodies'
@@ -62,6 +62,11 @@ struct AssembledStep {
 /// With the scene's predict_gaps the normal row of a contact with a gap g > 0 reads u_n + g/h >= 0.
 /// At the midpoint of the next step, h later, it is then closed without overlap (Stewart and
 /// Trinkle, Int. J. Numer. Methods Eng. 39, 1996, for the end of the step).
+///
+/// With the scene's accuracy the law holds for velocities at a quarter of the way to the last and
+/// the next midpoint, where bodies go straight and the normal turns: u⁺ + δ and u⁻ - δ in place of
+/// u⁺ and u⁻. Then bodies that slide or roll on each other keep their gap and their energy to the
+/// second order in h. δ: data/manual/explanation/accuracy.md. [ours]
 ///
 /// If no pair of the scene's materials has friction, the contact dimension is 1 (no tangential
 /// rows, no rotations). Only bodies in contact enter. Driven walls have a degree of freedom; other

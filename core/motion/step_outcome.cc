@@ -82,7 +82,7 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
   outcome.contacts.resize(mid.contacts.size());
   Vector u = p.num_rows() > 0 ? Vector(p.H.transpose() * (v - p.v_free)) : Vector();
   u += p.u_free;
-  if (assembled.gap_rate.size() > 0) u -= assembled.gap_rate;
+  if (assembled.shift.size() > 0) u -= assembled.shift;
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
     const Contact<D>& contact = mid.contacts[c];
     const std::size_t i = to_size(contact.i), j = to_size(contact.j);

@@ -326,7 +326,7 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
       smooth = h * kAim / error.smooth();
       smooth_by = smooth_kind;
     } else if (h >= 0.5 * std::min(smooth, whole)) {
-      const double growth = kAim / std::max(error.smooth(), 1e-3);
+      const double growth = std::sqrt(kAim / std::max(error.smooth(), 1e-3));
       smooth = std::min(whole, h * std::min(kGrowth, growth));
       smooth_by = growth < kGrowth && smooth < whole ? smooth_kind : "none";
     }

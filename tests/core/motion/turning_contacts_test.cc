@@ -1,0 +1,159 @@
+// Contacts that turn while bodies slide or roll on each other: of the second order in the time step
+// where a scene has an accuracy. Steps of equal size, without its controller.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/motion/time_stepping.h"
+#include "core/scene/scene_parts.h"
+#include "solvers/registry.h"
+#include "solvers/simulation/step_solver.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kGravity = 9.81, kRadius = 0.01, kBowl = 0.1, kLength = kBowl - kRadius;
+
+struct Ended {
+  double error = 0;   // of the place                                     [radii]
+  double energy = 0;  // largest energy above that of the start               [J]
+};
+
+/// Runs for a time in equal steps; `place`: of the body at the end.
+template <int D>
+Ended run(Scene<D> scene, double time, int steps, const Vec<D>& place) {
+  scene.accuracy = 0.1;
+  scene.step = time / steps;
+  scene.contact_distance = 1e-4 * kRadius;
+  State<D> state = initial_state(scene);
+  SolverChoice exact{.tol = 1e-12};
+  TimeStepper<D> stepper(scene, make_step_solver(require_solver("auto"), to_options(exact)), false);
+  Ended ended;
+  double start = 0;
+  for (int k = 0; k < steps; ++k) {
+    const StepReport<D> report = stepper.advance(state);
+    EXPECT_TRUE(report.converged) << report.message;
+    EXPECT_NEAR(report.energy.imbalance, 0, 1e-12);
+    const double energy = report.energy.kinetic + report.energy.potential;
+    if (k == 0) start = energy;
+    ended.energy = std::max(ended.energy, energy - start);
+  }
+  ended.error = (state.bodies[0].x - place).norm() / kRadius;
+  return ended;
+}
+
+/// Half a step has a quarter of the error. Energy is not created, but for that order.
+template <int D>
+void expect_second_order(const Scene<D>& scene, double time, int steps, const Vec<D>& place,
+                         double most) {
+  const Ended one = run<D>(scene, time, steps, place), two = run<D>(scene, time, 2 * steps, place);
+  EXPECT_LT(two.error, most);
+  EXPECT_GT(one.error, 3.4 * two.error);
+  EXPECT_LT(two.energy, 1e-5);
+}
+
+/// The angle of a pendulum after a time, by Runge and Kutta's rule: a'' = pull(a, a').
+template <class Pull>
+double swing(double angle, double time, const Pull& pull) {
+  const int steps = 20000;
+  const double h = time / steps;
+  double rate = 0;
+  for (int k = 0; k < steps; ++k) {
+    const double a1 = rate, r1 = pull(angle, rate), a2 = rate + 0.5 * h * r1,
+                 r2 = pull(angle + 0.5 * h * a1, a2), a3 = rate + 0.5 * h * r2,
+                 r3 = pull(angle + 0.5 * h * a2, a3), a4 = rate + h * r3,
+                 r4 = pull(angle + h * a3, a4);
+    angle += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+    rate += h / 6 * (r1 + 2 * r2 + 2 * r3 + r4);
+  }
+  return angle;
+}
+
+/// A disk in a bowl, at an angle to its lowest point.
+Scene<2> in_a_bowl(double mu, double angle) {
+  Scene<2> scene = one_law<2>({.mu = mu});
+  scene.gravity = Vec2(0, -kGravity);
+  Wall<2> bowl;
+  bowl.shape = Wall<2>::Shape::kHollowCircle;
+  bowl.radius = kBowl;
+  scene.walls = {bowl};
+  scene.bodies = {round_body<2>(kLength * Vec2(std::sin(angle), -std::cos(angle)), kRadius, 1)};
+  return scene;
+}
+
+TEST(TurningContacts, ADiskSlidesAndRollsInABowl) {
+  // Rolling adds half of the mass to the inertia of a pendulum.
+  const double start = std::numbers::pi / 3;
+  for (const double mu : {0.0, 5.0}) {
+    const double inertia = mu == 0 ? 1 : 1.5;
+    const double angle = swing(
+        start, 1, [&](double a, double) { return -kGravity / (inertia * kLength) * std::sin(a); });
+    const Vec2 place = kLength * Vec2(std::sin(angle), -std::cos(angle));
+    expect_second_order<2>(in_a_bowl(mu, start), 1, 400, place, mu == 0 ? 2e-3 : 4e-3);
+  }
+}
+
+TEST(TurningContacts, ADiskRollsDownAHill) {
+  // On a solid circle the gap opens as the normal turns. It rolls until it flies off, later.
+  const double length = kBowl + kRadius, start = 0.3;
+  Scene<2> scene = in_a_bowl(5, 0);
+  scene.walls[0].shape = Wall<2>::Shape::kSolidCircle;
+  scene.bodies[0].x = length * Vec2(std::sin(start), std::cos(start));
+  const double angle =
+      swing(start, 0.12, [&](double a, double) { return kGravity / (1.5 * length) * std::sin(a); });
+  expect_second_order<2>(scene, 0.12, 100, length * Vec2(std::sin(angle), std::cos(angle)), 2e-5);
+}
+
+TEST(TurningContacts, ASphereRollsRoundAnUprightPipe) {
+  // Rolling in a pipe with its axis along gravity. The moments about the point of contact of a ball
+  // of inertia 2/5 m a² give, with the spin w_r along the normal and the rate W of the way round,
+  //   W' = 0,   a w_r' = W z',   7/5 z'' = -g - 2/5 a W w_r.
+  // So z'' + 2/7 W² z is constant: the ball comes up again, z = -5 g/(2 W²) (1 - cos √(2/7) W t).
+  const double rate = 40, time = 0.2;
+  Scene<3> scene = one_law<3>({.mu = 50});
+  scene.gravity = Vec3(0, 0, -kGravity);
+  Wall<3> pipe;
+  pipe.shape = Wall<3>::Shape::kHollowCircle;
+  pipe.normal = Vec3::UnitZ();
+  pipe.radius = kBowl;
+  scene.walls = {pipe};
+  scene.bodies = {round_body<3>(Vec3(kLength, 0, 0), kRadius, 1, Vec3(0, rate * kLength, 0))};
+  scene.bodies[0].spin = Vec3(0, 0, -rate * kLength / kRadius);
+  const double z =
+      -2.5 * kGravity / (rate * rate) * (1 - std::cos(std::sqrt(2.0 / 7) * rate * time));
+  const Vec3 place(kLength * std::cos(rate * time), kLength * std::sin(rate * time), z);
+  expect_second_order<3>(scene, time, 400, place, 2e-2);
+}
+
+TEST(TurningContacts, ARodSlidesOnItsEnd) {
+  // Two joined disks; the first touches a floor without friction. About the centre of mass, at the
+  // distance c of both: (I + m c² cos² a) a'' = -m g c cos a + m c² sin a cos a a'².
+  const double c = 0.05, inertia = 2e-3, mass = 1, start = 1.2, time = 0.1;
+  Scene<2> scene = one_law<2>({});
+  scene.gravity = Vec2(0, -kGravity);
+  scene.walls = {flat_floor<2>()};
+  const Vec2 arm = c * Vec2(std::cos(start), std::sin(start)), centre(0, kRadius + arm[1]);
+  scene.bodies = {round_body<2>(centre - arm, kRadius, 1), round_body<2>(centre + arm, kRadius, 1)};
+  Cluster rod;
+  rod.x = centre;
+  rod.mass = mass;
+  rod.area = 1;
+  rod.inertia = inertia;
+  scene.clusters.bodies = {rod};
+  scene.clusters.arms = {-arm, arm};
+  for (Body<2>& d : scene.bodies) {
+    d.mass = d.inertia = 0;
+    d.cluster = 0;
+  }
+  const double angle = swing(start, time, [&](double a, double w) {
+    return c * mass * std::cos(a) * (c * std::sin(a) * w * w - kGravity) /
+           (inertia + mass * c * c * std::cos(a) * std::cos(a));
+  });
+  expect_second_order<2>(scene, time, 50, Vec2(-c * std::cos(angle), kRadius), 1e-3);
+}
+
+}  // namespace
+}  // namespace bipot
