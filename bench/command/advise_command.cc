@@ -62,6 +62,7 @@ void write_scene(const AdviseFlags& flags, const std::string& text, const std::s
       text, source,
       {.step = advice.step_size,
        .num_steps = advice.num_steps,
+       .accuracy = advice.accuracy,
        .solver = t.solver.solver,
        .parameters = t.solver.parameters,
        .tol = t.tol,

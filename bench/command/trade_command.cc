@@ -40,6 +40,9 @@ CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
   list("--step-sizes", flags.request.step_sizes, "FACTORS",
        "Time steps over the scene's (2,1,0.5,0.25; quick 2,1,0.5)")
       .positive();
+  list("--accuracies", flags.request.accuracies, "RADII",
+       "Accuracies that cut steps of a frame, see run --accuracy (0.1,0.03; quick 0.1)")
+      .positive();
   list("--overlaps", flags.request.overlaps, "FRACTIONS",
        "Springs by the overlap aimed at, of the smallest radius (1e-2,1e-3,1e-4; quick 1e-2,1e-3)")
       .positive();
@@ -50,7 +53,7 @@ CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
       .value_name("SECONDS")
       .positive();
   command
-      .option("--accuracy", flags.request.accuracy,
+      .option("--negligible", flags.request.negligible,
               "Relative error of an outcome that is good enough in any case (1e-4)")
       .not_negative();
   command

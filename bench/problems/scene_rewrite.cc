@@ -234,6 +234,9 @@ std::string rewritten(const Scene<D>& before, const std::string& text, const std
     editor.apply({"time", "step", fmt::format("{}", changes.step)});
     editor.apply({"time", "steps", fmt::format("{}", changes.num_steps), true});
   }
+  if (changes.accuracy > 0 && changes.accuracy != before.accuracy) {
+    editor.apply({"time", "accuracy", fmt::format("{:.2g}", changes.accuracy)});
+  }
   if (changes.solver != before.solver.name) {
     editor.apply({"solver", "name", quoted(changes.solver)});
   }
@@ -250,7 +253,12 @@ std::string rewritten(const Scene<D>& before, const std::string& text, const std
 
   const auto after = std::get<Scene<D>>(parse_any_scene(editor.text(), source));
   const SolverChoice& s = after.solver;
-  if (const std::string what = difference(before, after); !what.empty()) {
+  Scene<D> wanted = before;
+  if (changes.accuracy > 0) {
+    wanted.accuracy = after.accuracy;
+    wanted.contact_distance = after.contact_distance;  // it follows
+  }
+  if (const std::string what = difference(wanted, after); !what.empty()) {
     throw std::runtime_error(fmt::format("{}: rewriting would change the {}", source, what));
   }
   if (after.step != changes.step || s.name != changes.solver || s.tol != changes.tol ||

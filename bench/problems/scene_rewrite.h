@@ -7,8 +7,9 @@ namespace bipot {
 
 /// Changes to a scene file.
 struct SceneChanges {
-  double step = 0;    ///< [time] step                                                 [s]
-  int num_steps = 0;  ///< [time] steps, if the file counts them; a duration stays
+  double step = 0;      ///< [time] step                                                 [s]
+  int num_steps = 0;    ///< [time] steps, if the file counts them; a duration stays
+  double accuracy = 0;  ///< [time] accuracy; 0: as it is
   std::string solver;
   std::map<std::string, std::string> parameters;  ///< the solver's own
   double tol = 0;

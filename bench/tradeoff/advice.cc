@@ -74,12 +74,15 @@ std::string error_against(const MeasuredError& measured, const Accuracy& goal) {
   return text;
 }
 
-StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal) {
+namespace {
+
+/// The choice among equal steps.
+StepChoice choose_equal_step(const std::vector<StepTrial>& steps, const Accuracy& goal) {
   // A larger step is not better than a smaller one: such a measurement is chance.
   const auto share = [&](const StepTrial& trial) {
     double largest = share_of(trial.error.bound(), goal);
     for (const StepTrial& other : steps) {
-      if (other.step < trial.step) {
+      if (other.accuracy == 0 && other.step < trial.step) {
         largest = std::max(largest, share_of(other.error.least(), goal));
       }
     }
@@ -88,7 +91,7 @@ StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal
   const auto largest_within = [&](double part) {
     int best = -1;
     for (int i = 0; i < static_cast<int>(steps.size()); ++i) {
-      if (share(steps[i]) > part) continue;
+      if (steps[i].accuracy > 0 || share(steps[i]) > part) continue;
       if (best < 0 || steps[i].step > steps[best].step) best = i;
     }
     return best;
@@ -100,9 +103,11 @@ StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal
   constexpr double kNear = 1.25;
   std::vector<bool> left;
   for (const StepTrial& trial : steps) {
-    left.push_back(share_of(trial.error.least(), goal) <= kMost);
+    left.push_back(trial.accuracy == 0 && share_of(trial.error.least(), goal) <= kMost);
   }
-  if (std::find(left.begin(), left.end(), true) == left.end()) left.assign(left.size(), true);
+  if (std::find(left.begin(), left.end(), true) == left.end()) {
+    for (std::size_t i = 0; i < steps.size(); ++i) left[i] = steps[i].accuracy == 0;
+  }
   double smallest = kInfinity;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (left[i]) smallest = std::min(smallest, share(steps[i]));
@@ -113,6 +118,22 @@ StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal
     if (best < 0 || steps[i].step > steps[to_size(best)].step) best = static_cast<int>(i);
   }
   return {best, false};
+}
+
+}  // namespace
+
+StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal) {
+  StepChoice choice = choose_equal_step(steps, goal);
+  const auto share = [&](int i) { return share_of(steps[to_size(i)].error.bound(), goal); };
+  for (int i = 0; i < static_cast<int>(steps.size()); ++i) {
+    if (steps[to_size(i)].accuracy == 0) continue;
+    const bool met = share(i) <= kMost;
+    const bool better = choice.index < 0 || (choice.met ? steps[to_size(i)].seconds <
+                                                              steps[to_size(choice.index)].seconds
+                                                        : met || share(i) < share(choice.index));
+    if (better && (met || !choice.met)) choice = {i, met};
+  }
+  return choice;
 }
 
 Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_bound) {

@@ -48,6 +48,8 @@ struct StepTrial {
   double factor = 1;  ///< of the scene's step
   double step = 0;    ///< h                                                                [s]
   MeasuredError error;
+  double accuracy = 0;  ///< > 0: that cuts the step; 0: all steps are equal
+  double seconds = 0;   ///< CPU of the stretches                                           [s]
 };
 
 struct StepChoice {
@@ -57,7 +59,8 @@ struct StepChoice {
 /// A step counts with its bound, and with the least error of all smaller ones. The choice is the
 /// largest step that takes at most half of every goal; else the largest that takes at most nine
 /// tenths. Else the goal is not met, and it is the largest whose share is within a quarter of the
-/// smallest share. Steps in any order; empty: index -1.
+/// smallest share. An accuracy that takes at most nine tenths is preferred where it is cheaper, or no
+/// equal step does; so is one with a smaller share where none does. Any order; empty: index -1.
 StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal);
 
 /// Error allowed for the solver: goal - bound of the step. If the step misses the goal, half of the
@@ -144,7 +147,8 @@ struct AdvisedRun {
 /// finest that time allows (⅛, 1/16 for small overlaps), all solved tightly. Steps beyond the limit
 /// of the overlap are left out. Differences are scaled by r/(r - 1), r the ratio of the steps, as
 /// the reference has an error of first order as well. The overlap is the larger of that of the
-/// stretches and of that of the sampled run, in proportion to the step.
+/// stretches and of that of the sampled run, in proportion to the step. Accuracies from a third of
+/// the allowed overlap on, which cut steps of a frame, are compared with the same reference.
 struct StepStudy {
   double window = 0;             ///< [s]: a fiftieth of the run, at least 16 of the scene's steps
   int windows = 0;               ///< stretches that all entries of `steps` were measured on
@@ -170,6 +174,7 @@ struct Advice {
   StepStudy steps;
   StepChoice step;           ///< index into steps.steps, -1: not studied, the scene's own is taken
   double step_size = 0;      ///< recommended                                             [s]
+  double accuracy = 0;       ///< recommended, that cuts the step; 0: equal steps
   int num_steps = 0;         ///< of the scene's simulated time with it
   MeasuredError step_error;  ///< NaN where not studied
 

@@ -78,7 +78,9 @@ Table step_table(const Advice& a) {
     const StepTrial& t = a.steps.steps[i];
     std::vector<TableCell> cells = {static_cast<int>(i) == a.step.index ? ">" : "", t.step};
     add_errors(t.error, a.goal, cells);
-    cells.emplace_back(t.factor == 1 ? "the scene's" : "");
+    cells.emplace_back(t.accuracy > 0  ? fmt::format("cut by accuracy {:.2g}", t.accuracy)
+                       : t.factor == 1 ? std::string("the scene's")
+                                       : std::string());
     table.add(std::move(cells));
   }
   return table;
@@ -137,13 +139,17 @@ Table plane_table(const Advice& a) {
   }
   for (std::size_t i = 0; i < a.steps.steps.size(); ++i) {
     const bool own = static_cast<int>(i) == a.step.index;
-    std::vector<TableCell> cells = {a.steps.steps[i].step};
+    const StepTrial& s = a.steps.steps[i];
+    std::vector<TableCell> cells = {s.step};
+    if (s.accuracy > 0) {
+      cells[0].shown(fmt::format("{}, accuracy {:.2g}", value_label(s.step), s.accuracy));
+    }
     for (const double tol : tols) {
       const SolverTrial* t = cheapest(tol);
       double share = 0;
       for (const auto& [m, key, name] : Accuracy::kMeasures) {
         const double solver = t->error.bound().*m;
-        const double sum = a.steps.steps[i].error.bound().*m + (std::isnan(solver) ? 0 : solver);
+        const double sum = s.error.bound().*m + (std::isnan(solver) ? 0 : solver);
         if (!std::isnan(a.goal.*m) && !std::isnan(sum)) share = std::max(share, sum / a.goal.*m);
       }
       std::string text = compact_label(share);
@@ -231,9 +237,11 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   }
   const SolverTrial& t = a.trials[to_size(a.choice)];
   const bool own_step = std::abs(a.step_size / a.scene_step - 1) < 1e-9;
-  line("choice", fmt::format("{} to {}, time step {:g} s (the scene's{})", t.solver.label,
-                             tolerance_label(t.tol), a.step_size,
-                             own_step ? "" : fmt::format(": {:g} s", a.scene_step)));
+  line("choice",
+       fmt::format("{} to {}, time step {:g} s (the scene's{}){}", t.solver.label,
+                   tolerance_label(t.tol), a.step_size,
+                   own_step ? "" : fmt::format(": {:g} s", a.scene_step),
+                   a.accuracy > 0 ? fmt::format(", cut by accuracy {:.2g}", a.accuracy) : ""));
   const MeasuredError expected = expected_error(a);
   std::string error = error_against(expected, a.goal) + whose;
   if (std::isnan(a.goal.penetration) && expected.error.penetration > kDeepOverlap) {
@@ -246,7 +254,7 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   line("verdict",
        fmt::format("{}: {}; {} limits the error", to_string(a.status), a.message,
                    share_of(a.step_error.bound(), a.goal) > share_of(t.error.bound(), a.goal)
-                       ? "the time step"
+                       ? (a.accuracy > 0 ? "the accuracy" : "the time step")
                        : "the solver"));
   line("run it", run_command_of(a));
   return lines;
@@ -269,6 +277,7 @@ Json to_json(const Advice& a, const Provenance& made) {
                    {"tol", t.tol},
                    {"warm_start", a.warm_start},
                    {"step", a.step_size},
+                   {"accuracy", a.accuracy},
                    {"steps", a.num_steps},
                    {"seconds_per_step", a.seconds_per_step},
                    {"seconds", a.seconds_in_all},
@@ -290,7 +299,10 @@ Json to_json(const Advice& a, const Provenance& made) {
                      {"met", a.step.met},
                      {"steps", Json::array()}};
   for (const StepTrial& t : a.steps.steps) {
-    j["step_study"]["steps"].push_back({{"step", t.step}, {"error", to_json(t.error)}});
+    j["step_study"]["steps"].push_back({{"step", t.step},
+                                        {"accuracy", t.accuracy},
+                                        {"seconds", t.seconds},
+                                        {"error", to_json(t.error)}});
   }
   j["budget"] = to_json(a.budget);
   j["trials"] = Json::array();
@@ -314,6 +326,7 @@ std::string run_command_of(const Advice& a) {
     std::replace(flag.begin(), flag.end(), '_', '-');
     line += fmt::format(" --{} {}", flag, value);
   }
+  if (a.accuracy > 0) line += fmt::format(" --accuracy {:.2g}", a.accuracy);
   if (a.step_size != a.scene_step) {
     line += fmt::format(" --step-size {} --steps {}", a.step_size, a.num_steps);
   }

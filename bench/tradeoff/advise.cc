@@ -111,21 +111,33 @@ void conclude(const AdviseOptions& options, Advice& advice) {
     advice.status = Advice::Status::kNotMet;
     advice.message = "the run as advised ends: " + run.failure;
   } else if (run.overlap > advice.goal.penetration) {
+    const double shorter = 0.9 * advice.goal.penetration / run.overlap;
     advice.message =
-        fmt::format("the run as advised has an overlap of {} in step {}; try --step-size {:.1g}",
+        fmt::format("the run as advised has an overlap of {} in step {}; try {} {:.1g}",
                     share_label(run.overlap), run.overlap_step,
-                    0.9 * advice.step_size * advice.goal.penetration / run.overlap);
+                    advice.accuracy > 0 ? "--accuracy" : "--step-size",
+                    shorter * (advice.accuracy > 0 ? advice.accuracy : advice.step_size));
   } else if (advice.step.index < 0) {
     advice.message = "the error of the time step could not be measured in time: " + more;
   } else if (!advice.step.met) {
-    const StepTrial &large = advice.steps.steps.front(), &small = advice.steps.steps.back();
+    const StepTrial& large = advice.steps.steps.front();
+    double small = large.step;
+    std::string accuracies;
+    for (const StepTrial& t : advice.steps.steps) {
+      if (t.accuracy == 0) small = t.step;
+      if (t.accuracy > 0) accuracies += fmt::format(" nor accuracy {:.2g}", t.accuracy);
+    }
     const std::string tried =
-        &large == &small ? fmt::format("no time step tried ({:g} s alone)", large.step)
-                         : fmt::format("no time step from {:g} to {:g} s", large.step, small.step);
+        (large.step == small ? fmt::format("no time step tried ({:g} s alone)", large.step)
+                             : fmt::format("no time step from {:g} to {:g} s", large.step, small)) +
+        accuracies;
     const char* what =
         settled ? "meets the goal" : "surely leaves a tenth of the goal to the solver";
-    advice.message = fmt::format("{} {}; of {:g} s: {}", tried, what, advice.step_size,
-                                 held_against(advice.step_error, advice.goal));
+    advice.message =
+        fmt::format("{} {}; of {}: {}", tried, what,
+                    advice.accuracy > 0 ? fmt::format("accuracy {:.2g}", advice.accuracy)
+                                        : fmt::format("{:g} s", advice.step_size),
+                    held_against(advice.step_error, advice.goal));
   } else if (chosen.verdict != SolverTrial::Verdict::kChosen) {
     advice.message = fmt::format(
         "{}; the best is {} to {} with {}",
@@ -231,8 +243,8 @@ class Adviser {
             .cancelled = options_.interrupted,
             .accepted = accepted};
   }
-  RunSetting exact(double factor) const {
-    return {.solver = "auto", .tol = tight_, .step_factor = factor};
+  RunSetting exact(double factor, double accuracy = 0) const {
+    return {.solver = "auto", .tol = tight_, .step_factor = factor, .accuracy = accuracy};
   }
 
   /// Stretches from the states; empty if a step is not solved.
@@ -258,7 +270,9 @@ class Adviser {
   void choose_stretches(int samples) {
     sample_.clear();
     runs_.clear();
+    cut_runs_.clear();
     factor_ = 1;
+    accuracy_ = 0;
     floor_ = 0;
     if (hardest_) sample_.push_back(&*hardest_);
     for (std::size_t i : select(starts_.size(), samples)) {
@@ -388,12 +402,15 @@ class Adviser {
         trial.error.error.*m *= factor / (factor - study.finest);
         trial.error.bar.*m *= factor / (factor - study.finest);
       }
+      trial.seconds = seconds_of(level->second);
       study.steps.push_back(trial);
     }
+    if (!options_.keep_step) try_accuracies(kept);
     advice_.step = choose_step(study.steps, advice_.goal);
     if (advice_.step.index >= 0) {
       const StepTrial& chosen = study.steps[to_size(advice_.step.index)];
       factor_ = chosen.factor;
+      advice_.accuracy = accuracy_ = chosen.accuracy;
       advice_.step_size = chosen.step;
       advice_.step_error = chosen.error;
     }
@@ -401,14 +418,58 @@ class Adviser {
     advice_.budget = solver_budget(advice_.goal, advice_.step_error.bound());
   }
 
+  static double seconds_of(const Samples& samples) {
+    double seconds = 0;
+    for (const StretchSample& sample : samples) seconds += sample.run.cpu;
+    return seconds;
+  }
+
+  /// Cuts longer steps by accuracies, large to small, until one meets the goal. Overlaps stay below
+  /// about three times the accuracy.
+  void try_accuracies(const Starts& kept) {
+    StepStudy& study = advice_.steps;
+    const double overlap = advice_.goal.penetration;
+    std::vector<double> ladder = {0.1, 0.03, 0.01};
+    if (!std::isnan(overlap)) {
+      std::erase_if(ladder, [&](double x) { return x > 0.5 * overlap; });
+      // As it is printed and written.
+      ladder.push_back(std::stod(fmt::format("{:.2g}", std::clamp(overlap / 3, 1e-6, 0.3))));
+      std::sort(ladder.rbegin(), ladder.rend());
+    }
+    const int factor = longest_cut_step(scene_, steps_ / 4);
+    const double equal = seconds_of(runs_.at(1));
+    for (const double x : ladder) {
+      const RunSetting setting = exact(factor, x);
+      if (options_.stopped() || equal > time_.until(TimeBudget::kStepsEnd) ||
+          !validate(with_setting(scene_, setting)).empty()) {
+        return;
+      }
+      Samples level = stretches(scene_, kept, setting, TimeBudget::kStepsEnd);
+      if (level.empty()) return;
+      study.steps.push_back({.factor = setting.step_factor,
+                             .step = setting.step_factor * scene_.step,
+                             .error = stretch_errors(level, runs_.begin()->second, floor_, first_),
+                             .accuracy = x,
+                             .seconds = seconds_of(level)});
+      const bool met = share_of(study.steps.back().error.bound(), advice_.goal) <= 1;
+      cut_runs_[x] = std::move(level);
+      if (met) return;
+    }
+  }
+
+  const Samples& chosen_runs() const {
+    return accuracy_ > 0 ? cut_runs_.at(accuracy_) : runs_.at(factor_);
+  }
+
   /// Runs the stretches once more, as tightly, with the other kind of start: s = 0 instead of the
   /// previous step, or the reverse. Steps with several exact answers may then end at others.
   void measure_spread() {
     Scene<D> other = scene_;
     other.solver.warm_start = !other.solver.warm_start;
-    const Samples samples = stretches(other, sample_, exact(factor_), TimeBudget::kTrialsEnd);
+    const Samples samples =
+        stretches(other, sample_, exact(factor_, accuracy_), TimeBudget::kTrialsEnd);
     if (!samples.empty()) {
-      advice_.spread = added_errors(samples, runs_.at(factor_), floor_, first_).bound();
+      advice_.spread = added_errors(samples, chosen_runs(), floor_, first_).bound();
     }
   }
 
@@ -416,6 +477,7 @@ class Adviser {
     return {.solver = variant.solver,
             .tol = tol,
             .step_factor = factor_,
+            .accuracy = accuracy_,
             .parameters = variant.parameters};
   }
 
@@ -457,7 +519,7 @@ class Adviser {
     std::vector<SolverVariant> variants = options_.solvers;
     if (variants.empty()) variants = promising_solvers(advice_.sample.contacts_max);
     for (const SolverVariant& variant : variants) warm_up(require_solver(variant.solver));
-    Samples reference = runs_.at(factor_);
+    Samples reference = chosen_runs();
     double reference_tol = tight_, best = kInfinity;  // CPU seconds of all stretches
     int solves = 0;
     for (const StretchSample& sample : reference) solves += sample.run.solves;
@@ -474,7 +536,7 @@ class Adviser {
         // A trial no looser than the reference cannot be judged by it.
         constexpr double kTighter = 0.1;
         if (reference_tol > 1.01 * kTighter * tol) {
-          RunSetting tighter = exact(factor_);
+          RunSetting tighter = exact(factor_, accuracy_);
           tighter.tol = kTighter * tol;
           Samples more = stretches(scene_, sample_, tighter, TimeBudget::kLastTrialEnd);
           if (more.empty()) break;
@@ -523,14 +585,15 @@ class Adviser {
   const Scene<D>& scene_;
   const AdviseOptions& options_;
   const TimeBudget time_;
-  const int steps_;                            // of a stretch, the scene's own
-  double tight_ = 0, factor_ = 1, floor_ = 0;  // of sample_
+  const int steps_;                                           // of a stretch, the scene's own
+  double tight_ = 0, factor_ = 1, accuracy_ = 0, floor_ = 0;  // of sample_
   Advice advice_;
   std::vector<State<D>> starts_;
   std::optional<State<D>> hardest_;
   Starts sample_;
-  std::size_t first_ = 0;           // of those for means
-  std::map<double, Samples> runs_;  // tight ones of sample_, by the factor of their step
+  std::size_t first_ = 0;               // of those for means
+  std::map<double, Samples> runs_;      // tight ones of sample_, by the factor of their step
+  std::map<double, Samples> cut_runs_;  // likewise, by accuracy
 };
 
 }  // namespace

@@ -22,8 +22,9 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 }  // namespace
 
 bool RunSetting::operator==(const RunSetting& other) const {
-  return std::tie(model, solver, step_factor, parameters) ==
-             std::tie(other.model, other.solver, other.step_factor, other.parameters) &&
+  return std::tie(model, solver, step_factor, accuracy, parameters) ==
+             std::tie(other.model, other.solver, other.step_factor, other.accuracy,
+                      other.parameters) &&
          same(tol, other.tol) && same(overlap, other.overlap) && same(stiffness, other.stiffness);
 }
 
@@ -35,7 +36,8 @@ std::string RunSetting::label() const {
   const std::string length = step_factor == 1  ? "h"
                              : step_factor < 1 ? fmt::format("h/{:g}", 1 / step_factor)
                                                : fmt::format("{:g} h", step_factor);
-  return fmt::format("{}, tol {}, {}", solver, tolerance_label(tol), length);
+  return fmt::format("{}, tol {}, {}", solver, tolerance_label(tol),
+                     cut() ? fmt::format("accuracy {:.2g}", accuracy) : length);
 }
 
 int steps_of(int steps, const RunSetting& setting) {
@@ -43,10 +45,25 @@ int steps_of(int steps, const RunSetting& setting) {
 }
 
 template <int D>
+int longest_cut_step(const Scene<D>& scene, int steps) {
+  if (scene.has_gates()) return 1;
+  int longest = 50;
+  if (scene.output.every > 0) longest = std::min(longest, scene.output.every);
+  if (scene.observables) longest = std::min(longest, scene.observables->every);
+  while (steps % longest != 0) --longest;
+  return longest;
+}
+
+template <int D>
 Scene<D> with_setting(Scene<D> scene, const RunSetting& setting) {
   scene.step *= setting.step_factor;
   scene.num_steps = steps_of(scene.num_steps, setting);
   scene.model = setting.model;
+  if (setting.cut()) {
+    scene.accuracy = setting.accuracy;
+    scene.contact_distance =
+        std::min(scene.contact_distance, 1e-2 * scene.accuracy * smallest_radius(scene));
+  }
   if (std::isfinite(setting.overlap)) scene.dem.overlap = setting.overlap;
   scene.dem.stiffness = std::isfinite(setting.stiffness) ? setting.stiffness : 0;
   return scene;
@@ -137,6 +154,8 @@ RunRecord run_setting(const Scene<D>& made, State<D>& state, const RunSetting& s
   return record;
 }
 
+template int longest_cut_step(const Scene<2>&, int);
+template int longest_cut_step(const Scene<3>&, int);
 template Scene<2> with_setting(Scene<2>, const RunSetting&);
 template Scene<3> with_setting(Scene<3>, const RunSetting&);
 template RunRecord run_setting(const Scene<2>&, State<2>&, const RunSetting&, const RunLimits&,

@@ -15,11 +15,14 @@ struct RunSetting {
   std::string solver;       ///< nonsmooth
   double tol = kNaN;        ///< nonsmooth
   double step_factor = 1;   ///< time step over the scene's
+  double accuracy = 0;      ///< > 0: steps are cut by this accuracy; 0: as the scene says
   double overlap = kNaN;    ///< springs: target, relative to the smallest radius, or
   double stiffness = kNaN;  ///< springs: given                                 [N/m]
   std::map<std::string, std::string> parameters = {};  ///< of the solver
 
   bool dem() const { return model == Model::kSpringDashpot; }
+  bool cut() const { return accuracy > 0; }
+  bool equal_steps() const { return !dem() && !cut(); }
   /// Same run.
   bool operator==(const RunSetting& other) const;
   /// "auto, tol 1e-3, h" or "springs, overlap 1e-3".
@@ -63,6 +66,11 @@ struct RunObserver {
   std::function<void(State<D>&)> before_step;
   std::function<bool(const SceneStep<D>&)> on_step;
 };
+
+/// The longest step that an accuracy may cut, over the scene's: a divisor of `steps`, at most 50
+/// and the distance of frames and of observations. 1 where bodies come and go at each step.
+template <int D>
+int longest_cut_step(const Scene<D>& scene, int steps);
 
 /// Steps of the setting in the time of `steps` of the scene's.
 int steps_of(int steps, const RunSetting& setting);

@@ -248,7 +248,24 @@ void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& r
       runner.run(scene, setting);
     }
   }
-  // 3. Springs, soft to stiff.
+  // 3. Accuracies.
+  for (const double accuracy : options.accuracies) {
+    if (runner.stopped()) return;
+    RunSetting setting{.solver = options.solvers.front(), .tol = tol, .accuracy = accuracy};
+    const std::string refused = std::visit(
+        [&](const auto& in) {
+          setting.step_factor = longest_cut_step(in, in.num_steps);
+          return validate(with_setting(in, setting));
+        },
+        scene.scene);
+    if (completed.empty() || !refused.empty()) {
+      runner.skip_all(scene, setting,
+                      refused.empty() ? "no tolerance was completed at the scene's step" : refused);
+    } else {
+      runner.run(scene, setting);
+    }
+  }
+  // 4. Springs, soft to stiff.
   std::vector<RunSetting> springs;
   for (const double k : options.stiffness) {
     springs.push_back({.model = Model::kSpringDashpot, .stiffness = k});
@@ -302,7 +319,7 @@ Trade run_trade(const TradeOptions& options) {
     throw std::invalid_argument("a comparison of runs needs a solver and a tolerance");
   }
   Trade trade;
-  trade.accuracy = options.accuracy;
+  trade.negligible = options.negligible;
   std::set<std::string> names;
   for (const std::string& target : options.targets) {
     trade.scenes.push_back(load_target(target, options));

@@ -36,14 +36,14 @@ struct TradeOptions {
   std::vector<std::string> solvers = {"auto"};
   std::vector<double> tols = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};
   std::vector<double> step_factors = {2, 1, 0.5, 0.25};
+  std::vector<double> accuracies = {0.1, 0.03};       ///< that cut steps of one frame
   std::vector<double> overlaps = {1e-2, 1e-3, 1e-4};  ///< of the springs' rows, or
   std::vector<double> stiffness;                      ///< these instead            [N/m]
   double time_limit = 20;                             ///< CPU seconds of one run
   /// Scenes are shortened until a run at the tightest tolerance and the shortest step is expected to
   /// fit the limit, by a trial of a tenth of the steps. At least a twentieth remains.
   bool shorten = false;
-  /// Relative error of an outcome that is negligible: no solver has to be better.
-  double accuracy = 1e-4;
+  double negligible = 1e-4;  ///< relative error of an outcome: no solver has to be better
   /// A solver that runs once more at the tightest tolerance that the first solver completed. On
   /// steps with several exact answers, solvers choose different ones. Empty, or one of `solvers`:
   /// none.
@@ -56,7 +56,7 @@ struct TradeOptions {
 struct Trade {
   std::vector<TradeScene> scenes;
   std::vector<TradeRow> rows;
-  double accuracy = 0;  ///< of the options
+  double negligible = 0;  ///< of the options
   bool complete = false;
 };
 
@@ -68,7 +68,8 @@ std::vector<std::string> trade_targets(bool quick);
 ///      witness at the tightest;
 ///   2. the first solver at every other time step, at the tightest completed tolerance whose cost
 ///      is expected to fit the time limit at the shortest step;
-///   3. the spring-dashpot model at every stiffness, with the scene's step.
+///   3. the first solver at every accuracy, at the same tolerance, in steps of a frame;
+///   4. the spring-dashpot model at every stiffness, with the scene's step.
 /// If disks fly freely, nearby runs diverge. Each setting then runs `replicas` times: the first as
 /// the scene says, the others with random velocities of 1e-3 √(a r) added to each disk. Here a is
 /// the acceleration of gravity or driven walls, and r the smallest radius; the velocities are the

@@ -66,7 +66,8 @@ double spread(const Trade& trade, const SceneTrade& s, std::size_t q) {
   double sum = 0;
   int freedom = 0;
   for (const TradeCell& cell : s.cells) {
-    if (cell.setting.dem() || cell.setting.step_factor != 1 || !cell.done() || cell.runs < 2) {
+    if (!cell.setting.equal_steps() || cell.setting.step_factor != 1 || !cell.done() ||
+        cell.runs < 2) {
       continue;
     }
     for (const TradeRow& row : trade.rows) {
@@ -93,7 +94,7 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
   double shortest = 1;
   for (const TradeCell& cell : s.cells) {
     const RunSetting& setting = cell.setting;
-    if (setting.dem() || setting.solver != s.solver || setting.tol != s.step_tol) continue;
+    if (!setting.equal_steps() || setting.solver != s.solver || setting.tol != s.step_tol) continue;
     if (!cell.done() || setting.step_factor >= shortest || !std::isfinite(cell.means[q])) continue;
     shortest = setting.step_factor;
     e.reference = cell.means[q];
@@ -125,7 +126,8 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
     e.step_error = 0;
     for (const TradeCell& cell : s.cells) {
       const RunSetting& setting = cell.setting;
-      if (setting.dem() || setting.solver != s.solver || setting.tol != s.step_tol) continue;
+      if (!setting.equal_steps() || setting.solver != s.solver || setting.tol != s.step_tol)
+        continue;
       if (setting.step_factor >= 1 || !usable(&cell)) continue;
       e.step_error = std::max(e.step_error, std::abs(value - cell.means[q]) / scale);
     }
@@ -142,7 +144,7 @@ void choice_error(SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
   const TradeCell* own = s.find({.solver = s.solver, .tol = s.tols.back()});
   for (const TradeCell& cell : s.cells) {
     const RunSetting& setting = cell.setting;
-    if (setting.dem() || setting.solver == s.solver || setting.step_factor != 1) continue;
+    if (!setting.equal_steps() || setting.solver == s.solver || setting.step_factor != 1) continue;
     if (setting.tol != s.tols.back() || !cell.done()) continue;
     const double apart = std::abs(cell.means[q] - own->means[q]) / scale;
     if (!std::isfinite(apart)) continue;
@@ -171,8 +173,8 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
   s.scene = &scene;
   s.cells = cells_of(trade, scene);
   for (const TradeCell& cell : s.cells) {
-    if (!cell.setting.dem() && s.solver.empty()) s.solver = cell.setting.solver;
-    if (cell.setting.dem() || cell.setting.solver != s.solver) continue;
+    if (cell.setting.equal_steps() && s.solver.empty()) s.solver = cell.setting.solver;
+    if (!cell.setting.equal_steps() || cell.setting.solver != s.solver) continue;
     if (cell.setting.step_factor != 1) {
       s.step_tol = cell.setting.tol;
     } else if (cell.done()) {
@@ -185,7 +187,7 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
   bool all_known = true;
   for (std::size_t q = 0; q < s.quantities.size(); ++q) {
     TradeQuantityErrors& e = s.quantities[q];
-    e.accuracy = trade.accuracy;
+    e.negligible = trade.negligible;
     const TradeCell* own = s.find({.solver = s.solver, .tol = s.step_tol});
     const double size = own == nullptr ? kNaN : own->means[q];
     if (scene.replicas > 1) {
@@ -215,7 +217,7 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
 
 double TradeQuantityErrors::bound() const {
   return std::isnan(step_error) ? kNaN
-                                : std::max({step_error, noise, accuracy, std::fmax(choice, 0)});
+                                : std::max({step_error, noise, negligible, std::fmax(choice, 0)});
 }
 
 const TradeCell* SceneTrade::find(const RunSetting& setting) const {
@@ -248,12 +250,12 @@ double SceneTrade::worst_error(const TradeCell& cell, std::size_t* which) const 
 }
 
 std::string SceneTrade::choice_sentence() const {
-  // Errors below the required accuracy are not reported.
+  // Negligible errors are not reported.
   const TradeQuantityErrors* most = nullptr;
   std::size_t which = 0;
   for (std::size_t q = 0; q < quantities.size(); ++q) {
     const TradeQuantityErrors& e = quantities[q];
-    if (!(e.choice > e.accuracy) || (most != nullptr && e.choice <= most->choice)) continue;
+    if (!(e.choice > e.negligible) || (most != nullptr && e.choice <= most->choice)) continue;
     most = &e;
     which = q;
   }
@@ -268,6 +270,27 @@ std::string SceneTrade::choice_sentence() const {
                 "No digits below that are paid for."
               : "; no digits below that are paid for.";
   return text;
+}
+
+std::string SceneTrade::accuracy_sentence() const {
+  const TradeCell* fixed = find({.solver = solver, .tol = step_tol});
+  if (fixed == nullptr || !fixed->done()) return {};
+  // The cheapest of those with smaller overlaps, else that with the smallest.
+  const TradeCell* best = nullptr;
+  for (const TradeCell& cell : cells) {
+    if (!cell.setting.cut() || !cell.done()) continue;
+    const auto rank = [&](const TradeCell& c) {
+      return std::pair(std::max(c.penetration, fixed->penetration), c.cpu_per_second);
+    };
+    if (best == nullptr || rank(cell) < rank(*best)) best = &cell;
+  }
+  if (best == nullptr) return {};
+  return fmt::format(
+      " Parts of steps with --accuracy {:g} cost {:.2g} times as much as the scene's steps, with "
+      "overlaps up to {} in place of {} and a worst error of {} in place of {}.",
+      best->setting.accuracy, best->cpu_per_second / fixed->cpu_per_second,
+      share_label(best->penetration), share_label(fixed->penetration),
+      share_label(worst_error(*best)), share_label(worst_error(*fixed)));
 }
 
 std::string SceneTrade::what_is_needed() const {
@@ -301,8 +324,8 @@ std::string SceneTrade::answer() const {
   if (all_same) {
     return fmt::format(
         "Every tolerance from {} to {} gives the same outcomes to the last bit: {} "
-        "solves these contacts exactly. Only the time step matters.",
-        tolerance_label(tols.front()), tolerance_label(tols.back()), solver);
+        "solves these contacts exactly. Only the time step matters.{}",
+        tolerance_label(tols.front()), tolerance_label(tols.back()), solver, accuracy_sentence());
   }
   const double ratio = cpu_tightest / cpu_sufficient;
   std::string text;
@@ -319,8 +342,8 @@ std::string SceneTrade::answer() const {
                                             : fmt::format(" ('{}' decides): ", decided_by);
     text += "from there on the solver's error is below that of the time step";
     if (scene->replicas > 1) text += ", below what nearby runs differ by";
-    if (!quantities.empty() && quantities[0].accuracy > 0) {
-      text += fmt::format(" or below {} of the outcome", tolerance_label(quantities[0].accuracy));
+    if (!quantities.empty() && quantities[0].negligible > 0) {
+      text += fmt::format(" or below {} of the outcome", tolerance_label(quantities[0].negligible));
     }
     text += ".";
     text += choice_sentence();
@@ -345,7 +368,7 @@ std::string SceneTrade::answer() const {
           scene->replicas, 100 * noise);
     }
   }
-  return text;
+  return text + accuracy_sentence();
 }
 
 std::vector<SceneTrade> analyse_trade(const Trade& trade) {

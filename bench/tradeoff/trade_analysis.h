@@ -44,8 +44,8 @@ struct TradeQuantityErrors {
   /// it.
   double choice = kNaN;
   std::vector<double> solver_error;  ///< of each tolerance of SceneTrade::tols, to the tightest
-  double accuracy = 0;               ///< of TradeOptions
-  /// Bound for the solver's error: max(step_error, noise, accuracy, choice where it is known); NaN
+  double negligible = 0;             ///< of TradeOptions
+  /// Bound for the solver's error: max(step_error, noise, negligible, choice where it is known); NaN
   /// if step_error is.
   double bound() const;
   /// Loosest tolerance from which on every solver error is below the bound; none from one tolerance
@@ -79,6 +79,7 @@ struct SceneTrade {
 
  private:
   std::string choice_sentence() const;
+  std::string accuracy_sentence() const;
   /// ": give --time-limit 40", by the runs that it cut short; else empty.
   std::string what_is_needed() const;
 };

@@ -57,13 +57,15 @@ std::vector<Family> families_of(const SceneTrade& s) {
   for (const std::string& name : solvers) {
     families.push_back(
         {name + ", tolerances", static_cast<int>(families.size()), [name](const RunSetting& x) {
-           return !x.dem() && x.solver == name && x.step_factor == 1;
+           return x.equal_steps() && x.solver == name && x.step_factor == 1;
          }});
   }
   families.push_back(
       {s.solver + ", time steps", static_cast<int>(families.size()), [&s](const RunSetting& x) {
-         return !x.dem() && x.solver == s.solver && x.tol == s.step_tol;
+         return x.equal_steps() && x.solver == s.solver && x.tol == s.step_tol;
        }});
+  families.push_back({s.solver + ", accuracies", static_cast<int>(families.size()),
+                      [](const RunSetting& x) { return x.cut(); }});
   families.push_back({"springs, stiffness", static_cast<int>(families.size()),
                       [](const RunSetting& x) { return x.dem(); }});
   return families;
@@ -88,7 +90,8 @@ std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
     }
     // Along the family's own parameter, not in the order of the runs.
     std::stable_sort(cells.begin(), cells.end(), [](const TradeCell* a, const TradeCell* b) {
-      return a->setting.step_factor > b->setting.step_factor;
+      return std::pair(a->setting.accuracy, a->setting.step_factor) >
+             std::pair(b->setting.accuracy, b->setting.step_factor);
     });
     for (const TradeCell* cell : cells) {
       std::size_t q = 0;

@@ -98,6 +98,7 @@ void OutcomeRecorder<D>::plan_slider() {
   const double t1 = d.v.norm() / (mu * g_ * turn);
   if (t1 > end_) return;
   kind_ = Kind::kSlider;
+  slowing_ = mu * g_ * turn;
   quantities_ = {{.name = "v1",
                   .unit = "m/s",
                   .meaning = "speed at the end, rolling",
@@ -218,21 +219,28 @@ void OutcomeRecorder<D>::find_columns() {
 template <int D>
 void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report) {
   if (kind_ == Kind::kBall) {
-    const bool touches = report.active > 0;
-    if (touches && !touched_) {
-      if (!impacts_.empty()) tops_.push_back(top_);
-      impacts_.push_back(report.time - 0.5 * scene_.step);
+    // A flight between two steps with contact: its top and its end follow from any of its states.
+    if (report.active > 0) {
+      flies_ = false;
+      return;
     }
-    if (touches) top_ = 0;
-    touched_ = touches;
-    top_ = std::max(top_, up_.dot(state.bodies[0].x) - state.bodies[0].radius - floor_);
+    const Body<D>& ball = state.bodies[0];
+    const double speed = up_.dot(ball.v);
+    const double top = up_.dot(ball.x) - ball.radius - floor_ + speed * speed / (2 * g_);
+    if (!flies_) {
+      impacts_.emplace_back();
+      tops_.emplace_back();
+    }
+    flies_ = true;
+    impacts_.back() = report.time + (speed + std::sqrt(2 * g_ * std::max(top, 0.0))) / g_;
+    tops_.back() = top;
     return;
   }
   if (kind_ == Kind::kSlider) {
-    const bool sticks =
-        !state.contacts.empty() && state.contacts[0].status == ContactStatus::kStick;
-    slid_ |= !state.contacts.empty() && state.contacts[0].status == ContactStatus::kSlip;
-    if (sticks && slid_ && std::isnan(rolls_from_)) rolls_from_ = report.time - 0.5 * scene_.step;
+    // It rolls when friction has taken the rest of the velocity of its contact.
+    if (!state.contacts.empty() && state.contacts[0].status == ContactStatus::kSlip) {
+      rolls_from_ = report.time + magnitude(state.contacts[0].u_t) / slowing_;
+    }
     if (state.step >= scene_.num_steps) last_ = state;
     return;
   }
@@ -283,7 +291,7 @@ std::vector<double> OutcomeRecorder<D>::values() const {
   std::vector<double> values;
   if (kind_ == Kind::kBall) {
     for (std::size_t p = 0; p < quantities_.size() / 2; ++p) {
-      values.push_back(p < tops_.size() ? tops_[p] : kNaN);
+      values.push_back(p + 1 < tops_.size() ? tops_[p + 1] : kNaN);
       values.push_back(p + 1 < impacts_.size() ? impacts_[p + 1] - impacts_[p] : kNaN);
     }
     return values;

@@ -52,10 +52,10 @@ class OutcomeRecorder {
   double g_ = 0, weight_ = 0;
   double end_ = 0;  // duration of the run
 
-  // Ball: middles of the steps of impact, tops between them. Slider: first step without sliding.
-  std::vector<double> impacts_, tops_;
-  double top_ = 0, floor_ = 0, rolls_from_ = kNaN;
-  bool touched_ = false, slid_ = false;
+  std::vector<double> impacts_, tops_;  // ball: ends of its flights, and their tops
+  bool flies_ = false;
+  double floor_ = 0;
+  double slowing_ = 0, rolls_from_ = kNaN;  // slider: of its contact [m/s²]; when it stops sliding
   // Sample.
   int window_steps_ = 0;
   double pressure_ = 0, floor_load_ = 0, contacts_ = 0, speed2_ = 0, column_error_ = 0;

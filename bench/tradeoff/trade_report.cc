@@ -92,7 +92,7 @@ Table error_table(const SceneTrade& s) {
   }
   table.note +=
       "Solver: difference to the tightest tolerance at the same time step; bold where it matters: "
-      "larger than the others and than the accuracy asked for.";
+      "larger than the others and not negligible.";
   return table;
 }
 
@@ -195,9 +195,13 @@ void add_scene(const SceneTrade& s, const std::string& id, const TradeContext& c
 }
 
 Json setting_json(const RunSetting& s) {
-  return {{"model", model_name(s)}, {"solver", s.dem() ? Json(nullptr) : Json(s.solver)},
-          {"tol", s.tol},           {"step_factor", s.step_factor},
-          {"overlap", s.overlap},   {"stiffness_asked", s.stiffness}};
+  return {{"model", model_name(s)},
+          {"solver", s.dem() ? Json(nullptr) : Json(s.solver)},
+          {"tol", s.tol},
+          {"step_factor", s.step_factor},
+          {"accuracy", s.accuracy},
+          {"overlap", s.overlap},
+          {"stiffness_asked", s.stiffness}};
 }
 
 Json outcomes_json(const SceneTrade& s) {
@@ -303,13 +307,14 @@ Json to_json(const AnalysedTrade& analysed, const TradeContext& context) {
 }
 
 Table outcome_table(const Trade& trade) {
-  Table table{
-      .columns = {{"scene"},           {"model"},         {"solver"},          {"tol"},
-                  {"step_factor"},     {"overlap"},       {"stiffness [N/m]"}, {"replica"},
-                  {"status"},          {"step [s]"},      {"steps"},           {"steps_planned"},
-                  {"steps_converged"}, {"simulated [s]"}, {"cpu [s]"},         {"iterations_mean"},
-                  {"worst_guarded"},   {"penetration"},   {"outcome"},         {"unit"},
-                  {"value"},           {"message"}}};
+  Table table{.columns = {{"scene"},         {"model"},           {"solver"},
+                          {"tol"},           {"step_factor"},     {"accuracy"},
+                          {"overlap"},       {"stiffness [N/m]"}, {"replica"},
+                          {"status"},        {"step [s]"},        {"steps"},
+                          {"steps_planned"}, {"steps_converged"}, {"simulated [s]"},
+                          {"cpu [s]"},       {"iterations_mean"}, {"worst_guarded"},
+                          {"penetration"},   {"outcome"},         {"unit"},
+                          {"value"},         {"message"}}};
   for (const TradeRow& r : trade.rows) {
     const auto scene = std::find_if(trade.scenes.begin(), trade.scenes.end(),
                                     [&](const TradeScene& s) { return s.name == r.scene; });
@@ -319,6 +324,7 @@ Table outcome_table(const Trade& trade) {
                  r.setting.solver,
                  r.setting.tol,
                  r.setting.step_factor,
+                 r.setting.accuracy,
                  r.setting.overlap,
                  r.stiffness,
                  r.replica,

@@ -31,9 +31,11 @@ std::string command_line(const std::string& scenes, const TradeRequest& request)
     line += fmt::format(" --solvers {}", fmt::join(request.solvers, ","));
   }
   line += numbers("--tols", request.tols) + numbers("--step-sizes", request.step_sizes) +
-          numbers("--overlaps", request.overlaps) + numbers("--stiffness", request.stiffness);
+          numbers("--accuracies", request.accuracies) + numbers("--overlaps", request.overlaps) +
+          numbers("--stiffness", request.stiffness);
   if (request.time_limit) line += fmt::format(" --time-limit {:g}", *request.time_limit);
-  if (request.accuracy) line += fmt::format(" --accuracy {}", tolerance_label(*request.accuracy));
+  if (request.negligible)
+    line += fmt::format(" --negligible {}", tolerance_label(*request.negligible));
   if (request.witness != TradeRequest{}.witness) {
     line += fmt::format(" --witness {}", request.witness.empty() ? "none" : request.witness);
   }
@@ -48,6 +50,7 @@ TradeOptions options_of(const TradeRequest& request) {
   if (request.quick) {
     options.tols = {1e-1, 1e-3};
     options.step_factors = {2, 1, 0.5};
+    options.accuracies = {0.1};
     options.overlaps = {1e-2, 1e-3};
     options.time_limit = 5;
     options.shorten = true;
@@ -55,6 +58,7 @@ TradeOptions options_of(const TradeRequest& request) {
   }
   if (!request.tols.empty()) options.tols = request.tols;
   if (!request.step_sizes.empty()) options.step_factors = request.step_sizes;
+  if (!request.accuracies.empty()) options.accuracies = request.accuracies;
   if (!request.overlaps.empty()) options.overlaps = request.overlaps;
   options.stiffness = request.stiffness;
   if (!request.overlaps.empty() && !request.stiffness.empty()) {
@@ -65,7 +69,7 @@ TradeOptions options_of(const TradeRequest& request) {
     throw std::invalid_argument("--overlaps: contacts that overlap by a tenth of the radius fail");
   }
   if (request.time_limit) options.time_limit = *request.time_limit;
-  if (request.accuracy) options.accuracy = *request.accuracy;
+  if (request.negligible) options.negligible = *request.negligible;
   if (request.replicas) options.replicas = *request.replicas;
   options.witness = request.witness;
   return options;
@@ -79,7 +83,7 @@ FinishedTrade run_trade(const TradeRequest& request, const TradeWatch& watch) {
   const std::size_t springs =
       options.stiffness.empty() ? options.overlaps.size() : options.stiffness.size();
   const std::size_t settings = options.solvers.size() * options.tols.size() +
-                               options.step_factors.size() + springs +
+                               options.step_factors.size() + options.accuracies.size() + springs +
                                (options.witness.empty() ? 0 : 1);
   const long total = static_cast<long>(settings * options.targets.size());
   long done = 0;

@@ -15,8 +15,8 @@ namespace bipot {
 struct TradeRequest {
   std::vector<std::string> scenes;  ///< empty: trade_targets()
   std::vector<std::string> solvers = {"auto"};
-  std::vector<double> tols, step_sizes, overlaps, stiffness;
-  std::optional<double> time_limit, accuracy;
+  std::vector<double> tols, step_sizes, accuracies, overlaps, stiffness;
+  std::optional<double> time_limit, negligible;
   std::optional<int> replicas;
   std::string witness = "apgd";  ///< TradeOptions::witness
   bool quick = false;

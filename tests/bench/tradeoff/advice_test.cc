@@ -41,6 +41,24 @@ TEST(Advice, LargestStepThatTakesHalfTheGoal) {
   EXPECT_TRUE(most.met);
 }
 
+TEST(Advice, AnAccuracyIsTakenWhereItIsCheaperOrNoEqualStepMeets) {
+  std::vector<StepTrial> steps = {step(2e-3, 2e-2), step(1e-3, 4e-3), step(1e-2, 8e-3)};
+  steps[1].seconds = 1;
+  steps[2].accuracy = 0.1;
+  for (const double seconds : {0.5, 2.0}) {
+    steps[2].seconds = seconds;
+    EXPECT_EQ(choose_step(steps, force(1e-2)).index, seconds < 1 ? 2 : 1);
+  }
+  // Of 8e-3 the equal steps take too much; of 1e-3 all do, and the least is named.
+  steps[1].error.error = force(1.2e-2);
+  EXPECT_EQ(choose_step(steps, force(1e-2)).index, 2);
+  EXPECT_TRUE(choose_step(steps, force(1e-2)).met);
+  EXPECT_EQ(choose_step(steps, force(1e-3)).index, 2);
+  EXPECT_FALSE(choose_step(steps, force(1e-3)).met);
+  steps[2].error.error = force(5e-2);
+  EXPECT_EQ(choose_step(steps, force(1e-3)).index, 1);
+}
+
 TEST(Advice, AStepIsNoBetterThanASmallerOne) {
   const std::vector<StepTrial> steps = {step(4e-3, 1e-3), step(2e-3, 4e-2), step(1e-3, 2e-3)};
   const StepChoice choice = choose_step(steps, force(1e-2));

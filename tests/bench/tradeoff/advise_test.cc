@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "bench/problems/moving_scene.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/tradeoff/advice_report.h"
+#include "bench/tradeoff/run_setting.h"
 #include "core/scene/scene_family.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/simulation/scene_run.h"
@@ -83,7 +85,10 @@ TEST(Advise, AGoalOnForcesAsksForFinerStepsThroughAShock) {
   ASSERT_FALSE(advice.steps.steps.empty());
   // The shock's time is known to a step: the error of the mean force over a window of 16 of the
   // scene's steps falls with the step, from more than 10 % at four times the scene's.
-  const StepTrial &largest = advice.steps.steps.front(), &smallest = advice.steps.steps.back();
+  const auto equal = std::count_if(advice.steps.steps.begin(), advice.steps.steps.end(),
+                                   [](const StepTrial& t) { return t.accuracy == 0; });
+  const StepTrial& largest = advice.steps.steps.front();
+  const StepTrial& smallest = advice.steps.steps.at(to_size(equal - 1));
   EXPECT_DOUBLE_EQ(largest.step, 4e-3);
   EXPECT_DOUBLE_EQ(smallest.step, 2.5e-4);
   EXPECT_GT(largest.error.error.force, 0.1);
@@ -119,16 +124,34 @@ TEST(Advise, TheOverlapIsThatOfTheRun) {
   const Advice advice = advise(drop(), options);
   ASSERT_EQ(advice.status, Advice::Status::kMet) << advice.message;
   ASSERT_TRUE(advice.run.whole());
-  Scene<2> as_advised = drop();
-  as_advised.step = advice.step_size;
-  as_advised.num_steps = advice.num_steps;
+  const Scene<2> as_advised = with_setting(
+      drop(), {.step_factor = advice.step_size / drop().step, .accuracy = advice.accuracy});
+  EXPECT_EQ(as_advised.num_steps, advice.num_steps);
   State<2> state = initial_state(as_advised);
   const SceneRun<2> run = run_scene(as_advised, state);
   EXPECT_EQ(advice.run.overlap_step, run.totals.overlap_step);
   EXPECT_NEAR(expected_error(advice).error.penetration, run.totals.overlap, 1e-6);
   EXPECT_GT(advice.step_error.error.penetration, 0);
+  if (advice.accuracy > 0) return;
   EXPECT_GE(advice.step_error.error.penetration,
             advice.step_size / drop().step * 0.99 * advice.sample.overlap);
+}
+
+// At 0.3 m/s, an overlap of 1e-5 of 0.5 m asks for equal steps of 3e-5 s. They are not even tried, but
+// an accuracy places the step on the shock.
+TEST(Advise, AnAccuracyKeepsOverlapsSmallWhereNoEqualStepDoes) {
+  AdviseOptions options = quick(1e-2);
+  options.goal = {.penetration = 1e-5};
+  const Advice advice = advise(drop(), options);
+  ASSERT_EQ(advice.status, Advice::Status::kMet) << advice.message;
+  EXPECT_EQ(advice.accuracy, 3.3e-6);
+  EXPECT_DOUBLE_EQ(advice.step_size, 4e-3);  // a quarter of a stretch
+  EXPECT_LE(advice.run.overlap, 1e-5);
+  EXPECT_NE(run_command_of(advice).find("--accuracy 3.3e-06 --step-size 0.004 --steps 25"),
+            std::string::npos)
+      << run_command_of(advice);
+  options.keep_step = true;
+  EXPECT_EQ(advise(drop(), options).accuracy, 0);
 }
 
 TEST(Advise, TakesMoreStretchesWhereOneHasNoBar) {

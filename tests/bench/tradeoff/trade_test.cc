@@ -83,8 +83,8 @@ std::size_t index_of(const std::vector<TradeQuantity>& quantities, const std::st
 
 /// A trade of one scene whose outcomes come from a formula instead of a run.
 template <class Value>
-Trade manufactured(int replicas, double accuracy, Value&& value) {
-  Trade trade{.accuracy = accuracy, .complete = true};
+Trade manufactured(int replicas, double negligible, Value&& value) {
+  Trade trade{.negligible = negligible, .complete = true};
   TradeScene scene{.name = "made", .step = 1e-3, .replicas = replicas};
   scene.num_steps = scene.whole_steps = 100;
   scene.quantities = {{.name = "q", .unit = "m", .meaning = "manufactured"}};
@@ -221,6 +221,7 @@ TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
                        .solvers = {"auto", "pgs"},
                        .tols = {1e-2, 1e-8},
                        .step_factors = {1, 0.5},
+                       .accuracies = {},
                        .overlaps = {1e-3, 1e-2}};
   const Trade trade = run_trade(options);
   ASSERT_TRUE(trade.complete);
@@ -262,6 +263,7 @@ TEST(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
   TradeOptions options{.targets = {scene_file(folder, "falling", kFalling) + ":steps=90"},
                        .tols = {1e-1, 1e-6},
                        .step_factors = {1},
+                       .accuracies = {},
                        .overlaps = {1e-2}};
   const Trade first = run_trade(options), second = run_trade(options);
   EXPECT_EQ(first.scenes[0].replicas, 3);
@@ -277,11 +279,39 @@ TEST(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
   EXPECT_NEAR(first.rows[3].values[lost] / first.rows[5].values[lost], 1, 0.2);
 }
 
+TEST(TradeRun, AccuraciesCutStepsOfOneFrame) {
+  const TemporaryFolder folder;
+  TradeOptions options{.targets = {scene_file(folder, "falling", kFalling)},
+                       .tols = {1e-2, 1e-6},
+                       .step_factors = {1, 0.5},
+                       .accuracies = {0.1, 0.01},
+                       .overlaps = {},
+                       .replicas = 1};
+  const Trade trade = run_trade(options);
+  ASSERT_EQ(trade.rows.size(), 5u);
+  const TradeRow& equal = trade.rows[1];
+  const int factor = longest_cut_step(std::get<Scene<2>>(trade.scenes[0].scene), equal.steps);
+  EXPECT_GT(factor, 1);
+  EXPECT_EQ(equal.steps % factor, 0);
+  for (const std::size_t k : {3u, 4u}) {
+    const TradeRow& row = trade.rows[k];
+    ASSERT_EQ(row.status, "completed") << row.message;
+    EXPECT_DOUBLE_EQ(row.step, factor * equal.step);
+    EXPECT_LE(row.penetration, 3.5 * row.setting.accuracy);
+    EXPECT_NEAR(row.simulated, equal.simulated, 1e-12);
+  }
+  EXPECT_LT(trade.rows[4].penetration, equal.penetration);
+  const SceneTrade s = analyse_trade(trade).at(0);
+  EXPECT_EQ(s.step_tol, trade.rows[4].setting.tol);
+  EXPECT_NE(s.answer().find("--accuracy 0.01"), std::string::npos) << s.answer();
+}
+
 TEST(TradeRun, FailuresAndTimeOutsStayInTheTable) {
   const TemporaryFolder folder;
   TradeOptions options{.targets = {scene_file(folder, "falling", kFalling)},
                        .tols = {1e-1, 1e-6},
                        .step_factors = {1, 0.5},
+                       .accuracies = {},
                        .stiffness = {10, 1e5},
                        .time_limit = 1e-9};
   Trade trade = run_trade(options);
@@ -439,9 +469,10 @@ TEST(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
   TradeOptions options{.targets = {"bouncing_ball", "sliding_cylinder"},
                        .tols = {1e-8},
                        .step_factors = {2, 1},
+                       .accuracies = {1e-2},
                        .overlaps = {1e-4}};
   const Trade trade = run_trade(options);
-  ASSERT_EQ(trade.rows.size(), 6u);
+  ASSERT_EQ(trade.rows.size(), 8u);
   for (const TradeRow& row : trade.rows) {
     const auto& scene = row.scene == "bouncing_ball" ? trade.scenes[0] : trade.scenes[1];
     EXPECT_EQ(row.status, "completed");
