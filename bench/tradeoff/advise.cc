@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -436,7 +437,7 @@ class Adviser {
       ladder.push_back(std::stod(fmt::format("{:.2g}", std::clamp(overlap / 3, 1e-6, 0.3))));
       std::sort(ladder.rbegin(), ladder.rend());
     }
-    const int factor = longest_cut_step(scene_, steps_ / 4);
+    const int factor = longest_cut_step(scene_, std::gcd(steps_ / 4, scene_.num_steps));
     const double equal = seconds_of(runs_.at(1));
     for (const double x : ladder) {
       const RunSetting setting = exact(factor, x);
@@ -502,6 +503,7 @@ class Adviser {
       trial.guarded = std::fmax(trial.guarded, run.worst_guarded);
       if (!run.whole) {
         trial.message = fmt::format("{}: {}", run.status, run.message);
+        if (cpu > cpu_limit) trial.message = fmt::format("more than {:.2g} s of CPU", cpu_limit);
         break;
       }
       ++trial.solved;
