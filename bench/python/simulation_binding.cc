@@ -442,6 +442,9 @@ void bind_step(py::module_& module) {
       .def_property_readonly("iterations", of_report(&StepReport<D>::iterations), "Of the solver.")
       .def_property_readonly("penetration", of_report(&StepReport<D>::penetration),
                              "Largest overlap at mid-step [m].")
+      .def_property_readonly(
+          "parts", [](const PythonStep& s) { return s.report.cut.parts; },
+          "Into which an accuracy cut it; 0: none was asked for.")
       .def_property_readonly("solve_seconds", of_report(&StepReport<D>::solve_seconds),
                              "Wall time of the solve [s].")
       .def_property_readonly("epsilon", of_error(&ContactError::epsilon),

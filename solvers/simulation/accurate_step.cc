@@ -113,7 +113,7 @@ struct AccurateStepper<D>::Inside {
 
   std::string impact(const State<D>& state, int i, int j) const;
   std::string place(const State<D>& now, const std::vector<Closing<D>>& closing, double& h) const;
-  PartError measure(const State<D>& before, const State<D>& after, double h,
+  PartError measure(const State<D>& before, const State<D>& after, double h, double last,
                     const std::optional<Accelerations<D>>& a_before,
                     const Accelerations<D>& a_after);
   StepReport<D> advance(State<D>& state);
@@ -154,10 +154,12 @@ std::string AccurateStepper<D>::Inside::place(const State<D>& now,
   return limit == nullptr ? std::string() : impact(now, limit->i, limit->j);
 }
 
-/// Compares the states before and after a part of size h.
+/// Compares the states before and after a part of size h. The size of the part before it counts for
+/// drift: after a start from rest or an impact, velocities are along contacts as they were in its
+/// middle, and no short part undoes that.
 template <int D>
 PartError AccurateStepper<D>::Inside::measure(const State<D>& before, const State<D>& after,
-                                              double h,
+                                              double h, double last,
                                               const std::optional<Accelerations<D>>& a_before,
                                               const Accelerations<D>& a_after) {
   const double x = scene.accuracy;
@@ -190,8 +192,10 @@ PartError AccurateStepper<D>::Inside::measure(const State<D>& before, const Stat
       misplace(i, j, std::max(std::min(start, 0.0) - c.contact.gap, 0.0));
       continue;
     }
-    const double way = ways[to_size(i)] + (to_size(j) < ways.size() ? ways[to_size(j)] : 0.0) +
-                       x * pair_radius(after.bodies, after.walls, i, j);
+    const double way =
+        (1 + 0.5 * last / h) *
+            (ways[to_size(i)] + (to_size(j) < ways.size() ? ways[to_size(j)] : 0.0)) +
+        x * pair_radius(after.bodies, after.walls, i, j);
     error.drift = std::max(error.drift, std::abs(gap(after, pair) - start) / (x * way));
   }
   for (const Pair& pair : closings.overlapping(after)) {
@@ -288,7 +292,7 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
     }
 
     const Accelerations<D> a_next = mean_accelerations(now, next, h);
-    const PartError error = measure(now, next, h, a, a_next);
+    const PartError error = measure(now, next, h, done > 0 ? last : kFirst * whole, a, a_next);
     const char* const smooth_kind = error.drift > error.acceleration ? "drift" : "acceleration";
     if (error.misplaced > kSlack) {
       sums.add_rejected(report);

@@ -140,6 +140,7 @@ class _Step(_StepErrors):
     message: Final[str]
     iterations: Final[int]
     penetration: Final[float]
+    parts: Final[int]
     solve_seconds: Final[float]
     energy: Final[dict[str, float]]
 

@@ -8,6 +8,7 @@ import pytest
 
 EXAMPLES = pathlib.Path(__file__).parents[3] / "bench" / "python" / "examples"
 MADE = {
+    "error_against_steps.py": ["error_against_steps.svg"],
     "own_solver.py": ["work_precision.svg"],
     "moving_wall.py": ["moving_wall.svg"],
     "delassus_spectrum.py": ["spectrum.svg"],
