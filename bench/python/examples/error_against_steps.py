@@ -141,7 +141,7 @@ def main():
     for chart, (name, scene, time, exact) in zip(charts.flat, SCENES):
         points = {}
         if exact is None:
-            reference = run(scene, time, FRAMES, 1e-4 if flags.quick else 1e-5)[0]
+            reference = run(scene, time, 16 * FRAMES, 1e-4 if flags.quick else 1e-5)[0]
         else:
             reference = np.array([exact])
         for steps, accuracy in settings:

@@ -450,7 +450,9 @@ TEST(AutoSolver, SpheresBeginWithSweeps) {
   for (const AutoStage& stage : serving(shipped_file("3d_sphere_pyramid_4.hdf5"), false, 1e-2)) {
     if (stage.solver->name == "ipm") break;
     order.push_back(stage.solver->name);
-    if (stage.solver->name == "assor") EXPECT_GE(stage.max_iterations, 2700);
+    if (stage.solver->name == "assor") {
+      EXPECT_GE(stage.max_iterations, 2700);
+    }
   }
   const auto place = [&](std::string_view name) {
     return std::find(order.begin(), order.end(), name) - order.begin();
