@@ -130,7 +130,7 @@ CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
               "on it")
       .value_name("FILE");
   command.flag("--all", flags.all, "Print what was tried too, with its errors and costs");
-  command.option("--out", flags.out, "Folder for advice.html and advice.json").value_name("DIR");
+  command.option("--out", flags.out, "Folder for advice.html, .csv and .json").value_name("DIR");
   command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal");
   command.footer(
       "Prints five lines: choice, expected error, cost, verdict, and the command that runs it.\n"
@@ -172,6 +172,7 @@ int run_advise(const AdviseFlags& flags) {
   if (!flags.json.empty()) write_json(json, flags.json);
   if (!flags.out.empty()) {
     write_json(json, (fs::path(flags.out) / "advice.json").string());
+    write_text_file(fs::path(flags.out) / "advice.csv", advice_csv(advice));
     write_text_file(fs::path(flags.out) / "advice.html", to_html(advice_document(advice, &made)));
   }
   if (!quiet) {

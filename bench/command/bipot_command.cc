@@ -48,6 +48,8 @@ std::string_view status_of(ExitCode code) {
       return "input or output failed";
     case kExitBadInput:
       return "invalid input";
+    case kExitInterrupted:
+      return "interrupted";
     default:
       return "numerical failure";
   }
@@ -67,7 +69,7 @@ std::string command_name(const std::vector<ProgramCommand>& commands, int argc,
 /// Writes a refusal into the JSON file as well. The result of an earlier command stays there.
 void write_refusal(const std::string& destination, const std::string& command,
                    const std::string& message, ExitCode code) {
-  if (destination.empty() || !is_speaker()) return;
+  if (destination.empty() || !is_speaker() || (destination == "-" && !std::cout)) return;
   if (destination != "-" && std::filesystem::exists(destination)) {
     fmt::print(stderr, "bipot: {} is kept as it was\n", destination);
     return;
@@ -124,11 +126,6 @@ int run_command_line(int argc, const char* const* argv) {
     write_refusal(json, command_name(commands, argc, argv), message, code);
     return static_cast<int>(code);
   };
-  const CommandLine::Parsed parsed = line.parse(argc, argv);
-  if (parsed.outcome == CommandLine::Parsed::Outcome::kAnswered) return kExitConverged;
-  if (parsed.outcome == CommandLine::Parsed::Outcome::kRefused) {
-    return refuse(parsed.refusal, kExitBadInput);
-  }
   const auto say_and_refuse = [&](const std::exception& e, ExitCode code) {
     const bool full = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
     const std::string message = full ? "not enough memory" : printable(e.what());
@@ -136,6 +133,11 @@ int run_command_line(int argc, const char* const* argv) {
     return refuse(message, code);
   };
   try {
+    const CommandLine::Parsed parsed = line.parse(argc, argv);
+    if (parsed.outcome == CommandLine::Parsed::Outcome::kAnswered) return kExitConverged;
+    if (parsed.outcome == CommandLine::Parsed::Outcome::kRefused) {
+      return refuse(parsed.refusal, kExitBadInput);
+    }
     for (const ProgramCommand& c : commands) {
       if (!c.declaration.given()) continue;
       const std::string name = c.declaration.name();
@@ -163,8 +165,10 @@ int with_written_output(int exit_code) {
   errno = 0;
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return exit_code;
-  fmt::print(stderr, "bipot: standard output: {}\n",
-             errno != 0 ? std::strerror(errno) : "not everything was written");
+  if (exit_code != kExitIo) {  // else it was said
+    fmt::print(stderr, "bipot: standard output: {}\n",
+               errno != 0 ? std::strerror(errno) : "not everything was written");
+  }
   // What is left in its buffer would fail again, in each library that flushes it.
   [[maybe_unused]] const std::FILE* nowhere = std::freopen("/dev/null", "w", stdout);
   return kExitIo;

@@ -133,6 +133,7 @@ std::string meant_flag(const std::string& typed, const std::vector<std::string>&
   for (const auto& [other, flag] : kFlagSynonyms) {
     if (other == typed && known(flag)) return flag;
   }
+  if (typed.size() == 2) return {};  // every other letter would be near
   std::string nearest = nearest_name(typed, flags);
   if (!nearest.empty() || typed.size() < 5) return nearest;
   for (const std::string& flag : flags) {  // --tolerance, --thread

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <vector>
 
 #include "core/motion/midpoint.h"
@@ -101,14 +102,14 @@ std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
        fmt::format("the tolerance {:.0e} is tight: `bipot advise` says what "
                    "your question needs",
                    scene.solver.tol)},
-      {!smaller_steps_tried, "the step: try --on-failure smaller-step"},
-      {true,
+      {!smaller_steps_tried && path <= 0.1, "the step: try --on-failure smaller-step"},
+      {c.verdict != Existence::kNone,
        "several solutions: a solver that wanders between them may settle with --no-warm-start"},
-      {true, "the solver: try another one (bipot list solvers)"},
+      {c.verdict != Existence::kNone, "the solver: try another one (bipot list solvers)"},
       {true,
        "the start: bodies may overlap or be driven together from the first frame; look at it"}};
   std::erase_if(list, [](const Cause& cause) { return !cause.seen; });
-  list.resize(3);
+  if (list.size() > 3) list.resize(3);
   return list;
 }
 
@@ -118,7 +119,7 @@ template <int D>
 std::string failure_text(const Scene<D>& scene, const State<D>& state,
                          std::span<const std::type_identity_t<ContactOutcome<D>>> contacts,
                          const ContactProblem& problem, const ContactError& error, int step,
-                         bool smaller_steps_tried) {
+                         bool smaller_steps_tried, std::string_view said) {
   std::string text;
   const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
   if (worst >= 0 && to_size(worst) < contacts.size()) {
@@ -129,8 +130,16 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state,
   } else {
     text += fmt::format("  step {}: no contact stands out\n", step);
   }
+  if (said.find("as exact as doubles allow") != said.npos) {
+    const double reached = std::pow(10, std::ceil(std::log10(error.guarded())));
+    return text +
+           fmt::format(
+               "  1. the tolerance {:.0e} is below what doubles can express here; try --tol {:.0e}\n",
+               scene.solver.tol, reached);
+  }
   const ExistenceCertificate certificate = certify_existence(problem, kCertificateSeconds);
-  text += fmt::format("  {}\n", to_text(certificate));
+  const std::string verdict = to_text(certificate);
+  if (said.find(verdict) == said.npos) text += fmt::format("  {}\n", verdict);
   int k = 0;
   for (const Cause& cause : causes(scene, state, certificate, smaller_steps_tried)) {
     text += fmt::format("  {}. {}\n", ++k, cause.text);
@@ -151,7 +160,7 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state, const Sce
   const Vector s = run.failed_start.size() == p.num_rows() ? run.failed_start
                                                            : Vector(Vector::Zero(p.num_rows()));
   return failure_text<D>(scene, start, contacts, p, contact_error(p, s), state.step + 1,
-                         smaller_steps_tried);
+                         smaller_steps_tried, run.failure ? run.failure->what() : "");
 }
 
 template <int D>
@@ -253,7 +262,7 @@ std::string EnergyGrowth::warning(const Scene<D>& scene) const {
 
 template std::string failure_text<2>(const Scene<2>&, const State<2>&,
                                      std::span<const ContactOutcome<2>>, const ContactProblem&,
-                                     const ContactError&, int, bool);
+                                     const ContactError&, int, bool, std::string_view);
 template std::string failure_text(const Scene<2>&, const State<2>&, const SceneRun<2>&, bool);
 template std::string passage_advice(const Scene<2>&, const State<2>&, const SpringDashpotSetup*,
                                     bool);
@@ -267,7 +276,7 @@ template void EnergyGrowth::add(const Scene<2>&, const StepReport<2>&);
 template std::string EnergyGrowth::warning(const Scene<2>&) const;
 template std::string failure_text<3>(const Scene<3>&, const State<3>&,
                                      std::span<const ContactOutcome<3>>, const ContactProblem&,
-                                     const ContactError&, int, bool);
+                                     const ContactError&, int, bool, std::string_view);
 template std::string failure_text(const Scene<3>&, const State<3>&, const SceneRun<3>&, bool);
 template void EnergyGrowth::add(const Scene<3>&, const StepReport<3>&);
 template std::string EnergyGrowth::warning(const Scene<3>&) const;

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "solvers/simulation/scene_run.h"
@@ -10,12 +11,13 @@ namespace bipot {
 
 /// Text on a step whose problem was not solved: its worst contact, whether a solution exists at all
 /// (solvers/analysis), the three likeliest causes and their remedies, most informative first.
-/// Smaller steps are left out if they were tried. Lines, each with its end.
+/// Smaller steps are left out if they were tried. `said`: the reason that was given; a verdict in it
+/// is not repeated, and no cause but rounding is sought where it says so. Lines, each with its end.
 template <int D>
 std::string failure_text(const Scene<D>& scene, const State<D>& state,
                          std::span<const std::type_identity_t<ContactOutcome<D>>> contacts,
                          const ContactProblem& problem, const ContactError& error, int step,
-                         bool smaller_steps_tried);
+                         bool smaller_steps_tried, std::string_view said = {});
 /// The same for a failed step; `state` is that before it.
 template <int D>
 std::string failure_text(const Scene<D>& scene, const State<D>& state, const SceneRun<D>& run,

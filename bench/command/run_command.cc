@@ -330,7 +330,7 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
     growth.add(scene, report);
     if (!report.converged && taken.advice.empty() && speaks) {
       taken.advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
-                                     report.error, report.step, smaller_steps);
+                                     report.error, report.step, smaller_steps, report.message);
     }
     progress.add(report, report.step - first, step.state.time);
     return true;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "core/base/file_error.h"
+#include "core/base/interrupt.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/parallel/launch.h"
 
@@ -87,6 +88,7 @@ ExitCode exit_code_for(const std::exception& e) {
   if (dynamic_cast<const FileError*>(&e) != nullptr) return kExitIo;
   if (dynamic_cast<const std::invalid_argument*>(&e) != nullptr) return kExitBadInput;
   if (dynamic_cast<const SceneFileError*>(&e) != nullptr) return kExitBadInput;
+  if (dynamic_cast<const Interrupted*>(&e) != nullptr) return kExitInterrupted;
   return kExitNumericalFailure;
 }
 

@@ -31,6 +31,8 @@ std::string message_of(const RunSummary<D>& s) {
   return t.worst_unconverged < 0 ? "" : fmt::format("step {}: {}", t.worst_unconverged, t.message);
 }
 
+std::string steps_text(int count) { return fmt::format("{} step{}", count, count == 1 ? "" : "s"); }
+
 /// Bodies through each outlet and inlet.
 template <int D>
 Json gates_json(const Scene<D>& scene, const State<D>& state) {
@@ -67,7 +69,7 @@ std::string gates_text(const Scene<D>& scene, const State<D>& state) {
     text += fmt::format("  inlet        '{}': {} have come in, {:.4g} kg", scene.inlets[k].name,
                         flow.count, flow.mass);
     if (flow.waiting > 0) {
-      text += fmt::format("; no room in {} steps, what was due waited", flow.waiting);
+      text += fmt::format("; no room in {}, what was due waited", steps_text(flow.waiting));
     }
     text += "\n";
   }
@@ -237,10 +239,11 @@ std::string to_text(const RunSummary<D>& s) {
   if (!s.start.text.empty()) fmt::format_to(add, "  start        {}\n", s.start.text);
   if (!s.note.empty()) fmt::format_to(add, "  note         {}\n", s.note);
   if (t.unsolvable > 0) {
-    fmt::format_to(add, "  no solution  in {} steps (proved)\n", t.unsolvable);
+    fmt::format_to(add, "  no solution  in {} (proved)\n", steps_text(t.unsolvable));
   }
   text += bodies_text(scene);
-  if (t.split > 0) fmt::format_to(add, "  split        {} steps taken in smaller parts\n", t.split);
+  if (t.split > 0)
+    fmt::format_to(add, "  split        {} taken in smaller parts\n", steps_text(t.split));
   if (dem != nullptr) {
     fmt::format_to(add,
                    "  model        springs and dashpots, k_n = {:.4g} N/m, k_t = {:.4g} N/m\n"
@@ -269,13 +272,13 @@ std::string to_text(const RunSummary<D>& s) {
                  t.penetration, 100 * t.overlap);
   if (scene.accuracy > 0) text += parts_text(scene.accuracy, t);
   if (t.deep_overlaps > 0) {
-    fmt::format_to(add, "  overlaps     beyond {:g} % in {} steps, most in step {}{}{}\n",
-                   100 * kDeepOverlap, t.deep_overlaps, t.overlap_step,
+    fmt::format_to(add, "  overlaps     beyond {:g} % in {}, most in step {}{}{}\n",
+                   100 * kDeepOverlap, steps_text(t.deep_overlaps), t.overlap_step,
                    t.overlap_pair.empty() ? "" : ": ", t.overlap_pair);
   }
   if (t.passages > 0) {
-    fmt::format_to(add, "  passages     {} pairs, first in step {}: {}\n", t.passages,
-                   t.passage_step, t.passage);
+    fmt::format_to(add, "  passages     {} pair{}, first in step {}: {}\n", t.passages,
+                   t.passages == 1 ? "" : "s", t.passage_step, t.passage);
   }
   if (scene.has_gates()) text += gates_text(scene, s.state);
   fmt::format_to(add,

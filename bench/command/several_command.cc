@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -19,6 +20,7 @@
 #include "core/base/version.h"
 #include "core/files/atomic_file.h"
 #include "core/problem_files/fclib_file.h"
+#include "core/problem_files/problem_geometry.h"
 #include "solvers/analysis/several_answers.h"
 
 namespace bipot {
@@ -80,29 +82,24 @@ SeveralOptions options_of(const SolveFlags& flags, const ProblemFile& file) {
   return options;
 }
 
-/// True if there is a picture.
-bool write_answers(const fs::path& out, const std::string& problem, const ProblemFile& file,
-                   const SeveralAnswers& found) {
-  if (found.answers.empty() || file.problem.num_contacts() == 0) return false;
-  std::vector<Vector> impulses;
-  for (const Answer& answer : found.answers) impulses.push_back(answer.impulse.s);
-  write_fclib(out / "answers.hdf5", file.problem, file.info, impulses);
-  if (const auto geometry = read_geometry(problem, file.problem.num_contacts())) {
-    const std::string title =
-        fmt::format("{}, step {}", fs::path(problem).filename().string(), geometry->state.step);
-    for (const char* name : {"answers.svg", "answers.png"}) {
-      draw_several_picture(out / name, file.problem, *geometry, found, title);
-    }
-    return true;
-  }
-  return false;
-}
+using Place = std::optional<ProblemGeometry>;  ///< empty: of a problem without pictures
 
-void write_page(const fs::path& out, const std::string& problem, const SeveralAnswers& found,
-                bool picture) {
+void write_folder(const fs::path& out, const std::string& problem, const ProblemFile& file,
+                  const Place& place, const SeveralAnswers& found) {
+  const std::string name = fs::path(problem).filename().string();
+  const bool drawn = place && !found.answers.empty();
+  if (!found.answers.empty() && file.problem.num_contacts() > 0) {
+    std::vector<Vector> impulses;
+    for (const Answer& answer : found.answers) impulses.push_back(answer.impulse.s);
+    write_fclib(out / "answers.hdf5", file.problem, file.info, impulses);
+  }
+  for (const char* picture : {"answers.svg", "answers.png"}) {
+    if (!drawn) break;
+    draw_several_picture(out / picture, file.problem, *place, found,
+                         fmt::format("{}, step {}", name, place->state.step));
+  }
   write_text_file(out / "answers.csv", to_csv(found));
-  const Document page = several_page(found, fs::path(problem).filename().string(),
-                                     provenance("solve", typed_command()), picture);
+  const Document page = several_page(found, name, provenance("solve", typed_command()), drawn);
   write_text_file(out / "index.html", to_html(page));
 }
 
@@ -125,8 +122,8 @@ int several_command(const SolveFlags& flags, const ProblemFile& file) {
   if (!file.caution.empty()) found.message += "; " + file.caution;
   if (found.status == SolveStatus::kInvalidInput) throw std::invalid_argument(found.message);
   const int code = exit_code_of(found);
-  if (!out.empty())
-    write_page(out, flags.problem, found, write_answers(out, flags.problem, file, found));
+  const Place place = read_geometry(flags.problem, file.problem.num_contacts());
+  if (!out.empty()) write_folder(out, flags.problem, file, place, found);
   if (!json.empty()) {
     Json j{{"command", "solve"},
            {"version", program_version()},
@@ -138,6 +135,7 @@ int several_command(const SolveFlags& flags, const ProblemFile& file) {
            {"seed", options.seed},
            {"warm", flags.warm},
            {"tol", options.tol}};
+    if (place) j.update({{"step", place->state.step}, {"time", place->state.time}});
     j.update(to_json(found));
     write_json(j, json);
   }

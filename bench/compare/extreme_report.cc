@@ -243,7 +243,7 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
       m,
       [](const ExtremeCell& cell) {
         const bool figure = std::isfinite(cell.guarded) && cell.end != CellEnd::kNotForIt;
-        return TableCell(figure ? error_label(cell.guarded) : "")
+        return TableCell(figure ? fmt::format("{:.0e}", cell.guarded) : "")
             .tipped(cell.status + ": " + cell.message)
             .as(sign_of(cell.end).look);
       },

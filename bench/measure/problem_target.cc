@@ -21,6 +21,7 @@
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/settled_pile.h"
 #include "bench/problems/sphere_problems.h"
+#include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
 #include "core/base/types.h"
 #include "core/motion/time_stepping.h"
@@ -298,7 +299,7 @@ class ProblemRun {
 
  private:
   void run() {
-    SolverOptions options{.tol = scene_.solver.tol};
+    SolverOptions options{.tol = scene_.solver.tol, .cancelled = &InterruptGuard::requested};
     State<D> state = initial_state(scene_);
     SceneRunOptions<D> to_last;
     to_last.steps = steps_.back();
@@ -316,7 +317,9 @@ class ProblemRun {
       made.smallest_radius = smallest_radius_of(scene_);
       return true;
     };
+    to_last.cancelled = options.cancelled;
     const SceneRun<D> run = run_scene(scene_, state, to_last);
+    if (InterruptGuard::requested()) throw Interrupted();
     if (run.failure) throw *run.failure;
   }
 

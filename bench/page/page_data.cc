@@ -36,26 +36,27 @@ std::string base64(std::string_view bytes) {
 std::string packed_text(std::string_view bytes) { return base64(deflated(bytes)); }
 
 Json page_summary(const fs::path& folder) {
-  std::ifstream file(folder / "summary.json");
-  return file ? Json::parse(file, nullptr, false) : Json();
+  const fs::path path = folder / "summary.json";
+  return fs::is_regular_file(path) ? Json::parse(std::ifstream(path), nullptr, false) : Json();
 }
 
-Json page_marks(const std::vector<CurveTable>& curves) {
+Json page_marks(const fs::path& folder, const std::vector<CurveTable>& curves) {
   Json marks = Json::array();
-  if (curves.empty() || curves.front().file != "ledger") return marks;
-  const CurveTable& ledger = curves.front();
-  const std::vector<double>* step = ledger.column("step");
-  const std::vector<double>* time = ledger.column("time");
-  if (step == nullptr || time == nullptr) return marks;
-  const auto mark = [&](const char* column, const char* kind, const auto& is) {
-    const std::vector<double>* values = ledger.column(column);
-    if (values == nullptr) return;
-    for (std::size_t k = 0; k < values->size() && marks.size() < kMostMarks; ++k) {
-      if (is((*values)[k])) marks.push_back({kind, (*step)[k], (*time)[k]});
+  if (!curves.empty() && curves.front().file == "ledger") {
+    const CurveTable& ledger = curves.front();
+    const std::vector<double>*step = ledger.column("step"), *time = ledger.column("time"),
+          *converged = ledger.column("converged");
+    for (std::size_t k = 0; step && time && converged && k < step->size(); ++k) {
+      if (marks.size() == kMostMarks) break;
+      if ((*converged)[k] == 0) marks.push_back({"unsolved", (*step)[k], (*time)[k]});
     }
-  };
-  mark("converged", "unsolved", [](double x) { return x == 0; });
-  mark("answers", "several", [](double x) { return x > 1; });
+  }
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const Json found = entry.is_directory() ? page_summary(entry.path()) : Json();
+    if (found.is_object() && found.value("sets", 0) > 1 && found.contains("step")) {
+      marks.push_back({"several", found["step"], found["time"]});
+    }
+  }
   return marks;
 }
 

@@ -20,8 +20,9 @@ std::string base64(std::string_view bytes);
 /// summary.json of a run; null if there is none, or none that is whole.
 Json page_summary(const std::filesystem::path& folder);
 
-/// Steps that a reader must know of: unsolved, with several answers.
-Json page_marks(const std::vector<CurveTable>& curves);
+/// Steps that a reader must know of: unsolved, by the ledger; with several exact answers, by the
+/// folders of `solve --several` in that of the run.
+Json page_marks(const std::filesystem::path& folder, const std::vector<CurveTable>& curves);
 
 /// Columns in single precision, one after the other; their description goes into `about`.
 std::string packed_curves(const std::vector<CurveTable>& curves, Json& about);

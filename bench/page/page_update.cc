@@ -33,7 +33,7 @@ std::string page_update(const std::filesystem::path& folder, int after, bool end
     add_frames<2>(folder, step, after, update);
   }
   const std::vector<CurveTable> curves = read_curves(folder);
-  update["marks"] = page_marks(curves);
+  update["marks"] = page_marks(folder, curves);
   update["curve_data"] = packed_text(packed_curves(curves, update));
   return json_text(update);
 }

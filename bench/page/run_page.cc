@@ -22,6 +22,7 @@
 #include "bench/report/text_lines.h"
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
+#include "core/run_files/film.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene_files/scene_file.h"
 
@@ -143,6 +144,14 @@ PageText page_text(const fs::path& folder, const Hdf5File& fixed, std::size_t mo
                    Json about) {
   RunFrames<D> run = read_frames<D>(folder, about["time_step"].get<double>());
   about["quantum"] = run.film.quantum;
+  // Few frames of many steps: the film was full of bytes before it was full of frames (film.h).
+  const std::vector<FilmFrame>& frames = run.film.frames;
+  const int every = frames.size() > 2 ? frames[1].step - frames[0].step : 1;
+  if (every > 1 && 2 * frames.size() < FilmRecorder<D>::kMostFrames &&
+      fs::exists(folder / kFilmFile)) {
+    about["notes"].push_back(fmt::format("One step in {} is shown: a film has at most {} MB.",
+                                         every, FilmRecorder<D>::kMostBytes >> 20));
+  }
   about["gates"] = run.gates;
   about["bodies"] = run.bodies.size();
   about["walls"] = walls_json(run.walls, fixed.read_strings("/materials/name"));
@@ -155,7 +164,7 @@ PageText page_text(const fs::path& folder, const Hdf5File& fixed, std::size_t mo
     }
   }
   const std::vector<CurveTable> curves = read_curves(folder);
-  about["marks"] = page_marks(curves);
+  about["marks"] = page_marks(folder, curves);
   const std::string curve_text = packed_text(packed_curves(curves, about));
   const PageFiles files = page_files();
   const std::size_t rest = files.page.size() + files.style.size() + files.script.size() +

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/interrupt.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 
@@ -14,6 +15,7 @@ void run_moving_scene(const Scene<D>& scene, const std::vector<int>& steps,
   SolverOptions options;
   options.tol = kMovingTolerance;
   options.max_iterations = kMovingIterations;
+  options.cancelled = &InterruptGuard::requested;
   State<D> state = initial_state(scene);
   SceneRunOptions<D> to_last;
   to_last.steps = steps.back();
@@ -23,7 +25,9 @@ void run_moving_scene(const Scene<D>& scene, const std::vector<int>& steps,
     if (wanted && step.problem.num_contacts() > 0) on_step(step);
     return true;
   };
+  to_last.cancelled = options.cancelled;
   const SceneRun<D> done = run_scene(scene, state, to_last);
+  if (InterruptGuard::requested()) throw Interrupted();
   if (done.failure) throw *done.failure;
 }
 

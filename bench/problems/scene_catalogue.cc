@@ -53,21 +53,24 @@ std::vector<std::filesystem::path> scene_templates() { return shipped_files("tem
 std::vector<std::filesystem::path> shipped_problems() { return shipped_files("problems", ".hdf5"); }
 
 std::filesystem::path find_scene(const std::string& path_or_name) {
-  if (std::filesystem::exists(path_or_name)) {
-    try {
-      require_regular_file(path_or_name);
-    } catch (const FileError& e) {
-      throw std::invalid_argument(e.what());
-    }
-    return path_or_name;
-  }
+  const bool there = std::filesystem::exists(path_or_name);
+  const bool file = there && !std::filesystem::is_directory(path_or_name);
   std::vector<std::string> names;
   for (const std::filesystem::path& scene : shipped_scenes()) {
     names.push_back(scene.stem().string());
-    if (names.back() == path_or_name) return scene;
+    // Results of a scene often stand in a folder of its name, which is no scene.
+    if (names.back() == path_or_name && !file) return scene;
   }
-  throw std::invalid_argument(path_or_name + ": no such file; " +
-                              unknown_name_message("shipped scene", path_or_name, names));
+  if (!there) {
+    throw std::invalid_argument(path_or_name + ": no such file; " +
+                                unknown_name_message("shipped scene", path_or_name, names));
+  }
+  try {
+    require_regular_file(path_or_name);
+  } catch (const FileError& e) {
+    throw std::invalid_argument(e.what());
+  }
+  return path_or_name;
 }
 
 }  // namespace bipot

@@ -19,8 +19,8 @@ std::vector<std::filesystem::path> scene_templates();
 /// Files in data/problems, sorted by name.
 std::vector<std::filesystem::path> shipped_problems();
 
-/// The path itself if such a file exists, else the shipped scene of that name. Throws
-/// std::invalid_argument, naming the nearest shipped scene.
+/// The path itself if such a file exists, else the shipped scene of that name, also beside a folder
+/// of that name. Throws std::invalid_argument, naming the nearest shipped scene.
 std::filesystem::path find_scene(const std::string& path_or_name);
 
 }  // namespace bipot

@@ -39,8 +39,9 @@ void require_writable(const std::string& destination) {
   // Opening a pipe would wait for its reader.
   if (there && !std::filesystem::is_regular_file(status)) return;
   const bool writable = std::ofstream(destination, std::ios::app).is_open();
+  const std::string reason = std::strerror(errno);
   if (!there) std::filesystem::remove(destination, none);
-  if (!writable) throw FileError(destination, "", "cannot be written");
+  if (!writable) throw FileError(destination, "", "cannot be written: " + reason);
 }
 
 void write_json(const Json& json, const std::string& destination) {

@@ -68,9 +68,11 @@ dt{font-weight:600}dd{margin:0;max-width:42em}
 @media(max-width:620px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}
  table thead{display:none}
  table tr{display:block;border-bottom:1px solid var(--line);padding:.4em 0}
- table td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
+ table td{display:flow-root;position:static;border:0;padding:.1em .6em;text-align:left}
  table td:first-child{font-weight:600;font-size:1rem}
- table td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:var(--soft)}
+ table td[data-label]{padding-left:7em}
+ table td[data-label]::before{content:attr(data-label);float:left;width:5.8em;margin-left:-6.4em;color:var(--soft)}
+ table td.bad::before{color:inherit}
  td.n{white-space:normal}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.scroll{overflow:visible;border:0}
  .filters,nav,#open-all{display:none}table{font-size:7.5pt}th,td{padding:.15em .3em}

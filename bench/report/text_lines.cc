@@ -8,7 +8,7 @@ namespace {
 
 bool is_aim(std::string_view aim) {
   return !aim.empty() && std::all_of(aim.begin(), aim.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::string_view("#_.-").find(c) != std::string_view::npos;
+    return std::isalnum(c) != 0 || std::string_view("#_.-+").find(c) != std::string_view::npos;
   });
 }
 

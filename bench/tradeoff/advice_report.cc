@@ -87,12 +87,12 @@ Table step_table(const Advice& a) {
 }
 
 Table trial_table(const Advice& a) {
-  Table table{.columns = {{.name = " "},
+  Table table{.columns = {{.name = "choice"},
                           {.name = "solver"},
                           {.name = "tol", .show = tolerance_label},
                           {.name = "time of a solve", .show = duration_label}}};
   add_columns(a.goal, table.columns);
-  table.columns.push_back({.name = " "});
+  table.columns.push_back({.name = "verdict"});
   for (std::size_t i = 0; i < a.trials.size(); ++i) {
     const SolverTrial& t = a.trials[i];
     const bool chosen = static_cast<int>(i) == a.choice;
@@ -349,6 +349,8 @@ std::string advice_summary(const Advice& a) {
   return text;
 }
 
+std::string advice_csv(const Advice& a) { return to_csv(trial_table(a)); }
+
 Document advice_document(const Advice& a, const Provenance* made) {
   Document d{.title = a.title.empty() ? a.scene : a.title};
   d.add(Terms{five_lines(a)});
@@ -378,7 +380,7 @@ Document advice_document(const Advice& a, const Provenance* made) {
     d.made = *made;
     d.heading("How this was made");
     d.add(to_terms(*made));
-    d.say("[All numbers](advice.json).", "small");
+    d.say("[Solvers as CSV](advice.csv), [all numbers](advice.json).", "small");
   }
   return d;
 }

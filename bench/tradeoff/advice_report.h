@@ -17,6 +17,9 @@ std::string advice_summary(const Advice& advice);
 /// step and tolerance, if `made` is given.
 Document advice_document(const Advice& advice, const Provenance* made = nullptr);
 
+/// The solvers that were tried, with their errors.
+std::string advice_csv(const Advice& advice);
+
 /// The command that runs the scene as advised; empty without a choice.
 std::string run_command_of(const Advice& advice);
 

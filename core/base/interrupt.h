@@ -1,6 +1,7 @@
 #pragma once
 
 #include <csignal>
+#include <stdexcept>
 
 namespace bipot {
 
@@ -14,6 +15,11 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
   static bool requested();
+};
+
+/// What ends work without a result of its own when an end was asked for.
+struct Interrupted : std::runtime_error {
+  Interrupted() : std::runtime_error("interrupted") {}
 };
 
 /// Threads that begin during its life leave these signals to the other threads.

@@ -1,5 +1,8 @@
 #include "core/files/atomic_file.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -8,18 +11,36 @@
 #include <utility>
 
 #include "core/base/file_error.h"
+#include "core/base/interrupt.h"
 
 namespace bipot {
+namespace {
+
+/// Waits for the reader of a pipe as long as the program may go on. Whoever opens it next finds it.
+int opened_pipe(const std::filesystem::path& path) {
+  for (;;) {
+    const int file = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+    if (file >= 0) return file;
+    if (errno != ENXIO || InterruptGuard::requested()) {
+      throw FileError(path, "", std::string("cannot be written: ") + std::strerror(errno));
+    }
+    ::usleep(20000);
+  }
+}
+
+}  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), draft_(path_) {
   std::error_code failed;
   const auto type = std::filesystem::status(path_, failed).type();
   using enum std::filesystem::file_type;
+  if (type == fifo) pipe_ = opened_pipe(path_);
   if (type == fifo || type == character || type == block || type == socket) return;
   draft_ += ".part";
 }
 
 AtomicFile::~AtomicFile() {
+  if (pipe_ >= 0) ::close(pipe_);
   if (draft_ == path_) return;
   std::error_code ignored;  // nothing to remove after commit()
   std::filesystem::remove(draft_, ignored);

@@ -7,7 +7,8 @@ namespace bipot {
 
 /// A file that appears under its name whole or not at all, whenever the program dies. It is written
 /// under another name in the same folder, and commit() renames it in one step. Until then an
-/// earlier file of that name remains. A pipe or a device of that name is written to directly.
+/// earlier file of that name remains. A pipe or a device of that name is written to directly,
+/// once a pipe has a reader.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -23,6 +24,7 @@ class AtomicFile {
 
  private:
   std::filesystem::path path_, draft_;
+  int pipe_ = -1;  ///< open as long as this lives
 };
 
 /// The whole text as a file. Throws FileError with the system's reason.

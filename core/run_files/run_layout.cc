@@ -6,16 +6,23 @@
 #include <charconv>
 #include <system_error>
 
+#include "core/files/input_file.h"
+
 namespace bipot {
 
 namespace fs = std::filesystem;
 
 fs::path run_folder(const fs::path& run) {
-  if (fs::is_directory(run)) return run;
-  if (run.filename() != "run.h5") {
+  const bool named = fs::is_directory(run);
+  if (!named && run.filename() != "run.h5") {
     throw FileError(run, "", "a run is named by its folder or by the run.h5 in it");
   }
-  return run.has_parent_path() ? run.parent_path() : fs::path(".");
+  const fs::path folder = named ? run : run.has_parent_path() ? run.parent_path() : fs::path(".");
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    if (entry.is_other()) require_regular_file(entry.path());  // a reader would wait
+  }
+  return folder;
 }
 
 std::string frame_name(int step) { return fmt::format("{:08d}", step); }

@@ -157,6 +157,11 @@ const std::vector<Synonym>& all_synonyms() {
       {"iterations", {"max_iterations"}},
       {"save_every", {"every"}},
       {"frames", {"every"}},
+      {"interval", {"every"}},
+      {"frequency", {"every"}},
+      {"damping", {"e_n"}},
+      {"periodic", {"cell"}},
+      {"period", {"cell", "width"}},
   };
   return synonyms;
 }
@@ -164,6 +169,7 @@ const std::vector<Synonym>& all_synonyms() {
 struct Remark {
   KeyWords typed;
   std::string_view text;
+  std::string_view beside = {};  // in tables with this key alone; empty: in all
 };
 
 /// What other programs have and this one has not, or has under no single key.
@@ -180,6 +186,10 @@ const std::vector<Remark>& all_remarks() {
       {{"young", "youngs_modulus", "young_modulus", "poisson", "kn", "k_n"},
        "bodies are rigid; model = \"dem\" has springs, with [dem] stiffness"},
       {{"diameter", "diameters", "d"}, "sizes are radii: give 'radius' or 'radii'"},
+      {{"type", "kind", "shape"},
+       "'point' and 'normal' make a half-plane, 'from' and 'to' a segment, 'center' and 'radius' a "
+       "circle",
+       "hollow"},
   };
   return remarks;
 }
@@ -242,7 +252,11 @@ bool is_synonym(std::string_view typed, std::string_view key) {
 
 std::string unknown_key_message(std::string_view typed, const std::vector<std::string>& valid) {
   for (const Remark& remark : all_remarks()) {
-    if (lists(remark.typed, typed)) return fmt::format("unknown key '{}': {}", typed, remark.text);
+    const bool here = remark.beside.empty() ||
+                      std::find(valid.begin(), valid.end(), remark.beside) != valid.end();
+    if (here && lists(remark.typed, typed)) {
+      return fmt::format("unknown key '{}': {}", typed, remark.text);
+    }
   }
   if (const std::string meant = synonym_among(typed, valid); !meant.empty()) {
     return fmt::format("unknown key '{}'; did you mean '{}'? Valid: {}", typed, meant,

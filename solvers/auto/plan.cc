@@ -16,6 +16,7 @@
 
 #include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
+#include "core/files/input_file.h"
 #include "solvers/auto/plan_text.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
@@ -346,11 +347,7 @@ AutoPlan parse_plan(std::string_view text, const std::string& source) {
 }
 
 AutoPlan read_plan(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw FileError(path, "", "cannot be read");
-  return parse_plan(text.str(), path.string());
+  return parse_plan(read_text_file(path), path.string());
 }
 
 const AutoPlan& shipped_plan() {

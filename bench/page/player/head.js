@@ -47,7 +47,12 @@ function warningsOf(run, tables) {
   if (count > 0) {
     const first = unsolved[0], step = first ? first[1] : summary.first_unconverged_step;
     warnings.push({bad: true, text: `${count} ${count === 1 ? 'step was' : 'steps were'} not solved to the tolerance ${textOf(about.tol, 1)}, first step ${step}` +
-      (summary?.message ? `: ${summary.message}` : ''), time: first ? first[2] : step * about.time_step});
+      (summary?.message ? `: ${summary.message.replace(/^step \d+: /, '')}` : ''), time: first ? first[2] : step * about.time_step});
+  }
+  const several = about.marks.filter(([kind]) => kind === 'several');
+  if (several.length) {
+    warnings.push({text: `${several.length} ${several.length === 1 ? 'step has' : 'steps have'} several exact answers; the run took one of them.`,
+      time: several[0][2]});
   }
   const overlap = overlapShares(run, ledger);
   if (overlap) {

@@ -303,6 +303,7 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
   const std::string line = five.out.substr(command + 6, five.out.find('\n', command) - command - 6);
   EXPECT_EQ(bipot(line + " --out " + path("as_advised")).exit_code, 0) << line;
   EXPECT_NE(content(path("advice/advice.html")).find("Step and tolerance"), std::string::npos);
+  EXPECT_NE(content(path("advice/advice.csv")).find("choice,solver,tol,"), std::string::npos);
   EXPECT_EQ(bipot("advise " + scene + " --force-error 1e-2 --json /proc/nowhere/a.json").exit_code,
             4);
 }

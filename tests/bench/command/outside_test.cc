@@ -53,7 +53,8 @@ TEST_F(Command, OnlyRegularFilesAreRead) {
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const std::string& words : std::initializer_list<std::string>{
            "solve " + pipe, "judge " + pipe, "judge " + shipped_problem() + " --impulses " + pipe,
-           "run " + pipe, "compare " + pipe + " --quick", "solve /dev/zero", "run /dev/zero",
+           "run " + pipe, "run drum --plan " + pipe, "compare " + pipe + " --quick",
+           "solve /dev/zero", "run /dev/zero",
            "judge " + shipped_problem() + " --impulses /dev/zero", "run " + folder_.string()}) {
     EXPECT_EQ(limited(words).exit_code, 2) << words;
   }
@@ -64,11 +65,22 @@ TEST_F(Command, OutputThatIsNotWrittenIsAFailure) {
   for (const std::string& words : std::initializer_list<std::string>{
            "solve " + shipped_problem() + " --tol 1e-3 --json -",
            "solve " + shipped_problem() + " --tol 1e-3", std::string("list scenes"),
-           std::string("--help"), "run " + scene + " --out " + path("out")}) {
+           std::string("--help"), std::string("help --man"),
+           "run " + scene + " --out " + path("out")}) {
     EXPECT_EQ(bipot(words + " >/dev/full").exit_code, 4) << words;
   }
   EXPECT_NE(complaint("list scenes --json -", "/dev/full").find("No space left"),
             std::string::npos);
+}
+
+TEST_F(Command, APipeIsWrittenOnceItIsRead) {
+  const std::string pipe = path("pipe");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string solve = "solve " + shipped_problem() + " --tol 1e-3 -q --json " + pipe;
+  const Outcome read = bipot(solve + " & cat " + pipe + "; wait $!");
+  EXPECT_EQ(nlohmann::json::parse(read.out)["exit_code"], 0);
+  // Nobody reads: the signal ends it.
+  EXPECT_EQ(run_command_line("timeout --kill-after=20 3 " BIPOT_COMMAND, solve).exit_code, 124);
 }
 
 TEST_F(Command, AFailureReplacesNoEarlierResult) {
@@ -127,6 +139,15 @@ TEST_F(Command, MpiFindsAFolderForItsFiles) {
       run_command_line("TMPDIR=/proc/nowhere " BIPOT_COMMAND,
                        "solve " + shipped_problem() + " --solver newton --tol 1e-6");
   EXPECT_EQ(solve.exit_code, 0);
+}
+
+/// Also while the problems are made.
+TEST_F(Command, ASignalEndsTheRunThatMakesProblems) {
+  EXPECT_EQ(bipot("compare pour:100 --quick --solvers apgd -q --out " + path("out") +
+                  " & p=$!; sleep 2; kill $p; for k in $(seq 200); do sleep 0.1; "
+                  "kill -0 $p || break; done; kill -9 $p; wait $p; exit $?")
+                .exit_code,
+            5);
 }
 
 /// A gnuplot that hangs does not outlive the signal.

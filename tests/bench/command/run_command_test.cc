@@ -54,6 +54,13 @@ TEST_F(RunCommand, AStartThatOverlapsIsRefusedWithAPicture) {
   EXPECT_EQ(bipot("trade " + scene + " --quick").exit_code, 2);
 }
 
+TEST_F(RunCommand, AShippedSceneIsFoundBesideAFolderOfItsName) {
+  EXPECT_EQ(bipot("run sliding_cylinder --steps 2 --out sliding_cylinder -q").exit_code, 0);
+  EXPECT_EQ(bipot("run sliding_cylinder --steps 2 --out again -q").exit_code, 0);
+  write("bouncing_ball", "no scene");  // a file is what was meant
+  EXPECT_EQ(bipot("run bouncing_ball --steps 2 -q").exit_code, 2);
+}
+
 TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
   const Outcome allowed = bipot(
       "run " + write("allow.toml", cut_packing("[start]\noverlaps = 'allow'\n")) + " --json -");
@@ -240,10 +247,25 @@ TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
   EXPECT_EQ(j["steps"], 3);
   EXPECT_EQ(j["steps_converged"], 0);
   EXPECT_EQ(j["steps_without_solution"], 3);
-  // No tolerance helps, and the step that is named is the worst.
-  EXPECT_FALSE(holds(ended.out, "is tight")) << ended.out;
+  // No tolerance and no other solver helps, and the step that is named is the worst.
+  for (const char* part : {"is tight", "several solutions", "another one"}) {
+    EXPECT_FALSE(holds(ended.out, part)) << ended.out;
+  }
   const std::string worst = "step " + std::to_string(j["worst_step"].get<int>()) + ": ";
   EXPECT_EQ(j["message"].get<std::string>().rfind(worst, 0), 0u) << j["message"];
+}
+
+// 1e10 kg on 1 kg on a floor: the rounding of the upper impulse alone is beyond 1e-8 of the energies.
+TEST_F(RunCommand, WhereDoublesEndNothingButALooserToleranceIsAdvised) {
+  const std::string scene = write("heavy.toml",
+                                  "[[disks]]\nposition = [0, 1]\nradius = 1\nmass = 1\n"
+                                  "[[disks]]\nposition = [0, 3]\nradius = 1\nmass = 1e10\n"
+                                  "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n"
+                                  "[time]\nstep = 1e-3\nsteps = 1\n");
+  const Outcome run = whole_output("run " + scene);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_TRUE(holds(run.out, "below what doubles can express here; try --tol 1e-0")) << run.out;
+  EXPECT_FALSE(holds(run.out, "try --solver")) << run.out;
 }
 
 TEST_F(RunCommand, TheAdviceAgainstOverlapsFitsTheScene) {

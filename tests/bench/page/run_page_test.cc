@@ -73,15 +73,22 @@ TEST(RunPage, AnOlderRunHasTheFramesOfItsFiles) {
   EXPECT_EQ(write_run_page(folder.path()).frames, 4u);  // 0, 10, 20, 30
 }
 
-TEST(RunPage, MarksUnsolvedSteps) {
+TEST(RunPage, MarksStepsThatAreUnsolvedOrHaveSeveralAnswers) {
   const TemporaryFolder folder;
   run_into(folder.path());
   std::ofstream(folder / "ledger.csv")
       << "step,time [s],converged,parts\n1,0.01,1,1\n2,0.02,0,1\n3,0.03,1,4\n";
+  for (const int sets : {1, 2}) {  // as `solve --several` writes
+    const auto found = folder / ("step_" + std::to_string(sets));
+    std::filesystem::create_directory(found);
+    std::ofstream(found / "summary.json")
+        << R"({"sets": )" << sets << R"(, "step": )" << sets << R"(, "time": 0.02})";
+  }
   write_run_page(folder.path());
   const auto marks = about(read(folder / "index.html"))["marks"];
-  ASSERT_EQ(marks.size(), 1u);  // parts are no fault
+  ASSERT_EQ(marks.size(), 2u);  // parts are no fault
   EXPECT_EQ(marks[0], nlohmann::json::parse(R"(["unsolved", 2.0, 0.02])"));
+  EXPECT_EQ(marks[1], nlohmann::json::parse(R"(["several", 2, 0.02])"));
 }
 
 TEST(RunPage, ShowsFewerFramesWhereAllAreTooMuchAndSaysSo) {

@@ -39,6 +39,9 @@ TEST(SceneKeys, SynonymsLeadToTheKey) {
   expect_key_refused("[[disks]]\nrho = 5\n" + kTwoSteps, {"did you mean 'density'"});
   expect_key_refused("[[walls]]\nposition = [0, 0]\nnormal = [0, 1]\n" + kTwoSteps,
                      {"did you mean 'point'"});
+  expect_key_refused("[[walls]]\ntype = 'plane'\nnormal = [0, 1]\n" + kTwoSteps,
+                     {"test.toml:2", "'from' and 'to' a segment"});
+  expect_key_refused("[output]\ninterval = 5\n" + kTwoSteps, {"did you mean 'every'"});
   expect_key_refused("[[walls]]\npos = [0, 0]\nnormal = [0, 1]\n" + kTwoSteps,
                      {"did you mean 'point'"});
 }
