@@ -73,7 +73,8 @@ dt{font-weight:600}dd{margin:0;max-width:42em}
  table td[data-label]{padding-left:7em}
  table td[data-label]::before{content:attr(data-label);float:left;width:5.8em;margin-left:-6.4em;color:var(--soft)}
  table td.bad::before{color:inherit}
- td.n{white-space:normal}}
+ td.n{white-space:normal;text-align:left}}
+@media(min-width:621px){td.good,td.weak,td.beyond,td.none,td.bad{white-space:nowrap}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.scroll{overflow:visible;border:0}
  .filters,nav,#open-all{display:none}table{font-size:7.5pt}th,td{padding:.15em .3em}
  table.sortable{font-size:6pt}figcaption,.small{font-size:8pt}.grid{grid-template-columns:1fr 1fr}

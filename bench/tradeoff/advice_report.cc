@@ -56,7 +56,7 @@ Json to_json(const SolverTrial& t) {
 /// A column for each quantity with a goal.
 void add_columns(const Accuracy& goal, std::vector<TableColumn>& columns) {
   for (const auto& [m, key, name] : Accuracy::kMeasures) {
-    if (!std::isnan(goal.*m)) columns.push_back({.name = name, .show = compact_label});
+    if (!std::isnan(goal.*m)) columns.push_back({.key = key, .name = name, .show = compact_label});
   }
 }
 void add_errors(const MeasuredError& measured, const Accuracy& goal,
@@ -87,12 +87,12 @@ Table step_table(const Advice& a) {
 }
 
 Table trial_table(const Advice& a) {
-  Table table{.columns = {{.name = "choice"},
-                          {.name = "solver"},
-                          {.name = "tol", .show = tolerance_label},
-                          {.name = "time of a solve", .show = duration_label}}};
+  Table table{.columns = {{.key = "choice", .name = "choice"},
+                          {.key = "solver", .name = "solver"},
+                          {.key = "tol", .name = "tol", .show = tolerance_label},
+                          {.key = "seconds", .name = "time of a solve", .show = duration_label}}};
   add_columns(a.goal, table.columns);
-  table.columns.push_back({.name = "verdict"});
+  table.columns.push_back({.key = "verdict", .name = "verdict"});
   for (std::size_t i = 0; i < a.trials.size(); ++i) {
     const SolverTrial& t = a.trials[i];
     const bool chosen = static_cast<int>(i) == a.choice;
