@@ -15,6 +15,7 @@
 #include "bench/report/labels.h"
 #include "bench/tradeoff/stretch.h"
 #include "bench/tradeoff/time_budget.h"
+#include "core/base/number_text.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -434,7 +435,7 @@ class Adviser {
     if (!std::isnan(overlap)) {
       std::erase_if(ladder, [&](double x) { return x > 0.5 * overlap; });
       // As it is printed and written.
-      ladder.push_back(std::stod(fmt::format("{:.2g}", std::clamp(overlap / 3, 1e-6, 0.3))));
+      ladder.push_back(number_at(fmt::format("{:.2g}", std::clamp(overlap / 3, 1e-6, 0.3))));
       std::sort(ladder.rbegin(), ladder.rend());
     }
     const int factor = longest_cut_step(scene_, std::gcd(steps_ / 4, scene_.num_steps));

@@ -16,7 +16,6 @@
 
 #include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
-#include "core/files/input_file.h"
 #include "solvers/auto/plan_text.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
@@ -347,7 +346,13 @@ AutoPlan parse_plan(std::string_view text, const std::string& source) {
 }
 
 AutoPlan read_plan(const std::filesystem::path& path) {
-  return parse_plan(read_text_file(path), path.string());
+  std::ifstream file;
+  std::error_code none;
+  if (std::filesystem::is_regular_file(path, none)) file.open(path, std::ios::binary);  // no pipes
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file.is_open() || !file) throw FileError(path, "", "cannot be read");
+  return parse_plan(text.str(), path.string());
 }
 
 const AutoPlan& shipped_plan() {
