@@ -1,6 +1,5 @@
 // Scenes with a solution by hand: Tables 1 and 2 and the square lattice of Fig. 10 of the paper.
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

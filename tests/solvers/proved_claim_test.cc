@@ -15,8 +15,7 @@ namespace {
 /// One body of 1 kg with three contacts that push to both sides, u = v, -v, v; and another that a
 /// wall stops, s = 1 N s.
 ContactProblem pushed_to_both_sides() {
-  ContactProblem p;
-  p.dim = 1;
+  ContactProblem p{.dim = 1};
   Eigen::MatrixXd H(2, 4);
   H << 1, -1, 1, 0, 0, 0, 0, 1;
   p.A = SparseMatrix(Eigen::MatrixXd::Identity(2, 2).sparseView());
@@ -56,8 +55,7 @@ TEST(ProvedClaim, AFigureAtTheToleranceIsNotProved) {
   const double hidden = rounding_bound(m.problem, s, Precision::kExtended).guarded();
   ASSERT_GT(figure, 1e-6);
   ASSERT_LT(hidden, 1e-11 * figure);
-  SolverOptions options;
-  options.tol = figure + 0.5 * hidden;
+  SolverOptions options{.tol = figure + 0.5 * hidden};
   EXPECT_FALSE(prove_claim(m.problem, options, s, error).holds);
   options.tol = figure + 2 * hidden;
   EXPECT_TRUE(prove_claim(m.problem, options, s, error).holds);
@@ -65,8 +63,7 @@ TEST(ProvedClaim, AFigureAtTheToleranceIsNotProved) {
 
 // As a start it is not taken for an answer, and does not keep solvers from one.
 TEST(ProvedClaim, AStartThatOnlyRoundingSupportsIsSolvedOn) {
-  SolverOptions options;
-  options.tol = 1e-8;
+  SolverOptions options{.tol = 1e-8};
   const double large = std::ldexp(1.0, 60);
   options.s0 = Eigen::Vector4d(1, large, large, 1);
   const ContactProblem p = pushed_to_both_sides();
@@ -88,8 +85,7 @@ TEST(ProvedClaim, HasNoGrace) {
   const Vector s = Vector::Constant(1, 1 - delta);
   const ContactError error = contact_error(p, s);
   EXPECT_NEAR(error.guarded(), epsilon, 1e-9 * epsilon);
-  SolverOptions options;
-  options.tol = epsilon * (1 + 1e-3);
+  SolverOptions options{.tol = epsilon * (1 + 1e-3)};
   EXPECT_TRUE(prove_claim(p, options, s, error).holds);
   options.tol = epsilon * (1 - 1e-3);
   EXPECT_FALSE(prove_claim(p, options, s, error).holds);

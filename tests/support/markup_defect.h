@@ -8,11 +8,13 @@
 
 namespace bipot {
 
-/// What is wrong with a piece of XML or a page, empty when nothing: tags that do not match, a bare
+/// What is wrong with a piece of XML or a page, empty when nothing: tags that do not match, a second
+/// root, a bare
 /// & or <, an attribute without quotes or twice in a tag. Of pages, some tags need no end, and
 /// style and script are not read.
 inline std::string markup_defect(std::string_view xml) {
   std::vector<std::string> open;
+  bool rooted = false;
   for (std::size_t i = 0; i < xml.size();) {
     if (xml[i] == '&') {
       const std::size_t end = xml.find(';', i);
@@ -73,8 +75,10 @@ inline std::string markup_defect(std::string_view xml) {
     if (closing) {
       if (open.empty() || open.back() != name) return "closes " + name;
       open.pop_back();
-    } else if (!alone) {
-      open.push_back(name);
+    } else {
+      if (open.empty() && rooted) return "a second root: " + name;
+      rooted = true;
+      if (!alone) open.push_back(name);
     }
   }
   return open.empty() ? "" : "never closed: " + open.back();

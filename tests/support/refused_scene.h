@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/scene_files/scene_file.h"
+#include "tests/support/refusal.h"
 
 namespace bipot {
 
@@ -21,7 +22,7 @@ void expect_scene_refused(const Parse& parse, const std::string& text,
     const std::string message = e.what();
     EXPECT_EQ(message.rfind("test.toml", 0), 0u) << message;
     for (const char* part : parts) {
-      EXPECT_NE(message.find(part), std::string::npos) << '\'' << message << "' lacks " << part;
+      EXPECT_TRUE(says(message, part)) << '\'' << message << "' lacks " << part;
     }
   }
 }

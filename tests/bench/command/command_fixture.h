@@ -5,11 +5,14 @@
 
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/support/command_line.h"
+#include "tests/support/source_folder.h"
 
 namespace bipot {
 
@@ -17,6 +20,9 @@ namespace bipot {
 inline Outcome bipot(const std::string& arguments) {
   return run_command_line(BIPOT_COMMAND, arguments);
 }
+
+/// The exit code alone.
+inline int code_of(const std::string& arguments) { return bipot(arguments).exit_code; }
 
 /// The JSON on its standard output, with nothing else there (--json - among the arguments), when it
 /// ends with this exit code.
@@ -45,6 +51,13 @@ class Command : public ::testing::Test {
     std::ofstream(path(name)) << text;
     return path(name);
   }
+  /// Each of these files in a folder of the test's has more than `size` bytes.
+  void expect_files(const std::string& folder, std::initializer_list<const char*> names,
+                    std::size_t size = 100) const {
+    for (const char* name : names) {
+      EXPECT_GT(std::filesystem::file_size(folder_ / folder / name), size) << name;
+    }
+  }
   std::filesystem::path folder_;
 };
 
@@ -57,10 +70,24 @@ inline Outcome interrupted(const std::string& arguments) {
                "kill -0 $p || break; [ $((k % 200)) = 0 ] && kill -INT $p; done; wait $p; exit $?");
 }
 
-inline std::string content(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
+inline std::string content(const std::filesystem::path& file) { return file_text(file); }
+inline nlohmann::json json_in(const std::filesystem::path& file) {
+  return nlohmann::json::parse(file_text(file));
+}
+
+/// Files of this checkout.
+inline std::string shipped_problem(const std::string& name) {
+  return source_folder().string() + "/data/problems/" + name + ".hdf5";
+}
+inline std::string shipped_scene(const std::string& name) {
+  return source_folder().string() + "/data/scenes/" + name + ".toml";
+}
+
+/// The text with the first occurrence of each `from` replaced.
+inline std::string changed(std::string text,
+                           const std::vector<std::pair<std::string, std::string>>& from_to) {
+  for (const auto& [from, to] : from_to) text.replace(text.find(from), from.size(), to);
+  return text;
 }
 
 }  // namespace bipot

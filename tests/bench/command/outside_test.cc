@@ -9,31 +9,21 @@
 
 #include "core/files/hdf5_file.h"
 #include "tests/bench/command/command_fixture.h"
+#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
 
-std::string shipped_problem() {
-  return source_folder().string() + "/data/problems/2d_pyramid_10.hdf5";
-}
+std::string a_problem() { return shipped_problem("2d_pyramid_10"); }
 
 /// One disk above a floor.
 std::string scene_with(const std::string& first_lines) {
   return first_lines + R"(
-[time]
-step = 1e-3
-steps = 2
-[contact]
-mu = 0.3
-[[walls]]
-name = "floor"
-point = [0, 0]
-normal = [0, 1]
-[[disks]]
-position = [0, 1]
-radius = 0.5
-mass = 1
+time = {step = 1e-3, steps = 2}
+contact = {mu = 0.3}
+walls = [{name = "floor", point = [0, 0], normal = [0, 1]}]
+disks = [{position = [0, 1], radius = 0.5, mass = 1}]
 )";
 }
 
@@ -52,10 +42,10 @@ TEST_F(Command, OnlyRegularFilesAreRead) {
   const std::string pipe = path("pipe.hdf5");
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const std::string& words : std::initializer_list<std::string>{
-           "solve " + pipe, "judge " + pipe, "judge " + shipped_problem() + " --impulses " + pipe,
+           "solve " + pipe, "judge " + pipe, "judge " + a_problem() + " --impulses " + pipe,
            "run " + pipe, "run drum --plan " + pipe, "compare " + pipe + " --quick",
-           "solve /dev/zero", "run /dev/zero",
-           "judge " + shipped_problem() + " --impulses /dev/zero", "run " + folder_.string()}) {
+           "solve /dev/zero", "run /dev/zero", "judge " + a_problem() + " --impulses /dev/zero",
+           "run " + folder_.string()}) {
     EXPECT_EQ(limited(words).exit_code, 2) << words;
   }
 }
@@ -63,20 +53,18 @@ TEST_F(Command, OnlyRegularFilesAreRead) {
 TEST_F(Command, OutputThatIsNotWrittenIsAFailure) {
   const std::string scene = write("one.toml", scene_with(""));
   for (const std::string& words : std::initializer_list<std::string>{
-           "solve " + shipped_problem() + " --tol 1e-3 --json -",
-           "solve " + shipped_problem() + " --tol 1e-3", std::string("list scenes"),
-           std::string("--help"), std::string("help --man"),
+           "solve " + a_problem() + " --tol 1e-3 --json -", "solve " + a_problem() + " --tol 1e-3",
+           std::string("list scenes"), std::string("--help"), std::string("help --man"),
            "run " + scene + " --out " + path("out")}) {
-    EXPECT_EQ(bipot(words + " >/dev/full").exit_code, 4) << words;
+    EXPECT_EQ(code_of(words + " >/dev/full"), 4) << words;
   }
-  EXPECT_NE(complaint("list scenes --json -", "/dev/full").find("No space left"),
-            std::string::npos);
+  EXPECT_TRUE(says(complaint("list scenes --json -", "/dev/full"), "No space left"));
 }
 
 TEST_F(Command, APipeIsWrittenOnceItIsRead) {
   const std::string pipe = path("pipe");
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  const std::string solve = "solve " + shipped_problem() + " --tol 1e-3 -q --json " + pipe;
+  const std::string solve = "solve " + a_problem() + " --tol 1e-3 -q --json " + pipe;
   const Outcome read = bipot(solve + " & cat " + pipe + "; wait $!");
   EXPECT_EQ(nlohmann::json::parse(read.out)["exit_code"], 0);
   // Nobody reads: the signal ends it.
@@ -85,23 +73,23 @@ TEST_F(Command, APipeIsWrittenOnceItIsRead) {
 
 TEST_F(Command, AFailureReplacesNoEarlierResult) {
   const std::string file = path("verdict.json");
-  ASSERT_EQ(bipot("solve " + shipped_problem() + " --tol 1e-3 --json " + file).exit_code, 0);
+  ASSERT_EQ(code_of("solve " + a_problem() + " --tol 1e-3 --json " + file), 0);
   const std::string verdict = content(file);
-  EXPECT_EQ(bipot("solve no_such_file --json " + file).exit_code, 4);
+  EXPECT_EQ(code_of("solve no_such_file --json " + file), 4);
   EXPECT_EQ(content(file), verdict);
-  EXPECT_EQ(bipot("solve no_such_file --json " + path("new.json")).exit_code, 4);
-  EXPECT_EQ(nlohmann::json::parse(content(path("new.json")))["exit_code"], 4);
+  EXPECT_EQ(code_of("solve no_such_file --json " + path("new.json")), 4);
+  EXPECT_EQ(json_in(path("new.json"))["exit_code"], 4);
 }
 
 TEST_F(Command, KeysWithManyPartsAreRefused) {
   std::string key = "a";
   for (int k = 0; k < 50000; ++k) key += ".a";
-  EXPECT_EQ(bipot("run " + write("deep.toml", key + " = 1\n")).exit_code, 2);
-  EXPECT_EQ(bipot("run " + write("deep_table.toml", "[" + key + "]\n")).exit_code, 2);
+  EXPECT_EQ(code_of("run " + write("deep.toml", key + " = 1\n")), 2);
+  EXPECT_EQ(code_of("run " + write("deep_table.toml", "[" + key + "]\n")), 2);
   // Dots elsewhere do not count.
   const std::string dots(1000, '.');
   const std::string scene = scene_with("title = \"" + dots + "\"  # " + dots + "\n");
-  EXPECT_EQ(bipot("run " + write("dots.toml", scene) + " --out " + path("dots")).exit_code, 0);
+  EXPECT_EQ(code_of("run " + write("dots.toml", scene) + " --out " + path("dots")), 0);
 }
 
 TEST_F(Command, TitlesHarmNeitherTerminalNorPicture) {
@@ -125,19 +113,18 @@ TEST_F(Command, TablesOfAllPairsOfMaterialsHaveALimit) {
 }
 
 TEST_F(Command, ProblemFilesCannotReadOtherFiles) {
-  std::filesystem::copy_file(shipped_problem(), path("linked.hdf5"));
+  std::filesystem::copy_file(a_problem(), path("linked.hdf5"));
   {
     Hdf5File file(path("linked.hdf5"), Hdf5File::Mode::kAppend);
     file.remove("/fclib_global/vectors/mu");
-    file.link("/fclib_global/vectors/mu", shipped_problem(), "/fclib_global/vectors/mu");
+    file.link("/fclib_global/vectors/mu", a_problem(), "/fclib_global/vectors/mu");
   }
-  EXPECT_EQ(bipot("solve " + path("linked.hdf5")).exit_code, 2);
+  EXPECT_EQ(code_of("solve " + path("linked.hdf5")), 2);
 }
 
 TEST_F(Command, MpiFindsAFolderForItsFiles) {
-  const Outcome solve =
-      run_command_line("TMPDIR=/proc/nowhere " BIPOT_COMMAND,
-                       "solve " + shipped_problem() + " --solver newton --tol 1e-6");
+  const Outcome solve = run_command_line("TMPDIR=/proc/nowhere " BIPOT_COMMAND,
+                                         "solve " + a_problem() + " --solver newton --tol 1e-6");
   EXPECT_EQ(solve.exit_code, 0);
 }
 

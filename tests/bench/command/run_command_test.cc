@@ -8,6 +8,7 @@
 
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
+#include "tests/support/refusal.h"
 
 namespace bipot {
 namespace {
@@ -20,10 +21,6 @@ using RunCommand = Command;
 /// Both streams, in one text.
 Outcome whole_output(const std::string& arguments) {
   return run_command_line(BIPOT_COMMAND, arguments + " 2>&1 #");
-}
-
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 /// Five rows of disks, 40 mm high; the lid hangs at 28 mm and cuts two rows off.
@@ -41,17 +38,17 @@ TEST_F(RunCommand, AStartThatOverlapsIsRefusedWithAPicture) {
     const Outcome run = whole_output("run " + scene + steps);
     EXPECT_EQ(run.exit_code, 2);
     // The rows at 28 and 36 mm; the highest disk by 36 + 4 - 28 = 12 mm, 3 radii.
-    EXPECT_TRUE(holds(run.out,
-                      "6 disks overlap at the start, worst disk 12 and wall 'lid': 12 mm, "
-                      "3 radii"))
+    EXPECT_TRUE(says(run.out,
+                     "6 disks overlap at the start, worst disk 12 and wall 'lid': 12 mm, "
+                     "3 radii"))
         << run.out;
-    EXPECT_TRUE(holds(run.out, "out/cut/start.png")) << run.out;
+    EXPECT_TRUE(says(run.out, "out/cut/start.png"));
     EXPECT_GT(fs::file_size(folder_ / "out" / "cut" / "start.png"), 1000u);
     EXPECT_FALSE(fs::exists(folder_ / "out" / "cut" / "run.h5"));
     fs::remove(folder_ / "out" / "cut" / "start.png");
   }
-  EXPECT_EQ(bipot("advise " + scene + " --energy 1e-2").exit_code, 2);
-  EXPECT_EQ(bipot("trade " + scene + " --quick").exit_code, 2);
+  EXPECT_EQ(code_of("advise " + scene + " --energy 1e-2"), 2);
+  EXPECT_EQ(code_of("trade " + scene + " --quick"), 2);
 }
 
 TEST_F(RunCommand, AShippedSceneIsFoundBesideAFolderOfItsName) {
@@ -74,7 +71,7 @@ TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
   std::string text = cut_packing("[start]\noverlaps = 'push apart'\n");
   const Outcome jammed = whole_output("run " + write("jammed.toml", text));
   EXPECT_EQ(jammed.exit_code, 2);
-  EXPECT_TRUE(holds(jammed.out, "pushed apart in ")) << jammed.out;
+  EXPECT_TRUE(says(jammed.out, "pushed apart in "));
   text.replace(text.find("rectangular"), 11, "triangular");
   const Outcome pushed = bipot("run " + write("push.toml", text) + " --steps 0 --json -");
   ASSERT_EQ(pushed.exit_code, 0);
@@ -91,25 +88,25 @@ TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
 
 TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
   const std::string run = "run sliding_cylinder --steps ";
-  ASSERT_EQ(bipot(run + "7").exit_code, 0);
+  ASSERT_EQ(code_of(run + "7"), 0);
   const std::string ledger = content(path("out/sliding_cylinder/ledger.csv"));
   const Outcome again = whole_output(run + "2");
   EXPECT_EQ(again.exit_code, 2);
-  EXPECT_TRUE(holds(again.out,
-                    "out/sliding_cylinder holds a run of 7 steps: --restart "
-                    "out/sliding_cylinder or --overwrite"))
+  EXPECT_TRUE(says(again.out,
+                   "out/sliding_cylinder holds a run of 7 steps: --restart "
+                   "out/sliding_cylinder or --overwrite"))
       << again.out;
   EXPECT_EQ(content(path("out/sliding_cylinder/ledger.csv")), ledger);
   // Without --out a restart goes on where it is.
-  ASSERT_EQ(bipot(run + "4 --restart out/sliding_cylinder").exit_code, 0);
+  ASSERT_EQ(code_of(run + "4 --restart out/sliding_cylinder"), 0);
   EXPECT_EQ(read_state<2>(path("out/sliding_cylinder")).step, 11);
-  EXPECT_EQ(bipot(run + "2 --restart out/sliding_cylinder --overwrite").exit_code, 2);
+  EXPECT_EQ(code_of(run + "2 --restart out/sliding_cylinder --overwrite"), 2);
   // The folder of another run is not a place to go on to.
-  ASSERT_EQ(bipot(run + "3 --out other").exit_code, 0);
-  EXPECT_EQ(bipot(run + "1 --restart out/sliding_cylinder --out other").exit_code, 2);
+  ASSERT_EQ(code_of(run + "3 --out other"), 0);
+  EXPECT_EQ(code_of(run + "1 --restart out/sliding_cylinder --out other"), 2);
   const Outcome over = whole_output(run + "2 --overwrite");
   EXPECT_EQ(over.exit_code, 0);
-  EXPECT_TRUE(holds(over.out, "results in   out/sliding_cylinder\n")) << over.out;
+  EXPECT_TRUE(says(over.out, "results in   out/sliding_cylinder\n"));
   EXPECT_EQ(read_state<2>(path("out/sliding_cylinder")).step, 2);
 }
 
@@ -121,13 +118,13 @@ TEST_F(RunCommand, TwoRunsDoNotWriteIntoOneFolder) {
       "sh", "-c '" BIPOT_COMMAND " " + run + " & p=$!; sleep 2; " BIPOT_COMMAND " " + run +
                 " --overwrite 2>&1; code=$?; kill -INT $p; wait $p; exit $code' 2>&1 #");
   EXPECT_EQ(second.exit_code, 2);
-  EXPECT_TRUE(holds(second.out, "another run writes into")) << second.out;
+  EXPECT_TRUE(says(second.out, "another run writes into"));
 }
 
 TEST_F(RunCommand, TheStepSizeLeavesTheDurationOfTheScene) {
   // duration = 0.1 s: 1000 steps of 1e-4 s, whatever the scene's own step is.
   const auto ends = [&](const std::string& flags) {
-    return json::parse(bipot("run sliding_cylinder --overwrite --json - " + flags).out);
+    return json_of("run sliding_cylinder --overwrite --json - " + flags);
   };
   const json finer = ends("--step-size 1e-4");
   EXPECT_NEAR(finer["time"].get<double>(), 0.1, 1e-9);
@@ -137,37 +134,36 @@ TEST_F(RunCommand, TheStepSizeLeavesTheDurationOfTheScene) {
   EXPECT_NEAR(shorter["time"].get<double>(), 0.02, 1e-9);
   EXPECT_EQ(shorter["note"], "the run ends at t = 0.02 s, the scene at 0.1 s");
   EXPECT_NEAR(ends("--step-size 1e-3 --steps 5")["time"].get<double>(), 0.005, 1e-9);
-  EXPECT_EQ(bipot("run sliding_cylinder --overwrite --steps 5 --duration 1").exit_code, 2);
+  EXPECT_EQ(code_of("run sliding_cylinder --overwrite --steps 5 --duration 1"), 2);
   // A restart with other steps ends when the scene does; more time is more.
   ends("--step-size 1e-3 --steps 50");
-  const json rest = json::parse(
-      bipot("run sliding_cylinder --step-size 5e-4 --restart out/sliding_cylinder --json -").out);
+  const json rest =
+      json_of("run sliding_cylinder --step-size 5e-4 --restart out/sliding_cylinder --json -");
   EXPECT_EQ(rest["steps"], 100);
   EXPECT_NEAR(rest["time"].get<double>(), 0.1, 1e-9);
-  const json more = json::parse(bipot("run sliding_cylinder --step-size 5e-4 --duration 0.01 "
-                                      "--restart out/sliding_cylinder --json -")
-                                    .out);
+  const json more = json_of(
+      "run sliding_cylinder --step-size 5e-4 --duration 0.01 "
+      "--restart out/sliding_cylinder --json -");
   EXPECT_NEAR(more["time"].get<double>(), 0.11, 1e-9);
 }
 
 TEST_F(RunCommand, AnAccuracyIsKeptWithALongStep) {
-  const json run =
-      json::parse(bipot("run bouncing_ball --accuracy 1e-3 --step-size 0.05 --json -").out);
+  const json run = json_of("run bouncing_ball --accuracy 1e-3 --step-size 0.05 --json -");
   EXPECT_EQ(run["steps"], 13);
   const json& parts = run["accuracy"];
   EXPECT_EQ(parts["asked"], 1e-3);
   EXPECT_GE(parts["parts"].get<int>(), 13);
   EXPECT_LE(parts["misplaced"].get<double>(), 1.5e-3);
   EXPECT_LT(parts["smallest_part"].get<double>(), 0.005);
-  EXPECT_EQ(bipot("run bouncing_ball --accuracy 1 --overwrite").exit_code, 2);
-  EXPECT_EQ(bipot("run bouncing_ball --accuracy 0.1 --model dem --overwrite").exit_code, 2);
+  EXPECT_EQ(code_of("run bouncing_ball --accuracy 1 --overwrite"), 2);
+  EXPECT_EQ(code_of("run bouncing_ball --accuracy 0.1 --model dem --overwrite"), 2);
 }
 
 TEST_F(RunCommand, WhereStepsCountTheStepSizeChangesTheTimeAndSaysSo) {
   const std::string scene = write("count.toml",
                                   "[[disks]]\nposition = [0, 1]\nradius = 0.1\nmass = 1\n"
                                   "[time]\nstep = 1e-3\nsteps = 20\n");
-  const json run = json::parse(bipot("run " + scene + " --step-size 2e-3 --json -").out);
+  const json run = json_of("run " + scene + " --step-size 2e-3 --json -");
   EXPECT_EQ(run["steps"], 20);
   EXPECT_EQ(run["note"], "the run ends at t = 0.04 s, the scene at 0.02 s");
 }
@@ -185,18 +181,18 @@ TEST_F(RunCommand, ADiskThatGoesThroughAWallEndsTheRun) {
   for (const char* part :
        {"step 1 at t = 0 s: disk 0 went through wall 'plate' at 300 m/s", "passed through: 0 of 3",
         "30 of the smallest radius", "--step-size 1.7e-05", "--on-tunnel smaller-step"}) {
-    EXPECT_TRUE(holds(stopped.out, part)) << part << " in " << stopped.out;
+    EXPECT_TRUE(says(stopped.out, part)) << part << " in " << stopped.out;
   }
   const Outcome warned = whole_output(run + " --on-tunnel warn");
   EXPECT_EQ(warned.exit_code, 0);
-  EXPECT_TRUE(holds(warned.out, "warning: 1 pair went through each other, first in step 1"))
+  EXPECT_TRUE(says(warned.out, "warning: 1 pair went through each other, first in step 1"))
       << warned.out;
-  const json counted = json::parse(bipot(run + " --on-tunnel warn --json -").out);
+  const json counted = json_of(run + " --on-tunnel warn --json -");
   EXPECT_EQ(counted["passages"]["count"], 1);
   EXPECT_EQ(counted["passages"]["first"], "disk 0 went through wall 'plate' at 300 m/s");
   EXPECT_NEAR(counted["travel"]["largest"].get<double>(), 30, 1e-9);
   // Parts of 1/64 of the step move it by half a radius: it is stopped at the plate.
-  const json parts = json::parse(bipot(run + " --on-tunnel smaller-step --json -").out);
+  const json parts = json_of(run + " --on-tunnel smaller-step --json -");
   EXPECT_EQ(parts["status"], "completed");
   EXPECT_EQ(parts["passages"]["count"], 0);
   EXPECT_EQ(parts["steps_split"], 1);
@@ -215,16 +211,16 @@ TEST_F(RunCommand, DeepOverlapsAreAWarningWithStepAndPair) {
                                   "[time]\nstep = 0.01\nsteps = 2\n");
   const Outcome run = whole_output("run " + scene);
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_TRUE(holds(run.out,
-                    "warning: overlaps beyond 5 % of the smaller radius in 1 step, most "
-                    "in step 2: 14 %, disk 0 and wall 'floor'"))
+  EXPECT_TRUE(says(run.out,
+                   "warning: overlaps beyond 5 % of the smaller radius in 1 step, most "
+                   "in step 2: 14 %, disk 0 and wall 'floor'"))
       << run.out;
-  const json overlap = json::parse(bipot("run " + scene + " --overwrite --json -").out)["overlap"];
+  const json overlap = json_of("run " + scene + " --overwrite --json -")["overlap"];
   EXPECT_NEAR(overlap["largest"].get<double>(), 0.14, 1e-12);
   EXPECT_EQ(overlap["step"], 2);
   EXPECT_EQ(overlap["pair"], "disk 0 and wall 'floor'");
   EXPECT_EQ(overlap["steps_beyond"], 1);
-  EXPECT_TRUE(holds(content(path("out/fall/ledger.csv")), "penetration,overlap,travel,"));
+  EXPECT_TRUE(says(content(path("out/fall/ledger.csv")), "penetration,overlap,travel,"));
 }
 
 // A disk between walls that come at 1 m/s and 2 m/s: no velocity obeys the law.
@@ -241,7 +237,7 @@ TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
   EXPECT_EQ(ended.exit_code, 3);
   for (const char* part : {"no solution exists (proved", "no solution: 0 of 3 steps",
                            "a wall is driven into what is jammed", "--on-failure continue"}) {
-    EXPECT_TRUE(holds(ended.out, part)) << part << " in " << ended.out;
+    EXPECT_TRUE(says(ended.out, part)) << part << " in " << ended.out;
   }
   const json j = json_of(run + " --on-failure continue --json -", 1);
   EXPECT_EQ(j["steps"], 3);
@@ -249,7 +245,7 @@ TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
   EXPECT_EQ(j["steps_without_solution"], 3);
   // No tolerance and no other solver helps, and the step that is named is the worst.
   for (const char* part : {"is tight", "several solutions", "another one"}) {
-    EXPECT_FALSE(holds(ended.out, part)) << ended.out;
+    EXPECT_FALSE(says(ended.out, part)) << ended.out;
   }
   const std::string worst = "step " + std::to_string(j["worst_step"].get<int>()) + ": ";
   EXPECT_EQ(j["message"].get<std::string>().rfind(worst, 0), 0u) << j["message"];
@@ -264,8 +260,8 @@ TEST_F(RunCommand, WhereDoublesEndNothingButALooserToleranceIsAdvised) {
                                   "[time]\nstep = 1e-3\nsteps = 1\n");
   const Outcome run = whole_output("run " + scene);
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_TRUE(holds(run.out, "below what doubles can express here; try --tol 1e-0")) << run.out;
-  EXPECT_FALSE(holds(run.out, "try --solver")) << run.out;
+  EXPECT_TRUE(says(run.out, "below what doubles can express here; try --tol 1e-0")) << run.out;
+  EXPECT_FALSE(says(run.out, "try --solver")) << run.out;
 }
 
 TEST_F(RunCommand, TheAdviceAgainstOverlapsFitsTheScene) {
@@ -278,16 +274,16 @@ TEST_F(RunCommand, TheAdviceAgainstOverlapsFitsTheScene) {
                                time);
     return whole_output("run " + scene + " --overwrite").out;
   };
-  EXPECT_TRUE(holds(said("", ""), "or overlaps = \"predict\""));
-  EXPECT_FALSE(holds(said("[contact]\ne_n = 0.5\ne_t = 0.5\n", ""), "predict"));
+  EXPECT_TRUE(says(said("", ""), "or overlaps = \"predict\""));
+  EXPECT_FALSE(says(said("[contact]\ne_n = 0.5\ne_t = 0.5\n", ""), "predict"));
   const std::string cut = said("", "travel = 0.2\n");
-  EXPECT_TRUE(holds(cut, "a travel below 0.2 in [time]")) << cut;
+  EXPECT_TRUE(says(cut, "a travel below 0.2 in [time]"));
 }
 
 TEST_F(RunCommand, ADurationBelowAStepIsRefused) {
   const Outcome none = whole_output("run sliding_cylinder --duration 1e-9");
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_TRUE(holds(none.out, "1e-09 s is shorter than a step of")) << none.out;
+  EXPECT_TRUE(says(none.out, "1e-09 s is shorter than a step of"));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "core/criterion/contact_error.h"
 #include "core/problem_files/problem_file.h"
 #include "tests/bench/command/command_fixture.h"
+#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 
 namespace bipot {
@@ -19,9 +20,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
-  ASSERT_EQ(
-      bipot("run triangular_lattice --steps 1 --dump-problems all --out " + path("out")).exit_code,
-      0);
+  ASSERT_EQ(code_of("run triangular_lattice --steps 1 --dump-problems all --out " + path("out")),
+            0);
   const std::string problem = path("out/problems/step_000001.hdf5");
   const json j = json_of("solve " + problem + " --solver pgs --tol 1e-9 --json - --solution " +
                          problem + " --history " + path("history.csv"));
@@ -39,14 +39,13 @@ TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
 TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
   // Disks at rest: the impulses of a step solve the next one.
   ASSERT_EQ(
-      bipot("run square_lattice --steps 3 --tol 1e-12 --warm-start --dump-problems all --out " +
-            path("out"))
-          .exit_code,
+      code_of("run square_lattice --steps 3 --tol 1e-12 --warm-start --dump-problems all --out " +
+              path("out")),
       0);
   const std::string problem = path("out/problems/step_000003.hdf5");
   EXPECT_EQ(read_problem(problem).guesses.size(), 1u);
   const std::string solve = "solve " + problem + " --solver pgs --tol 1e-6 --json -";
-  const json cold = json::parse(bipot(solve).out), warm = json::parse(bipot(solve + " --warm").out);
+  const json cold = json_of(solve), warm = json_of(solve + " --warm");
   EXPECT_EQ(cold["warm"], false);
   EXPECT_EQ(warm["warm"], true);
   EXPECT_EQ(warm["status"], "converged");
@@ -61,19 +60,18 @@ TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
   EXPECT_EQ(table["rows"][1]["iterations"], 0);
   EXPECT_EQ(table["warm_starts"][0]["solved_warm"], 1);
 
-  ASSERT_EQ(bipot("run square_lattice --steps 1 --no-warm-start --dump-problems all --out " +
-                  path("cold"))
-                .exit_code,
+  ASSERT_EQ(code_of("run square_lattice --steps 1 --no-warm-start --dump-problems all --out " +
+                    path("cold")),
             0);
   const Outcome refused = bipot("solve " + path("cold/problems/step_000001.hdf5") + " --warm");
   EXPECT_EQ(refused.exit_code, 2);
 }
 
 TEST_F(Command, SolveLooksForSeveralAnswers) {
-  const std::string problem = source_folder().string() + "/data/problems/2d_tilt1000hi_182.hdf5";
+  const std::string problem = shipped_problem("2d_tilt1000hi_182");
   const Outcome text = bipot("solve " + problem + " --several 5");
   EXPECT_EQ(text.exit_code, 0);
-  EXPECT_NE(text.out.find("Several answers, each exact"), std::string::npos) << text.out;
+  EXPECT_TRUE(says(text.out, "Several answers, each exact"));
   const Outcome run = bipot("solve " + problem + " --several 12 --seed 3 --json -");
   EXPECT_EQ(run.exit_code, 0);
   json j = json::parse(run.out);
@@ -85,59 +83,58 @@ TEST_F(Command, SolveLooksForSeveralAnswers) {
     EXPECT_LE(std::max(answer["epsilon"].get<double>(), answer["eta"].get<double>()), 1e-9);
   }
   // The same seed, the same numbers, seconds aside.
-  json again = json::parse(bipot("solve " + problem + " --several 12 --seed 3 --json -").out);
+  json again = json_of("solve " + problem + " --several 12 --seed 3 --json -");
   for (json* one : {&j, &again}) {
     one->erase("seconds");
     for (json& start : (*one)["starts"]) start.erase("seconds");
   }
   EXPECT_EQ(j, again);
-  EXPECT_EQ(bipot("solve " + problem + " --several 500 --time-limit 0.3").exit_code, 1);
-  EXPECT_EQ(bipot("solve " + problem + " --several 0").exit_code, 2);
-  EXPECT_EQ(bipot("solve " + problem + " --several 3 --explain").exit_code, 2);
-  EXPECT_EQ(bipot("solve " + problem + " --several 3 --warm").exit_code, 2);  // has no guess
+  EXPECT_EQ(code_of("solve " + problem + " --several 500 --time-limit 0.3"), 1);
+  EXPECT_EQ(code_of("solve " + problem + " --several 0"), 2);
+  EXPECT_EQ(code_of("solve " + problem + " --several 3 --explain"), 2);
+  EXPECT_EQ(code_of("solve " + problem + " --several 3 --warm"), 2);  // has no guess
   EXPECT_EQ(interrupted("solve " + problem + " --several 5000").exit_code, 5);
 }
 
 TEST_F(Command, DumpedStepsAreDrawnWithTheirAnswers) {
-  ASSERT_EQ(bipot("run pyramid --steps 2 --dump-problems all --out " + path("run")).exit_code, 0);
+  ASSERT_EQ(code_of("run pyramid --steps 2 --dump-problems all --out " + path("run")), 0);
   const std::string step = path("run/problems/step_000002.hdf5");
   ASSERT_TRUE(fs::exists(step));
-  EXPECT_EQ(bipot("solve " + step + " --several 4 --warm --out " + path("answers")).exit_code, 0);
-  const json j = json::parse(content(path("answers/summary.json")));
+  EXPECT_EQ(code_of("solve " + step + " --several 4 --warm --out " + path("answers")), 0);
+  const json j = json_in(path("answers/summary.json"));
   EXPECT_EQ(read_problem(path("answers/answers.hdf5")).guesses.size(), j["answers"].size());
-  EXPECT_NE(content(path("answers/answers.svg")).find("<svg"), std::string::npos);
+  EXPECT_TRUE(says(content(path("answers/answers.svg")), "<svg"));
   EXPECT_GT(fs::file_size(path("answers/answers.png")), 1000u);
   const std::string page = content(path("answers/index.html"));
-  EXPECT_NE(page.find("<img src=\"answers.svg\""), std::string::npos);
-  EXPECT_NE(page.find("<a href=\"answers.csv\">"), std::string::npos);
+  EXPECT_TRUE(says(page, "<img src=\"answers.svg\""));
+  EXPECT_TRUE(says(page, "<a href=\"answers.csv\">"));
   EXPECT_TRUE(content(path("answers/answers.csv")).starts_with("answer,starts,error,kinetic [J],"));
 }
 
 TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
   // Two lattices that differ in friction alone: the same sizes.
-  std::string text = content(source_folder().string() + "/data/scenes/triangular_lattice.toml");
+  std::string text = content(shipped_scene("triangular_lattice"));
   const std::string run = "run " + write("a.toml", text) + " --steps 1 --quiet --dump-problems all";
-  ASSERT_EQ(bipot(run + " --out " + path("a")).exit_code, 0);
+  ASSERT_EQ(code_of(run + " --out " + path("a")), 0);
   const std::string mu = "mu = 0.3";
   text.replace(text.find(mu), mu.size(), "mu = 0.4");
   write("a.toml", text);
-  ASSERT_EQ(bipot(run + " --out " + path("b")).exit_code, 0);
+  ASSERT_EQ(code_of(run + " --out " + path("b")), 0);
   const std::string a = path("a/problems/step_000001.hdf5"),
                     b = path("b/problems/step_000001.hdf5");
-  EXPECT_EQ(bipot("solve " + a + " --solution " + b).exit_code, 2);
+  EXPECT_EQ(code_of("solve " + a + " --solution " + b), 2);
   EXPECT_FALSE(read_problem(b).r.has_value());
-  EXPECT_EQ(bipot("solve " + a + " --solution " + a).exit_code, 0);
+  EXPECT_EQ(code_of("solve " + a + " --solution " + a), 0);
   EXPECT_TRUE(read_problem(a).r.has_value());
-  EXPECT_EQ(bipot("solve " + a + " --solution " + write("no.hdf5", "not HDF5")).exit_code, 2);
+  EXPECT_EQ(code_of("solve " + a + " --solution " + write("no.hdf5", "not HDF5")), 2);
 }
 
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   const std::string out = path("out");
-  const Outcome solve =
-      interrupted("solve " + source_folder().string() +
-                  "/data/problems/2d_compaction_rest.hdf5 --solver pgs --tol 1e-13 --out " + out);
+  const Outcome solve = interrupted("solve " + shipped_problem("2d_compaction_rest") +
+                                    " --solver pgs --tol 1e-13 --out " + out);
   EXPECT_EQ(solve.exit_code, 5);
-  const json j = json::parse(content(out + "/summary.json"));
+  const json j = json_in(out + "/summary.json");
   EXPECT_EQ(j["status"], "interrupted");
   EXPECT_GT(j["iterations"], 0);
   EXPECT_TRUE(read_problem(out + "/solution.hdf5").r.has_value());
@@ -150,9 +147,9 @@ TEST_F(Command, CertifiesWhetherASolutionExists) {
   EXPECT_NE(none.exit_code, 0);
   const json proof = json::parse(none.out)["existence"];
   EXPECT_EQ(proof["verdict"], "none");
-  EXPECT_NE(proof["statement"].get<std::string>().find("proved"), std::string::npos);
-  const std::string pile = source_folder().string() + "/data/problems/2d_pyramid_10.hdf5";
-  const json exists = json::parse(bipot("solve " + pile + " --certify --json -").out)["existence"];
+  EXPECT_TRUE(says(proof["statement"], "proved"));
+  const std::string pile = shipped_problem("2d_pyramid_10");
+  const json exists = json_of("solve " + pile + " --certify --json -")["existence"];
   EXPECT_EQ(exists["verdict"], "exists");
   EXPECT_GT(exists["margin"].get<double>(), 0);
 }

@@ -6,18 +6,14 @@
 #include <stdexcept>
 
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
+#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
 
 using Kind = ContactFault::Kind;
-
-Vector vec(std::initializer_list<double> x) {
-  Vector v(static_cast<Eigen::Index>(x.size()));
-  std::copy(x.begin(), x.end(), v.begin());
-  return v;
-}
 
 /// W = diag(w_n, 1), mu = 1/2, u_free = (b_n, b_t).
 ContactProblem one_contact(double w_n, double b_n, double b_t) {
@@ -187,12 +183,7 @@ TEST(ImpulseVerdict, RestitutionIsJudgedInPhysicalVariables) {
 TEST(ImpulseVerdict, RefusesWhatIsNoImpulse) {
   const ContactProblem p = one_contact(1, -1, 0);
   const auto refusal = [&](const Vector& s) -> std::string {
-    try {
-      judge(p, s);
-    } catch (const std::invalid_argument& e) {
-      return e.what();
-    }
-    return "it was judged";
+    return refusal_of<std::invalid_argument>([&] { judge(p, s); });
   };
   EXPECT_EQ(refusal(vec({1, 0, 0})), "s has size 3, expected 2 = 1 contacts x 2");
   EXPECT_EQ(refusal(vec({1, kNaN})), "s[1] = nan is not finite");

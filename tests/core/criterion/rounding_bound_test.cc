@@ -67,8 +67,7 @@ TEST(RoundingBound, GrowsWithFrictionAndWithSelfStress) {
   // whatever S. |s|ᵀ|W||s| = (2 S + 1)².
   double previous = 0;
   for (const double stress : {1.0, 1e3, 1e6}) {
-    ContactProblem p;
-    p.dim = 1;
+    ContactProblem p{.dim = 1};
     Eigen::MatrixXd W(2, 2);
     W << 1, -1, -1, 1;
     p.W = SparseRows(W.sparseView());

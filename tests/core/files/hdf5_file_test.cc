@@ -20,6 +20,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/refusal.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -27,20 +29,10 @@ namespace {
 
 using Mode = Hdf5File::Mode;
 
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// The message of the FileError that f throws.
 template <class F>
 std::string refusal(F&& f) {
-  try {
-    f();
-  } catch (const FileError& e) {
-    return e.what();
-  }
-  return "nothing was thrown";
+  return refusal_of<FileError>([&] { f(); });
 }
 
 TEST(Hdf5File, WhatIsWrittenIsReadBackBitForBit) {
@@ -78,9 +70,9 @@ TEST(Hdf5File, WhatIsWrittenIsReadBackBitForBit) {
   EXPECT_EQ(file.read_strings("/names"), names);
   EXPECT_TRUE(file.read_doubles("/nothing").empty());
   EXPECT_EQ(file.shape("/table"), (std::vector<std::size_t>{3, 2}));
-  const std::string bytes = bytes_of(folder / "a.h5");
-  EXPECT_NE(bytes.find("unit"), std::string::npos);
-  EXPECT_NE(bytes.find("m/s"), std::string::npos);
+  const std::string bytes = file_text(folder / "a.h5");
+  EXPECT_TRUE(says(bytes, "unit"));
+  EXPECT_TRUE(says(bytes, "m/s"));
   EXPECT_TRUE(file.exists("/deep/in"));
   EXPECT_FALSE(file.exists("/deep/out/of/reach"));
   EXPECT_EQ(file.list("/deep"), std::vector<std::string>{"in"});
@@ -124,7 +116,7 @@ TEST(Hdf5File, TheSameContentGivesTheSameBytes) {
     file.write("/group/x", 1.5);
     file.write("/group/text", "same");
   }
-  EXPECT_EQ(bytes_of(folder / "a.h5"), bytes_of(folder / "b.h5"));
+  EXPECT_EQ(file_text(folder / "a.h5"), file_text(folder / "b.h5"));
 }
 
 TEST(Hdf5File, FailuresNameTheFileAndTheObject) {
@@ -137,8 +129,8 @@ TEST(Hdf5File, FailuresNameTheFileAndTheObject) {
   testing::internal::CaptureStderr();
   const Hdf5File file(folder / "a.h5", Mode::kRead);
   const auto expect = [&](const std::string& message, const std::string& part) {
-    EXPECT_NE(message.find("a.h5"), std::string::npos) << message;
-    EXPECT_NE(message.find(part), std::string::npos) << message;
+    EXPECT_TRUE(says(message, "a.h5"));
+    EXPECT_TRUE(says(message, part));
   };
   expect(refusal([&] { file.read_double("/y/z"); }), "/y/z: missing");
   expect(refusal([&] { file.read_double("/x"); }), "/x: has 2 elements, expected one");
@@ -147,16 +139,12 @@ TEST(Hdf5File, FailuresNameTheFileAndTheObject) {
   expect(refusal([&] { file.read_string("/x"); }), "/x: not text");
   expect(refusal([&] { file.read_doubles("/"); }), "/: not a dataset");
   expect(refusal([&] { file.list("/x"); }), "/x: not a group");
-  EXPECT_NE(refusal([&] { Hdf5File(folder / "b.h5", Mode::kRead); }).find("no such file"),
-            std::string::npos);
-  EXPECT_NE(refusal([&] { Hdf5File(folder / "no/b.h5", Mode::kCreate); }).find("cannot open"),
-            std::string::npos);
+  EXPECT_TRUE(says(refusal([&] { Hdf5File(folder / "b.h5", Mode::kRead); }), "no such file"));
+  EXPECT_TRUE(says(refusal([&] { Hdf5File(folder / "no/b.h5", Mode::kCreate); }), "cannot open"));
   std::ofstream(folder / "c.h5") << "plain text";
-  EXPECT_NE(refusal([&] { Hdf5File(folder / "c.h5", Mode::kRead); }).find("not an HDF5 file"),
-            std::string::npos);
-  std::ofstream(folder / "d.h5", std::ios::binary) << bytes_of(folder / "a.h5").substr(0, 700);
-  EXPECT_NE(refusal([&] { Hdf5File(folder / "d.h5", Mode::kRead); }).find("cannot open"),
-            std::string::npos);
+  EXPECT_TRUE(says(refusal([&] { Hdf5File(folder / "c.h5", Mode::kRead); }), "not an HDF5 file"));
+  std::ofstream(folder / "d.h5", std::ios::binary) << file_text(folder / "a.h5").substr(0, 700);
+  EXPECT_TRUE(says(refusal([&] { Hdf5File(folder / "d.h5", Mode::kRead); }), "cannot open"));
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");  // HDF5 itself says nothing
 }
 
@@ -178,7 +166,7 @@ TEST(ThreadedHdf5File, SeveralThreadsWriteTheirFilesAsOneWould) {
   for (const char* name : {"first", "second", "third"}) threads.emplace_back(write_all, name);
   for (std::thread& thread : threads) thread.join();
   for (const char* name : {"first", "second", "third"}) {
-    EXPECT_EQ(bytes_of(folder / name), bytes_of(folder / "alone")) << name;
+    EXPECT_EQ(file_text(folder / name), file_text(folder / "alone")) << name;
   }
 }
 
@@ -236,7 +224,7 @@ TEST(ThreadedHdf5File, OneThreadAtATimeHasFilesOpen) {
 
 /// Replaces a number of eight bytes wherever a file has it.
 void replace_number(const std::filesystem::path& path, std::uint64_t from, std::uint64_t to) {
-  std::string bytes = bytes_of(path);
+  std::string bytes = file_text(path);
   const std::string old(reinterpret_cast<const char*>(&from), sizeof from);
   std::size_t at = bytes.find(old);
   ASSERT_NE(at, std::string::npos);
@@ -258,15 +246,15 @@ TEST(Hdf5File, TheStructureOfUntrustedFilesIsChecked) {
   make();
   EXPECT_EQ(said(), "nothing was thrown");
   replace_number(folder / "a.h5", 1237, 1238);  // more numbers than are stored
-  EXPECT_NE(said().find("/deep/x: claims 9904 bytes and stores 9896"), std::string::npos) << said();
+  EXPECT_TRUE(says(said(), "/deep/x: claims 9904 bytes and stores 9896"));
   make();
   replace_number(folder / "a.h5", 1237, std::uint64_t{1} << 50);
-  EXPECT_NE(said().find("more than a file of"), std::string::npos) << said();
+  EXPECT_TRUE(says(said(), "more than a file of"));
   make();
   Hdf5File(folder / "a.h5", Mode::kAppend).link("/deep/other", "b.h5", "/x");
-  EXPECT_NE(said().find("/deep/other: a link"), std::string::npos) << said();
+  EXPECT_TRUE(says(said(), "/deep/other: a link"));
   make();
-  const std::string whole = bytes_of(folder / "a.h5");
+  const std::string whole = file_text(folder / "a.h5");
   std::ofstream(folder / "a.h5", std::ios::binary) << whole.substr(0, whole.size() / 2);
   EXPECT_NE(said(), "nothing was thrown");
   std::ofstream(folder / "a.h5") << "plain text";

@@ -9,9 +9,7 @@ namespace bipot {
 namespace {
 
 Disk still_disk(double x, double y, double radius) {
-  Disk d;
-  d.x = Vec2(x, y);
-  d.radius = radius;
+  Disk d{.x = Vec2(x, y), .radius = radius};
   return d;
 }
 

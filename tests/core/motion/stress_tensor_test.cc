@@ -21,11 +21,7 @@ namespace {
 constexpr double kStep = 1e-3;
 
 Disk disk(double x, double y, double radius, double mass = 1) {
-  Disk d;
-  d.x = Vec2(x, y);
-  d.radius = radius;
-  d.mass = mass;
-  d.inertia = 0.5 * mass * radius * radius;
+  Disk d{.x = Vec2(x, y), .radius = radius, .mass = mass, .inertia = 0.5 * mass * radius * radius};
   return d;
 }
 
@@ -116,8 +112,7 @@ TEST(StressTensor, OfTwoDisksSqueezedBetweenWallsIsForceOverHeight) {
 TEST(StressTensor, OfASquareLatticeUnderPressureIsForceOverDiameter) {
   // All contacts carry F = 3 N, disks of radius 0.5 m: σ = F / 2a in both directions.
   const int side = 4;
-  State<2> state;
-  state.bodies = rectangular_lattice(side, side, 0.5, Vec2::Zero());
+  State<2> state{.bodies = rectangular_lattice(side, side, 0.5, Vec2::Zero())};
   for (Disk& d : state.bodies) d.mass = d.inertia = 1;
   state.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1)), half_space<2>(Vec2(0, 0), Vec2(1, 0)),
                  half_space<2>(Vec2(side, 0), Vec2(-1, 0)),

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <numbers>
 
 #include "core/run_files/observable_output.h"
@@ -11,6 +10,8 @@
 #include "core/scene/cluster_motion.h"
 #include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
+#include "tests/support/refusal.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -210,10 +211,8 @@ TEST(Observables, FilesAndTheirMeans) {
   // The line points up, its left is -x: the whole disk's width 0.2 crosses with velocity 8.
   EXPECT_NEAR(rows.rows[3][rows.column("flux_gate")], -2 / (std::numbers::pi * 0.01) * 0.2 * 8,
               1e-6);
-  std::ifstream means(folder / "out/observables_mean.csv");
-  std::stringstream all;
-  all << means.rdbuf();
-  EXPECT_NE(all.str().find("\ncontacts,1,0,3\n"), std::string::npos) << all.str();
+  const std::string all = file_text(folder / "out/observables_mean.csv");
+  EXPECT_TRUE(says(all, "\ncontacts,1,0,3\n"));
   const NumberTable profile = read_number_table(folder / "out/profile_mean.csv");
   ASSERT_EQ(profile.rows.size(), 2u);
   EXPECT_NEAR(profile.rows[0][profile.column("vx")], 6, 1e-12);  // of 4, 6, 8

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <regex>
 #include <stdexcept>
@@ -12,6 +11,8 @@
 #include "core/base/file_error.h"
 #include "core/pictures/colour_map.h"
 #include "core/scene/cluster_motion.h"
+#include "tests/support/refusal.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -58,11 +59,10 @@ class ForcePicture : public testing::Test {
                   const std::string& caption = "caption", const ForcePictureOptions& options = {}) {
     const auto path = folder_ / "picture.svg";
     draw_force_picture(path, scene, state, caption, options);
-    std::ifstream in(path);
-    std::string text{std::istreambuf_iterator<char>(in), {}};
-    EXPECT_NE(text.find("</svg>"), std::string::npos);
-    EXPECT_EQ(text.find("nan"), std::string::npos);
-    EXPECT_EQ(text.find("inf"), std::string::npos);
+    std::string text = file_text(path);
+    EXPECT_TRUE(says(text, "</svg>"));
+    EXPECT_FALSE(says(text, "nan"));
+    EXPECT_FALSE(says(text, "inf"));
     return text;
   }
   /// Widths of the lines of one colour, increasing.
@@ -175,8 +175,7 @@ TEST_F(ForcePicture, PngsAreWrittenWithTheChosenResolution) {
   const Scene<2> scene = column(3, 0.5);
   draw_force_picture(folder_ / "picture.png", scene, loaded_column(scene), "caption",
                      {.width = 400, .resolution = 1.5});
-  std::ifstream in(folder_ / "picture.png", std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::string bytes = file_text(folder_ / "picture.png");
   ASSERT_GT(bytes.size(), 24u);
   EXPECT_EQ(bytes.substr(1, 3), "PNG");
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(bytes[k]); };

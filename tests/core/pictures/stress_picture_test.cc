@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <regex>
 
 #include "core/scene/generators.h"
+#include "tests/support/refusal.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -15,9 +15,7 @@ namespace {
 
 /// An SVG without the numbers that cairo counts its surfaces by.
 std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  return std::regex_replace(text, std::regex("surface[0-9]+"), "surface");
+  return std::regex_replace(file_text(path), std::regex("surface[0-9]+"), "surface");
 }
 
 TEST(StressPicture, TheBarEndsWhereAllButTwoInAHundredDisksAre) {
@@ -39,9 +37,9 @@ TEST(StressPicture, TheBarEndsWhereAllButTwoInAHundredDisksAre) {
   const std::string automatic = drawn(pressures, 0);
   EXPECT_TRUE(automatic == drawn(pressures, 2000));
   EXPECT_FALSE(automatic == drawn(pressures, 3000));
-  EXPECT_NE(automatic.find("</svg>"), std::string::npos);
+  EXPECT_TRUE(says(automatic, "</svg>"));
   // Without any pressure, and with nearly none.
-  EXPECT_EQ(drawn(std::vector<double>(100, 0.0), 0).find("nan"), std::string::npos);
+  EXPECT_FALSE(says(drawn(std::vector<double>(100, 0.0), 0), "nan"));
   std::vector<double> one(100, 0.0);
   one[3] = 5;
   EXPECT_TRUE(drawn(one, 0) == drawn(one, 5));

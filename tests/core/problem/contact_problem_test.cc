@@ -4,6 +4,7 @@
 
 #include "core/base/types.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/refusal.h"
 
 namespace bipot {
 namespace {
@@ -21,7 +22,7 @@ ContactProblem local_only() {
 void expect_refused(const ContactProblem& p, std::initializer_list<const char*> parts) {
   const std::string message = validate(p);
   for (const char* part : parts) {
-    EXPECT_NE(message.find(part), std::string::npos) << '\'' << message << "' lacks " << part;
+    EXPECT_TRUE(says(message, part)) << '\'' << message << "' lacks " << part;
   }
 }
 

@@ -23,9 +23,7 @@ TEST(SphereStructure, IsFoundInPackings) {
 }
 
 TEST(SphereStructure, GivesTheSameProductsAsH) {
-  LatticeOptions o;
-  o.e_n = 0.1;
-  o.e_t = 1;
+  LatticeOptions o{.e_n = 0.1, .e_t = 1};
   for (const ContactProblem& p : {cubic_lattice(4, o), shipped_file("3d_sphere_pyramid_4.hdf5")}) {
     const Vector s = random_vector(p.num_rows(), 1);
     const Vector expected = p.H.transpose() * Vector((p.H * s).cwiseQuotient(p.A.diagonal()));

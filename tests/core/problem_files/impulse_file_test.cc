@@ -7,6 +7,8 @@
 #include "core/base/file_error.h"
 #include "core/problem_files/fclib_file.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -18,12 +20,6 @@ ContactProblem problem(int dim, int contacts) {
   return p;
 }
 
-Vector vec(std::initializer_list<double> x) {
-  Vector v(static_cast<Eigen::Index>(x.size()));
-  std::copy(x.begin(), x.end(), v.begin());
-  return v;
-}
-
 class ImpulseFile : public testing::Test {
  protected:
   Vector read(const std::string& text, const ContactProblem& p, const ImpulseLayout& layout = {}) {
@@ -32,12 +28,7 @@ class ImpulseFile : public testing::Test {
   }
   std::string refusal(const std::string& text, const ContactProblem& p,
                       const ImpulseLayout& layout = {}) {
-    try {
-      read(text, p, layout);
-    } catch (const std::exception& e) {
-      return e.what();
-    }
-    return "it was read";
+    return refusal_of<std::exception>([&] { read(text, p, layout); });
   }
   std::filesystem::path path() const { return folder_ / "impulses.txt"; }
 
@@ -83,8 +74,7 @@ TEST_F(ImpulseFile, LayoutsOfOtherCodesAreUndone) {
 TEST_F(ImpulseFile, FrictionlessProblemsTakeNormalsOrInertTangents) {
   EXPECT_EQ(read("1 2 3", problem(1, 3)), vec({1, 2, 3}));
   EXPECT_EQ(read("1 0 2 0 3 0", problem(1, 3)), vec({1, 2, 3}));
-  EXPECT_NE(refusal("1 0 2 7 3 0", problem(1, 3)).find("tangential impulse 7, expected 0"),
-            std::string::npos);
+  EXPECT_TRUE(says(refusal("1 0 2 7 3 0", problem(1, 3)), "tangential impulse 7, expected 0"));
   EXPECT_EQ(read("", problem(2, 0)).size(), 0);
 }
 
@@ -100,16 +90,12 @@ TEST_F(ImpulseFile, TheSolutionOfAnFclibFileIsReadBack) {
 }
 
 TEST_F(ImpulseFile, RefusalsSayWhatIsWrong) {
-  EXPECT_NE(refusal("1 2 3", kThree).find("s has size 3, expected 6 = 3 contacts x 2"),
-            std::string::npos);
-  EXPECT_NE(refusal("1 2\n3 four\n5 6", kThree).find("line 2: 'four' is not a number"),
-            std::string::npos);
-  EXPECT_NE(refusal("size = 6; data= 1, 2", kThree).find("no [...]"), std::string::npos);
-  EXPECT_NE(refusal("1 2 3 4 5 6", kThree, {.components = "nn"}).find("components 'nn'"),
-            std::string::npos);
-  EXPECT_NE(refusal("1 2 3 4 5 6", kThree, {.negated = "s"}).find("letters of 'nt'"),
-            std::string::npos);
-  EXPECT_NE(refusal(std::string("\0\1", 2), kThree).find("neither a text file"), std::string::npos);
+  EXPECT_TRUE(says(refusal("1 2 3", kThree), "s has size 3, expected 6 = 3 contacts x 2"));
+  EXPECT_TRUE(says(refusal("1 2\n3 four\n5 6", kThree), "line 2: 'four' is not a number"));
+  EXPECT_TRUE(says(refusal("size = 6; data= 1, 2", kThree), "no [...]"));
+  EXPECT_TRUE(says(refusal("1 2 3 4 5 6", kThree, {.components = "nn"}), "components 'nn'"));
+  EXPECT_TRUE(says(refusal("1 2 3 4 5 6", kThree, {.negated = "s"}), "letters of 'nt'"));
+  EXPECT_TRUE(says(refusal(std::string("\0\1", 2), kThree), "neither a text file"));
   EXPECT_THROW(read_impulses(folder_ / "nothing", kThree), FileError);
   EXPECT_THROW(read_impulses(folder_.path(), kThree), FileError);
 }

@@ -6,6 +6,7 @@
 
 #include "core/base/file_error.h"
 #include "core/problem_files/problem_file.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -20,17 +21,12 @@ class SiconosText : public testing::Test {
     return read_problem(path(), true);
   }
   std::string refusal(const std::string& text) {
-    try {
-      read(text);
-    } catch (const FileError& e) {
-      return e.what();
-    }
-    return "it was read";
+    return refusal_of<FileError>([&] { read(text); });
   }
   void expect_refusal(const std::string& text, const char* reason) {
     const std::string message = refusal(text);
-    EXPECT_NE(message.find(path().string()), std::string::npos) << message;
-    EXPECT_NE(message.find(reason), std::string::npos) << message;
+    EXPECT_TRUE(says(message, path().string()));
+    EXPECT_TRUE(says(message, reason));
   }
   std::filesystem::path path() const { return folder_ / "problem.dat"; }
 

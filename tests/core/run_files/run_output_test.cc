@@ -23,6 +23,8 @@
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
+#include "tests/support/markup_defect.h"
+#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/state_bits.h"
 #include "tests/support/temporary_folder.h"
@@ -33,15 +35,8 @@ namespace {
 const char* kBox = R"(
 title = "Box <of> \"disks\" & more"
 gravity = [0.0, -9.81]
-[contact]
-mu = 0.3
-e_n = 0.1
-[[disks]]
-arrangement = "triangular"
-columns = 4
-rows = 3
-radius = 0.01
-density = 2000.0
+contact = {mu = 0.3, e_n = 0.1}
+disks = [{arrangement = "triangular", columns = 4, rows = 3, radius = 0.01, density = 2000.0}]
 )";
 
 /// Three disks and three walls with awkward numbers in every field.
@@ -165,13 +160,8 @@ TEST(RunOutput, AStateIsReadBackBitForBit) {
 TEST(RunOutput, ARunGoesOnFromAFrameWithTheSameBits) {
   const TemporaryFolder folder;
   Scene<2> scene = parse_scene(std::string(kBox) + R"(
-[[walls]]
-name = "floor"
-point = [0.0, 0.0]
-normal = [0.0, 1.0]
-[time]
-step = 1e-3
-steps = 12
+walls = [{name = "floor", point = [0.0, 0.0], normal = [0.0, 1.0]}]
+time = {step = 1e-3, steps = 12}
 )",
                                "box");
   const SolverEntry* entry = find_solver("pgs");
@@ -220,33 +210,6 @@ TEST(RunOutput, EveryFrameCanBeReadThroughTheLinksOfTheRunFile) {
   EXPECT_EQ(file.shape("/materials/mu"), (std::vector<std::size_t>{2, 2}));
 }
 
-/// Tags balance and attributes are quoted; throws the test otherwise.
-void expect_well_formed(const std::string& xml) {
-  std::vector<std::string> open;
-  std::size_t at = 0;
-  bool root_seen = false;
-  while ((at = xml.find('<', at)) != std::string::npos) {
-    const std::size_t end = xml.find('>', at);
-    ASSERT_NE(end, std::string::npos);
-    std::string tag = xml.substr(at + 1, end - at - 1);
-    at = end;
-    ASSERT_EQ(tag.find('<'), std::string::npos) << tag;
-    if (tag[0] == '?') continue;
-    if (tag[0] == '/') {
-      ASSERT_FALSE(open.empty());
-      ASSERT_EQ(open.back(), tag.substr(1));
-      open.pop_back();
-      continue;
-    }
-    ASSERT_FALSE(root_seen && open.empty()) << "a second root";
-    root_seen = true;
-    ASSERT_TRUE(std::regex_match(tag, std::regex("\\w+( \\w+=\"[^\"<&]*\")*/?"))) << tag;
-    if (tag.back() != '/') open.push_back(tag.substr(0, tag.find(' ')));
-  }
-  ASSERT_TRUE(root_seen);
-  ASSERT_TRUE(open.empty()) << open.back();
-}
-
 /// Every data item leads to a dataset of the size it says.
 int expect_data(const std::filesystem::path& folder, const std::string& xml) {
   const std::regex item("Dimensions=\"([0-9 ]+)\" NumberType=\"(\\w+)\"[^>]*>([^:<]+):([^<]+)<");
@@ -273,15 +236,14 @@ TEST(RunOutput, TheXdmfIndexIsWellFormedAndLeadsToItsDataAfterEveryFrame) {
     if (step == 0) state.contacts.clear();
     writer.frame(state);
     const std::string xml = file_text(folder / "out/run.xdmf");
-    expect_well_formed(xml);
+    EXPECT_EQ(markup_defect(xml), "");
     // Disks: points, x, radius, mass, material, v, spin, angle, stress, pressure. Contacts: points,
     // segment and ten fields, with or without contacts. Walls: points, segment, material.
     EXPECT_EQ(expect_data(folder / "out", xml), (step + 1) * (10 + 12 + 3));
     for (const char* name : {"bodies", "contacts", "walls"}) {
-      EXPECT_NE(xml.find(fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" "
-                                     "CollectionType=\"Temporal\">",
-                                     name)),
-                std::string::npos);
+      EXPECT_TRUE(says(xml, fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" "
+                                        "CollectionType=\"Temporal\">",
+                                        name)));
     }
   }
 }
@@ -307,11 +269,11 @@ TEST(RunOutput, TheIndexSaysWhichClusterADiskIsPartOf) {
   writer.frame(state);
   writer.close();
   const std::string xml = file_text(folder / "out/run.xdmf");
-  expect_well_formed(xml);
+  EXPECT_EQ(markup_defect(xml), "");
   // Disks: points, x, radius, mass, material, cluster, v, spin, angle, stress, pressure; contacts:
   // twelve.
   EXPECT_EQ(expect_data(folder / "out", xml), 2 * (11 + 12));
-  EXPECT_NE(xml.find("Attribute Name=\"cluster\""), std::string::npos);
+  EXPECT_TRUE(says(xml, "Attribute Name=\"cluster\""));
 }
 
 TEST(RunOutput, ALongRunIsIndexedCompletely) {
@@ -502,7 +464,7 @@ TEST(RunOutput, WallsHaveTheirLoadsAndContactsTheirVectors) {
             "1,0.1,lid,0,2,0,0,0,-3,0,3\n");
   const std::string units = file_text(folder / "out/units.csv");
   EXPECT_EQ(units.rfind("file,column,unit\nledger.csv,time,s\n", 0), 0u);
-  EXPECT_NE(units.find("\nwalls.csv,reaction_y,N\n"), std::string::npos);
+  EXPECT_TRUE(says(units, "\nwalls.csv,reaction_y,N\n"));
   const Hdf5File frame(folder / "out/frames/00000001.h5", Hdf5File::Mode::kRead);
   EXPECT_EQ(frame.read_doubles("/contacts/point"), (std::vector<double>{3, 0, 3, 2}));
   const auto force = frame.read_doubles("/contacts/force");
@@ -683,7 +645,7 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
                 bits_of_state(awkward_state(scene, step)));
     }
     const std::string xml = file_text(folder / "out/run.xdmf");
-    expect_well_formed(xml);
+    EXPECT_EQ(markup_defect(xml), "");
     EXPECT_GT(expect_data(folder / "out", xml), 0);
   }
 }

@@ -18,11 +18,9 @@ struct NamedScene {
 /// Scenes of 40 steps in which everything that a state carries is in use at step 17.
 const NamedScene kRestartScenes[] = {
     {"plate, drum, dam and tilt", R"(
-[contact]
-mu = 0.3
-[tilt]
-degrees_per_second = 200
-starts = 0.005
+contact = {mu = 0.3}
+tilt = {degrees_per_second = 200, starts = 0.005}
+time = {step = 1e-3, steps = 40}
 [[disks]]
 arrangement = "rectangular"
 columns = 3
@@ -47,15 +45,13 @@ force = 20
 mass = 2
 velocity = [0.2, 0]
 stops = 0.025
-[time]
-step = 1e-3
-steps = 40
 )"},
     {"rough plate, pressed and pulled, in a periodic scene", R"(
-[contact]
-mu = 0.3
-[cell]
-width = 1
+contact = {mu = 0.3}
+cell = {width = 1}
+walls = [{point = [0, 0], normal = [0, 1]},
+  {name = "plate", point = [0, 0.55], normal = [0, -1], force = 20, mass = 2, velocity = [2, 0]}]
+time = {step = 1e-3, steps = 40}
 [[disks]]
 arrangement = "rectangular"
 columns = 5
@@ -69,25 +65,15 @@ rows = 1
 radius = 0.08
 corner = [0.05, 0.37]
 wall = "plate"
-[[walls]]
-point = [0, 0]
-normal = [0, 1]
-[[walls]]
-name = "plate"
-point = [0, 0.55]
-normal = [0, -1]
-force = 20
-mass = 2
-velocity = [2, 0]
-[time]
-step = 1e-3
-steps = 40
 )"},
     {"clusters that fall through a hole, on a box that tilts, and others that come in", R"(
-[contact]
-mu = 0.3
-[tilt]
-degrees_per_second = 200
+contact = {mu = 0.3}
+tilt = {degrees_per_second = 200}
+disks = [{position = [0, 1.2], radius = 0.1, mass = 1, velocity = [0, -3]}]
+walls = [{from = [-1, -0.15], to = [-0.2, -0.2]}, {from = [0.2, -0.2], to = [1, -0.15]}]
+outlets = [{point = [0, -0.2], normal = [0, 1]}]
+inlets = [{lower = [-0.5, 1.3], upper = [0.5, 1.6], rate = 100, radii = [0.1], mass = 0.5}]
+time = {step = 2e-3, steps = 40}
 [[clusters]]
 arrangement = "rectangular"
 parts = [[0, 0, 0.1], [0.12, 0.05, 0.08]]
@@ -98,40 +84,13 @@ density = 10
 corner = [-0.6, -0.1]
 velocity = [0.3, -4]
 spin = 5
-[[disks]]
-position = [0, 1.2]
-radius = 0.1
-mass = 1
-velocity = [0, -3]
-[[walls]]
-from = [-1, -0.15]
-to = [-0.2, -0.2]
-[[walls]]
-from = [0.2, -0.2]
-to = [1, -0.15]
-[[outlets]]
-point = [0, -0.2]
-normal = [0, 1]
-[[inlets]]
-lower = [-0.5, 1.3]
-upper = [0.5, 1.6]
-rate = 100
-radii = [0.1]
-mass = 0.5
-[time]
-step = 2e-3
-steps = 40
 )"},
     {"clusters in a periodic cell under shear and pressure", R"(
 gravity = [0, 0]
-[contact]
-mu = 0.4
-[cell]
-width = 1
-height = 0.8
-offset_speed = 3
-pressure_y = 1000
-mass = 1
+contact = {mu = 0.4}
+cell = {width = 1, height = 0.8, offset_speed = 3, pressure_y = 1000, mass = 1}
+time = {step = 1e-3, steps = 40}
+observables = {every = 1, window = [0, 0, 0.5, 0.5]}
 [[clusters]]
 arrangement = "random"
 parts = [[0, 0, 0.08], [0.1, 0, 0.07], [0.05, 0.08, 0.07]]
@@ -141,17 +100,11 @@ spacing = 0
 corner = [0.3, 0]
 density = 100
 spin = 3
-[time]
-step = 1e-3
-steps = 40
-[observables]
-every = 1
-window = [0, 0, 0.5, 0.5]
 )"},
     {"periodic cell under shear and pressure", R"(
 gravity = [0, 0]
-[contact]
-mu = 0.4
+contact = {mu = 0.4}
+time = {step = 1e-3, steps = 40}
 [cell]
 width = 1
 height = 1.1
@@ -168,9 +121,6 @@ width = 1
 spacing = 0
 density = 100
 velocity = [3, 1]
-[time]
-step = 1e-3
-steps = 40
 )"},
 };
 

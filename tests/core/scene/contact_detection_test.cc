@@ -94,8 +94,7 @@ TEST(Detection, RadiiAtPowersOfTwoOfTheSmallest) {
     std::vector<Disk> disks;
     double x = 0;
     for (int k = 0; k < 9; ++k) {
-      Disk d;
-      d.radius = std::ldexp(0.1, k) * (1 + shift);
+      Disk d{.radius = std::ldexp(0.1, k) * (1 + shift)};
       x += d.radius;
       d.x = Vec2(x, 0.01);
       x += d.radius;

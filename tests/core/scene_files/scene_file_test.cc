@@ -10,6 +10,7 @@
 
 #include "core/base/file_error.h"
 #include "core/scene_files/scene_keys.h"
+#include "tests/support/refusal.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/source_folder.h"
 
@@ -488,12 +489,8 @@ TEST(SceneFile, ArrangementsOfSpheresHaveTheirNumbers) {
 
 TEST(SceneFile, WhatDoesNotBelongInSpaceIsRefused) {
   const auto refused = [](const std::string& text, const std::string& because) {
-    try {
-      parse_any_scene(text, "test.toml");
-      ADD_FAILURE() << "read: " << text;
-    } catch (const SceneFileError& e) {
-      EXPECT_NE(std::string(e.what()).find(because), std::string::npos) << e.what();
-    }
+    EXPECT_TRUE(
+        says(refusal_of<SceneFileError>([&] { parse_any_scene(text, "test.toml"); }), because));
   };
   expect_refused(kSphere + kTime, {"only 'bipot run'"});  // who reads disks only
   refused("dim = 4\n" + kTime, "expected 2 or 3, got 4");
@@ -526,12 +523,8 @@ TEST(SceneFile, SyntaxErrorsNameTheLine) {
 }
 
 TEST(SceneFile, AMissingFileIsNamed) {
-  try {
-    read_scene("no/such/scene.toml");
-    FAIL();
-  } catch (const FileError& e) {
-    EXPECT_NE(std::string(e.what()).find("no/such/scene.toml"), std::string::npos);
-  }
+  EXPECT_TRUE(
+      says(refusal_of<FileError>([&] { read_scene("no/such/scene.toml"); }), "no/such/scene.toml"));
 }
 
 const std::filesystem::path kScenes = source_folder() / "data" / "scenes";
@@ -624,7 +617,7 @@ TEST(SceneFile, MoreSpheresThanMemoryHoldsAreRefused) {
       ADD_FAILURE() << "accepted: " << text;
     } catch (const SceneFileError& e) {
       const std::string said = e.what();
-      EXPECT_NE(said.find(count + " spheres, at most 1e+07"), std::string::npos) << said;
+      EXPECT_TRUE(says(said, count + " spheres, at most 1e+07"));
     }
   };
   const std::string rows = "[[spheres]]\nmass = 1\nradius = 0.1\nrows = 2000\n";

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/refusal.h"
 #include "tests/support/refused_scene.h"
 
 namespace bipot {
@@ -22,7 +23,7 @@ void expect_not_said(const std::string& text, const std::string& word) {
     parse_any_scene(text, "test.toml");
     ADD_FAILURE() << "accepted:\n" << text;
   } catch (const SceneFileError& e) {
-    EXPECT_EQ(std::string(e.what()).find(word), std::string::npos) << e.what();
+    EXPECT_FALSE(says(e.what(), word)) << e.what();
   }
 }
 

@@ -14,8 +14,7 @@ namespace {
 
 /// One mass of 1 kg between two walls, W alone: u_1 + u_2 = w_1 + w_2 whatever the impulses.
 ContactProblem between_walls(double w_1, double w_2) {
-  ContactProblem p;
-  p.dim = 1;
+  ContactProblem p{.dim = 1};
   Eigen::MatrixXd W(2, 2);
   W << 1, -1, -1, 1;
   p.W = SparseRows(W.sparseView());

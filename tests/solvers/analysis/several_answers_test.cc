@@ -98,8 +98,7 @@ TEST(SeveralAnswers, ThreeIsolatedOnesOfATiltedPacking) {
 
 TEST(SeveralAnswers, TheSameSeedGivesTheSameBits) {
   const SeveralProblem several = two_frictions_problem();
-  SeveralOptions options;
-  options.starts = 10;
+  SeveralOptions options{.starts = 10};
   const SeveralAnswers once = find_several_answers(several.problem, options);
   const SeveralAnswers again = find_several_answers(several.problem, options);
   options.seed = 2;

@@ -19,6 +19,7 @@
 #include "solvers/solve_run.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -44,7 +45,7 @@ TEST(AutoSolver, ExplainsEveryStageInALine) {
   const std::string text = explain_auto(p, {});
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
             static_cast<std::ptrdiff_t>(planned(p).size()) + 2);
-  EXPECT_NE(text.find("145 contacts"), std::string::npos);
+  EXPECT_TRUE(says(text, "145 contacts"));
 }
 
 TEST(AutoSolver, UnequalMassesBeginWithFactorisations) {
@@ -57,7 +58,7 @@ TEST(AutoSolver, GivesUpWhatDoesNotPromiseAndSolvesAllTheSame) {
   const SolveResult result = solve("auto", shipped_file("2d_pyramid_10.hdf5"), {.tol = 1e-8});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
   EXPECT_LE(result.error.guarded(), 1e-8);
-  EXPECT_NE(result.message.find("assor 106: given up"), std::string::npos) << result.message;
+  EXPECT_TRUE(says(result.message, "assor 106: given up"));
   EXPECT_LT(result.iterations, 20000);
 }
 
@@ -70,9 +71,9 @@ TEST(AutoSolver, AndersonHasPatienceNearTheToleranceAndNoMore) {
   const SolveResult slow =
       solve(by_w, local_form(shipped_file("2d_pyramid_20_mu05.hdf5")), {.tol = 0.3});
   EXPECT_EQ(slow.status, SolveStatus::kConverged);
-  EXPECT_NE(slow.message.find("anderson 64: given up"), std::string::npos) << slow.message;
+  EXPECT_TRUE(says(slow.message, "anderson 64: given up"));
   const SolveResult quick = solve("auto", shipped_file("2d_pour300_392.hdf5"), {.tol = 0.03});
-  EXPECT_EQ(quick.message.find("given up"), std::string::npos) << quick.message;
+  EXPECT_FALSE(says(quick.message, "given up")) << quick.message;
 }
 
 /// Small packings: sweeps within a decade of a loose tolerance go on for 120 iterations, then they
@@ -80,7 +81,7 @@ TEST(AutoSolver, AndersonHasPatienceNearTheToleranceAndNoMore) {
 TEST(AutoSolver, SweepsNearALooseToleranceHavePatienceAndNoMore) {
   const SolveResult result = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), {.tol = 0.3});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
-  EXPECT_NE(result.message.find("assor 126: given up"), std::string::npos) << result.message;
+  EXPECT_TRUE(says(result.message, "assor 126: given up"));
 }
 
 /// Above 2500 contacts splitting makes the start of paths, below momentum. Where these do not
@@ -142,8 +143,8 @@ TEST(AutoSolver, AStageStartsFromAMultipleOfTheCallersImpulse) {
     return fmt::format("apgd 2000: iteration limit ({:.1e})",
                        solve("apgd", p, options).error.guarded());
   };
-  EXPECT_NE(stages.find(ends(0.5)), std::string::npos) << ends(0.5) << '\n' << stages;
-  EXPECT_EQ(stages.find(ends(1)), std::string::npos) << stages;
+  EXPECT_TRUE(says(stages, ends(0.5))) << ends(0.5) << '\n' << stages;
+  EXPECT_FALSE(says(stages, ends(1))) << stages;
 }
 
 int stages_of(const ContactProblem& p, std::string_view solver) {
@@ -303,7 +304,7 @@ TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
     EXPECT_EQ(result.status, SolveStatus::kConverged) << name << ": " << result.message;
     EXPECT_LE(result.error.guarded(), 1e-10) << name;
     // First order was given up, and nothing was needed after the first paths.
-    EXPECT_NE(result.message.find("given up"), std::string::npos) << name;
+    EXPECT_TRUE(says(result.message, "given up")) << name;
     const std::size_t path = result.message.find("homotopy");
     ASSERT_NE(path, std::string::npos) << name << ": " << result.message;
     EXPECT_EQ(result.message.find(';', path), std::string::npos) << name << result.message;
@@ -314,7 +315,7 @@ TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
 TEST(AutoSolver, NothingExactForALooseTolerance) {
   const SolveResult result = solve("auto", shipped_file("2d_tilt1000hi_182.hdf5"), {.tol = 1e-2});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
-  EXPECT_EQ(result.message.find("homotopy"), std::string::npos) << result.message;
+  EXPECT_FALSE(says(result.message, "homotopy")) << result.message;
 }
 
 TEST(AutoSolver, NoPathsInSpace) {
@@ -434,11 +435,11 @@ TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
   }
   const SolveResult near = solve("auto", shipped_file("2d_tilt12_320.hdf5"), {.tol = 1e-8});
   EXPECT_EQ(near.status, SolveStatus::kConverged);
-  EXPECT_NE(near.message.find("homotopy"), std::string::npos) << near.message;
+  EXPECT_TRUE(says(near.message, "homotopy"));
   // Sweeps leave this one at 0.6: momentum comes next, and no path from there.
   const SolveResult far = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), {.tol = 1e-8});
   EXPECT_EQ(far.status, SolveStatus::kConverged);
-  EXPECT_NE(far.message.find("(6.3e-01); apgd"), std::string::npos) << far.message;
+  EXPECT_TRUE(says(far.message, "(6.3e-01); apgd"));
   const std::vector<AutoStage> warm = serving(shipped_file("2d_tilt12_320.hdf5"), true, 1e-4);
   EXPECT_EQ(warm[2].solver->name, "pgs");
 }

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
 
 #include "core/problem/delassus.h"
 #include "core/problem/disk_structure.h"
@@ -38,10 +37,7 @@ TEST(RecoveredDisks, PackingsOfAllKindsHaveTheirWAgain) {
 /// Two contacts of one disk of mass 2 and inertia 1 at the arm 1/2, 60 degrees apart: W_nn is 1/2,
 /// coupled by cos 60° / 2 = 1/4. With an entry changed there are no disks.
 TEST(RecoveredDisks, AWThatDisksCannotHaveIsLeftAlone) {
-  ContactProblem p;
-  p.dim = 2;
-  p.mu = Vector::Constant(2, 0.3);
-  p.u_free = Vector::Constant(4, -1);
+  ContactProblem p{.dim = 2, .u_free = Vector::Constant(4, -1), .mu = Vector::Constant(2, 0.3)};
   Eigen::Matrix4d W;
   const double sine = std::sqrt(3.0) / 4, spin = 0.25;
   W << 0.5, 0, 0.25, -sine,              //

@@ -248,8 +248,7 @@ TEST(TiledKernels, SolversReturnTheSameBitsForAllThreads) {
 TEST(TiledKernels, TheTiledOrderNeedsAsManySweepsAsTheGivenOne) {
   for (const bool square : {false, true}) {
     const ContactProblem p = packing(2, square);
-    SolverOptions options;
-    options.tol = 1e-6;
+    SolverOptions options{.tol = 1e-6};
     const SolveResult given = solve("pgs", p, options);
     options.parameters = {{"order", "tiled"}};
     const SolveResult tiled = solve("pgs", p, options);

@@ -143,9 +143,7 @@ TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
     }
     for (const int k : {0, 1}) entries.emplace_back(2 * i + k, 2 * i + 1 - k, kCross);
     couple(i, kSliding + i, 0.5);
-    for (int k = 0; k < kCoupled; ++k) {
-      couple(i, kSliding + random.below(kCore), kCoupling);
-    }
+    for (int k = 0; k < kCoupled; ++k) couple(i, kSliding + random.below(kCore), kCoupling);
   }
   problem.W.setFromTriplets(entries.begin(), entries.end());
   problem.mu.setConstant(1 / kCross);

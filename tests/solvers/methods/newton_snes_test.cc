@@ -26,8 +26,7 @@ namespace {
 using ParameterMap = std::map<std::string, std::string>;
 
 SolveResult newton(const ContactProblem& p, ParameterMap parameters = {}, double tol = 1e-8) {
-  SolverOptions options;
-  options.tol = tol;
+  SolverOptions options{.tol = tol};
   parameters.emplace("start_sweeps", "0");
   options.parameters = std::move(parameters);
   return solve("newton", p, options);

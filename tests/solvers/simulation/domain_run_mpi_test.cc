@@ -240,9 +240,7 @@ TEST(DomainRun, AStepThatCannotBeTakenLeavesTheState) {
   State<2> whole = initial_state(scene);
   for (Disk& d : whole.bodies) d.x[1] *= 0.97;  // in touch
   Domain<2> domain(scene, whole, group, [&](const ProblemPiece& piece, const Vector& s0) {
-    SolverOptions options;
-    options.s0 = s0;
-    options.cancelled = [&] { return group.rank() == group.size() - 1; };
+    SolverOptions options{.s0 = s0, .cancelled = [&] { return group.rank() == group.size() - 1; }};
     return distributed_solve("apgd", piece, options, group);
   });
   TimeStepper<2> stepper(scene, domain);

@@ -13,6 +13,7 @@
 #include "solvers/simulation/run_folder.h"
 #include "solvers/simulation/split_step.h"
 #include "solvers/simulation/step_solver.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -124,7 +125,7 @@ TEST(SceneRun, AStepThatIsNotSolvedEndsTheRunOnRequest) {
     EXPECT_EQ(run.end, SceneRun<2>::End::kFailed);
     ASSERT_TRUE(run.failure.has_value());
     EXPECT_EQ(run.failure->kind, StepFailure::Kind::kNotConverged);
-    EXPECT_NE(std::string(run.failure->what()).find("too many at once"), std::string::npos);
+    EXPECT_TRUE(says(run.failure->what(), "too many at once"));
     EXPECT_EQ(run.failed_problem.num_contacts(), 2);
     EXPECT_EQ(state.step, 0);
     EXPECT_EQ(state.bodies[0].x, scene.bodies[0].x);
@@ -156,8 +157,8 @@ TEST(SceneRun, InTwoPartsIsTheSameBitForBit) {
 TEST(SceneRun, EndsWhereAnOnlookerOrACallerSaysSo) {
   const Scene<2> scene = falling_disks(40);
   State<2> state = initial_state(scene);
-  SceneRunOptions<2> options;
-  options.on_step = [](const SceneStep<2>& step) { return step.report.step < 7; };
+  SceneRunOptions<2> options{
+      .on_step = [](const SceneStep<2>& step) { return step.report.step < 7; }};
   EXPECT_EQ(run_scene(scene, state, options).end, SceneRun<2>::End::kStopped);
   EXPECT_EQ(state.step, 7);
   options.on_step = {};
@@ -186,7 +187,7 @@ TEST(SceneRun, AStepThatFailsIsReportedWithItsProblemAndStart) {
   EXPECT_EQ(run.end, SceneRun<2>::End::kFailed);
   ASSERT_TRUE(run.failure.has_value());
   EXPECT_EQ(run.failure->kind, StepFailure::Kind::kNumerical);
-  EXPECT_NE(std::string(run.failure->what()).find("broken on purpose"), std::string::npos);
+  EXPECT_TRUE(says(run.failure->what(), "broken on purpose"));
   EXPECT_EQ(run.totals.steps, state.step);  // the failed one is not taken
   EXPECT_GT(run.failed_problem.num_contacts(), 0);
   EXPECT_EQ(run.failed_start.size(), run.failed_problem.num_rows());
