@@ -2,40 +2,28 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <stdexcept>
 
 #include "bench/measure/moving_problems.h"
-#include "bench/problems/settled_pile.h"
+#include "bench/measure/problem_target.h"
 #include "bench/problems/sphere_problems.h"
 #include "bench/report/json_output.h"
-#include "core/motion/time_stepping.h"
-#include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 
 namespace bipot {
 namespace {
 
-bool is_sphere_family(const std::string& family) {
-  const std::vector<std::string> names = sphere_family_names();
-  return std::find(names.begin(), names.end(), family) != names.end();
-}
-
-bool is_moving_family(const std::string& family) {
-  const std::vector<std::string> moving = moving_families();
-  return std::find(moving.begin(), moving.end(), family) != moving.end();
-}
-
 double disks_of(const std::string& family, int side) {
   const double n = side;
+  const auto one_of = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), family) != names.end();
+  };
   if (family == "pyramid") return n * (n + 1) / 2;
-  if (is_sphere_family(family)) return spheres_in(family, side);
-  if (is_moving_family(family)) return bodies_in(family, side);
+  if (one_of(sphere_family_names())) return spheres_in(family, side);
+  if (one_of(moving_families())) return bodies_in(family, side);
   const double triangular = n * n - std::floor(n / 2);  // every second row has one disk less
   if (family == "triangular") return triangular;
   if (family == "diluted") return 0.9 * triangular;
@@ -79,44 +67,13 @@ Json to_json(const PowerLaw& law) {
 }  // namespace
 
 GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
-  GrowthProblem made{.side = side};
-  if (is_moving_family(scene.family)) {
-    const FamilyOptions options{
-        .mu = scene.mu, .tilt_degrees = scene.tilt_degrees, .seed = scene.seed};
-    made.problem =
-        moving_problems({scene.family, side, options, moving_steps(scene.family, side, 1)})
-            .front()
-            .problem;
-    made.bodies = to_size(std::lround(bodies_in(scene.family, side)));
-    return made;
-  }
-  if (is_sphere_family(scene.family)) {
-    if (scene.mass_ratio != 1) {
-      throw std::invalid_argument(scene.family + ": the spheres have one mass");
-    }
-    made.problem = sphere_family(scene.family, side, scene.mu, scene.tilt_degrees);
-    made.bodies = to_size(std::lround(spheres_in(scene.family, side)));
-    return made;
-  }
-  Scene<2> disks;
-  State<2> state;
-  if (scene.family == "pile") {
-    SettledPile pile = settle_pile({.count = side * side, .mu = scene.mu, .seed = scene.seed});
-    disks = std::move(pile.scene);
-    state = std::move(pile.state);
-    disks.gravity =
-        Eigen::Rotation2D<double>(scene.tilt_degrees * std::numbers::pi / 180) * disks.gravity;
-  } else {
-    disks = make_family_scene(scene.family, side,
-                              {.mu = scene.mu,
-                               .tilt_degrees = scene.tilt_degrees,
-                               .mass_ratio = scene.mass_ratio,
-                               .seed = scene.seed});
-    state = initial_state(disks);
-  }
-  made.bodies = disks.bodies.size();
-  made.problem = step_problem(disks, state, false);
-  return made;
+  const GrowthScene usual;
+  std::string target =
+      fmt::format("{}:{}:mu={}:tilt={}", scene.family, side, scene.mu, scene.tilt_degrees);
+  if (scene.mass_ratio != usual.mass_ratio) target += fmt::format(":ratio={}", scene.mass_ratio);
+  if (scene.seed != usual.seed) target += fmt::format(":seed={}", scene.seed);
+  TestProblem made = expand_targets({target}, {.scene_problems = 1}).front().load();
+  return {std::move(made.problem), side, made.bodies};
 }
 
 int side_of(const std::string& family, double disks) {
@@ -138,9 +95,7 @@ std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem
                                    const GrowthLimits& limits) {
   std::vector<GrowthRow> rows;
   if (!require_solver(method.solver).path_ignores_tolerance) {
-    for (const double tol : tols) {
-      rows.push_back(growth_row(scene, problem, method, tol, limits));
-    }
+    for (const double tol : tols) rows.push_back(growth_row(scene, problem, method, tol, limits));
     return rows;
   }
   for (const double tol : tols) rows.push_back(empty_row(scene, problem, method, tol));

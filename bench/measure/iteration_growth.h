@@ -18,12 +18,10 @@ namespace bipot {
 
 /// A scene of any size; one step of it is the problem.
 struct GrowthScene {
-  /// Of scene_family.h; or "pile" (settled_pile.h, settled by a simulation, with a tilt of gravity
-  /// for the step alone); or of moving_scene.h (a step at 0.65 of the run, cached).
-  std::string family = "square";
+  std::string family = "square";  ///< one of target_families() (problem_target.h)
   double mu = 0.3;
   double tilt_degrees = 0;
-  double mass_ratio = 1;  ///< not for piles
+  double mass_ratio = 1;
   std::uint64_t seed = 1;
 };
 
@@ -32,7 +30,8 @@ struct GrowthProblem {
   int side = 0;
   std::size_t bodies = 0;
 };
-/// Throws std::invalid_argument for an unknown family.
+/// The target of that family and size; of a moving one the step at 0.65 of the run. Throws
+/// std::invalid_argument for an unknown family, or numbers that it does not take.
 GrowthProblem make_growth_problem(const GrowthScene& scene, int side);
 /// The side whose number of disks is nearest to `disks`.
 int side_of(const std::string& family, double disks);

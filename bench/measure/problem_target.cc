@@ -42,53 +42,17 @@ namespace fs = std::filesystem;
 // of uneven masses; packings that friction alone holds; piles at rest. Further, piles that begin to
 // flow because gravity turned, one hit by a fast disk, and steps of runs in which everything moves.
 // Then the shipped problems, and those of the folder BIPOT_PROBLEMS.
-const std::vector<std::string> kBenchmark = {"square:10:tilt=10",
-                                             "square:18:tilt=10",
-                                             "square:32:tilt=10",
-                                             "square:56:tilt=10",
-                                             "square:100:tilt=10",
-                                             "triangular:10:tilt=10",
-                                             "triangular:18:tilt=10",
-                                             "triangular:32:tilt=10",
-                                             "triangular:56:tilt=10",
-                                             "triangular:100:tilt=10",
-                                             "triangular:20:ratio=1e4",
-                                             "pyramid:10",
-                                             "pyramid:20",
-                                             "pyramid:30",
-                                             "pile:18:mu=0.1",
-                                             "pile:18:mu=0.5",
-                                             "pile:18",
-                                             "pile:32",
-                                             "pile:56",
-                                             "pile:100",
-                                             "pile:18:tilt=25",
-                                             "pile:32:tilt=25",
-                                             "pile:56:tilt=25",
-                                             "pile:100:tilt=25",
-                                             "impact:32",
-                                             "pour:18",
-                                             "pour:32",
-                                             "collapse:32",
-                                             "tilt:32:angle=30",
-                                             "strike:32",
-                                             "pour3d:8",
-                                             "pipe:8",
-                                             "shear3d:8"};
-const std::vector<std::string> kQuickBenchmark = {"square:10:tilt=10",
-                                                  "square:18:tilt=10",
-                                                  "square:32:tilt=10",
-                                                  "triangular:10:tilt=10",
-                                                  "triangular:18:tilt=10",
-                                                  "triangular:32:tilt=10",
-                                                  "triangular:20:ratio=1e4",
-                                                  "pyramid:5",
-                                                  "pyramid:10",
-                                                  "pile:18",
-                                                  "pile:18:tilt=25",
-                                                  "impact:18",
-                                                  "pour:18",
-                                                  "tilt:18:angle=30"};
+constexpr const char* kBenchmark =
+    "square:10:tilt=10 square:18:tilt=10 square:32:tilt=10 square:56:tilt=10 square:100:tilt=10 "
+    "triangular:10:tilt=10 triangular:18:tilt=10 triangular:32:tilt=10 triangular:56:tilt=10 "
+    "triangular:100:tilt=10 triangular:20:ratio=1e4 pyramid:10 pyramid:20 pyramid:30 "
+    "pile:18:mu=0.1 pile:18:mu=0.5 pile:18 pile:32 pile:56 pile:100 pile:18:tilt=25 "
+    "pile:32:tilt=25 pile:56:tilt=25 pile:100:tilt=25 impact:32 pour:18 pour:32 collapse:32 "
+    "tilt:32:angle=30 strike:32 pour3d:8 pipe:8 shear3d:8";
+constexpr const char* kQuickBenchmark =
+    "square:10:tilt=10 square:18:tilt=10 square:32:tilt=10 triangular:10:tilt=10 "
+    "triangular:18:tilt=10 triangular:32:tilt=10 triangular:20:ratio=1e4 pyramid:5 pyramid:10 "
+    "pile:18 pile:18:tilt=25 impact:18 pour:18 tilt:18:angle=30";
 constexpr const char* kSharedProblems = "BIPOT_PROBLEMS";
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -142,15 +106,6 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::vector<std::string> families() {
-  std::vector<std::string> names = family_names();
-  names.emplace_back("pile");
-  names.emplace_back("impact");
-  for (const std::string& name : moving_families()) names.push_back(name);
-  for (const std::string& name : sphere_family_names()) names.push_back(name);
-  return names;
-}
-
 bool is_moving(const Family& family) { return contains(moving_families(), family.name); }
 
 bool is_of_spheres(const Family& family) { return contains(sphere_family_names(), family.name); }
@@ -159,8 +114,7 @@ bool is_pile(const Family& family) { return family.name == "pile" || family.name
 
 Family parse_family(const std::string& target) {
   const std::vector<std::string> parts = split(target, ':');
-  Family family;
-  family.name = parts[0];
+  Family family{.name = parts[0]};
   const double side = parse_number(target, parts[1]);
   if (side < 1 || side > 2000 || side != std::floor(side)) {
     throw std::invalid_argument(
@@ -250,6 +204,7 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
                     spheres_in(family.name, family.side), o.mu, o.tilt_degrees);
     made.problem = sphere_family(family.name, family.side, o.mu, o.tilt_degrees);
     made.step = 0.01;  // sphere_problems.h
+    made.bodies = to_size(std::lround(spheres_in(family.name, family.side)));
     made.smallest_radius = 0.5;
     return made;
   }
@@ -281,6 +236,7 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
                              o.mu, o.tilt_degrees, o.mass_ratio, o.e_n, o.seed);
   made.problem = step_problem(scene, state, false);
   made.step = scene.step;
+  made.bodies = scene.bodies.size();
   made.smallest_radius = smallest_radius_of(scene);
   return made;
 }
@@ -344,6 +300,7 @@ void add_moving(const std::string& target, const Family& family, const TargetOpt
   for (std::size_t k = 0; k < request->steps.size(); ++k) {
     const auto load = [request, made, k] {
       if (made->empty()) *made = moving_problems(*request);
+      made->at(k).bodies = to_size(std::lround(bodies_in(request->family, request->side)));
       return made->at(k);
     };
     sources.push_back({fmt::format("{}@{}", target, request->steps[k]), target, load,
@@ -413,7 +370,7 @@ void add_target(const std::string& target, const TargetOptions& options,
     sources.push_back(file_source(target));
     return;
   }
-  const std::vector<std::string> names = families();
+  const std::vector<std::string> names = target_families();
   if (const std::size_t colon = target.find(':'); colon != std::string::npos) {
     const std::string family = target.substr(0, colon);
     if (!contains(names, family)) {
@@ -439,7 +396,7 @@ void add_target(const std::string& target, const TargetOptions& options,
 
 void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& piles,
                    std::vector<ProblemSource>& sources) {
-  for (const std::string& target : options.quick ? kQuickBenchmark : kBenchmark) {
+  for (const std::string& target : split(options.quick ? kQuickBenchmark : kBenchmark, ' ')) {
     add_target(target, options, piles, sources);
   }
   if (options.quick) return;
@@ -450,6 +407,14 @@ void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& p
 }
 
 }  // namespace
+
+std::vector<std::string> target_families() {
+  std::vector<std::string> names = family_names();
+  names.insert(names.end(), {"pile", "impact"});
+  for (const std::string& name : moving_families()) names.push_back(name);
+  for (const std::string& name : sphere_family_names()) names.push_back(name);
+  return names;
+}
 
 std::vector<ProblemSource> expand_targets(const std::vector<std::string>& targets,
                                           const TargetOptions& options) {

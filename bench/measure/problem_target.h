@@ -26,6 +26,9 @@ struct TargetOptions {
   bool quick = false;                                 ///< the small benchmark
 };
 
+/// Names of the families below.
+std::vector<std::string> target_families();
+
 /// The problems of the targets, in order. A target is
 ///   - a problem file (FCLIB, Siconos text) or a folder of them,
 ///   - a scene file or the name of a shipped scene: contact problems along a run made with `auto`,

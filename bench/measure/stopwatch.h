@@ -1,7 +1,5 @@
 #pragma once
 
-#include <ctime>
-
 #include "core/base/stopwatch.h"  // time on the wall
 
 namespace bipot {

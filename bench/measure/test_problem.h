@@ -11,8 +11,9 @@ namespace bipot {
 struct TestProblem {
   std::string origin;  ///< one sentence: file, or scene, step and seed
   ContactProblem problem;
-  Vector start;        ///< impulse from which a run starts its solver; empty: unknown  [N s]
-  double step = kNaN;  ///< h, NaN if unknown      [s]
+  Vector start;            ///< impulse from which a run starts its solver; empty: unknown  [N s]
+  double step = kNaN;      ///< h, NaN if unknown      [s]
+  std::size_t bodies = 0;  ///< 0 if unknown
   double smallest_radius = kNaN;  ///< of the disks, NaN likewise                   [m]
 };
 

@@ -11,7 +11,6 @@
 #include <CLI/CLI.hpp>
 #include <Eigen/QR>
 #include <algorithm>
-#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>

@@ -1,9 +1,10 @@
 // Nanoseconds per contact of one sweep, one gradient step, one evaluation of the criterion, one
-// detection and one assembly, beside the bandwidth of this machine in the same run. Own flags
+// detection and one assembly, beside bandwidth and peak of this machine in the same run. Own flags
 // beside --benchmark_*:
 //   --side=100 (rows of a triangular packing, about 3 side² contacts)   --threads=1,2
 //   --spheres=19 (along a side of a cubic packing, about 3 side³ contacts)
 //   --path=portable,avx2,avx512 (those that the machine has)   --family=triangular
+//   --roofline=DIR (a page with the kernels of disks under the roofline of the machine)
 // Counters: ns (per contact and iteration), B and flop (per contact, for a single iteration;
 // several in flight share it), GB_s. data/manual/results/performance.md explains the counting and
 // has the tables. Rows of different kernels are interleaved by
@@ -14,8 +15,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
+#include <sstream>
 
+#include "bench/measure/statistics.h"
 #include "bench/programs/measured_kernel.h"
+#include "bench/programs/roofline_page.h"
+#include "core/base/number_text.h"
 #include "core/base/parallel.h"
 #include "core/criterion/contact_error.h"
 #include "core/motion/midpoint.h"
@@ -86,9 +92,9 @@ void assembly(benchmark::State& state, const Packing& p, int threads) {
   report(state, p.problem.num_contacts(), 1, {});
 }
 
-/// a <- b + 3 c, as STREAM's triad: 24 bytes for each item.
+/// a <- b + 3 c, as STREAM's triad.
 void triad(benchmark::State& state, int threads, double bytes) {
-  const int n = static_cast<int>(bytes / 24);
+  const int n = static_cast<int>(bytes / triad_work().bytes);
   std::vector<double> a(to_size(n), 0.0), b(to_size(n), 1.0), c(to_size(n), 2.0);
   constexpr int kItems = 1 << 14;
   for ([[maybe_unused]] auto _ : state) {
@@ -98,14 +104,117 @@ void triad(benchmark::State& state, int threads, double bytes) {
     });
     benchmark::ClobberMemory();
   }
-  state.counters["GB_s"] = benchmark::Counter(24e-9 * n * static_cast<double>(state.iterations()),
-                                              benchmark::Counter::kIsRate);
+  state.counters["GB_s"] =
+      benchmark::Counter(1e-9 * triad_work().bytes * n * static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate);
+}
+
+// Independent chains in registers, enough to keep two multipliers and two adders busy during their
+// latency. x <- 0.999 x + 0.001 stays near 1.
+constexpr int kChains = 12, kTurns = 20000;
+using Vector16 [[gnu::vector_size(16)]] = double;
+using Vector32 [[gnu::vector_size(32)]] = double;
+using Vector64 [[gnu::vector_size(64)]] = double;
+#define BIPOT_CHAINS(V)                                          \
+  V x[kChains];                                                  \
+  for (int k = 0; k < kChains; ++k) x[k] = V{} + (1 + 0.01 * k); \
+  const V m = V{} + 0.999, s = V{} + 0.001;                      \
+  for (int turn = 0; turn < kTurns; ++turn) {                    \
+    for (int k = 0; k < kChains; ++k) x[k] = x[k] * m + s;       \
+  }                                                              \
+  V sum{};                                                       \
+  for (int k = 0; k < kChains; ++k) sum += x[k];                 \
+  return sum[0] + sum[1]
+
+double scalar_chains() {
+  double x[kChains];
+  for (int k = 0; k < kChains; ++k) x[k] = 1 + 0.01 * k;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    for (int k = 0; k < kChains; ++k) {
+      x[k] = x[k] * 0.999 + 0.001;
+      asm volatile("" : "+x"(x[k]));  // one at a time
+    }
+  }
+  double sum = 0;
+  for (const double v : x) sum += v;
+  return sum;
+}
+double portable_chains() { BIPOT_CHAINS(Vector16); }
+#ifdef __x86_64__
+[[gnu::target("avx2")]] double avx2_chains() { BIPOT_CHAINS(Vector32); }
+[[gnu::target("avx512f")]] double avx512_chains() { BIPOT_CHAINS(Vector64); }
+#endif
+#undef BIPOT_CHAINS
+
+/// Unfused additions and multiplications of one thread, by the instructions of a path; null: scalar.
+void peak(benchmark::State& state, const SimdPath* path) {
+  double (*chains)() = path == nullptr ? scalar_chains : portable_chains;
+  int lanes = path == nullptr ? 1 : 2;
+#ifdef __x86_64__
+  if (path != nullptr && *path == SimdPath::kAvx2) chains = avx2_chains, lanes = 4;
+  if (path != nullptr && *path == SimdPath::kAvx512) chains = avx512_chains, lanes = 8;
+#endif
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(chains());
+  state.counters["Gflop_s"] =
+      benchmark::Counter(2e-9 * kChains * kTurns * lanes * static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate);
 }
 
 struct Flags {
-  std::string family = "triangular";
+  std::string family = "triangular", roofline;
   std::vector<int> sides = {100}, threads = {1}, sphere_sides = {19};
   std::vector<std::string> paths;
+};
+
+/// Keeps the rows for the page of --roofline; the console shows them as ever.
+class RooflineReporter : public benchmark::ConsoleReporter {
+ public:
+  void ReportRuns(const std::vector<Run>& runs) override {
+    ConsoleReporter::ReportRuns(runs);
+    for (const Run& run : runs) {
+      if (run.run_type == Run::RT_Iteration && !run.error_occurred)
+        runs_[run.run_name.function_name].push_back(run);
+    }
+  }
+
+  /// Of repetitions the median.
+  Roofline roofline() const {
+    static const std::map<std::string, std::string> kNames = {
+        {"sweep_given_order", "pgs, given order"},
+        {"sweep_tiled", "pgs, tiled"},
+        {"gradient", "apgd"}};
+    Roofline made;
+    for (const auto& [name, runs] : runs_) {
+      const auto counter = [&](const char* key) {
+        std::vector<double> values;
+        for (const Run& run : runs) {
+          const auto at = run.counters.find(key);
+          values.push_back(at == run.counters.end() ? 0 : at->second.value);
+        }
+        return median(values);
+      };
+      std::vector<std::string> words;
+      std::istringstream parts(name);
+      for (std::string word; std::getline(parts, word, '/');) words.push_back(word);
+      if (words[0] == "peak") made.peaks.push_back({words[1], 1e9 * counter("Gflop_s")});
+      if (words[0] == "triad") {
+        made.bandwidths.push_back(
+            {number_at(words[1]), std::stoi(words[2]), 1e9 * counter("GB_s")});
+      }
+      const auto kernel = kNames.find(words[0]);
+      if (kernel == kNames.end()) continue;
+      made.kernels.push_back({kernel->second,
+                              words[1],
+                              std::stoi(words[2]),
+                              counter("contacts"),
+                              {counter("B"), counter("flop")},
+                              counter("ns")});
+    }
+    return made;
+  }
+
+ private:
+  std::map<std::string, std::vector<Run>> runs_;
 };
 
 template <class F>
@@ -178,6 +287,8 @@ int main(int argc, char** argv) {
   app.add_option("--threads", flags.threads, "Numbers of threads")->delimiter(',');
   app.add_option("--path", flags.paths, "portable, avx2, avx512; all that the machine has")
       ->delimiter(',');
+  app.add_option("--roofline", flags.roofline, "Folder of a page with the roofline")
+      ->type_name("DIR");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -195,6 +306,10 @@ int main(int argc, char** argv) {
           [=](auto& s) { triad(s, threads, 1e6 * megabytes); });
     }
   }
+  add("peak/scalar/1", 1, [](auto& s) { peak(s, nullptr); });
+  for (const SimdPath path : paths) {
+    add(fmt::format("peak/{}/1", to_string(path)), 1, [path](auto& s) { peak(s, &path); });
+  }
   for (const int side : flags.sides) add_rows(flags, side, paths);
   for (const int side : flags.sphere_sides) {
     add_kernels<3>(flags, "spheres/", side, paths,
@@ -206,7 +321,17 @@ int main(int argc, char** argv) {
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
+  if (flags.roofline.empty()) {
+    benchmark::RunSpecifiedBenchmarks();
+    return 0;
+  }
+  RooflineReporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  try {
+    write_roofline(flags.roofline, reporter.roofline());
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "kernel_bench: {}\n", e.what());
+    return 4;
+  }
   return 0;
 }

@@ -137,12 +137,12 @@ class Bench {
 
   static void print_head() {
     fmt::print(
-        "CPU seconds of one thread; map: natural map as Siconos scales it; max(ε, η): the "
-        "shared criterion\n\n");
+        "CPU seconds of one thread; map: natural map as Siconos scales it; max(ε, η): the shared "
+        "criterion\n\n");
     fmt::print(
         "| problem | contacts | Siconos' tol | who | asked | iterations | CPU s (runs) | map | "
-        "max(ε, η) | planar / this | best / this | newest / this, derived | newest frozen / "
-        "this, derived |\n");
+        "max(ε, η) | planar / this | best / this | newest / this, derived | newest frozen / this, "
+        "derived |\n");
     fmt::print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
   }
 
@@ -258,8 +258,8 @@ class Bench {
       return std::isfinite(x) ? fmt::format("{:.3g}", x) : std::string("–");
     };
     fmt::print(
-        "| {} | {} | {:.0e} | {} | {:.1e} | {} | {}{:.4f} ({}) | {:.1e} | {:.1e} | {} | {} | {} "
-        "| {} |\n",
+        "| {} | {} | {:.0e} | {} | {:.1e} | {} | {}{:.4f} ({}) | {:.1e} | {:.1e} | {} | {} | {} | "
+        "{} |\n",
         r.problem, r.contacts, r.tol, r.who, r.asked, r.iterations, r.met ? "" : "**not met** ",
         r.seconds, r.runs, r.map, r.guarded, ratio(r.planar), ratio(r.best),
         ratio(r.planar / kNewestGain), ratio(r.planar / kNewestFrozenGain));
@@ -271,8 +271,7 @@ class Bench {
 
 void write_csv(const std::vector<Row>& rows, const std::string& path) {
   std::string text =
-      "problem,contacts,siconos_tol,who,asked,met,iterations,cpu_s,runs,map,guarded,planar_over_this,"
-      "best_over_this\n";
+      "problem,contacts,siconos_tol,who,asked,met,iterations,cpu_s,runs,map,guarded,planar_over_this,best_over_this\n";
   for (const Row& r : rows) {
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(r.problem), r.contacts,
                         r.tol, csv_text(r.who), r.asked, r.met ? 1 : 0, r.iterations, r.seconds,

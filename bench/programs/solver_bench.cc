@@ -22,13 +22,11 @@
 
 #include "bench/command/blas_kernels.h"
 #include "bench/measure/iteration_growth.h"
-#include "bench/measure/moving_problems.h"
 #include "bench/measure/peak_memory.h"
-#include "bench/problems/sphere_problems.h"
+#include "bench/measure/problem_target.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/base/nearest_name.h"
-#include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -116,14 +114,7 @@ void report_fits(const BenchFlags& flags, const std::vector<GrowthRow>& rows, st
   write_json(json, flags.fit_out);
 }
 
-}  // namespace
-}  // namespace bipot
-
-int main(int argc, char** argv) {
-  bipot::take_kernels_of_this_processor(argv);
-  using namespace bipot;
-  BenchFlags flags;
-  CLI::App app{"Solver benchmark: iterations and time against the number of particles"};
+void add_options(CLI::App& app, BenchFlags& flags) {
   app.allow_extras();  // Google Benchmark's own
   app.set_help_flag("--help,-h", "Print these flags and Google Benchmark's");
   app.add_option("--solver", flags.solvers, "Solvers")->delimiter(',');
@@ -150,48 +141,28 @@ int main(int argc, char** argv) {
   app.add_option("--seed", flags.scene.seed, "Seed of masses, gaps and piles");
   app.add_option("--fit-from", flags.fit_from, "Fewest disks of a problem that enters the fits");
   app.add_option("--fit-out", flags.fit_out, "Rows and fits as JSON")->type_name("FILE");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp& e) {
-    app.exit(e);
-    fmt::print("\nFlags of Google Benchmark:\n");
-    std::fflush(stdout);
-    benchmark::PrintDefaultHelp();
-    return 0;
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+}
 
+/// A benchmark for each family, solver, tolerance and side; they store their results in `rows`.
+/// Throws std::invalid_argument for unknown families and solvers.
+void register_rows(const BenchFlags& flags, std::vector<GrowthRow>& rows) {
   SolverVariant method;
   for (const std::string& text : flags.parameters) {
     const std::size_t colon = text.find(':');
     method.parameters[text.substr(0, colon)] =
         colon == std::string::npos ? "" : text.substr(colon + 1);
   }
-  std::vector<std::string> families = family_names();
-  families.emplace_back("pile");
-  for (const std::string& name : moving_families()) families.push_back(name);
-  for (const std::string& name : sphere_family_names()) families.push_back(name);
-  const auto known = [](const char* kind, const auto& names,
-                        const std::vector<std::string>& valid) {
-    for (const std::string& name : names) {
-      if (std::find(valid.begin(), valid.end(), name) != valid.end()) continue;
-      fmt::print(stderr, "solver_bench: {}\n", unknown_name_message(kind, name, valid));
-      return false;
-    }
-    return true;
-  };
-  if (!known("family", flags.families, families)) return 2;
-  if (!known("solver", flags.solvers, solver_names())) return 2;
-  std::vector<GrowthRow> rows;
+  for (const std::string& solver : flags.solvers) require_solver(solver);
+  const std::vector<std::string> valid = target_families();
   for (const std::string& family : flags.families) {
+    if (std::find(valid.begin(), valid.end(), family) == valid.end()) {
+      throw std::invalid_argument(unknown_name_message("family", family, valid));
+    }
     GrowthScene scene = flags.scene;
     scene.family = family;
     std::vector<int> sides = flags.sides;
-    if (!flags.sizes.empty()) {
-      sides.clear();
-      for (const double disks : flags.sizes) sides.push_back(side_of(family, disks));
-    }
+    if (!flags.sizes.empty()) sides.clear();
+    for (const double disks : flags.sizes) sides.push_back(side_of(family, disks));
     for (const std::string& solver : flags.solvers) {
       method.label = method.solver = solver;
       for (const double tol : flags.tolerances) {
@@ -203,6 +174,33 @@ int main(int argc, char** argv) {
         }
       }
     }
+  }
+}
+
+}  // namespace
+}  // namespace bipot
+
+int main(int argc, char** argv) {
+  bipot::take_kernels_of_this_processor(argv);
+  using namespace bipot;
+  BenchFlags flags;
+  CLI::App app{"Solver benchmark: iterations and time against the number of particles"};
+  add_options(app, flags);
+  std::vector<GrowthRow> rows;
+  try {
+    app.parse(argc, argv);
+    register_rows(flags, rows);
+  } catch (const CLI::CallForHelp& e) {
+    app.exit(e);
+    fmt::print("\nFlags of Google Benchmark:\n");
+    std::fflush(stdout);
+    benchmark::PrintDefaultHelp();
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  } catch (const std::invalid_argument& e) {
+    fmt::print(stderr, "solver_bench: {}\n", e.what());
+    return 2;
   }
   std::vector<std::string> rest = app.remaining();
   // Readers of standard output must get the rows alone.

@@ -4,14 +4,11 @@
 
 #include <cmath>
 
+#include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
-
-Vector vec(std::initializer_list<double> x) {
-  return Eigen::Map<const Vector>(x.begin(), static_cast<Eigen::Index>(x.size()));
-}
 
 /// Two contacts that do not couple, W = diag(2, 1, 6, 3), mu = 0.5.
 ContactProblem two_contacts() {
