@@ -23,8 +23,8 @@ constexpr int kSteps = 200;
 constexpr double kChainStep = 1e-3, kForce = 1000;
 
 /// `n` disks of radius 0.5 m and 1 kg, solved by sweeps; driven wall 1 of 1 kg.
-Scene<2> chain_scene(int n, double tol, int sweeps, const ValidationContext& context) {
-  Scene<2> scene = experiment_scene<2>({}, kChainStep, tol, context);
+Scene<2> chain_scene(int n, int sweeps, const ExperimentTrial& trial) {
+  Scene<2> scene = experiment_scene<2>({}, kChainStep, trial);
   scene.solver.name = "pgs";
   scene.solver.max_iterations = sweeps;
   for (int k = 0; k < n; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.5 + k, 0), 0.5, 1));
@@ -58,13 +58,10 @@ ValidationExperiment stiffness() {
           "discretisation: one deterministic run, Gauss–Seidel (`pgs`), warm start")},
       .tols = decades(-1, 8),
       .quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8}};
-  e.run = [](double tol, const ValidationContext& context) {
+  e.run = [](ExperimentTrial& trial) {
     constexpr int kDisks = 40;
-    ExperimentOutcome outcome;
-    const auto run = run_from_start<2>(chain_scene(kDisks, tol, 1000000, context), context);
-    if (!count_steps(run, outcome)) return outcome;
-    outcome.seen = {{shortening(run.state, kDisks)}};
-    return outcome;
+    const auto end = run_from_start<2>(chain_scene(kDisks, 1000000, trial), trial);
+    trial.seen = {{shortening(end, kDisks)}};
   };
   return e;
 }
@@ -107,33 +104,31 @@ ValidationExperiment speed_of_sound() {
                            Expectation::equal(0.5), 0.05, "k θ² is not small for many sweeps",
                            "95 % of the fit of a power law", false)};
   e.tols = e.quick_tols = {1};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [](ExperimentTrial& trial) {
     constexpr int kDisks = 40;
-    ClaimFigure figure{.name = "chain_sweeps", .chart = Chart{}};
-    figure.caption =
+    Chart chart{.title = "Way of the wall, by sweeps a step",
+                .x = {.label = "time [s]"},
+                .y = {.label = "way of the wall [m]"}};
+    const std::string caption =
         "The way of the wall that presses a row of 40 disks, with a fixed number of Gauss–Seidel "
         "sweeps a step (warm start, no tolerance): the row yields and springs back like an elastic "
         "bar, stiffer with more sweeps, and stays shortened; both vanish as sweeps grow beyond n². "
         "Rigid disks do not move at all. An artefact of the solver (Unger, Brendel, Wolf and "
         "Kertész 2002).";
-    figure.chart->title = "Way of the wall, by sweeps a step";
-    figure.chart->x = {.label = "time [s]"};
-    figure.chart->y = {.label = "way of the wall [m]"};
     std::vector<double> counts, speeds;
     for (const int sweeps : {1, 4, 16, 64, 256, 1600}) {
-      if (context.interrupted()) return outcome;
-      Scene<2> scene = chain_scene(kDisks, tol, 1, context);
+      Scene<2> scene = chain_scene(kDisks, 1, trial);
       // The wall presses on the row all the time: no contact opens until it is back.
       scene.num_steps = 200;
       ChartSeries series{fmt::format("{} sweeps", sweeps),
-                         static_cast<int>(figure.chart->series.size()),
+                         static_cast<int>(chart.series.size()),
                          {},
                          ChartSeries::Kind::kLine};
       State<2> state = initial_state(scene);
       double farthest = 0, turns = 0;
-      SceneRunOptions<2> options{
-          .solver = plain_sweeps(sweeps), .explicit_delassus = true, .cancelled = context.stopped};
+      SceneRunOptions<2> options{.solver = plain_sweeps(sweeps),
+                                 .explicit_delassus = true,
+                                 .cancelled = trial.context.stopped};
       options.on_step = [&](const SceneStep<2>& step) {
         const double way = kDisks - step.state.walls[1].a[0];
         series.points.push_back({step.state.time, way});
@@ -143,16 +138,16 @@ ValidationExperiment speed_of_sound() {
       };
       const SceneRun<2> run = run_scene(scene, state, options);
       if (run.failure) throw *run.failure;
-      outcome.steps += run.totals.steps;
-      figure.chart->series.push_back(std::move(series));
+      trial.go_on();
+      trial.steps += run.totals.steps;
+      chart.series.push_back(std::move(series));
       if (sweeps > 16) continue;
       counts.push_back(sweeps);
       speeds.push_back(turns > 0 ? 2 * (kDisks + 1) * kChainStep / turns : kNaN);
     }
     const PowerLaw law = fit_power_law(counts, speeds);
-    outcome.seen = {{speeds[0]}, {law.exponent, law.confidence}};
-    outcome.figures = {figure};
-    return outcome;
+    trial.seen = {{speeds[0]}, {law.exponent, law.confidence}};
+    trial.draw("chain_sweeps", caption, std::move(chart));
   };
   return e;
 }
@@ -169,27 +164,26 @@ ValidationExperiment sweeps_needed() {
       "95 % of the fit of a power law")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-6};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [](ExperimentTrial& trial) {
     std::vector<double> lengths, counts;
     for (const int n : {20, 40, 80, 160}) {
-      if (context.interrupted()) break;
-      const Scene<2> scene = chain_scene(n, tol, 1, context);
+      trial.go_on();
+      const Scene<2> scene = chain_scene(n, 1, trial);
       const ContactProblem problem = step_problem(scene, initial_state(scene), false);
       int sweeps[2] = {0, 0};
       for (const int k : {0, 1}) {
         const SolveResult result = solve(
-            "pgs", problem, {.tol = k == 0 ? tol : 1e-2 * tol, .parameters = {{"islands", "off"}}});
-        ++outcome.steps;
-        if (!is_success(result.status)) ++outcome.unsolved;
+            "pgs", problem,
+            {.tol = k == 0 ? trial.tol : 1e-2 * trial.tol, .parameters = {{"islands", "off"}}});
+        ++trial.steps;
+        if (!is_success(result.status)) ++trial.unsolved;
         sweeps[k] = result.iterations;
       }
       lengths.push_back(n + 1);
       counts.push_back(sweeps[1] - sweeps[0]);
     }
     const PowerLaw law = fit_power_law(lengths, counts);
-    outcome.seen = {{law.exponent, law.confidence}};
-    return outcome;
+    trial.seen = {{law.exponent, law.confidence}};
   };
   return e;
 }

@@ -33,7 +33,7 @@ std::vector<double> window_pressures(const State<2>& state, double step, const B
 struct Sample {
   double kinetic = 0;
   Mat2 stress, walls, fabric_of_step;
-  double kinetic_pressure = 0, wall_pressure = 0, applied_pressure = 0;
+  double wall_pressure = 0, applied_pressure = 0;
   double asymmetry = 0, contact_asymmetry = 0;
   double coordination = 0;
   std::vector<double> windows;
@@ -49,7 +49,6 @@ Sample measure(const Scene<2>& scene, const State<2>& before, const State<2>& af
   const std::vector<double> moments = spin_changes(before, after);
   const MeanStress<2> stress = sample_stress(after, h, area, moments);
   sample.stress = stress.total();
-  sample.kinetic_pressure = 0.5 * stress.kinetic.trace();
   sample.asymmetry = asymmetry(sample.stress);
   sample.contact_asymmetry = asymmetry(stress.contact);
   sample.fabric_of_step = fabric_tensor(after);
@@ -172,7 +171,6 @@ Compression run_compression(const Scene<2>& scene, const std::function<bool()>& 
                     }
                     c.time.push_back(r.time);
                     c.pressure.push_back(0.5 * s.stress.trace());
-                    c.kinetic_pressure.push_back(s.kinetic_pressure);
                     c.wall_pressure.push_back(s.wall_pressure);
                     c.applied_pressure.push_back(s.applied_pressure);
                     if (r.step > jammed_from) {
@@ -184,7 +182,6 @@ Compression run_compression(const Scene<2>& scene, const std::function<bool()>& 
                     c.previous = before;
                     return true;
                   });
-  if (static_cast<int>(samples.size()) < scene.num_steps) return c;  // interrupted
   double largest = 0;
   for (const Sample& s : samples) largest = std::max(largest, s.kinetic);
   std::size_t first = 0, last = 0;

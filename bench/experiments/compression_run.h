@@ -45,12 +45,13 @@ struct Compression {
   PackingRun run, jammed_run;
   CompressionPhase flow, jammed;
   /// Of each step.
-  std::vector<double> time, pressure, kinetic_pressure, wall_pressure, applied_pressure;
+  std::vector<double> time, pressure, wall_pressure, applied_pressure;
   /// Largest |contact force on a wall - (applied force - mass times acceleration)| over the applied
   /// force, all steps: Newton's law of the walls.
   double wall_balance = 0;
   double solid_fraction = 0, coordination = 0;  ///< at the end; coordination: mean of `jammed`
 };
+/// Throws as run_packing does.
 Compression run_compression(const Scene<2>& scene, const std::function<bool()>& interrupted);
 
 }  // namespace bipot

@@ -7,14 +7,13 @@
 namespace bipot {
 
 template <int D>
-Scene<D> experiment_scene(const ContactLaw& law, double step, double tol,
-                          const ValidationContext& context) {
+Scene<D> experiment_scene(const ContactLaw& law, double step, const ExperimentTrial& trial) {
   Scene<D> scene = one_law<D>(law);
   scene.title = "validate";
   scene.source = "generated";
   scene.step = step;
   scene.contact_distance = 1e-6;
-  scene.solver = context.choice(tol);
+  scene.solver = trial.choice();
   return scene;
 }
 
@@ -33,16 +32,15 @@ double fill_box(Scene<2>& scene, int count, double width, double spacing, std::u
 }
 
 template <int D>
-ScenePartRun<D> run_from(const Scene<D>& scene, State<D> start, const ValidationContext& context,
-                         const std::function<bool(const SceneStep<D>&)>& on_step) {
-  ScenePartRun<D> part{.state = std::move(start)};
-  SceneRunOptions<D> options{.cancelled = context.stopped, .on_step = on_step};
-  const SceneRun<D> run = run_scene<D>(scene, part.state, options);
+State<D> run_from(const Scene<D>& scene, State<D> start, ExperimentTrial& trial,
+                  const std::function<bool(const SceneStep<D>&)>& on_step) {
+  SceneRunOptions<D> options{.cancelled = trial.context.stopped, .on_step = on_step};
+  const SceneRun<D> run = run_scene<D>(scene, start, options);
   if (run.end == SceneRun<D>::End::kFailed) throw *run.failure;
-  part.stopped = run.end == SceneRun<D>::End::kCancelled;
-  part.steps = run.totals.steps;
-  part.unsolved = run.totals.steps - run.totals.converged;
-  return part;
+  trial.go_on();
+  trial.steps += run.totals.steps;
+  trial.unsolved += run.totals.steps - run.totals.converged;
+  return start;
 }
 
 Observation find_threshold(double low, double high, const std::function<bool(double)>& holds) {
@@ -56,11 +54,11 @@ Observation find_threshold(double low, double high, const std::function<bool(dou
   return {0.5 * (low + high)};
 }
 
-template Scene<2> experiment_scene<2>(const ContactLaw&, double, double, const ValidationContext&);
-template Scene<3> experiment_scene<3>(const ContactLaw&, double, double, const ValidationContext&);
-template ScenePartRun<2> run_from(const Scene<2>&, State<2>, const ValidationContext&,
-                                  const std::function<bool(const SceneStep<2>&)>&);
-template ScenePartRun<3> run_from(const Scene<3>&, State<3>, const ValidationContext&,
-                                  const std::function<bool(const SceneStep<3>&)>&);
+template Scene<2> experiment_scene<2>(const ContactLaw&, double, const ExperimentTrial&);
+template Scene<3> experiment_scene<3>(const ContactLaw&, double, const ExperimentTrial&);
+template State<2> run_from(const Scene<2>&, State<2>, ExperimentTrial&,
+                           const std::function<bool(const SceneStep<2>&)>&);
+template State<3> run_from(const Scene<3>&, State<3>, ExperimentTrial&,
+                           const std::function<bool(const SceneStep<3>&)>&);
 
 }  // namespace bipot

@@ -28,10 +28,9 @@ struct Sheared {
 
 /// The shipped plane_shear at another speed, over the shear strain `strain` in steps of at most
 /// 1e-3 of it.
-Sheared shear(double speed, double strain, double tol, const ValidationContext& context,
-              ExperimentOutcome& outcome) {
+Sheared shear(double speed, double strain, ExperimentTrial& trial) {
   Scene<2> scene = read_scene(find_scene("plane_shear"));
-  scene.solver = context.choice(tol);
+  scene.solver = trial.choice();
   scene.cell.offset.speed = speed;
   const double height = 0.9;                            // about, once it is dense
   const double duration = 1 + strain * height / speed;  // compression first
@@ -42,7 +41,7 @@ Sheared shear(double speed, double strain, double tol, const ValidationContext& 
   std::vector<double> friction[kBlocks], fraction[kBlocks], pressure[kBlocks];
   double inertial = 0, work[kBlocks] = {}, losses[kBlocks] = {}, loss = kNaN;
   long samples = 0;
-  const auto run = run_from_start<2>(scene, context, [&](const SceneStep<2>& step) {
+  run_from_start<2>(scene, trial, [&](const SceneStep<2>& step) {
     const State<2>& state = step.state;
     if (state.step < from) return true;
     const auto block = to_size(
@@ -62,7 +61,6 @@ Sheared shear(double speed, double strain, double tol, const ValidationContext& 
     ++samples;
     return true;
   });
-  count_steps(run, outcome);
   const auto over_blocks = [](const std::vector<double>* blocks, double& bar) {
     std::vector<double> means;
     for (int b = 0; b < kBlocks; ++b) {
@@ -121,17 +119,15 @@ ValidationExperiment plane_shear() {
                      "95 % over 8 blocks of time")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [](ExperimentTrial& trial) {
     const std::vector<double> speeds =
-        context.quick ? std::vector<double>{0.5, 2} : std::vector<double>{0.1, 0.3, 1, 2.5};
+        trial.context.quick ? std::vector<double>{0.5, 2} : std::vector<double>{0.1, 0.3, 1, 2.5};
     std::vector<Sheared> runs;
     for (const double speed : speeds) {
-      runs.push_back(shear(speed, context.quick ? 2 : 6, tol, context, outcome));
-      if (context.interrupted()) return outcome;
+      runs.push_back(shear(speed, trial.context.quick ? 2 : 6, trial));
     }
     const Sheared &slow = runs.front(), &fast = runs.back();
-    outcome.seen = {
+    trial.seen = {
         {slow.pressure, slow.pressure_bar, fmt::format("I = {:.3f}", slow.inertial)},
         {slow.power, slow.power_bar, ""},
         slope(slow, fast, slow.friction, slow.friction_bar, fast.friction, fast.friction_bar,
@@ -140,13 +136,12 @@ ValidationExperiment plane_shear() {
         slope(slow, fast, slow.fraction, slow.fraction_bar, fast.fraction, fast.fraction_bar,
               fmt::format("ν = {:.3f} at I = {:.3f}, {:.3f} at {:.3f}", slow.fraction,
                           slow.inertial, fast.fraction, fast.inertial))};
-    ClaimFigure figure{.name = "shear", .chart = Chart{}};
-    figure.caption =
+    Chart chart{.title = "Plane shear",
+                .x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog},
+                .y = {.label = "τ/P and solid fraction", .low = 0, .high = 1}};
+    const std::string caption =
         "Plane shear of 120 disks (μ = 0.4) in a periodic cell under constant pressure: τ/P and solid fraction against "
         "the inertial number, bars over blocks of time; lines: the laws of da Cruz et al. (2005) as remembered, not tested.";
-    figure.chart->title = "Plane shear";
-    figure.chart->x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog};
-    figure.chart->y = {.label = "τ/P and solid fraction", .low = 0, .high = 1};
     ChartSeries friction{"τ/P", 0, {}};
     ChartSeries fraction{"solid fraction", 1, {}};
     ChartSeries law{".26 + 1.0 I", 2, {}, ChartSeries::Kind::kLine};
@@ -162,19 +157,17 @@ ValidationExperiment plane_shear() {
       law.points.push_back({r.inertial, 0.26 + r.inertial});
       density.points.push_back({r.inertial, 0.81 - 0.3 * r.inertial});
     }
-    figure.chart->series = {friction, fraction, law, density};
-    outcome.figures = {figure};
-    return outcome;
+    chart.series = {friction, fraction, law, density};
+    trial.draw("shear", caption, std::move(chart));
   };
   return e;
 }
 
 /// Runout of a column of disks, its corner wall at the left as a plane of symmetry: (r - r0)/r0.
 /// Within r lies 97 % of the mass at the end, within r0 at the start.
-double runout(double aspect, int width, std::uint64_t seed, double tol,
-              const ValidationContext& context, ExperimentOutcome& outcome) {
+double runout(double aspect, int width, std::uint64_t seed, ExperimentTrial& trial) {
   constexpr double kDiameter = 1, kMu = 0.5;
-  Scene<2> scene = experiment_scene<2>({.mu = kMu}, 5e-3, tol, context);
+  Scene<2> scene = experiment_scene<2>({.mu = kMu}, 5e-3, trial);
   const int count = static_cast<int>(std::lround(width * width * aspect * 1.05));
   const double top = fill_box(scene, count, width * kDiameter, 0, seed);
   const double settle = 2 + std::sqrt(2 * top / kGravity);
@@ -197,12 +190,11 @@ double runout(double aspect, int width, std::uint64_t seed, double tol,
     return kNaN;
   };
   double start = kNaN;
-  const auto run = run_from_start<2>(scene, context, [&](const SceneStep<2>& step) {
+  const auto end = run_from_start<2>(scene, trial, [&](const SceneStep<2>& step) {
     if (step.state.time < settle) start = edge(step.state);
     return true;
   });
-  count_steps(run, outcome);
-  return (edge(run.state) - start) / start;
+  return (edge(end) - start) / start;
 }
 
 ValidationExperiment column_collapse() {
@@ -218,31 +210,28 @@ ValidationExperiment column_collapse() {
       "columns of 6 to 8 disks across", "95 % of the fit over aspect ratios and seeds")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [](ExperimentTrial& trial) {
     const std::vector<double> aspects =
-        context.quick ? std::vector<double>{2, 3.5, 6} : std::vector<double>{2, 3, 4.5, 7};
-    const int seeds = context.quick ? 2 : 4, width = context.quick ? 5 : 7;
+        trial.context.quick ? std::vector<double>{2, 3.5, 6} : std::vector<double>{2, 3, 4.5, 7};
+    const int seeds = trial.context.quick ? 2 : 4, width = trial.context.quick ? 5 : 7;
     std::vector<double> a, r;
     ChartSeries series{"columns", 0, {}, ChartSeries::Kind::kPoints};
     for (const double aspect : aspects) {
       for (int seed = 1; seed <= seeds; ++seed) {
-        if (context.interrupted()) return outcome;
         a.push_back(aspect);
-        r.push_back(runout(aspect, width, to_size(seed), tol, context, outcome));
+        r.push_back(runout(aspect, width, to_size(seed), trial));
         series.points.push_back({a.back(), r.back()});
       }
     }
     const PowerLaw law = fit_power_law(a, r);
-    outcome.seen = {{law.exponent, law.confidence,
-                     fmt::format("runout {:.2f} a^{:.2f}", law.prefactor, law.exponent)}};
-    ClaimFigure figure{.name = "collapse", .chart = Chart{}};
-    figure.caption =
+    trial.seen = {{law.exponent, law.confidence,
+                   fmt::format("runout {:.2f} a^{:.2f}", law.prefactor, law.exponent)}};
+    Chart chart{.title = "Column collapse",
+                .x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog},
+                .y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog}};
+    const std::string caption =
         "Runout of columns against their aspect ratio, with the fitted power law; grey: 3.80 a^0.73 of rods on a plane "
         "(arXiv 1512.05180, whose front counts the last rod).";
-    figure.chart->title = "Column collapse";
-    figure.chart->x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog};
-    figure.chart->y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog};
     ChartSeries fit{fmt::format("{:.2f} a^{:.2f}", law.prefactor, law.exponent),
                     1,
                     {},
@@ -252,9 +241,8 @@ ValidationExperiment column_collapse() {
       fit.points.push_back({aspect, law.prefactor * std::pow(aspect, law.exponent)});
       rods.points.push_back({aspect, 3.8 * std::pow(aspect, 0.73)});
     }
-    figure.chart->series = {series, fit, rods};
-    outcome.figures = {figure};
-    return outcome;
+    chart.series = {series, fit, rods};
+    trial.draw("collapse", caption, std::move(chart));
   };
   return e;
 }
@@ -273,33 +261,30 @@ ValidationExperiment turning_drum() {
           "discretisation: one run")},
       .tols = {10, 1, 1e-1, 1e-2, 1e-3},
       .quick_tols = {1, 1e-1}};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [](ExperimentTrial& trial) {
     Scene<2> scene = read_scene(find_scene("drum"));
-    scene.solver = context.choice(tol);
-    if (context.quick) scene.bodies.resize(90);
-    scene.num_steps = context.quick ? 800 : 3000;
+    scene.solver = trial.choice();
+    if (trial.context.quick) scene.bodies.resize(90);
+    scene.num_steps = trial.context.quick ? 800 : 3000;
     const auto energy = [&](const State<2>& state) {
       return kinetic_energy(state) + potential_energy(state, scene.gravity) + state.friction_loss +
              state.shock_loss;
     };
     const State<2> start = initial_state(scene);
     double weight_moment = 0;
-    const auto run = run_from<2>(scene, start, context, [&](const SceneStep<2>& step) {
+    const auto end = run_from<2>(scene, start, trial, [&](const SceneStep<2>& step) {
       for (const Disk& d : step.state.bodies) {
         // Gravity acts at the middle of the step, before its impulses: x - h/2 v⁺.
         weight_moment += d.mass * scene.gravity[1] * (d.x[0] - 0.5 * scene.step * d.v[0]);
       }
       return true;
     });
-    count_steps(run, outcome);
     const double moment =
-        angular_momentum(run.state) - angular_momentum(start) - scene.step * weight_moment;
-    const double gained = energy(run.state) - energy(start);
-    outcome.seen = {{moment * scene.walls[0].spin / gained, 0,
-                     fmt::format("wall work in the ledger over the same: {:.5f}",
-                                 run.state.wall_work / gained)}};
-    return outcome;
+        angular_momentum(end) - angular_momentum(start) - scene.step * weight_moment;
+    const double gained = energy(end) - energy(start);
+    trial.seen = {
+        {moment * scene.walls[0].spin / gained, 0,
+         fmt::format("wall work in the ledger over the same: {:.5f}", end.wall_work / gained)}};
   };
   return e;
 }

@@ -47,50 +47,43 @@ ValidationExperiment force_tails() {
                      Expectation::at_least(0, 1), 0, "none", "95 % of the fit")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-2};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    Scene<2> pressed = compression_scene({.count = context.quick ? 300 : 2000, .e_t = 0});
-    pressed.solver = context.choice(tol);
+  e.run = [](ExperimentTrial& trial) {
+    Scene<2> pressed = compression_scene({.count = trial.context.quick ? 300 : 2000, .e_t = 0});
+    pressed.solver = trial.choice();
     pressed.num_steps = 400;
-    Scene<2> deposit = read_scene(find_scene(context.quick ? "compaction_100" : "compaction"));
+    Scene<2> deposit =
+        read_scene(find_scene(trial.context.quick ? "compaction_100" : "compaction"));
     for (ContactLaw& law : deposit.laws) law.e_t = 0;
-    deposit.solver = context.choice(tol);
-    const auto isotropic = run_from_start<2>(pressed, context);
-    if (!count_steps(isotropic, outcome)) return outcome;
-    const auto heavy = run_from_start<2>(deposit, context);
-    if (!count_steps(heavy, outcome)) return outcome;
-    const std::vector<double> f = relative_forces(isotropic.state, 1),
-                              g = relative_forces(heavy.state, 1),
-                              layered = relative_forces(heavy.state, 8);
+    deposit.solver = trial.choice();
+    const auto isotropic = run_from_start<2>(pressed, trial);
+    const auto heavy = run_from_start<2>(deposit, trial);
+    const std::vector<double> f = relative_forces(isotropic, 1), g = relative_forces(heavy, 1),
+                              layered = relative_forces(heavy, 8);
     const ExponentialTail even = fit_exponential_tail(f, kForceTail),
                           mixed = fit_exponential_tail(g, kForceTail),
                           unmixed = fit_exponential_tail(layered, kForceTail);
     const double ratio = mixed.rate / even.rate;
     const double ratio_bar =
         ratio * std::hypot(mixed.confidence / mixed.rate, even.confidence / even.rate);
-    outcome.seen = {
-        {even.distance * std::sqrt(static_cast<double>(even.points)), 1.96 * 0.26,
-         fmt::format("β = {:.2f} ± {:.2f} from {} forces", even.rate, even.confidence,
-                     even.points)},
-        {ratio, ratio_bar,
-         fmt::format("the deposit's β = {:.2f} ± {:.2f}", mixed.rate, mixed.confidence)},
-        {(unmixed.rate - mixed.rate) / even.rate, unmixed.confidence / even.rate,
-         fmt::format("β = {:.2f} ± {:.2f} by layers", unmixed.rate, unmixed.confidence)}};
-    ClaimFigure figure{.name = "forces", .chart = Chart{}};
-    figure.caption = fmt::format(
+    trial.seen = {{even.distance * std::sqrt(static_cast<double>(even.points)), 1.96 * 0.26,
+                   fmt::format("β = {:.2f} ± {:.2f} from {} forces", even.rate, even.confidence,
+                               even.points)},
+                  {ratio, ratio_bar,
+                   fmt::format("the deposit's β = {:.2f} ± {:.2f}", mixed.rate, mixed.confidence)},
+                  {(unmixed.rate - mixed.rate) / even.rate, unmixed.confidence / even.rate,
+                   fmt::format("β = {:.2f} ± {:.2f} by layers", unmixed.rate, unmixed.confidence)}};
+    Chart chart{.title = "Distribution of normal forces",
+                .x = {.label = "normal force over its mean"},
+                .y = {.label = "probability density", .kind = ChartAxis::Kind::kLog}};
+    const std::string caption = fmt::format(
         "Distribution of normal forces over their mean: {} disks pressed from all sides (e_t = 0, β = {:.2f} ± {:.2f}), a "
         "deposit of {} under its weight ({:.2f} ± {:.2f}), and the deposit by layers ({:.2f} ± {:.2f}). A deposit mixes "
         "depths with different mean forces, which is what flattens its tail.",
         pressed.bodies.size(), even.rate, even.confidence, deposit.bodies.size(), mixed.rate,
         mixed.confidence, unmixed.rate, unmixed.confidence);
-    figure.chart->title = "Distribution of normal forces";
-    figure.chart->x = {.label = "normal force over its mean"};
-    figure.chart->y = {.label = "probability density", .kind = ChartAxis::Kind::kLog};
-    figure.chart->series = {force_histogram("isotropic", 0, f, 0.3),
-                            force_histogram("deposit", 1, g, 0.3),
-                            force_histogram("deposit, by layers", 2, layered, 0.3)};
-    outcome.figures = {figure};
-    return outcome;
+    chart.series = {force_histogram("isotropic", 0, f, 0.3), force_histogram("deposit", 1, g, 0.3),
+                    force_histogram("deposit, by layers", 2, layered, 0.3)};
+    trial.draw("forces", caption, std::move(chart));
   };
   return e;
 }

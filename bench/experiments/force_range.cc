@@ -1,7 +1,5 @@
 #include "bench/experiments/force_range.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <stdexcept>
 #include <vector>

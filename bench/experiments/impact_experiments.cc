@@ -23,24 +23,21 @@ ValidationExperiment bouncing() {
       0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
       "the place of the impact is known to v h", "discretisation: one deterministic run")};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    Scene<2> scene = experiment_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, tol, context);
+  e.run = [](ExperimentTrial& trial) {
+    Scene<2> scene = experiment_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, trial);
     scene.gravity = Vec2(0, -kGravity);
     scene.bodies = {round_body<2>(Vec2(0, 2), 1, 1)};
     scene.walls = {flat_floor<2>()};
     scene.num_steps = 8000;
     bool bounced = false;
     double height = 0;
-    const auto run = run_from_start<2>(scene, context, [&](const SceneStep<2>& step) {
+    run_from_start<2>(scene, trial, [&](const SceneStep<2>& step) {
       const Disk& d = step.state.bodies[0];
       bounced = bounced || d.v[1] > 0;
       if (bounced) height = std::max(height, d.x[1] - d.radius);
       return !bounced || d.v[1] > 0;
     });
-    count_steps(run, outcome);
-    outcome.seen = {{std::sqrt(height)}};
-    return outcome;
+    trial.seen = {{std::sqrt(height)}};
   };
   return e;
 }
@@ -66,9 +63,8 @@ ValidationExperiment swinging() {
       "discretisation: one deterministic run")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-7};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    Scene<2> scene = experiment_scene<2>({.mu = 1}, kStep, tol, context);
+  e.run = [](ExperimentTrial& trial) {
+    Scene<2> scene = experiment_scene<2>({.mu = 1}, kStep, trial);
     scene.gravity = Vec2(0, -kGravity);
     const double way = kDrum - kRadius;
     scene.bodies = {round_body<2>(way * Vec2(std::sin(kStart), -std::cos(kStart)), kRadius, 1)};
@@ -77,21 +73,17 @@ ValidationExperiment swinging() {
     scene.num_steps = 5000;
     std::vector<double> crossings;  // upwards in x
     double before = kStart, time = 0;
-    const auto run = run_from_start<2>(scene, context, [&](const SceneStep<2>& step) {
+    run_from_start<2>(scene, trial, [&](const SceneStep<2>& step) {
       const Vec2& x = step.state.bodies[0].x;
       const double angle = std::atan2(x[0], -x[1]);
-      if (before < 0 && angle >= 0) {
-        crossings.push_back(time + kStep * before / (before - angle));
-      }
+      if (before < 0 && angle >= 0) crossings.push_back(time + kStep * before / (before - angle));
       before = angle;
       time = step.state.time;
       return crossings.size() < 2;
     });
-    count_steps(run, outcome);
     const bool swings = crossings.size() == 2;
-    outcome.seen = {{swings ? crossings[1] - crossings[0] : kNaN, 0,
-                     swings ? "" : "it does not swing through twice within 5 s"}};
-    return outcome;
+    trial.seen = {{swings ? crossings[1] - crossings[0] : kNaN, 0,
+                   swings ? "" : "it does not swing through twice within 5 s"}};
   };
   return e;
 }

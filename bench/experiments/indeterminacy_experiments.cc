@@ -22,8 +22,8 @@ constexpr double kWeight = 9.81;
 /// A disk of 1 kg in a groove of two planes that rise by 45° to both sides. By symmetry of moments
 /// the two frictions T are equal, as are the forces N: 2 (N cos α + T sin α) = w with |T| <= mu N
 /// leaves N in w/2 [1/(cos α + mu sin α), 1/(cos α - mu sin α)].
-Scene<2> groove(double mu, double tol, const ValidationContext& context) {
-  Scene<2> scene = experiment_scene<2>({.mu = mu}, 1e-2, tol, context);
+Scene<2> groove(double mu, const ExperimentTrial& trial) {
+  Scene<2> scene = experiment_scene<2>({.mu = mu}, 1e-2, trial);
   const double half = std::sqrt(0.5);
   scene.gravity = Vec2(0, -kWeight);
   scene.bodies = {round_body<2>(Vec2(0, std::sqrt(2.0)), 1, 1)};
@@ -54,28 +54,28 @@ ValidationExperiment groove_forces() {
                      "the same interval", "at most 0", Expectation::at_most(0, 1), 1e-6,
                      "a hundred times the tightest tolerance", "discretisation: the worst of all")};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    const Scene<2> scene = groove(kGrooveMu, tol, context);
+  e.run = [](ExperimentTrial& trial) {
+    const Scene<2> scene = groove(kGrooveMu, trial);
     const ContactProblem problem = step_problem(scene, initial_state(scene), false);
     const double weight = kWeight * scene.step;
     const std::vector<ForceRange> ranges = admissible_forces(problem);
     if (ranges.size() != 2) throw std::runtime_error("the groove has two contacts");
-    outcome.seen = {{(ranges[0].high - ranges[0].low) / weight}};
-    const int starts = context.quick ? 30 : 300;
+    trial.seen = {{(ranges[0].high - ranges[0].low) / weight}};
+    const int starts = trial.context.quick ? 30 : 300;
     double outside = 0, least = kInfinity, most = 0;
     PortableRandom random(1);
-    SolverOptions options{
-        .tol = tol, .max_iterations = context.max_iterations, .parameters = {{"islands", "off"}}};
+    SolverOptions options{.tol = trial.tol,
+                          .max_iterations = trial.context.max_iterations,
+                          .parameters = {{"islands", "off"}}};
     for (int k = 0; k < starts; ++k) {
       options.s0 = Vector::Zero(4);
       for (const int row : {0, 2}) {
         options.s0[row] = 2 * weight * random.uniform();
         options.s0[row + 1] = kGrooveMu * options.s0[row] * random.symmetric();
       }
-      const SolveResult result = solve(context.solver, problem, options);
-      ++outcome.steps;
-      if (!is_success(result.status)) ++outcome.unsolved;
+      const SolveResult result = solve(trial.context.solver, problem, options);
+      ++trial.steps;
+      if (!is_success(result.status)) ++trial.unsolved;
       for (const int row : {0, 2}) {
         const double force = result.s[row] / weight;
         outside = std::max({outside, groove_end(1) - force, force - groove_end(-1)});
@@ -83,17 +83,15 @@ ValidationExperiment groove_forces() {
         most = std::max(most, force);
       }
     }
-    outcome.seen.push_back(
+    trial.seen.push_back(
         {outside, 0, fmt::format("{} starts gave {:.3f} to {:.3f}", starts, least, most)});
-    return outcome;
   };
   return e;
 }
 
 /// Disks that fell into a box without friction and came to rest; walls and disks of law 0.
-Scene<2> small_pile(int count, std::uint64_t seed, double mu, double tol,
-                    const ValidationContext& context) {
-  Scene<2> scene = experiment_scene<2>({.mu = mu}, 5e-3, tol, context);
+Scene<2> small_pile(int count, std::uint64_t seed, double mu, const ExperimentTrial& trial) {
+  Scene<2> scene = experiment_scene<2>({.mu = mu}, 5e-3, trial);
   fill_box(scene, count, 6, 0.05, seed);
   scene.num_steps = 1500;
   return scene;
@@ -132,29 +130,26 @@ ValidationExperiment spread() {
                      "discretisation: the worst of all")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
   e.quick_tols = {10, 1, 1e-1, 1e-4};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [](ExperimentTrial& trial) {
     const std::vector<double> small = {1e-4, 1e-3, 1e-2}, large = {0.03, 0.1, 0.3, 1};
-    const int seeds = context.quick ? 2 : 6;
+    const int seeds = trial.context.quick ? 2 : 6;
     std::vector<double> exponents;
     double fall = kNaN;  // of nothing compared
     std::string extra;
-    ClaimFigure figure{.name = "spread", .chart = Chart{}};
-    figure.caption =
+    Chart chart{.title = "Spread of admissible forces",
+                .x = {.label = "μ", .kind = ChartAxis::Kind::kLog},
+                .y = {.label = "spread", .kind = ChartAxis::Kind::kLog}};
+    const std::string caption =
         "Spread of the admissible normal forces (mean width of their intervals over the mean force) in piles "
         "of 25 disks that came to rest without friction, against the friction that is then allowed.";
-    figure.chart->title = "Spread of admissible forces";
-    figure.chart->x = {.label = "μ", .kind = ChartAxis::Kind::kLog};
-    figure.chart->y = {.label = "spread", .kind = ChartAxis::Kind::kLog};
     for (int seed = 1; seed <= seeds; ++seed) {
-      const Scene<2> scene = small_pile(25, to_size(seed), 0, tol, context);
-      const auto run = run_from_start<2>(scene, context);
-      if (!count_steps(run, outcome)) return outcome;
+      const Scene<2> scene = small_pile(25, to_size(seed), 0, trial);
+      const auto end = run_from_start<2>(scene, trial);
       std::vector<double> mus, spreads;
       ChartSeries series{fmt::format("pile {}", seed), seed - 1, {}};
       for (const std::vector<double>* some : {&small, &large}) {
         for (const double mu : *some) {
-          const double s = spread_of(scene, run.state, mu);
+          const double s = spread_of(scene, end, mu);
           if (!std::isfinite(s)) {
             extra = fmt::format("pile {}: no bounded equilibrium at μ = {}", seed, mu);
             continue;
@@ -165,16 +160,15 @@ ValidationExperiment spread() {
           series.points.push_back({mu, s});
         }
       }
-      figure.chart->series.push_back(std::move(series));
+      chart.series.push_back(std::move(series));
       const std::size_t few = std::min(small.size(), mus.size());
       exponents.push_back(fit_power_law({mus.begin(), mus.begin() + static_cast<long>(few)},
                                         {spreads.begin(), spreads.begin() + static_cast<long>(few)})
                               .exponent);
     }
     const MeanValue mean = mean_value(exponents);
-    outcome.seen = {{mean.mean, mean.confidence, extra}, {fall, 0, extra}};
-    outcome.figures = {figure};
-    return outcome;
+    trial.seen = {{mean.mean, mean.confidence, extra}, {fall, 0, extra}};
+    trial.draw("spread", caption, std::move(chart));
   };
   return e;
 }

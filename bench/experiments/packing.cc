@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "core/base/types.h"
 #include "solvers/simulation/scene_run.h"
@@ -92,6 +93,7 @@ PackingRun run_packing(
   };
   const SceneRun<2> taken = run_scene(scene, state, options);
   if (taken.failure) throw *taken.failure;
+  if (taken.end == SceneRun<2>::End::kCancelled) throw std::runtime_error("interrupted");
   run.mean_error = positive > 0 ? std::exp(logarithms / positive) : 0;
   return run;
 }

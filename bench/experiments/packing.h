@@ -25,7 +25,7 @@ struct PackingRun {
 /// limit. A step that does not meet the tolerance is taken as it is, and counted. `on_step`
 /// receives the states before and after a step and ends the run by returning false. `interrupted`
 /// is polled before each step and inside solves; it may be empty. Throws StepFailure for a failed
-/// step.
+/// step, std::runtime_error if it was interrupted.
 PackingRun run_packing(const Scene<2>& scene, State<2>& state,
                        const std::function<bool()>& interrupted,
                        const std::function<bool(const State<2>& before, const State<2>& after,

@@ -28,9 +28,8 @@ constexpr double kPressure = 1000, kDensity = 1000;
 const std::vector<RadiusClass> kSizes = {{0.044, 1}, {0.05, 1}, {0.056, 1}};
 
 /// Disks of three radii about 0.05 m in a cell that is pressed from both sides.
-Scene<2> pressed_cell(int count, double mu, std::uint64_t seed, double tol,
-                      const ValidationContext& context) {
-  Scene<2> scene = experiment_scene<2>({.mu = mu}, 2e-3, tol, context);
+Scene<2> pressed_cell(int count, double mu, std::uint64_t seed, const ExperimentTrial& trial) {
+  Scene<2> scene = experiment_scene<2>({.mu = mu}, 2e-3, trial);
   const double width = 0.12 * std::sqrt(count);
   scene.bodies = random_filling(count, kSizes, width, 0.02, seed, Vec2::Zero());
   double top = 0;
@@ -47,7 +46,7 @@ Scene<2> pressed_cell(int count, double mu, std::uint64_t seed, double tol,
     side->mass = 2.0 * count;
   }
   scene.contact_distance = 1e-7;
-  scene.num_steps = context.quick ? 900 : 1500;
+  scene.num_steps = trial.context.quick ? 900 : 1500;
   return scene;
 }
 
@@ -124,17 +123,15 @@ ValidationExperiment plane_packings() {
                   Expectation::at_most(std::numbers::pi / std::sqrt(12.0), 1), 0, "none")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-3};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    const int count = context.quick ? 25 : 64, seeds = context.quick ? 3 : 5;
+  e.run = [](ExperimentTrial& trial) {
+    const int count = trial.context.quick ? 25 : 64, seeds = trial.context.quick ? 3 : 5;
     std::vector<double> smooth, rough, excess, falls, fractions;
     for (int seed = 1; seed <= seeds; ++seed) {
       double fraction[2] = {0, 0};
       for (const double mu : {0.0, 0.3, 10.0}) {
-        const Scene<2> scene = pressed_cell(count, mu, to_size(seed), tol, context);
-        const auto run = run_from_start<2>(scene, context);
-        if (!count_steps(run, outcome)) return outcome;
-        const Counted counted = count_packing(scene, run.state);
+        const Scene<2> scene = pressed_cell(count, mu, to_size(seed), trial);
+        const auto end = run_from_start<2>(scene, trial);
+        const Counted counted = count_packing(scene, end);
         if (mu == 0) {
           smooth.push_back(counted.coordination);
           fraction[0] = counted.fraction;
@@ -153,17 +150,15 @@ ValidationExperiment plane_packings() {
     Observation worst = over_seeds(excess);
     worst.value = *std::max_element(excess.begin(), excess.end());
     worst.bar = 0;
-    outcome.seen = {over_seeds(smooth), over_seeds(rough),     worst,
-                    over_seeds(falls),  over_seeds(fractions), over_seeds(fractions)};
-    return outcome;
+    trial.seen = {over_seeds(smooth), over_seeds(rough),     worst,
+                  over_seeds(falls),  over_seeds(fractions), over_seeds(fractions)};
   };
   return e;
 }
 
 /// Spheres in a box whose three upper planes press.
-Scene<3> pressed_box(int count, double mu, std::uint64_t seed, double tol,
-                     const ValidationContext& context) {
-  Scene<3> scene = experiment_scene<3>({.mu = mu}, 2e-3, tol, context);
+Scene<3> pressed_box(int count, double mu, std::uint64_t seed, const ExperimentTrial& trial) {
+  Scene<3> scene = experiment_scene<3>({.mu = mu}, 2e-3, trial);
   const double side = 0.12 * std::cbrt(count);
   scene.bodies = random_spheres(count, kSizes, Vec2(side, side), 0.02, seed, Vec3::Zero());
   Vec3 top = Vec3::Zero();
@@ -231,23 +226,20 @@ ValidationExperiment space_packings() {
                   "at least 4 (3M ≥ 6N' + 3), below 6", Expectation::between(4, 6, 4), 0, "none")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-3};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    const int count = context.quick ? 27 : 100, seeds = context.quick ? 3 : 4;
+  e.run = [](ExperimentTrial& trial) {
+    const int count = trial.context.quick ? 27 : 100, seeds = trial.context.quick ? 3 : 4;
     std::vector<double> smooth, rough;
     for (int seed = 1; seed <= seeds; ++seed) {
       for (const double mu : {0.0, 10.0}) {
-        const Scene<3> scene = pressed_box(count, mu, to_size(seed), tol, context);
-        const auto run = run_from_start<3>(scene, context);
-        if (!count_steps(run, outcome)) return outcome;
-        const Counted counted = count_spheres(run.state, mu == 0 ? 4 : 2);
+        const Scene<3> scene = pressed_box(count, mu, to_size(seed), trial);
+        const auto end = run_from_start<3>(scene, trial);
+        const Counted counted = count_spheres(end, mu == 0 ? 4 : 2);
         const double walls = mu == 0 ? 3 : 1;
         (mu == 0 ? smooth : rough)
             .push_back(2 * (counted.contacts - walls) / std::max(1, counted.bodies));
       }
     }
-    outcome.seen = {over_seeds(smooth), over_seeds(rough)};
-    return outcome;
+    trial.seen = {over_seeds(smooth), over_seeds(rough)};
   };
   return e;
 }

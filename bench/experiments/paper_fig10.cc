@@ -132,7 +132,6 @@ class Fig10 {
 
   void rectangular() {
     for (const int side : sides()) {
-      if (context_.stopped()) return;
       context_.report(fmt::format("rectangular {0} × {0}", side));
       const Rest rest = one_step("square", side, 0, "auto");
       const std::string id = fmt::format("rectangular{}", side);
@@ -170,7 +169,6 @@ class Fig10 {
   void triangular() {
     for (const double mu : {0.0, 0.3}) {
       for (const int side : sides()) {
-        if (context_.stopped()) return;
         context_.report(fmt::format("triangular {0} × {0}, μ = {1:g}", side, mu));
         const Rest rest = one_step("triangular", side, mu, "auto");
         const ForceBalance<2> b = force_balance(rest.scene, rest.state);
@@ -229,13 +227,9 @@ class Fig10 {
 
   void pyramids() {
     three_disks();
-    if (context_.stopped()) return;
     curve();
-    if (context_.stopped()) return;
     pictures();
-    if (context_.stopped()) return;
     selection();
-    if (context_.stopped()) return;
     falling();
   }
 
@@ -288,13 +282,11 @@ class Fig10 {
         .title = "Least friction coefficient with which a pyramid can stand, against its rows",
         .x = {"rows", ChartAxis::Kind::kLinear, 0.0, context_.quick ? 12.0 : 24.0},
         .y = {"least friction coefficient", ChartAxis::Kind::kLinear, 0.2, 0.6},
-        .y_line = std::tan(std::numbers::pi / 6),
-        .y_line_label = "tan 30°",
+        .y_lines = {{std::tan(std::numbers::pi / 6), "tan 30°"}},
         .key = Chart::Key::kNone};
     ChartSeries series{"disks and floor alike", 0, {}};
     for (const int rows : {2, 3, 4, 5, 6, 8, 10, 14, 20}) {
       if (context_.quick && rows > 10) break;
-      if (context_.stopped()) return;
       context_.report(fmt::format("least friction of {} rows", rows));
       const double mu =
           critical_friction([&](double m) { return pyramid_problem(rows, m, m); }, 0.1, 1, 1e-6);
@@ -328,7 +320,6 @@ class Fig10 {
 
   void pictures() {
     for (const int rows : sides()) {
-      if (context_.stopped()) return;
       context_.report(fmt::format("pyramid of {} rows", rows));
       const Scene<2> scene = make_family_scene("pyramid", rows, {.mu = kStandingMu});
       const StaticEquilibrium equilibrium =
@@ -370,7 +361,6 @@ class Fig10 {
         if (entry == nullptr) continue;  // built without PETSc
         table.rows.push_back({fmt::format("`{}`", solver)});
         for (const double mu : mus) {
-          if (context_.stopped()) return;
           context_.report(fmt::format("{} rows, {}, μ = {:g}", rows, solver, mu));
           const Scene<2> scene = make_family_scene("pyramid", rows, {.mu = mu});
           const ContactProblem problem =
@@ -431,7 +421,6 @@ class Fig10 {
          {Case{"μ = 0.5, pgs", 0.5, "pgs", false}, Case{"μ = 0.6, pgs", kStandingMu, "pgs", false},
           Case{"μ = 0.6, ipm", kStandingMu, "ipm", false},
           Case{"μ = 0.6, pgs, given forces", kStandingMu, "pgs", true}}) {
-      if (context_.stopped()) return;
       Scene<2> scene = make_family_scene("pyramid", 10, {.mu = c.mu});
       State<2> state = initial_state(scene);
       if (c.held) {
@@ -460,7 +449,6 @@ class Fig10 {
       const SceneRun<2> run = run_scene(scene, state, fall);
       if (run.failure) throw *run.failure;
       const int unsolved = run.totals.steps - run.totals.converged;
-      if (context_.stopped()) return;
       const std::string id =
           fmt::format("drop_{}{}_{}", c.mu == 0.5 ? "05" : "06", c.held ? "_held" : "", c.solver);
       const bool must_fall = c.mu == 0.5;

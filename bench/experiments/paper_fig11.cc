@@ -200,24 +200,20 @@ class Fig11 {
   Findings run() {
     result_.paper =
         "342 disks (25 % of radius 0.65 mm, 50 % of 0.75 mm, 25 % of 0.9 mm; μ = 0.1 everywhere, "
-        "e_n = 0.1, e_t = 1) fall into a box. Force chains with large fluctuations from contact to "
-        "contact; the top is flat, no conical heap.";
+        "e_n = 0.1, e_t = 1) fall into a box. Force chains with large fluctuations from contact "
+        "to contact; the top is flat, no conical heap.";
     context_.report("e_t = 1 until at rest");
     Settling main = settled({.step = step_}, context_);
-    if (context_.stopped()) return std::move(result_);
     context_.report("e_t = 0 until at rest");
     const Settling inelastic = settled({.e_t = 0, .step = step_}, context_);
-    if (context_.stopped()) return std::move(result_);
     context_.report("smooth side walls");
     const Settling smooth = settled({.rough_sides = false, .step = step_}, context_);
-    if (context_.stopped()) return std::move(result_);
     picture(main);
     load(main, smooth);
     const Samples samples = sample(main);
     surface(samples, degrees(std::atan(main.scene.laws[0].mu)));
     forces(samples);
     distribution_chart(samples);
-    if (context_.stopped()) return std::move(result_);
     rest(std::move(main), inelastic);
     return std::move(result_);
   }
@@ -230,9 +226,7 @@ class Fig11 {
     draw_force_picture(context_.out / "fig11_forces.svg", main.scene, main.state,
                        fmt::format("342 disks at rest, t = {:.3f} s", main.state.time), options);
     result_.show("fig11_forces",
-                 "Force chains at rest: segments between centres as wide "
-                 "as the normal force.",
-                 0);
+                 "Force chains at rest: segments between centres as wide as the normal force.", 0);
   }
 
   void load(const Settling& main, const Settling& smooth) {
@@ -244,18 +238,19 @@ class Fig11 {
                   "floor alone over the weight, side walls with μ = 0.1");
     result_.state("side_load", main.sides, "",
                   "upward friction of both side walls over the weight (negative: downward)");
-    result_.check("side_limit", main.side_limit, "",
-                  "most that the side walls' friction could carry, μ times their normal "
-                  "force over the weight",
-                  "at least the side walls' share", std::abs(main.sides) <= main.side_limit);
+    result_.check(
+        "side_limit", main.side_limit, "",
+        "most that the side walls' friction could carry, μ times their normal force over the "
+        "weight",
+        "at least the side walls' share", std::abs(main.sides) <= main.side_limit);
     result_.check("floor_load_smooth", smooth.floor, "",
                   "floor over the weight, frictionless side walls", "1 within 1 %",
                   smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01, 6);
     result_.ours.emplace_back(
-        "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction on "
-        "the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory the "
-        "walls take load off the floor once the grains slide down along them; here they could take "
-        "at most {side_limit}, and what they do take depends on how the packing came to rest "
+        "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction "
+        "on the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory "
+        "the walls take load off the floor once the grains slide down along them; here they could "
+        "take at most {side_limit}, and what they do take depends on how the packing came to rest "
         "({side_least} to {side_most} in {packings} packings; negative: they press it down). With "
         "frictionless side walls the floor carries {floor_load_smooth}.");
   }
@@ -265,7 +260,7 @@ class Fig11 {
     Samples samples;
     samples.add(main);
     const int seeds = context_.quick ? 2 : 5;
-    for (int seed = 2; seed <= seeds && !context_.stopped(); ++seed) {
+    for (int seed = 2; seed <= seeds; ++seed) {
       context_.report(fmt::format("packing {} of {}", seed, seeds));
       samples.add(settled({.seed = seed, .step = step_, .latest = kSample}, context_));
     }
@@ -278,10 +273,10 @@ class Fig11 {
                     heap = mean_value(samples.heaps);
     result_.state("packings", samples.roughness.size(), "",
                   "packings, from different random starts");
-    result_.state("side_least", *std::min_element(samples.sides.begin(), samples.sides.end()), "",
-                  "least share of the side walls' upward friction in the weight, last step of "
-                  "the packings",
-                  2);
+    result_.state(
+        "side_least", *std::min_element(samples.sides.begin(), samples.sides.end()), "",
+        "least share of the side walls' upward friction in the weight, last step of the packings",
+        2);
     result_.state("side_most", *std::max_element(samples.sides.begin(), samples.sides.end()), "",
                   "largest", 2);
     const char* packings = "95 % over packings (seeds)";
@@ -344,12 +339,13 @@ class Fig11 {
     };
     add("mean of the packing", 0, samples.forces);
     add("mean of the layer", 2, samples.layered);
-    result_.draw("fig11_distribution",
-                 fmt::format("Normal forces of {} packings, relative to "
-                             "their mean, and exponentials fitted from "
-                             "1.5 on.",
-                             samples.roughness.size()),
-                 chart, 2);
+    result_.draw(
+        "fig11_distribution",
+        fmt::format(
+            "Normal forces of {} packings, relative to their mean, and exponentials fitted from "
+            "1.5 on.",
+            samples.roughness.size()),
+        chart, 2);
   }
 
   /// How the packing comes to rest; continues `main` with smaller steps.
@@ -364,10 +360,10 @@ class Fig11 {
         "released. With e_t = 1 it stays at {kinetic}: e_t = 1 turns the tangential velocity of "
         "every sticking contact round at each step, which loses no energy, and friction can do so "
         "as long as the impulse is inside the cone. Only sliding dissipates, so what remains is "
-        "bounded by μ h times the forces, {bound} here, in proportion to h². The disks do not move "
-        "by it: the mean of the velocities before and after a step, which displaces them, has "
-        "{moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} for h = "
-        "{smallest_step}.");
+        "bounded by μ h times the forces, {bound} here, in proportion to h². The disks do not "
+        "move by it: the mean of the velocities before and after a step, which displaces them, "
+        "has {moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} for h "
+        "= {smallest_step}.");
     result_.ours.emplace_back(
         "Cost. Steps at rest with e_t = 1 are hard to solve: {met} of all steps met 1e-4 within "
         "1000 iterations of `apgd` (with e_t = 0: {met_inelastic}); the others were taken with "
@@ -414,7 +410,7 @@ class Fig11 {
     const double released = main.released();
     going_on.add(main, main.kinetic, released);
     const int rounds = context_.quick ? 2 : 4;
-    for (int k = 0; k < rounds && !context_.stopped(); ++k) {
+    for (int k = 0; k < rounds; ++k) {
       main.scene.step /= 4;
       main.scene.num_steps = 120;
       context_.report(fmt::format("at rest with h = {:.1e} s", main.scene.step));
@@ -437,12 +433,11 @@ class Fig11 {
                   "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
                   "above the kinetic energy at rest, for each step", going_on.below, 2);
     result_.state("smallest_step", going_on.smallest_step, "s", "smallest step at rest", 2);
-    Claim smallest{.name = "kinetic_smallest",
-                   .measured = going_on.last / released,
-                   .quantity =
-                       "kinetic energy at rest over the energy released, e_t = 1, "
-                       "smallest step",
-                   .digits = 2};
+    Claim smallest{
+        .name = "kinetic_smallest",
+        .measured = going_on.last / released,
+        .quantity = "kinetic energy at rest over the energy released, e_t = 1, smallest step",
+        .digits = 2};
     if (!context_.quick) {
       smallest.expected = "below 1e-9";
       smallest.holds = going_on.last < kRestEnergy * released;
@@ -454,13 +449,13 @@ class Fig11 {
     double overlap = 0;
     for (const ContactOutcome<2>& o : main.state.contacts)
       overlap = std::max(overlap, -o.contact.gap);
-    result_.state("overlap", overlap / 0.65e-3, "",
-                  "largest overlap at rest over the smallest radius (one step of the fall, "
-                  "never pushed back)",
-                  2);
+    result_.state(
+        "overlap", overlap / 0.65e-3, "",
+        "largest overlap at rest over the smallest radius (one step of the fall, never pushed "
+        "back)",
+        2);
     result_.state("met", static_cast<double>(main.run.converged) / main.run.steps, "",
-                  "share of the steps that met the tolerance 1e-4 within 1000 iterations, "
-                  "e_t = 1",
+                  "share of the steps that met the tolerance 1e-4 within 1000 iterations, e_t = 1",
                   2);
     result_.state("error", main.run.mean_error, "", "ε of the steps, geometric mean, e_t = 1", 2);
     result_.state("met_inelastic",
@@ -475,11 +470,8 @@ class Fig11 {
                 .y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, 1e-12, 1.0}};
     decay.series = {{"e_t = 1", 0, elastic}, {"e_t = 0", 1, inelastic}};
     for (ChartSeries& series : decay.series) series.kind = ChartSeries::Kind::kLine;
-    decay.y_line = kRestEnergy;
-    decay.y_line_label = "1e-9";
-    result_.draw("fig11_rest",
-                 "Kinetic energy over the energy that the fall has "
-                 "released so far.",
+    decay.y_lines = {{kRestEnergy, "1e-9"}};
+    result_.draw("fig11_rest", "Kinetic energy over the energy that the fall has released so far.",
                  decay, 3);
   }
 
@@ -489,12 +481,12 @@ class Fig11 {
     level.x = {"time step h (s)", ChartAxis::Kind::kLog, {}, {}};
     level.y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, {}, {}};
     level.series = {going_on.levels, going_on.bounds};
-    level.y_line = kRestEnergy;
-    level.y_line_label = "1e-9";
-    result_.draw("fig11_level",
-                 "The packing with e_t = 1, at rest, taken further with "
-                 "smaller and smaller steps; bound: 3/8 (μ h)² Σ (Σ f_n)²/m.",
-                 level, 3);
+    level.y_lines = {{kRestEnergy, "1e-9"}};
+    result_.draw(
+        "fig11_level",
+        "The packing with e_t = 1, at rest, taken further with smaller and smaller steps; bound: "
+        "3/8 (μ h)² Σ (Σ f_n)²/m.",
+        level, 3);
   }
 
   const PaperContext& context_;

@@ -54,8 +54,7 @@ History history(const ErrorMethod& method, int side, double mu, double tilt, int
   const Scene<2> scene = make_family_scene("square", side, {.mu = mu, .tilt_degrees = tilt});
   const SolverEntry& entry = require_solver(method.solver);
   const ContactProblem problem = step_problem(scene, initial_state(scene), entry.needs_delassus);
-  History h;
-  h.side = side;
+  History h{.side = side};
   SolverOptions options{.tol = kExactTol,
                         .max_iterations = max_iterations,
                         .parameters = method.parameters,
@@ -132,9 +131,7 @@ class Fig13 {
         "ε against the iteration number, log–log, for a rectangular array: about twenty iterations "
         "of an unsteady start, put down to the zero initial forces, then fast convergence.";
     transient();
-    if (context_.stopped()) return std::move(result_);
     with_friction();
-    if (context_.stopped()) return std::move(result_);
     leaning();
     return std::move(result_);
   }
@@ -161,11 +158,9 @@ class Fig13 {
     int style = 0;
     for (const int side :
          context_.quick ? std::vector<int>{5, 10} : std::vector<int>{5, 10, 20, 50}) {
-      if (context_.stopped()) return;
       context_.report(fmt::format("paper's ρ, {0} × {0}", side));
       const History h = history(method_of("uzawa_paper"), side, 0, 0, 200000, context_);
       if (!is_success(h.result.status)) {
-        if (context_.stopped()) return;
         throw std::runtime_error(fmt::format("uzawa, {} rows: {}", side, h.result.message));
       }
       sizes.series.push_back(curve(fmt::format("{0} × {0}", side), style++, h, guarded));
@@ -220,7 +215,6 @@ class Fig13 {
       // Limits contact updates so that the largest lattice ends in seconds.
       const int cap = static_cast<int>(std::min(2e5, 3e8 / (2.0 * side * side + side)));
       for (const ErrorMethod& method : methods()) {
-        if (context_.stopped()) return;
         context_.report(fmt::format("{0}, {1} × {1}", method.name, side));
         const History h = history(method, side, kMu, 0, cap, context_);
         chart.series.push_back(curve(method.name, method.style, h, guarded));
@@ -263,7 +257,6 @@ class Fig13 {
     Chart chart =
         error_chart("Raw and guarded error against the iteration, leaning square lattice", "error");
     for (const char* id : {"uzawa_stable", "pgs", "ipm"}) {
-      if (context_.stopped()) return;
       const ErrorMethod& method = method_of(id);
       context_.report(fmt::format("{}, leaning", method.name));
       const History h = history(method, side, kMu, 10, 200000, context_);

@@ -65,7 +65,6 @@ class Fig14 {
   Findings run() {
     for (const Case& c : cases_) {
       measure(c);
-      if (context_.stopped()) return {};
     }
     fits_ = fit_growth(rows_, kFitFrom);
     result_.paper =
@@ -125,7 +124,6 @@ class Fig14 {
           if (expected <= cap) tols.push_back(kTols[t]);
         }
         if (tols.empty()) continue;
-        if (context_.stopped()) return;
         context_.report(
             fmt::format("{}, {:.0f} disks, {}", c.scene.family, disks, method.method.label));
         GrowthLimits limits{

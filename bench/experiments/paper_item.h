@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,14 +19,16 @@ struct PaperContext {
   std::function<void(const std::string&)> say;  ///< progress, one line; may be empty
   std::function<bool()> interrupted;            ///< asked between pieces of work; may be empty
 
+  bool stopped() const { return interrupted && interrupted(); }
+  /// Says what begins now. Throws std::runtime_error if the item was asked to stop.
   void report(const std::string& what) const {
+    if (stopped()) throw std::runtime_error("interrupted");
     if (say) say(what);
   }
-  bool stopped() const { return interrupted && interrupted(); }
 };
 
-/// A row of the table of items. An item that was asked to stop (context.interrupted) returns early;
-/// its result is not shown. If it fails it throws, and the page shows the message.
+/// A row of the table of items. An item that fails or was asked to stop (context.interrupted)
+/// throws; the page shows the message of a failure.
 struct PaperItem {
   std::string_view name;   ///< for --only
   std::string_view title;  ///< "Fig. 10: quasi-static arrays"
@@ -36,20 +39,17 @@ struct PaperItem {
 /// here, a row in paper_item.cc, a line in CMakeLists.txt.
 const std::vector<PaperItem>& paper_items();
 
-Findings run_table1(const PaperContext& context);      ///< bouncing ball
-Findings run_table2(const PaperContext& context);      ///< sliding cylinder
-Findings run_fig10(const PaperContext& context);       ///< quasi-static arrays
-Findings run_fig11(const PaperContext& context);       ///< compaction by gravity
-Findings run_fig12(const PaperContext& context);       ///< isotropic compression
-Findings run_stress(const PaperContext& context);      ///< mean stress tensor
-Findings run_fig13(const PaperContext& context);       ///< error against iteration
-Findings run_fig14(const PaperContext& context);       ///< iterations against number of particles
-Findings run_stop_test(const PaperContext& context);   ///< stop tests against true errors
-Findings run_warm_start(const PaperContext& context);  ///< iterations, cold and warm
+Findings run_table1(const PaperContext& context);     ///< bouncing ball
+Findings run_table2(const PaperContext& context);     ///< sliding cylinder
+Findings run_fig10(const PaperContext& context);      ///< quasi-static arrays
+Findings run_fig11(const PaperContext& context);      ///< compaction by gravity
+Findings run_fig12(const PaperContext& context);      ///< isotropic compression
+Findings run_fig13(const PaperContext& context);      ///< error against iteration
+Findings run_fig14(const PaperContext& context);      ///< iterations against number of particles
+Findings run_stop_test(const PaperContext& context);  ///< stop tests against true errors
 
 /// Runs a scene with its own solver choice, step by step, and returns the last state. A step that
-/// does not meet the scene's tolerance throws std::runtime_error with the solver's message. Stops
-/// early when the context is interrupted.
+/// does not meet the scene's tolerance throws std::runtime_error with the solver's message.
 State<2> run_paper_scene(
     const Scene<2>& scene, const PaperContext& context,
     const std::function<void(const State<2>&, const StepReport<2>&)>& on_step = {});

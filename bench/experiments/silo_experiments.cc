@@ -32,9 +32,8 @@ struct SiloLoad {
   std::vector<double> depths, loads;  ///< Q below the depth, from the walls' forces above it
 };
 
-SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationContext& context,
-                   ExperimentOutcome& outcome) {
-  Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
+SiloLoad silo_load(int count, std::uint64_t seed, ExperimentTrial& trial) {
+  Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, trial);
   const double top = fill_box(scene, count, kSiloWidth, 0, seed);
   SiloLoad load;
   for (const Disk& d : scene.bodies) load.weight += kGravity * d.mass;
@@ -50,7 +49,7 @@ SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationCo
   std::vector<double> weights(kLayers, 0.0);
   long samples = 0;
   const double begin = settle + 1;
-  const auto run = run_from_start<2>(scene, context, [&](const SceneStep<2>& step) {
+  run_from_start<2>(scene, trial, [&](const SceneStep<2>& step) {
     const State<2>& state = step.state;
     if (state.time < begin) return true;
     const Vec2 floor = force_on_wall(state, scene.step, 0),
@@ -80,7 +79,6 @@ SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationCo
     ++samples;
     return true;
   });
-  count_steps(run, outcome);
   if (samples == 0) return load;
   const double n = static_cast<double>(samples);
   load.drag /= n;
@@ -152,13 +150,10 @@ ValidationExperiment janssen() {
           "m and K are not the same at all depths", "discretisation: one fit")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    const int tall = context.quick ? 160 : 360;
-    const SiloLoad half = silo_load(tall / 2, 1, tol, context, outcome);
-    if (context.interrupted()) return outcome;
-    const SiloLoad full = silo_load(tall, 1, tol, context, outcome);
-    if (context.interrupted()) return outcome;
+  e.run = [](ExperimentTrial& trial) {
+    const int tall = trial.context.quick ? 160 : 360;
+    const SiloLoad half = silo_load(tall / 2, 1, trial);
+    const SiloLoad full = silo_load(tall, 1, trial);
     const double ratio = full.floor / half.floor;
     double rms = kNaN;
     const double length = screening_length(full, rms);
@@ -169,7 +164,7 @@ ValidationExperiment janssen() {
     }
     const double wall_pressure = 0.5 * full.normal / full.height;
     const double k = wall_pressure / vertical, m = full.drag / full.normal;
-    outcome.seen = {
+    trial.seen = {
         {(full.floor + full.drag) / full.weight, full.floor_bar / full.weight,
          fmt::format("the walls carry {:.2f} of it", full.drag / full.weight)},
         {full.drag / (kSiloMu * full.normal)},
@@ -179,13 +174,12 @@ ValidationExperiment janssen() {
         {length / (kSiloWidth / (2 * m * k)), 0,
          fmt::format("λ = {:.2f} widths, K = {:.2f}, m = {:.2f}, rms misfit {:.1f} %",
                      length / kSiloWidth, k, m, 100 * rms)}};
-    ClaimFigure figure{.name = "janssen", .chart = Chart{}};
-    figure.caption =
+    Chart chart{.title = "Load in a silo",
+                .x = {.label = "depth over width"},
+                .y = {.label = "vertical load over the weight"}};
+    const std::string caption =
         "Vertical load against depth in a silo 8 disks wide whose floor sinks slowly: weight above less the walls' "
         "friction above. Line: Janssen's exponential with the fitted length; dashes: the weight alone.";
-    figure.chart->title = "Load in a silo";
-    figure.chart->x = {.label = "depth over width"};
-    figure.chart->y = {.label = "vertical load over the weight"};
     ChartSeries points{"measured", 0, {}, ChartSeries::Kind::kPoints};
     ChartSeries fit{"Janssen, fitted", 1, {}, ChartSeries::Kind::kLine};
     ChartSeries weight{"weight above", 2, {}, ChartSeries::Kind::kLine};
@@ -195,9 +189,8 @@ ValidationExperiment janssen() {
       fit.points.push_back({z / kSiloWidth, length / full.height * (1 - std::exp(-z / length))});
       weight.points.push_back({z / kSiloWidth, z / full.height});
     }
-    figure.chart->series = {points, fit, weight};
-    outcome.figures = {figure};
-    return outcome;
+    chart.series = {points, fit, weight};
+    trial.draw("janssen", caption, std::move(chart));
   };
   return e;
 }
@@ -208,10 +201,9 @@ struct Discharge {
   double first = kNaN, second = kNaN;  ///< [kg/s]
 };
 
-Discharge discharge(double hole, int count, std::uint64_t seed, double tol,
-                    const ValidationContext& context, ExperimentOutcome& outcome) {
+Discharge discharge(double hole, int count, std::uint64_t seed, ExperimentTrial& trial) {
   constexpr double kWidth = 18;
-  Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
+  Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, trial);
   const double top = fill_box(scene, count, kWidth, 0, seed);
   double whole = 0;
   for (const Disk& d : scene.bodies) whole += d.mass;
@@ -231,13 +223,12 @@ Discharge discharge(double hole, int count, std::uint64_t seed, double tol,
   const double shares[] = {0.1, 0.25, 0.4};
   double times[3] = {kNaN, kNaN, kNaN};
   std::size_t next = 0;
-  const auto run = run_from_start<2>(scene, context, [&](const SceneStep<2>& step) {
+  run_from_start<2>(scene, trial, [&](const SceneStep<2>& step) {
     double inside = 0;
     for (const Disk& d : step.state.bodies) inside += d.x[1] > 0 ? d.mass : 0;
     while (next < 3 && whole - inside >= shares[next] * whole) times[next++] = step.state.time;
     return next < 3;
   });
-  if (!count_steps(run, outcome)) return {};
   return {0.15 * whole / (times[1] - times[0]), 0.15 * whole / (times[2] - times[1])};
 }
 
@@ -259,17 +250,15 @@ ValidationExperiment beverloo() {
           Expectation::equal(1), 0.05, "few disks", "95 % over holes and seeds")};
   e.tols = {1, 1e-1, 1e-2};
   e.quick_tols = {1, 1e-1};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    const int count = context.quick ? 260 : 500, seeds = context.quick ? 1 : 3;
+  e.run = [](ExperimentTrial& trial) {
+    const int count = trial.context.quick ? 260 : 500, seeds = trial.context.quick ? 1 : 3;
     const std::vector<double> holes =
-        context.quick ? std::vector<double>{5, 9} : std::vector<double>{5, 6.5, 9};
+        trial.context.quick ? std::vector<double>{5, 9} : std::vector<double>{5, 6.5, 9};
     std::vector<double> widths, rates, ratios;
     ChartSeries points{"measured", 0, {}, ChartSeries::Kind::kPoints};
     for (const double hole : holes) {
       for (int seed = 1; seed <= seeds; ++seed) {
-        const Discharge seen = discharge(hole, count, to_size(seed), tol, context, outcome);
-        if (context.interrupted()) return outcome;
+        const Discharge seen = discharge(hole, count, to_size(seed), trial);
         ratios.push_back(seen.second / seen.first);
         for (const double rate : {seen.first, seen.second}) {
           widths.push_back(hole - 1.4);
@@ -280,27 +269,25 @@ ValidationExperiment beverloo() {
     }
     const PowerLaw law = fit_power_law(widths, rates);
     const MeanValue ratio = mean_value(ratios);
-    outcome.seen = {
+    trial.seen = {
         {law.exponent, law.confidence,
          fmt::format("{:.2f} √g ρ (D - 1.4 d)^{:.2f}",
                      law.prefactor * std::numbers::pi / std::sqrt(kGravity), law.exponent)},
         {ratio.mean, ratio.confidence}};
-    ClaimFigure figure{.name = "beverloo", .chart = Chart{}};
-    figure.caption =
+    Chart chart{.title = "Discharge of a silo",
+                .x = {.label = "hole over mean diameter"},
+                .y = {.label = "rate^(2/3)"}};
+    const std::string caption =
         "Discharge rate to the power 2/3 against the width of the hole: Beverloo's law is a straight line that meets zero at k d. "
         "Line: through k = 1.4 with the exponent 3/2.";
-    figure.chart->title = "Discharge of a silo";
-    figure.chart->x = {.label = "hole over mean diameter"};
-    figure.chart->y = {.label = "rate^(2/3)"};
     ChartSeries line{"k = 1.4", 1, {}, ChartSeries::Kind::kLine};
     double slope = 0;
     for (std::size_t k = 0; k < rates.size(); ++k) {
       slope += std::pow(rates[k], 2.0 / 3) / widths[k] / static_cast<double>(rates.size());
     }
     for (const double hole : {1.4, 10.0}) line.points.push_back({hole, slope * (hole - 1.4)});
-    figure.chart->series = {points, line};
-    outcome.figures = {figure};
-    return outcome;
+    chart.series = {points, line};
+    trial.draw("beverloo", caption, std::move(chart));
   };
   return e;
 }

@@ -33,9 +33,8 @@ const char* body_name() {
 
 /// A body of radius 1 m and 1 kg that touches the floor; gravity is tilted by `slope` towards +x.
 template <int D>
-Scene<D> on_floor(double slope, double mu, double step, double tol,
-                  const ValidationContext& context) {
-  Scene<D> scene = experiment_scene<D>({.mu = mu}, step, tol, context);
+Scene<D> on_floor(double slope, double mu, double step, const ExperimentTrial& trial) {
+  Scene<D> scene = experiment_scene<D>({.mu = mu}, step, trial);
   scene.gravity =
       kGravity * (std::sin(slope) * Vec<D>::Unit(0) - std::cos(slope) * Vec<D>::Unit(D - 1));
   scene.bodies = {round_body<D>(Vec<D>::Unit(D - 1), 1, 1)};
@@ -67,17 +66,14 @@ ValidationExperiment rolling() {
                                   body_name<D>()),
                       "1", 1)};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [](ExperimentTrial& trial) {
     for (const double mu : {0.5, 0.05}) {
-      Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, tol, context);
+      Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
       scene.num_steps = 50;
-      const auto run = run_from_start<D>(scene, context);
-      if (!count_steps(run, outcome)) return outcome;
+      const auto end = run_from_start<D>(scene, trial);
       const double free = mu == 0.5 ? std::sin(kSlope) : std::sin(kSlope) - mu * std::cos(kSlope);
-      outcome.seen.push_back({run.state.bodies[0].v[0] / (kGravity * free * run.state.time)});
+      trial.seen.push_back({end.bodies[0].v[0] / (kGravity * free * end.time)});
     }
-    return outcome;
   };
   return e;
 }
@@ -101,19 +97,15 @@ ValidationExperiment threshold(bool block) {
   row.claim.bar_is = "discretisation: bisection to 1e-4";
   e.rows = {row};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [critical, block](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [critical, block](ExperimentTrial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
-      Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, tol, context);
+      Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
       if (block) scene.bodies[0].inertia = kHuge;
       scene.num_steps = 10;
-      const auto run = run_from_start<D>(scene, context);
-      count_steps(run, outcome);
-      return std::abs(slip(run.state.bodies[0])) <=
-             1e-3 * kGravity * std::sin(kSlope) * run.state.time;
+      const auto end = run_from_start<D>(scene, trial);
+      return std::abs(slip(end.bodies[0])) <= 1e-3 * kGravity * std::sin(kSlope) * end.time;
     });
-    outcome.seen = {found};
-    return outcome;
+    trial.seen = {found};
   };
   return e;
 }
@@ -127,15 +119,12 @@ ValidationExperiment thrown() {
       fmt::format("speed at which a {} thrown without spin ends rolling, over v0", body_name<D>()),
       D == 2 ? "2/3" : "5/7", 1 / (1 + c))};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    Scene<D> scene = on_floor<D>(0, 0.3, 0.01, tol, context);
+  e.run = [](ExperimentTrial& trial) {
+    Scene<D> scene = on_floor<D>(0, 0.3, 0.01, trial);
     scene.bodies[0].v[0] = 1;
     scene.num_steps = 60;  // rolls from v0 / (mu g (1 + 1/c)) < 0.12 s on
-    const auto run = run_from_start<D>(scene, context);
-    count_steps(run, outcome);
-    outcome.seen = {{run.state.bodies[0].v[0]}};
-    return outcome;
+    const auto end = run_from_start<D>(scene, trial);
+    trial.seen = {{end.bodies[0].v[0]}};
   };
   return e;
 }
@@ -146,16 +135,13 @@ ValidationExperiment belt() {
                       "speed of a disk put down on a belt, once it rolls, over the belt's",
                       "1/3: thrown at −V seen from the belt, where it keeps 2/3", 1.0 / 3)};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    Scene<2> scene = on_floor<2>(0, 0.3, 0.01, tol, context);
+  e.run = [](ExperimentTrial& trial) {
+    Scene<2> scene = on_floor<2>(0, 0.3, 0.01, trial);
     scene.walls[0].motion = Wall<2>::Motion::kMoving;
     scene.walls[0].v = Vec2(1, 0);
     scene.num_steps = 60;
-    const auto run = run_from_start<2>(scene, context);
-    count_steps(run, outcome);
-    outcome.seen = {{run.state.bodies[0].v[0]}};
-    return outcome;
+    const auto end = run_from_start<2>(scene, trial);
+    trial.seen = {{end.bodies[0].v[0]}};
   };
   return e;
 }
@@ -173,16 +159,13 @@ ValidationExperiment braking() {
   row.allowed_why = "the step that stops it: (μ g h/v0)²/4";
   e.rows = {row};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
-    Scene<2> scene = on_floor<2>(0, kBrakeMu, kStep, tol, context);
+  e.run = [](ExperimentTrial& trial) {
+    Scene<2> scene = on_floor<2>(0, kBrakeMu, kStep, trial);
     scene.bodies[0].inertia = kHuge;
     scene.bodies[0].v[0] = kSpeed;
     scene.num_steps = 130;
-    const auto run = run_from_start<2>(scene, context);
-    count_steps(run, outcome);
-    outcome.seen = {{run.state.bodies[0].x[0]}};
-    return outcome;
+    const auto end = run_from_start<2>(scene, trial);
+    trial.seen = {{end.bodies[0].x[0]}};
   };
   return e;
 }

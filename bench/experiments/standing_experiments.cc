@@ -13,16 +13,14 @@ const std::string kStanding = "exact cases: what stands";
 
 /// Motion after the scene's steps: the largest path of a body over that of free fall.
 template <int D>
-double motion_of(const Scene<D>& scene, const ValidationContext& context,
-                 ExperimentOutcome& outcome) {
-  const auto run = run_from_start<D>(scene, context);
-  count_steps(run, outcome);
+double motion_of(const Scene<D>& scene, ExperimentTrial& trial) {
+  const auto end = run_from_start<D>(scene, trial);
   double way = 0;
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     if (scene.bodies[k].wall >= 0) continue;
-    way = std::max(way, (run.state.bodies[k].x - scene.bodies[k].x).norm());
+    way = std::max(way, (end.bodies[k].x - scene.bodies[k].x).norm());
   }
-  return way / (0.5 * kGravity * run.state.time * run.state.time);
+  return way / (0.5 * kGravity * end.time * end.time);
 }
 
 constexpr double kMoves = 1e-4;  // of free fall
@@ -37,8 +35,8 @@ ValidationRow standing_row(std::string name, std::string quantity, std::string s
 
 /// A heap of equal bodies on the floor, law 0 between them and law 1 at the floor.
 template <int D>
-Scene<D> heap(double mu, double mu_floor, double tol, const ValidationContext& context) {
-  Scene<D> scene = experiment_scene<D>({}, 1e-3, tol, context);
+Scene<D> heap(double mu, double mu_floor, const ExperimentTrial& trial) {
+  Scene<D> scene = experiment_scene<D>({}, 1e-3, trial);
   scene.materials = {"body", "floor"};
   scene.laws = {{.mu = mu}, {.mu = mu_floor}, {.mu = mu_floor}, {.mu = mu_floor}};
   scene.gravity = -kGravity * Vec<D>::Unit(D - 1);
@@ -81,15 +79,12 @@ ValidationExperiment heap_threshold(bool floor) {
       critical)};
   e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
-  e.run = [critical, floor](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [critical, floor](ExperimentTrial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
       const double other = D == 2 ? 1 : 1.0;
-      return motion_of(heap<D>(floor ? other : mu, floor ? mu : other, tol, context), context,
-                       outcome) <= kMoves;
+      return motion_of(heap<D>(floor ? other : mu, floor ? mu : other, trial), trial) <= kMoves;
     });
-    outcome.seen = {found};
-    return outcome;
+    trial.seen = {found};
   };
   return e;
 }
@@ -106,11 +101,10 @@ ValidationExperiment hollow_threshold() {
                          "30° for equal disks that touch", 30)};
   e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
-  e.run = [](double tol, const ValidationContext& context) {
-    ExperimentOutcome outcome;
+  e.run = [](ExperimentTrial& trial) {
     Observation found = find_threshold(-45, -15, [&](double degrees) {
       const double slope = -degrees * std::numbers::pi / 180;
-      Scene<2> scene = experiment_scene<2>({.mu = 0.5}, 1e-3, tol, context);
+      Scene<2> scene = experiment_scene<2>({.mu = 0.5}, 1e-3, trial);
       scene.gravity = kGravity * Vec2(std::sin(slope), -std::cos(slope));
       for (const Vec2& x : {Vec2(-1, 0), Vec2(1, 0), Vec2(0, std::sqrt(3.0))}) {
         scene.bodies.push_back(round_body<2>(x, 1, 1));
@@ -118,11 +112,10 @@ ValidationExperiment hollow_threshold() {
       scene.bodies[0].wall = scene.bodies[1].wall = 0;
       scene.walls = {half_space<2>(Vec2(0, -1), Vec2(0, 1), "rough")};
       scene.num_steps = 20;
-      return motion_of(scene, context, outcome) <= kMoves;
+      return motion_of(scene, trial) <= kMoves;
     });
     found.value = -found.value;
-    outcome.seen = {found};
-    return outcome;
+    trial.seen = {found};
   };
   return e;
 }

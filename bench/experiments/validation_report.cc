@@ -171,8 +171,7 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
   chart.title = "Relative error against tolerance: " + group;
   chart.x = {.label = "tolerance ε of every step", .kind = ChartAxis::Kind::kLog};
   chart.y = {.label = "relative error of the observable", .kind = ChartAxis::Kind::kLog};
-  chart.y_line = kRightTo;
-  chart.y_line_label = "1 %";
+  chart.y_lines = {{kRightTo, "1 %"}};
   chart.key = Chart::Key::kRight;
   chart.width = 620;
   chart.height = 340;
@@ -188,9 +187,7 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
   int style = 0;
   for (const ValidationRow& row : page.rows) {
     if (row.group != group || !row.takes_tolerance) continue;
-    ChartSeries series;
-    series.name = row.claim.name;
-    series.style = style++;
+    ChartSeries series{.name = row.claim.name, .style = style++};
     for (const ValidationPoint& p : row.points) {
       if (!std::isfinite(p.error)) continue;
       ChartPoint point{

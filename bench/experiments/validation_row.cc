@@ -28,11 +28,20 @@ ValidationRow validation_row(std::string group, std::string name, std::string qu
           .takes_tolerance = takes_tolerance};
 }
 
-SolverChoice ValidationContext::choice(double tol) const {
-  return SolverChoice{.name = solver,
+SolverChoice ExperimentTrial::choice() const {
+  return SolverChoice{.name = context.solver,
                       .tol = tol,
-                      .max_iterations = max_iterations,
+                      .max_iterations = context.max_iterations,
                       .parameters = {{"islands", "off"}}};
+}
+
+void ExperimentTrial::draw(std::string name, std::string caption, Chart chart) {
+  figures.push_back(
+      {.name = std::move(name), .caption = std::move(caption), .chart = std::move(chart)});
+}
+
+void ExperimentTrial::go_on() const {
+  if (context.interrupted()) throw std::runtime_error("interrupted");
 }
 
 std::vector<double> decades(int first, int last) {
@@ -139,35 +148,37 @@ ExperimentResult run_experiment(const ValidationExperiment& experiment,
       break;
     }
     const CpuStopwatch clock;
-    ExperimentOutcome outcome;
+    ExperimentTrial trial{tols[k], context};
     std::string failure;
     try {
-      outcome = experiment.run(tols[k], context);
-      if (context.interrupted()) {
-        result.complete = false;
-        break;
-      }
-      if (outcome.seen.size() != experiment.rows.size()) {
-        throw std::logic_error(fmt::format("{} observations for {} rows", outcome.seen.size(),
-                                           experiment.rows.size()));
+      experiment.run(trial);
+      if (trial.seen.size() != experiment.rows.size()) {
+        throw std::logic_error(
+            fmt::format("{} observations for {} rows", trial.seen.size(), experiment.rows.size()));
       }
     } catch (const std::exception& e) {
       failure = e.what();
-      outcome = {};
+      trial.steps = trial.unsolved = 0;
+      trial.seen.clear();
+      trial.figures.clear();
     }
-    outcome.seen.resize(experiment.rows.size());
+    if (context.interrupted()) {
+      result.complete = false;
+      break;
+    }
+    trial.seen.resize(experiment.rows.size());
     const double seconds = clock.seconds();
     for (std::size_t r = 0; r < result.rows.size(); ++r) {
       ValidationPoint point{.tol = tols[k],
-                            .seen = outcome.seen[r],
-                            .steps = outcome.steps,
-                            .unsolved = outcome.unsolved,
+                            .seen = trial.seen[r],
+                            .steps = trial.steps,
+                            .unsolved = trial.unsolved,
                             .seconds = seconds,
                             .failure = failure};
       result.rows[r].points.push_back(std::move(point));
       result.rows[r].seconds += seconds;
     }
-    if (!outcome.figures.empty()) result.figures = std::move(outcome.figures);
+    if (!trial.figures.empty()) result.figures = std::move(trial.figures);
   }
   for (ValidationRow& row : result.rows) judge(row);
   return result;

@@ -68,14 +68,6 @@ ValidationRow validation_row(std::string group, std::string name, std::string qu
 /// Sets the claim's measurement and verdict, best and loosest, from the points.
 void judge(ValidationRow& row);
 
-/// One run of an experiment.
-struct ExperimentOutcome {
-  std::vector<Observation> seen;  ///< one for each row
-  std::vector<ClaimFigure> figures;
-  long steps = 0;     ///< time steps (or single problems) that were solved
-  long unsolved = 0;  ///< of them, those whose solver missed the tolerance
-};
-
 struct ValidationContext {
   bool quick = false;             ///< fewer seeds, fewer bodies, fewer tolerances
   std::string solver = "apgd";    ///< of every step, without islands
@@ -83,7 +75,21 @@ struct ValidationContext {
   std::function<bool()> stopped;  ///< asked between steps; may be empty
 
   bool interrupted() const { return stopped && stopped(); }
-  SolverChoice choice(double tol) const;
+};
+
+/// One run of an experiment, and what it finds.
+struct ExperimentTrial {
+  double tol = 0;
+  const ValidationContext& context;
+  std::vector<Observation> seen = {};  ///< one for each row
+  std::vector<ClaimFigure> figures = {};
+  long steps = 0;     ///< time steps (or single problems) that were solved
+  long unsolved = 0;  ///< of them, those whose solver missed the tolerance
+
+  SolverChoice choice() const;  ///< of every step
+  void draw(std::string name, std::string caption, Chart chart);
+  /// Throws std::runtime_error if the context has stopped it: the measurement is meaningless.
+  void go_on() const;
 };
 
 /// Observables of one computation, which is repeated for each tolerance.
@@ -91,7 +97,7 @@ struct ValidationExperiment {
   std::vector<ValidationRow> rows;
   std::vector<double> tols;        ///< falling
   std::vector<double> quick_tols;  ///< the same of --quick
-  std::function<ExperimentOutcome(double tol, const ValidationContext&)> run;
+  std::function<void(ExperimentTrial&)> run;
 };
 
 /// All of them, in the order of the page.

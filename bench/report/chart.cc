@@ -145,9 +145,7 @@ class Script {
     }
     for (const auto& serie : chart_.series) key_entry(serie);
     std::string plot = "plot ";
-    for (std::size_t i = 0; i < plots_.size(); ++i) {
-      plot += (i == 0 ? "" : ", \\\n  ") + plots_[i];
-    }
+    for (std::size_t i = 0; i < plots_.size(); ++i) plot += (i == 0 ? "" : ", \\\n  ") + plots_[i];
     line(plot);
     return std::move(text_);
   }
@@ -171,9 +169,7 @@ class Script {
   static std::string number(double x) { return fmt::format("{}", x); }
 
   std::vector<ChartLine> horizontal() const {
-    std::vector<ChartLine> lines;
-    if (chart_.y_line) lines.push_back({*chart_.y_line, chart_.y_line_label});
-    lines.insert(lines.end(), chart_.y_lines.begin(), chart_.y_lines.end());
+    std::vector<ChartLine> lines = chart_.y_lines;
     std::erase_if(lines, [this](const ChartLine& l) { return !allows(chart_.y, l.at); });
     return lines;
   }

@@ -51,9 +51,7 @@ struct Chart {
   std::string title;  ///< for readers who do not see the drawing; drawn in files alone
   ChartAxis x, y;
   std::vector<ChartSeries> series;
-  std::optional<double> y_line;  ///< a horizontal line
-  std::string y_line_label;
-  std::vector<ChartLine> x_lines, y_lines;  ///< vertical lines; more horizontal ones
+  std::vector<ChartLine> x_lines, y_lines;  ///< vertical and horizontal lines
   Key key = Key::kBelow;
   /// Size of the axes with their labels; the key is additional. In units in which text is 12 high.
   double width = 440, height = 300;

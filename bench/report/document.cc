@@ -24,9 +24,7 @@ Overloaded(Cases...) -> Overloaded<Cases...>;  // which clang 14 does not deduce
 /// Text without the marks of strong words and the targets of links.
 std::string plain(std::string_view text) {
   std::string out;
-  for (const Span& span : spans_of(text)) {
-    out += span.code ? '`' + span.text + '`' : span.text;
-  }
+  for (const Span& span : spans_of(text)) out += span.code ? '`' + span.text + '`' : span.text;
   return out;
 }
 

@@ -15,15 +15,9 @@ namespace bipot {
 namespace {
 
 std::string_view word(ContactStatus status) {
-  switch (status) {
-    case ContactStatus::kTakeOff:
-      return "open";
-    case ContactStatus::kStick:
-      return "stick";
-    case ContactStatus::kSlip:
-      return "slip";
-  }
-  return "";
+  return status == ContactStatus::kTakeOff ? "open"
+         : status == ContactStatus::kStick ? "stick"
+                                           : "slip";
 }
 
 /// "pgs (2), apgd": the starts that ended at an answer, by solver.
@@ -109,9 +103,7 @@ std::string conclusion(const SeveralAnswers& found) {
       found.answers.size(), found.sets, found.sets == 1 ? "" : "s", error_label(d.velocity),
       error_label(d.body_velocity), error_label(d.force), error_label(d.total),
       error_label(d.kinetic), found.differing_contacts.size(), error_label(found.resolution));
-  if (d.force > 0.1) {
-    text += "The force on one body at this instant is no property of the step.\n";
-  }
+  if (d.force > 0.1) text += "The force on one body at this instant is no property of the step.\n";
   return text;
 }
 

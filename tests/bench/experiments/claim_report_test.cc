@@ -8,6 +8,7 @@
 
 #include "bench/experiments/paper_item.h"
 #include "core/base/file_error.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -30,10 +31,6 @@ ClaimReport one_entry(Findings result) {
   complete(result, entry.command);
   entry.result = std::move(result);
   return {"bipot paper", {entry}, "Made again", "Beside the paper."};
-}
-
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
 }
 
 TEST(ClaimReport, PlaceholdersBecomeNumbersWithUnits) {
@@ -90,7 +87,7 @@ TEST(ClaimReport, ResultsAreReadBackAsTheyWere) {
   chart.x_lines = {{3, "three"}};
   chart.key = Chart::Key::kRight;
   chart.width = 300;
-  chart.y_line = 5;
+  chart.y_lines = {{5, ""}};
   result.figures = {{.name = "f", .caption = "c", .chart = chart},
                     {.name = "g", .file = "g.svg", .wide = true, .after = 0}};
   result.tables = {{"t", "caption", "", {"a", "b"}, {{"1", "2"}}}};
@@ -119,15 +116,15 @@ TEST(ClaimPage, MarksChecksAndEscapesMarkup) {
   EXPECT_EQ(report.items[0].checks(), 2);
   EXPECT_EQ(report.items[0].held(), 1);
   const std::string page = to_html(to_document(report));
-  EXPECT_TRUE(has(page, "P(f/&lt;f&gt;) &amp; so on"));
-  EXPECT_TRUE(has(page, "<code>bipot list &lt;x&gt;</code>"));
-  EXPECT_TRUE(has(page, "bipot run &lt;scene&gt;"));
-  EXPECT_TRUE(has(page, "✓ holds"));
-  EXPECT_TRUE(has(page, "✗ does not hold"));
-  EXPECT_TRUE(has(page, "✗ 1 of 2 hold"));
-  EXPECT_TRUE(has(page, "0123abc"));
-  EXPECT_FALSE(has(page, "<script"));
-  EXPECT_FALSE(has(page, "src=\"http"));
+  EXPECT_TRUE(says(page, "P(f/&lt;f&gt;) &amp; so on"));
+  EXPECT_TRUE(says(page, "<code>bipot list &lt;x&gt;</code>"));
+  EXPECT_TRUE(says(page, "bipot run &lt;scene&gt;"));
+  EXPECT_TRUE(says(page, "✓ holds"));
+  EXPECT_TRUE(says(page, "✗ does not hold"));
+  EXPECT_TRUE(says(page, "✗ 1 of 2 hold"));
+  EXPECT_TRUE(says(page, "0123abc"));
+  EXPECT_FALSE(says(page, "<script"));
+  EXPECT_FALSE(says(page, "src=\"http"));
 }
 
 TEST(ClaimPage, AFailedItemSaysWhy) {
@@ -135,7 +132,7 @@ TEST(ClaimPage, AFailedItemSaysWhy) {
   report.items[0].status = ReportItem::Status::kFailed;
   report.items[0].message = "step 3: <stalled>";
   const std::string page = to_html(to_document(report));
-  EXPECT_TRUE(has(page, "This item is failed: step 3: &lt;stalled&gt;"));
+  EXPECT_TRUE(says(page, "This item is failed: step 3: &lt;stalled&gt;"));
   EXPECT_FALSE(to_json(report)["all_items_done"].get<bool>());
 }
 

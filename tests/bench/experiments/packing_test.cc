@@ -22,11 +22,7 @@ ContactOutcome<2> carried(int i, int j, double s_n, double s_t = 0) {
 }
 
 Disk disk(double x, double y, double radius) {
-  Disk d;
-  d.x = Vec2(x, y);
-  d.radius = radius;
-  d.mass = 2;
-  d.inertia = 3;
+  Disk d{.x = Vec2(x, y), .radius = radius, .mass = 2, .inertia = 3};
   return d;
 }
 

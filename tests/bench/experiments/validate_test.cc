@@ -9,6 +9,7 @@
 #include "bench/experiments/validation_report.h"
 #include "bench/experiments/validation_row.h"
 #include "core/scene/scene_family.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -51,7 +52,7 @@ TEST(Validate, TheLoosestToleranceIsThatFromWhichAllTighterOnesAreRight) {
   // The verdict is that of the tightest one, to what the row allows and not to 1 %.
   const ValidationRow strict = judged(Expectation::equal(1 + 1e-5), 1e-6, points);
   EXPECT_FALSE(strict.holds());
-  EXPECT_NE(strict.claim.reason.find("off by 1.0e-5"), std::string::npos) << strict.claim.reason;
+  EXPECT_TRUE(says(strict.claim.reason, "off by 1.0e-5"));
   EXPECT_EQ(strict.loosest, 1e-3);
 }
 
@@ -64,7 +65,7 @@ TEST(Validate, ARunThatMissesItsToleranceDoesNotCount) {
       judged(Expectation::equal(1), 1e-3, {point(0.1, kNaN), point(0.01, 1, 0, 2)});
   EXPECT_FALSE(none.holds());
   EXPECT_TRUE(std::isnan(none.loosest));
-  EXPECT_NE(none.claim.reason.find("undefined"), std::string::npos) << none.claim.reason;
+  EXPECT_TRUE(says(none.claim.reason, "undefined"));
 }
 
 TEST(Validate, ABarWidensWhatIsAllowed) {
@@ -73,7 +74,7 @@ TEST(Validate, ABarWidensWhatIsAllowed) {
   // Between one and two bars chance may lead there; beyond two it does not, whatever their width.
   const ValidationRow between = judged(Expectation::equal(1), 0, {point(0.1, 1.2, 0.15)});
   EXPECT_TRUE(between.undecided());
-  EXPECT_NE(between.claim.reason.find("too few samples"), std::string::npos);
+  EXPECT_TRUE(says(between.claim.reason, "too few samples"));
   const ValidationRow refuted = judged(Expectation::equal(1), 0, {point(0.1, 1.2, 0.09)});
   EXPECT_FALSE(refuted.holds() || refuted.undecided());
   const ValidationRow far = judged(Expectation::equal(1), 0, {point(0.1, 3, 0.9)});
@@ -87,24 +88,21 @@ TEST(Validate, ABarWidensWhatIsAllowed) {
   EXPECT_FALSE(wide.holds());
   EXPECT_TRUE(wide.undecided());
   EXPECT_TRUE(std::isnan(wide.loosest));
-  EXPECT_NE(wide.claim.reason.find("too few samples"), std::string::npos) << wide.claim.reason;
+  EXPECT_TRUE(says(wide.claim.reason, "too few samples"));
 }
 
 TEST(Validate, WhatAnExperimentThrowsIsTheReason) {
   ValidationExperiment broken;
   broken.rows.resize(2);
   broken.tols = broken.quick_tols = {0.1};
-  broken.run = [](double, const ValidationContext&) -> ExperimentOutcome {
-    throw std::runtime_error("no disks at all");
-  };
+  broken.run = [](ExperimentTrial&) { throw std::runtime_error("no disks at all"); };
   const ExperimentResult result = run_experiment(broken, {});
   ASSERT_EQ(result.rows.size(), 2u);
   EXPECT_FALSE(result.rows[1].holds());
-  EXPECT_NE(result.rows[1].claim.reason.find("no disks at all"), std::string::npos);
+  EXPECT_TRUE(says(result.rows[1].claim.reason, "no disks at all"));
   // One observation for two rows is a fault of the experiment.
-  broken.run = [](double, const ValidationContext&) { return ExperimentOutcome{.seen = {{1}}}; };
-  EXPECT_NE(run_experiment(broken, {}).rows[0].claim.reason.find("1 observations for 2 rows"),
-            std::string::npos);
+  broken.run = [](ExperimentTrial& trial) { trial.seen = {{1}}; };
+  EXPECT_TRUE(says(run_experiment(broken, {}).rows[0].claim.reason, "1 observations for 2 rows"));
 }
 
 TEST(Validate, AThresholdIsFoundAndItsLackIsNotHidden) {
@@ -175,7 +173,7 @@ TEST(Validate, WithoutIterationsNothingThatNeedsThemHolds) {
     e.quick_tols = {1e-8};
     for (const ValidationRow& v : run_experiment(e, context).rows) {
       EXPECT_FALSE(v.holds()) << v.claim.name;
-      EXPECT_NE(v.claim.reason.find("did not reach"), std::string::npos) << v.claim.reason;
+      EXPECT_TRUE(says(v.claim.reason, "did not reach"));
     }
   }
 }
@@ -183,10 +181,7 @@ TEST(Validate, WithoutIterationsNothingThatNeedsThemHolds) {
 /// All rows at one tolerance, as --quick measures them.
 ValidationPage small_page() {
   ValidationContext context{.quick = true};
-  ValidationPage page;
-  page.command = "bipot validate --quick";
-  page.solver = context.solver;
-  page.quick = true;
+  ValidationPage page{.command = "bipot validate --quick", .solver = context.solver, .quick = true};
   for (ValidationExperiment e : validation_experiments()) {
     e.quick_tols = {1e-1};
     page.add(run_experiment(e, context));
@@ -205,9 +200,9 @@ TEST(Validate, TheQuickPageHasEveryRowAndNoNaN) {
   for (const ValidationExperiment& e : validation_experiments()) {
     for (const ValidationRow& row : e.rows) {
       ++rows;
-      EXPECT_NE(html.find("." + row.claim.name + "\">"), std::string::npos) << row.claim.name;
-      EXPECT_NE(text.find(row.claim.name + " "), std::string::npos) << row.claim.name;
-      EXPECT_NE(csv.find("," + row.claim.name + ","), std::string::npos) << row.claim.name;
+      EXPECT_TRUE(says(html, "." + row.claim.name + "\">")) << row.claim.name;
+      EXPECT_TRUE(says(text, row.claim.name + " ")) << row.claim.name;
+      EXPECT_TRUE(says(csv, "," + row.claim.name + ",")) << row.claim.name;
     }
   }
   EXPECT_EQ(page.rows.size(), rows);
@@ -219,7 +214,7 @@ TEST(Validate, TheQuickPageHasEveryRowAndNoNaN) {
     EXPECT_GT(v.points[0].steps, 0) << v.claim.name;
   }
   for (const std::string* all : {&html, &text, &csv, &verdicts}) {
-    EXPECT_EQ(all->find("nan"), std::string::npos);
+    EXPECT_FALSE(says(*all, "nan"));
   }
   EXPECT_EQ(std::count(verdicts.begin(), verdicts.end(), '\n'), static_cast<long>(rows) + 1);
   EXPECT_EQ(report.items.size(), groups_of(page).size());

@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <string_view>
 
 #include "bench/report/program.h"
@@ -13,6 +11,8 @@
 #include "core/base/file_error.h"
 #include "core/base/types.h"
 #include "tests/support/markup_defect.h"
+#include "tests/support/refusal.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -31,13 +31,6 @@ std::set<std::string> ids(std::string_view svg) {
     found.emplace(svg.substr(at + 5, end - at - 5));
   }
   return found;
-}
-
-std::string content(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream out;
-  out << in.rdbuf();
-  return out.str();
 }
 
 Chart falling() {
@@ -95,8 +88,7 @@ TEST(Chart, ShowsTextsAsTheyAre) {
     chart.series.push_back({name, 3, {{1e-3, 1e-3, false, "note of " + name}}});
   }
   chart.title = chart.x.label = chart.y.label = "x_1 'and' \"y\" {μ} \\ `z` <&>";
-  chart.y_line = 1e-4;
-  chart.y_line_label = "line_1 'a'";
+  chart.y_lines = {{1e-4, "line_1 'a'"}};
   const std::string svg = to_svg(chart);
   EXPECT_EQ(markup_defect(svg), "");
   // Entities in the text, > and " at will.
@@ -115,7 +107,7 @@ TEST(Chart, ShowsTextsAsTheyAre) {
   };
   for (const std::string& name : names) EXPECT_TRUE(shown(name)) << name;
   EXPECT_TRUE(shown(chart.x.label));
-  EXPECT_TRUE(shown(chart.y_line_label));
+  EXPECT_TRUE(shown(chart.y_lines[0].label));
   for (const std::string& name : names) {
     EXPECT_NE(svg.find("<title>" + escape_markup("note of " + name) + "</title>"), svg.npos);
   }
@@ -146,13 +138,13 @@ TEST(Chart, WithoutFiniteValuesIsAnEmptyFrame) {
   for (auto kind : {ChartAxis::Kind::kLinear, ChartAxis::Kind::kLog}) {
     Chart chart;
     chart.x.kind = chart.y.kind = kind;
-    EXPECT_NE(to_svg(chart).find("no finite values"), std::string::npos);
+    EXPECT_TRUE(says(to_svg(chart), "no finite values"));
     chart.series = {{"empty", 0, {}}, {"nan", 1, {{kNaN, 1}, {1, kNaN}}}};
     const std::string svg = to_svg(chart);
     EXPECT_EQ(markup_defect(svg), "");
     EXPECT_NE(svg.find("no finite values"), svg.npos);
     EXPECT_NE(svg.find(">empty<"), svg.npos);
-    chart.y_line = 2;
+    chart.y_lines = {{2, ""}};
     EXPECT_EQ(markup_defect(to_svg(chart)), "");
   }
 }
@@ -177,7 +169,7 @@ TEST(Chart, TakesASinglePointAndEveryKindOfSeries) {
     EXPECT_NE(svg.find(text), svg.npos) << text;
   }
   chart.y.low = 0;  // nothing is written outside the frame
-  EXPECT_EQ(to_svg(chart).find(">below all data<"), std::string::npos);
+  EXPECT_FALSE(says(to_svg(chart), ">below all data<"));
 }
 
 TEST(Chart, HasRoomForErrorBars) {
@@ -253,34 +245,25 @@ TEST(ChartFiles, AreMadeAgainByTheirScript) {
   chart.title = "A title that is longer than the drawing is wide, so that it needs two lines of it";
   chart.series[0].name = "it's, \"so\"";
   write_chart_files(folder.path(), "figure", chart);
-  const std::string svg = content(folder / "figure.svg");
+  const std::string svg = file_text(folder / "figure.svg");
   EXPECT_EQ(markup_defect(svg), "");
   EXPECT_NE(svg.find("it's, \"so\""), svg.npos);
-  const std::string csv = content(folder / "figure.csv");
+  const std::string csv = file_text(folder / "figure.csv");
   EXPECT_TRUE(csv.starts_with("series,x,y,note\n\"it's, \"\"so\"\"\",0.0001,0.1,\"loose\"\n"))
       << csv;
   std::filesystem::remove(folder / "figure.svg");
   ASSERT_EQ(std::system(("cd '" + folder.path().string() + "' && gnuplot figure.gp").c_str()), 0);
-  EXPECT_EQ(content(folder / "figure.svg"), svg);
+  EXPECT_EQ(file_text(folder / "figure.svg"), svg);
   EXPECT_THROW(write_chart_files(folder / "nowhere", "figure", chart), FileError);
 }
 
 TEST(Gnuplot, MissingOrRefusingIsAFileError) {
   EXPECT_NO_THROW(require_plotting_tool());
-  try {
-    run_gnuplot("plot no_such_function(x)\n");
-    FAIL() << "no error";
-  } catch (const FileError& e) {
-    EXPECT_NE(std::string(e.what()).find("undefined"), std::string::npos) << e.what();
-  }
+  EXPECT_TRUE(
+      says(refusal_of<FileError>([&] { run_gnuplot("plot no_such_function(x)\n"); }), "undefined"));
   const std::string path = std::getenv("PATH");
   setenv("PATH", "/nonexistent", 1);
-  try {
-    require_plotting_tool();
-    ADD_FAILURE() << "no error";
-  } catch (const FileError& e) {
-    EXPECT_NE(std::string(e.what()).find("gnuplot-nox"), std::string::npos) << e.what();
-  }
+  EXPECT_TRUE(says(refusal_of<FileError>([&] { require_plotting_tool(); }), "gnuplot-nox"));
   setenv("PATH", path.c_str(), 1);
 }
 
