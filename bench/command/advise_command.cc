@@ -5,19 +5,17 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
+#include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/scene_rewrite.h"
-#include "bench/report/chart.h"
 #include "bench/report/json_output.h"
 #include "bench/tradeoff/advice.h"
 #include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/advise.h"
-#include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/types.h"
 #include "core/files/atomic_file.h"
@@ -28,31 +26,24 @@
 namespace bipot {
 namespace {
 
-struct AdviseFlags {
+struct AdviseFlags : OutputFlags {
   std::string scene;
   Accuracy goal;                     ///< empty: default_goal of the scene
   std::vector<std::string> solvers;  ///< empty: the promising ones
   double time_limit = 60;
   std::optional<double> window;
   int samples = 6;
-  bool keep_step = false, quiet = false, force_overwrite = false, all = false;
-  std::string out, json, write;
+  bool keep_step = false, force_overwrite = false, all = false;
+  std::string write;
 };
 
 namespace fs = std::filesystem;
 
 int exit_code_of(Advice::Status status) {
-  switch (status) {
-    case Advice::Status::kMet:
-    case Advice::Status::kNoContacts:
-      return kExitConverged;
-    case Advice::Status::kInterrupted:
-      return kExitInterrupted;
-    case Advice::Status::kNotMet:
-    case Advice::Status::kUndecided:
-      break;
-  }
-  return kExitNotConverged;
+  if (status == Advice::Status::kInterrupted) return kExitInterrupted;
+  return status == Advice::Status::kMet || status == Advice::Status::kNoContacts
+             ? kExitConverged
+             : kExitNotConverged;
 }
 
 void write_scene(const AdviseFlags& flags, const std::string& text, const std::string& source,
@@ -78,12 +69,7 @@ void check_destinations(const AdviseFlags& flags) {
     throw std::invalid_argument(flags.write + " exists: name another file, or give --force");
   }
   require_writable(flags.write);
-  require_writable(flags.json);
-  if (flags.out.empty()) return;
-  require_plotting_tool();
-  std::error_code failure;
-  fs::create_directories(flags.out, failure);
-  if (failure) throw FileError(flags.out, "", "cannot create: " + failure.message());
+  flags.prepare(true);
 }
 
 CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
@@ -92,7 +78,7 @@ CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
   command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
       .required();
   const auto goal = [&](const char* name, double& value, const char* help) {
-    command.option(name, value, help).value_name("X");
+    command.option(std::string(name) + " X", value, help);
   };
   goal("--force-error", flags.goal.force,
        "Largest error of the mean contact force on a body, over the largest such force");
@@ -103,35 +89,25 @@ CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
   goal("--coordination", flags.goal.coordination,
        "Largest relative error of the mean number of contacts of a body");
   goal("--stress-ratio", flags.goal.stress_ratio, "Largest relative error of the mean τ/P");
-  command.option("--solvers", flags.solvers, "Solvers to try, separated by commas (a selection)")
-      .value_name("NAMES");
-  command.option("--time-limit", flags.time_limit, "Wall seconds for the trials")
+  command.option("--solvers NAMES", flags.solvers,
+                 "Solvers to try, separated by commas (a selection)");
+  command.option("--time-limit SECONDS", flags.time_limit, "Wall seconds for the trials")
       .positive()
-      .show_default()
-      .value_name("SECONDS");
+      .show_default();
   command
-      .option("--window", flags.window,
+      .option("--window SECONDS", flags.window,
               "Time in s over which forces are averaged to judge the time step (a fiftieth of "
               "the run, at least 16 steps)")
-      .positive()
-      .value_name("SECONDS");
+      .positive();
   command.option("--samples", flags.samples, "Stretches of the run to choose on; more narrow the ±")
       .between(1, 64)
       .show_default();
   command.flag("--keep-step", flags.keep_step, "Keep the scene's time step");
-  command
-      .option("--write", flags.write,
-              "Write a copy of the scene with the advice in it; comments and layout stay")
-      .value_name("FILE");
+  command.option("--write FILE", flags.write,
+                 "Write a copy of the scene with the advice in it; comments and layout stay");
   command.flag("--force", flags.force_overwrite, "--write may overwrite a file");
-  command
-      .option("--json", flags.json,
-              "Write advice and evidence as JSON; '-' is standard output, with nothing else "
-              "on it")
-      .value_name("FILE");
   command.flag("--all", flags.all, "Print what was tried too, with its errors and costs");
-  command.option("--out", flags.out, "Folder for advice.html, .csv and .json").value_name("DIR");
-  command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal");
+  add_output_flags(command, flags, "Folder for advice.html, .csv and .json");
   command.footer(
       "Prints five lines: choice, expected error, cost, verdict, and the command that runs it.\n"
       "Without a goal it takes 5 % in overlaps and in means over time that the scene has: dissipated\n"
@@ -151,17 +127,14 @@ int run_advise(const AdviseFlags& flags) {
   const std::string text = read_text_file(path);
   AnyScene scene = parse_any_scene(text, path.string());
   std::visit([](auto& any) { check_start(any, {}, 1); }, scene);
-  AdviseOptions options;
-  options.goal = flags.goal;
+  AdviseOptions options{.goal = flags.goal};
   for (const std::string& name : flags.solvers) options.solvers.push_back({name, name, {}});
   options.time_limit = flags.time_limit;
   options.window = flags.window.value_or(0);
   options.samples = flags.samples;
   options.keep_step = flags.keep_step;
-  const bool quiet = flags.quiet || flags.json == "-";
-  if (!quiet) {
-    options.say = [](const std::string& stage) { fmt::print(stderr, "{} ...\n", stage); };
-  }
+  const bool quiet = flags.silent();
+  if (!quiet) options.say = [](const std::string& stage) { fmt::print(stderr, "{} ...\n", stage); };
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
   Advice advice = advise(scene, options);

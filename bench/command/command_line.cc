@@ -86,17 +86,11 @@ CLI::Validator number_check(const std::string& expected, const std::function<boo
           ""};
 }
 
-template <class Value>
-DeclaredOption declare(CLI::App* app, const std::string& name, Value& value,
-                       const std::string& help) {
-  return DeclaredOption(app->add_option(name, value, help));
-}
-
-template <class Value>
-DeclaredOption declare_list(CLI::App* app, const std::string& name, Value& values,
-                            const std::string& help) {
-  CLI::Option* option = app->add_option(name, values, help);
-  if (name.starts_with('-')) option->delimiter(',');
+/// Adds an option by `add`, which takes its flags; the name of its value follows them.
+DeclaredOption declare(const std::string& name, const auto& add) {
+  const std::size_t space = name.find(' ');
+  CLI::Option* option = add(name.substr(0, space));
+  if (space != std::string::npos) option->type_name(name.substr(space + 1));
   return DeclaredOption(option);
 }
 
@@ -202,10 +196,6 @@ DeclaredOption& DeclaredOption::required() {
   option_->required();
   return *this;
 }
-DeclaredOption& DeclaredOption::value_name(const std::string& name) {
-  option_->type_name(name);
-  return *this;
-}
 DeclaredOption& DeclaredOption::group(const std::string& heading) {
   option_->group(heading);
   return *this;
@@ -238,33 +228,26 @@ DeclaredOption& DeclaredOption::suggest(const std::vector<std::string>& values) 
   return *this;
 }
 
-DeclaredOption CommandDeclaration::option(Text name, std::string& value, Text help) {
-  return declare(app_, name, value, help);
+template <class Value>
+DeclaredOption CommandDeclaration::option(Text name, Value& value, Text help) {
+  return declare(name, [&](const std::string& flags) {
+    CLI::Option* option = app_->add_option(flags, value, help);
+    if constexpr (requires { value.push_back(value[0]); } && !std::is_same_v<Value, std::string>) {
+      if (flags.starts_with('-')) option->delimiter(',');
+    }
+    return option;
+  });
 }
-DeclaredOption CommandDeclaration::option(Text name, std::optional<std::string>& value, Text help) {
-  return declare(app_, name, value, help);
-}
-DeclaredOption CommandDeclaration::option(Text name, int& value, Text help) {
-  return declare(app_, name, value, help);
-}
-DeclaredOption CommandDeclaration::option(Text name, std::optional<int>& value, Text help) {
-  return declare(app_, name, value, help);
-}
-DeclaredOption CommandDeclaration::option(Text name, std::uint64_t& value, Text help) {
-  return declare(app_, name, value, help);
-}
-DeclaredOption CommandDeclaration::option(Text name, double& value, Text help) {
-  return declare(app_, name, value, help);
-}
-DeclaredOption CommandDeclaration::option(Text name, std::optional<double>& value, Text help) {
-  return declare(app_, name, value, help);
-}
-DeclaredOption CommandDeclaration::option(Text name, std::vector<std::string>& values, Text help) {
-  return declare_list(app_, name, values, help);
-}
-DeclaredOption CommandDeclaration::option(Text name, std::vector<double>& values, Text help) {
-  return declare_list(app_, name, values, help);
-}
+template DeclaredOption CommandDeclaration::option(Text, std::string&, Text);
+template DeclaredOption CommandDeclaration::option(Text, std::optional<std::string>&, Text);
+template DeclaredOption CommandDeclaration::option(Text, int&, Text);
+template DeclaredOption CommandDeclaration::option(Text, std::optional<int>&, Text);
+template DeclaredOption CommandDeclaration::option(Text, std::uint64_t&, Text);
+template DeclaredOption CommandDeclaration::option(Text, double&, Text);
+template DeclaredOption CommandDeclaration::option(Text, std::optional<double>&, Text);
+template DeclaredOption CommandDeclaration::option(Text, std::vector<std::string>&, Text);
+template DeclaredOption CommandDeclaration::option(Text, std::vector<double>&, Text);
+
 DeclaredOption CommandDeclaration::flag(Text name, bool& value, Text help) {
   return DeclaredOption(app_->add_flag(name, value, help));
 }
@@ -274,7 +257,9 @@ DeclaredOption CommandDeclaration::flag(Text name, const std::function<void()>& 
 DeclaredOption CommandDeclaration::option(Text name,
                                           const std::function<void(const std::string&)>& call,
                                           Text help) {
-  return DeclaredOption(app_->add_option_function<std::string>(name, call, help));
+  return declare(name, [&](const std::string& flags) {
+    return app_->add_option_function<std::string>(flags, call, help);
+  });
 }
 void CommandDeclaration::footer(Text text) { app_->footer(text); }
 std::string CommandDeclaration::name() const { return app_->get_name(); }

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +20,6 @@ class DeclaredOption {
   explicit DeclaredOption(CLI::Option* option) : option_(option) {}
 
   DeclaredOption& required();
-  /// Name of its value in the help: SECONDS, FILE.
-  DeclaredOption& value_name(const std::string& name);
   /// Its heading in the help.
   DeclaredOption& group(const std::string& heading);
   /// Works, but does not show in the help.
@@ -49,16 +45,11 @@ class CommandDeclaration {
   explicit CommandDeclaration(CLI::App* app) : app_(app) {}
 
   using Text = const std::string&;
-  DeclaredOption option(Text name, std::string& value, Text help);
-  DeclaredOption option(Text name, std::optional<std::string>& value, Text help);
-  DeclaredOption option(Text name, int& value, Text help);
-  DeclaredOption option(Text name, std::optional<int>& value, Text help);
-  DeclaredOption option(Text name, std::uint64_t& value, Text help);
-  DeclaredOption option(Text name, double& value, Text help);
-  DeclaredOption option(Text name, std::optional<double>& value, Text help);
-  /// Lists: options take their values separated by commas, arguments as words.
-  DeclaredOption option(Text name, std::vector<std::string>& values, Text help);
-  DeclaredOption option(Text name, std::vector<double>& values, Text help);
+  /// `name`: the flags, and how the help calls the value: "--json FILE". Value: std::string, int,
+  /// double, optional ones of these, std::uint64_t; lists of strings and doubles, which options take
+  /// separated by commas, arguments as words.
+  template <class Value>
+  DeclaredOption option(Text name, Value& value, Text help);
   /// Called with the value at its position among the arguments.
   DeclaredOption option(Text name, const std::function<void(const std::string&)>& call, Text help);
   DeclaredOption flag(Text name, bool& value, Text help);

@@ -1,9 +1,14 @@
 #include "bench/command/command_options.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 #include <string_view>
+#include <system_error>
 
+#include "bench/report/chart.h"
+#include "bench/report/json_output.h"
+#include "core/base/file_error.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -15,24 +20,38 @@ constexpr const char* kSolverGroup =
 
 }  // namespace
 
+void OutputFlags::prepare(bool charts) const {
+  if (!out.empty()) {
+    if (charts) require_plotting_tool();
+    std::error_code failure;
+    std::filesystem::create_directories(out, failure);
+    if (failure) throw FileError(out, "", "cannot create: " + failure.message());
+  }
+  require_writable(json);
+}
+
+void add_output_flags(CommandDeclaration& command, OutputFlags& flags,
+                      const std::string& folder_help) {
+  if (!folder_help.empty()) {
+    command.option("--out DIR", flags.out, folder_help).group("Results");
+  }
+  command
+      .option("--json FILE", flags.json,
+              "Write the results as JSON; '-': standard output, with nothing else")
+      .group("Results");
+  command.flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
+}
+
 void add_threads_flag(CommandDeclaration& command, int& threads) {
-  command.option("--threads", threads, "Threads; every result has the same bits for any number")
-      .value_name("N")
+  command.option("--threads N", threads, "Threads; every result has the same bits for any number")
       .between(1, 1024);
 }
 
 void add_common_flags(CommandDeclaration& command, CommonFlags& flags) {
-  command.option("--time-limit", flags.time_limit, "Wall-clock limit of the whole command")
-      .value_name("SECONDS")
+  command.option("--time-limit SECONDS", flags.time_limit, "Wall-clock limit of the whole command")
       .positive();
   add_threads_flag(command, flags.threads);
-  command.flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
-  command.option("--out", flags.out, "Folder for the results").value_name("DIR").group("Results");
-  command
-      .option("--json", flags.json,
-              "Write the summary as JSON; '-': standard output, with nothing else")
-      .value_name("FILE")
-      .group("Results");
+  add_output_flags(command, flags, "Folder for the results");
 }
 
 void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
@@ -41,18 +60,13 @@ void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
 }
 
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
-  command.option("--solver", flags.name, "One of `bipot list solvers`")
-      .value_name("NAME")
-      .group(kSolverGroup);
-  command.option("--tol", flags.tol, "Tolerance of the stop test")
-      .value_name("NUMBER")
+  command.option("--solver NAME", flags.name, "One of `bipot list solvers`").group(kSolverGroup);
+  command.option("--tol NUMBER", flags.tol, "Tolerance of the stop test")
       .positive()
       .group(kSolverGroup);
-  command.option("--stop", flags.stop, "Stop test: guarded, raw42 or impulse")
-      .value_name("NAME")
+  command.option("--stop NAME", flags.stop, "Stop test: guarded, raw42 or impulse")
       .group(kSolverGroup);
-  command.option("--max-iterations", flags.max_iterations, "Iteration limit of one solve")
-      .value_name("N")
+  command.option("--max-iterations N", flags.max_iterations, "Iteration limit of one solve")
       .not_negative()
       .group(kSolverGroup);
   // One flag for each name, whichever solvers have it; `bipot list solvers NAME` explains it.
@@ -61,9 +75,10 @@ void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
     for (const ParameterSpec& spec : entry.parameters) names.insert(spec.name);
   }
   for (const std::string_view name : names) {
-    const auto keep = [&flags, key = std::string(name)](const std::string& value) {
-      flags.parameters[key] = value;
-    };
+    const std::function<void(const std::string&)> keep =
+        [&flags, key = std::string(name)](const std::string& value) {
+          flags.parameters[key] = value;
+        };
     command.option(parameter_flag(name), keep, "").hidden();
   }
 }

@@ -12,12 +12,24 @@
 
 namespace bipot {
 
-/// Flags common to `run` and `solve`.
-struct CommonFlags {
-  std::string out;
+/// Where results go.
+struct OutputFlags {
+  std::string out, json;  ///< a folder; a file, "-": standard output
   bool quiet = false;
+
+  /// True if standard output has nothing but JSON.
+  bool silent() const { return quiet || json == "-"; }
+  /// Before the work: makes the folder, and looks whether the file can be written and, for `charts`
+  /// in the folder, whether they can be drawn. Throws FileError.
+  void prepare(bool charts = false) const;
+};
+/// --out with this help, --json and --quiet. Empty help: no --out.
+void add_output_flags(CommandDeclaration& command, OutputFlags& flags,
+                      const std::string& folder_help);
+
+/// Flags common to `run` and `solve`.
+struct CommonFlags : OutputFlags {
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds
-  std::string json;                                             ///< file, "-": standard output
   int threads = 1;                                              ///< they change no bit
 };
 void add_common_flags(CommandDeclaration& command, CommonFlags& flags);

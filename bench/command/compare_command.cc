@@ -20,7 +20,7 @@
 namespace bipot {
 namespace {
 
-struct CompareFlags {
+struct CompareFlags : OutputFlags {
   std::vector<std::string> targets;
   std::vector<std::string> solvers = {"all"};
   std::vector<double> tols;                    ///< empty: 1e-2, 1e-4, 1e-6, 1e-8; quick 1e-2, 1e-6
@@ -35,10 +35,8 @@ struct CompareFlags {
   std::optional<int> scene_steps;     ///< all; quick 100
   /// Scenes run as a whole, beside the problems; "set": the set of `bipot trade`.
   std::vector<std::string> whole_runs;
-  bool quick = false, quiet = false;
-  std::string out, json;
+  bool quick = false;
 };
-namespace fs = std::filesystem;
 
 CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
   CommandDeclaration command = line.add_command(
@@ -50,28 +48,25 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
               "strike:32, in space cannonballs:6, cubic:6, pour3d:8, pipe:8, shear3d:8 (with "
               ":mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark")
       .required();
-  command.option("--solvers", flags.solvers, "all, or names separated by commas")
-      .value_name("NAMES");
-  command.option("--tols", flags.tols, "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)")
-      .positive()
-      .value_name("NUMBERS");
-  command.option("--time-limit", flags.time_limit, "CPU seconds of one solve (2; quick 1)")
-      .positive()
-      .value_name("SECONDS");
+  command.option("--solvers NAMES", flags.solvers, "all, or names separated by commas");
   command
-      .option("--reference-time-limit", flags.reference_time_limit,
+      .option("--tols NUMBERS", flags.tols,
+              "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)")
+      .positive();
+  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one solve (2; quick 1)")
+      .positive();
+  command
+      .option("--reference-time-limit SECONDS", flags.reference_time_limit,
               "CPU seconds of one attempt at a reference (5; quick 3)")
-      .positive()
-      .value_name("SECONDS");
+      .positive();
   command.option("--repeat", flags.repeat, "Solves behind each time, at least")
       .between(1, 1000)
       .show_default();
   command
-      .option("--min-time", flags.min_time,
+      .option("--min-time SECONDS", flags.min_time,
               "CPU seconds for which short solves are repeated; the least time counts")
       .not_negative()
-      .show_default()
-      .value_name("SECONDS");
+      .show_default();
   command.flag("--try-all", flags.try_all,
                "Run solvers also after they were out of time at a looser tolerance or on a "
                "smaller problem of the series");
@@ -82,23 +77,15 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
       .between(1, 1000);
   command.option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
       .positive();
-  command
-      .option("--whole-runs", flags.whole_runs,
-              "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
-              "trade` does; 'set' is its own set")
-      .value_name("SCENES");
+  command.option("--whole-runs SCENES", flags.whole_runs,
+                 "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
+                 "trade` does; 'set' is its own set");
   command.flag("--quick", flags.quick, "Loose limits and the small benchmark, for a first look");
-  command
-      .option("--out", flags.out,
-              "Folder for rows.csv, history.csv, success.csv, several.csv, comparison.csv, "
-              "comparison.json and report.html; a stopped comparison goes on from the rows there")
-      .value_name("DIR");
-  command
-      .option("--json", flags.json,
-              "Write the table as JSON; '-': standard output, with nothing else")
-      .value_name("FILE");
   add_threads_flag(command, flags.threads);
-  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  add_output_flags(
+      command, flags,
+      "Folder for rows.csv, history.csv, success.csv, several.csv, comparison.csv, "
+      "comparison.json and report.html; a stopped comparison goes on from the rows there");
   command.footer(
       "Ends with 0 when the table is complete: solves that fail or run out of time are rows of "
       "it.\n"
@@ -130,14 +117,10 @@ int run_compare(const CompareFlags& flags) {
   scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
   scenes.quick = flags.quick;
   scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
-  if (!flags.out.empty()) require_plotting_tool();
   const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
 
-  // A missing folder of results is created later.
-  if (flags.out.empty() || fs::path(flags.json).parent_path() != fs::path(flags.out)) {
-    require_writable(flags.json);
-  }
-  const bool quiet = flags.quiet || flags.json == "-";
+  flags.prepare(true);
+  const bool quiet = flags.silent();
   const long total = static_cast<long>(sources.size() * options.solvers.size() *
                                        options.tols.size() * (options.warm ? 2 : 1));
   ProgressBar progress(total, quiet);

@@ -6,9 +6,9 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
+#include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
@@ -17,7 +17,6 @@
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_sets.h"
 #include "bench/report/json_output.h"
-#include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
 #include "core/problem_files/fclib_file.h"
@@ -26,37 +25,25 @@
 namespace bipot {
 namespace {
 
-struct ExtremesFlags {
+struct ExtremesFlags : OutputFlags {
   std::vector<std::string> solvers;  ///< empty: all
   std::string only;                  ///< a case, or how its name begins
   bool quick = false;
   double tol = 1e-8;
   std::optional<double> time_limit;  ///< CPU seconds of a cell
-  std::string out;
-  std::string json;          ///< "-": standard output
   std::string dump_problem;  ///< FCLIB file for the one problem that --only or --first names
   int random_problems = 0, random_scenes = 0;
   std::uint64_t seed = 1;
   int first = 0;
-  bool quiet = false;
 };
 
 namespace fs = std::filesystem;
-
-void make_folder(const std::string& folder) {
-  if (folder.empty()) return;
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw FileError(folder, "", "cannot create: " + error.message());
-}
 
 std::vector<std::string> solvers_of(const ExtremesFlags& flags) {
   if (flags.solvers.empty()) return solver_names();
   for (const std::string& name : flags.solvers) require_solver(name);
   return flags.solvers;
 }
-
-bool quiet(const ExtremesFlags& flags) { return flags.quiet || flags.json == "-"; }
 
 /// The one problem that the flags name, as a file for `bipot solve`.
 int dump(const ExtremesFlags& flags) {
@@ -100,27 +87,25 @@ int random_sets(const ExtremesFlags& flags) {
     options.count = count;
     RandomSetResult result;
     {
-      ProgressBar progress(count, quiet(flags));
+      ProgressBar progress(count, flags.silent());
       options.on_progress = [&](int done) { progress.update(done, what); };
       result = measure(options);
     }
     sound = sound && result.sound() && result.energy_grew == 0;
-    if (!quiet(flags)) fmt::print("{}", to_text(result, what));
+    if (!flags.silent()) fmt::print("{}", to_text(result, what));
     for (const RandomFinding& f : result.findings) {
       const std::string again =
           fmt::format("bipot extremes --{} 1 --seed {} --first {}{}", flag, flags.seed, f.index,
                       f.solver.empty() ? "" : " --solver " + f.solver);
       findings.add({what, f.kind, f.index, f.solver, f.message, again});
-      if (!quiet(flags) && f.kind != "planted, not solved" && f.kind != "exists, not solved") {
+      if (!flags.silent() && f.kind != "planted, not solved" && f.kind != "exists, not solved") {
         fmt::print("  {}: {}\n    {}\n", f.kind, again, f.message);
       }
     }
   };
   run(flags.random_problems, "random problems", "random-problems", &run_random_problems);
   run(flags.random_scenes, "random scenes", "random-scenes", &run_random_scenes);
-  if (!flags.out.empty()) {
-    write_text_file(fs::path(flags.out) / "random.csv", to_csv(findings));
-  }
+  if (!flags.out.empty()) write_text_file(fs::path(flags.out) / "random.csv", to_csv(findings));
   page.add(std::move(findings));
   if (!flags.json.empty()) write_json(to_json(page), flags.json);
   if (InterruptGuard::requested()) return kExitInterrupted;
@@ -138,7 +123,7 @@ int matrix(const ExtremesFlags& flags) {
   {
     std::optional<ProgressBar> progress;
     options.on_cell = [&](const ExtremeCell& cell, int done, int total) {
-      if (!progress) progress.emplace(total, quiet(flags));
+      if (!progress) progress.emplace(total, flags.silent());
       progress->update(done, cell.name + ", " + cell.solver);
     };
     result = measure_extremes(options);
@@ -154,7 +139,7 @@ int matrix(const ExtremesFlags& flags) {
     write_json(json, (out / "extremes.json").string());
   }
   if (!flags.json.empty()) write_json(json, flags.json);
-  if (!quiet(flags)) {
+  if (!flags.silent()) {
     fmt::print("{}", to_text(result));
     for (std::size_t k = 0; k < result.cases.size() && result.cases.size() <= 3; ++k) {
       fmt::print("{}: {}.\n  known: {}\n", result.cases[k].name, result.cases[k].what,
@@ -172,40 +157,29 @@ int matrix(const ExtremesFlags& flags) {
     if (!flags.out.empty()) fmt::print("results in {}\n", flags.out);
   }
   if (!result.complete) return kExitInterrupted;
-  return count_cells(result).wrong == 0 ? kExitConverged : kExitNotConverged;
+  return count_cells(result, CellEnd::kWrong) == 0 ? kExitConverged : kExitNotConverged;
 }
 
 CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
   CommandDeclaration command = line.add_command(
       "extremes", "Where solvers hold and where they break: extreme cases, random problems");
   command.option("--only", flags.only, "One case, or all whose names begin so");
-  command.option("--solver,--solvers", flags.solvers, "Solvers (default: all)").value_name("NAMES");
+  command.option("--solver,--solvers NAMES", flags.solvers, "Solvers (default: all)");
   command.flag("--quick", flags.quick, "A tenth of the time a cell, without the large case");
   command.option("--tol", flags.tol, "Tolerance").positive().show_default();
   command
-      .option("--time-limit", flags.time_limit,
+      .option("--time-limit SECONDS", flags.time_limit,
               "CPU seconds of a cell (2; quick 0.2) or of a random problem (2)")
-      .value_name("SECONDS")
       .positive();
-  command.option("--out", flags.out, "Folder for extremes.csv, .json and .html, random.csv")
-      .value_name("DIR");
-  command
-      .option("--json", flags.json,
-              "Write all of it as JSON; '-': standard output, with nothing else")
-      .value_name("FILE");
-  command
-      .option("--dump-problem", flags.dump_problem,
-              "Write the one problem as an FCLIB file instead of solving it")
-      .value_name("FILE");
+  command.option("--dump-problem FILE", flags.dump_problem,
+                 "Write the one problem as an FCLIB file instead of solving it");
   const char* group = "Random sets (instead of the cases)";
   command
-      .option("--random-problems", flags.random_problems,
+      .option("--random-problems N", flags.random_problems,
               "So many problems: the first solver sees all, the others share them")
-      .value_name("N")
       .not_negative()
       .group(group);
-  command.option("--random-scenes", flags.random_scenes, "So many scenes, 20 steps each")
-      .value_name("N")
+  command.option("--random-scenes N", flags.random_scenes, "So many scenes, 20 steps each")
       .not_negative()
       .group(group);
   command.option("--seed", flags.seed, "Of the sets").show_default().group(group);
@@ -213,7 +187,7 @@ CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
       .not_negative()
       .show_default()
       .group(group);
-  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  add_output_flags(command, flags, "Folder for extremes.csv, .json and .html, random.csv");
   command.footer(
       "Ends with 0 when nothing was wrong (no false claim of convergence, NaN, crash, hang or energy\n"
       "against theory), with 1 otherwise; a problem that is not solved and says so is not wrong.\n"
@@ -227,8 +201,7 @@ CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
 
 int run_extremes(const ExtremesFlags& flags) {
   if (!flags.dump_problem.empty()) return dump(flags);
-  make_folder(flags.out);
-  require_writable(flags.json);
+  flags.prepare();
   const InterruptGuard interrupt;
   if (flags.random_problems + flags.random_scenes > 0) return random_sets(flags);
   return matrix(flags);

@@ -220,9 +220,7 @@ std::string motion_warning(const Scene<D>& scene, const SceneTotals<D>& totals) 
 template <int D>
 EnergyGrowth::EnergyGrowth(const Scene<D>& scene, const State<D>& start)
     : loss_(start.friction_loss + start.shock_loss), scale_(kinetic_energy(start)) {
-  for (const Body<D>& body : start.bodies) {
-    scale_ += body.mass * scene.gravity.norm() * body.radius;
-  }
+  for (const Body<D>& body : start.bodies) scale_ += body.mass * scene.gravity.norm() * body.radius;
 }
 
 template <int D>

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/report/json_output.h"
@@ -21,7 +22,7 @@
 namespace bipot {
 namespace {
 
-struct JudgeFlags {
+struct JudgeFlags : OutputFlags {
   std::string problem;   ///< FCLIB HDF5 or Siconos text
   std::string impulses;  ///< empty: /solution of the problem file
   double tol = 1e-8;
@@ -30,8 +31,6 @@ struct JudgeFlags {
   double factor = 1;
   int worst = 5;                   ///< contacts that are named
   bool accept_indefinite = false;  ///< take a W that is no Delassus operator
-  bool quiet = false;
-  std::string json;
 };
 
 ImpulseLayout layout_of(const JudgeFlags& flags) {
@@ -131,45 +130,37 @@ CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
   CommandDeclaration command = line.add_command(
       "judge", "How wrong is an impulse that any code computed for a problem file, and where");
   command.option("problem", flags.problem, "Problem file (FCLIB HDF5, Siconos text)").required();
-  command
-      .option("--impulses", flags.impulses,
-              "The impulses: .npy, .csv, FCLIB HDF5 (/solution/r) or Siconos text; without it "
-              "the problem file's own /solution")
-      .value_name("FILE");
-  command.option("--tol", flags.tol, "Tolerance that the errors are held against")
+  command.option("--impulses FILE", flags.impulses,
+                 "The impulses: .npy, .csv, FCLIB HDF5 (/solution/r) or Siconos text; without it "
+                 "the problem file's own /solution");
+  command.option("--tol NUMBER", flags.tol, "Tolerance that the errors are held against")
       .positive()
-      .show_default()
-      .value_name("NUMBER");
+      .show_default();
+  const char* group = "How the file has the impulses";
   command
       .option("--order", flags.order,
               "contact: all components of a contact together, as in FCLIB; component: all "
               "contacts' first components, then the second ones")
       .one_of({"contact", "component"})
       .show_default()
-      .group("How the file has the impulses");
+      .group(group);
   command
-      .option("--components", flags.components,
+      .option("--components LETTERS", flags.components,
               "Order of the components, n normal, t and s tangential (nts; LMGC90's: tns)")
-      .value_name("LETTERS")
-      .group("How the file has the impulses");
+      .group(group);
   command
-      .option("--negate", flags.negated,
+      .option("--negate LETTERS", flags.negated,
               "Components that point the other way: n where pushing is negative")
-      .value_name("LETTERS")
-      .group("How the file has the impulses");
-  command.option("--factor", flags.factor, "To N s: the time step, where the file has forces")
+      .group(group);
+  command
+      .option("--factor NUMBER", flags.factor, "To N s: the time step, where the file has forces")
       .positive()
       .show_default()
-      .value_name("NUMBER")
-      .group("How the file has the impulses");
+      .group(group);
   command.option("--worst", flags.worst, "Contacts to name").between(0, 1000000).show_default();
-  command
-      .option("--json", flags.json,
-              "Write the verdict as JSON; '-': standard output, with nothing else")
-      .value_name("FILE");
   command.flag("--accept-indefinite", flags.accept_indefinite,
                "Take a W that is not symmetric or not positive semidefinite; each verdict says so");
-  command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal: the exit code says it");
+  add_output_flags(command, flags, "");
   command.footer(
       "Ends with 0 where the largest of ε, η and the distance to the cone is within --tol, with 1\n"
       "where it is not.\n"
@@ -183,14 +174,12 @@ CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
 int run_judge(const JudgeFlags& flags) {
   const ProblemFile file =
       readable(flags.problem, [&] { return read_problem(flags.problem, flags.accept_indefinite); });
-  require_writable(flags.json);
+  flags.prepare();
   ImpulseVerdict verdict = judge(file.problem, impulse_of(flags, file), flags.worst);
   verdict.caution = file.caution;
   const int code = verdict.guarded() <= flags.tol ? kExitConverged : kExitNotConverged;
-  if (!flags.json.empty()) {
-    write_json(to_json(flags, file.problem, verdict, code), flags.json);
-  }
-  if (!flags.quiet && flags.json != "-") print(flags, file.problem, verdict);
+  if (!flags.json.empty()) write_json(to_json(flags, file.problem, verdict, code), flags.json);
+  if (!flags.silent()) print(flags, file.problem, verdict);
   return code;
 }
 

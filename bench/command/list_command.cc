@@ -28,17 +28,8 @@ struct ListFlags {
 };
 
 std::string_view kind_of(const ParameterSpec& spec) {
-  switch (spec.kind) {
-    case ParameterSpec::Kind::kNumber:
-      return "number";
-    case ParameterSpec::Kind::kInteger:
-      return "integer";
-    case ParameterSpec::Kind::kChoice:
-      return "choice";
-    case ParameterSpec::Kind::kText:
-      return "text";
-  }
-  return "?";
+  constexpr std::string_view kNames[] = {"number", "integer", "choice", "text"};
+  return kNames[static_cast<int>(spec.kind)];
 }
 
 std::string domain_of(const ParameterSpec& spec) {
@@ -177,8 +168,7 @@ CommandDeclaration add_list(CommandLine& line, ListFlags& flags) {
       .one_of({"solvers", "scenes", "problems"});
   command.option("name", flags.name,
                  "One solver: its parameters with flag, default, range and unit");
-  command.option("--json", flags.json, "Write the list as JSON; '-' is standard output")
-      .value_name("FILE");
+  command.option("--json FILE", flags.json, "Write the list as JSON; '-' is standard output");
   command.footer(
       "Examples:\n"
       "  bipot list solvers\n"

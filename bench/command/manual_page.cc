@@ -42,9 +42,7 @@ std::string command_text(const CommandNode& command) {
   for (const OptionNode& option : command.options) {
     if (!option.hidden) text += option_text(option);
   }
-  if (!command.footer.empty()) {
-    text += ".PP\n.nf\n" + plain(command.footer) + "\n.fi\n";
-  }
+  if (!command.footer.empty()) text += ".PP\n.nf\n" + plain(command.footer) + "\n.fi\n";
   return text;
 }
 

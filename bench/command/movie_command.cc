@@ -19,12 +19,11 @@ CommandDeclaration add_movie(CommandLine& line, MovieFlags& flags) {
   CommandDeclaration command =
       line.add_command("movie", "Make an mp4 or a gif of a run, by the program ffmpeg");
   command.option("run", flags.run, "Run, finished or interrupted (folder or run.h5)").required();
-  command.option("--file", flags.file, "Name that ends with .mp4 or .gif (default: movie.mp4)")
-      .value_name("FILE");
-  command.option("--frames-a-second", flags.frames_a_second, "Speed of the movie")
+  command.option("--file FILE", flags.file,
+                 "Name that ends with .mp4 or .gif (default: movie.mp4)");
+  command.option("--frames-a-second N", flags.frames_a_second, "Speed of the movie")
       .between(1, 120)
-      .show_default()
-      .value_name("N");
+      .show_default();
   command.footer(
       "Examples:\n"
       "  bipot movie out/drum\n"

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
@@ -21,11 +22,11 @@
 namespace bipot {
 namespace {
 
-struct PaperFlags {
+struct PaperFlags : OutputFlags {
+  PaperFlags() { out = "out/paper"; }
+
   std::vector<std::string> only;
-  bool quick = false, quiet = false;
-  std::string out = "out/paper";
-  std::string json;
+  bool quick = false;
 };
 
 namespace fs = std::filesystem;
@@ -92,20 +93,12 @@ CommandDeclaration add_paper(CommandLine& line, PaperFlags& flags) {
   for (const PaperItem& item : paper_items()) {
     names += fmt::format("{}{}", names.empty() ? "" : ", ", item.name);
   }
-  command.option("--only", flags.only, "Items, separated by commas, of " + names)
-      .value_name("NAMES");
+  command.option("--only NAMES", flags.only, "Items, separated by commas, of " + names);
   command.flag("--quick", flags.quick, "Small sizes, seconds");
-  command
-      .option("--out", flags.out,
-              "Folder for index.html, results.json, pictures and their data; items of an "
-              "earlier run that are not run now stay")
-      .value_name("DIR")
-      .show_default();
-  command
-      .option("--json", flags.json,
-              "Write the results as JSON; '-': standard output, with nothing else")
-      .value_name("FILE");
-  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  add_output_flags(
+      command, flags,
+      "Folder for index.html, results.json, pictures and their data (out/paper); items "
+      "of an earlier run that are not run now stay");
   command.footer(
       "Ends with 1 when a check is refuted or an item failed; what a short run cannot decide is said.\n"
       "Examples:\n"
@@ -128,13 +121,8 @@ int run_paper(const PaperFlags& flags) {
            std::find(flags.only.begin(), flags.only.end(), name) != flags.only.end();
   };
 
-  require_plotting_tool();
-  require_writable(flags.json);
+  flags.prepare(true);
   const fs::path folder = flags.out;
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure) throw FileError(folder, "", failure.message());
-
   ClaimReport report{.title = kTitle, .introduction = kIntroduction};
   report.command = command_line(flags, flags.only);
   const std::vector<ReportItem> before = read_items(folder / "results.json");
@@ -149,7 +137,7 @@ int run_paper(const PaperFlags& flags) {
     report.items.push_back(std::move(entry));
   }
 
-  const bool quiet = flags.quiet || flags.json == "-";
+  const bool quiet = flags.silent();
   const long total = static_cast<long>(
       std::count_if(names.begin(), names.end(), [&](const auto& name) { return chosen(name); }));
   ProgressBar progress(total, quiet);

@@ -98,9 +98,7 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (flags.no_page) scene.output.page = false;
   if (flags.watch) scene.output.page = true;
   scene.solver = merged(scene.solver, flags.solver);
-  if (flags.model) {
-    scene.model = *flags.model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
-  }
+  if (flags.model) scene.model = *flags.model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
   refuse_flags_of_the_other_model(flags, scene.model);
   if (flags.stiffness) scene.dem.stiffness = *flags.stiffness;
   if (flags.overlap) {
@@ -184,8 +182,7 @@ std::unique_ptr<FolderLock> claim_folder(const RunFlags& flags, const RunFolderO
 template <int D>
 int nothing_to_do(const RunFlags& flags, const Scene<D>& scene, const State<D>& state, bool quiet) {
   const std::string message = fmt::format(
-      "{} is at step {}, the scene ends at step {}: nothing to do (--steps N takes N "
-      "more)",
+      "{} is at step {}, the scene ends at step {}: nothing to do (--steps N takes N more)",
       flags.restart, state.step, scene.num_steps);
   if (!flags.common.json.empty()) {
     require_writable(flags.common.json);
@@ -441,47 +438,39 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
   command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
       .required();
   command
-      .option("--steps", flags.steps,
+      .option("--steps N", flags.steps,
               "Number of steps instead of the scene's; with --restart: more steps")
-      .value_name("N")
       .not_negative();
   command
-      .option("--step-size", flags.step_size,
+      .option("--step-size SECONDS", flags.step_size,
               "Time step instead of the scene's, whose duration (or steps) stays")
-      .value_name("SECONDS")
       .positive();
   command
-      .option("--accuracy", flags.accuracy,
+      .option("--accuracy RADII", flags.accuracy,
               "Radii by which an impact may misplace a body; 0: no parts")
-      .value_name("RADII")
       .not_negative();
   command
-      .option("--duration", flags.duration,
+      .option("--duration SECONDS", flags.duration,
               "Time to simulate, instead of the scene's; with --restart: more time")
-      .value_name("SECONDS")
       .positive();
-  command
-      .option("--restart", flags.restart,
-              "Go on from the last frame of that run (folder or run.h5)")
-      .value_name("RUN");
+  command.option("--restart RUN", flags.restart,
+                 "Go on from the last frame of that run (folder or run.h5)");
   command
       .option("--model", flags.model,
               "nscd: rigid, one contact problem a step; dem: springs and dashpots")
       .one_of({"nscd", "dem"});
-  const auto dem = [&](const char* name, std::optional<double>& value, const char* unit,
-                       const char* help) {
-    command.option(name, value, help).value_name(unit).group("Model dem");
+  const auto dem = [&](const char* name, std::optional<double>& value, const char* help) {
+    command.option(name, value, help).group("Model dem");
   };
-  dem("--stiffness", flags.stiffness, "N/m", "Normal stiffness (default: by --overlap)");
-  dem("--overlap", flags.overlap, "FRACTION",
+  dem("--stiffness N/m", flags.stiffness, "Normal stiffness (default: by --overlap)");
+  dem("--overlap FRACTION", flags.overlap,
       "Overlap aimed at, of the smallest radius: decides the stiffness");
-  dem("--tangential-ratio", flags.tangential_ratio, "FRACTION", "Tangential over normal stiffness");
-  dem("--substep", flags.substep, "SECONDS", "Largest substep (default: from the stability limit)");
+  dem("--tangential-ratio FRACTION", flags.tangential_ratio, "Tangential over normal stiffness");
+  dem("--substep SECONDS", flags.substep, "Largest substep (default: from the stability limit)");
   command.flag("--no-page", flags.no_page, "No index.html, which plays the run").group("Results");
   command.flag("--watch", flags.watch, "Serve the page to this machine while the run goes on")
       .group("Results");
-  command.option("--port", flags.port, fmt::format("Of --watch; 0: any (default {})", kWatchPort))
-      .value_name("N")
+  command.option("--port N", flags.port, fmt::format("Of --watch; 0: any (default {})", kWatchPort))
       .between(0, 65535)
       .group("Results");
   add_reproducible_flag(command, flags.reproducible);
@@ -493,15 +482,13 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
       .one_of({"all", "failed"})
       .group("Results");
   command
-      .option("--on-failure", flags.on_failure,
+      .option("--on-failure WORD", flags.on_failure,
               "Unsolved step; default: continue, unless it provably has no solution")
-      .one_of({"continue", "stop", "smaller-step"})
-      .value_name("WORD");
+      .one_of({"continue", "stop", "smaller-step"});
   command
-      .option("--on-tunnel", flags.on_tunnel,
+      .option("--on-tunnel WORD", flags.on_tunnel,
               "Bodies went through each other or a plate; default: stop")
-      .one_of({"stop", "warn", "smaller-step"})
-      .value_name("WORD");
+      .one_of({"stop", "warn", "smaller-step"});
   add_solver_flags(command, flags.solver);
   add_warm_start_flags(command, flags.solver);
   command.footer(

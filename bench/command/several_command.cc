@@ -29,16 +29,10 @@ namespace {
 namespace fs = std::filesystem;
 
 int exit_code_of(const SeveralAnswers& found) {
-  switch (found.status) {
-    case SolveStatus::kInvalidInput:
-      return kExitBadInput;
-    case SolveStatus::kInterrupted:
-      return kExitInterrupted;
-    case SolveStatus::kTimeLimit:
-      return kExitNotConverged;
-    default:
-      return found.answers.empty() ? kExitNotConverged : kExitConverged;
-  }
+  if (found.status == SolveStatus::kInvalidInput) return kExitBadInput;
+  if (found.status == SolveStatus::kInterrupted) return kExitInterrupted;
+  return found.answers.empty() || found.status == SolveStatus::kTimeLimit ? kExitNotConverged
+                                                                          : kExitConverged;
 }
 
 /// --seed is a parameter of solvers as well; here it belongs to the search.
@@ -56,12 +50,11 @@ std::uint64_t take_seed(std::map<std::string, std::string>& parameters, std::uin
 }
 
 SeveralOptions options_of(const SolveFlags& flags, const ProblemFile& file) {
-  SeveralOptions options;
-  options.starts = *flags.several;
-  options.tol = flags.solver.tol.value_or(options.tol);
-  options.time_limit = flags.common.time_limit;
-  options.solver = flags.solver.name.value_or("");
-  options.parameters = flags.solver.parameters;
+  SeveralOptions options{.starts = *flags.several,
+                         .tol = flags.solver.tol.value_or(SeveralOptions{}.tol),
+                         .time_limit = flags.common.time_limit,
+                         .solver = flags.solver.name.value_or(""),
+                         .parameters = flags.solver.parameters};
   options.seed = take_seed(options.parameters, options.seed);
   if (!options.parameters.empty() && options.solver.empty()) {
     throw std::invalid_argument("--several: a solver's parameters need --solver");
@@ -109,13 +102,8 @@ int several_command(const SolveFlags& flags, const ProblemFile& file) {
   SeveralOptions options = options_of(flags, file);
   const fs::path out = flags.common.out;
   std::string json = flags.common.json;
-  if (!out.empty()) {
-    std::error_code error;
-    fs::create_directories(out, error);
-    if (error) throw FileError(out, "", error.message());
-    if (json.empty()) json = (out / "summary.json").string();
-  }
-  require_writable(json);
+  if (!out.empty() && json.empty()) json = (out / "summary.json").string();
+  flags.common.prepare();
   const InterruptGuard interrupt;
   options.cancelled = &InterruptGuard::requested;
   SeveralAnswers found = find_several_answers(file.problem, options);

@@ -113,10 +113,9 @@ CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
   command.flag("--warm", flags.warm,
                "Start from the file's first guess (FCLIB /guesses), not from s = 0");
   command
-      .option("--several", flags.several,
+      .option("--several N", flags.several,
               "Look for several exact answers from N starts; --seed S draws others")
-      .between(1, 10000)
-      .value_name("N");
+      .between(1, 10000);
   command.flag("--explain", flags.explain,
                "With --solver auto: print which stages are planned, and why");
   command.flag("--accept-indefinite", flags.accept_indefinite,
@@ -127,13 +126,11 @@ CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
   add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
   command
-      .option("--solution", flags.solution,
+      .option("--solution FILE", flags.solution,
               "Write r, u (and v) into the /solution group of this FCLIB file; a file that does "
               "not exist is created with the problem")
-      .value_name("FILE")
       .group("Results");
-  command.option("--history", flags.history, "Write the judged iterations as CSV")
-      .value_name("FILE")
+  command.option("--history FILE", flags.history, "Write the judged iterations as CSV")
       .group("Results");
   add_solver_flags(command, flags.solver);
   command.footer(
@@ -152,14 +149,13 @@ namespace {
 SolveFlags with_folder(SolveFlags flags) {
   const std::filesystem::path out = flags.common.out;
   if (out.empty()) return flags;
-  std::error_code error;
-  std::filesystem::create_directories(out, error);
-  if (error) throw FileError(out, "", error.message());
+  flags.common.prepare();
   if (flags.common.json.empty()) flags.common.json = (out / "summary.json").string();
   if (flags.history.empty()) flags.history = (out / "history.csv").string();
   if (flags.solution.empty()) {
     flags.solution = (out / "solution.hdf5").string();
-    std::filesystem::remove(flags.solution, error);  // of another problem, perhaps
+    std::error_code ignored;
+    std::filesystem::remove(flags.solution, ignored);  // of another problem, perhaps
   }
   return flags;
 }

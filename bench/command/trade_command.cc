@@ -1,25 +1,20 @@
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <system_error>
 
+#include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/watched_trade.h"
-#include "bench/report/chart.h"
 #include "bench/report/json_output.h"
 #include "bench/tradeoff/trade_request.h"
-#include "core/base/file_error.h"
 
 namespace bipot {
 namespace {
 
-struct TradeFlags {
+struct TradeFlags : OutputFlags {
   TradeRequest request;
-  bool quiet = false;
-  std::string out, json;
 };
 
 CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
@@ -28,29 +23,34 @@ CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
   command.option("scenes", flags.request.scenes,
                  "Scene files or names of shipped scenes, each with :steps=N behind it for "
                  "another length (default: a set of them)");
-  const auto list = [&](const char* name, auto& values, const char* type, const char* help) {
-    return command.option(name, values, help).value_name(type);
-  };
-  list("--solvers", flags.request.solvers, "NAMES",
-       "Solvers; the first one runs the time steps too")
+  command
+      .option("--solvers NAMES", flags.request.solvers,
+              "Solvers; the first one runs the time steps too")
       .show_default();
-  list("--tols", flags.request.tols, "NUMBERS",
-       "Tolerances (1e-1,1e-2,1e-3,1e-4,1e-6; quick 1e-1,1e-3)")
+  command
+      .option("--tols NUMBERS", flags.request.tols,
+              "Tolerances (1e-1,1e-2,1e-3,1e-4,1e-6; quick 1e-1,1e-3)")
       .positive();
-  list("--step-sizes", flags.request.step_sizes, "FACTORS",
-       "Time steps over the scene's (2,1,0.5,0.25; quick 2,1,0.5)")
+  command
+      .option("--step-sizes FACTORS", flags.request.step_sizes,
+              "Time steps over the scene's (2,1,0.5,0.25; quick 2,1,0.5)")
       .positive();
-  list("--accuracies", flags.request.accuracies, "RADII",
-       "Accuracies that cut steps of a frame, see run --accuracy (0.1,0.03; quick 0.1)")
+  command
+      .option("--accuracies RADII", flags.request.accuracies,
+              "Accuracies that cut steps of a frame, see run --accuracy (0.1,0.03; quick 0.1)")
       .positive();
-  list("--overlaps", flags.request.overlaps, "FRACTIONS",
-       "Springs by the overlap aimed at, of the smallest radius (1e-2,1e-3,1e-4; quick 1e-2,1e-3)")
+  command
+      .option(
+          "--overlaps FRACTIONS", flags.request.overlaps,
+          "Springs by the overlap aimed at, of the smallest radius (1e-2,1e-3,1e-4; quick 1e-2,1e-3)")
       .positive();
-  list("--stiffness", flags.request.stiffness, "N/m",
-       "Springs by their stiffness, instead of --overlaps")
+  command
+      .option("--stiffness N/m", flags.request.stiffness,
+              "Springs by their stiffness, instead of --overlaps")
       .positive();
-  command.option("--time-limit", flags.request.time_limit, "CPU seconds of one run (20; quick 5)")
-      .value_name("SECONDS")
+  command
+      .option("--time-limit SECONDS", flags.request.time_limit,
+              "CPU seconds of one run (20; quick 5)")
       .positive();
   command
       .option("--negligible", flags.request.negligible,
@@ -60,23 +60,15 @@ CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
       .option("--replicas", flags.request.replicas,
               "Nearby runs of each setting where disks fly freely (3; quick 2)")
       .between(1, 1000);
-  command
-      .option(
-          "--witness",
-          [&flags](const std::string& name) {
-            flags.request.witness = name == "none" ? std::string() : name;
-          },
-          "Solver that runs the tightest tolerance too, to see what several exact answers do "
-          "(apgd; none)")
-      .value_name("NAME");
+  command.option(
+      "--witness NAME",
+      [&flags](const std::string& name) {
+        flags.request.witness = name == "none" ? std::string() : name;
+      },
+      "Solver that runs the tightest tolerance too, to see what several exact answers do "
+      "(apgd; none)");
   command.flag("--quick", flags.request.quick, "Fewer scenes and settings for a first look");
-  command.option("--out", flags.out, "Folder for trade.csv, trade.json and trade.html")
-      .value_name("DIR");
-  command
-      .option("--json", flags.json,
-              "Write all of it as JSON; '-': standard output, with nothing else")
-      .value_name("FILE");
-  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  add_output_flags(command, flags, "Folder for trade.csv, trade.json and trade.html");
   command.footer(
       "Ends with 0 when everything was run: runs that fail or take too long are rows of it.\n"
       "Examples:\n"
@@ -87,22 +79,14 @@ CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
 }
 
 int run_trade(const TradeFlags& flags) {
-  const std::filesystem::path out = flags.out;
-  if (!out.empty()) {
-    require_plotting_tool();
-    std::error_code error;
-    std::filesystem::create_directories(out, error);
-    if (error) throw FileError(out, "", "cannot create: " + error.message());
-  }
-  if (!flags.json.empty()) require_writable(flags.json);
-
-  const bool quiet = flags.quiet || flags.json == "-";
+  flags.prepare(true);
+  const bool quiet = flags.silent();
   const FinishedTrade finished = run_watched_trade(flags.request, quiet);
-  if (!out.empty()) write_trade(out, finished);
+  if (!flags.out.empty()) write_trade(flags.out, finished);
   if (!flags.json.empty()) write_json(to_json(finished.analysed, finished.context), flags.json);
   if (!quiet) {
     fmt::print("{}", to_text(trade_document(finished.analysed, finished.context)));
-    if (!out.empty()) fmt::print("results in {}\n", flags.out);
+    if (!flags.out.empty()) fmt::print("results in {}\n", flags.out);
   }
   return finished.analysed.trade.complete ? kExitConverged : kExitInterrupted;
 }

@@ -22,20 +22,16 @@ CommandDeclaration add_tune_command(CommandLine& line, TuneFlags& flags) {
   command.option("targets", flags.targets,
                  "Problem files, folders of them, scenes, families, as for compare; none: the rows "
                  "that are there");
-  command.option("--out", flags.out, "File for the plan").value_name("FILE").required();
-  command
-      .option("--rows", flags.rows,
-              "CSV of the measured rows, added to; rows that are there are kept (the plan's name "
-              "with .csv)")
-      .value_name("FILE");
-  command.option("--solvers", flags.solvers, "Names separated by commas (all)").value_name("NAMES");
-  command.option("--tols", flags.tols, "Tolerances (1e-2,1e-4,1e-8)")
+  command.option("--out FILE", flags.out, "File for the plan").required();
+  command.option(
+      "--rows FILE", flags.rows,
+      "CSV of the measured rows, added to; rows that are there are kept (the plan's name "
+      "with .csv)");
+  command.option("--solvers NAMES", flags.solvers, "Names separated by commas (all)");
+  command.option("--tols NUMBERS", flags.tols, "Tolerances (1e-2,1e-4,1e-8)").positive();
+  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one solve")
       .positive()
-      .value_name("NUMBERS");
-  command.option("--time-limit", flags.time_limit, "CPU seconds of one solve")
-      .positive()
-      .show_default()
-      .value_name("SECONDS");
+      .show_default();
   command.option("--scene-problems", flags.scene_problems, "Steps of a scene or a moving family")
       .between(1, 1000)
       .show_default();
@@ -55,14 +51,12 @@ CommandDeclaration add_tune_command(CommandLine& line, TuneFlags& flags) {
 int tune_command(const TuneFlags& flags) {
   namespace fs = std::filesystem;
   require_writable(flags.out);
-  MeasureOptions options;
-  options.variants = tuned_variants(flags.solvers);
+  MeasureOptions options{.variants = tuned_variants(flags.solvers)};
   if (!flags.tols.empty()) options.tols = flags.tols;
   options.time_limit = flags.time_limit;
   options.file =
       flags.rows.empty() ? fs::path(flags.out).replace_extension(".csv") : fs::path(flags.rows);
-  TargetOptions scenes;
-  scenes.scene_problems = flags.scene_problems;
+  TargetOptions scenes{.scene_problems = flags.scene_problems};
   const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;

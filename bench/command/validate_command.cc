@@ -6,16 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
+#include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/validation_report.h"
-#include "bench/report/chart.h"
 #include "bench/report/json_output.h"
-#include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
 #include "solvers/registry.h"
@@ -23,12 +21,11 @@
 namespace bipot {
 namespace {
 
-struct ValidateFlags {
+struct ValidateFlags : OutputFlags {
   std::vector<std::string> only;
-  bool quick = false, quiet = false;
+  bool quick = false;
   std::string solver = "apgd";
   int max_iterations = 20000;
-  std::string out, json;
 };
 
 /// True if a row was requested, by its name or the beginning of it.
@@ -71,24 +68,15 @@ std::string again(const ValidateFlags& flags) {
 CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
   CommandDeclaration command = line.add_command(
       "validate", "Physics that is known beforehand, checked: at which tolerance does it break?");
-  command
-      .option("--only", flags.only,
-              "Rows, or how their names begin, separated by commas (default: all)")
-      .value_name("NAMES");
+  command.option("--only NAMES", flags.only,
+                 "Rows, or how their names begin, separated by commas (default: all)");
   command.flag("--quick", flags.quick,
                "Fewer bodies, seeds and tolerances: seconds instead of up to half an hour");
   command.option("--solver", flags.solver, "Of every step, without islands").show_default();
   command.option("--max-iterations", flags.max_iterations, "Of a step").positive().show_default();
-  command
-      .option(
-          "--out", flags.out,
-          "Folder for index.html, validate.json, validate.csv, verdicts.csv, charts and their data")
-      .value_name("DIR");
-  command
-      .option("--json", flags.json,
-              "Write the results as JSON; '-': standard output, with nothing else")
-      .value_name("FILE");
-  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  add_output_flags(
+      command, flags,
+      "Folder for index.html, validate.json, validate.csv, verdicts.csv, charts and their data");
   command.footer(
       "Each row has its source, the expected value, what is measured at several tolerances, the\n"
       "error bar, and the loosest tolerance from which on it is right to 1 %.\n"
@@ -104,13 +92,7 @@ CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
 int run_validate(const ValidateFlags& flags) {
   require_solver(flags.solver);
   const std::vector<ValidationExperiment> experiments = chosen_experiments(flags);
-  require_writable(flags.json);
-  if (!flags.out.empty()) {
-    require_plotting_tool();
-    std::error_code failure;
-    std::filesystem::create_directories(flags.out, failure);
-    if (failure) throw FileError(flags.out, "", failure.message());
-  }
+  flags.prepare(true);
   const InterruptGuard interrupt;
   ValidationContext context{.quick = flags.quick,
                             .solver = flags.solver,
@@ -122,7 +104,7 @@ int run_validate(const ValidateFlags& flags) {
     for (const ValidationExperiment& e : experiments) {
       total += static_cast<long>(flags.quick ? e.quick_tols.size() : e.tols.size());
     }
-    ProgressBar progress(total, flags.quiet || flags.json == "-");
+    ProgressBar progress(total, flags.silent());
     for (const ValidationExperiment& e : experiments) {
       ExperimentResult result = run_experiment(
           e, context, [&](int, int) { progress.update(done++, e.rows.front().claim.name); });
@@ -138,7 +120,7 @@ int run_validate(const ValidateFlags& flags) {
   }
   if (!flags.out.empty()) write_validation(flags.out, page);
   if (!flags.json.empty()) write_json(to_json(to_report(page)), flags.json);
-  if (!flags.quiet && flags.json != "-") {
+  if (!flags.silent()) {
     fmt::print("{}", to_text(page));
     if (!flags.out.empty()) {
       fmt::print("{}\n", (std::filesystem::path(flags.out) / "index.html").string());
