@@ -1,10 +1,12 @@
 #include "bench/compare/case_parts.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/motion/midpoint.h"
 #include "core/motion/state.h"
 #include "core/motion/time_stepping.h"
+#include "core/scene/generators.h"
 
 namespace bipot {
 
@@ -20,6 +22,10 @@ Scene<2> empty_scene(double mu, double e_n, double e_t) {
 
 ContactProblem first_step(const Scene<2>& scene) {
   return step_problem(scene, initial_state(scene), false);
+}
+
+std::function<ContactProblem()> step_of(const Scene<2>& scene) {
+  return [scene] { return first_step(scene); };
 }
 
 Scene<2> tower(const std::vector<double>& masses, const std::vector<double>& radii, double mu) {
@@ -56,8 +62,25 @@ Vector tower_impulses(const Scene<2>& scene) {
   return s;
 }
 
-double motion_left(const Scene<2>& scene, const Vector& u) {
-  return u.cwiseAbs().maxCoeff() / (scene.step * scene.gravity.norm());
+std::function<double(const ContactProblem&, const Vector& s, const Vector& u)> against(
+    const Vector& known) {
+  return [known](const ContactProblem&, const Vector& s, const Vector&) {
+    return relative_difference(s, known);
+  };
+}
+
+void add_wedge(Scene<2>& scene, double half_angle) {
+  const Disk& disk = scene.bodies[0];
+  for (const double side : {1.0, -1.0}) {
+    const Vec2 n(side * std::cos(half_angle), std::sin(half_angle));
+    scene.walls.push_back(half_space<2>(disk.x - disk.radius * n, n, side > 0 ? "left" : "right"));
+  }
+}
+
+std::vector<Disk> touching_rows(int columns, int rows) {
+  std::vector<Disk> disks = rectangular_lattice(columns, rows, 0.5, Vec2::Zero());
+  for (Disk& d : disks) give_mass(d, 1);
+  return disks;
 }
 
 double push_on_wall(const Scene<2>& scene, std::size_t wall, const Vector& s) {

@@ -258,9 +258,7 @@ class ProblemRows {
                                   ReferenceSolution::kTarget, LimitOn::kCpu, options_.cancelled);
       true_error_.emplace(problem_, reference_);
       if (reference_.several()) reference_.spread = true_error_->spread();
-      if (!options_.is_cancelled()) {
-        store_.write(source_, problem_, reference_);
-      }
+      if (!options_.is_cancelled()) store_.write(source_, problem_, reference_);
     }
     if (!true_error_) true_error_.emplace(problem_, reference_);
   }
@@ -423,9 +421,7 @@ double HistoryPoint::guarded() const {
 
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options) {
   std::vector<const SolverEntry*> entries;
-  for (const std::string& name : options.solvers) {
-    entries.push_back(&require_solver(name));
-  }
+  for (const std::string& name : options.solvers) entries.push_back(&require_solver(name));
   for (const SolverEntry& entry : options.foreign) {
     if (find_solver(entry.name) != nullptr) {
       throw std::invalid_argument(

@@ -59,8 +59,7 @@ Chart error_chart(const Comparison& comparison, const ProblemSummary& problem,
   const Ranking rank = ranking(problem, comparison.rows);
   Chart chart{.y = error_axis(comparison, problem, rank)};
   if (rank.measure != Ranking::Measure::kGuarded && problem.reference_guarded >= *chart.y.low) {
-    chart.y_line = problem.reference_guarded;
-    chart.y_line_label = "guarded error of the reference";
+    chart.y_lines = {{problem.reference_guarded, "guarded error of the reference"}};
   }
   for (const std::string& solver : solvers_of(comparison)) {
     ChartSeries series{solver, style_of(solver), {}};
@@ -87,8 +86,7 @@ Chart profile_chart(const std::vector<PerformanceProfile>& profiles, const std::
   for (const PerformanceProfile& p : profiles) {
     if (!p.ratios.empty()) largest = std::max(largest, p.ratios.back());
   }
-  Chart chart;
-  chart.title = title;
+  Chart chart{.title = title};
   // Beyond a thousand times the best, differences are not shown.
   chart.x = {cost + " over the least of all solvers", ChartAxis::Kind::kLog, 1.0,
              std::min(1e3, decade_above(largest))};

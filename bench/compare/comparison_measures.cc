@@ -46,27 +46,14 @@ std::vector<double> tolerances_of(const Comparison& comparison) {
 }
 
 double Ranking::of(const ComparisonRow& row) const {
-  switch (measure) {
-    case Measure::kForce:
-      return row.force_error;
-    case Measure::kVelocity:
-      return row.velocity_error;
-    case Measure::kGuarded:
-      return row.guarded;
-  }
-  return row.guarded;
+  constexpr double ComparisonRow::*kErrors[] = {
+      &ComparisonRow::force_error, &ComparisonRow::velocity_error, &ComparisonRow::guarded};
+  return row.*kErrors[static_cast<int>(measure)];
 }
 
 std::string_view Ranking::name() const {
-  switch (measure) {
-    case Measure::kForce:
-      return "force error";
-    case Measure::kVelocity:
-      return "velocity error";
-    case Measure::kGuarded:
-      return "guarded error";
-  }
-  return "";
+  constexpr std::string_view kNames[] = {"force error", "velocity error", "guarded error"};
+  return kNames[static_cast<int>(measure)];
 }
 
 Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>& rows) {
@@ -107,9 +94,7 @@ const ComparisonRow* fastest_to(const ProblemSummary& problem,
   for (const ComparisonRow& row : rows) {
     if (row.problem != problem.name || !(rank.of(row) <= accuracy)) continue;
     if (!solver.empty() && row.solver != solver) continue;
-    if (std::isfinite(row.time()) && (best == nullptr || row.time() < best->time())) {
-      best = &row;
-    }
+    if (std::isfinite(row.time()) && (best == nullptr || row.time() < best->time())) best = &row;
   }
   if (best == nullptr) return best;
   const ComparisonRow* loosest = best;
@@ -263,10 +248,7 @@ std::vector<Growth> growth(const Comparison& comparison) {
     if (series[name].size() < 2) continue;
     for (const std::string& solver : solvers_of(comparison)) {
       for (double tol : tolerances_of(comparison)) {
-        Growth made;
-        made.series = name;
-        made.solver = solver;
-        made.tol = tol;
+        Growth made{.series = name, .solver = solver, .tol = tol};
         std::vector<double> bodies, iterations, times;
         for (const ProblemSummary* problem : series[name]) {
           const ComparisonRow* row = row_of(comparison, problem->name, solver, tol);

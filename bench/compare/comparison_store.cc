@@ -91,9 +91,7 @@ void ComparisonStore::append(const ComparisonRow& row, const History& history) {
   if (folder_.empty()) return;
   if (!history.problem.empty()) history_file_ << to_csv(history) << std::flush;
   rows_file_ << to_csv(row) << std::endl;
-  if (!rows_file_ || !history_file_) {
-    throw FileError(folder_ / "rows.csv", "", "cannot be written");
-  }
+  if (!rows_file_ || !history_file_) throw FileError(folder_ / "rows.csv", "", "cannot be written");
 }
 
 const History* ComparisonStore::history(const std::string& problem,

@@ -4,13 +4,18 @@ namespace bipot {
 
 std::vector<ExtremeCase> extreme_cases() {
   std::vector<ExtremeCase> cases;
-  add_mass_cases(cases);
-  add_friction_cases(cases);
-  add_restitution_cases(cases);
-  add_unit_cases(cases);
-  add_hyperstatic_cases(cases);
-  add_contradictory_cases(cases);
-  add_violent_cases(cases);
+  const auto add = [&cases](const char* group, void (*part)(std::vector<ExtremeCase>&)) {
+    const std::size_t before = cases.size();
+    part(cases);
+    for (std::size_t k = before; k < cases.size(); ++k) cases[k].group = group;
+  };
+  add("masses and sizes", add_mass_cases);
+  add("friction", add_friction_cases);
+  add("restitution", add_restitution_cases);
+  add("units", add_unit_cases);
+  add("more forces than equations", add_hyperstatic_cases);
+  add("contradictory data", add_contradictory_cases);
+  add("violent and degenerate", add_violent_cases);
   return cases;
 }
 

@@ -44,7 +44,7 @@ struct ExtremeCase {
 /// All cases, group by group, in the order of the page.
 std::vector<ExtremeCase> extreme_cases();
 
-/// The parts of the list, one file each.
+/// The parts of the list, one file each, without their group.
 void add_mass_cases(std::vector<ExtremeCase>& cases);
 void add_friction_cases(std::vector<ExtremeCase>& cases);
 void add_restitution_cases(std::vector<ExtremeCase>& cases);

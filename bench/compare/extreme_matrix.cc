@@ -11,50 +11,20 @@
 #include "bench/measure/independent_check.h"
 #include "bench/measure/limited_solve.h"
 #include "bench/measure/stopwatch.h"
-#include "bench/report/json_output.h"
 #include "core/base/nearest_name.h"
-#include "core/base/number_text.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/force_energy.h"
 #include "solvers/simulation/scene_run.h"
 
 namespace bipot {
+
+/// What a child process says of a cell.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ExtremeCell, end, status, message, guarded, true_error,
+                                   energy_error, iterations, cpu_seconds, steps_solved, steps)
+
 namespace {
 
 constexpr double kEnergyGrace = 1e-6;  // of the energy moved: allowance for the tolerance
-
-/// NaN and infinity as text, since JSON has neither.
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(fmt::format("{}", x)); }
-double number(const Json& j) {
-  return j.is_number() ? j.get<double>() : number_at(j.get<std::string>());
-}
-
-std::string to_json(const ExtremeCell& c) {
-  return json_text({{"end", static_cast<int>(c.end)},
-                    {"status", c.status},
-                    {"message", c.message},
-                    {"guarded", number(c.guarded)},
-                    {"true_error", number(c.true_error)},
-                    {"energy_error", number(c.energy_error)},
-                    {"iterations", c.iterations},
-                    {"cpu_seconds", c.cpu_seconds},
-                    {"steps_solved", c.steps_solved},
-                    {"steps", c.steps}});
-}
-
-void from_json(const std::string& text, ExtremeCell& c) {
-  const Json j = Json::parse(text);
-  c.end = static_cast<CellEnd>(j.at("end").get<int>());
-  c.status = j.at("status").get<std::string>();
-  c.message = j.at("message").get<std::string>();
-  c.guarded = number(j.at("guarded"));
-  c.true_error = number(j.at("true_error"));
-  c.energy_error = number(j.at("energy_error"));
-  c.iterations = j.at("iterations").get<int>();
-  c.cpu_seconds = j.at("cpu_seconds").get<double>();
-  c.steps_solved = j.at("steps_solved").get<int>();
-  c.steps = j.at("steps").get<int>();
-}
 
 /// Work of the impulses on the mean velocities if it is a gain (the law requires a loss), over the
 /// energy that they move.
@@ -226,23 +196,15 @@ void certify(ExtremeMatrix& matrix) {
 
 }  // namespace
 
-std::string_view to_string(CellEnd end) {
-  switch (end) {
-    case CellEnd::kSolved:
-      return "solved";
-    case CellEnd::kUnsolved:
-      return "not solved";
-    case CellEnd::kBeyond:
-      return "beyond double";
-    case CellEnd::kNone:
-      return "no solution";
-    case CellEnd::kRefused:
-      return "refused";
-    case CellEnd::kNotForIt:
-      return "not for it";
-    default:
-      return "wrong";
-  }
+const EndWords& words_of(CellEnd end) {
+  static constexpr EndWords kWords[] = {{"solved", "ok", "good"},
+                                        {"not solved", "--", "weak"},
+                                        {"beyond double", "rd", "beyond"},
+                                        {"no solution", "no", "none"},
+                                        {"refused", "rf", "grey"},
+                                        {"not for it", "", ""},
+                                        {"wrong", "!!", "bad"}};
+  return kWords[static_cast<int>(end)];
 }
 
 const ExtremeCell* ExtremeMatrix::find(const std::string& name, const std::string& solver) const {
@@ -276,15 +238,18 @@ ExtremeMatrix measure_extremes(const MatrixOptions& options) {
   jobs.seconds = std::max(30.0, 10 * options.time_limit);
   jobs.job = [&](int k) {
     const std::string& solver = matrix.solvers[to_size(k % solvers)];
-    return to_json(of(k).scene ? run_case(of(k), solver, options)
-                               : solve_problem(of(k), solver, options,
-                                               matrix.verdicts[to_size(k / solvers)],
-                                               matrix.floors[to_size(k / solvers)]));
+    const nlohmann::json cell =
+        of(k).scene ? run_case(of(k), solver, options)
+                    : solve_problem(of(k), solver, options, matrix.verdicts[to_size(k / solvers)],
+                                    matrix.floors[to_size(k / solvers)]);
+    std::string bytes;
+    nlohmann::json::to_cbor(cell, bytes);  // keeps NaN
+    return bytes;
   };
   jobs.on_end = [&](int k, const JobEnd& end) {
     ExtremeCell cell;
     if (end.kind == JobEnd::Kind::kDone) {
-      from_json(end.text, cell);
+      nlohmann::json::from_cbor(end.text).get_to(cell);
     } else {
       cell.status = end.kind == JobEnd::Kind::kHung ? "hung" : "crashed";
       cell.message = end.text;
@@ -301,19 +266,11 @@ ExtremeMatrix measure_extremes(const MatrixOptions& options) {
   return matrix;
 }
 
-CellCounts count_cells(const ExtremeMatrix& matrix, const std::string& solver) {
-  CellCounts counts;
-  for (const ExtremeCell& c : matrix.cells) {
-    if (!solver.empty() && c.solver != solver) continue;
-    ++(c.end == CellEnd::kSolved     ? counts.solved
-       : c.end == CellEnd::kUnsolved ? counts.unsolved
-       : c.end == CellEnd::kBeyond   ? counts.beyond
-       : c.end == CellEnd::kNone     ? counts.none
-       : c.end == CellEnd::kRefused  ? counts.refused
-       : c.end == CellEnd::kNotForIt ? counts.not_for_it
-                                     : counts.wrong);
-  }
-  return counts;
+int count_cells(const ExtremeMatrix& matrix, CellEnd end, const std::string& solver) {
+  return static_cast<int>(
+      std::count_if(matrix.cells.begin(), matrix.cells.end(), [&](const ExtremeCell& c) {
+        return c.end == end && (solver.empty() || c.solver == solver);
+      }));
 }
 
 std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,

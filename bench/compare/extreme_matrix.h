@@ -19,7 +19,11 @@ enum class CellEnd {
   kNotForIt,  ///< beyond the solver's dimension or size
   kWrong      ///< false claim, not finite, energy against theory, crash, hang
 };
-std::string_view to_string(CellEnd end);
+/// How an end is named, shown on terminals, and coloured on pages (bench/report/document.h).
+struct EndWords {
+  const char *name, *sign, *look;
+};
+const EndWords& words_of(CellEnd end);
 
 struct ExtremeCell {
   std::string name, solver;  ///< of the case, of the solver
@@ -60,11 +64,8 @@ struct MatrixOptions {
 /// unknown solver and if `only` matches no case.
 ExtremeMatrix measure_extremes(const MatrixOptions& options);
 
-/// Counts over the cells of one solver, or over all if `solver` is empty.
-struct CellCounts {
-  int solved = 0, unsolved = 0, beyond = 0, none = 0, refused = 0, not_for_it = 0, wrong = 0;
-};
-CellCounts count_cells(const ExtremeMatrix& matrix, const std::string& solver = {});
+/// Number of cells with this end, of one solver, or of all if `solver` is empty.
+int count_cells(const ExtremeMatrix& matrix, CellEnd end, const std::string& solver = {});
 
 /// The solvers that solved a case that `missed` tried and did not solve; empty if it did, or no
 /// solver did.

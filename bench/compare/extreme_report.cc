@@ -11,29 +11,8 @@
 namespace bipot {
 namespace {
 
-/// How an end is shown: on terminals, and in the style of pages.
-struct EndSign {
-  const char *sign, *look;
-};
-EndSign sign_of(CellEnd end) {
-  switch (end) {
-    case CellEnd::kSolved:
-      return {"ok", "good"};
-    case CellEnd::kUnsolved:
-      return {"--", "weak"};
-    case CellEnd::kBeyond:
-      return {"rd", "beyond"};
-    case CellEnd::kNone:
-      return {"no", "none"};
-    case CellEnd::kRefused:
-      return {"rf", "grey"};
-    case CellEnd::kNotForIt:
-      return {"", ""};
-    case CellEnd::kWrong:
-      break;
-  }
-  return {"!!", "bad"};
-}
+constexpr CellEnd kCounted[] = {CellEnd::kSolved, CellEnd::kUnsolved, CellEnd::kBeyond,
+                                CellEnd::kNone,   CellEnd::kRefused,  CellEnd::kWrong};
 
 /// Cases by solvers, group by group. `cell_of` shows a cell, `case_of` the name of a case.
 template <class CellOf, class CaseOf>
@@ -56,13 +35,13 @@ Table matrix_table(const ExtremeMatrix& m, const CellOf& cell_of, const CaseOf& 
 
 Table counts_table(const ExtremeMatrix& m) {
   Table table{.columns = {{.name = "solver"}}};
-  for (const char* name :
-       {"solved", "not solved", "beyond double", "no solution", "refused", "wrong"}) {
-    table.columns.push_back({.name = name, .show = count_label});
+  for (const CellEnd end : kCounted) {
+    table.columns.push_back({.name = words_of(end).name, .show = count_label});
   }
   for (const std::string& solver : m.solvers) {
-    const CellCounts k = count_cells(m, solver);
-    table.add({solver, k.solved, k.unsolved, k.beyond, k.none, k.refused, k.wrong});
+    std::vector<TableCell> cells = {solver};
+    for (const CellEnd end : kCounted) cells.emplace_back(count_cells(m, end, solver));
+    table.add(std::move(cells));
   }
   return table;
 }
@@ -86,10 +65,9 @@ void add_case(const ExtremeMatrix& m, std::size_t k, Document& whole) {
   Terms terms{{{"known", c.known}}};
   if (!m.existence[k].empty()) terms.entries.emplace_back("proved", m.existence[k]);
   if (!std::isnan(m.floors[k])) {
-    terms.entries.emplace_back("rounding",
-                               "the known answer, rounded to double precision, has the guarded "
-                               "error " +
-                                   error_label(m.floors[k]));
+    terms.entries.emplace_back(
+        "rounding", "the known answer, rounded to double precision, has the guarded error " +
+                        error_label(m.floors[k]));
   }
   if (const ExtremeCell* first = m.find(c.name, m.solvers.front())) {
     ExtremeCell any = *first;
@@ -110,7 +88,7 @@ void add_case(const ExtremeMatrix& m, std::size_t k, Document& whole) {
     if (cell == nullptr) continue;
     const std::string steps =
         cell->steps > 1 ? fmt::format(" ({} of {} steps)", cell->steps_solved, cell->steps) : "";
-    table.add({solver, TableCell(to_string(cell->end)).as(sign_of(cell->end).look),
+    table.add({solver, TableCell(words_of(cell->end).name).as(words_of(cell->end).look),
                TableCell(cell->status + steps).tipped(cell->message), cell->guarded,
                cell->true_error, cell->energy_error, cell->iterations, cell->cpu_seconds},
               cell->end == CellEnd::kWrong ? "bad" : "");
@@ -148,7 +126,7 @@ Table cells_table(const ExtremeMatrix& m) {
   for (const ExtremeCell& cell : m.cells) {
     for (std::size_t k = 0; k < m.cases.size(); ++k) {
       if (m.cases[k].name != cell.name) continue;
-      table.add({m.cases[k].group, cell.name, cell.solver, to_string(cell.end), cell.status,
+      table.add({m.cases[k].group, cell.name, cell.solver, words_of(cell.end).name, cell.status,
                  cell.guarded, cell.true_error, cell.energy_error, cell.iterations,
                  cell.cpu_seconds, cell.steps_solved, cell.steps, to_string(m.verdicts[k]),
                  m.floors[k],
@@ -162,7 +140,7 @@ Table cells_table(const ExtremeMatrix& m) {
 std::string to_text(const ExtremeMatrix& m) {
   Document d;
   Table matrix = matrix_table(
-      m, [](const ExtremeCell& cell) { return TableCell(sign_of(cell.end).sign); },
+      m, [](const ExtremeCell& cell) { return TableCell(words_of(cell.end).sign); },
       [](const ExtremeCase& c) { return "  " + c.name; });
   for (TableColumn& column : matrix.columns) column.name = column.name.substr(0, 4);
   matrix.note =
@@ -210,24 +188,21 @@ std::string to_markdown(const ExtremeMatrix& m) {
 }
 
 Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
-  const CellCounts all = count_cells(m);
   Document page{.title = "Contact solvers at the extremes", .made = made};
   page.say(fmt::format(
       "{} cases, {} solvers, each asked for a guarded error of 1e-8 within its time limit: {} "
       "cells solved, {} not solved, {} beyond double precision, {} proved to have no solution, {} "
       "wrong (false claims, NaN, crashes, hangs, energy against theory).{}",
-      m.cases.size(), m.solvers.size(), all.solved, all.unsolved, all.beyond, all.none, all.wrong,
+      m.cases.size(), m.solvers.size(), count_cells(m, CellEnd::kSolved),
+      count_cells(m, CellEnd::kUnsolved), count_cells(m, CellEnd::kBeyond),
+      count_cells(m, CellEnd::kNone), count_cells(m, CellEnd::kWrong),
       m.complete ? "" : " The measurement was stopped before its end."));
   const auto missed = std::count_if(m.cases.begin(), m.cases.end(), [&](const ExtremeCase& c) {
     return !solved_by_others(m, c.name).empty();
   });
   page.say(fmt::format("Cases that `auto` misses and another solver solves: {}.", missed));
-  Table key{.columns = {{.name = "colours"},
-                        {.name = " "},
-                        {.name = " "},
-                        {.name = " "},
-                        {.name = " "},
-                        {.name = " "}}};
+  Table key{.columns = {{.name = "colours"}}};
+  key.columns.resize(std::size(kCounted), {.name = " "});
   key.add({TableCell("solved").as("good"), TableCell("not solved, and says why").as("weak"),
            TableCell("beyond double precision").as("beyond"),
            TableCell("no solution exists").as("none"), TableCell("data refused").as("grey"),
@@ -245,7 +220,7 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
         const bool figure = std::isfinite(cell.guarded) && cell.end != CellEnd::kNotForIt;
         return TableCell(figure ? fmt::format("{:.0e}", cell.guarded) : "")
             .tipped(cell.status + ": " + cell.message)
-            .as(sign_of(cell.end).look);
+            .as(words_of(cell.end).look);
       },
       [](const ExtremeCase& c) { return fmt::format("[{0}](#{0})", c.name); });
   matrix.columns.push_back({.name = "missed by auto, solved by"});

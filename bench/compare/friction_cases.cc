@@ -41,7 +41,6 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
   for (const double mu : {0.0, 1e-12, 1.0, 10.0, 1e6}) {
     cases.push_back(
         {.name = fmt::format("mu_{:g}", mu),
-         .group = "friction",
          .what = fmt::format(
              "a triangular lattice of 33 disks in a box, tilted by 20 degrees, mu = {:g}", mu),
          .known = why,
@@ -50,7 +49,6 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
   }
   cases.push_back(
       {.name = "mu_mixed",
-       .group = "friction",
        .what = "the same with mu = 0, 1e-12, 0.3, 10 and 1e6 in turn, contact by contact",
        .known = why,
        .problem = [=] {
@@ -70,15 +68,13 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
     cases.push_back(
         {.name = beyond == 0 ? "edge_of_the_cone"
                              : (beyond > 0 ? "just_beyond_the_edge" : "just_within_the_edge"),
-         .group = "friction",
          .what = fmt::format("a disk on a plane of slope 3 mu (1 + {:g}), mu = 0.2", beyond),
          .known =
              "rolling asks for s_t = s_n tan / 3, which is the edge: s = s_n (1, mu) on both sides",
-         .problem = [scene] { return first_step(scene); },
-         .true_error =
-             [normal](const ContactProblem&, const Vector& s, const Vector&) {
-               return std::hypot(s[0] - normal, std::abs(s[1]) - 0.2 * normal) / normal;
-             }});
+         .problem = step_of(scene),
+         .true_error = [normal](const ContactProblem&, const Vector& s, const Vector&) {
+           return std::hypot(s[0] - normal, std::abs(s[1]) - 0.2 * normal) / normal;
+         }});
   }
   // Sliding along +t with u = (0, 1, 0); b_n = coupling - 1/mu < 0, so that s = 0 is no answer.
   for (const double mu : {1.0, 10.0, 1e6}) {
@@ -87,7 +83,6 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
     const Vector b = three(coupling - 1 / mu, 1 + 3 - coupling / mu, 0);
     cases.push_back(
         {.name = fmt::format("slides_in_space_mu_{:g}", mu),
-         .group = "friction",
          .what = fmt::format("one contact in space, normal and tangent coupled, mu = {:g}: "
                              "data of the sliding pair s = (1/mu, -1, 0), u = (0, 1, 0)",
                              mu),
@@ -101,7 +96,6 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
   }
   cases.push_back(
       {.name = "sticks_in_space_mu_1e6",
-       .group = "friction",
        .what = "the same contact, data of the sticking pair s = (1, 2, -1), u = 0, mu = 1e6",
        .known = "W is regular and s lies inside the cone; the sliding pairs of this contact "
                 "would need u_t against s_t",
@@ -111,8 +105,7 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
              p.u_free = -(p.W * three(1, 2, -1));
              return p;
            },
-       .true_error = [](const ContactProblem&, const Vector& s,
-                        const Vector&) { return relative_difference(s, three(1, 2, -1)); }});
+       .true_error = against(three(1, 2, -1))});
 }
 
 }  // namespace bipot

@@ -1,17 +1,13 @@
-#include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "bench/compare/case_parts.h"
 #include "bench/compare/extreme_case.h"
-#include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
 
 namespace bipot {
 namespace {
-
-constexpr const char* kHyperstatic = "more forces than equations";
 
 void drive(Wall<2>& wall, double force) {
   wall.motion = Wall<2>::Motion::kDriven;
@@ -25,32 +21,31 @@ void add_pressed(std::vector<ExtremeCase>& cases, const std::string& name, const
                  const Scene<2>& scene) {
   cases.push_back(
       {.name = name,
-       .group = kHyperstatic,
        .what = what,
        .known =
            "rest obeys the law, and on each driven wall at rest the normal impulses add up to h F",
-       .problem = [scene] { return first_step(scene); },
-       .true_error =
-           [scene](const ContactProblem&, const Vector& s, const Vector&) {
-             double worst = 0;
-             for (std::size_t w = 0; w < scene.walls.size(); ++w) {
-               if (scene.walls[w].motion != Wall<2>::Motion::kDriven) continue;
-               const double push = scene.step * scene.walls[w].force;
-               worst = std::max(worst, std::abs(push_on_wall(scene, w, s) / push - 1));
-             }
-             return worst;
-           }});
+       .problem = step_of(scene),
+       .true_error = [scene](const ContactProblem&, const Vector& s, const Vector&) {
+         double worst = 0;
+         for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+           if (scene.walls[w].motion != Wall<2>::Motion::kDriven) continue;
+           const double push = scene.step * scene.walls[w].force;
+           worst = std::max(worst, std::abs(push_on_wall(scene, w, s) / push - 1));
+         }
+         return worst;
+       }});
 }
 
 void add_at_rest(std::vector<ExtremeCase>& cases, const std::string& name, const std::string& what,
                  const std::string& known, const Scene<2>& scene) {
   cases.push_back({.name = name,
-                   .group = kHyperstatic,
                    .what = what,
                    .known = known + "; the error is the motion left, |u| / (h g)",
-                   .problem = [scene] { return first_step(scene); },
-                   .true_error = [scene](const ContactProblem&, const Vector&,
-                                         const Vector& u) { return motion_left(scene, u); }});
+                   .problem = step_of(scene),
+                   .true_error = [h_g = scene.step * scene.gravity.norm()](
+                                     const ContactProblem&, const Vector&, const Vector& u) {
+                     return u.cwiseAbs().maxCoeff() / h_g;
+                   }});
 }
 
 /// Rows of 4, 5, 6, 7, 6, 5, 4 touching disks, pressed by six walls along the normals of the sides.
@@ -101,8 +96,7 @@ void add_hyperstatic_cases(std::vector<ExtremeCase>& cases) {
               "a square lattice of 36 disks in a box whose right wall presses with 1000 N", box);
   Scene<2> chain = empty_scene(0.3);
   chain.gravity.setZero();
-  chain.bodies = rectangular_lattice(8, 4, 0.5, Vec2::Zero());
-  for (Disk& d : chain.bodies) d = round_body<2>(d.x, d.radius, 1);
+  chain.bodies = touching_rows(8, 4);
   chain.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0), "left"),
                  half_space<2>(Vec2(8, 0), Vec2(-1, 0), "right")};
   drive(chain.walls[1], 1000);
@@ -112,41 +106,30 @@ void add_hyperstatic_cases(std::vector<ExtremeCase>& cases) {
   add_pressed(cases, "hexagon",
               "a hexagonal block of 37 disks pressed by six walls with 100 N each", hexagon());
   Scene<2> wedge = empty_scene(1);
-  const double half = std::numbers::pi / 6;
   wedge.bodies = {round_body<2>(Vec2(0, 1), 0.5, 1)};
-  for (const double side : {1.0, -1.0}) {
-    const Vec2 n(side * std::cos(half), std::sin(half));
-    wedge.walls.push_back(
-        half_space<2>(wedge.bodies[0].x - 0.5 * n, n, side > 0 ? "left" : "right"));
-  }
+  add_wedge(wedge, std::numbers::pi / 6);
   add_at_rest(cases, "jammed_wedge",
               "a disk in a wedge of 60 degrees with mu = 1: it can be pressed in without a load",
               "two normal impulses and no friction hold the weight: rest obeys the law", wedge);
   add_at_rest(cases, "arch", "an arch of 11 equal disks on an inverted catenary between two planes",
               "impulses along the centres balance every weight: rest obeys the law", arch(11));
   Scene<2> row = empty_scene(0.3);
-  row.bodies = rectangular_lattice(10, 1, 0.5, Vec2::Zero());
-  for (Disk& d : row.bodies) d = round_body<2>(d.x, d.radius, 1);
+  row.bodies = touching_rows(10, 1);
   row.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0), "push")};
   drive(row.walls[1], 50);
   cases.push_back(
       {.name = "pushed_row",
-       .group = kHyperstatic,
        .what = "ten touching disks on a plane, the first pushed with 50 N",
        .known = "floor and wall bear no self-stress (the far end is free): a solution exists. "
                 "All friction of the floor is at most mu 10 m g = 29.4 N",
-       .problem = [row] { return first_step(row); }});
-  ExtremeCase tall{.name = "column_1000",
-                   .group = kHyperstatic,
+       .problem = step_of(row)});
+  const Scene<2> column = tower(std::vector<double>(1000, 1.0), {0.5});
+  cases.push_back({.name = "column_1000",
                    .what = "a column of 1000 equal disks",
                    .known = "contact k carries k weights, without friction; W is regular",
-                   .large = true};
-  const Scene<2> column = tower(std::vector<double>(1000, 1.0), {0.5});
-  tall.problem = [column] { return first_step(column); };
-  tall.true_error = [column](const ContactProblem&, const Vector& s, const Vector&) {
-    return relative_difference(s, tower_impulses(column));
-  };
-  cases.push_back(tall);
+                   .problem = step_of(column),
+                   .true_error = against(tower_impulses(column)),
+                   .large = true});
 }
 
 }  // namespace bipot

@@ -9,7 +9,7 @@ namespace bipot {
 struct JobEnd {
   enum class Kind { kDone, kCrashed, kHung };
   Kind kind = Kind::kDone;
-  std::string text;  ///< result of the job; else the cause of its end
+  std::string text;  ///< result of the job, any bytes; else the cause of its end
 };
 
 struct IsolatedJobs {

@@ -12,15 +12,12 @@ void add_tower(std::vector<ExtremeCase>& cases, const std::string& name, const s
                const Scene<2>& scene) {
   cases.push_back(
       {.name = name,
-       .group = "masses and sizes",
        .what = what,
        .known =
            "at rest every contact carries the weight above it, h g Σ m, without friction; W is "
            "regular, so that these impulses are the only ones",
-       .problem = [scene] { return first_step(scene); },
-       .true_error = [scene](
-                         const ContactProblem&, const Vector& s,
-                         const Vector&) { return relative_difference(s, tower_impulses(scene)); },
+       .problem = step_of(scene),
+       .true_error = against(tower_impulses(scene)),
        .solution = [scene] { return tower_impulses(scene); }});
 }
 
@@ -40,18 +37,16 @@ void add_rolling(std::vector<ExtremeCase>& cases, const std::string& name, doubl
   const double rolling = normal * slope / (1 + 2 / inertia);
   cases.push_back(
       {.name = name,
-       .group = "masses and sizes",
        .what = fmt::format("a disk with {:g} times the inertia of a homogeneous one on a plane of "
                            "slope {:g}, mu = {:g}",
                            inertia, slope, mu),
        .known = rolling < mu * normal ? "it rolls: s_t = h m g sin / (1 + m a²/I)"
                                       : "it slides: s_t = mu s_n",
-       .problem = [scene] { return first_step(scene); },
-       .true_error =
-           [normal, rolling, mu](const ContactProblem&, const Vector& s, const Vector&) {
-             const double friction = std::min(rolling, mu * normal);
-             return std::hypot(s[0] - normal, std::abs(s[1]) - friction) / normal;
-           }});
+       .problem = step_of(scene),
+       .true_error = [normal, rolling, mu](const ContactProblem&, const Vector& s, const Vector&) {
+         const double friction = std::min(rolling, mu * normal);
+         return std::hypot(s[0] - normal, std::abs(s[1]) - friction) / normal;
+       }});
 }
 
 }  // namespace

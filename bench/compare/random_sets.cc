@@ -86,9 +86,7 @@ std::string problem_job(const RandomSetOptions& options, int index) {
 class Ledger {
  public:
   explicit Ledger(const RandomSetOptions& options) : options_(options) {
-    for (const std::string& name : options.solvers) {
-      result_.tallies.emplace_back().solver = name;
-    }
+    for (const std::string& name : options.solvers) result_.tallies.emplace_back().solver = name;
   }
 
   void add_problem(int index, const JobEnd& end) {
@@ -263,8 +261,7 @@ RandomSetResult run_set(const RandomSetOptions& options,
                         std::string (*job)(const RandomSetOptions&, int),
                         void (Ledger::*add)(int, const JobEnd&), int solves_of_a_job) {
   Ledger ledger(options);
-  IsolatedJobs jobs;
-  jobs.count = options.count;
+  IsolatedJobs jobs{.count = options.count};
   // Twice the CPU limit of each solve, since the machine has other work as well.
   jobs.seconds = std::max(30.0, 10.0 * solves_of_a_job * options.time_limit);
   jobs.job = [&](int k) { return job(options, options.first + k); };

@@ -26,7 +26,6 @@ void add_restitution_cases(std::vector<ExtremeCase>& cases) {
       const bool one = e_n == e_t;
       cases.push_back(
           {.name = fmt::format("corner_e_{:g}_{:g}", e_n, e_t),
-           .group = "restitution",
            .what = fmt::format(
                "a disk flies at (-1, -1.5) m/s into a corner, mu = 0.9, e_n = {:g}, e_t = {:g}",
                e_n, e_t),
@@ -42,7 +41,6 @@ void add_restitution_cases(std::vector<ExtremeCase>& cases) {
   }
   cases.push_back(
       {.name = "elastic_gas",
-       .group = "restitution",
        .what = "16 frictionless disks in a box, e_n = 1, thrown at each other for 200 steps",
        .known = "s·u = 0 and e = 1: the impulses do no work, kinetic energy is kept",
        .scene =
@@ -60,7 +58,6 @@ void add_restitution_cases(std::vector<ExtremeCase>& cases) {
        .must_conserve = true});
   cases.push_back(
       {.name = "pile_hit_e_0.5",
-       .group = "restitution",
        .what =
            "a triangular lattice of 33 disks falls at 5 m/s on a floor, e_n = e_t = 0.5, 10 steps",
        .known = "one coefficient and walls that stand: the contacts create no energy",

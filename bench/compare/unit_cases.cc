@@ -21,17 +21,13 @@ void add_unit_cases(std::vector<ExtremeCase>& cases) {
     scene.contact_distance = 1e-9 * u.length;
     cases.push_back(
         {.name = u.name,
-         .group = "units",
          .what = fmt::format("a tower of 6 disks of radius {:g} m, g = {:g} m/s², h = {:g} s",
                              u.length, u.gravity, u.step),
          .known =
              "the weights above, h g Σ m; the criterion has no units, so that every solver takes "
              "as many iterations as in usual ones, but for rounding",
-         .problem = [scene] { return first_step(scene); },
-         .true_error =
-             [scene](const ContactProblem&, const Vector& s, const Vector&) {
-               return relative_difference(s, tower_impulses(scene));
-             }});
+         .problem = step_of(scene),
+         .true_error = against(tower_impulses(scene))});
   }
 }
 

@@ -12,10 +12,9 @@ template <int D>
 void run_moving_scene(const Scene<D>& scene, const std::vector<int>& steps,
                       const std::function<void(const SceneStep<D>&)>& on_step) {
   if (steps.empty()) return;
-  SolverOptions options;
-  options.tol = kMovingTolerance;
-  options.max_iterations = kMovingIterations;
-  options.cancelled = &InterruptGuard::requested;
+  SolverOptions options{.tol = kMovingTolerance,
+                        .max_iterations = kMovingIterations,
+                        .cancelled = &InterruptGuard::requested};
   State<D> state = initial_state(scene);
   SceneRunOptions<D> to_last;
   to_last.steps = steps.back();

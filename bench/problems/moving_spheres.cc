@@ -44,9 +44,7 @@ Scene<3> make_moving_spheres(const std::string& name, int side, const FamilyOpti
   if (family == std::end(kSphereFamilies)) {
     throw std::invalid_argument(unknown_name_message("moving family", name, moving_sphere_names()));
   }
-  Scene<3> scene;
-  scene.title = fmt::format("{} {}", name, side);
-  scene.source = "generated";
+  Scene<3> scene{.title = fmt::format("{} {}", name, side), .source = "generated"};
   const double tilt = options.tilt_degrees * std::numbers::pi / 180;
   scene.gravity = kGravity * Vec3(std::sin(tilt), 0, -std::cos(tilt));
   scene.materials = {"default"};

@@ -48,8 +48,7 @@ ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Plane>& pl
   const Vec3 fall = kStep * kGravity * Vec3(std::sin(tilt), 0, -std::cos(tilt));
   const std::vector<SphereContact> contacts = touching(x, planes);
 
-  ContactProblem p;
-  p.dim = 3;
+  ContactProblem p{.dim = 3};
   std::vector<Eigen::Triplet<double>> a, h;
   p.v_free = Vector::Zero(n);
   for (int i = 0; i < static_cast<int>(x.size()); ++i) {

@@ -227,19 +227,9 @@ std::vector<SolverVariant> promising_solvers(int contacts) {
 }
 
 std::string_view to_string(Advice::Status status) {
-  switch (status) {
-    case Advice::Status::kMet:
-      return "met";
-    case Advice::Status::kNotMet:
-      return "not met";
-    case Advice::Status::kUndecided:
-      return "undecided";
-    case Advice::Status::kNoContacts:
-      return "no contacts";
-    case Advice::Status::kInterrupted:
-      return "interrupted";
-  }
-  return "not met";
+  constexpr std::string_view kNames[] = {"met", "not met", "undecided", "no contacts",
+                                         "interrupted"};
+  return kNames[static_cast<int>(status)];
 }
 
 MeasuredError expected_error(const Advice& a) {

@@ -27,15 +27,8 @@ Json to_json(const MeasuredError& e) {
 }
 
 std::string_view verdict_name(SolverTrial::Verdict verdict) {
-  switch (verdict) {
-    case SolverTrial::Verdict::kMissed:
-      return "missed";
-    case SolverTrial::Verdict::kMet:
-      return "met";
-    case SolverTrial::Verdict::kChosen:
-      return "chosen";
-  }
-  return "";
+  constexpr std::string_view kNames[] = {"missed", "met", "chosen"};
+  return kNames[static_cast<int>(verdict)];
 }
 
 Json to_json(const SolverTrial& t) {

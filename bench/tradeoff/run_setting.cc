@@ -6,7 +6,6 @@
 #include <cmath>
 #include <stdexcept>
 #include <tuple>
-#include <utility>
 
 #include "bench/measure/stopwatch.h"
 #include "bench/report/labels.h"
@@ -73,9 +72,7 @@ template <int D>
 RunRecord run_setting(const Scene<D>& made, State<D>& state, const RunSetting& setting,
                       const RunLimits& limits, const RunObserver<D>& observer) {
   const Scene<D> scene = with_setting(made, setting);
-  RunRecord record;
-  record.step = scene.step;
-  record.steps_planned = scene.num_steps;
+  RunRecord record{.step = scene.step, .steps_planned = scene.num_steps};
   for (ContactOutcome<D>& out : state.contacts) {
     out.s_n *= setting.step_factor;
     out.s_t *= setting.step_factor;
@@ -86,17 +83,13 @@ RunRecord run_setting(const Scene<D>& made, State<D>& state, const RunSetting& s
     // On a few contacts, reading the clock costs more than an iteration.
     return ++polls % 16 == 0 && watch.seconds() > limits.cpu_seconds;
   };
-  SceneRunOptions<D> options;
-  options.steps = scene.num_steps;
-  options.cancelled = out_of_time;
-  options.before_step = observer.before_step;
+  SceneRunOptions<D> options{
+      .steps = scene.num_steps, .cancelled = out_of_time, .before_step = observer.before_step};
   bool gave_up = false;
   if (!setting.dem()) {
     const SolverEntry& entry = require_solver(setting.solver);
-    SolverOptions solver;
-    solver.tol = setting.tol;
-    solver.parameters = setting.parameters;
-    solver.cancelled = out_of_time;
+    SolverOptions solver{
+        .tol = setting.tol, .parameters = setting.parameters, .cancelled = out_of_time};
     options.explicit_delassus = entry.needs_delassus;
     options.solver = [&, solver](const ContactProblem& p, const Vector& s0) mutable {
       if (limits.seconds_left) solver.time_limit = limits.seconds_left();

@@ -69,8 +69,7 @@ int shortened(const Scene<D>& scene, const TradeOptions& options) {
 }
 
 TradeScene load_target(const std::string& target, const TradeOptions& options) {
-  TradeScene made;
-  made.target = target;
+  TradeScene made{.target = target};
   std::string file = target;
   std::optional<int> steps;
   const std::string option = ":steps=";
@@ -318,8 +317,7 @@ Trade run_trade(const TradeOptions& options) {
   if (options.solvers.empty() || options.tols.empty()) {
     throw std::invalid_argument("a comparison of runs needs a solver and a tolerance");
   }
-  Trade trade;
-  trade.negligible = options.negligible;
+  Trade trade{.negligible = options.negligible};
   std::set<std::string> names;
   for (const std::string& target : options.targets) {
     trade.scenes.push_back(load_target(target, options));

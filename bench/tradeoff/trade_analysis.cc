@@ -169,9 +169,7 @@ void solver_errors(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
 }
 
 SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
-  SceneTrade s;
-  s.scene = &scene;
-  s.cells = cells_of(trade, scene);
+  SceneTrade s{.scene = &scene, .cells = cells_of(trade, scene)};
   for (const TradeCell& cell : s.cells) {
     if (cell.setting.equal_steps() && s.solver.empty()) s.solver = cell.setting.solver;
     if (!cell.setting.equal_steps() || cell.setting.solver != s.solver) continue;
@@ -265,10 +263,10 @@ std::string SceneTrade::choice_sentence() const {
                   other_solver, 100 * most->choice, scene->quantities[which].name);
   const std::size_t count = most->solver_error.size();
   const bool beyond = count > 1 && most->choice > 3 * most->solver_error[count - 2];
-  text += beyond
-              ? ", more than tolerances explain: steps of this scene have several exact answers. "
-                "No digits below that are paid for."
-              : "; no digits below that are paid for.";
+  text +=
+      beyond ? ", more than tolerances explain: steps of this scene have several exact answers. No "
+               "digits below that are paid for."
+             : "; no digits below that are paid for.";
   return text;
 }
 
@@ -355,16 +353,15 @@ std::string SceneTrade::answer() const {
     const TradeCell* loosest = find({.solver = solver, .tol = tols.front()});
     if (loosest->cpu_per_second > 1.1 * cpu_sufficient) {
       text += fmt::format(
-          " It even costs less than {}: what a loose step leaves undone, the next "
-          "ones must mend.",
+          " It even costs less than {}: what a loose step leaves undone, the next ones must mend.",
           tolerance_label(tols.front()));
     }
     double noise = 0;
     for (const TradeQuantityErrors& e : quantities) noise = std::max(noise, e.noise);
     if (noise > 0) {
       text += fmt::format(
-          " With {} runs of each setting, differences below {:.2g} % (the worst "
-          "outcome) cannot be seen.",
+          " With {} runs of each setting, differences below {:.2g} % (the worst outcome) cannot "
+          "be seen.",
           scene->replicas, 100 * noise);
     }
   }

@@ -16,8 +16,7 @@ Chart ratio_chart(const SceneTrade& s) {
   ratio.title = "Solver error over the others, " + s.scene->name;
   ratio.x = {"tolerance", ChartAxis::Kind::kLog};
   ratio.y = {"solver's error / other errors", ChartAxis::Kind::kLog, 1e-4};
-  ratio.y_line = 1;
-  ratio.y_line_label = "as large as the others";
+  ratio.y_lines = {{1, "as large as the others"}};
   bool any = false;  // else there is nothing to see
   for (std::size_t q = 0; q < s.quantities.size(); ++q) {
     const TradeQuantityErrors& e = s.quantities[q];
@@ -111,10 +110,7 @@ std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
     if (!in_error.points.empty()) error.series.push_back(std::move(in_error));
     if (!in_depth.points.empty()) depth.series.push_back(std::move(in_depth));
   }
-  if (noise > 0) {
-    error.y_line = noise;
-    error.y_line_label = "nearby runs";
-  }
+  if (noise > 0) error.y_lines = {{noise, "nearby runs"}};
   return {std::move(error), std::move(depth)};
 }
 

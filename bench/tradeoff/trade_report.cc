@@ -81,9 +81,7 @@ Table error_table(const SceneTrade& s) {
   table.note =
       "Relative errors. Time step: of the scene's own, against the exact value where it is known, "
       "else from shorter steps (how: rest the pointer on it). ";
-  if (nearby) {
-    table.note += "Nearby runs: twice the standard error of a difference of two means. ";
-  }
+  if (nearby) table.note += "Nearby runs: twice the standard error of a difference of two means. ";
   if (other) {
     table.note += fmt::format(
         "Other solver: difference{} at the tightest tolerance, where steps with several exact "

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <utility>
 
 #include "bench/report/json_output.h"
 #include "bench/report/labels.h"

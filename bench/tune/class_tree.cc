@@ -108,8 +108,7 @@ void grow(const Members& members, const PlanConditions& conditions, Plan plan, i
 
 /// What all have in common, with a margin of a factor of two in size and of three in tolerance.
 PlanConditions common(const Members& members) {
-  PlanConditions made;
-  made.marks = ~0U;
+  PlanConditions made{.marks = ~0U};
   double most = 0, loosest = 0;
   double fewest = kInfinity, tightest = kInfinity;
   for (const ClassifiedInstance* member : members) {

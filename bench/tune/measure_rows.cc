@@ -113,8 +113,7 @@ class ProblemMeasurement {
   /// One solve to the last of the tolerances. False: interrupted.
   bool once(const SolverEntry& entry, const std::string& variant, const std::vector<double>& tols,
             std::vector<MeasuredRow>& made) {
-    SolverOptions options;
-    options.tol = tols.back();
+    SolverOptions options{.tol = tols.back()};
     if (warm_) options.s0 = given_.start;
     options.parameters = stage_parameters(
         variant.find(' ') == std::string::npos ? "" : variant.substr(variant.find(' ') + 1));

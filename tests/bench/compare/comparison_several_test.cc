@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +9,7 @@
 #include "bench/compare/comparison_report.h"
 #include "bench/measure/true_error.h"
 #include "solvers/registry.h"
+#include "tests/support/refusal.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
@@ -56,8 +56,8 @@ TEST(SeveralAnswersInACompare, AreProvedByTwoVerifiedRows) {
   EXPECT_EQ(shares.back().problems, 1);
   EXPECT_EQ(shares.back().several, 1);
   EXPECT_EQ(shares.back().largest_velocity, p.spread.velocity);
-  EXPECT_NE(to_csv(several_problems_table(c)).find("two,2,"), std::string::npos);
-  EXPECT_NE(to_text(c).find("1 of 1 problems with a reference have several"), std::string::npos);
+  EXPECT_TRUE(says(to_csv(several_problems_table(c)), "two,2,"));
+  EXPECT_TRUE(says(to_text(c), "1 of 1 problems with a reference have several"));
   const Json json = to_json(c, {});
   const Json& table = json["several"];
   EXPECT_EQ(table[table.size() - 1]["share"], 1.0);

@@ -20,6 +20,7 @@
 #include "tests/support/manufactured.h"
 #include "tests/support/markup_defect.h"
 #include "tests/support/naive_error.h"
+#include "tests/support/refusal.h"
 
 namespace bipot {
 namespace {
@@ -80,8 +81,7 @@ TEST(IndependentCheck, ConfirmsNoClaimBeyondTheTolerance) {
 
 // 2^-20 - 2^60 + 2^60: 81 digits, which quadruple precision has and extended precision has not.
 TEST(IndependentCheck, SeesWhatExtendedPrecisionRoundsAway) {
-  ContactProblem p;
-  p.dim = 1;
+  ContactProblem p{.dim = 1};
   Eigen::MatrixXd H(1, 3);
   H << 1, -1, 1;
   p.A = SparseMatrix(Eigen::MatrixXd::Identity(1, 1).sparseView());
@@ -114,7 +114,7 @@ TEST(IsolatedJobs, ACrashAHangAndAnExceptionAreCountedAndTheOthersRun) {
     EXPECT_EQ(ends[to_size(k)].text, "job " + std::to_string(k));
   }
   EXPECT_EQ(ends[1].kind, JobEnd::Kind::kCrashed);
-  EXPECT_NE(ends[1].text.find("signal 9"), std::string::npos) << ends[1].text;
+  EXPECT_TRUE(says(ends[1].text, "signal 9"));
   EXPECT_EQ(ends[3].kind, JobEnd::Kind::kHung);
   EXPECT_EQ(ends[4].kind, JobEnd::Kind::kCrashed);
 }
@@ -246,14 +246,12 @@ TEST(ExtremeMatrix, NewtonsLawCreatesEnergyOnlyWhereTheCoefficientsDiffer) {
 TEST(ExtremeReport, SaysWhatAutoMissesAndOthersSolve) {
   ExtremeMatrix m = measure_extremes(of("units_usual"));
   EXPECT_TRUE(solved_by_others(m, "units_usual").empty());
-  EXPECT_EQ(to_text(m).find("missed by auto"), std::string::npos);
-  for (ExtremeCell& c : m.cells) {
-    c.end = c.solver == "auto" ? CellEnd::kUnsolved : CellEnd::kSolved;
-  }
+  EXPECT_FALSE(says(to_text(m), "missed by auto"));
+  for (ExtremeCell& c : m.cells) c.end = c.solver == "auto" ? CellEnd::kUnsolved : CellEnd::kSolved;
   EXPECT_EQ(solved_by_others(m, "units_usual"), std::vector<std::string>{"pgs"});
-  EXPECT_NE(to_text(m).find("missed by auto: units_usual: solved by pgs"), std::string::npos);
-  EXPECT_NE(to_html(extremes_page(m, {})).find("solves: 1."), std::string::npos);
-  EXPECT_NE(to_csv(cells_table(m)).find(",true,"), std::string::npos);
+  EXPECT_TRUE(says(to_text(m), "missed by auto: units_usual: solved by pgs"));
+  EXPECT_TRUE(says(to_html(extremes_page(m, {})), "solves: 1."));
+  EXPECT_TRUE(says(to_csv(cells_table(m)), ",true,"));
   for (ExtremeCell& c : m.cells) c.end = CellEnd::kUnsolved;
   EXPECT_TRUE(solved_by_others(m, "units_usual").empty());
 }
@@ -271,12 +269,11 @@ TEST(ExtremeReport, EveryCellStandsInTheTableAndThePage) {
   EXPECT_EQ(json["cells"][1]["end"], "wrong");
   EXPECT_EQ(json["cases"][0]["name"], "units_usual");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
-  EXPECT_NE(csv.find("bipot extremes --only units_usual --solver pgs"), std::string::npos);
-  EXPECT_NE(text.find("wrong: bipot extremes --only units_usual --solver pgs"), std::string::npos);
-  EXPECT_NE(page.find("a &lt;planted&gt; fault"), std::string::npos);
-  EXPECT_EQ(page.find("a <planted>"), std::string::npos);
-  EXPECT_NE(to_markdown(m).find("| units | 1/1 | 0/1, 1 wrong |"), std::string::npos)
-      << to_markdown(m);
+  EXPECT_TRUE(says(csv, "bipot extremes --only units_usual --solver pgs"));
+  EXPECT_TRUE(says(text, "wrong: bipot extremes --only units_usual --solver pgs"));
+  EXPECT_TRUE(says(page, "a &lt;planted&gt; fault"));
+  EXPECT_FALSE(says(page, "a <planted>"));
+  EXPECT_TRUE(says(to_markdown(m), "| units | 1/1 | 0/1, 1 wrong |"));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "core/scene_files/scene_file.h"
 #include "solvers/simulation/scene_run.h"
 #include "tests/support/floor_text.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -33,11 +34,6 @@ void run_into(const std::filesystem::path& folder) {
   run_scene(scene, state, {.folder = {.folder = folder, .scene_text = kScene, .program = "test"}});
 }
 
-std::string read(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 nlohmann::json about(const std::string& page) {
   const std::string mark = "id=\"about\">";
   const std::size_t begin = page.find(mark) + mark.size();
@@ -49,7 +45,7 @@ TEST(RunPage, HoldsEveryStepOfAShortRun) {
   run_into(folder.path());
   const RunPage written = write_run_page(folder.path());
   EXPECT_EQ(written.frames, 31u);
-  const std::string page = read(written.path);
+  const std::string page = file_text(written.path);
   EXPECT_EQ(page.size(), written.bytes);
   EXPECT_EQ(page.find("{{"), std::string::npos);
   EXPECT_NE(page.find("<title>A disk &amp; &lt;a floor&gt;</title>"), std::string::npos);
@@ -85,7 +81,7 @@ TEST(RunPage, MarksStepsThatAreUnsolvedOrHaveSeveralAnswers) {
         << R"({"sets": )" << sets << R"(, "step": )" << sets << R"(, "time": 0.02})";
   }
   write_run_page(folder.path());
-  const auto marks = about(read(folder / "index.html"))["marks"];
+  const auto marks = about(file_text(folder / "index.html"))["marks"];
   ASSERT_EQ(marks.size(), 2u);  // parts are no fault
   EXPECT_EQ(marks[0], nlohmann::json::parse(R"(["unsolved", 2.0, 0.02])"));
   EXPECT_EQ(marks[1], nlohmann::json::parse(R"(["several", 2, 0.02])"));
@@ -99,7 +95,7 @@ TEST(RunPage, ShowsFewerFramesWhereAllAreTooMuchAndSaysSo) {
   const RunPage small = write_run_page(folder.path(), all / 1000);
   EXPECT_LT(small.frames, 31u);
   EXPECT_GE(small.frames, 2u);
-  const auto facts = about(read(small.path));
+  const auto facts = about(file_text(small.path));
   EXPECT_EQ(facts["frames"].size(), small.frames);
   EXPECT_EQ(facts["frames"].back()[0], 30);  // the last one stays
   EXPECT_EQ(facts["notes"][0],

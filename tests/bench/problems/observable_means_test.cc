@@ -1,8 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "core/observables/observables.h"
 #include "core/run_files/observable_output.h"
@@ -10,6 +8,7 @@
 #include "core/scene/scene_family.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/simulation/run_folder.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -32,14 +31,6 @@ Scene<2> measured_scene() {
   choice.force_bins = 5;
   scene.observables = choice;
   return scene;
-}
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  EXPECT_TRUE(in.good()) << path;
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 /// The run in one folder, stopped after each of `stops` steps and continued from its files.
@@ -69,8 +60,8 @@ TEST(ObservableMeans, AreTheSameWhetherARunWasRestartedOrNot) {
   run_in_parts(scene, folder.path() / "whole", {120});
   run_in_parts(scene, folder.path() / "parts", {40, 75, 100, 120});
   for (const char* file : kFiles) {
-    const std::string whole = text_of(folder.path() / "whole" / file);
-    EXPECT_EQ(whole, text_of(folder.path() / "parts" / file)) << file;
+    const std::string whole = file_text(folder.path() / "whole" / file);
+    EXPECT_EQ(whole, file_text(folder.path() / "parts" / file)) << file;
     EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), 1) << file;
   }
 }
@@ -128,8 +119,8 @@ radius = 0.1
   run_in_parts(scene, folder.path() / "whole", {60});
   run_in_parts(scene, folder.path() / "parts", {20, 39, 50, 60});
   for (const char* file : kFiles) {
-    const std::string whole = text_of(folder.path() / "whole" / file);
-    EXPECT_EQ(whole, text_of(folder.path() / "parts" / file)) << file;
+    const std::string whole = file_text(folder.path() / "whole" / file);
+    EXPECT_EQ(whole, file_text(folder.path() / "parts" / file)) << file;
     EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), 1) << file;
   }
   const NumberTable rows = read_number_table(folder / "whole/observables.csv");
@@ -169,7 +160,7 @@ TEST(ObservableMeans, AreThoseOfTheWindowAlone) {
   run.folder = options;
   run_scene(scene, state, run);
   ASSERT_GT(measured, 10);
-  const std::string means = text_of(options.folder / "observables_mean.csv");
+  const std::string means = file_text(options.folder / "observables_mean.csv");
   const std::size_t at = means.find("coordination_without_rattlers");
   ASSERT_NE(at, std::string::npos) << means;
   const double written = std::stod(means.substr(means.find(',', at) + 1));

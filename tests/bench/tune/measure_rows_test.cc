@@ -24,8 +24,7 @@ TEST(MeasureRows, GoesOnFromTheRowsOfAStoppedMeasurement) {
                                made.start = solve("pgs", made.problem, {.max_iterations = 3}).s;
                                return made;
                              }};
-  MeasureOptions options;
-  options.variants = tuned_variants({"apgd", "ipm"});
+  MeasureOptions options{.variants = tuned_variants({"apgd", "ipm"})};
   ASSERT_EQ(options.variants.size(), 2u);
   options.tols = {1e-6, 1e-2};
   options.file = folder / "rows.csv";
@@ -57,11 +56,11 @@ TEST(MeasureRows, GoesOnFromTheRowsOfAStoppedMeasurement) {
 
 TEST(MeasureRows, TheLooserToleranceIsMetOnTheWay) {
   const TemporaryFolder folder;
-  const ProblemSource source{"lattice", "lattice", [] {
-                               TestProblem made;
-                               made.problem = lattice_step(Lattice::kTriangular, 12, 0.3, 10);
-                               return made;
-                             }};
+  const ProblemSource source{
+      "lattice", "lattice", [] {
+        TestProblem made{.problem = lattice_step(Lattice::kTriangular, 12, 0.3, 10)};
+        return made;
+      }};
   MeasureOptions options;
   options.variants = tuned_variants({"apgd"});
   options.tols = {1e-2, 1e-8};
