@@ -11,6 +11,7 @@
 #include "bench/compare/comparison_several.h"
 #include "bench/compare/comparison_success.h"
 #include "bench/compare/warm_gain.h"
+#include "bench/measure/iteration_growth.h"
 #include "bench/report/labels.h"
 #include "core/files/atomic_file.h"
 
@@ -164,17 +165,11 @@ Json errors_within_json(const Comparison& comparison) {
 Json growth_json(const Comparison& comparison) {
   Json all = Json::array();
   for (const Growth& g : growth(comparison)) {
-    const auto law = [](const PowerLaw& fit) {
-      return Json{{"exponent", fit.exponent},
-                  {"confidence_95", fit.confidence},
-                  {"prefactor", fit.prefactor},
-                  {"points", fit.points}};
-    };
     all.push_back({{"series", g.series},
                    {"solver", g.solver},
                    {"tol", g.tol},
-                   {"iterations", law(g.iterations)},
-                   {"time", law(g.time)}});
+                   {"iterations", to_json(g.iterations)},
+                   {"time", to_json(g.time)}});
   }
   return all;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bench/measure/statistics.h"
+#include "core/motion/force_balance.h"
 
 namespace bipot {
 namespace {
@@ -64,10 +65,11 @@ Sample measure(const Scene<2>& scene, const State<2>& before, const State<2>& af
     // Compression positive: minus the force on the disks, points from the box's centre.
     sample.walls -= force * (point - box.centre()).transpose() / area;
   }
-  for (int k = 0; k < 4; ++k) {
+  const std::vector<Vec2> pushes = wall_reactions(after, h);
+  for (std::size_t k = 0; k < 4; ++k) {
     const double length = k < 2 ? size[1] : size[0];
-    const Wall<2>& wall = scene.walls[static_cast<std::size_t>(k)];
-    sample.wall_pressure -= 0.25 * force_on_wall(after, h, k).dot(wall.direction) / length;
+    const Wall<2>& wall = scene.walls[k];
+    sample.wall_pressure -= 0.25 * pushes[k].dot(wall.direction) / length;
     sample.applied_pressure += 0.25 * wall.force / length;
   }
   sample.windows = window_pressures(after, h, box, moments);
@@ -156,32 +158,31 @@ Compression run_compression(const Scene<2>& scene, const std::function<bool()>& 
   int jammed_converged = 0;
   const int jammed_from = scene.num_steps - scene.num_steps / 3;  // steps after it are `jammed`
   double logarithms = 0;
-  c.run =
-      run_packing(scene, c.state, interrupted,
-                  [&](const State<2>& before, const State<2>& after, const StepReport<2>& r) {
-                    Sample s = measure(scene, before, after);
-                    s.kinetic = r.energy.kinetic;
-                    for (int k = 0; k < 4; ++k) {
-                      const Wall<2>&a = before.walls[static_cast<std::size_t>(k)],
-                            &b = after.walls[static_cast<std::size_t>(k)];
-                      const double inertia = b.mass * (b.v - a.v).dot(b.direction) / scene.step;
-                      const double force = -force_on_wall(after, scene.step, k).dot(b.direction);
-                      c.wall_balance =
-                          std::max(c.wall_balance, std::abs(force - (b.force - inertia)) / b.force);
-                    }
-                    c.time.push_back(r.time);
-                    c.pressure.push_back(0.5 * s.stress.trace());
-                    c.wall_pressure.push_back(s.wall_pressure);
-                    c.applied_pressure.push_back(s.applied_pressure);
-                    if (r.step > jammed_from) {
-                      jammed_converged += r.converged ? 1 : 0;
-                      c.jammed_run.iterations += r.iterations;
-                      logarithms += std::log(r.error.guarded());
-                    }
-                    samples.push_back(std::move(s));
-                    c.previous = before;
-                    return true;
-                  });
+  c.run = run_packing(scene, c.state, interrupted,
+                      [&](const State<2>& before, const State<2>& after, const StepReport<2>& r) {
+                        Sample s = measure(scene, before, after);
+                        s.kinetic = r.energy.kinetic;
+                        const std::vector<Vec2> pushes = wall_reactions(after, scene.step);
+                        for (std::size_t k = 0; k < 4; ++k) {
+                          const Wall<2>&a = before.walls[k], &b = after.walls[k];
+                          const double inertia = b.mass * (b.v - a.v).dot(b.direction) / scene.step;
+                          const double force = -pushes[k].dot(b.direction);
+                          c.wall_balance = std::max(
+                              c.wall_balance, std::abs(force - (b.force - inertia)) / b.force);
+                        }
+                        c.time.push_back(r.time);
+                        c.pressure.push_back(0.5 * s.stress.trace());
+                        c.wall_pressure.push_back(s.wall_pressure);
+                        c.applied_pressure.push_back(s.applied_pressure);
+                        if (r.step > jammed_from) {
+                          jammed_converged += r.converged ? 1 : 0;
+                          c.jammed_run.iterations += r.iterations;
+                          logarithms += std::log(r.error.guarded());
+                        }
+                        samples.push_back(std::move(s));
+                        c.previous = before;
+                        return true;
+                      });
   double largest = 0;
   for (const Sample& s : samples) largest = std::max(largest, s.kinetic);
   std::size_t first = 0, last = 0;

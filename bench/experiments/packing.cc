@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "bench/measure/statistics.h"
 #include "core/base/types.h"
 #include "solvers/simulation/scene_run.h"
 
@@ -38,20 +39,6 @@ void merge_pairs(std::span<const ContactOutcome<2>> a, std::span<const ContactOu
 double segment_area(double radius, double distance) {
   const double x = std::clamp(distance / radius, -1.0, 1.0);
   return radius * radius * (std::acos(x) - x * std::sqrt(1 - x * x));
-}
-
-double slope_of_line(std::span<const double> x, std::span<const double> y) {
-  const double n = static_cast<double>(x.size());
-  double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    mean_x += x[k] / n;
-    mean_y += y[k] / n;
-  }
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    xx += (x[k] - mean_x) * (x[k] - mean_x);
-    xy += (x[k] - mean_x) * (y[k] - mean_y);
-  }
-  return xy / xx;
 }
 
 }  // namespace
@@ -111,17 +98,6 @@ double displacement_energy(const State<2>& before, const State<2>& after) {
     sum += 0.5 * b.mass * (0.5 * (a.v + b.v)).squaredNorm();
   }
   return sum;
-}
-
-Vec2 force_on_wall(const State<2>& state, double step, int wall) {
-  const int body = static_cast<int>(state.bodies.size()) + wall;
-  Vec2 force = Vec2::Zero();
-  for (const ContactOutcome<2>& o : state.contacts) {
-    if (o.contact.j != body) continue;
-    const Vec2& n = o.contact.n;
-    force -= (o.s_n * n + o.s_t * Vec2(-n[1], n[0])) / step;
-  }
-  return force;
 }
 
 double coordination(const State<2>& state) {
@@ -253,8 +229,8 @@ Surface measure_surface(const State<2>& state, double left, double right, int bi
   for (double height : top) surface.height += height / static_cast<double>(top.size());
   for (double height : top) surface.roughness += std::pow(height - surface.height, 2);
   surface.roughness = std::sqrt(surface.roughness / static_cast<double>(top.size()));
-  surface.slope = slope_of_line(x, top);
-  surface.heap = -slope_of_line(aside, top);
+  surface.slope = fit_line(x, top).slope;
+  surface.heap = -fit_line(aside, top).slope;
   return surface;
 }
 

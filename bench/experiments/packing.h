@@ -35,9 +35,6 @@ PackingRun run_packing(const Scene<2>& scene, State<2>& state,
 /// and after it (38), (43); driven walls included.                                         [J]
 double displacement_energy(const State<2>& before, const State<2>& after);
 
-/// Force of the disks on a wall in the last step.                                           [N]
-Vec2 force_on_wall(const State<2>& state, double step, int wall);
-
 /// Mean number of loaded contacts of a disk, with walls or not.
 double coordination(const State<2>& state);
 

@@ -11,6 +11,7 @@
 #include "bench/experiments/paper_item.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
+#include "core/motion/force_balance.h"
 #include "core/pictures/force_picture.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_parts.h"
@@ -103,12 +104,10 @@ void settle(Settling& s, const PaperContext& context, bool by_displacement) {
         if (r.step % 10 == 0) {
           s.history.push_back({r.time, r.energy.kinetic / released, false, "", false});
         }
-        const double h = s.scene.step;
-        const Vec2 left = force_on_wall(after, h, 1), right = force_on_wall(after, h, 2);
-        const double pressed = std::abs(left[0]) + std::abs(right[0]);
-        last.push_back({r.energy.kinetic, displacement_energy(before, after),
-                        -force_on_wall(after, h, 0)[1] / total, -(left[1] + right[1]) / total,
-                        mu * pressed / total});
+        const std::vector<Vec2> walls = wall_reactions(after, s.scene.step);
+        const double pressed = std::abs(walls[1][0]) + std::abs(walls[2][0]);
+        last.push_back({r.energy.kinetic, displacement_energy(before, after), -walls[0][1] / total,
+                        -(walls[1][1] + walls[2][1]) / total, mu * pressed / total});
         if (last.size() > kQuietSteps) last.pop_front();
         // The start is quiet too: nothing has fallen yet.
         if (last.size() < kQuietSteps || r.contacts < static_cast<int>(after.bodies.size())) {
@@ -180,9 +179,8 @@ struct Samples {
     roughness.push_back(surface.roughness / kDiameter);
     slopes.push_back(degrees(std::atan(surface.slope)));
     heaps.push_back(degrees(std::atan(surface.heap)));
-    const Vec2 walls =
-        force_on_wall(s.state, s.scene.step, 1) + force_on_wall(s.state, s.scene.step, 2);
-    sides.push_back(-walls[1] / weight(s.scene));
+    const std::vector<Vec2> walls = wall_reactions(s.state, s.scene.step);
+    sides.push_back(-(walls[1][1] + walls[2][1]) / weight(s.scene));
     const std::vector<double> f = relative_forces(s.state, 1), g = relative_forces(s.state, 8);
     rates.push_back(fit_exponential_tail(f, kForceTail).rate);
     layer_rates.push_back(fit_exponential_tail(g, kForceTail).rate);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "bench/experiments/paper_item.h"
+#include "bench/measure/statistics.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
@@ -84,19 +85,15 @@ double raw(const IterationRecord& r) { return r.error.raw42; }
 
 /// Decrease of ln ε in an iteration, by least squares over the last four decades.
 double decay(const History& h) {
-  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  std::vector<double> iterations, logarithms;
   const double last = h.records.back().error.guarded();
   for (const IterationRecord& r : h.records) {
     const double e = r.error.guarded();
     if (!(e > 0) || e > 1e4 * last) continue;
-    const double x = r.iteration, y = std::log(e);
-    n += 1;
-    sx += x;
-    sy += y;
-    sxx += x * x;
-    sxy += x * y;
+    iterations.push_back(r.iteration);
+    logarithms.push_back(std::log(e));
   }
-  return -(n * sxy - sx * sy) / (n * sxx - sx * sx);
+  return -fit_line(iterations, logarithms).slope;
 }
 
 /// First judged iteration at which the forces of all rows have begun.

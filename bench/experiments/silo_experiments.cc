@@ -16,6 +16,7 @@
 #include "bench/experiments/packing.h"
 #include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
+#include "core/motion/force_balance.h"
 
 namespace bipot {
 namespace {
@@ -52,9 +53,8 @@ SiloLoad silo_load(int count, std::uint64_t seed, ExperimentTrial& trial) {
   run_from_start<2>(scene, trial, [&](const SceneStep<2>& step) {
     const State<2>& state = step.state;
     if (state.time < begin) return true;
-    const Vec2 floor = force_on_wall(state, scene.step, 0),
-               left = force_on_wall(state, scene.step, 1),
-               right = force_on_wall(state, scene.step, 2);
+    const std::vector<Vec2> walls = wall_reactions(state, scene.step);
+    const Vec2 &floor = walls[0], &left = walls[1], &right = walls[2];
     const auto block = to_size(std::clamp(
         static_cast<int>(kBlocks * (state.time - begin) / (kSinks - 1)), 0, kBlocks - 1));
     floor_blocks[block].push_back(-floor[1]);

@@ -57,13 +57,6 @@ void fill(GrowthRow& row, const SolveResult& result) {
   row.solve_seconds = result.solve_seconds;
 }
 
-Json to_json(const PowerLaw& law) {
-  return {{"exponent", law.exponent},
-          {"confidence_95", law.confidence},
-          {"prefactor", law.prefactor},
-          {"points", law.points}};
-}
-
 }  // namespace
 
 GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
@@ -160,6 +153,13 @@ std::string to_text(const PowerLaw& law) {
   if (!std::isfinite(law.exponent)) return fmt::format("– ({})", points);
   if (!std::isfinite(law.confidence)) return fmt::format("{:.2f} ({})", law.exponent, points);
   return fmt::format("{:.2f} ± {:.2f} ({})", law.exponent, law.confidence, points);
+}
+
+Json to_json(const PowerLaw& law) {
+  return {{"exponent", law.exponent},
+          {"confidence_95", law.confidence},
+          {"prefactor", law.prefactor},
+          {"points", law.points}};
 }
 
 Json to_json(const GrowthFit& fit) {

@@ -80,6 +80,7 @@ std::vector<GrowthFit> fit_growth(std::span<const GrowthRow> rows, double least_
 
 /// As "1.04 ± 0.03 (5 points)", "– (1 point)".
 std::string to_text(const PowerLaw& law);
+Json to_json(const PowerLaw& law);
 Json to_json(const GrowthFit& fit);
 Json to_json(const GrowthRow& row);
 

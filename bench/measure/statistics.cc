@@ -20,6 +20,22 @@ double student_t(double probability, int degrees_of_freedom) {
   return std::sqrt(nu / low - nu);
 }
 
+FittedLine fit_line(std::span<const double> x, std::span<const double> y) {
+  FittedLine line;
+  const double n = static_cast<double>(x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    line.mean_x += x[k] / n;
+    line.mean_y += y[k] / n;
+  }
+  double together = 0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    line.spread += (x[k] - line.mean_x) * (x[k] - line.mean_x);
+    together += (x[k] - line.mean_x) * (y[k] - line.mean_y);
+  }
+  line.slope = together / line.spread;
+  return line;
+}
+
 PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& y) {
   std::vector<double> a, b;
   for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k) {
@@ -29,26 +45,18 @@ PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& 
   }
   PowerLaw law{.points = static_cast<int>(a.size())};
   if (law.points < 2) return law;
-  double mean_a = 0, mean_b = 0;
-  for (int k = 0; k < law.points; ++k) {
-    mean_a += a[k] / law.points;
-    mean_b += b[k] / law.points;
-  }
-  double saa = 0, sab = 0;
-  for (int k = 0; k < law.points; ++k) {
-    saa += (a[k] - mean_a) * (a[k] - mean_a);
-    sab += (a[k] - mean_a) * (b[k] - mean_b);
-  }
-  if (!(saa > 1e-20)) return law;
-  law.exponent = sab / saa;
-  law.prefactor = std::exp(mean_b - law.exponent * mean_a);
+  const FittedLine line = fit_line(a, b);
+  if (!(line.spread > 1e-20)) return law;
+  law.exponent = line.slope;
+  law.prefactor = std::exp(line.mean_y - law.exponent * line.mean_x);
   if (law.points < 3) return law;
   double residual = 0;
   for (int k = 0; k < law.points; ++k) {
-    const double r = b[k] - mean_b - law.exponent * (a[k] - mean_a);
+    const double r = b[k] - line.mean_y - law.exponent * (a[k] - line.mean_x);
     residual += r * r;
   }
-  law.confidence = student_t(0.95, law.points - 2) * std::sqrt(residual / (law.points - 2) / saa);
+  law.confidence =
+      student_t(0.95, law.points - 2) * std::sqrt(residual / (law.points - 2) / line.spread);
   return law;
 }
 
