@@ -409,13 +409,13 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
   const json j = json_of("trade --quick " + scene + ":steps=30 --json - --out " +
                          path("out"));  // nothing else on standard output
   EXPECT_TRUE(j["complete"]);
-  // 2 tolerances, the witness, 2 more time steps, 2 kinds of springs; disks that stand need no
-  // replicas.
-  ASSERT_EQ(j["rows"].size(), 7u);
+  // 2 tolerances, the witness, 2 more time steps, an accuracy, 2 kinds of springs; disks that stand
+  // need no replicas.
+  ASSERT_EQ(j["rows"].size(), 8u);
   EXPECT_EQ(j["rows"][2]["solver"], "apgd");
   for (const json& row : j["rows"]) EXPECT_EQ(row["status"], "completed") << row;
   const json& settings = j["scenes"][0]["settings"];
-  EXPECT_GT(settings[5]["penetration"], 5 * settings[6]["penetration"].get<double>());
+  EXPECT_GT(settings[6]["penetration"], 5 * settings[7]["penetration"].get<double>());
   EXPECT_FALSE(j["scenes"][0]["answer"].get<std::string>().empty());
   expect_files("out", {"trade.csv", "trade.json", "trade.html"}, 1000);
   EXPECT_EQ(code_of("trade no_such_scene"), 2);
