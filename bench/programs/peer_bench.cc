@@ -1,14 +1,16 @@
-// Siconos' NSGS and the solvers of this project in one run, at equal achieved error: CPU seconds of
+// Siconos' solvers and those of this project in one run, at equal achieved error: CPU seconds of
 // one thread, median of --repeat if one run takes less than two seconds, else of one.
 //   peer_bench [TARGET...] [--tols=1e-3,1e-4,1e-6] [--solvers=auto,pgs,ipm]
-//              [--variants=planar,frozen10,frozen20,frozen100,newton,hybrid,projection]
-//              [--repeat=5] [--time-limit=60] [--csv=FILE]
+//              [--variants=planar,frozen10,frozen20,frozen100,newton,hybrid,projection,quartic,
+//                          nsn_ac,admm]
+//              [--repeat=5] [--map-only] [--time-limit=60] [--csv=FILE]
 // Targets are those of `bipot compare` (families, problem files); by default lattices and a
 // pyramid.
 //
-// Each variant of NSGS goes to --tols by its own measure, from s = 0, with as many sweeps as fit
-// into --time-limit. Its results are judged twice: by the shared criterion (max(ε, η)) and by the
-// natural map in Siconos' own normalisation (bench/measure/peer_map.h). A solver of this project is
+// Each variant goes to --tols by its own measure, from s = 0, with as many iterations as fit into
+// --time-limit. All but the last two are NSGS. Its results are judged twice: by the shared
+// criterion (max(ε, η)) and by the natural map in Siconos' own normalisation
+// (bench/measure/peer_map.h). A solver of this project is
 // compared at the error that the planar NSGS reached. If that missed its tolerance, it is compared
 // with the quickest variant that did not, and the ratio to the planar one is a lower bound. The two
 // comparisons:
@@ -55,6 +57,7 @@ struct Flags {
   std::vector<std::string> variants{"planar", "frozen10", "frozen20",  "frozen100",
                                     "newton", "hybrid",   "projection"};
   int repeat = 5;
+  bool map_only = false;  ///< no rows at equal (ε, η)
   double time_limit = 60;
   std::string csv;
 };
@@ -69,17 +72,19 @@ constexpr double kLongRun = 2;
 
 struct Variant {
   const char* name;
-  SiconosNsgs::Local local;
+  SiconosCall::Algorithm algorithm;
   int freezing;
 };
-constexpr Variant kVariants[] = {{"planar", SiconosNsgs::Local::kPlanar, 0},
-                                 {"frozen10", SiconosNsgs::Local::kPlanar, 10},
-                                 {"frozen20", SiconosNsgs::Local::kPlanar, 20},
-                                 {"frozen100", SiconosNsgs::Local::kPlanar, 100},
-                                 {"newton", SiconosNsgs::Local::kNewton, 0},
-                                 {"hybrid", SiconosNsgs::Local::kNewtonAndProjection, 0},
-                                 {"projection", SiconosNsgs::Local::kProjection, 0},
-                                 {"quartic", SiconosNsgs::Local::kQuartic, 0}};
+constexpr Variant kVariants[] = {{"planar", SiconosCall::Algorithm::kPlanar, 0},
+                                 {"frozen10", SiconosCall::Algorithm::kPlanar, 10},
+                                 {"frozen20", SiconosCall::Algorithm::kPlanar, 20},
+                                 {"frozen100", SiconosCall::Algorithm::kPlanar, 100},
+                                 {"newton", SiconosCall::Algorithm::kNewton, 0},
+                                 {"hybrid", SiconosCall::Algorithm::kNewtonAndProjection, 0},
+                                 {"projection", SiconosCall::Algorithm::kProjection, 0},
+                                 {"quartic", SiconosCall::Algorithm::kQuartic, 0},
+                                 {"nsn_ac", SiconosCall::Algorithm::kAlartCurnier, 0},
+                                 {"admm", SiconosCall::Algorithm::kAdmm, 0}};
 
 /// One line of the table.
 struct Row {
@@ -127,7 +132,7 @@ class Bench {
             flags_.variants.end()) {
           continue;
         }
-        if (v.local == SiconosNsgs::Local::kPlanar && p.dim > 2) continue;
+        if (v.algorithm == SiconosCall::Algorithm::kPlanar && p.dim > 2) continue;
         rows.push_back(siconos_row(with, source.name, v, tol));
         print(rows.back());
       }
@@ -151,23 +156,23 @@ class Bench {
     Row row{.problem = name, .contacts = p.num_contacts(), .tol = tol};
     row.who = std::string("Siconos ") + v.name;
     row.asked = tol;
-    SiconosNsgs nsgs(p, v.local, v.freezing);
-    // A call cannot be interrupted: the cost of its sweeps is measured first.
+    SiconosCall call(p, v.algorithm, v.freezing);
+    // A call cannot be interrupted: the cost of its iterations is measured first.
     const CpuStopwatch trial;
     constexpr int kTrial = 100;
-    nsgs.run(tol, kTrial);
-    const double sweep = std::max(trial.seconds() / std::max(nsgs.sweeps(), 1), 1e-9);
-    const int most = static_cast<int>(std::min(flags_.time_limit / sweep, 1e9));
-    if (!nsgs.impulse().allFinite()) {  // it would continue to the limit
-      row.iterations = nsgs.sweeps();
+    call.run(tol, kTrial);
+    const double one = std::max(trial.seconds() / std::max(call.iterations(), 1), 1e-9);
+    const int most = static_cast<int>(std::min(flags_.time_limit / one, 1e9));
+    if (!call.impulse().allFinite()) {  // it would continue to the limit
+      row.iterations = call.iterations();
       row.seconds = trial.seconds();
       row.runs = 1;
       return row;
     }
     row.seconds = median_seconds(flags_.repeat, row.runs,
-                                 [&] { row.met = nsgs.run(tol, std::max(most, 1)); });
-    row.iterations = nsgs.sweeps();
-    judge(p, nsgs.impulse(), row);
+                                 [&] { row.met = call.run(tol, std::max(most, 1)); });
+    row.iterations = call.iterations();
+    judge(p, call.impulse(), row);
     return row;
   }
 
@@ -200,6 +205,7 @@ class Bench {
     const double map = peer->map, guarded = peer->guarded;  // rows grows below
     for (const std::string& solver : flags_.solvers) {
       for (const bool by_map : {true, false}) {
+        if (!by_map && flags_.map_only) continue;
         Row row{.problem = name, .contacts = p.num_contacts(), .tol = tol};
         row.who = solver + (by_map ? " (map)" : " (ε, η)");
         row.asked = by_map ? asked_for_map(p, solver, map, guarded) : std::max(guarded, 1e-15);
@@ -320,17 +326,19 @@ int main(int argc, char** argv) {
   bipot::take_kernels_of_this_processor(argv);
   using namespace bipot;
   Flags flags;
-  CLI::App app{"Siconos' NSGS and this project's solvers at equal achieved error"};
+  CLI::App app{"Siconos' solvers and this project's at equal achieved error"};
   app.add_option("target", flags.targets, "Problems, as `bipot compare` takes them");
   app.add_option("--tols", flags.tols, "Tolerances that Siconos is given")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
   app.add_option("--solvers", flags.solvers, "Solvers of this project")->delimiter(',');
   app.add_option("--variants", flags.variants,
-                 "planar, frozen10, frozen20, frozen100, newton, hybrid, projection, quartic")
+                 "planar, frozen10, frozen20, frozen100, newton, hybrid, projection, quartic, "
+                 "nsn_ac, admm")
       ->delimiter(',');
   app.add_option("--repeat", flags.repeat, "Runs of a row, the median counts")
       ->check(CLI::Range(1, 1000));
+  app.add_flag("--map-only", flags.map_only, "Compare at equal natural map alone");
   app.add_option("--time-limit", flags.time_limit, "CPU seconds of one run")
       ->check(CLI::PositiveNumber);
   app.add_option("--csv", flags.csv, "The rows as CSV")->type_name("FILE");

@@ -160,34 +160,44 @@ class MapSchedule {
 
 /// Largest number of iterations between two looks at the clock.
 inline constexpr int kUnwatchedSteps = 64;
-/// Iterations between two steps of sigma, and number of iterations after which these are damped.
-inline constexpr int kFollowPeriod = 16, kFollowDamped = 1600;
+/// Number of iterations after which the steps of sigma are damped.
+inline constexpr int kFollowDamped = 1600;
 
-/// Iterates until the monitor stops it.
-inline void iterate_gradient(GradientKernel& kernel, MapSchedule schedule, double lambda,
+/// Iterates until the monitor stops it. `hold`: iterations between two steps of sigma. The map
+/// `followed` takes its first sigma from the velocity of a start that is not 0.
+inline void iterate_gradient(GradientKernel& kernel, MapSchedule schedule, int hold, double lambda,
                              double step, SolveRun& run) {
-  kernel.reset(run.start());
-  GradientControl control{.lambda = lambda, .step = step};
+  const Vector start = run.start();
+  kernel.reset(start);
+  if (schedule.map() == GradientMap::kFollowed && run.space().any(!start.isZero(0))) {
+    kernel.follow(1);
+  }
+  GradientControl control{.lambda = lambda, .step = step, .map = schedule.map()};
   int since = 0;  // iterations with the present map
+  // A step of sigma after the last iteration; before it, since the last judgement.
+  bool stepped = false, changed = true;
   for (int iteration = 0;;) {
     if (run.due(iteration)) {
-      if (run.stop(iteration, kernel.impulse(), step / control.lambda)) return;
+      // While sigma is held, an impulse that stands will move later.
+      const bool moving = control.map == GradientMap::kFollowed && !changed;
+      if (run.stop(iteration, kernel.impulse(), step / control.lambda, moving)) return;
+      changed = false;
       if (schedule.advance(iteration, run.best_error())) {
         kernel.reset(run.best_impulse());
         control.t = 1;
+        control.map = schedule.map();
         since = 0;
       }
     }
-    control.map = schedule.map();
     const bool follows = control.map == GradientMap::kFollowed;
-    const int most = follows ? kFollowPeriod - since % kFollowPeriod : kUnwatchedSteps;
+    const int most = follows ? std::min(hold - since % hold, kUnwatchedSteps) : kUnwatchedSteps;
     const int count = run.undue(iteration, most);
     kernel.advance(count, control);
     iteration += count;
     since += count;
-    if (follows && since % kFollowPeriod == 0) {
-      kernel.follow(std::min(1.0, static_cast<double>(kFollowDamped) / since));
-    }
+    changed = changed || stepped;
+    stepped = follows && since % hold == 0;
+    if (stepped) kernel.follow(std::min(1.0, static_cast<double>(kFollowDamped) / since));
   }
 }
 

@@ -54,12 +54,13 @@ void with_any_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
 
 void solve_accelerated_gradient(SolveRun& run) {
   const MapSchedule schedule(run.parameters().choice("map"));
+  const int hold = run.parameters().integer("hold");
   const double step = run.parameters().number("step");
   const ContactScaling scaling = equilibrated_scaling(run.problem(), run.space().diagonal());
   const double lambda = kSpectralMargin * spectral_estimate(run.space(), scaling.velocity);
   run.end_setup();
   const auto iterate = [&](GradientKernel& kernel) {
-    iterate_gradient(kernel, schedule, lambda, step, run);
+    iterate_gradient(kernel, schedule, hold, lambda, step, run);
   };
   dispatch_dim(run.problem().dim, [&](auto d) {
     if (with_tiled_kernel<d()>(run, scaling, iterate)) return;

@@ -11,6 +11,13 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
      .choices = "auto|split|followed",
      .help = "normal part first, then the friction disk; or projection on the cone with de Saxce's "
              "term held and followed; auto: split, and followed once it stagnates"},
+    {.name = "hold",
+     .kind = ParameterSpec::Kind::kInteger,
+     .default_value = "16",
+     .minimum = 1,
+     .maximum = 100000,
+     .help = "of map = followed: iterations between two steps of de Saxce's term",
+     .unit = "iterations"},
     {.name = "step",
      .kind = ParameterSpec::Kind::kNumber,
      .default_value = "1",
@@ -31,8 +38,9 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 /// Found. Comput. Math. 15, 2015). P is either
 ///   - split: x_n = max(0, tau_n), then x_t = tau_t cut off at mu x_n (Alart and Curnier 1991), or
 ///   - followed: proj(y - (w + sigma n)/L, K_mu). Here sigma holds de Saxcé's term mu |w_t| from an
-///     earlier iterate: every 16 iterations sigma <- sigma + kappa (mu |w_t| - sigma), kappa =
-///     min(1, 1600/k) after k iterations.
+///     earlier iterate: every `hold` iterations sigma <- sigma + kappa (mu |w_t| - sigma), kappa
+///     = min(1, 1600/k) after k iterations. It begins with mu |w_t| of a start that is not 0, else
+///     with 0.
 /// The fixed points of both are exactly the solutions of Coulomb's law. [ours] For a given sigma
 /// the steps of `followed` minimise a convex function on K_mu, with the velocity v(sigma)
 /// of data/manual/explanation/method.md §6. Thus sigma follows the map of Brouwer's theorem there,

@@ -248,49 +248,64 @@ void solve_siconos_admm(SolveRun& run) { run_siconos(kAdmm, run); }
 void solve_siconos_prox(SolveRun& run) { run_siconos(kProx, run); }
 void solve_siconos_lemke(SolveRun& run) { run_siconos(kLemke, run); }
 
-struct SiconosNsgs::Impl {
+struct SiconosCall::Impl {
   SiconosProblem problem;
-  int solver, local, freezing;
+  Algorithm algorithm;
+  int freezing;
   Vector reaction;
-  int sweeps = 0;
+  int iterations = 0;
   double residual = kNaN;
 };
 
-SiconosNsgs::SiconosNsgs(const ContactProblem& p, Local local, int freezing) {
-  const bool planar = local == Local::kPlanar;
+SiconosCall::SiconosCall(const ContactProblem& p, Algorithm algorithm, int freezing) {
+  const bool planar = algorithm == Algorithm::kPlanar;
   if (planar && p.dim > 2) throw std::invalid_argument("Siconos' planar NSGS: d = 3");
-  constexpr int kIds[] = {0, SICONOS_FRICTION_3D_ONECONTACT_NSN,
-                          SICONOS_FRICTION_3D_ONECONTACT_NSN_GP_HYBRID,
-                          SICONOS_FRICTION_3D_ONECONTACT_ProjectionOnConeWithLocalIteration,
-                          SICONOS_FRICTION_3D_ONECONTACT_QUARTIC};
-  impl_.reset(new Impl{.problem = SiconosProblem(p, planar ? 2 : 3, Storage::kBlocks),
-                       .solver = planar ? SICONOS_FRICTION_2D_NSGS : SICONOS_FRICTION_3D_NSGS,
-                       .local = kIds[static_cast<int>(local)],
-                       .freezing = freezing,
-                       .reaction = {}});
+  const bool whole = algorithm == Algorithm::kAlartCurnier || algorithm == Algorithm::kAdmm;
+  impl_.reset(new Impl{
+      .problem = SiconosProblem(p, planar ? 2 : 3, whole ? Storage::kTriplets : Storage::kBlocks),
+      .algorithm = algorithm,
+      .freezing = freezing,
+      .reaction = {}});
+  if (whole) ensure_mpi();
 }
-SiconosNsgs::~SiconosNsgs() = default;
+SiconosCall::~SiconosCall() = default;
 
-bool SiconosNsgs::run(double tol, int max_sweeps) {
+bool SiconosCall::run(double tol, int max_iterations) {
+  struct Request {
+    int solver, of_one_contact;  // 0: its default
+  };
+  constexpr Request kRequests[] = {
+      {SICONOS_FRICTION_2D_NSGS, 0},
+      {SICONOS_FRICTION_3D_NSGS, SICONOS_FRICTION_3D_ONECONTACT_NSN},
+      {SICONOS_FRICTION_3D_NSGS, SICONOS_FRICTION_3D_ONECONTACT_NSN_GP_HYBRID},
+      {SICONOS_FRICTION_3D_NSGS, SICONOS_FRICTION_3D_ONECONTACT_ProjectionOnConeWithLocalIteration},
+      {SICONOS_FRICTION_3D_NSGS, SICONOS_FRICTION_3D_ONECONTACT_QUARTIC},
+      {SICONOS_FRICTION_3D_NSN_AC, 0},
+      {SICONOS_FRICTION_3D_ADMM, 0}};
+  const Request& request = kRequests[static_cast<int>(impl_->algorithm)];
   const std::unique_ptr<::SolverOptions, DeleteOptions> theirs(
-      solver_options_create(impl_->solver));
+      solver_options_create(request.solver));
   if (theirs == nullptr) throw std::runtime_error("Siconos: solver_options_create failed");
-  if (impl_->local != 0) solver_options_update_internal(theirs.get(), 0, impl_->local);
-  theirs->iparam[SICONOS_FRICTION_3D_NSGS_FREEZING_CONTACT] = impl_->freezing;
-  theirs->iparam[SICONOS_IPARAM_MAX_ITER] = max_sweeps;
+  if (request.of_one_contact != 0) {
+    solver_options_update_internal(theirs.get(), 0, request.of_one_contact);
+  }
+  if (impl_->freezing > 0) {
+    theirs->iparam[SICONOS_FRICTION_3D_NSGS_FREEZING_CONTACT] = impl_->freezing;
+  }
+  theirs->iparam[SICONOS_IPARAM_MAX_ITER] = max_iterations;
   theirs->dparam[SICONOS_DPARAM_TOL] = tol;
   numerics_set_verbose(0);
   impl_->reaction = Vector::Zero(impl_->problem.rows());
   Vector velocity = Vector::Zero(impl_->problem.rows());
-  const auto driver = impl_->local == 0 ? &fc2d_driver : &fc3d_driver;
+  const auto driver = impl_->algorithm == Algorithm::kPlanar ? &fc2d_driver : &fc3d_driver;
   const int info =
       driver(impl_->problem.get(), impl_->reaction.data(), velocity.data(), theirs.get());
-  impl_->sweeps = theirs->iparam[SICONOS_IPARAM_ITER_DONE];
+  impl_->iterations = theirs->iparam[SICONOS_IPARAM_ITER_DONE];
   impl_->residual = theirs->dparam[SICONOS_DPARAM_RESIDU];
   return info == 0;
 }
-Vector SiconosNsgs::impulse() const { return impl_->problem.impulse(impl_->reaction); }
-int SiconosNsgs::sweeps() const { return impl_->sweeps; }
-double SiconosNsgs::residual() const { return impl_->residual; }
+Vector SiconosCall::impulse() const { return impl_->problem.impulse(impl_->reaction); }
+int SiconosCall::iterations() const { return impl_->iterations; }
+double SiconosCall::residual() const { return impl_->residual; }
 
 }  // namespace bipot

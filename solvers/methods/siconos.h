@@ -26,28 +26,37 @@ void solve_siconos_admm(SolveRun& run);
 void solve_siconos_prox(SolveRun& run);
 void solve_siconos_lemke(SolveRun& run);
 
-/// Siconos' NSGS as its own users call it: one call, from s = 0, to its own measure. For
-/// measurements; the solvers above are for solving.
-class SiconosNsgs {
+/// A solver of Siconos as its own users call it: one call, from s = 0, to its own measure, with its
+/// default options. For measurements; the solvers above are for solving.
+class SiconosCall {
  public:
-  /// Solver of one contact of a sweep. The planar NSGS has its own, exact, and no choice. The
-  /// others belong to the NSGS in 3D, in which a planar problem has an inert tangent.
-  enum class Local { kPlanar, kNewton, kNewtonAndProjection, kProjection, kQuartic };
+  /// The planar NSGS has its own exact solver of one contact. The next four are the NSGS in 3D with
+  /// its solvers of one contact. The last two are the nonsmooth Newton method on Alart and
+  /// Curnier's map, and ADMM, both in 3D. In 3D a planar problem has an inert tangent.
+  enum class Algorithm {
+    kPlanar,
+    kNewton,
+    kNewtonAndProjection,
+    kProjection,
+    kQuartic,
+    kAlartCurnier,
+    kAdmm
+  };
 
-  /// Copies the problem (d >= 1, with W) into Siconos' blocks and units. `freezing`: sweeps that
-  /// skip a settled contact, 0 for none. Throws std::invalid_argument for kPlanar in 3D.
-  SiconosNsgs(const ContactProblem& problem, Local local, int freezing);
-  ~SiconosNsgs();
-  SiconosNsgs(const SiconosNsgs&) = delete;
-  SiconosNsgs& operator=(const SiconosNsgs&) = delete;
+  /// Copies the problem (d >= 1, with W) into Siconos' storage and units. `freezing`: sweeps of
+  /// NSGS that skip a settled contact, 0 for none. Throws std::invalid_argument for kPlanar in 3D.
+  SiconosCall(const ContactProblem& problem, Algorithm algorithm, int freezing);
+  ~SiconosCall();
+  SiconosCall(const SiconosCall&) = delete;
+  SiconosCall& operator=(const SiconosCall&) = delete;
 
-  /// Sweeps from s = 0 until Siconos' residual is at most `tol`, at most `max_sweeps`; true if
-  /// Siconos reports success.
-  bool run(double tol, int max_sweeps);
+  /// Iterates from s = 0 until Siconos' residual is at most `tol`, at most `max_iterations`; true
+  /// if Siconos reports success.
+  bool run(double tol, int max_iterations);
 
   Vector impulse()
-      const;           ///< of the last run, as Siconos left it: m, the problem's variables [N s]
-  int sweeps() const;  ///< of the last run
+      const;  ///< of the last run, as Siconos left it: m, the problem's variables [N s]
+  int iterations() const;   ///< of the last run
   double residual() const;  ///< of the last run, as Siconos reports it [-]
 
  private:

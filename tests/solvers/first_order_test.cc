@@ -44,6 +44,7 @@ std::vector<Variant> variants() {
           {"pgs", {{"operator", "explicit"}}},
           {"apgd", {}},
           {"apgd", {{"map", "followed"}}},
+          {"apgd", {{"map", "followed"}, {"hold", "64"}}},
           {"apgd", {{"map", "split"}}},
           {"anderson", {}},
           {"anderson", {{"map", "gradient"}, {"memory", "4"}}},

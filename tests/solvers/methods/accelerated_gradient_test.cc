@@ -8,6 +8,7 @@
 #include "solvers/kernels/spectral_estimate.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
@@ -54,6 +55,26 @@ TEST(AcceleratedGradient, AutoSolvesThePyramidThatSplitDoesNot) {
   EXPECT_EQ(run_apgd(p, "split", 1e-8, 20000).status, SolveStatus::kIterationLimit);
   EXPECT_EQ(run_apgd(p, "followed", 1e-8, 20000).status, SolveStatus::kConverged);
   EXPECT_EQ(run_apgd(p, "auto", 1e-8, 20000).status, SolveStatus::kConverged);
+}
+
+// w_n = 2, w_t = 3, mu = 0.4, b = (-1, 3) slides: s = (1/2, -1/5), u = (0, 2.4), sigma = 0.96. While
+// sigma stays 0, friction is associated: 2.48 s_n = 2.2, and the contact opens with u_n = 0.77. From
+// an impulse that is 1e-2 larger sigma is at once right to 3e-3.
+TEST(AcceleratedGradient, HeldTermIsThatOfTheStart) {
+  const ContactProblem p = one_contact_problem(2, 2, 3, 0.4, -1, Vector::Constant(1, 3));
+  SolverOptions o{
+      .tol = 5e-3, .max_iterations = 1000, .parameters = {{"map", "followed"}, {"hold", "100000"}}};
+  EXPECT_EQ(solve("apgd", p, o).status, SolveStatus::kIterationLimit);
+  o.s0 = Vector(2);
+  o.s0 << 0.505, -0.202;
+  const SolveResult held = solve("apgd", p, o);
+  EXPECT_EQ(held.status, SolveStatus::kConverged) << held.message;
+  EXPECT_GT(held.iterations, 0);
+  o = {.tol = 1e-10, .parameters = {{"map", "followed"}, {"hold", "64"}}};
+  const SolveResult followed = solve("apgd", p, o);
+  ASSERT_EQ(followed.status, SolveStatus::kConverged) << followed.message;
+  EXPECT_NEAR(followed.s[0], 0.5, 1e-8);
+  EXPECT_NEAR(followed.s[1], -0.2, 1e-8);
 }
 
 TEST(SpectralEstimate, LiesBetweenTheTrueEigenvalueAndTheBound) {

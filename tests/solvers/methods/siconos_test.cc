@@ -62,38 +62,39 @@ TEST_P(Siconos, StopsAtItsIterationLimit) {
   EXPECT_TRUE(r.status == SolveStatus::kIterationLimit || is_success(r.status)) << r.message;
 }
 
-TEST(SiconosNsgs, SolvesOnceToItsOwnResidualWithEveryLocalSolver) {
+TEST(SiconosCall, SolvesOnceToItsOwnResidualWithEveryAlgorithm) {
   // w_n = 2, w_t = 3, mu = 0.4, b = (-1, 3): slides, s = (1/2, -0.2). (The quartic one of 4.4
   // returns NaN here.)
   const Vector pull = Vector::Constant(1, 3);
   ContactProblem p = one_contact_problem(2, 2, 3, 0.4, -1, pull);
   p.W = assemble_delassus(p.A, p.H, p.dim);
-  using Local = SiconosNsgs::Local;
-  for (const Local local :
-       {Local::kPlanar, Local::kNewton, Local::kNewtonAndProjection, Local::kProjection}) {
+  using Algorithm = SiconosCall::Algorithm;
+  for (const Algorithm algorithm :
+       {Algorithm::kPlanar, Algorithm::kNewton, Algorithm::kNewtonAndProjection,
+        Algorithm::kProjection, Algorithm::kAlartCurnier, Algorithm::kAdmm}) {
     for (const int freezing : {0, 10}) {
-      SiconosNsgs nsgs(p, local, freezing);
-      EXPECT_TRUE(nsgs.run(1e-10, 100000)) << static_cast<int>(local);
-      EXPECT_LE(nsgs.residual(), 1e-10);
-      EXPECT_GE(nsgs.sweeps(), 1);
-      EXPECT_NEAR(nsgs.impulse()[0], 0.5, 1e-8) << static_cast<int>(local);
-      EXPECT_NEAR(nsgs.impulse()[1], -0.2, 1e-8) << static_cast<int>(local);
+      SiconosCall call(p, algorithm, freezing);
+      EXPECT_TRUE(call.run(1e-10, 100000)) << static_cast<int>(algorithm);
+      EXPECT_LE(call.residual(), 1e-10);
+      EXPECT_GE(call.iterations(), 1);
+      EXPECT_NEAR(call.impulse()[0], 0.5, 1e-8) << static_cast<int>(algorithm);
+      EXPECT_NEAR(call.impulse()[1], -0.2, 1e-8) << static_cast<int>(algorithm);
     }
   }
 }
 
-TEST(SiconosNsgs, SaysThatItsSweepsDidNotSuffice) {
+TEST(SiconosCall, SaysThatItsSweepsDidNotSuffice) {
   ContactProblem p = lattice_step(Lattice::kSquare, 6, 0.3, 0);
   p.W = assemble_delassus(p.A, p.H, p.dim);
-  SiconosNsgs nsgs(p, SiconosNsgs::Local::kPlanar, 0);
-  EXPECT_FALSE(nsgs.run(1e-10, 3));
-  EXPECT_EQ(nsgs.sweeps(), 3);
-  EXPECT_GT(nsgs.residual(), 1e-10);
+  SiconosCall call(p, SiconosCall::Algorithm::kPlanar, 0);
+  EXPECT_FALSE(call.run(1e-10, 3));
+  EXPECT_EQ(call.iterations(), 3);
+  EXPECT_GT(call.residual(), 1e-10);
   // Each run begins at s = 0.
-  EXPECT_FALSE(nsgs.run(1e-10, 3));
-  EXPECT_EQ(nsgs.sweeps(), 3);
+  EXPECT_FALSE(call.run(1e-10, 3));
+  EXPECT_EQ(call.iterations(), 3);
   const ContactProblem space = one_contact_problem(3, 2, 3, 0.4, -1, Vector::Zero(2));
-  EXPECT_THROW(SiconosNsgs(space, SiconosNsgs::Local::kPlanar, 0), std::invalid_argument);
+  EXPECT_THROW(SiconosCall(space, SiconosCall::Algorithm::kPlanar, 0), std::invalid_argument);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Siconos,
