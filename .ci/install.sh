@@ -1,11 +1,14 @@
 #!/usr/bin/env bash
-# Installs the packages of .ci/packages.txt that are missing (Debian 12). Does nothing when all are there.
+# Installs the packages that are missing (Debian 12): .ci/install.sh [command]
+# Those of packages.txt make the command. Those of test_packages.txt are for tests and Python.
 set -euo pipefail
-list="$(dirname "${BASH_SOURCE[0]}")/packages.txt"
+cd "$(dirname "${BASH_SOURCE[0]}")"
+lists=(packages.txt)
+[ "${1:-}" = command ] || lists+=(test_packages.txt)
 missing=()
 while read -r package; do
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
-done < "$list"
+done < <(cat "${lists[@]}")
 ((${#missing[@]})) || exit 0
 sudo=()
 if [ "$(id -u)" -ne 0 ]; then sudo=(sudo); fi
