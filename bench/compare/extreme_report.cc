@@ -223,8 +223,8 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
             .as(words_of(cell.end).look);
       },
       [](const ExtremeCase& c) { return fmt::format("[{0}](#{0})", c.name); });
-  matrix.columns.push_back({.name = "missed by auto, solved by"});
-  for (std::size_t row = 0, k = 0; row < matrix.rows.size(); ++row) {
+  if (missed > 0) matrix.columns.push_back({.name = "missed by auto, solved by"});
+  for (std::size_t row = 0, k = 0; missed > 0 && row < matrix.rows.size(); ++row) {
     if (is_title(matrix, matrix.rows[row])) continue;
     matrix.rows[row].cells.emplace_back(
         fmt::format("{}", fmt::join(solved_by_others(m, m.cases[k++].name), ", ")));

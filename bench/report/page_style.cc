@@ -23,9 +23,9 @@ p,li{max-width:46em}
 code{font:.88em ui-monospace,monospace;background:var(--shade);padding:.1em .3em;overflow-wrap:anywhere}
 .small{color:var(--soft);font-size:.87rem}
 .scroll{overflow-x:auto;border:1px solid var(--line)}
-table{border-collapse:separate;border-spacing:0;font-variant-numeric:tabular-nums;font-size:.87rem;
+table{border-collapse:separate;border-spacing:0;font-variant-numeric:tabular-nums;font-size:.84rem;
  width:100%}
-th,td{padding:.3em .6em;text-align:left;border-bottom:1px solid var(--line);vertical-align:top}
+th,td{padding:.3em .4em;text-align:left;border-bottom:1px solid var(--line);vertical-align:top}
 td.n,th.n{text-align:right;white-space:nowrap}
 thead th{background:var(--shade)}
 th:first-child,td:first-child{position:sticky;left:0;background:var(--paper)}
