@@ -342,12 +342,15 @@ void DelassusOperator::move_bodies(const double* s) const {
     add_impulses_by_body<D>(s);
   }
   using Place = BodyPlace<D>;
-  double* v = velocity_.data();
-  for (const auto& body : prepared_->bodies<D>()->bodies) {
-    for (int x = 0; x < Place::kForces; ++x) v[x] *= body.inverse_mass;
-    for (int x = 0; x < Place::kTorques; ++x) v[Place::kSpin + x] *= body.inverse_inertia;
-    v += Place::kSize;
-  }
+  const auto& bodies = prepared_->bodies<D>()->bodies;
+  run_pieces(threads_, static_cast<int>(bodies.size()), [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const auto& body = bodies[to_size(k)];
+      double* const v = velocity_.data() + Place::kSize * k;
+      for (int x = 0; x < Place::kForces; ++x) v[x] *= body.inverse_mass;
+      for (int x = 0; x < Place::kTorques; ++x) v[Place::kSpin + x] *= body.inverse_inertia;
+    }
+  });
 }
 
 /// u of the contacts [begin, end), plus `u_free` unless it is null.

@@ -20,7 +20,7 @@ DeflatedSweep::DeflatedSweep(SymmetricSweep<2>& sweep, const DiskStructure& disk
     : sweep_(sweep),
       options_(options),
       kernels_(stress_kernels(options.path)),
-      modes_(sweep.disks(), disks),
+      modes_(sweep.disks(), disks, options.threads),
       mass_(to_size(sweep.disks().num_rows())),
       direction_(mass_.size()),
       stress_(mass_.size()),
@@ -53,13 +53,18 @@ const Vector& DeflatedSweep::impulse() {
 bool DeflatedSweep::iterate() {
   if (!carried_) return false;
   const DiskTiles<2>& disks = sweep_.disks();
-  const auto& tile = disks.tile(0);
   const int batches = disks.num_batches(), rows = disks.num_rows();
-  std::fill(stress_.begin(), stress_.end(), BodyRow{});
+  const auto clear = [&](LargeVector<BodyRow>& of) {
+    run_pieces(options_.threads, rows, [&](int first, int last) {
+      std::fill(of.begin() + first, of.begin() + last, BodyRow{});
+    });
+  };
+  const auto& tile = disks.tile(0);
+  clear(stress_);
   kernels_.rates({batches, disks.contacts(tile), disks.law_numbers(tile), disks.laws(),
                   modes_.share(), at_.swept_velocity.data(), stress_.data()});
   if (!modes_.relax(stress_)) return false;
-  std::fill(momentum_.begin(), momentum_.end(), BodyRow{});
+  clear(momentum_);
   LoadSums load;
   kernels_.impulse(
       {batches, disks.contacts(tile), disks.law_numbers(tile), disks.laws(), modes_.share(),

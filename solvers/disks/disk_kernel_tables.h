@@ -5,8 +5,7 @@
 
 namespace bipot {
 
-/// One instantiation of disk_kernel_body.h and stress_kernel_body.h, compiled for one instruction
-/// set. The kernels for spheres are compiled by themselves: together g++ makes slower code of both.
+/// The kernels for disks and for stresses, compiled for one instruction set. The kernels for spheres are compiled by themselves: together g++ makes slower code of both.
 struct DiskKernelTable {
   DiskKernels<1> one;
   DiskKernels<2> two;

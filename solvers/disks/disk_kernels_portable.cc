@@ -1,5 +1,6 @@
 #define BIPOT_WIDTH 2
-#include "solvers/disks/disk_kernel_body.h"
+#include "solvers/disks/disk_gradient.h"
+#include "solvers/disks/disk_sweeps.h"
 #include "solvers/disks/stress_kernel_body.h"
 
 namespace bipot {

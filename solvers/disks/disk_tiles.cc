@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/large_pages.h"
+#include "core/base/parallel.h"
 
 namespace bipot {
 namespace {
@@ -62,8 +63,9 @@ class Snap {
 
 template <int D>
 DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
-                        const ContactScaling& scaling, ContactTiles tiles)
+                        const ContactScaling& scaling, ContactTiles tiles, int threads)
     : tiles_(std::move(tiles)),
+      threads_(threads),
       impulse_scale_(large_copy(scaling.impulse)),
       velocity_scale_(large_copy(scaling.velocity)),
       contacts_(to_size(tiles_.num_batches()) + 1),
@@ -155,25 +157,28 @@ void DiskTiles<D>::rescale(double factor) {
   const auto scale = [&](double(&values)[kLanes]) {
     for (double& value : values) value *= factor;
   };
-  for (ContactBatch<D>& batch : contacts_) {
-    if constexpr (D == 3) {
-      scale(batch.scale);
-    } else {
-      scale(batch.gx);
-      scale(batch.gy);
-      scale(batch.spin);
+  run_pieces(threads_, num_batches(), [&](int first, int last) {
+    for (int k = first; k < last; ++k) {
+      ContactBatch<D>& batch = contacts_[to_size(k)];
+      if constexpr (D == 3) {
+        scale(batch.scale);
+      } else {
+        scale(batch.gx);
+        scale(batch.gy);
+        scale(batch.spin);
+      }
+      for (auto& b : batch.b) scale(b);
     }
-    for (auto& b : batch.b) scale(b);
-  }
+  });
   velocity_scale_ *= factor;
   impulse_scale_ /= factor;
 }
 
 template <int D>
 void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, const Vector& u_free) {
-  for (int at = 0; at < num_batches() * kLanes; ++at) {
+  const auto follow_lane = [&](int at) {
     const int c = contact(at), lane = at % kLanes;
-    if (c < 0) continue;
+    if (c < 0) return;
     ContactBatch<D>& batch = contacts_[to_size(at / kLanes)];
     const LawBatch& law = laws_[to_size(law_[to_size(at / kLanes)])];
     const std::size_t i = batch.i[lane] / sizeof(RowOf<D>), j = batch.j[lane] / sizeof(RowOf<D>);
@@ -213,20 +218,26 @@ void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, cons
       }
       batch.b[0][lane] = without + stepped(batch.b[0][lane] - without, slip);
     }
-  }
+  };
+  run_pieces(threads_, num_batches() * kLanes, [&](int first, int last) {
+    for (int lane = first; lane < last; ++lane) follow_lane(lane);
+  });
 }
 
 template <int D>
 void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x) const {
-  for (int lane = 0; lane < num_batches() * kLanes; ++lane) {
-    const int c = contact(lane);
-    Eigen::Matrix<double, D, 1> scaled = Eigen::Matrix<double, D, 1>::Zero();
-    if (c >= 0) {
-      scaled = impulse_scale_.template segment<D>(c * D).cwiseProduct(s.template segment<D>(c * D));
-      if constexpr (D == 3) scaled = (frame_[to_size(lane)].transpose() * scaled).eval();
+  run_pieces(threads_, num_batches() * kLanes, [&](int first, int last) {
+    for (int lane = first; lane < last; ++lane) {
+      const int c = contact(lane);
+      Eigen::Matrix<double, D, 1> scaled = Eigen::Matrix<double, D, 1>::Zero();
+      if (c >= 0) {
+        scaled =
+            impulse_scale_.template segment<D>(c * D).cwiseProduct(s.template segment<D>(c * D));
+        if constexpr (D == 3) scaled = (frame_[to_size(lane)].transpose() * scaled).eval();
+      }
+      for (int k = 0; k < D; ++k) x[to_size(lane / kLanes)].x[k][lane % kLanes] = scaled[k];
     }
-    for (int k = 0; k < D; ++k) x[to_size(lane / kLanes)].x[k][lane % kLanes] = scaled[k];
-  }
+  });
 }
 
 template <int D>
@@ -276,21 +287,24 @@ template <int D>
 void DiskTiles<D>::velocities(std::span<const ImpulseBatch<D>> x,
                               std::span<RowOf<D>> velocity) const {
   push(x, velocity);
-  for (std::size_t row = 0; row < velocity.size(); ++row) {
-    auto& value = velocity[row].value;
-    for (std::size_t k = 0; k < std::size(value); ++k) value[k] *= inverse_[row].value[k];
-    if constexpr (D == 3) put_inverses(inverse_[row], velocity[row]);
-  }
+  run_pieces(threads_, num_rows(), [&](int first, int last) {
+    for (int row = first; row < last; ++row) {
+      const RowOf<D>& inverse = inverse_[to_size(row)];
+      auto& value = velocity[to_size(row)].value;
+      for (std::size_t k = 0; k < std::size(value); ++k) value[k] *= inverse.value[k];
+      if constexpr (D == 3) put_inverses(inverse, velocity[to_size(row)]);
+    }
+  });
 }
 
 template <int D>
 void DiskTiles<D>::unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const {
   if (s.size() != impulse_scale_.size()) s = large_vector(impulse_scale_.size());
-  for (int batch = 0; batch < num_batches(); ++batch) {
-    for (int lane = batch * kLanes; lane < (batch + 1) * kLanes; ++lane) {
+  run_pieces(threads_, num_batches() * kLanes, [&](int first, int last) {
+    for (int lane = first; lane < last; ++lane) {
       if (contact(lane) >= 0) s.template segment<D>(contact(lane) * D) = impulse(x, lane);
     }
-  }
+  });
 }
 
 template <int D>

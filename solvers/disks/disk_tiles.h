@@ -29,9 +29,9 @@ class DiskTiles {
   /// are equal to rounding (16 ε) are taken as equal, so that few LawBatch serve all.
   DiskTiles(const ContactProblem& problem, const BodiesOf<D>& bodies, const ContactScaling& scaling)
       : DiskTiles(problem, bodies, scaling, tile_contacts(bodies)) {}
-  /// The same with given tiles.
+  /// The same with given tiles. `threads`: at most, of the functions below.
   DiskTiles(const ContactProblem& problem, const BodiesOf<D>& bodies, const ContactScaling& scaling,
-            ContactTiles tiles);
+            ContactTiles tiles, int threads = 1);
 
   using Tile = ContactTiles::Tile;
   int num_tiles() const { return static_cast<int>(tiles_.tiles.size()); }
@@ -68,9 +68,9 @@ class DiskTiles {
 
   /// Writes x = impulse ∘ s into the lanes.
   void pack(const Vector& s, std::span<ImpulseBatch<D>> x) const;
-  /// Adds Σ ± g x to the rows.
+  /// Sets the rows to Σ ± g x.
   void push(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> momentum) const;
-  /// The same times inverse().
+  /// Sets the rows to the same times inverse().
   void velocities(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> velocity) const;
   /// s = x / impulse.
   void unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const;
@@ -90,6 +90,7 @@ class DiskTiles {
   std::size_t in_all(Streamed bytes) const;
 
   ContactTiles tiles_;
+  int threads_;
   Vector impulse_scale_, velocity_scale_;
   LargeVector<ContactBatch<D>> contacts_;
   std::vector<int> law_;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 namespace bipot {
 
 /// Chooses between one thread and all for repeated work, by its measured times. Threads that wait
@@ -14,12 +16,17 @@ class QuickerTeam {
   void took(double seconds) {
     if (threads_ == 1) return;
     double& time = alone_now_ ? alone_ : team_;
-    time = time < 0 || trying_ ? seconds : kMemory * time + (1 - kMemory) * seconds;
+    if (time >= 0 && begins_ > 0) {
+      time = std::min(time, seconds);
+    } else {
+      time = time < 0 || trying_ ? seconds : kMemory * time + (1 - kMemory) * seconds;
+    }
     ++runs_;
-    if (team_ < 0) {
-      alone_now_ = false;  // both once
+    if (begins_ > 0) {
+      --begins_;
+      alone_now_ = false;
       trying_ = true;
-      return;
+      if (begins_ > 0) return;
     }
     const bool alone_before = alone_now_;
     alone_now_ = alone_ <= team_;
@@ -38,6 +45,7 @@ class QuickerTeam {
   static constexpr double kMemory = 0.75;
   static constexpr int kShortestPause = 32;
   int threads_;
+  int begins_ = 4;  // runs of the beginning: one alone, then some of the team, whose threads start
   bool alone_now_ = true, trying_ = false;
   double alone_ = -1, team_ = -1;
   int runs_ = 0, pause_ = kShortestPause;

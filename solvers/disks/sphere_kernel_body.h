@@ -1,9 +1,8 @@
 #pragma once
 
-// The kernels for spheres, for registers of the same width as disk_kernel_body.h, from which they
-// take the basic operations. Internal linkage, for the same reason.
+// The kernels for spheres.
 
-#include "solvers/disks/disk_kernel_body.h"
+#include "solvers/disks/lanes.h"
 
 namespace bipot {
 namespace {
@@ -248,7 +247,8 @@ struct SphereContacts {
 }
 
 /// Runs solve(batch, part, motion) -> wrench over all parts of the batches from `first` to before
-/// `last`, downwards with kBack: see for_parts(). kInverse: the wrenches change the velocities.
+/// `last`, downwards with kBack: see for_parts() in disk_sweeps.h. kInverse: the wrenches change the
+/// velocities.
 template <bool kBack, bool kInverse, class Solve>
 [[gnu::always_inline]] inline void for_sphere_parts(const ContactBatch<3>* contact, int first,
                                                     int last, const SphereRow* velocity,

@@ -1,8 +1,8 @@
 #pragma once
 
-// The kernels of stress_kernels.h, compiled like those of disk_kernel_body.h.
+// The kernels of stress_kernels.h.
 
-#include "solvers/disks/disk_kernel_body.h"
+#include "solvers/disks/disk_motion.h"
 #include "solvers/disks/stress_kernels.h"
 
 namespace bipot {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "core/base/parallel.h"
 #include "solvers/disks/disk_positions.h"
 
 namespace bipot {
@@ -44,9 +46,13 @@ std::array<double, 4> StressModes::Place::weights() const {
   return {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
 }
 
-StressModes::StressModes(const DiskTiles<2>& tiles, const DiskStructure& disks)
-    : tiles_(tiles), place_(to_size(tiles.num_rows())), share_(to_size(tiles.num_batches())) {
+StressModes::StressModes(const DiskTiles<2>& tiles, const DiskStructure& disks, int threads)
+    : tiles_(tiles),
+      threads_(threads),
+      place_(to_size(tiles.num_rows())),
+      share_(to_size(tiles.num_batches())) {
   place_bodies(disks);
+  list_rows();
   list_contacts();
   set_pattern();
 }
@@ -101,6 +107,20 @@ void StressModes::place_bodies(const DiskStructure& disks) {
   for (int k = 0; k < bodies; ++k) {
     Place& place = place_[to_size(tiles_.row(k))];
     if (place.cell == 0) place.cell = find(cells, corner[to_size(k)]);
+  }
+}
+
+void StressModes::list_rows() {
+  first_row_.assign(cells_.size() + 1, 0);
+  for (const Place& place : place_) {
+    if (place.cell >= 0) ++first_row_[to_size(place.cell) + 1];
+  }
+  std::partial_sum(first_row_.begin(), first_row_.end(), first_row_.begin());
+  row_.resize(to_size(first_row_.back()));
+  std::vector<int> next(first_row_.begin(), first_row_.end() - 1);
+  for (std::size_t row = 0; row < place_.size(); ++row) {
+    const int cell = place_[row].cell;
+    if (cell >= 0) row_[to_size(next[to_size(cell)]++)] = static_cast<int>(row);
   }
 }
 
@@ -317,16 +337,25 @@ void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
 }
 
 bool StressModes::relax(std::span<BodyRow> rows) const {
-  Vector rates = Vector::Zero(matrix_.rows());
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    const Place& place = place_[row];
-    if (place.cell < 0) continue;
-    const std::array<double, 4> weights = place.weights();
-    const Cell& corners = cells_[to_size(place.cell)];
-    for (int k = 0; k < 4; ++k) {
-      for (int r = 0; r < 3; ++r) {
-        rates[3 * corners[to_size(k)] + r] += weights[to_size(k)] * rows[row].value[kSlots[r]];
+  // Of each cell: sums for its corners.
+  std::vector<Eigen::Matrix<double, 3, 4>> sums(cells_.size());
+  run_tasks(threads_, static_cast<int>(cells_.size()), [&](int cell) {
+    auto& sum = sums[to_size(cell)];
+    sum.setZero();
+    for (int k = first_row_[to_size(cell)]; k < first_row_[to_size(cell) + 1]; ++k) {
+      const std::size_t row = to_size(row_[to_size(k)]);
+      const std::array<double, 4> weights = place_[row].weights();
+      for (int corner = 0; corner < 4; ++corner) {
+        for (int r = 0; r < 3; ++r) {
+          sum(r, corner) += weights[to_size(corner)] * rows[row].value[kSlots[r]];
+        }
       }
+    }
+  });
+  Vector rates = Vector::Zero(matrix_.rows());
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+    for (int corner = 0; corner < 4; ++corner) {
+      rates.segment<3>(3 * cells_[cell][to_size(corner)]) += sums[cell].col(corner);
     }
   }
   const Vector stress = -factor_.solve(rates);
@@ -336,20 +365,21 @@ bool StressModes::relax(std::span<BodyRow> rows) const {
 }
 
 void StressModes::interpolate(const Vector& nodes, std::span<BodyRow> rows) const {
-  for (std::size_t row = 0; row < rows.size(); ++row) {
+  const auto stress_of = [&](const Place& place) {
     BodyRow stress;
-    const Place& place = place_[row];
-    if (place.cell >= 0) {
-      const std::array<double, 4> weights = place.weights();
-      const Cell& corners = cells_[to_size(place.cell)];
-      for (int k = 0; k < 4; ++k) {
-        for (int r = 0; r < 3; ++r) {
-          stress.value[kSlots[r]] += weights[to_size(k)] * nodes[3 * corners[to_size(k)] + r];
-        }
+    if (place.cell < 0) return stress;
+    const std::array<double, 4> weights = place.weights();
+    const Cell& corners = cells_[to_size(place.cell)];
+    for (int k = 0; k < 4; ++k) {
+      for (int r = 0; r < 3; ++r) {
+        stress.value[kSlots[r]] += weights[to_size(k)] * nodes[3 * corners[to_size(k)] + r];
       }
     }
-    rows[row] = stress;
-  }
+    return stress;
+  };
+  run_pieces(threads_, static_cast<int>(rows.size()), [&](int first, int last) {
+    for (int row = first; row < last; ++row) rows[to_size(row)] = stress_of(place_[to_size(row)]);
+  });
 }
 
 }  // namespace bipot

@@ -21,7 +21,8 @@ namespace bipot {
 /// impulses. Contacts that are open or at the edge of their cone carry nothing.
 class StressModes {
  public:
-  StressModes(const DiskTiles<2>& tiles, const DiskStructure& disks);
+  /// `threads`: at most, of relax().
+  StressModes(const DiskTiles<2>& tiles, const DiskStructure& disks, int threads = 1);
 
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
   const ShareBatch* share() const { return share_.data(); }
@@ -58,16 +59,19 @@ class StressModes {
   using Neighbours = std::array<int, 25>;
 
   void place_bodies(const DiskStructure& disks);
+  void list_rows();
   void list_contacts();
   void set_pattern();
   void assemble();
   void add_body(int row, const std::array<double, 3>& inverse);
 
   const DiskTiles<2>& tiles_;
+  int threads_;
   std::vector<Node> nodes_;
   std::vector<Cell> cells_;
-  std::vector<Place> place_;       // of each row
-  std::vector<int> first_, lane_;  // lanes of the contacts of each row
+  std::vector<Place> place_;          // of each row
+  std::vector<int> first_row_, row_;  // the rows of each cell
+  std::vector<int> first_, lane_;     // lanes of the contacts of each row
   LargeVector<ShareBatch> share_;
   std::vector<Neighbours> neighbours_;
   SparseMatrix matrix_;

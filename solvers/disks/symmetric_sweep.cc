@@ -8,16 +8,6 @@
 #include "core/base/stopwatch.h"
 
 namespace bipot {
-namespace {
-
-/// One thread, if a sweep can follow only near the end of the one before: a second one would wait.
-int threads_of(const TileLinks& links, int threads) {
-  const int tiles = static_cast<int>(links.ready_up.size());
-  return 3 * std::max(links.ready_up.front(), links.ready_down.front()) < tiles ? threads : 1;
-}
-
-}  // namespace
-
 template <int D>
 SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
                                   const ContactScaling& equilibrated, double omega, int sweeps,
@@ -30,18 +20,39 @@ SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const BodiesOf<
                                   const ContactScaling& equilibrated, double omega, int sweeps,
                                   const Execution& options, ContactTiles order)
     : links_(tile_links(order, bodies)),
-      disks_(problem, bodies, equilibrated, std::move(order)),
+      disks_(problem, bodies, equilibrated, std::move(order), options.threads),
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
       sweeps_(sweeps),
-      team_(threads_of(links_, options.threads)),
+      threads_(options.threads),
       asks_ahead_(disks_.asks_ahead(
           {sizeof(ContactBatch<D>) + 3 * sizeof(ImpulseBatch<D>), 3 * sizeof(RowOf<D>)})),
-      forth_(links_.ready_up),
-      back_(links_.ready_down),
+      schedule_(schedule()),
+      team_(schedule_.threads()),
+      sums_(to_size(disks_.num_tiles())),
       now_(to_size(disks_.num_batches())),
+      before_(now_.size()),
       next_(now_.size()),
-      velocity_(to_size(disks_.num_rows())) {}
+      velocity_(to_size(disks_.num_rows())),
+      velocity_before_(velocity_.size()) {}
+
+template <int D>
+SweepSchedule SymmetricSweep<D>::schedule() const {
+  std::vector<int> batches;
+  for (int t = 0; t < disks_.num_tiles(); ++t) {
+    batches.push_back(disks_.tile(t).last_batch - disks_.tile(t).first_batch);
+  }
+  return {links_, batches, {sweeps_, sweeps_}, threads_};
+}
+
+template <int D>
+void SymmetricSweep<D>::relax(double omega, int sweeps) {
+  omega_ = omega;
+  if (sweeps == sweeps_) return;
+  sweeps_ = sweeps;
+  schedule_ = schedule();
+  team_ = QuickerTeam(schedule_.threads());
+}
 
 template <int D>
 void SymmetricSweep<D>::reset(const Vector& s) {
@@ -52,8 +63,12 @@ void SymmetricSweep<D>::reset(const Vector& s) {
 template <int D>
 void SymmetricSweep<D>::refresh() {
   disks_.velocities(now_, velocity_);
-  before_ = now_;
-  velocity_before_ = velocity_;
+  run_pieces(threads_, disks_.num_batches(), [&](int first, int last) {
+    std::copy(&now_[0] + first, &now_[0] + last, &before_[0] + first);
+  });
+  run_pieces(threads_, disks_.num_rows(), [&](int first, int last) {
+    std::copy(&velocity_[0] + first, &velocity_[0] + last, &velocity_before_[0] + first);
+  });
 }
 
 template <int D>
@@ -96,11 +111,10 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
     task.inverse = disks_.inverse();
     return task;
   };
-  const auto forth = [&](int sweep, int place) {
-    const ContactTiles::Tile& tile = disks_.tile(place);
+  const auto forth = [&](const ContactTiles::Tile& tile, bool first) {
     SymmetricTask<D> task = task_of(tile);
-    task.outer = sweep == 0;
-    if (task.outer) {
+    task.outer = first;
+    if (first) {
       // No sweep has used these bodies yet.
       constexpr int kParts = static_cast<int>(sizeof(RowOf<D>) / sizeof(BodyRow));
       const auto rows = [&](auto& of) {
@@ -111,29 +125,31 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
     }
     kernels_.sweep_forth(task);
   };
-  TurnSums sums;
-  const auto back = [&](int sweep, int place) {
-    const int t = disks_.num_tiles() - 1 - place;
+  const auto back = [&](int t, bool last) {
     SymmetricTask<D> task = task_of(disks_.tile(t));
-    task.outer = sweep == sweeps_ - 1;
+    task.outer = last;
     if (t > 0) {
-      const std::span<const unsigned> coming = links_.coming_to(t - 1);
+      const std::span<const unsigned> coming = links_.coming.of(t - 1);
       task.coming = coming.data();
       task.num_coming = static_cast<int>(coming.size());
     }
-    kernels_.sweep_back(task, sums);
+    sums_[to_size(t)] = {};
+    kernels_.sweep_back(task, sums_[to_size(t)]);
   };
-  forth_.begin(sweeps_);
-  back_.begin(sweeps_);
   const Stopwatch watch;
-  run_team(std::min(team_.threads(), sweeps_), [&](int rank, int size) {
-    forth_.run(rank, size, forth);
-    // The last forward member is at the place where the first backward one begins.
-    back_.run(size - 1 - rank, size, back);
+  schedule_.run(team_.threads() == 1, [&](int sweep, int tile) {
+    if (sweep < sweeps_) {
+      forth(disks_.tile(tile), sweep == 0);
+    } else {
+      back(tile, sweep == 2 * sweeps_ - 1);
+    }
   });
   team_.took(watch.seconds());
-  double turn = 0;
-  for (const double lane : sums.turn) turn += lane;
+  double lanes[kLanes] = {}, turn = 0;
+  for (const TurnSums& of : sums_) {
+    for (int lane = 0; lane < kLanes; ++lane) lanes[lane] += of.turn[lane];
+  }
+  for (const double lane : lanes) turn += lane;
   return turn;
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "core/base/large_pages.h"
 #include "solvers/disks/disk_tiles.h"
-#include "solvers/disks/following_sweeps.h"
 #include "solvers/disks/quicker_team.h"
+#include "solvers/disks/sweep_schedule.h"
 #include "solvers/disks/tile_links.h"
 
 namespace bipot {
@@ -13,8 +14,8 @@ namespace bipot {
 /// Symmetric Gauss-Seidel with momentum for disks or spheres (D = 3), vectorised, in the order of
 /// symmetric_order(). In large packings the lanes of a vector hold eight consecutive rows, each
 /// some contacts behind the one before it. For every contact and body the result is that of sweeps
-/// contact after contact. At most as many threads work as there are sweeps each way. Any number of
-/// threads and all paths of disk_kernels.h give the same bits.
+/// contact after contact. Any number of threads (sweep_schedule.h) and all paths of disk_kernels.h
+/// give the same bits.
 template <int D>
 class SymmetricSweep {
  public:
@@ -25,10 +26,7 @@ class SymmetricSweep {
 
   void reset(const Vector& s);
   /// Sets the relaxation of the local updates and the number of sweeps each way.
-  void relax(double omega, int sweeps) {
-    omega_ = omega;
-    sweeps_ = sweeps;
-  }
+  void relax(double omega, int sweeps);
   /// Restarts momentum, and recomputes velocities from the impulses to remove rounding.
   void refresh();
   const Vector& impulse();
@@ -50,15 +48,17 @@ class SymmetricSweep {
                  const ContactScaling& equilibrated, double omega, int sweeps,
                  const Execution& options, ContactTiles order);
   double sweep_from(double beta, const ImpulseBatch<D>* before);
+  SweepSchedule schedule() const;
 
   TileLinks links_;  // of the order that the tiles then take over
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;
   double omega_;
-  int sweeps_;
-  QuickerTeam team_;
+  int sweeps_, threads_;
   bool asks_ahead_;
-  FollowingSweeps forth_, back_;
+  SweepSchedule schedule_;
+  QuickerTeam team_;
+  std::vector<TurnSums> sums_;  // of each tile
   LargeVector<ImpulseBatch<D>> now_, before_, next_;
   LargeVector<RowOf<D>> velocity_, velocity_before_;
   Vector s_;

@@ -29,53 +29,63 @@ void for_rows_down(const ContactTiles& order, const Bodies& bodies, int tile, co
   }
 }
 
-}  // namespace
-
-std::span<const unsigned> TileLinks::coming_to(int t) const {
-  const std::size_t first = to_size(coming_start[to_size(t)]);
-  return {coming.data() + first, to_size(coming_start[to_size(t) + 1]) - first};
+/// Adds `other` to the list of `tile` unless it is there. All of a tile come in one go; `seen`: the
+/// list that each tile was added to last.
+void add_once(int tile, int other, std::vector<std::vector<int>>& lists, std::vector<int>& seen) {
+  if (seen[to_size(other)] == tile) return;
+  seen[to_size(other)] = tile;
+  lists[to_size(tile)].push_back(other);
 }
+
+template <class Number>
+TileLists<Number> joined(const std::vector<std::vector<Number>>& lists) {
+  TileLists<Number> all{{}, {0}};
+  for (const std::vector<Number>& list : lists) {
+    all.numbers.insert(all.numbers.end(), list.begin(), list.end());
+    all.start.push_back(static_cast<int>(all.numbers.size()));
+  }
+  return all;
+}
+
+}  // namespace
 
 template <class Bodies>
 TileLinks tile_links(const ContactTiles& order, const Bodies& bodies) {
   constexpr int kOfLine = kRowsOfLine<Bodies>;
   const int tiles = static_cast<int>(order.tiles.size());
-  // The tile of a row is the first that uses it.
-  std::vector<int> first(to_size(order.num_rows)), last(first.size());
+  // Tiles of a sweep up that come to each row first, and last so far. The tile that a row belongs
+  // to counts as the first.
+  std::vector<int> begin(to_size(order.num_rows)), latest(begin);
+  std::vector<std::vector<int>> before(to_size(tiles)), after(before), first(before), last(before);
+  std::vector<int> in_before(to_size(tiles), -1), in_first(in_before), in_last(in_before);
   for (int t = 0; t < tiles; ++t) {
     const ContactTiles::Tile& tile = order.tiles[to_size(t)];
-    std::fill(first.begin() + tile.first_row, first.begin() + tile.last_row, t);
-    for_rows_down(order, bodies, t, [&](int row) { last[to_size(row)] = t; });
+    std::fill(begin.begin() + tile.first_row, begin.begin() + tile.last_row, t);
+    std::fill(latest.begin() + tile.first_row, latest.begin() + tile.last_row, t);
+    for_rows_down(order, bodies, t, [&](int row) {
+      add_once(t, begin[to_size(row)], first, in_first);
+      int& previous = latest[to_size(row)];
+      if (previous != t) add_once(t, previous, before, in_before);
+      previous = t;
+    });
+    for (const int other : before[to_size(t)]) after[to_size(other)].push_back(t);
   }
-  TileLinks links;
-  int ready = 0;
   for (int t = 0; t < tiles; ++t) {
-    ready = std::max(ready, t + 1);
     for_rows_down(order, bodies, t,
-                  [&](int row) { ready = std::max(ready, last[to_size(row)] + 1); });
-    links.ready_up.push_back(ready);
+                  [&](int row) { add_once(t, latest[to_size(row)], last, in_last); });
   }
   std::vector<int> seen(to_size(order.num_rows / kOfLine + 1), std::numeric_limits<int>::max());
   std::vector<std::vector<unsigned>> coming(to_size(tiles));
-  ready = 0;
   for (int t = tiles - 1; t >= 0; --t) {
-    ready = std::max(ready, tiles - t);
     for_rows_down(order, bodies, t, [&](int row) {
-      ready = std::max(ready, tiles - first[to_size(row)]);
       int& tile = seen[to_size(row / kOfLine)];
       if (tile - t > kForgotten) {
         coming[to_size(t)].push_back(row_offset<RowOfBodies<Bodies>>(row / kOfLine * kOfLine));
       }
       tile = t;
     });
-    links.ready_down.push_back(ready);
   }
-  links.coming_start.push_back(0);
-  for (const std::vector<unsigned>& lines : coming) {
-    links.coming.insert(links.coming.end(), lines.begin(), lines.end());
-    links.coming_start.push_back(static_cast<int>(links.coming.size()));
-  }
-  return links;
+  return {tiles, joined(before), joined(after), joined(first), joined(last), joined(coming)};
 }
 
 template TileLinks tile_links(const ContactTiles&, const DiskStructure&);

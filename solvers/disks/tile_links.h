@@ -3,22 +3,36 @@
 #include <span>
 #include <vector>
 
+#include "core/base/types.h"
 #include "solvers/disks/contact_tiles.h"
 
 namespace bipot {
 
-/// Bodies that tiles of an order share, for sweeps through the tiles up and down.
-struct TileLinks {
-  /// Number of tiles that a sweep must have done before the next one may process its tile number k.
-  /// It then shares no body with the rest of the sweep before. Counted in the order of the sweep,
-  /// up and down.
-  std::vector<int> ready_up, ready_down;
-  /// Offsets of rows, one for each line of the cache, that a sweep down uses in a tile but did not
-  /// in the tiles just before. Those of tile t: coming_to(t).
-  std::vector<unsigned> coming;
-  std::vector<int> coming_start;
+/// A list of numbers for each tile.
+template <class Number>
+struct TileLists {
+  std::vector<Number> numbers;
+  std::vector<int> start;  ///< of each tile, and the end
 
-  std::span<const unsigned> coming_to(int t) const;
+  std::span<const Number> of(int t) const {
+    const std::size_t first = to_size(start[to_size(t)]);
+    return {numbers.data() + first, to_size(start[to_size(t) + 1]) - first};
+  }
+};
+
+/// Bodies that tiles of an order share, for sweeps through the tiles up and down. A sweep up comes
+/// to tile 0 first. The tile that a body's row belongs to counts as one with that body.
+struct TileLinks {
+  int tiles = 0;
+  /// Tiles that a sweep up comes to next before tile t, with one of its bodies, and a sweep down.
+  /// After these all that a sweep did before to the bodies of t is done.
+  TileLists<int> before, after;
+  /// Tiles that a sweep up comes to first and last of all, with one of the bodies of tile t; t may
+  /// be one of them.
+  TileLists<int> first, last;
+  /// Offsets of rows, one for each line of the cache, that a sweep down uses in tile t but did not
+  /// in the tiles just before.
+  TileLists<unsigned> coming;
 };
 
 template <class Bodies>

@@ -25,7 +25,7 @@ TiledGradient<D>::TiledGradient(const ContactProblem& problem, const BodiesOf<D>
                                 GradientNeighbours<D>* neighbours)
     : u_free_(problem.u_free),
       blocks_(block_contacts(bodies)),
-      disks_(problem, bodies, scaling, std::move(blocks_.tiles)),
+      disks_(problem, bodies, scaling, std::move(blocks_.tiles), options.threads),
       kernels_(disk_kernels<D>(options.path)),
       neighbours_(neighbours),
       threads_(options.threads),

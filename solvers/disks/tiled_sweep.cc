@@ -10,7 +10,7 @@ template <int D>
 TiledSweep<D>::TiledSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
                           const ContactScaling& equilibrated, double omega,
                           const Execution& options, ContactTiles tiles)
-    : disks_(problem, bodies, equilibrated, std::move(tiles)),
+    : disks_(problem, bodies, equilibrated, std::move(tiles), options.threads),
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
       threads_(options.threads),

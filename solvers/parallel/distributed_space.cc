@@ -288,6 +288,7 @@ ProvedClaim DistributedSpace::prove(const SolverOptions& options, const Eigen::R
 
 SolveResult DistributedSpace::solve_on_root(const SolverEntry& entry, const SolverOptions& given) {
   SolverOptions options = given;
+  options.execution.threads = group_.root_threads();
   const bool started = group_.any(given.s0.size() > 0);
   options.s0 = started ? whole_problem().join(start_of(problem(), given)) : Vector();
   const bool shared = piece_.whole_contacts * piece_.own.dim >= shared_factor_rows_;

@@ -4,6 +4,7 @@
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1
 #include <petscsf.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <limits>
@@ -108,6 +109,49 @@ class ForestExchange : public Exchange {
   std::vector<std::unique_ptr<BlockType>> types_;
 };
 
+/// Cores that the processes of this machine may use. mpirun mostly binds each to one.
+class MachineCores {
+ public:
+  /// Collective.
+  MachineCores() {
+    MPI_Comm machine = MPI_COMM_NULL;
+    check_mpi(
+        MPI_Comm_split_type(PETSC_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine),
+        "MPI_Comm_split_type");
+    known_ = sched_getaffinity(0, sizeof own_, &own_) == 0;
+    if (!known_) CPU_ZERO(&own_);
+    check_mpi(MPI_Allreduce(&own_, &all_, sizeof own_, MPI_BYTE, MPI_BOR, machine),
+              "MPI_Allreduce");
+    int processes = 1;
+    MPI_Comm_size(machine, &processes);
+    MPI_Comm_free(&machine);
+    threads_ = std::max(1, std::min(processes, CPU_COUNT(&all_)));
+  }
+  /// One for each process, if there are so many cores.
+  int threads() const { return threads_; }
+
+  /// During its life, this thread and those that it starts may use the cores of all.
+  class Borrowed {
+   public:
+    explicit Borrowed(const MachineCores& of) : of_(of) { allow(of.all_); }
+    ~Borrowed() { allow(of_.own_); }
+    Borrowed(const Borrowed&) = delete;
+    Borrowed& operator=(const Borrowed&) = delete;
+
+   private:
+    /// Without permission all stays as it is, and is slower.
+    void allow(const cpu_set_t& cores) const {
+      if (of_.known_) (void)sched_setaffinity(0, sizeof cores, &cores);
+    }
+    const MachineCores& of_;
+  };
+
+ private:
+  cpu_set_t own_, all_;
+  bool known_ = false;
+  int threads_ = 1;
+};
+
 class PetscGroup : public ProcessGroup {
  public:
   PetscGroup() {
@@ -203,8 +247,13 @@ class PetscGroup : public ProcessGroup {
     return std::make_unique<ForestExchange>(originals, copies, traffic_);
   }
   void run_on_root(const std::function<void(SystemFactor&)>& work) override {
-    run_with_parallel_factor(work, *traffic_);
+    const auto led = [&](SystemFactor& factor) {
+      const MachineCores::Borrowed cores(cores_);
+      work(factor);
+    };
+    run_with_parallel_factor(led, *traffic_);
   }
+  int root_threads() const override { return cores_.threads(); }
 
  private:
   void count(std::size_t bytes) {
@@ -245,6 +294,7 @@ class PetscGroup : public ProcessGroup {
 
   static constexpr int kBufferTag = 4711;  // PETSc takes its tags from a communicator of its own
   int rank_ = 0, size_ = 1;
+  const MachineCores cores_;
   std::vector<double> blocks_;
 };
 

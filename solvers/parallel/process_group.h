@@ -85,6 +85,8 @@ class ProcessGroup {
   /// parallel; the others serve it until the work is done. An exception of the work is a
   /// CommonFailure on all of them.
   virtual void run_on_root(const std::function<void(SystemFactor&)>& work) = 0;
+  /// Threads that the work may use: the cores of the processes of its machine, which then wait.
+  virtual int root_threads() const { return 1; }
 
   /// True if `mine` is true on any process.
   bool any(bool mine) {

@@ -195,6 +195,29 @@ TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
   check_threads(40);
 }
 
+TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreadsInSpace) {
+  const ContactProblem p = cubic_lattice(20, {.dim = 3, .tilt = 0.2});
+  const DelassusOperator delassus(p);
+  const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
+  Vector alone;
+  double turn = 0;
+  for (const int threads : {1, 2, 3, 4}) {
+    SymmetricSweep<3> sweep(p, *delassus.bodies<3>(), scaling, 1.3, 2, {threads, SimdPath::kAuto});
+    sweep.reset(Vector::Zero(p.num_rows()));
+    double last = 0;
+    for (int k = 0; k < 6; ++k) last = sweep.iterate(0.1 * k);
+    if (threads == 1) {
+      alone = sweep.impulse();
+      turn = last;
+      continue;
+    }
+    EXPECT_EQ(sweep.impulse(), alone) << threads;
+    EXPECT_EQ(last, turn) << threads;
+    sweep.refresh();
+    EXPECT_EQ(sweep.impulse(), alone) << threads;
+  }
+}
+
 TEST(SymmetricSweep, RefreshKeepsTheImpulse) {
   const Prepared at(leaning(2, 12));
   SymmetricSweep<2> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, 2, {});

@@ -1,0 +1,266 @@
+#pragma once
+
+// The projected gradient of disks.
+
+#include "solvers/disks/disk_motion.h"
+
+namespace bipot {
+namespace {
+
+/// Sums for the rows of a block.
+struct BlockRows {
+#if BIPOT_WIDTH == 8
+  Lanes pair[kLanes / 2];
+#else
+  BodyRow row[kLanes];
+#endif
+};
+
+/// Relative motion of the lanes of a part, whose first bodies are those of a block.
+[[gnu::always_inline]] inline Motion gather_block(const BodyRow* block, [[maybe_unused]] int part,
+                                                  const BodyRow* velocity, const unsigned* j) {
+#if BIPOT_WIDTH == 8
+  constexpr Lanes kSign{1, -1, 1, -1, 1, -1, 1, -1};
+  const auto pair = [&](int n, int k, int l) {
+    return _mm512_fnmadd_pd(both(row(at(velocity, j[k])), row(at(velocity, j[l]))), kSign,
+                            *reinterpret_cast<const TwoRows*>(block + 2 * n));
+  };
+  return motion_of(pair(0, 0, 2), pair(1, 1, 3), pair(2, 4, 6), pair(3, 5, 7));
+#else
+  unsigned i[kWidth];
+  for (int k = 0; k < kWidth; ++k) {
+    i[k] = static_cast<unsigned>(sizeof(BodyRow)) *
+           static_cast<unsigned>(kRowOfLane[part * kWidth + k]);
+  }
+  return gather<kOpposed>(block, i, velocity, j);
+#endif
+}
+/// Adds wrenches to the sum of a block and their opposites to the second bodies, which are all
+/// different.
+[[gnu::always_inline]] inline void scatter_block(const Motion& p, [[maybe_unused]] int part,
+                                                 const unsigned* j, BlockRows& sum, BodyRow* to) {
+#if BIPOT_WIDTH == 8
+  const WrenchRows rows = rows_of(p);
+  sum.pair[0] += rows.a;
+  sum.pair[1] += rows.b;
+  sum.pair[2] += rows.c;
+  sum.pair[3] += rows.d;
+  constexpr Lanes kSign{1, -1, 1, -1, 1, -1, 1, -1};
+  const auto take = [&](Lanes wrenches, int k, int l) {
+    BodyRow &first = at(to, j[k]), &other = at(to, j[l]);
+    const Lanes taken = _mm512_fnmadd_pd(wrenches, kSign, both(row(first), row(other)));
+    row(first) = lower(taken);
+    row(other) = upper(taken);
+  };
+  take(rows.a, 0, 2);
+  take(rows.b, 1, 3);
+  take(rows.c, 4, 6);
+  take(rows.d, 5, 7);
+#elif BIPOT_WIDTH == 4
+  for_rows(p, [&](Row wrench, int k) {
+    row(sum.row[kRowOfLane[part * kWidth + k]]) += wrench;
+    row(at(to, j[k])) = with_second_of<kOpposed>(at(to, j[k]), wrench);
+  });
+#else
+  const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
+                          __builtin_shufflevector(p.x, p.spin, 1, 3)};
+  for (int k = 0; k < 2; ++k) {
+    BodyRow &a = sum.row[kRowOfLane[part * kWidth + k]], &b = at(to, j[k]);
+    half(a)[0] += x_spin[k];
+    a.value[kRowY] += p.y[k];
+    half(b)[0] += second<kOpposed>(x_spin[k]);
+    b.value[kRowY] += second<kOpposed>(p.y[k]);
+  }
+#endif
+}
+/// Row by row: a second body may just have been written, which would delay a load of eight values.
+[[gnu::always_inline]] inline void add_block(const BlockRows& sum, BodyRow* rows) {
+#if BIPOT_WIDTH == 8
+  for (int n = 0; n < kLanes / 2; ++n) {
+    row(rows[2 * n]) += lower(sum.pair[n]);
+    row(rows[2 * n + 1]) += upper(sum.pair[n]);
+  }
+#else
+  for (int n = 0; n < kLanes; ++n) {
+    for (int k = 0; k < 4; ++k) rows[n].value[k] += sum.row[n].value[k];
+  }
+#endif
+}
+
+/// Runs solve(batch, part, motion) -> wrench over the batches of blocks: first those of a block,
+/// whose first bodies have consecutive rows, then the loose ones. Velocities do not change.
+///
+/// The next part is gathered before this one scatters, so that the processor can overlap both. The
+/// gather after the last part of a block may be useless: it reads any eight rows, which then need
+/// not begin with a line of the cache.
+template <int D, class Solve>
+[[gnu::always_inline]] inline void for_blocks(const GradientTask<D>& a, const BodyBlock* block,
+                                              const BodyBlock* last, const Solve& solve) {
+  const auto seconds = [&](int k, int part) { return a.contact[k].j + part * kWidth; };
+  const auto gathered = [&](int k, int part) {
+    return gather_block(&at(a.velocity, a.contact[k].i[0]), part, a.velocity, seconds(k, part));
+  };
+  Motion motion = gathered(block->first, 0);
+  for (; block != last; ++block) {
+    const int loose = block->loose, end = block[1].first;
+    if (block->first < loose) {
+      BlockRows sum{};
+      for (int k = block->first; k < loose; ++k) {
+#pragma GCC unroll 4
+        for (int part = 0; part < kParts; ++part) {
+          const Motion wrench = solve(k, part, motion);
+          motion = part + 1 < kParts ? gathered(k, part + 1) : gathered(k + 1, 0);
+          scatter_block(wrench, part, seconds(k, part), sum, a.next_momentum);
+        }
+      }
+      add_block(sum, &at(a.next_momentum, block->row));
+    }
+    for (int k = loose; k < end; ++k) {
+#pragma GCC unroll 4
+      for (int part = 0; part < kParts; ++part) {
+        const unsigned *const i = a.contact[k].i + part * kWidth, *const j = seconds(k, part);
+        scatter<false, kOpposed>(solve(k, part, gather<kOpposed>(a.velocity, i, j)), i, j, nullptr,
+                                 a.next_momentum);
+      }
+    }
+    if (loose < end) motion = gathered(end, 0);
+  }
+}
+
+/// Sums over pairs of rows, in parts: those of even and of odd rows are independent.
+#if BIPOT_WIDTH == 8
+using Energy = Lanes;
+#else
+struct Energy {
+  Row even, odd;
+};
+#endif
+
+/// 1/m, a²/I, 1/m, 0 from the last values of rows of velocity and of momentum.
+#if BIPOT_WIDTH == 8
+inline Lanes inverse_of(Lanes velocity, Lanes momentum) {
+  constexpr __mmask8 kNoFourth = 0x77;
+  const Bits from{3, 11, 3, 0, 7, 15, 7, 0};
+  return _mm512_maskz_permutex2var_pd(kNoFourth, velocity, from, momentum);
+}
+/// Rows whose last values are those of `last`.
+inline Lanes with_last(Lanes rows, Lanes last) {
+  constexpr __mmask8 kFourth = 0x88;
+  return _mm512_mask_blend_pd(kFourth, rows, last);
+}
+#else
+inline Row inverse_of(Row velocity, Row momentum) {
+  const Row inverse = __builtin_shufflevector(velocity, momentum, 3, 7, 3, 3);
+  return __builtin_shufflevector(inverse, Row{}, 0, 1, 2, 4);
+}
+inline Row with_last(Row rows, Row last) { return __builtin_shufflevector(rows, last, 0, 1, 2, 7); }
+#endif
+
+/// Sets the velocities of a window's bodies at the extrapolated momentum; their next momentum
+/// starts from 0.
+template <int D>
+[[gnu::always_inline]] inline void begin_bodies(const GradientTask<D>& a, unsigned first, int rows,
+                                                Energy& energy) {
+  const BodyRow *const now = &at(a.momentum, first), *const before = &at(a.momentum_before, first);
+  BodyRow *const velocity = &at(a.velocity, first), *const next = &at(a.next_momentum, first);
+  const auto begin = [&]<class Rows>(int k, Rows& sum) {
+    if (a.ask_ahead) {
+      prefetch_item(now, k + kRowsAhead);
+      prefetch_item(before, k + kRowsAhead);
+      prefetch_item(velocity, k + kRowsAhead);
+      prefetch_item(next, k + kRowsAhead);
+    }
+    Rows& v = *reinterpret_cast<Rows*>(velocity + k);
+    const Rows p = *reinterpret_cast<const Rows*>(now + k);
+    const Rows change = p - *reinterpret_cast<const Rows*>(before + k);
+    const Rows inverse = inverse_of(v, p), beta = Rows{} + a.beta;
+    sum += inverse * change * change;
+    v = with_last(inverse * (p + beta * change), v);
+    *reinterpret_cast<Rows*>(next + k) = with_last(Rows{}, p);
+  };
+  for (int k = 0; k < rows; k += 2) {
+#if BIPOT_WIDTH == 8
+    begin(k, energy);
+#else
+    begin(k, energy.even);
+    begin(k + 1, energy.odd);
+#endif
+  }
+}
+
+template <int D, GradientMap kMap>
+void project(const GradientTask<D>& task, GradientSums& sums) {
+  const GradientTask<D> a = task;
+  const Lanes beta = all(a.beta);
+  Lanes along[kParts] = {}, change2[kParts] = {};
+  Energy energy{};
+  const auto solve = [&](int k, int part, const Motion& v) {
+    if (part == 0 && a.ask_ahead) {
+      prefetch_item(a.contact, k + kAhead);
+      prefetch_item(a.now, k + kAhead);
+      prefetch_item(a.before, k + kAhead);
+    }
+    const ContactBatch<D>& c = a.contact[k];
+    const LawBatch& law = a.laws[a.law[k]];
+    const Lanes gx = load(c.gx, part), gy = load(c.gy, part), b_n = load(c.b[0], part);
+    const Lanes x_n = load(a.now[k].x[0], part);
+    const Lanes step_n = x_n - load(a.before[k].x[0], part);
+    const Lanes y_n = x_n + beta * step_n;
+    // Sums are arranged for a short dependency chain from the velocities to the wrench.
+    const Lanes from_bodies_n = gx * v.x + gy * v.y;
+    Lanes z_n = (y_n - b_n) - from_bodies_n;
+    Motion wrench;
+    if constexpr (D == 1) {
+      z_n = positive(z_n);
+      wrench = {gx * z_n, gy * z_n, Lanes{}};
+    } else {
+      const Lanes spin = load(c.spin, part), mu = load(law.mu, part), b_t = load(c.b[1], part);
+      const Lanes tx = load(law.ratio, part) * gy, ty = load(law.ratio, part) * gx;
+      const Lanes from_bodies_t = (ty * v.y - tx * v.x) - spin * v.spin;
+      const Lanes x_t = load(a.now[k].x[1], part);
+      const Lanes step_t = x_t - load(a.before[k].x[1], part);
+      const Lanes y_t = x_t + beta * step_t;
+      const Lanes tau_t = (y_t - b_t) - from_bodies_t;
+      if constexpr (kMap == GradientMap::kFollowed) {
+        const Lanes edge = (z_n + mu * magnitude(tau_t)) * load(law.cone, part);
+        z_n = edge > z_n ? edge : z_n;
+      }
+      z_n = positive(z_n);
+      const Lanes z_t = cut_off(tau_t, mu * z_n);
+      const Lanes change = z_t - x_t;
+      along[part] += step_t * change;
+      change2[part] += change * change;
+      store(a.next[k].x[1], part, z_t);
+      wrench = {gx * z_n - tx * z_t, gy * z_n + ty * z_t, negative_product(spin, z_t)};
+    }
+    const Lanes change = z_n - x_n;
+    along[part] += step_n * change;
+    change2[part] += change * change;
+    store(a.next[k].x[0], part, z_n);
+    return wrench;
+  };
+  for (const BodyBlock* window = a.begin; window != a.end;) {
+    const auto left = a.end - window;
+    const BodyBlock* const end = window + (left < kWindowBlocks ? left : kWindowBlocks);
+    begin_bodies(a, window->row, static_cast<int>(end - window) * kLanes, energy);
+    for_blocks(a, window, end, solve);
+    window = end;
+  }
+  *reinterpret_cast<Energy*>(sums.energy) = energy;
+  for (int part = 0; part < kParts; ++part) {
+    store(sums.along, part, along[part]);
+    store(sums.change2, part, change2[part]);
+  }
+}
+
+template <int D>
+void gradient(const GradientTask<D>& task, GradientSums& sums) {
+  if (task.map == GradientMap::kFollowed) {
+    project<D, GradientMap::kFollowed>(task, sums);
+  } else {
+    project<D, GradientMap::kSplit>(task, sums);
+  }
+}
+
+}  // namespace
+}  // namespace bipot

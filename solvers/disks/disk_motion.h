@@ -1,0 +1,207 @@
+#pragma once
+
+// Rows of disks in lanes.
+
+#include "solvers/disks/lanes.h"
+
+namespace bipot {
+namespace {
+
+/// Relative motion of the bodies of each lane: V_i - V_j and the sum of the spins.
+struct Motion {
+  Lanes x, y, spin;
+};
+/// Sign of the second body of a contact: velocity with opposite x and y, or like the first.
+enum Second { kOpposed, kAlike };
+
+#if BIPOT_WIDTH == 2
+using PairBits = long long __attribute__((vector_size(16)));
+
+/// The halves of a row: (x, spin) and (y, unused).
+inline const Pair* half(const BodyRow& r) { return reinterpret_cast<const Pair*>(&r); }
+inline Pair* half(BodyRow& r) { return reinterpret_cast<Pair*>(&r); }
+/// (-x, spin), or both as they are.
+template <Second kSecond>
+inline Pair second(Pair x_spin) {
+  if constexpr (kSecond == kAlike) return x_spin;
+  const PairBits sign{static_cast<long long>(1ULL << 63), 0};
+  return reinterpret_cast<Pair>(reinterpret_cast<PairBits>(x_spin) ^ sign);
+}
+
+/// y, with the opposite sign if the second body is opposed.
+template <Second kSecond>
+inline double second(double y) {
+  return kSecond == kAlike ? y : -y;
+}
+
+/// `u`: the rows that `i` is relative to.
+template <Second kSecond>
+[[gnu::always_inline]] inline Motion gather(const BodyRow* u, const unsigned* i, const BodyRow* v,
+                                            const unsigned* j) {
+  const Pair a = half(at(u, i[0]))[0] + second<kSecond>(half(at(v, j[0]))[0]),
+             b = half(at(u, i[1]))[0] + second<kSecond>(half(at(v, j[1]))[0]);
+  return {__builtin_shufflevector(a, b, 0, 2),
+          Lanes{at(u, i[0]).value[kRowY] + second<kSecond>(at(v, j[0]).value[kRowY]),
+                at(u, i[1]).value[kRowY] + second<kSecond>(at(v, j[1]).value[kRowY])},
+          __builtin_shufflevector(a, b, 1, 3)};
+}
+template <Second kSecond>
+[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+                                            const unsigned* j) {
+  return gather<kSecond>(v, i, v, j);
+}
+/// Adds the wrench, times `inverse` if there is one, to body i and its opposite to body j.
+template <bool kInverse, Second kSecond>
+[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+                                           const BodyRow* inverse, BodyRow* to) {
+  const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
+                          __builtin_shufflevector(p.x, p.spin, 1, 3)};
+  for (int k = 0; k < 2; ++k) {
+    BodyRow &a = at(to, i[k]), &b = at(to, j[k]);
+    if constexpr (kInverse) {
+      half(a)[0] += half(at(inverse, i[k]))[0] * x_spin[k];
+      a.value[kRowY] += at(inverse, i[k]).value[kRowY] * p.y[k];
+      half(b)[0] += half(at(inverse, j[k]))[0] * second<kSecond>(x_spin[k]);
+      b.value[kRowY] += at(inverse, j[k]).value[kRowY] * second<kSecond>(p.y[k]);
+    } else {
+      half(a)[0] += x_spin[k];
+      a.value[kRowY] += p.y[k];
+      half(b)[0] += second<kSecond>(x_spin[k]);
+      b.value[kRowY] += second<kSecond>(p.y[k]);
+    }
+  }
+}
+#else
+/// x - x', spin + spin', y - y' in one instruction, the reason for the order in a row; or all sums.
+template <Second kSecond>
+inline Row with_second(Row a, Row b) {
+  if constexpr (kSecond == kAlike) return a + b;
+  return __builtin_ia32_addsubpd256(a, b);
+}
+
+/// with_second() of a row in memory.
+template <Second kSecond>
+inline Row with_second_of(const BodyRow& r, Row b) {
+#if BIPOT_WIDTH == 8
+  // Products with one are exact, so that this is the same sum, by an instruction that also loads.
+  constexpr Row kSign{1, -1, 1, -1};
+  if constexpr (kSecond == kOpposed) return _mm256_maskz_fnmadd_pd(kAllLanes, b, kSign, row(r));
+#endif
+  return with_second<kSecond>(row(r), b);
+}
+
+/// Adds the wrench, times `inverse` if there is one, to body i and its opposite to body j.
+template <bool kInverse, Second kSecond>
+[[gnu::always_inline]] inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse,
+                                       BodyRow* to) {
+  if constexpr (kInverse) {
+    row(at(to, i)) += row(at(inverse, i)) * wrench;
+    row(at(to, j)) = with_second_of<kSecond>(at(to, j), row(at(inverse, j)) * wrench);
+  } else {
+    row(at(to, i)) += wrench;
+    row(at(to, j)) = with_second_of<kSecond>(at(to, j), wrench);
+  }
+}
+#endif
+
+#if BIPOT_WIDTH == 4
+/// `u`: the rows that `i` is relative to.
+template <Second kSecond>
+[[gnu::always_inline]] inline Motion gather(const BodyRow* u, const unsigned* i, const BodyRow* v,
+                                            const unsigned* j) {
+  Row r[4];
+  for (int k = 0; k < 4; ++k) r[k] = with_second<kSecond>(row(at(u, i[k])), row(at(v, j[k])));
+  const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
+  const Row even23 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
+  const Row odd01 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+  const Row odd23 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+  return {__builtin_shufflevector(even01, even23, 0, 1, 4, 5),
+          __builtin_shufflevector(even01, even23, 2, 3, 6, 7),
+          __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5)};
+}
+template <Second kSecond>
+[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+                                            const unsigned* j) {
+  return gather<kSecond>(v, i, v, j);
+}
+/// Calls add(row, lane) in the order of the lanes.
+template <class Add>
+[[gnu::always_inline]] inline void for_rows(const Motion& p, const Add& add) {
+  const Row zero{};
+  const Row even = __builtin_shufflevector(p.x, p.spin, 0, 4, 2, 6);
+  const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
+  const Row y_even = __builtin_shufflevector(p.y, zero, 0, 4, 2, 6);
+  const Row y_odd = __builtin_shufflevector(p.y, zero, 1, 5, 3, 7);
+  add(__builtin_shufflevector(even, y_even, 0, 1, 4, 5), 0);
+  add(__builtin_shufflevector(odd, y_odd, 0, 1, 4, 5), 1);
+  add(__builtin_shufflevector(even, y_even, 2, 3, 6, 7), 2);
+  add(__builtin_shufflevector(odd, y_odd, 2, 3, 6, 7), 3);
+}
+template <bool kInverse, Second kSecond>
+[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+                                           const BodyRow* inverse, BodyRow* to) {
+  for_rows(p, [&](Row wrench, int k) { add<kInverse, kSecond>(wrench, i[k], j[k], inverse, to); });
+}
+#elif BIPOT_WIDTH == 8
+/// Two rows in one register.
+inline Lanes both(Row a, Row b) {
+  return _mm512_maskz_insertf64x4(kAllLanes, _mm512_castpd256_pd512(a), b, 1);
+}
+
+/// The motion in rows of the lanes (0, 2), (1, 3), (4, 6), (5, 7).
+[[gnu::always_inline]] inline Motion motion_of(Lanes a, Lanes b, Lanes c, Lanes d) {
+  // (x, y) of two lanes alternately, and their spins.
+  const Lanes even0 = first_of_pairs(a, b), odd0 = second_of_pairs(a, b);
+  const Lanes even1 = first_of_pairs(c, d), odd1 = second_of_pairs(c, d);
+  return {__builtin_shufflevector(even0, even1, 0, 1, 4, 5, 8, 9, 12, 13),
+          __builtin_shufflevector(even0, even1, 2, 3, 6, 7, 10, 11, 14, 15),
+          __builtin_shufflevector(odd0, odd1, 0, 1, 4, 5, 8, 9, 12, 13)};
+}
+/// Wrenches as rows of the same pairs.
+struct WrenchRows {
+  Lanes a, b, c, d;
+};
+[[gnu::always_inline]] inline WrenchRows rows_of(const Motion& p) {
+  // (x, spin) of lanes 0, 2, 4, 6 and 1, 3, 5, 7; with y of the same lane, and 0, they form rows.
+  const Lanes even = first_of_pairs(p.x, p.spin), odd = second_of_pairs(p.x, p.spin);
+  const auto pair = [&](Lanes x_spin, long long at, long long y) {
+    constexpr __mmask8 kNoFourth = 0x77;
+    const Bits from{at, at + 1, 8 + y, 0, at + 2, at + 3, 10 + y, 0};
+    return _mm512_maskz_permutex2var_pd(kNoFourth, x_spin, from, p.y);
+  };
+  return {pair(even, 0, 0), pair(odd, 0, 1), pair(even, 4, 4), pair(odd, 4, 5)};
+}
+inline Row lower(Lanes rows) { return __builtin_shufflevector(rows, rows, 0, 1, 2, 3); }
+inline Row upper(Lanes rows) { return __builtin_shufflevector(rows, rows, 4, 5, 6, 7); }
+/// Calls add(row, lane) in the order of the lanes.
+template <class Add>
+[[gnu::always_inline]] inline void for_rows(const WrenchRows& rows, const Add& add) {
+  add(lower(rows.a), 0);
+  add(lower(rows.b), 1);
+  add(upper(rows.a), 2);
+  add(upper(rows.b), 3);
+  add(lower(rows.c), 4);
+  add(lower(rows.d), 5);
+  add(upper(rows.c), 6);
+  add(upper(rows.d), 7);
+}
+
+template <Second kSecond>
+[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+                                            const unsigned* j) {
+  const auto pair = [&](int k, int l) {
+    return both(with_second<kSecond>(row(at(v, i[k])), row(at(v, j[k]))),
+                with_second<kSecond>(row(at(v, i[l])), row(at(v, j[l]))));
+  };
+  return motion_of(pair(0, 2), pair(1, 3), pair(4, 6), pair(5, 7));
+}
+template <bool kInverse, Second kSecond>
+[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+                                           const BodyRow* inverse, BodyRow* to) {
+  for_rows(rows_of(p),
+           [&](Row wrench, int k) { add<kInverse, kSecond>(wrench, i[k], j[k], inverse, to); });
+}
+#endif
+
+}  // namespace
+}  // namespace bipot
