@@ -4,7 +4,7 @@
 //   --side=100 (rows of a triangular packing, about 3 side² contacts)   --threads=1,2
 //   --spheres=19 (along a side of a cubic packing, about 3 side³ contacts)
 //   --path=portable,avx2,avx512 (those that the machine has)   --family=triangular
-//   --roofline=DIR (a page with the kernels of disks under the roofline of the machine)
+//   --roofline=DIR (a page with the kernels under the roofline of the machine)
 // Counters: ns (per contact and iteration), B and flop (per contact, for a single iteration;
 // several in flight share it), GB_s. data/manual/results/performance.md explains the counting and
 // has the tables. Rows of different kernels are interleaved by
@@ -196,6 +196,8 @@ class RooflineReporter : public benchmark::ConsoleReporter {
       std::vector<std::string> words;
       std::istringstream parts(name);
       for (std::string word; std::getline(parts, word, '/');) words.push_back(word);
+      const bool spheres = words[0] == "spheres";
+      if (spheres) words.erase(words.begin());
       if (words[0] == "peak") made.peaks.push_back({words[1], 1e9 * counter("Gflop_s")});
       if (words[0] == "triad") {
         made.bandwidths.push_back(
@@ -203,7 +205,7 @@ class RooflineReporter : public benchmark::ConsoleReporter {
       }
       const auto kernel = kNames.find(words[0]);
       if (kernel == kNames.end()) continue;
-      made.kernels.push_back({kernel->second,
+      made.kernels.push_back({kernel->second + (spheres ? ", spheres" : ""),
                               words[1],
                               std::stoi(words[2]),
                               counter("contacts"),
