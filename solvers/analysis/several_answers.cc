@@ -30,6 +30,7 @@ struct Recipe {
 constexpr int kSweeps = 2000, kGradients = 5000, kSplittings = 3000, kNewtons = 400;
 constexpr int kPivots = 30000, kInteriors = 400;
 constexpr double kPerturbation = 0.01;
+constexpr double kAtRest = 1e-9;  // velocity over the largest one without impulses
 // Largest number of perturbed answers: each costs a solve.
 constexpr int kPerturbed = 12;
 
@@ -189,6 +190,27 @@ class AnswerSearch {
     made.error = result.error;
     made.message = result.message;
     made.answer = distinct_.add(result.s, made.solver);
+    if (made.answer >= 0) show(to_size(made.answer), distinct_.judge(result.s, made.solver));
+  }
+
+  /// Contacts that stick; -1 if an impulse acts across a gap that opens.
+  int sticking(const Vector& s) const {
+    Vector u;
+    DelassusOperator(p_).velocity(s, u);
+    const double rest = kAtRest * p_.u_free.cwiseAbs().maxCoeff();
+    const std::vector<ContactStatus> all = statuses(p_, s);
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      const double u_n = u[static_cast<Eigen::Index>(c) * p_.dim];
+      if (all[c] != ContactStatus::kTakeOff && u_n > rest) return -1;
+    }
+    return static_cast<int>(std::count(all.begin(), all.end(), ContactStatus::kStick));
+  }
+
+  /// Impulses with the velocities of an answer may differ. Shown is the one in which most contacts
+  /// stick: what can stick with these velocities is at rest.
+  void show(std::size_t answer, const VerifiedAnswer& found) {
+    if (answer == shown_.size()) shown_.push_back(found);
+    if (sticking(found.s) > sticking(shown_[answer].s)) shown_[answer] = found;
   }
 
   /// All cases of few contacts; answers that no start found are added with a start of their own.
@@ -218,7 +240,8 @@ class AnswerSearch {
   void describe_answers() {
     while (found_.answers.size() < distinct_.answers().size()) {
       Answer answer;
-      answer.impulse = distinct_.answers()[found_.answers.size()];
+      const std::size_t k = found_.answers.size();
+      answer.impulse = k < shown_.size() ? shown_[k] : distinct_.answers()[k];
       const DelassusOperator delassus(p_);
       delassus.velocity(answer.impulse.s, answer.u);
       answer.status = statuses(p_, answer.impulse.s);
@@ -390,6 +413,7 @@ class AnswerSearch {
   const ContactProblem& p_;
   const SeveralOptions& options_;
   DistinctAnswers distinct_;
+  std::vector<VerifiedAnswer> shown_;  // of answers that starts found
   const Clock::time_point begin_;
   PortableRandom random_;
   std::optional<BodyRows> rows_;

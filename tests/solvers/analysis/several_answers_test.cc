@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/problem_files/fclib_file.h"
+#include "core/problem_files/problem_file.h"
 #include "solvers/registry.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/small_problems.h"
@@ -40,6 +41,17 @@ TEST(SeveralAnswers, FindsThoseOfAPainleveContact) {
   EXPECT_EQ(found.differing_contacts, std::vector<int>{0});
   EXPECT_TRUE(std::isnan(found.spread.kinetic));  // given by W: no bodies
   EXPECT_TRUE(std::isnan(found.spread.force));
+}
+
+TEST(SeveralAnswers, ShowsContactsAtRestAsSticking) {
+  // Impulses of a packing at rest are not unique: those of `pgs` have contacts without force, and
+  // some on the edge of the cone. None moves.
+  const ContactProblem p =
+      read_problem(source_folder() / "data/problems/2d_triangular_lattice.hdf5").problem;
+  const SeveralAnswers found = find_several_answers(p, {.starts = 6});
+  ASSERT_EQ(found.answers.size(), 1u);
+  EXPECT_EQ(found.answers[0].stick, p.num_contacts());
+  EXPECT_LE(found.answers[0].u.cwiseAbs().maxCoeff(), 1e-9 * p.u_free.cwiseAbs().maxCoeff());
 }
 
 TEST(SeveralAnswers, TellsAContinuousFamily) {
