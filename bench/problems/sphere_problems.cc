@@ -7,51 +7,33 @@
 #include <vector>
 
 #include "core/base/nearest_name.h"
+#include "core/scene/contact_detection.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 namespace {
 
-using Vec3 = Eigen::Vector3d;
-
 constexpr double kRadius = 0.5, kMass = 1, kGravity = 9.81, kStep = 0.01;
 constexpr int kDofs = 6;
 
-struct Plane {
-  Vec3 point, normal;
-};
-
-struct SphereContact {
-  int i = -1, j = -1;  // j = -1: a plane
-  Vec3 n;              // towards i
-};
-
-/// All touching pairs, sphere-sphere first for each sphere. Quadratic: the packings are small.
-std::vector<SphereContact> touching(const std::vector<Vec3>& x, const std::vector<Plane>& planes) {
-  constexpr double kTouch = 2 * kRadius * (1 + 1e-9);
-  std::vector<SphereContact> contacts;
-  for (int i = 0; i < static_cast<int>(x.size()); ++i) {
-    for (int j = i + 1; j < static_cast<int>(x.size()); ++j) {
-      const Vec3 d = x[i] - x[j];
-      if (d.norm() <= kTouch) contacts.push_back({i, j, d.normalized()});
-    }
-    for (const Plane& p : planes) {
-      if (p.normal.dot(x[i] - p.point) <= kTouch / 2) contacts.push_back({i, -1, p.normal});
-    }
-  }
-  return contacts;
+/// Those that touch, sphere-sphere first for each sphere.
+std::vector<Contact<3>> touching(const std::vector<Vec3>& x, const std::vector<Wall<3>>& walls) {
+  std::vector<Sphere> spheres;
+  for (const Vec3& place : x) spheres.push_back(round_body<3>(place, kRadius, kMass));
+  return detect_contacts<3>(spheres, walls, 2e-9 * kRadius);
 }
 
-ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Plane>& planes, double mu,
+ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Wall<3>>& walls, double mu,
                         double tilt_degrees) {
-  const int n = kDofs * static_cast<int>(x.size());
+  const int spheres = static_cast<int>(x.size()), n = kDofs * spheres;
   const double tilt = tilt_degrees * std::numbers::pi / 180;
   const Vec3 fall = kStep * kGravity * Vec3(std::sin(tilt), 0, -std::cos(tilt));
-  const std::vector<SphereContact> contacts = touching(x, planes);
+  const std::vector<Contact<3>> contacts = touching(x, walls);
 
   ContactProblem p{.dim = 3};
   std::vector<Eigen::Triplet<double>> a, h;
   p.v_free = Vector::Zero(n);
-  for (int i = 0; i < static_cast<int>(x.size()); ++i) {
+  for (int i = 0; i < spheres; ++i) {
     for (int k = 0; k < 3; ++k) {
       a.emplace_back(kDofs * i + k, kDofs * i + k, kMass);
       a.emplace_back(kDofs * i + 3 + k, kDofs * i + 3 + k, 0.4 * kMass * kRadius * kRadius);
@@ -59,7 +41,7 @@ ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Plane>& pl
     p.v_free.segment<3>(kDofs * i) = fall;
   }
   for (int c = 0; c < static_cast<int>(contacts.size()); ++c) {
-    const SphereContact& contact = contacts[c];
+    const Contact<3>& contact = contacts[to_size(c)];
     const Vec3 helper = std::abs(contact.n[0]) < 0.9 ? Vec3::UnitX() : Vec3::UnitY();
     const Vec3 t = contact.n.cross(helper).normalized();
     const Vec3 axes[3] = {contact.n, t, contact.n.cross(t)};
@@ -70,7 +52,7 @@ ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Plane>& pl
       for (int k = 0; k < 3; ++k) {
         h.emplace_back(kDofs * contact.i + k, 3 * c + r, axes[r][k]);
         if (r > 0) h.emplace_back(kDofs * contact.i + 3 + k, 3 * c + r, -spin[k]);
-        if (contact.j < 0) continue;
+        if (contact.j >= spheres) continue;
         h.emplace_back(kDofs * contact.j + k, 3 * c + r, -axes[r][k]);
         if (r > 0) h.emplace_back(kDofs * contact.j + 3 + k, 3 * c + r, -spin[k]);
       }
@@ -85,8 +67,6 @@ ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Plane>& pl
   return p;
 }
 
-const Plane kFloor{Vec3::Zero(), Vec3::UnitZ()};
-
 }  // namespace
 
 ContactProblem sphere_pyramid(int layers, double mu, double tilt_degrees) {
@@ -99,7 +79,7 @@ ContactProblem sphere_pyramid(int layers, double mu, double tilt_degrees) {
       }
     }
   }
-  return assemble(x, {kFloor}, mu, tilt_degrees);
+  return assemble(x, {flat_floor<3>()}, mu, tilt_degrees);
 }
 
 ContactProblem sphere_box(int side, double mu, double tilt_degrees) {
@@ -111,12 +91,13 @@ ContactProblem sphere_box(int side, double mu, double tilt_degrees) {
     }
   }
   const double width = 2 * kRadius * side;
-  const std::vector<Plane> planes = {kFloor,
-                                     {Vec3::Zero(), Vec3::UnitX()},
-                                     {Vec3::Zero(), Vec3::UnitY()},
-                                     {Vec3(width, 0, 0), -Vec3::UnitX()},
-                                     {Vec3(0, width, 0), -Vec3::UnitY()}};
-  return assemble(x, planes, mu, tilt_degrees);
+  const auto wall = [](const Vec3& point, const Vec3& normal) {
+    return half_space<3>(point, normal);
+  };
+  const std::vector<Wall<3>> walls = {
+      flat_floor<3>(), wall(Vec3::Zero(), Vec3::UnitX()), wall(Vec3::Zero(), Vec3::UnitY()),
+      wall(Vec3(width, 0, 0), -Vec3::UnitX()), wall(Vec3(0, width, 0), -Vec3::UnitY())};
+  return assemble(x, walls, mu, tilt_degrees);
 }
 
 ContactProblem sphere_family(const std::string& name, int side, double mu, double tilt_degrees) {

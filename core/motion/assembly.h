@@ -63,9 +63,9 @@ struct AssembledStep {
 /// At the midpoint of the next step, h later, it is then closed without overlap (Stewart and
 /// Trinkle, Int. J. Numer. Methods Eng. 39, 1996, for the end of the step).
 ///
-/// With the scene's accuracy the law holds for velocities at a quarter of the way to the last and
-/// the next midpoint, where bodies go straight and the normal turns: u⁺ + δ and u⁻ - δ in place of
-/// u⁺ and u⁻. Then bodies that slide or roll on each other keep their gap and their energy to the
+/// With the scene's accuracy the law holds for the velocities halfway to the last and the next
+/// midpoint. On the way bodies go straight and the normal turns: u⁺ + δ and u⁻ - δ in place of u⁺
+/// and u⁻. Then bodies that slide or roll on each other keep their gap and their energy to the
 /// second order in h. δ: data/manual/explanation/accuracy.md. [ours]
 ///
 /// If no pair of the scene's materials has friction, the contact dimension is 1 (no tangential
