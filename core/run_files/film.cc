@@ -108,7 +108,9 @@ void FilmRecorder<D>::rewrite(const std::vector<FilmFrame>& frames) {
 
 template <int D>
 void FilmRecorder<D>::step(const State<D>& state) {
-  if (state.step % every_ == 0) add(state);
+  if (state.step % every_ != 0) return;
+  add(state);
+  if (frames_ >= kMostFrames || (bytes_ > kMostBytes && frames_ > 2)) thin();
 }
 
 template <int D>
@@ -127,7 +129,7 @@ void FilmRecorder<D>::add(const State<D>& state) {
   }
   last_ = state.step;
   bytes_ += bytes.size();
-  if (++frames_ >= kMostFrames || (bytes_ > kMostBytes && frames_ > 2)) thin();
+  ++frames_;
 }
 
 template <int D>
@@ -137,9 +139,7 @@ void FilmRecorder<D>::thin() {
   std::erase_if(frames, [&, first = frames.front().step](const FilmFrame& frame) {
     return frame.step != first && frame.step % every_ != 0;
   });
-  const int last = last_;
   rewrite(frames);
-  last_ = last;
 }
 
 template class FilmRecorder<2>;

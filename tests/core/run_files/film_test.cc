@@ -119,6 +119,20 @@ TEST(Film, ThinsSoThatAnyLengthHasFourToEightHundredFrames) {
   EXPECT_EQ(found.frames.back().step, 5001);
 }
 
+TEST(Film, KeepsTheLastFrameWhereItIsTheOneThatThins) {
+  const Scene<2> scene = two_disks();
+  State<2> state = touching(scene);
+  // The 800th frame, by 1 and by 2, is of an odd multiple: thinning drops it.
+  for (const int last : {799, 1598}) {
+    const TemporaryFolder folder;
+    FilmRecorder<2> film(folder.path(), scene);
+    record(film, state, 0, last);
+    state.step = last;
+    film.finish(state);
+    EXPECT_EQ(read_film(folder.path()).steps.back(), last);
+  }
+}
+
 TEST(Film, GoesOnAfterARestartWithoutLaterFrames) {
   const TemporaryFolder folder;
   const Scene<2> scene = two_disks();
