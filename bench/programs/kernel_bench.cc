@@ -185,9 +185,9 @@ class RooflineReporter : public benchmark::ConsoleReporter {
         {"gradient", "apgd"}};
     Roofline made;
     for (const auto& [name, runs] : runs_) {
-      const auto counter = [&](const char* key) {
+      const auto counter = [&kernel_runs = runs](const char* key) {
         std::vector<double> values;
-        for (const Run& run : runs) {
+        for (const Run& run : kernel_runs) {
           const auto at = run.counters.find(key);
           values.push_back(at == run.counters.end() ? 0 : at->second.value);
         }
