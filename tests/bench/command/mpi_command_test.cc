@@ -289,7 +289,9 @@ TEST_F(MpiCommand, TheStateIsGatheredWhenItIsDueAndNotElse) {
 
 TEST_F(MpiCommand, WhatKeepsItsStateOnEveryProcessSaysWhy) {
   const auto state_of = [&](const std::string& arguments) {
-    const Outcome run = on(2, "run " + arguments + " --overwrite --solver apgd --steps 2 --json -");
+    const Outcome run =
+        on(2, "run " + arguments +
+                  " --overwrite --solver apgd --max-iterations 20 --steps 2 --json -");
     return json::parse(run.out)["state"].get<std::string>();
   };
   EXPECT_EQ(state_of("rough_shear"), "on every process: the scene is periodic");
