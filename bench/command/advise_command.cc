@@ -48,7 +48,7 @@ int exit_code_of(Advice::Status status) {
 
 void write_scene(const AdviseFlags& flags, const std::string& text, const std::string& source,
                  const Advice& advice) {
-  const SolverTrial& t = advice.trials[to_size(advice.choice)];
+  const Advice::SolverTrial& t = advice.trials[to_size(advice.choice)];
   const std::string written = rewrite_scene(
       text, source,
       {.step = advice.step_size,
@@ -127,7 +127,7 @@ int run_advise(const AdviseFlags& flags) {
   const std::string text = read_text_file(path);
   AnyScene scene = parse_any_scene(text, path.string());
   std::visit([](auto& any) { check_start(any, {}, 1); }, scene);
-  AdviseOptions options{.goal = flags.goal};
+  Advice::Options options{.goal = flags.goal};
   for (const std::string& name : flags.solvers) options.solvers.push_back({name, name, {}});
   options.time_limit = flags.time_limit;
   options.window = flags.window.value_or(0);

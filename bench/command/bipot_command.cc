@@ -18,10 +18,7 @@
 #include "bench/command/command_line.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/run_command.h"
 #include "bench/command/run_processes.h"
-#include "bench/command/solve_command.h"
-#include "bench/command/tune_command.h"
 #include "bench/report/json_output.h"
 #include "core/base/printable_text.h"
 #include "core/base/version.h"
@@ -106,20 +103,10 @@ int run_command_line(int argc, const char* const* argv) {
       "  bipot new heap > my.toml\n"
       "  bipot list solvers");
   const std::vector<ProgramCommand> commands = {
-      make_command(line, &add_run_command, &run_command),
-      page_command(line),
-      movie_command(line),
-      make_command(line, &add_solve_command, &solve_command),
-      judge_command(line),
-      compare_command(line),
-      make_command(line, &add_tune_command, &tune_command),
-      advise_command(line),
-      paper_command(line),
-      trade_command(line),
-      extremes_command(line),
-      validate_command(line),
-      list_command(line),
-      new_command(line),
+      run_command(line),   page_command(line),    movie_command(line),    solve_command(line),
+      judge_command(line), compare_command(line), tune_command(line),     advise_command(line),
+      paper_command(line), trade_command(line),   extremes_command(line), validate_command(line),
+      list_command(line),  new_command(line),
   };
   const std::string json = json_destination(argc, argv);
   const auto refuse = [&](const std::string& message, ExitCode code) {

@@ -87,11 +87,11 @@ CLI::Validator number_check(const std::string& expected, const std::function<boo
 }
 
 /// Adds an option by `add`, which takes its flags; the name of its value follows them.
-DeclaredOption declare(const std::string& name, const auto& add) {
+CommandDeclaration::Option declare(const std::string& name, const auto& add) {
   const std::size_t space = name.find(' ');
   CLI::Option* option = add(name.substr(0, space));
   if (space != std::string::npos) option->type_name(name.substr(space + 1));
-  return DeclaredOption(option);
+  return CommandDeclaration::Option(option);
 }
 
 std::vector<std::string> typed_words;  // behind the program's name
@@ -136,8 +136,9 @@ std::string meant_flag(const std::string& typed, const std::vector<std::string>&
   return {};
 }
 
-OptionNode node_of(const CLI::Option* option) {
-  OptionNode node{.argument = option->get_lnames().empty() && option->get_snames().empty()};
+CommandNode::Option node_of(const CLI::Option* option) {
+  CommandNode::Option node{.argument =
+                               option->get_lnames().empty() && option->get_snames().empty()};
   if (node.argument) {
     node.names = {option->get_name()};
   } else {
@@ -167,7 +168,7 @@ std::string unknown_name(const CommandNode& program, const std::vector<std::stri
     if (word.size() > 1 && word[0] == '-' && !std::isdigit(static_cast<unsigned char>(word[1]))) {
       const std::string typed = word.substr(0, word.find('='));
       std::vector<std::string> flags;
-      for (const OptionNode& option : at->options) {
+      for (const CommandNode::Option& option : at->options) {
         if (!option.argument) flags.insert(flags.end(), option.names.begin(), option.names.end());
       }
       if (std::find(flags.begin(), flags.end(), typed) != flags.end()) continue;
@@ -192,44 +193,46 @@ std::string unknown_name(const CommandNode& program, const std::vector<std::stri
 
 }  // namespace
 
-DeclaredOption& DeclaredOption::required() {
+CommandDeclaration::Option& CommandDeclaration::Option::required() {
   option_->required();
   return *this;
 }
-DeclaredOption& DeclaredOption::group(const std::string& heading) {
+CommandDeclaration::Option& CommandDeclaration::Option::group(const std::string& heading) {
   option_->group(heading);
   return *this;
 }
-DeclaredOption& DeclaredOption::hidden() { return group(""); }
-DeclaredOption& DeclaredOption::show_default() {
+CommandDeclaration::Option& CommandDeclaration::Option::hidden() { return group(""); }
+CommandDeclaration::Option& CommandDeclaration::Option::show_default() {
   option_->capture_default_str();
   return *this;
 }
-DeclaredOption& DeclaredOption::positive() {
+CommandDeclaration::Option& CommandDeclaration::Option::positive() {
   option_->check(number_check("a positive number", [](double x) { return x > 0; }));
   return *this;
 }
-DeclaredOption& DeclaredOption::not_negative() {
+CommandDeclaration::Option& CommandDeclaration::Option::not_negative() {
   option_->check(number_check("a number of at least 0", [](double x) { return x >= 0; }));
   return *this;
 }
-DeclaredOption& DeclaredOption::between(int lowest, int highest) {
+CommandDeclaration::Option& CommandDeclaration::Option::between(int lowest, int highest) {
   option_->check(number_check(fmt::format("a number from {} to {}", lowest, highest),
                               [=](double x) { return x >= lowest && x <= highest; }));
   return *this;
 }
-DeclaredOption& DeclaredOption::one_of(const std::vector<std::string>& values) {
+CommandDeclaration::Option& CommandDeclaration::Option::one_of(
+    const std::vector<std::string>& values) {
   option_->check(CLI::IsMember(values));
   return *this;
 }
 
-DeclaredOption& DeclaredOption::suggest(const std::vector<std::string>& values) {
+CommandDeclaration::Option& CommandDeclaration::Option::suggest(
+    const std::vector<std::string>& values) {
   option_->type_name("{" + fmt::format("{}", fmt::join(values, ",")) + "}");
   return *this;
 }
 
 template <class Value>
-DeclaredOption CommandDeclaration::option(Text name, Value& value, Text help) {
+CommandDeclaration::Option CommandDeclaration::option(Text name, Value& value, Text help) {
   return declare(name, [&](const std::string& flags) {
     CLI::Option* option = app_->add_option(flags, value, help);
     if constexpr (requires { value.push_back(value[0]); } && !std::is_same_v<Value, std::string>) {
@@ -238,25 +241,27 @@ DeclaredOption CommandDeclaration::option(Text name, Value& value, Text help) {
     return option;
   });
 }
-template DeclaredOption CommandDeclaration::option(Text, std::string&, Text);
-template DeclaredOption CommandDeclaration::option(Text, std::optional<std::string>&, Text);
-template DeclaredOption CommandDeclaration::option(Text, int&, Text);
-template DeclaredOption CommandDeclaration::option(Text, std::optional<int>&, Text);
-template DeclaredOption CommandDeclaration::option(Text, std::uint64_t&, Text);
-template DeclaredOption CommandDeclaration::option(Text, double&, Text);
-template DeclaredOption CommandDeclaration::option(Text, std::optional<double>&, Text);
-template DeclaredOption CommandDeclaration::option(Text, std::vector<std::string>&, Text);
-template DeclaredOption CommandDeclaration::option(Text, std::vector<double>&, Text);
+template CommandDeclaration::Option CommandDeclaration::option(Text, std::string&, Text);
+template CommandDeclaration::Option CommandDeclaration::option(Text, std::optional<std::string>&,
+                                                               Text);
+template CommandDeclaration::Option CommandDeclaration::option(Text, int&, Text);
+template CommandDeclaration::Option CommandDeclaration::option(Text, std::optional<int>&, Text);
+template CommandDeclaration::Option CommandDeclaration::option(Text, std::uint64_t&, Text);
+template CommandDeclaration::Option CommandDeclaration::option(Text, double&, Text);
+template CommandDeclaration::Option CommandDeclaration::option(Text, std::optional<double>&, Text);
+template CommandDeclaration::Option CommandDeclaration::option(Text, std::vector<std::string>&,
+                                                               Text);
+template CommandDeclaration::Option CommandDeclaration::option(Text, std::vector<double>&, Text);
 
-DeclaredOption CommandDeclaration::flag(Text name, bool& value, Text help) {
-  return DeclaredOption(app_->add_flag(name, value, help));
+CommandDeclaration::Option CommandDeclaration::flag(Text name, bool& value, Text help) {
+  return Option(app_->add_flag(name, value, help));
 }
-DeclaredOption CommandDeclaration::flag(Text name, const std::function<void()>& call, Text help) {
-  return DeclaredOption(app_->add_flag_callback(name, call, help));
+CommandDeclaration::Option CommandDeclaration::flag(Text name, const std::function<void()>& call,
+                                                    Text help) {
+  return Option(app_->add_flag_callback(name, call, help));
 }
-DeclaredOption CommandDeclaration::option(Text name,
-                                          const std::function<void(const std::string&)>& call,
-                                          Text help) {
+CommandDeclaration::Option CommandDeclaration::option(
+    Text name, const std::function<void(const std::string&)>& call, Text help) {
   return declare(name, [&](const std::string& flags) {
     return app_->add_option_function<std::string>(flags, call, help);
   });

@@ -14,34 +14,33 @@ class Option;
 
 namespace bipot {
 
-/// An option that was just declared; each call adds one property.
-class DeclaredOption {
- public:
-  explicit DeclaredOption(CLI::Option* option) : option_(option) {}
-
-  DeclaredOption& required();
-  /// Its heading in the help.
-  DeclaredOption& group(const std::string& heading);
-  /// Works, but does not show in the help.
-  DeclaredOption& hidden();
-  /// Shows the present value of the variable as the default.
-  DeclaredOption& show_default();
-  /// Refuses other values, NaN included.
-  DeclaredOption& positive();
-  DeclaredOption& not_negative();
-  DeclaredOption& between(int lowest, int highest);
-  DeclaredOption& one_of(const std::vector<std::string>& values);
-  /// Values that the completion of shells proposes; others are taken as well.
-  DeclaredOption& suggest(const std::vector<std::string>& values);
-
- private:
-  CLI::Option* option_;
-};
-
 /// One of the program's commands. Values are written when the arguments are parsed: the variables
 /// must live until then. A name without dashes is an argument, read by its position.
 class CommandDeclaration {
  public:
+  /// An option that was just declared; each call adds one property.
+  class Option {
+   public:
+    explicit Option(CLI::Option* option) : option_(option) {}
+
+    Option& required();
+    /// Its heading in the help.
+    Option& group(const std::string& heading);
+    /// Works, but does not show in the help.
+    Option& hidden();
+    /// Shows the present value of the variable as the default.
+    Option& show_default();
+    /// Refuses other values, NaN included.
+    Option& positive();
+    Option& not_negative();
+    Option& between(int lowest, int highest);
+    Option& one_of(const std::vector<std::string>& values);
+    /// Values that the completion of shells proposes; others are taken as well.
+    Option& suggest(const std::vector<std::string>& values);
+
+   private:
+    CLI::Option* option_;
+  };
   explicit CommandDeclaration(CLI::App* app) : app_(app) {}
 
   using Text = const std::string&;
@@ -49,12 +48,12 @@ class CommandDeclaration {
   /// double, optional ones of these, std::uint64_t; lists of strings and doubles, which options take
   /// separated by commas, arguments as words.
   template <class Value>
-  DeclaredOption option(Text name, Value& value, Text help);
+  Option option(Text name, Value& value, Text help);
   /// Called with the value at its position among the arguments.
-  DeclaredOption option(Text name, const std::function<void(const std::string&)>& call, Text help);
-  DeclaredOption flag(Text name, bool& value, Text help);
+  Option option(Text name, const std::function<void(const std::string&)>& call, Text help);
+  Option flag(Text name, bool& value, Text help);
   /// Called at the position of the flag among the arguments.
-  DeclaredOption flag(Text name, const std::function<void()>& call, Text help);
+  Option flag(Text name, const std::function<void()>& call, Text help);
   /// Text below the help.
   void footer(Text text);
 

@@ -42,8 +42,14 @@ ProgramCommand page_command(CommandLine& line);
 /// Reproduces the paper: index page, results.json, charts. Items of an earlier run in the same
 /// folder stay unless they run now.
 ProgramCommand paper_command(CommandLine& line);
+/// Runs a scene: time steps, files, summary.
+ProgramCommand run_command(CommandLine& line);
+/// Solves one problem file; --out DIR puts summary.json, history.csv and solution.hdf5 there.
+ProgramCommand solve_command(CommandLine& line);
 /// Runs whole simulations and writes their analysis: 0 if all were run.
 ProgramCommand trade_command(CommandLine& line);
+/// Measures, computes a plan for `auto` and writes it.
+ProgramCommand tune_command(CommandLine& line);
 /// Measures observables with known values, at several tolerances each.
 ProgramCommand validate_command(CommandLine& line);
 

@@ -98,15 +98,16 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
 }
 
 int run_compare(const CompareFlags& flags) {
-  ComparisonOptions options;
+  Comparison::Options options;
   options.solvers =
       flags.solvers.size() == 1 && flags.solvers[0] == "all" ? solver_names() : flags.solvers;
   options.tols = !flags.tols.empty() ? flags.tols
                  : flags.quick       ? std::vector<double>{1e-2, 1e-6}
                                      : options.tols;
-  options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : ComparisonOptions{}.time_limit);
+  options.time_limit =
+      flags.time_limit.value_or(flags.quick ? 1 : Comparison::Options{}.time_limit);
   options.reference_time_limit = flags.reference_time_limit.value_or(
-      flags.quick ? 3 : ComparisonOptions{}.reference_time_limit);
+      flags.quick ? 3 : Comparison::Options{}.reference_time_limit);
   options.repeat = flags.repeat;
   options.threads = flags.threads;
   options.min_time = flags.min_time;
@@ -124,7 +125,7 @@ int run_compare(const CompareFlags& flags) {
   const long total = static_cast<long>(sources.size() * options.solvers.size() *
                                        options.tols.size() * (options.warm ? 2 : 1));
   ProgressBar progress(total, quiet);
-  options.on_row = [&progress](const ComparisonRow& row, int done, int) {
+  options.on_row = [&progress](const Comparison::Row& row, int done, int) {
     progress.update(done, fmt::format("{} {} {:g}", row.problem, row.solver, row.tol));
   };
   const InterruptGuard interrupt;
@@ -149,27 +150,25 @@ int run_compare(const CompareFlags& flags) {
     if (whole) {
       write_trade(options.out, *whole);
       more.heading("Whole simulations", "whole");
-      more.append(trade_document(whole->analysed, whole->context));
+      more.append(trade_document(*whole));
     }
     write_report(options.out, comparison, context, more);
   }
   if (!flags.json.empty()) {
     Json table = to_json(comparison, context);
-    if (whole) table["whole_simulations"] = to_json(whole->analysed, whole->context);
+    if (whole) table["whole_simulations"] = to_json(*whole);
     write_json(table, flags.json);
   }
   if (!quiet) {
     fmt::print("{}", to_text(comparison));
-    if (whole)
-      fmt::print("\nWhole simulations\n\n{}",
-                 to_text(trade_document(whole->analysed, whole->context)));
+    if (whole) fmt::print("\nWhole simulations\n\n{}", to_text(trade_document(*whole)));
     if (!flags.out.empty()) {
       fmt::print("results in {}, {} of {} rows from before\n", flags.out, comparison.rows_kept,
                  comparison.rows.size() + comparison.warm_rows.size());
     }
   }
-  return comparison.complete && (!whole || whole->analysed.trade.complete) ? kExitConverged
-                                                                           : kExitInterrupted;
+  return comparison.complete && (!whole || whole->trade.complete) ? kExitConverged
+                                                                  : kExitInterrupted;
 }
 
 }  // namespace

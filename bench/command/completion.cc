@@ -19,7 +19,7 @@ Words names_of(const std::vector<CommandNode>& commands) {
 /// What may follow a command: its visible flags, and the choices of its arguments.
 Words words_after(const CommandNode& command) {
   Words words = names_of(command.commands);
-  for (const OptionNode& option : command.options) {
+  for (const CommandNode::Option& option : command.options) {
     if (option.hidden) continue;
     const Words& more = option.argument ? option.choices : option.names;
     words.insert(words.end(), more.begin(), more.end());
@@ -49,7 +49,7 @@ std::string bash_script(const CommandNode& program) {
   for (const CommandNode& command : program.commands) {
     words += fmt::format("      {}) words={} ;;\n", command.name,
                          quoted(fmt::format("{}", fmt::join(words_after(command), " "))));
-    for (const OptionNode& option : command.options) {
+    for (const CommandNode::Option& option : command.options) {
       if (option.argument || option.choices.empty()) continue;
       for (const std::string& name : option.names) {
         choices += fmt::format("    '{} {}') words='{}' ;;\n", command.name, name,
@@ -82,7 +82,7 @@ std::string zsh_script(const CommandNode& program) {
   for (const CommandNode& command : program.commands) {
     commands += "    " + quoted(escaped(command.name, ":") + ":" + command.help) + "\n";
     cases += fmt::format("    {})\n      _arguments", command.name);
-    for (const OptionNode& option : command.options) {
+    for (const CommandNode::Option& option : command.options) {
       if (option.hidden || option.argument) continue;
       const std::string values =
           option.choices.empty() ? "_files" : fmt::format("({})", fmt::join(option.choices, " "));
@@ -93,7 +93,7 @@ std::string zsh_script(const CommandNode& program) {
       }
     }
     Words choices;
-    for (const OptionNode& option : command.options) {
+    for (const CommandNode::Option& option : command.options) {
       if (option.argument)
         choices.insert(choices.end(), option.choices.begin(), option.choices.end());
     }
@@ -123,7 +123,7 @@ std::string fish_script(const CommandNode& program) {
   for (const CommandNode& command : program.commands) {
     text += fmt::format("complete -c {} -n __fish_use_subcommand -f -a {} -d {}\n", program.name,
                         command.name, quoted(escaped(command.help, "\\")));
-    for (const OptionNode& option : command.options) {
+    for (const CommandNode::Option& option : command.options) {
       if (option.hidden || (option.argument && option.choices.empty())) continue;
       text += fmt::format("complete -c {} -n '__fish_seen_subcommand_from {}'", program.name,
                           command.name);

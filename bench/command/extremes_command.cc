@@ -72,12 +72,12 @@ int dump(const ExtremesFlags& flags) {
 }
 
 int random_sets(const ExtremesFlags& flags) {
-  RandomSetOptions options{.first = flags.first,
-                           .seed = flags.seed,
-                           .tol = flags.tol,
-                           .time_limit = flags.time_limit.value_or(2),
-                           .solvers = solvers_of(flags),
-                           .interrupted = &InterruptGuard::requested};
+  RandomSets::Options options{.first = flags.first,
+                              .seed = flags.seed,
+                              .tol = flags.tol,
+                              .time_limit = flags.time_limit.value_or(2),
+                              .solvers = solvers_of(flags),
+                              .interrupted = &InterruptGuard::requested};
   bool sound = true;
   Document page{.made = provenance("extremes", typed_command())};
   Table findings{.columns = {{"set"}, {"kind"}, {"index"}, {"solver"}, {"message"}, {"again"}},
@@ -85,7 +85,7 @@ int random_sets(const ExtremesFlags& flags) {
   const auto run = [&](int count, const char* what, const char* flag, auto* measure) {
     if (count == 0) return;
     options.count = count;
-    RandomSetResult result;
+    RandomSets result;
     {
       ProgressBar progress(count, flags.silent());
       options.on_progress = [&](int done) { progress.update(done, what); };
@@ -93,7 +93,7 @@ int random_sets(const ExtremesFlags& flags) {
     }
     sound = sound && result.sound() && result.energy_grew == 0;
     if (!flags.silent()) fmt::print("{}", to_text(result, what));
-    for (const RandomFinding& f : result.findings) {
+    for (const RandomSets::Finding& f : result.findings) {
       const std::string again =
           fmt::format("bipot extremes --{} 1 --seed {} --first {}{}", flag, flags.seed, f.index,
                       f.solver.empty() ? "" : " --solver " + f.solver);
@@ -113,12 +113,12 @@ int random_sets(const ExtremesFlags& flags) {
 }
 
 int matrix(const ExtremesFlags& flags) {
-  MatrixOptions options{.solvers = solvers_of(flags),
-                        .only = flags.only,
-                        .quick = flags.quick,
-                        .tol = flags.tol,
-                        .time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2),
-                        .interrupted = &InterruptGuard::requested};
+  ExtremeMatrix::Options options{.solvers = solvers_of(flags),
+                                 .only = flags.only,
+                                 .quick = flags.quick,
+                                 .tol = flags.tol,
+                                 .time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2),
+                                 .interrupted = &InterruptGuard::requested};
   ExtremeMatrix result;
   {
     std::optional<ProgressBar> progress;
@@ -157,7 +157,7 @@ int matrix(const ExtremesFlags& flags) {
     if (!flags.out.empty()) fmt::print("results in {}\n", flags.out);
   }
   if (!result.complete) return kExitInterrupted;
-  return count_cells(result, CellEnd::kWrong) == 0 ? kExitConverged : kExitNotConverged;
+  return count_cells(result, ExtremeCell::kWrong) == 0 ? kExitConverged : kExitNotConverged;
 }
 
 CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {

@@ -25,7 +25,7 @@ std::string plain(const std::string& text) {
   return out;
 }
 
-std::string option_text(const OptionNode& option) {
+std::string option_text(const CommandNode::Option& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.names) names.push_back("\\fB" + plain(name) + "\\fR");
   std::string text = fmt::format(".TP\n{}", fmt::join(names, ", "));
@@ -35,11 +35,11 @@ std::string option_text(const OptionNode& option) {
 
 std::string command_text(const CommandNode& command) {
   std::string heading = command.name;
-  for (const OptionNode& option : command.options) {
+  for (const CommandNode::Option& option : command.options) {
     if (option.argument) heading += " " + option.names.front();
   }
   std::string text = ".SS " + plain(heading) + "\n" + plain(command.help) + ".\n";
-  for (const OptionNode& option : command.options) {
+  for (const CommandNode::Option& option : command.options) {
     if (!option.hidden) text += option_text(option);
   }
   if (!command.footer.empty()) text += ".PP\n.nf\n" + plain(command.footer) + "\n.fi\n";

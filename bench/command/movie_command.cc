@@ -32,8 +32,7 @@ CommandDeclaration add_movie(CommandLine& line, MovieFlags& flags) {
 }
 
 int run_movie(const MovieFlags& flags) {
-  const auto file =
-      write_run_movie(flags.run, {.file = flags.file, .frames_a_second = flags.frames_a_second});
+  const auto file = write_run_movie(flags.run, flags.file, flags.frames_a_second);
   fmt::print("{}\n", file.string());
   return kExitConverged;
 }

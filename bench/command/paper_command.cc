@@ -47,23 +47,23 @@ constexpr const char* kIntroduction =
     "guarded (42) and the natural map in energy) unless a text says raw (42). Every number of this "
     "page, and the points of every chart, stand in [results.json](results.json) beside it.";
 
-ReportItem run_item(const PaperItem& item, const PaperContext& context,
-                    const std::string& command) {
-  ReportItem entry{.name = std::string(item.name),
-                   .title = std::string(item.title),
-                   .command = command,
-                   .quick = context.quick,
-                   .build = build_info(),
-                   .date = date_and_time()};
+ClaimReport::Item run_item(const PaperItem& item, const PaperItem::Context& context,
+                           const std::string& command) {
+  ClaimReport::Item entry{.name = std::string(item.name),
+                          .title = std::string(item.title),
+                          .command = command,
+                          .quick = context.quick,
+                          .build = build_info(),
+                          .date = date_and_time()};
   const Stopwatch wall;
   const CpuStopwatch cpu;
   try {
     Findings result = item.run(context);
     if (context.interrupted()) {
-      entry.status = ReportItem::Status::kInterrupted;
+      entry.status = ClaimReport::Item::Status::kInterrupted;
     } else {
       complete(result, command);
-      for (const ClaimFigure& f : result.figures) {
+      for (const Findings::Figure& f : result.figures) {
         if (f.chart) {
           write_chart_files(context.out, f.name, *f.chart);
         } else if (!fs::is_regular_file(context.out / f.file)) {
@@ -71,14 +71,15 @@ ReportItem run_item(const PaperItem& item, const PaperContext& context,
         }
       }
       entry.result = std::move(result);
-      entry.status = ReportItem::Status::kDone;
+      entry.status = ClaimReport::Item::Status::kDone;
     }
   } catch (const FileError&) {
     throw;  // no other item could write either
   } catch (const std::exception& e) {
     // A step cut short by Ctrl-C ends its item with an exception, too.
     const bool interrupted = context.interrupted();
-    entry.status = interrupted ? ReportItem::Status::kInterrupted : ReportItem::Status::kFailed;
+    entry.status =
+        interrupted ? ClaimReport::Item::Status::kInterrupted : ClaimReport::Item::Status::kFailed;
     if (!interrupted) entry.message = e.what();
   }
   entry.wall_seconds = wall.seconds();
@@ -125,10 +126,10 @@ int run_paper(const PaperFlags& flags) {
   const fs::path folder = flags.out;
   ClaimReport report{.title = kTitle, .introduction = kIntroduction};
   report.command = command_line(flags, flags.only);
-  const std::vector<ReportItem> before = read_items(folder / "results.json");
+  const std::vector<ClaimReport::Item> before = read_items(folder / "results.json");
   for (const PaperItem& item : items) {
-    ReportItem entry;
-    for (const ReportItem& old : before) {
+    ClaimReport::Item entry;
+    for (const ClaimReport::Item& old : before) {
       if (old.name == item.name) entry = old;
     }
     entry.name = item.name;
@@ -142,7 +143,7 @@ int run_paper(const PaperFlags& flags) {
       std::count_if(names.begin(), names.end(), [&](const auto& name) { return chosen(name); }));
   ProgressBar progress(total, quiet);
   const InterruptGuard interrupt;
-  PaperContext context{
+  PaperItem::Context context{
       .out = folder, .quick = flags.quick, .interrupted = &InterruptGuard::requested};
   long done = 0;
   bool sound = true;
@@ -154,16 +155,18 @@ int run_paper(const PaperFlags& flags) {
       progress.update(done, fmt::format("{}: {}", item.name, what));
     };
     context.say("");
-    ReportItem entry = run_item(item, context, command_line(flags, {std::string(item.name)}));
+    ClaimReport::Item entry =
+        run_item(item, context, command_line(flags, {std::string(item.name)}));
     progress.update(++done, "");
-    if (entry.status == ReportItem::Status::kInterrupted) {
+    if (entry.status == ClaimReport::Item::Status::kInterrupted) {
       // A result of an earlier run is better than none.
-      if (report.items[i].status != ReportItem::Status::kDone) report.items[i] = entry;
+      if (report.items[i].status != ClaimReport::Item::Status::kDone) report.items[i] = entry;
       break;
     }
-    sound = sound && entry.status == ReportItem::Status::kDone && entry.held() == entry.checks();
+    sound =
+        sound && entry.status == ClaimReport::Item::Status::kDone && entry.held() == entry.checks();
     summary +=
-        entry.status == ReportItem::Status::kDone
+        entry.status == ClaimReport::Item::Status::kDone
             ? fmt::format("{:<11} {:>2} of {:>2} checks hold {:>7.1f} s\n", entry.name,
                           entry.held(), entry.checks(), entry.wall_seconds)
             : fmt::format("{:<11} {}: {}\n", entry.name, to_string(entry.status), entry.message);

@@ -61,7 +61,7 @@ void ProgressBar::update(long done, const std::string& note) {
   std::fflush(stderr);
 }
 
-void RemainingTime::add(long done, double seconds) {
+void ProgressBar::RemainingTime::add(long done, double seconds) {
   constexpr long kMarks = 200;  // of the whole
   const Mark now{done, seconds};
   if (marks_.size() > 1 && done - marks_[marks_.size() - 2].done < std::max(total_ / kMarks, 1L)) {
@@ -72,7 +72,7 @@ void RemainingTime::add(long done, double seconds) {
   while (marks_.size() > 3 && marks_[1].done <= done - total_ / 5) marks_.pop_front();
 }
 
-double RemainingTime::seconds() const {
+double ProgressBar::RemainingTime::seconds() const {
   const Mark& first = marks_.front();
   const Mark& last = marks_.back();
   const Mark& middle = marks_[marks_.size() / 2];

@@ -1,5 +1,3 @@
-#include "bench/command/run_command.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +11,8 @@
 #include <utility>
 #include <variant>
 
+#include "bench/command/command_options.h"
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/failure_text.h"
 #include "bench/command/help_text.h"
@@ -45,6 +45,27 @@ namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct RunFlags {
+  CommonFlags common;
+  SolverFlags solver;
+  std::string scene;
+  std::optional<int> steps;
+  std::optional<double> step_size, duration, accuracy;
+  std::string restart;        ///< folder or run.h5 of an earlier run
+  bool overwrite = false;     ///< deletes a run in the folder of the results
+  std::string dump_problems;  ///< "", "all" or "failed"
+  /// "continue", "stop", "smaller-step"; empty: continue, but not where there is no solution
+  std::string on_failure;
+  std::string on_tunnel = "stop";  ///< or "warn", "smaller-step"
+  std::optional<std::string> model;
+  bool no_page = false;
+  bool watch = false;  ///< serves the page while the run goes on
+  std::optional<int> port;
+  bool reproducible = false;  ///< exact sums, the same bits for any number of processes
+  /// Parameters of the spring-dashpot model; unset entries leave the scene's choice.
+  std::optional<double> stiffness, overlap, tangential_ratio, substep;
+};
 
 /// For proofs that steps have no solution, in all; a step takes a part of it.             [s]
 constexpr double kProofSeconds = 20;
@@ -430,9 +451,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   return exit_code;
 }
 
-}  // namespace
-
-CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
+CommandDeclaration add_run(CommandLine& line, RunFlags& flags) {
   CommandDeclaration command =
       line.add_command("run", "Run a scene: time steps, files, pictures, summary");
   command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
@@ -497,7 +516,7 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
   return command;
 }
 
-int run_command(const RunFlags& given) {
+int start_run(const RunFlags& given) {
   RunFlags flags = given;
   std::string text;
   AnyScene scene;
@@ -513,5 +532,9 @@ int run_command(const RunFlags& given) {
   return std::visit([&](auto&& any) { return run_in(flags, std::move(any), text); },
                     std::move(scene));
 }
+
+}  // namespace
+
+ProgramCommand run_command(CommandLine& line) { return make_command(line, &add_run, &start_run); }
 
 }  // namespace bipot

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/command/solve_command.h"
+#include "bench/command/solve_flags.h"
 #include "core/problem_files/problem_file.h"
 
 namespace bipot {

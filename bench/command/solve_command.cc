@@ -1,5 +1,3 @@
-#include "bench/command/solve_command.h"
-
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -12,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "bench/command/command_options.h"
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/help_text.h"
 #include "bench/command/run_processes.h"
@@ -104,9 +104,7 @@ void print_summary(const SolveFlags& flags, const std::string& solver, const Con
   if (counts) fmt::print("{}", to_text(*counts));
 }
 
-}  // namespace
-
-CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
+CommandDeclaration add_solve(CommandLine& line, SolveFlags& flags) {
   CommandDeclaration command =
       line.add_command("solve", "Solve one problem file (FCLIB HDF5, Siconos text)");
   command.option("problem", flags.problem, "Problem file").required();
@@ -142,8 +140,6 @@ CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
       "  bipot solve problem.dat --solver pgs --tol 1e-10 --json - --solution solved.hdf5");
   return command;
 }
-
-namespace {
 
 /// --out DIR stands for the three files in DIR, unless a flag names another place.
 SolveFlags with_folder(SolveFlags flags) {
@@ -286,9 +282,7 @@ void explain(const SolveTask& task) {
              explain_auto(task.file.problem, task.options));
 }
 
-}  // namespace
-
-int solve_command(const SolveFlags& given) {
+int run_solve(const SolveFlags& given) {
   if (given.several) {
     together([&] { refuse_on_several_processes(given.common, "--several"); });
     return several_command(given, read_file(given));
@@ -341,6 +335,12 @@ int solve_command(const SolveFlags& given) {
     print_summary(flags, task.choice.name, problem, result, certificate, counts);
   }
   return exit_code_of(result.status);
+}
+
+}  // namespace
+
+ProgramCommand solve_command(CommandLine& line) {
+  return make_command(line, &add_solve, &run_solve);
 }
 
 }  // namespace bipot

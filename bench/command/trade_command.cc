@@ -83,12 +83,12 @@ int run_trade(const TradeFlags& flags) {
   const bool quiet = flags.silent();
   const FinishedTrade finished = run_watched_trade(flags.request, quiet);
   if (!flags.out.empty()) write_trade(flags.out, finished);
-  if (!flags.json.empty()) write_json(to_json(finished.analysed, finished.context), flags.json);
+  if (!flags.json.empty()) write_json(to_json(finished), flags.json);
   if (!quiet) {
-    fmt::print("{}", to_text(trade_document(finished.analysed, finished.context)));
+    fmt::print("{}", to_text(trade_document(finished)));
     if (!flags.out.empty()) fmt::print("results in {}\n", flags.out);
   }
-  return finished.analysed.trade.complete ? kExitConverged : kExitInterrupted;
+  return finished.trade.complete ? kExitConverged : kExitInterrupted;
 }
 
 }  // namespace

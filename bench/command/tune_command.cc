@@ -1,10 +1,9 @@
-#include "bench/command/tune_command.h"
-
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <stdexcept>
 
+#include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/measure/problem_target.h"
@@ -15,8 +14,18 @@
 #include "core/files/atomic_file.h"
 
 namespace bipot {
+namespace {
 
-CommandDeclaration add_tune_command(CommandLine& line, TuneFlags& flags) {
+struct TuneFlags {
+  std::vector<std::string> targets, solvers;
+  std::vector<double> tols;
+  double time_limit = 2;  ///< CPU seconds of one solve
+  int scene_problems = 6, least_rows = 20;
+  std::string out, rows;
+  bool quiet = false;
+};
+
+CommandDeclaration add_tune(CommandLine& line, TuneFlags& flags) {
   CommandDeclaration command =
       line.add_command("tune", "A plan for auto, computed from measured solves of your problems");
   command.option("targets", flags.targets,
@@ -48,7 +57,7 @@ CommandDeclaration add_tune_command(CommandLine& line, TuneFlags& flags) {
   return command;
 }
 
-int tune_command(const TuneFlags& flags) {
+int run_tune(const TuneFlags& flags) {
   namespace fs = std::filesystem;
   require_writable(flags.out);
   MeasureOptions options{.variants = tuned_variants(flags.solvers)};
@@ -85,5 +94,9 @@ int tune_command(const TuneFlags& flags) {
   }
   return kExitConverged;
 }
+
+}  // namespace
+
+ProgramCommand tune_command(CommandLine& line) { return make_command(line, &add_tune, &run_tune); }
 
 }  // namespace bipot

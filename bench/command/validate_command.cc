@@ -35,10 +35,10 @@ bool asked_for(const ValidateFlags& flags, const ValidationRow& row) {
                      [&](const std::string& name) { return row.claim.name.starts_with(name); });
 }
 
-std::vector<ValidationExperiment> chosen_experiments(const ValidateFlags& flags) {
-  std::vector<ValidationExperiment> all = validation_experiments();
+std::vector<Experiment> chosen_experiments(const ValidateFlags& flags) {
+  std::vector<Experiment> all = validation_experiments();
   std::vector<std::string> names;
-  for (const ValidationExperiment& e : all) {
+  for (const Experiment& e : all) {
     for (const ValidationRow& row : e.rows) names.push_back(row.claim.name);
   }
   for (const std::string& wanted : flags.only) {
@@ -47,7 +47,7 @@ std::vector<ValidationExperiment> chosen_experiments(const ValidateFlags& flags)
       throw std::invalid_argument(unknown_name_message("row", wanted, names));
     }
   }
-  std::erase_if(all, [&](const ValidationExperiment& e) {
+  std::erase_if(all, [&](const Experiment& e) {
     return std::none_of(e.rows.begin(), e.rows.end(),
                         [&](const ValidationRow& row) { return asked_for(flags, row); });
   });
@@ -91,22 +91,22 @@ CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
 
 int run_validate(const ValidateFlags& flags) {
   require_solver(flags.solver);
-  const std::vector<ValidationExperiment> experiments = chosen_experiments(flags);
+  const std::vector<Experiment> experiments = chosen_experiments(flags);
   flags.prepare(true);
   const InterruptGuard interrupt;
-  ValidationContext context{.quick = flags.quick,
-                            .solver = flags.solver,
-                            .max_iterations = flags.max_iterations,
-                            .stopped = &InterruptGuard::requested};
+  Experiment::Context context{.quick = flags.quick,
+                              .solver = flags.solver,
+                              .max_iterations = flags.max_iterations,
+                              .stopped = &InterruptGuard::requested};
   ValidationPage page{.command = again(flags), .solver = flags.solver, .quick = flags.quick};
   {
     long total = 0, done = 0;
-    for (const ValidationExperiment& e : experiments) {
+    for (const Experiment& e : experiments) {
       total += static_cast<long>(flags.quick ? e.quick_tols.size() : e.tols.size());
     }
     ProgressBar progress(total, flags.silent());
-    for (const ValidationExperiment& e : experiments) {
-      ExperimentResult result = run_experiment(
+    for (const Experiment& e : experiments) {
+      Experiment::Result result = run_experiment(
           e, context, [&](int, int) { progress.update(done++, e.rows.front().claim.name); });
       // An interrupted measurement would only seem to fail.
       if (!result.complete) {

@@ -8,16 +8,15 @@
 
 namespace bipot {
 
-FinishedTrade run_watched_trade(const TradeRequest& request, bool quiet) {
+FinishedTrade run_watched_trade(TradeRequest request, bool quiet) {
   const InterruptGuard interrupt;
   std::optional<ProgressBar> bar;
-  TradeWatch watch;
-  watch.interrupted = &InterruptGuard::requested;
-  watch.progress = [&](long done, long total, const std::string& what) {
+  request.interrupted = &InterruptGuard::requested;
+  request.progress = [&](long done, long total, const std::string& what) {
     if (!bar) bar.emplace(total, quiet);
     bar->update(done, what);
   };
-  return run_trade(request, watch);
+  return run_trade(request);
 }
 
 }  // namespace bipot

@@ -5,6 +5,6 @@
 namespace bipot {
 
 /// Runs the request with a progress bar on the terminal unless `quiet`; Ctrl-C ends it early.
-FinishedTrade run_watched_trade(const TradeRequest& request, bool quiet);
+FinishedTrade run_watched_trade(TradeRequest request, bool quiet);
 
 }  // namespace bipot

@@ -33,22 +33,22 @@ class HistoryRecorder {
     newest_is_extra_ = !early && !first && r.iteration < kGrowth * points_.back().iteration;
     points_.push_back({r.iteration, r.seconds, r.error.epsilon, r.error.eta});
   }
-  std::vector<HistoryPoint> points() const { return points_; }
+  std::vector<Comparison::History::Point> points() const { return points_; }
 
  private:
   static constexpr int kDense = 32;
   static constexpr double kGrowth = 1.1;
-  std::vector<HistoryPoint> points_;
+  std::vector<Comparison::History::Point> points_;
   bool newest_is_extra_ = false;
 };
 
 struct Measurement {
-  ComparisonRow row;
-  std::vector<HistoryPoint> history;
+  Comparison::Row row;
+  std::vector<Comparison::History::Point> history;
   Vector s;  ///< impulse of the row; empty: none was found now
 };
 
-void write_errors(const TrueErrorEvaluator& true_error, const Vector& s, ComparisonRow& row) {
+void write_errors(const TrueErrorEvaluator& true_error, const Vector& s, Comparison::Row& row) {
   const TrueError error = true_error(s);
   row.velocity_error = error.velocity;
   row.force_error = error.force;
@@ -61,10 +61,10 @@ void write_errors(const TrueErrorEvaluator& true_error, const Vector& s, Compari
 }
 
 Measurement measure(const SolverEntry& entry, const TestProblem& given, double tol, bool warm,
-                    const TrueErrorEvaluator& true_error, const ComparisonOptions& options) {
+                    const TrueErrorEvaluator& true_error, const Comparison::Options& options) {
   const ContactProblem& problem = given.problem;
   Measurement made;
-  ComparisonRow& row = made.row;
+  Comparison::Row& row = made.row;
   SolverOptions solver;
   solver.tol = tol;
   solver.execution.threads = options.threads;
@@ -129,21 +129,21 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
 /// Makes the rows of one problem, and the problem itself only if one is missing.
 class ProblemRows {
  public:
-  ProblemRows(const ProblemSource& source, const ComparisonOptions& options, ComparisonStore& store,
-              const std::string& commit)
+  ProblemRows(const ProblemSource& source, const Comparison::Options& options,
+              ComparisonStore& store, const std::string& commit)
       : source_(source), options_(options), store_(store), commit_(commit) {}
 
   /// `hopeless`: reason why the solver is not tried, empty if it is.
-  Measurement make(const SolverEntry& entry, double tol, bool warm, const ComparisonRow* looser,
+  Measurement make(const SolverEntry& entry, double tol, bool warm, const Comparison::Row* looser,
                    const std::string& hopeless) {
     prepare();
     Measurement made;
-    ComparisonRow& row = made.row;
+    Comparison::Row& row = made.row;
     if (!defect_.empty()) {
       row.status = to_string(SolveStatus::kInvalidInput);
       row.message = defect_;
     } else if (!hopeless.empty()) {
-      row.status = ComparisonRow::kNotTried;
+      row.status = Comparison::Row::kNotTried;
       row.message = hopeless;
     } else if (looser != nullptr && entry.path_ignores_tolerance &&
                looser->status == to_string(SolveStatus::kTimeLimit)) {
@@ -170,7 +170,7 @@ class ProblemRows {
   bool has_stale_errors() const { return learned_; }
 
   /// Measures the errors of a row again; false if its impulse is not known any more.
-  bool renew_errors(ComparisonRow& row) const {
+  bool renew_errors(Comparison::Row& row) const {
     const auto found = impulses_.find({row.solver, row.tol, row.warm});
     if (found == impulses_.end()) return false;
     write_errors(*true_error_, found->second, row);
@@ -184,7 +184,7 @@ class ProblemRows {
   }
 
   /// Without the problem if no row was missing and the reference is kept.
-  ProblemSummary summary() {
+  Comparison::Problem summary() {
     if (!prepared_) {
       if (auto kept = store_.reference(source_.name)) {
         reference_ = std::move(*kept);
@@ -192,19 +192,19 @@ class ProblemRows {
         prepare();
       }
     }
-    ProblemSummary s{.name = source_.name,
-                     .target = source_.target,
-                     .origin = reference_.origin,
-                     .defect = defect_,
-                     .series = source_.series,
-                     .contacts = reference_.contacts,
-                     .dim = reference_.dim,
-                     .dofs = reference_.dofs,
-                     .reference_solver = reference_.solver,
-                     .reference_guarded = reference_.error.guarded(),
-                     .reference_natural_map = reference_.error.natural_map,
-                     .attempts = reference_.attempts,
-                     .velocity_spread = reference_.velocity_spread};
+    Comparison::Problem s{.name = source_.name,
+                          .target = source_.target,
+                          .origin = reference_.origin,
+                          .defect = defect_,
+                          .series = source_.series,
+                          .contacts = reference_.contacts,
+                          .dim = reference_.dim,
+                          .dofs = reference_.dofs,
+                          .reference_solver = reference_.solver,
+                          .reference_guarded = reference_.error.guarded(),
+                          .reference_natural_map = reference_.error.natural_map,
+                          .attempts = reference_.attempts,
+                          .velocity_spread = reference_.velocity_spread};
     if (!s.poor_reference()) s.answers = 1 + static_cast<int>(reference_.others.size());
     s.spread = reference_.spread;
     return s;
@@ -213,7 +213,7 @@ class ProblemRows {
  private:
   /// A new answer changes the reference of the errors.
   void learn(const Measurement& made) {
-    const ComparisonRow& row = made.row;
+    const Comparison::Row& row = made.row;
     impulses_[{row.solver, row.tol, row.warm}] = made.s;
     if (!learn_answer(problem_.problem, made.s, options_.reference_time_limit, options_.cancelled,
                       reference_)) {
@@ -254,8 +254,9 @@ class ProblemRows {
                         options_.out.string(), source_.name, before, reference_.error.guarded()));
       }
     } else {
-      reference_ = find_reference(problem_, options_.reference_time_limit,
-                                  ReferenceSolution::kTarget, LimitOn::kCpu, options_.cancelled);
+      reference_ =
+          find_reference(problem_, options_.reference_time_limit, ReferenceSolution::kTarget,
+                         ReferenceSolution::Clock::kCpu, options_.cancelled);
       true_error_.emplace(problem_, reference_);
       if (reference_.several()) reference_.spread = true_error_->spread();
       if (!options_.is_cancelled()) store_.write(source_, problem_, reference_);
@@ -264,7 +265,7 @@ class ProblemRows {
   }
 
   const ProblemSource& source_;
-  const ComparisonOptions& options_;
+  const Comparison::Options& options_;
   ComparisonStore& store_;
   const std::string& commit_;
   bool prepared_ = false;
@@ -280,7 +281,7 @@ class ProblemRows {
 /// Records the solvers that ran out of time, and on which problems.
 class TimeOuts {
  public:
-  void add(const ProblemSource& source, const ComparisonRow& row) {
+  void add(const ProblemSource& source, const Comparison::Row& row) {
     if (row.status != to_string(SolveStatus::kTimeLimit)) return;
     seen_.push_back({source.series, row.solver, source.name, source.size, row.tol});
   }
@@ -312,7 +313,7 @@ class TimeOuts {
 /// Fills the table problem by problem.
 class TableFiller {
  public:
-  TableFiller(const ComparisonOptions& options, std::vector<const SolverEntry*> entries,
+  TableFiller(const Comparison::Options& options, std::vector<const SolverEntry*> entries,
               std::vector<double> tols, std::size_t problems)
       : options_(options),
         entries_(std::move(entries)),
@@ -329,7 +330,8 @@ class TableFiller {
     for (const SolverEntry* entry : entries_) {
       if (!fill_rows(source, problem, *entry, false)) return false;
       if (options_.warm && !fill_rows(source, problem, *entry, true)) return false;
-      if (const History* history = store_.history(source.name, std::string(entry->name))) {
+      if (const Comparison::History* history =
+              store_.history(source.name, std::string(entry->name))) {
         table_.histories.push_back(*history);
       }
     }
@@ -348,23 +350,23 @@ class TableFiller {
 
   bool fill_rows(const ProblemSource& source, ProblemRows& problem, const SolverEntry& entry,
                  bool warm) {
-    std::vector<ComparisonRow>& rows = warm ? table_.warm_rows : table_.rows;
+    std::vector<Comparison::Row>& rows = warm ? table_.warm_rows : table_.rows;
     TimeOuts& time_outs = warm ? warm_time_outs_ : time_outs_;
     const std::string name(entry.name);
     for (std::size_t k = 0; k < tols_.size(); ++k) {
       if (interrupted()) return false;
-      if (const ComparisonRow* kept = store_.find(source.name, name, tols_[k], warm)) {
+      if (const Comparison::Row* kept = store_.find(source.name, name, tols_[k], warm)) {
         rows.push_back(*kept);
         ++table_.rows_kept;
       } else {
         if (warm && !problem.has_start()) return true;
         warm_up_once();
-        const ComparisonRow* looser = k > 0 ? &rows.back() : nullptr;
+        const Comparison::Row* looser = k > 0 ? &rows.back() : nullptr;
         const std::string hopeless =
             options_.try_all ? "" : time_outs.reason(source, entry, tols_[k]);
         Measurement made = problem.make(entry, tols_[k], warm, looser, hopeless);
         if (options_.is_cancelled()) return false;
-        History history{source.name, name, tols_[k], {}};
+        Comparison::History history{source.name, name, tols_[k], {}};
         if (!warm) history.points = std::move(made.history);
         store_.append(made.row, history);
         rows.push_back(std::move(made.row));
@@ -386,14 +388,14 @@ class TableFiller {
   }
 
   /// For the rows from `first` on, in the table and on disk, where the later line counts.
-  void renew_errors(const ProblemRows& problem, std::vector<ComparisonRow>& rows,
+  void renew_errors(const ProblemRows& problem, std::vector<Comparison::Row>& rows,
                     std::size_t first) {
     for (std::size_t i = first; i < rows.size(); ++i) {
       if (problem.renew_errors(rows[i])) store_.append(rows[i], {});
     }
   }
 
-  const ComparisonOptions& options_;
+  const Comparison::Options& options_;
   const std::vector<const SolverEntry*> entries_;
   const std::vector<double> tols_;
   const int total_;
@@ -406,20 +408,20 @@ class TableFiller {
 
 }  // namespace
 
-std::string Comparison::id_of(const ProblemSummary& problem) const {
+std::string Comparison::id_of(const Problem& problem) const {
   return fmt::format("p{}", &problem - problems.data() + 1);
 }
 
-std::string Comparison::link_to(const ProblemSummary& problem) const {
+std::string Comparison::link_to(const Problem& problem) const {
   return fmt::format("[{}](#{})", problem.name, id_of(problem));
 }
 
-double HistoryPoint::guarded() const {
+double Comparison::History::Point::guarded() const {
   ContactError error{.epsilon = epsilon, .eta = eta};
   return error.guarded();
 }
 
-Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options) {
+Comparison compare(const std::vector<ProblemSource>& sources, const Comparison::Options& options) {
   std::vector<const SolverEntry*> entries;
   for (const std::string& name : options.solvers) entries.push_back(&require_solver(name));
   for (const SolverEntry& entry : options.foreign) {

@@ -20,9 +20,9 @@ int style_of(const std::string& solver) {
 
 /// The steps of a distribution: each of the sorted values raises the curve by 1/total. Starts at
 /// `begin`, ends at `end`; markers are thinned out.
-ChartSeries distribution(const std::string& name, int style, const std::vector<double>& values,
-                         std::size_t total, double begin, double end) {
-  ChartSeries series{name, style, {}, ChartSeries::Kind::kSteps};
+Chart::Series distribution(const std::string& name, int style, const std::vector<double>& values,
+                           std::size_t total, double begin, double end) {
+  Chart::Series series{name, style, {}, Chart::Series::Kind::kSteps};
   if (values.empty() || total == 0) return series;
   const std::size_t stride = 1 + values.size() / 5;
   series.points.push_back({begin, 0, false, "", false});
@@ -40,13 +40,13 @@ ChartSeries distribution(const std::string& name, int style, const std::vector<d
 double decade_above(double x) { return std::pow(10, std::ceil(std::log10(x) - 1e-9)); }
 double decade_below(double x) { return std::pow(10, std::floor(std::log10(x) + 1e-9)); }
 
-ChartAxis error_axis(const Comparison& comparison, const ProblemSummary& problem,
-                     const Ranking& rank) {
+Chart::Axis error_axis(const Comparison& comparison, const Comparison::Problem& problem,
+                       const Ranking& rank) {
   double least = 1;
-  for (const ComparisonRow& r : comparison.rows) {
+  for (const Comparison::Row& r : comparison.rows) {
     if (r.problem == problem.name && rank.of(r) > 0) least = std::min(least, rank.of(r));
   }
-  ChartAxis axis{std::string(rank.name()), ChartAxis::Kind::kLog};
+  Chart::Axis axis{std::string(rank.name()), Chart::Axis::Kind::kLog};
   if (rank.measure == Ranking::Measure::kForce) axis.label = "force error, worst body";
   // An error of exactly 0 needs a place on the axis.
   axis.low = std::max(1e-15, decade_below(least));
@@ -54,16 +54,16 @@ ChartAxis error_axis(const Comparison& comparison, const ProblemSummary& problem
 }
 
 /// Error against time or tolerance: the same rows.
-Chart error_chart(const Comparison& comparison, const ProblemSummary& problem,
-                  double (*x)(const ComparisonRow&)) {
+Chart error_chart(const Comparison& comparison, const Comparison::Problem& problem,
+                  double (*x)(const Comparison::Row&)) {
   const Ranking rank = ranking(problem, comparison.rows);
   Chart chart{.y = error_axis(comparison, problem, rank)};
   if (rank.measure != Ranking::Measure::kGuarded && problem.reference_guarded >= *chart.y.low) {
     chart.y_lines = {{problem.reference_guarded, "guarded error of the reference"}};
   }
   for (const std::string& solver : solvers_of(comparison)) {
-    ChartSeries series{solver, style_of(solver), {}};
-    for (const ComparisonRow& r : comparison.rows) {
+    Chart::Series series{solver, style_of(solver), {}};
+    for (const Comparison::Row& r : comparison.rows) {
       if (r.problem != problem.name || r.solver != solver) continue;
       const double error = rank.of(r);
       if (!std::isfinite(error) || !std::isfinite(r.time())) continue;
@@ -88,9 +88,9 @@ Chart profile_chart(const std::vector<PerformanceProfile>& profiles, const std::
   }
   Chart chart{.title = title};
   // Beyond a thousand times the best, differences are not shown.
-  chart.x = {cost + " over the least of all solvers", ChartAxis::Kind::kLog, 1.0,
+  chart.x = {cost + " over the least of all solvers", Chart::Axis::Kind::kLog, 1.0,
              std::min(1e3, decade_above(largest))};
-  chart.y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0};
+  chart.y = {"share of problems solved", Chart::Axis::Kind::kLinear, 0.0, 1.0};
   for (const PerformanceProfile& p : profiles) {
     chart.series.push_back(distribution(p.solver, style_of(p.solver), p.ratios,
                                         static_cast<std::size_t>(p.problems), 1.0, *chart.x.high));
@@ -101,14 +101,14 @@ Chart profile_chart(const std::vector<PerformanceProfile>& profiles, const std::
 Chart budget_chart(const std::vector<BudgetErrors>& errors, const std::string& title) {
   constexpr double kLeast = 1e-12;
   Chart chart{.title = title,
-              .x = {"true error reached", ChartAxis::Kind::kLog, kLeast, 1.0},
-              .y = {"share of problems", ChartAxis::Kind::kLinear, 0.0, 1.0}};
+              .x = {"true error reached", Chart::Axis::Kind::kLog, kLeast, 1.0},
+              .y = {"share of problems", Chart::Axis::Kind::kLinear, 0.0, 1.0}};
   for (const BudgetErrors& e : errors) {
     std::vector<double> reached;  // an error of 1 is no result
     for (double error : e.errors) {
       if (error < 1) reached.push_back(std::max(error, kLeast));
     }
-    ChartSeries series =
+    Chart::Series series =
         distribution(e.solver, style_of(e.solver), reached, e.errors.size(), kLeast, 1.0);
     chart.series.push_back(std::move(series));
   }
@@ -129,9 +129,9 @@ Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::st
     std::sort(finite.begin(), finite.end());
   }
   Chart chart{.title = "Time of auto over that of the fastest other solver",
-              .x = {"time over the fastest other solver's", ChartAxis::Kind::kLog,
+              .x = {"time over the fastest other solver's", Chart::Axis::Kind::kLog,
                     decade_below(least), decade_above(largest)},
-              .y = {"share of cases", ChartAxis::Kind::kLinear, 0.0, 1.0},
+              .y = {"share of cases", Chart::Axis::Kind::kLinear, 0.0, 1.0},
               .x_lines = {{1, "as fast"}}};
   for (std::size_t i = 0; i < regrets.size(); ++i) {
     chart.series.push_back(distribution(names[i], static_cast<int>(i), ratios[i],
@@ -142,11 +142,11 @@ Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::st
 
 Chart success_chart(const std::vector<SuccessCurve>& curves, std::string_view size) {
   Chart chart{.title = fmt::format("Success against tolerance, {}", size),
-              .x = {"tolerance", ChartAxis::Kind::kLog},
-              .y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0}};
+              .x = {"tolerance", Chart::Axis::Kind::kLog},
+              .y = {"share of problems solved", Chart::Axis::Kind::kLinear, 0.0, 1.0}};
   for (const SuccessCurve& curve : curves) {
     if (curve.size != size) continue;
-    ChartSeries series{curve.solver, style_of(curve.solver), {}};
+    Chart::Series series{curve.solver, style_of(curve.solver), {}};
     for (const SuccessCurve::Point& point : curve.points) {
       series.points.push_back(
           {point.tol, curve.share(point), false,
@@ -158,40 +158,41 @@ Chart success_chart(const std::vector<SuccessCurve>& curves, std::string_view si
   return chart;
 }
 
-Chart work_precision_chart(const Comparison& comparison, const ProblemSummary& problem) {
-  Chart chart = error_chart(comparison, problem, [](const ComparisonRow& r) { return r.time(); });
+Chart work_precision_chart(const Comparison& comparison, const Comparison::Problem& problem) {
+  Chart chart = error_chart(comparison, problem, [](const Comparison::Row& r) { return r.time(); });
   chart.title = "Work and precision, " + problem.name;
-  chart.x = {"time", ChartAxis::Kind::kLogSeconds};
+  chart.x = {"time", Chart::Axis::Kind::kLogSeconds};
   const Ranking rank = ranking(problem, comparison.rows);
   auto best = pareto_rows(problem, comparison.rows);
   if (best.size() < 2) return chart;
-  std::sort(best.begin(), best.end(),
-            [](const ComparisonRow* a, const ComparisonRow* b) { return a->time() < b->time(); });
-  ChartSeries front{"beaten by none", 0, {}, ChartSeries::Kind::kSteps, true};
-  for (const ComparisonRow* row : best) front.points.push_back({row->time(), rank.of(*row)});
+  std::sort(best.begin(), best.end(), [](const Comparison::Row* a, const Comparison::Row* b) {
+    return a->time() < b->time();
+  });
+  Chart::Series front{"beaten by none", 0, {}, Chart::Series::Kind::kSteps, true};
+  for (const Comparison::Row* row : best) front.points.push_back({row->time(), rank.of(*row)});
   chart.series.push_back(std::move(front));
   return chart;
 }
 
-Chart tolerance_chart(const Comparison& comparison, const ProblemSummary& problem) {
-  Chart chart = error_chart(comparison, problem, [](const ComparisonRow& r) { return r.tol; });
+Chart tolerance_chart(const Comparison& comparison, const Comparison::Problem& problem) {
+  Chart chart = error_chart(comparison, problem, [](const Comparison::Row& r) { return r.tol; });
   chart.title = "Error against tolerance, " + problem.name;
-  chart.x = {"tolerance", ChartAxis::Kind::kLog};
+  chart.x = {"tolerance", Chart::Axis::Kind::kLog};
   return chart;
 }
 
-Chart history_chart(const Comparison& comparison, const ProblemSummary& problem) {
+Chart history_chart(const Comparison& comparison, const Comparison::Problem& problem) {
   constexpr double kMost = 100;  // diverging values leave the picture
   Chart chart{.title = "Guarded error against iteration, " + problem.name,
-              .x = {"iteration", ChartAxis::Kind::kLog, 1.0, {}},
-              .y = {"guarded error", ChartAxis::Kind::kLog}};
+              .x = {"iteration", Chart::Axis::Kind::kLog, 1.0, {}},
+              .y = {"guarded error", Chart::Axis::Kind::kLog}};
   double largest = 0, least = 1;
-  for (const History& history : comparison.histories) {
+  for (const Comparison::History& history : comparison.histories) {
     if (history.problem != problem.name || history.points.empty()) continue;
-    ChartSeries series{history.solver, style_of(history.solver), {}};
+    Chart::Series series{history.solver, style_of(history.solver), {}};
     int next = 1;  // a marker for each quadrupling
     for (std::size_t i = 0; i < history.points.size(); ++i) {
-      const HistoryPoint& p = history.points[i];
+      const Comparison::History::Point& p = history.points[i];
       const bool last = i + 1 == history.points.size();
       const bool marked = last || p.iteration >= next;
       if (p.iteration >= next) next = 4 * std::max(1, p.iteration);
@@ -212,17 +213,17 @@ Chart history_chart(const Comparison& comparison, const ProblemSummary& problem)
 }
 
 Chart growth_chart(const std::vector<Growth>& all, const std::string& series, double tol,
-                   GrowthOf quantity) {
-  const bool time = quantity == GrowthOf::kTime;
+                   Growth::Measure quantity) {
+  const bool time = quantity == Growth::Measure::kTime;
   Chart chart{.title = fmt::format("{} against size, {} at {}", time ? "Time" : "Iterations",
                                    series, tolerance_label(tol)),
-              .x = {"number of disks", ChartAxis::Kind::kLog},
+              .x = {"number of disks", Chart::Axis::Kind::kLog},
               .y = {time ? "time" : "iterations",
-                    time ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog}};
+                    time ? Chart::Axis::Kind::kLogSeconds : Chart::Axis::Kind::kLog}};
   for (const Growth& g : all) {
     if (g.series != series || g.tol != tol) continue;
     const PowerLaw& law = time ? g.time : g.iterations;
-    ChartSeries points{g.solver, style_of(g.solver), {}, ChartSeries::Kind::kPoints};
+    Chart::Series points{g.solver, style_of(g.solver), {}, Chart::Series::Kind::kPoints};
     double from = std::numeric_limits<double>::infinity(), to = 0;
     for (const Growth::Point& p : g.points) {
       if (!std::isfinite(p.time)) continue;
@@ -237,7 +238,7 @@ Chart growth_chart(const std::vector<Growth>& all, const std::string& series, do
     if (points.points.empty()) continue;
     chart.series.push_back(std::move(points));
     if (!(law.points >= 2 && std::isfinite(law.exponent))) continue;
-    ChartSeries fit{"", style_of(g.solver), {}, ChartSeries::Kind::kLine};
+    Chart::Series fit{"", style_of(g.solver), {}, Chart::Series::Kind::kLine};
     for (double n : {from, to}) {
       fit.points.push_back({n, law.prefactor * std::pow(n, law.exponent)});
     }

@@ -25,15 +25,14 @@ Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::st
 Chart success_chart(const std::vector<SuccessCurve>& curves, std::string_view size);
 
 /// True error against time, with the rows of the Pareto front; one marker for each tolerance.
-Chart work_precision_chart(const Comparison& comparison, const ProblemSummary& problem);
+Chart work_precision_chart(const Comparison& comparison, const Comparison::Problem& problem);
 /// True error against tolerance.
-Chart tolerance_chart(const Comparison& comparison, const ProblemSummary& problem);
+Chart tolerance_chart(const Comparison& comparison, const Comparison::Problem& problem);
 /// Guarded error against iteration.
-Chart history_chart(const Comparison& comparison, const ProblemSummary& problem);
+Chart history_chart(const Comparison& comparison, const Comparison::Problem& problem);
 
-enum class GrowthOf { kIterations, kTime };
 /// One series at one tolerance against the number of disks, with the fitted powers.
 Chart growth_chart(const std::vector<Growth>& all, const std::string& series, double tol,
-                   GrowthOf quantity);
+                   Growth::Measure quantity);
 
 }  // namespace bipot

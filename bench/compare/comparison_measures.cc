@@ -16,9 +16,9 @@ double quantile(const std::vector<double>& sorted, double q) {
   return sorted[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
 }
 
-const ComparisonRow* row_of(const Comparison& comparison, const std::string& problem,
-                            const std::string& solver, double tol) {
-  for (const ComparisonRow& row : comparison.rows) {
+const Comparison::Row* row_of(const Comparison& comparison, const std::string& problem,
+                              const std::string& solver, double tol) {
+  for (const Comparison::Row& row : comparison.rows) {
     if (row.tol == tol && row.solver == solver && row.problem == problem) return &row;
   }
   return nullptr;
@@ -28,7 +28,7 @@ const ComparisonRow* row_of(const Comparison& comparison, const std::string& pro
 
 std::vector<std::string> solvers_of(const Comparison& comparison) {
   std::vector<std::string> names;
-  for (const ComparisonRow& row : comparison.rows) {
+  for (const Comparison::Row& row : comparison.rows) {
     if (std::find(names.begin(), names.end(), row.solver) == names.end()) {
       names.push_back(row.solver);
     }
@@ -38,16 +38,16 @@ std::vector<std::string> solvers_of(const Comparison& comparison) {
 
 std::vector<double> tolerances_of(const Comparison& comparison) {
   std::vector<double> tols;
-  for (const ComparisonRow& row : comparison.rows) {
+  for (const Comparison::Row& row : comparison.rows) {
     if (std::find(tols.begin(), tols.end(), row.tol) == tols.end()) tols.push_back(row.tol);
   }
   std::sort(tols.begin(), tols.end(), std::greater<>());
   return tols;
 }
 
-double Ranking::of(const ComparisonRow& row) const {
-  constexpr double ComparisonRow::*kErrors[] = {
-      &ComparisonRow::force_error, &ComparisonRow::velocity_error, &ComparisonRow::guarded};
+double Ranking::of(const Comparison::Row& row) const {
+  constexpr double Comparison::Row::*kErrors[] = {
+      &Comparison::Row::force_error, &Comparison::Row::velocity_error, &Comparison::Row::guarded};
   return row.*kErrors[static_cast<int>(measure)];
 }
 
@@ -56,9 +56,9 @@ std::string_view Ranking::name() const {
   return kNames[static_cast<int>(measure)];
 }
 
-Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>& rows) {
+Ranking ranking(const Comparison::Problem& problem, const std::vector<Comparison::Row>& rows) {
   if (problem.poor_reference()) return {Ranking::Measure::kGuarded};
-  for (const ComparisonRow& row : rows) {
+  for (const Comparison::Row& row : rows) {
     if (row.problem == problem.name && std::isfinite(row.force_error)) {
       return {Ranking::Measure::kForce};
     }
@@ -66,18 +66,18 @@ Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>&
   return {Ranking::Measure::kVelocity};
 }
 
-std::vector<const ComparisonRow*> pareto_rows(const ProblemSummary& problem,
-                                              const std::vector<ComparisonRow>& rows) {
+std::vector<const Comparison::Row*> pareto_rows(const Comparison::Problem& problem,
+                                                const std::vector<Comparison::Row>& rows) {
   const Ranking rank = ranking(problem, rows);
-  std::vector<const ComparisonRow*> mine, best;
-  for (const ComparisonRow& row : rows) {
+  std::vector<const Comparison::Row*> mine, best;
+  for (const Comparison::Row& row : rows) {
     if (row.problem == problem.name && std::isfinite(row.time()) && std::isfinite(rank.of(row)) &&
         rank.of(row) < 1) {  // s = 0 has error 1: worse is not an answer
       mine.push_back(&row);
     }
   }
-  for (const ComparisonRow* row : mine) {
-    const bool beaten = std::any_of(mine.begin(), mine.end(), [&](const ComparisonRow* other) {
+  for (const Comparison::Row* row : mine) {
+    const bool beaten = std::any_of(mine.begin(), mine.end(), [&](const Comparison::Row* other) {
       const double t = other->time(), e = rank.of(*other);
       return t <= row->time() && e <= rank.of(*row) && (t < row->time() || e < rank.of(*row));
     });
@@ -86,19 +86,19 @@ std::vector<const ComparisonRow*> pareto_rows(const ProblemSummary& problem,
   return best;
 }
 
-const ComparisonRow* fastest_to(const ProblemSummary& problem,
-                                const std::vector<ComparisonRow>& rows, double accuracy,
-                                std::string_view solver) {
+const Comparison::Row* fastest_to(const Comparison::Problem& problem,
+                                  const std::vector<Comparison::Row>& rows, double accuracy,
+                                  std::string_view solver) {
   const Ranking rank = ranking(problem, rows);
-  const ComparisonRow* best = nullptr;
-  for (const ComparisonRow& row : rows) {
+  const Comparison::Row* best = nullptr;
+  for (const Comparison::Row& row : rows) {
     if (row.problem != problem.name || !(rank.of(row) <= accuracy)) continue;
     if (!solver.empty() && row.solver != solver) continue;
     if (std::isfinite(row.time()) && (best == nullptr || row.time() < best->time())) best = &row;
   }
   if (best == nullptr) return best;
-  const ComparisonRow* loosest = best;
-  for (const ComparisonRow& row : rows) {
+  const Comparison::Row* loosest = best;
+  for (const Comparison::Row& row : rows) {
     if (row.problem == problem.name && row.solver == best->solver && rank.of(row) <= accuracy &&
         row.time() <= 1.05 * best->time() && row.tol > loosest->tol) {
       loosest = &row;
@@ -112,14 +112,14 @@ std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) 
   for (const std::string& solver : solvers_of(comparison)) {
     SolvedCount count{.solver = solver, .tol = tol};
     std::vector<double> ratios;
-    for (const ComparisonRow& row : comparison.rows) {
+    for (const Comparison::Row& row : comparison.rows) {
       if (row.solver != solver || row.tol != tol) continue;
       ++count.problems;
       if (row.natural_map <= 1e-8) ++count.by_natural_map;
       if (!row.solved()) continue;
       ++count.solved;
       double best = row.time();
-      for (const ComparisonRow& other : comparison.rows) {
+      for (const Comparison::Row& other : comparison.rows) {
         if (other.problem == row.problem && other.tol == tol && other.solved()) {
           best = std::min(best, other.time());
         }
@@ -144,7 +144,7 @@ std::vector<PerformanceProfile> performance_profiles(const Comparison& compariso
   for (const std::string& solver : solvers_of(comparison)) {
     profiles.push_back({solver, {}, static_cast<int>(comparison.problems.size())});
   }
-  for (const ProblemSummary& problem : comparison.problems) {
+  for (const Comparison::Problem& problem : comparison.problems) {
     std::vector<double> costs;
     double best = kInfinity;
     for (const PerformanceProfile& profile : profiles) {
@@ -161,22 +161,22 @@ std::vector<PerformanceProfile> performance_profiles(const Comparison& compariso
 }
 
 CostOf time_at(const Comparison& comparison, double tol) {
-  return [&comparison, tol](const ProblemSummary& problem, const std::string& solver) {
-    const ComparisonRow* row = row_of(comparison, problem.name, solver, tol);
+  return [&comparison, tol](const Comparison::Problem& problem, const std::string& solver) {
+    const Comparison::Row* row = row_of(comparison, problem.name, solver, tol);
     return row != nullptr && row->solved() ? row->time() : kNaN;
   };
 }
 
 CostOf iterations_at(const Comparison& comparison, double tol) {
-  return [&comparison, tol](const ProblemSummary& problem, const std::string& solver) {
-    const ComparisonRow* row = row_of(comparison, problem.name, solver, tol);
+  return [&comparison, tol](const Comparison::Problem& problem, const std::string& solver) {
+    const Comparison::Row* row = row_of(comparison, problem.name, solver, tol);
     return row != nullptr && row->solved() ? std::max(1.0, 1.0 * row->iterations) : kNaN;
   };
 }
 
 CostOf time_to(const Comparison& comparison, double accuracy) {
-  return [&comparison, accuracy](const ProblemSummary& problem, const std::string& solver) {
-    const ComparisonRow* row = fastest_to(problem, comparison.rows, accuracy, solver);
+  return [&comparison, accuracy](const Comparison::Problem& problem, const std::string& solver) {
+    const Comparison::Row* row = fastest_to(problem, comparison.rows, accuracy, solver);
     return row != nullptr ? row->time() : kNaN;
   };
 }
@@ -186,11 +186,11 @@ std::vector<BudgetErrors> errors_within(const Comparison& comparison, double sec
   for (const std::string& solver : solvers_of(comparison)) {
     BudgetErrors& made = all.emplace_back();
     made.solver = solver;
-    for (const ProblemSummary& problem : comparison.problems) {
+    for (const Comparison::Problem& problem : comparison.problems) {
       if (problem.contacts == 0) continue;
       const Ranking rank = ranking(problem, comparison.rows);
       double least = 1;
-      for (const ComparisonRow& row : comparison.rows) {
+      for (const Comparison::Row& row : comparison.rows) {
         if (row.problem == problem.name && row.solver == solver && row.time() <= seconds) {
           least = std::fmin(least, rank.of(row));
         }
@@ -204,7 +204,7 @@ std::vector<BudgetErrors> errors_within(const Comparison& comparison, double sec
 
 std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison) {
   std::map<std::string, Ranking> rankings;
-  for (const ProblemSummary& problem : comparison.problems) {
+  for (const Comparison::Problem& problem : comparison.problems) {
     const Ranking rank = ranking(problem, comparison.rows);
     if (problem.contacts > 0 && rank.measure != Ranking::Measure::kGuarded) {
       rankings[problem.name] = rank;
@@ -215,7 +215,7 @@ std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison) {
     ToleranceMeaning& made = all.emplace_back();
     made.tol = tol;
     std::vector<double> errors;
-    for (const ComparisonRow& row : comparison.rows) {
+    for (const Comparison::Row& row : comparison.rows) {
       const auto rank = rankings.find(row.problem);
       if (row.tol != tol || !row.solved() || rank == rankings.end()) continue;
       const double error = rank->second.of(row);
@@ -236,8 +236,8 @@ std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison) {
 
 std::vector<Growth> growth(const Comparison& comparison) {
   std::vector<std::string> names;
-  std::map<std::string, std::vector<const ProblemSummary*>> series;
-  for (const ProblemSummary& problem : comparison.problems) {
+  std::map<std::string, std::vector<const Comparison::Problem*>> series;
+  for (const Comparison::Problem& problem : comparison.problems) {
     if (problem.series.empty() || problem.contacts == 0) continue;
     auto& members = series[problem.series];
     if (members.empty()) names.push_back(problem.series);
@@ -250,8 +250,8 @@ std::vector<Growth> growth(const Comparison& comparison) {
       for (double tol : tolerances_of(comparison)) {
         Growth made{.series = name, .solver = solver, .tol = tol};
         std::vector<double> bodies, iterations, times;
-        for (const ProblemSummary* problem : series[name]) {
-          const ComparisonRow* row = row_of(comparison, problem->name, solver, tol);
+        for (const Comparison::Problem* problem : series[name]) {
+          const Comparison::Row* row = row_of(comparison, problem->name, solver, tol);
           if (row == nullptr) continue;
           // A disk has three degrees of freedom.
           const double n = problem->dofs / 3.0;
@@ -272,10 +272,10 @@ std::vector<Growth> growth(const Comparison& comparison) {
 
 Regret regret_of(const Comparison& comparison, const std::string& solver, double least_time) {
   Regret regret{.solver = solver};
-  for (const ComparisonRow& row : comparison.rows) {
+  for (const Comparison::Row& row : comparison.rows) {
     if (row.solver != solver) continue;
-    const ComparisonRow* best = nullptr;
-    for (const ComparisonRow& other : comparison.rows) {
+    const Comparison::Row* best = nullptr;
+    for (const Comparison::Row& other : comparison.rows) {
       if (other.problem != row.problem || other.tol != row.tol || other.solver == solver) continue;
       if (!other.solved() || !(other.time() > 0)) continue;
       if (best == nullptr || other.time() < best->time()) best = &other;

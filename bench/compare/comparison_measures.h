@@ -11,7 +11,7 @@
 
 namespace bipot {
 
-/// Numbers computed from a comparison's table. All times are ComparisonRow::time().
+/// Numbers computed from a comparison's table. All times are Comparison::Row::time().
 
 /// In the order of the rows.
 std::vector<std::string> solvers_of(const Comparison& comparison);
@@ -24,20 +24,20 @@ std::vector<double> tolerances_of(const Comparison& comparison);
 struct Ranking {
   enum class Measure { kForce, kVelocity, kGuarded };
   Measure measure = Measure::kVelocity;
-  double of(const ComparisonRow& row) const;
+  double of(const Comparison::Row& row) const;
   std::string_view name() const;
 };
-Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>& rows);
+Ranking ranking(const Comparison::Problem& problem, const std::vector<Comparison::Row>& rows);
 
 /// Rows of a problem that no other row of it beats in both time and ranked error.
-std::vector<const ComparisonRow*> pareto_rows(const ProblemSummary& problem,
-                                              const std::vector<ComparisonRow>& rows);
+std::vector<const Comparison::Row*> pareto_rows(const Comparison::Problem& problem,
+                                                const std::vector<Comparison::Row>& rows);
 /// The row of least time whose ranked error is at most `accuracy`; null without one. If looser
 /// tolerances of its solver reach it in nearly the same time (5 %), the loosest of them. `solver`:
 /// among its rows alone, empty: among all.
-const ComparisonRow* fastest_to(const ProblemSummary& problem,
-                                const std::vector<ComparisonRow>& rows, double accuracy,
-                                std::string_view solver = {});
+const Comparison::Row* fastest_to(const Comparison::Problem& problem,
+                                  const std::vector<Comparison::Row>& rows, double accuracy,
+                                  std::string_view solver = {});
 
 /// Number of problems that a solver solved at one tolerance.
 struct SolvedCount {
@@ -60,7 +60,7 @@ struct PerformanceProfile {
   double share(double ratio) const;
 };
 /// `cost` is positive, or NaN if the solver has no result.
-using CostOf = std::function<double(const ProblemSummary&, const std::string& solver)>;
+using CostOf = std::function<double(const Comparison::Problem&, const std::string& solver)>;
 std::vector<PerformanceProfile> performance_profiles(const Comparison& comparison,
                                                      const CostOf& cost);
 /// Of the rows that met the tolerance.
@@ -91,6 +91,7 @@ std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison);
 
 /// Cost against size, along one series of problems.
 struct Growth {
+  enum class Measure { kIterations, kTime };
   struct Point {
     std::string problem;
     double bodies = 0;  ///< disks

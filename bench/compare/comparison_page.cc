@@ -37,7 +37,7 @@ std::string law_label(const PowerLaw& law) {
 }
 
 /// Statement on the uniqueness of the problem's answer.
-std::string uniqueness(const ProblemSummary& p) {
+std::string uniqueness(const Comparison::Problem& p) {
   if (p.poor_reference()) {
     return "**No trusted reference**: solvers are ranked by the guarded error.";
   }
@@ -111,8 +111,8 @@ class ComparisonPage {
     for (double accuracy : kProfileAccuracies) {
       std::map<std::string, int> wins;
       std::vector<double> needed;
-      for (const ProblemSummary& p : c_.problems) {
-        if (const ComparisonRow* best = fastest_to(p, c_.rows, accuracy)) {
+      for (const Comparison::Problem& p : c_.problems) {
+        if (const Comparison::Row* best = fastest_to(p, c_.rows, accuracy)) {
           ++wins[best->solver];
           needed.push_back(best->tol);
         }
@@ -136,8 +136,8 @@ class ComparisonPage {
   /// The diagrams of the largest problems; all others follow problem by problem.
   void work_and_precision() {
     constexpr std::size_t kShown = 4;
-    std::vector<const ProblemSummary*> shown;
-    for (const ProblemSummary& p : c_.problems) {
+    std::vector<const Comparison::Problem*> shown;
+    for (const Comparison::Problem& p : c_.problems) {
       if (p.defect.empty() && p.contacts > 0) shown.push_back(&p);
     }
     if (shown.empty()) return;
@@ -149,7 +149,7 @@ class ComparisonPage {
     std::stable_sort(shown.begin(), shown.end(),
                      [](const auto* a, const auto* b) { return a->contacts > b->contacts; });
     shown.resize(std::min(shown.size(), kShown));
-    for (const ProblemSummary* p : shown) {
+    for (const Comparison::Problem* p : shown) {
       figure(work_precision_chart(c_, *p), c_.link_to(*p), "comparison.csv", command_of(p->target));
     }
   }
@@ -169,13 +169,13 @@ class ComparisonPage {
                     "says nothing."};
     for (double a : kProfileAccuracies)
       table.columns.push_back({.name = "to " + accuracy_label(a)});
-    for (const ProblemSummary& p : c_.problems) {
+    for (const Comparison::Problem& p : c_.problems) {
       const std::string_view error = ranking(p, c_.rows).name();
       const char* mark = p.several_velocities() ? " †" : p.poor_reference() ? " ‡" : "";
-      std::vector<TableCell> cells = {c_.link_to(p) + mark, p.contacts,
-                                      error.substr(0, error.find(' '))};
+      std::vector<Table::Cell> cells = {c_.link_to(p) + mark, p.contacts,
+                                        error.substr(0, error.find(' '))};
       for (double a : kProfileAccuracies) {
-        const ComparisonRow* best = fastest_to(p, c_.rows, a);
+        const Comparison::Row* best = fastest_to(p, c_.rows, a);
         cells.emplace_back(best == nullptr ? "–"
                                            : fmt::format("**{}** at {}\n{}", best->solver,
                                                          tolerance_label(best->tol),
@@ -216,7 +216,7 @@ class ComparisonPage {
     }
     table.columns.push_back({.name = "natural map ≤ 1e-8", .show = count_label});
     for (std::size_t s = 0; s < solvers_.size(); ++s) {
-      std::vector<TableCell> cells = {solvers_[s]};
+      std::vector<Table::Cell> cells = {solvers_[s]};
       for (const auto& at_tol : counts) {
         cells.emplace_back(fmt::format("{} of {}", at_tol[s].solved, at_tol[s].problems));
         cells.emplace_back(at_tol[s].median_ratio);
@@ -254,7 +254,7 @@ class ComparisonPage {
     line("fastest other ≥ 1 ms", longer);
     for (double tol : tols_) {
       Comparison part;
-      for (const ComparisonRow& row : c_.rows) {
+      for (const Comparison::Row& row : c_.rows) {
         if (row.tol == tol) part.rows.push_back(row);
       }
       line("tolerance " + tolerance_label(tol), regret_of(part, "auto"));
@@ -287,7 +287,7 @@ class ComparisonPage {
         "The share of the problems of a size that a solver brings below a tolerance within the "
         "time limit, whatever it was asked for. The curves end at the tightest tolerance of this "
         "comparison: beyond it nobody was asked.");
-    for (const SizeClass& size : size_classes()) {
+    for (const SuccessCurve::SizeClass& size : size_classes()) {
       const auto first = std::find_if(curves.begin(), curves.end(), [&](const SuccessCurve& curve) {
         return curve.size == size.name;
       });
@@ -369,7 +369,7 @@ class ComparisonPage {
 
   void series(const std::vector<Growth>& all, const std::string& name) {
     std::string targets;
-    for (const ProblemSummary& p : c_.problems) {
+    for (const Comparison::Problem& p : c_.problems) {
       if (p.series == name) targets += (targets.empty() ? "" : " ") + p.target;
     }
     Table table{.columns = {{.name = "solver"}}};
@@ -379,7 +379,7 @@ class ComparisonPage {
       table.columns.push_back({.name = "time" + at, .show = value_label});
     }
     for (const std::string& solver : solvers_) {
-      std::vector<TableCell> cells = {solver};
+      std::vector<Table::Cell> cells = {solver};
       for (double tol : tols_) {
         for (const Growth& g : all) {
           if (g.series != name || g.solver != solver || g.tol != tol) continue;
@@ -395,8 +395,8 @@ class ComparisonPage {
     std::vector<double> shown = {tols_.front()};
     if (tols_.size() > 1) shown.push_back(tols_.back());
     for (double tol : shown) {
-      for (GrowthOf quantity : {GrowthOf::kIterations, GrowthOf::kTime}) {
-        const bool time = quantity == GrowthOf::kTime;
+      for (Growth::Measure quantity : {Growth::Measure::kIterations, Growth::Measure::kTime}) {
+        const bool time = quantity == Growth::Measure::kTime;
         figure(growth_chart(all, name, tol, quantity),
                fmt::format("{} at tolerance {}, {}.", time ? "Time" : "Iterations",
                            tolerance_label(tol), name),
@@ -416,8 +416,8 @@ class ComparisonPage {
         "one line a solver, one marker a tolerance; an empty marker did not meet its tolerance. "
         "Then what a tolerance means: the true error that comes with it. Then how the guarded "
         "error falls along one solve at the tightest tolerance that was run.");
-    for (const ProblemSummary& p : c_.problems) {
-      const ComparisonRow* best = fastest_to(p, c_.rows, 1e-2);
+    for (const Comparison::Problem& p : c_.problems) {
+      const Comparison::Row* best = fastest_to(p, c_.rows, 1e-2);
       Document outside = std::exchange(page_, {});
       problem(p);
       outside.fold(fmt::format("**{}** {} contacts{}", p.name, p.contacts,
@@ -430,7 +430,7 @@ class ComparisonPage {
     }
   }
 
-  void problem(const ProblemSummary& p) {
+  void problem(const Comparison::Problem& p) {
     if (!p.defect.empty()) return page_.say("Not solved by anyone: " + p.defect);
     page_.say(fmt::format("{}. {} contacts, d = {}. Reference by {}, guarded error {}, natural map "
                           "{}. {}",
@@ -442,10 +442,11 @@ class ComparisonPage {
     if (p.contacts == 0) return;
     const Ranking rank = ranking(p, c_.rows);
     auto best = pareto_rows(p, c_.rows);
-    std::sort(best.begin(), best.end(),
-              [](const ComparisonRow* a, const ComparisonRow* b) { return a->time() < b->time(); });
+    std::sort(best.begin(), best.end(), [](const Comparison::Row* a, const Comparison::Row* b) {
+      return a->time() < b->time();
+    });
     std::string list;
-    for (const ComparisonRow* row : best) {
+    for (const Comparison::Row* row : best) {
       list += fmt::format("{}{} at {} ({}, {})", list.empty() ? "" : "; ", row->solver,
                           tolerance_label(row->tol), seconds_label(row->time()),
                           error_label(rank.of(*row)));
@@ -461,8 +462,9 @@ class ComparisonPage {
            "cpu_min and " + column + " in comparison.csv", again);
     figure(tolerance_chart(c_, p), "Error against tolerance, " + p.name + ".",
            "tol and " + column + " in comparison.csv", again);
-    const bool has_history = std::any_of(c_.histories.begin(), c_.histories.end(),
-                                         [&p](const History& h) { return h.problem == p.name; });
+    const bool has_history =
+        std::any_of(c_.histories.begin(), c_.histories.end(),
+                    [&p](const Comparison::History& h) { return h.problem == p.name; });
     if (has_history) {
       figure(history_chart(c_, p), "Guarded error against iteration, " + p.name + ".",
              "history.csv", again);
@@ -537,7 +539,7 @@ class ComparisonPage {
   void provenance_of_rows() {
     page_.heading("How this was made", "made");
     Terms terms = to_terms(context_.made);
-    const ComparisonOptions& o = context_.options;
+    const Comparison::Options& o = context_.options;
     terms.entries.emplace_back(
         "limits", fmt::format("{:g} s a solve, {:g} s an attempt at a reference, CPU time; at "
                               "least {} repeat{} and {:g} s of them",
@@ -545,7 +547,7 @@ class ComparisonPage {
                               o.repeat == 1 ? "" : "s", o.min_time));
     std::vector<std::string> commits;
     std::string list;
-    for (const ComparisonRow& row : c_.rows) {
+    for (const Comparison::Row& row : c_.rows) {
       if (std::find(commits.begin(), commits.end(), row.commit) != commits.end()) continue;
       commits.push_back(row.commit);
       list += (list.empty() ? "" : ", ") + row.commit;

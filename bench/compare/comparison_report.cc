@@ -20,7 +20,7 @@ namespace {
 
 double tightest(const Comparison& comparison) {
   double tol = std::numeric_limits<double>::infinity();
-  for (const ComparisonRow& row : comparison.rows) tol = std::min(tol, row.tol);
+  for (const Comparison::Row& row : comparison.rows) tol = std::min(tol, row.tol);
   return tol;
 }
 
@@ -34,13 +34,13 @@ char letter(const std::string& status) {
   if (status == "stalled") return 'S';
   if (status == "diverged") return 'D';
   if (status == "invalid input") return '-';
-  if (status == ComparisonRow::kNotTried) return 'N';
+  if (status == Comparison::Row::kNotTried) return 'N';
   return 'F';
 }
 
-std::string cell(const ComparisonRow& row) {
+std::string cell(const Comparison::Row& row) {
   if (row.status == "invalid input") return "-";
-  if (row.status == ComparisonRow::kNotTried) return "N";
+  if (row.status == Comparison::Row::kNotTried) return "N";
   return fmt::format("{} {} {:.0e}", letter(row.status), row.iterations, row.guarded);
 }
 
@@ -70,7 +70,7 @@ std::string regret_line(const Regret& regret) {
 
 Json problems_json(const Comparison& comparison) {
   Json all = Json::array();
-  for (const ProblemSummary& p : comparison.problems) {
+  for (const Comparison::Problem& p : comparison.problems) {
     Json row{{"name", p.name},     {"target", p.target},     {"origin", p.origin},
              {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
              {"dofs", p.dofs}};
@@ -84,7 +84,7 @@ Json problems_json(const Comparison& comparison) {
          {{"velocity", p.spread.velocity}, {"force", p.spread.force}, {"energy", p.spread.energy}}},
         {"several_velocity_solutions", p.several_velocities()}};
     row["reference"]["attempts"] = Json::array();
-    for (const ReferenceAttempt& a : p.attempts) {
+    for (const ReferenceSolution::Attempt& a : p.attempts) {
       row["reference"]["attempts"].push_back({{"solver", a.solver},
                                               {"status", to_string(a.status)},
                                               {"guarded", a.guarded},
@@ -117,10 +117,10 @@ Table matrix_table(const Comparison& comparison) {
   for (const std::string& solver : solvers_of(comparison)) {
     table.columns.push_back({.name = solver});
   }
-  for (const ProblemSummary& p : comparison.problems) {
-    std::vector<TableCell> cells = {p.name};
+  for (const Comparison::Problem& p : comparison.problems) {
+    std::vector<Table::Cell> cells = {p.name};
     cells.resize(table.columns.size());
-    for (const ComparisonRow& row : comparison.rows) {
+    for (const Comparison::Row& row : comparison.rows) {
       if (row.problem != p.name || row.tol != tol) continue;
       for (std::size_t k = 1; k < cells.size(); ++k) {
         if (table.columns[k].name == row.solver) cells[k] = cell(row);
@@ -245,7 +245,7 @@ std::string to_text(const Comparison& comparison) {
   const std::vector<WarmGain> gains = warm_gains(comparison);
   if (!gains.empty()) d.add(warm_table(gains));
   std::string text = to_text(d) + regret_line(regret_of(comparison, "auto"));
-  for (const ProblemSummary& p : comparison.problems) {
+  for (const Comparison::Problem& p : comparison.problems) {
     if (!p.defect.empty()) {
       text += fmt::format("{}: {}\n", p.name, p.defect);
     } else if (!(p.reference_guarded <= ReferenceSolution::kTarget)) {

@@ -14,7 +14,7 @@ struct ReportContext {
   Provenance made;
   /// The command that makes the figures of one problem: "bipot compare {} --tols ...".
   std::string command_of_target;
-  ComparisonOptions options;
+  Comparison::Options options;
 };
 
 /// True errors and times [s] at which the report draws profiles.

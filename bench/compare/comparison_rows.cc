@@ -16,14 +16,14 @@ namespace bipot {
 namespace {
 
 template <class Value>
-ComparisonColumn row_column(std::string key, std::string name, Value ComparisonRow::*field,
+ComparisonColumn row_column(std::string key, std::string name, Value Comparison::Row::*field,
                             std::string meaning, std::string (*show)(double) = nullptr) {
   ComparisonColumn made;
   made.column = {.key = std::move(key), .name = std::move(name), .show = show};
   made.column.meaning = std::move(meaning);
   made.column.filter = show == nullptr && made.column.key != "message";
-  made.cell = [field](const ComparisonRow& r) { return TableCell(r.*field); };
-  made.read = [field](ComparisonRow& r, const std::string& text) {
+  made.cell = [field](const Comparison::Row& r) { return Table::Cell(r.*field); };
+  made.read = [field](Comparison::Row& r, const std::string& text) {
     if constexpr (std::is_same_v<Value, std::string>) {
       r.*field = text;
     } else {
@@ -33,14 +33,14 @@ ComparisonColumn row_column(std::string key, std::string name, Value ComparisonR
   return made;
 }
 
-std::vector<TableColumn> columns_of_rows() {
-  std::vector<TableColumn> columns;
+std::vector<Table::Column> columns_of_rows() {
+  std::vector<Table::Column> columns;
   for (const ComparisonColumn& c : comparison_columns()) columns.push_back(c.column);
   return columns;
 }
 
-std::vector<TableCell> cells_of(const ComparisonRow& row) {
-  std::vector<TableCell> cells;
+std::vector<Table::Cell> cells_of(const Comparison::Row& row) {
+  std::vector<Table::Cell> cells;
   for (const ComparisonColumn& c : comparison_columns()) cells.push_back(c.cell(row));
   return cells;
 }
@@ -48,7 +48,7 @@ std::vector<TableCell> cells_of(const ComparisonRow& row) {
 }  // namespace
 
 const std::vector<ComparisonColumn>& comparison_columns() {
-  using Row = ComparisonRow;
+  using Row = Comparison::Row;
   static const std::vector<ComparisonColumn> columns = {
       row_column("problem", "problem", &Row::problem, "name of the problem"),
       row_column("solver", "solver", &Row::solver, "see `bipot list solvers`"),
@@ -101,23 +101,25 @@ const std::vector<ComparisonColumn>& comparison_columns() {
 
 std::string csv_header() { return csv_header(columns_of_rows()); }
 
-std::string to_csv(const ComparisonRow& row) { return csv_line(columns_of_rows(), cells_of(row)); }
+std::string to_csv(const Comparison::Row& row) {
+  return csv_line(columns_of_rows(), cells_of(row));
+}
 
 Table rows_table(const Comparison& comparison) {
-  std::vector<const ComparisonRow*> pareto;
-  for (const ProblemSummary& p : comparison.problems) {
-    for (const ComparisonRow* row : pareto_rows(p, comparison.rows)) pareto.push_back(row);
+  std::vector<const Comparison::Row*> pareto;
+  for (const Comparison::Problem& p : comparison.problems) {
+    for (const Comparison::Row* row : pareto_rows(p, comparison.rows)) pareto.push_back(row);
   }
   Table table{.columns = columns_of_rows(), .sortable = true};
-  for (TableColumn& column : table.columns) column.filter |= column.key == "tol";
+  for (Table::Column& column : table.columns) column.filter |= column.key == "tol";
   table.columns.push_back({.name = "Pareto",
                            .meaning = "no row of the problem is both faster and more accurate",
                            .filter = true});
   const auto status = std::find_if(table.columns.begin(), table.columns.end(),
-                                   [](const TableColumn& c) { return c.key == "status"; });
+                                   [](const Table::Column& c) { return c.key == "status"; });
   for (const auto* rows : {&comparison.rows, &comparison.warm_rows}) {
-    for (const ComparisonRow& row : *rows) {
-      std::vector<TableCell> cells = cells_of(row);
+    for (const Comparison::Row& row : *rows) {
+      std::vector<Table::Cell> cells = cells_of(row);
       cells[static_cast<std::size_t>(status - table.columns.begin())].tipped(row.message);
       cells.emplace_back(std::find(pareto.begin(), pareto.end(), &row) != pareto.end());
       table.add(std::move(cells), row.solved() ? "" : "bad");
@@ -126,12 +128,12 @@ Table rows_table(const Comparison& comparison) {
   return table;
 }
 
-std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path) {
+std::vector<Comparison::Row> read_csv_rows(const std::filesystem::path& path) {
   const auto& columns = comparison_columns();
-  std::vector<ComparisonRow> rows;
+  std::vector<Comparison::Row> rows;
   for (const std::vector<std::string>& fields :
        read_csv_table(path, csv_header(), columns.size())) {
-    ComparisonRow& row = rows.emplace_back();
+    Comparison::Row& row = rows.emplace_back();
     for (std::size_t i = 0; i < columns.size(); ++i) columns[i].read(row, fields[i]);
   }
   return rows;
@@ -139,9 +141,9 @@ std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path) {
 
 std::string history_csv_header() { return "problem,solver,tol,iteration,seconds,epsilon,eta"; }
 
-std::string to_csv(const History& history) {
+std::string to_csv(const Comparison::History& history) {
   std::string text;
-  for (const HistoryPoint& p : history.points) {
+  for (const Comparison::History::Point& p : history.points) {
     text += fmt::format("{},{},{},{},{:.6g},{},{}\n", csv_text(history.problem),
                         csv_text(history.solver), history.tol, p.iteration, p.seconds, p.epsilon,
                         p.eta);
@@ -149,17 +151,18 @@ std::string to_csv(const History& history) {
   return text;
 }
 
-std::vector<History> read_csv_histories(const std::filesystem::path& path) {
-  std::vector<History> histories;
+std::vector<Comparison::History> read_csv_histories(const std::filesystem::path& path) {
+  std::vector<Comparison::History> histories;
   // By problem and solver; a repeated first iteration marks a repeated solve.
   std::map<std::pair<std::string, std::string>, std::size_t> places;
   for (const std::vector<std::string>& fields : read_csv_table(path, history_csv_header(), 7)) {
     const double tol = number_at(fields[2]);
-    const HistoryPoint point{static_cast<int>(std::strtol(fields[3].c_str(), nullptr, 10)),
-                             number_at(fields[4]), number_at(fields[5]), number_at(fields[6])};
+    const Comparison::History::Point point{
+        static_cast<int>(std::strtol(fields[3].c_str(), nullptr, 10)), number_at(fields[4]),
+        number_at(fields[5]), number_at(fields[6])};
     const auto [place, fresh] = places.try_emplace({fields[0], fields[1]}, histories.size());
     if (fresh) histories.push_back({fields[0], fields[1], tol, {}});
-    History& history = histories[place->second];
+    Comparison::History& history = histories[place->second];
     if (tol > history.tol) continue;
     const bool again = !history.points.empty() && point.iteration == history.points[0].iteration;
     if (tol < history.tol || again) history.points.clear();

@@ -17,10 +17,10 @@ double largest(const std::vector<double>& x) {
   return most;
 }
 
-SeveralShare share_of(const Comparison& comparison, const SizeClass& size) {
+SeveralShare share_of(const Comparison& comparison, const SuccessCurve::SizeClass& size) {
   SeveralShare share{.size = size.name};
   std::vector<double> velocity, force, energy;
-  for (const ProblemSummary& p : comparison.problems) {
+  for (const Comparison::Problem& p : comparison.problems) {
     if (!size.has(p.contacts) || p.answers == 0) continue;
     ++share.problems;
     if (!p.several_velocities()) continue;
@@ -41,7 +41,7 @@ SeveralShare share_of(const Comparison& comparison, const SizeClass& size) {
 
 std::vector<SeveralShare> several_shares(const Comparison& comparison) {
   std::vector<SeveralShare> shares;
-  for (const SizeClass& size : size_classes()) {
+  for (const SuccessCurve::SizeClass& size : size_classes()) {
     const SeveralShare share = share_of(comparison, size);
     if (share.problems > 0) shares.push_back(share);
   }
@@ -82,9 +82,9 @@ Table several_problems_table(const Comparison& comparison) {
                   "on a body: largest difference of a resultant, over the largest resultant. "
                   "Energy: of what contacts dissipate. `bipot solve FILE --several N` looks "
                   "for more."};
-  for (const ProblemSummary& p : comparison.problems) {
+  for (const Comparison::Problem& p : comparison.problems) {
     if (!p.several_velocities()) continue;
-    table.add({TableCell(p.name).shown(comparison.link_to(p)), p.contacts, p.answers,
+    table.add({Table::Cell(p.name).shown(comparison.link_to(p)), p.contacts, p.answers,
                p.spread.velocity, p.spread.force, p.spread.energy});
   }
   return table;
@@ -94,7 +94,7 @@ std::string several_text(const Comparison& comparison) {
   const std::vector<SeveralShare> shares = several_shares(comparison);
   if (shares.empty() || shares.back().several == 0) return {};
   std::string text;
-  for (const ProblemSummary& p : comparison.problems) {
+  for (const Comparison::Problem& p : comparison.problems) {
     if (!p.several_velocities()) continue;
     text +=
         fmt::format("{}: {} exact answers known, apart by {} in velocity, {} in force\n", p.name,

@@ -11,7 +11,7 @@ namespace bipot {
 
 /// Number of problems of a size with several exact answers, and the distances of these.
 struct SeveralShare {
-  std::string_view size;  ///< SizeClass::name, or "all"
+  std::string_view size;  ///< SuccessCurve::SizeClass::name, or "all"
   int problems = 0;       ///< with contacts and a reference below 1e-9
   int several = 0;        ///< of them, those with two or more known exact answers
   /// Over those: NaN without one.

@@ -35,7 +35,7 @@ std::string file_stem(const std::string& name) {
 }
 
 /// Limits that all rows of a folder have in common.
-Json limits_json(const ComparisonOptions& o) {
+Json limits_json(const Comparison::Options& o) {
   return {{"time_limit", o.time_limit},
           {"reference_time_limit", o.reference_time_limit},
           {"repeat", o.repeat},
@@ -45,7 +45,7 @@ Json limits_json(const ComparisonOptions& o) {
 
 }  // namespace
 
-ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(options.out) {
+ComparisonStore::ComparisonStore(const Comparison::Options& options) : folder_(options.out) {
   if (folder_.empty()) return;
   std::error_code failed;
   fs::create_directories(folder_ / "references", failed);
@@ -66,13 +66,13 @@ ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(opt
   }
   const fs::path rows = folder_ / "rows.csv", histories = folder_ / "history.csv";
   if (fs::exists(rows)) {
-    for (ComparisonRow& row : read_csv_rows(rows)) {
+    for (Comparison::Row& row : read_csv_rows(rows)) {
       const std::string key = key_of(row.problem, row.solver, row.tol, row.warm != 0);
       rows_.insert_or_assign(key, std::move(row));
     }
   }
   if (fs::exists(histories)) {
-    for (History& history : read_csv_histories(histories)) {
+    for (Comparison::History& history : read_csv_histories(histories)) {
       histories_.insert_or_assign({history.problem, history.solver}, std::move(history));
     }
   }
@@ -80,13 +80,13 @@ ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(opt
   history_file_ = open_csv_table(histories, history_csv_header());
 }
 
-const ComparisonRow* ComparisonStore::find(const std::string& problem, const std::string& solver,
-                                           double tol, bool warm) const {
+const Comparison::Row* ComparisonStore::find(const std::string& problem, const std::string& solver,
+                                             double tol, bool warm) const {
   const auto found = rows_.find(key_of(problem, solver, tol, warm));
   return found == rows_.end() ? nullptr : &found->second;
 }
 
-void ComparisonStore::append(const ComparisonRow& row, const History& history) {
+void ComparisonStore::append(const Comparison::Row& row, const Comparison::History& history) {
   if (!history.points.empty()) histories_[{history.problem, history.solver}] = history;
   if (folder_.empty()) return;
   if (!history.problem.empty()) history_file_ << to_csv(history) << std::flush;
@@ -94,8 +94,8 @@ void ComparisonStore::append(const ComparisonRow& row, const History& history) {
   if (!rows_file_ || !history_file_) throw FileError(folder_ / "rows.csv", "", "cannot be written");
 }
 
-const History* ComparisonStore::history(const std::string& problem,
-                                        const std::string& solver) const {
+const Comparison::History* ComparisonStore::history(const std::string& problem,
+                                                    const std::string& solver) const {
   const auto found = histories_.find({problem, solver});
   return found == histories_.end() ? nullptr : &found->second;
 }

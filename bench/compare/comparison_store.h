@@ -19,14 +19,14 @@ class ComparisonStore {
  public:
   /// Throws FileError, and std::invalid_argument if the rows of the folder were made under other
   /// limits.
-  explicit ComparisonStore(const ComparisonOptions& options);
+  explicit ComparisonStore(const Comparison::Options& options);
 
   /// An existing row; null without one.
-  const ComparisonRow* find(const std::string& problem, const std::string& solver, double tol,
-                            bool warm) const;
+  const Comparison::Row* find(const std::string& problem, const std::string& solver, double tol,
+                              bool warm) const;
   /// Writes the history before the row: a row in the file has its history.
-  void append(const ComparisonRow& row, const History& history);
-  const History* history(const std::string& problem, const std::string& solver) const;
+  void append(const Comparison::Row& row, const Comparison::History& history);
+  const Comparison::History* history(const std::string& problem, const std::string& solver) const;
 
   std::optional<ReferenceSolution> reference(const std::string& problem) const;
   /// Writes the reference, and the problem unless it comes from a file.
@@ -37,8 +37,8 @@ class ComparisonStore {
   std::filesystem::path reference_path(const std::string& problem) const;
 
   std::filesystem::path folder_;
-  std::map<std::string, ComparisonRow> rows_;
-  std::map<std::pair<std::string, std::string>, History> histories_;
+  std::map<std::string, Comparison::Row> rows_;
+  std::map<std::pair<std::string, std::string>, Comparison::History> histories_;
   std::ofstream rows_file_, history_file_;
 };
 

@@ -11,7 +11,7 @@
 namespace bipot {
 namespace {
 
-constexpr SizeClass kSizeClasses[] = {
+constexpr SuccessCurve::SizeClass kSizeClasses[] = {
     {"up to 100 contacts", 0, 100},
     {"101 to 1000 contacts", 100, 1000},
     {"more than 1000 contacts", 1000, std::numeric_limits<int>::max()}};
@@ -20,26 +20,26 @@ constexpr double kTolerances[] = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-1
 
 }  // namespace
 
-std::span<const SizeClass> size_classes() { return kSizeClasses; }
+std::span<const SuccessCurve::SizeClass> size_classes() { return kSizeClasses; }
 
 std::vector<SuccessCurve> success_curves(const Comparison& comparison) {
   // The least guarded error that a solver reached on a problem.
   std::map<std::pair<std::string, std::string>, double> least;
   double tightest = kInfinity;
-  for (const ComparisonRow& row : comparison.rows) {
+  for (const Comparison::Row& row : comparison.rows) {
     tightest = std::min(tightest, row.tol);
     const auto place = least.try_emplace({row.problem, row.solver}, kInfinity).first;
     if (row.guarded < place->second) place->second = row.guarded;
   }
   std::vector<SuccessCurve> curves;
-  for (const SizeClass& size : kSizeClasses) {
+  for (const SuccessCurve::SizeClass& size : kSizeClasses) {
     for (const std::string& solver : solvers_of(comparison)) {
       SuccessCurve curve{.size = size.name, .solver = solver};
       for (const double tol : kTolerances) {
         // 1e-12 as typed and as computed may differ in the last bit.
         if (tol > 0.999 * tightest) curve.points.push_back({tol, 0});
       }
-      for (const ProblemSummary& problem : comparison.problems) {
+      for (const Comparison::Problem& problem : comparison.problems) {
         if (!size.has(problem.contacts)) continue;
         ++curve.problems;
         const auto reached = least.find({problem.name, solver});

@@ -10,16 +10,14 @@
 
 namespace bipot {
 
-/// Problems of one size; those without contacts belong to none.
-struct SizeClass {
-  std::string_view name;
-  int above = 0, up_to = 0;  ///< contacts
-  bool has(int contacts) const { return contacts > above && contacts <= up_to; }
-};
-std::span<const SizeClass> size_classes();
-
 /// Number of problems of a size that one solver brings below a tolerance within the time limit.
 struct SuccessCurve {
+  /// Problems of one size; those without contacts belong to none.
+  struct SizeClass {
+    std::string_view name;
+    int above = 0, up_to = 0;  ///< contacts
+    bool has(int contacts) const { return contacts > above && contacts <= up_to; }
+  };
   std::string_view size;  ///< SizeClass::name
   std::string solver;
   int problems = 0;  ///< of the size
@@ -30,6 +28,7 @@ struct SuccessCurve {
   std::vector<Point> points;  ///< from loose to tight
   double share(const Point& point) const { return static_cast<double>(point.solved) / problems; }
 };
+std::span<const SuccessCurve::SizeClass> size_classes();
 
 /// For each size with problems, and each solver. Tolerances are the powers of ten from 1e-3 to
 /// 1e-12, down to the tightest of the table.

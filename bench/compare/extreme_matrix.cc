@@ -38,18 +38,19 @@ double energy_created(const Vector& s, const Vector& u, const ContactProblem& p)
   return moved > 0 ? std::max(gain, 0.0) / moved : 0;
 }
 
-double limit_of(const ExtremeCase& of, const MatrixOptions& options) {
+double limit_of(const ExtremeCase& of, const ExtremeMatrix::Options& options) {
   return std::max(options.time_limit, of.least_seconds);
 }
 
 ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
-                          const MatrixOptions& options, Existence verdict, double floor) {
+                          const ExtremeMatrix::Options& options, Existence verdict, double floor) {
   ExtremeCell cell;
   ContactProblem problem;
   try {
     problem = of.problem();
   } catch (const std::invalid_argument& e) {
-    cell.end = of.expect == ExtremeCase::Expect::kRefused ? CellEnd::kRefused : CellEnd::kWrong;
+    cell.end =
+        of.expect == ExtremeCase::Expect::kRefused ? ExtremeCell::kRefused : ExtremeCell::kWrong;
     cell.status = "refused";
     cell.message = e.what();
     return cell;
@@ -64,7 +65,9 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
   if (r.status == SolveStatus::kInvalidInput) {
     const bool beyond = problem.dim > entry.max_dim || problem.num_contacts() > entry.max_contacts;
     const bool may_be = of.expect == ExtremeCase::Expect::kOpen;
-    cell.end = beyond ? CellEnd::kNotForIt : may_be ? CellEnd::kRefused : CellEnd::kUnsolved;
+    cell.end = beyond   ? ExtremeCell::kNotForIt
+               : may_be ? ExtremeCell::kRefused
+                        : ExtremeCell::kUnsolved;
     return cell;
   }
   const IndependentCheck check = independent_check(problem, r.s);
@@ -78,20 +81,20 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
   // If an energy underflows, no error exists in double precision, and none is claimed.
   const bool confirmed = check.confirms(options.tol);
   if (!finite || (claimed && !confirmed) || (claimed && verdict == Existence::kNone)) {
-    cell.end = CellEnd::kWrong;
+    cell.end = ExtremeCell::kWrong;
     if (finite) cell.message += fmt::format(" (independent check {:.2e})", check.guarded);
   } else if (claimed) {
-    cell.end = CellEnd::kSolved;
+    cell.end = ExtremeCell::kSolved;
   } else {
-    cell.end = verdict == Existence::kNone ? CellEnd::kNone
-               : floor > options.tol       ? CellEnd::kBeyond
-                                           : CellEnd::kUnsolved;
+    cell.end = verdict == Existence::kNone ? ExtremeCell::kNone
+               : floor > options.tol       ? ExtremeCell::kBeyond
+                                           : ExtremeCell::kUnsolved;
   }
   return cell;
 }
 
 ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
-                     const MatrixOptions& options) {
+                     const ExtremeMatrix::Options& options) {
   ExtremeCell cell{.guarded = 0, .energy_error = 0, .steps = of.steps};
   const Scene<2> scene = of.scene();
   SceneRunOptions<2> run{.steps = of.steps,
@@ -154,15 +157,15 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
   cell.cpu_seconds = cpu_seconds() - begin;
   if (done.failure && !beyond) fail(false, "failed", done.failure->what());
   if (wrong) {
-    cell.end = CellEnd::kWrong;
+    cell.end = ExtremeCell::kWrong;
   } else if (beyond) {
-    cell.end = CellEnd::kNotForIt;
+    cell.end = ExtremeCell::kNotForIt;
   } else if (cell.steps_solved == of.steps) {
-    cell.end = CellEnd::kSolved;
+    cell.end = ExtremeCell::kSolved;
     cell.status = "converged";
     cell.message = fmt::format("{} steps", of.steps);
   } else {
-    cell.end = CellEnd::kUnsolved;
+    cell.end = ExtremeCell::kUnsolved;
   }
   return cell;
 }
@@ -196,14 +199,14 @@ void certify(ExtremeMatrix& matrix) {
 
 }  // namespace
 
-const EndWords& words_of(CellEnd end) {
-  static constexpr EndWords kWords[] = {{"solved", "ok", "good"},
-                                        {"not solved", "--", "weak"},
-                                        {"beyond double", "rd", "beyond"},
-                                        {"no solution", "no", "none"},
-                                        {"refused", "rf", "grey"},
-                                        {"not for it", "", ""},
-                                        {"wrong", "!!", "bad"}};
+const ExtremeCell::Words& words_of(ExtremeCell::End end) {
+  static constexpr ExtremeCell::Words kWords[] = {{"solved", "ok", "good"},
+                                                  {"not solved", "--", "weak"},
+                                                  {"beyond double", "rd", "beyond"},
+                                                  {"no solution", "no", "none"},
+                                                  {"refused", "rf", "grey"},
+                                                  {"not for it", "", ""},
+                                                  {"wrong", "!!", "bad"}};
   return kWords[static_cast<int>(end)];
 }
 
@@ -214,7 +217,7 @@ const ExtremeCell* ExtremeMatrix::find(const std::string& name, const std::strin
   return nullptr;
 }
 
-ExtremeMatrix measure_extremes(const MatrixOptions& options) {
+ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options) {
   ExtremeMatrix matrix{.solvers = options.solvers};
   for (const std::string& name : options.solvers) require_solver(name);
   std::vector<std::string> names;
@@ -246,12 +249,12 @@ ExtremeMatrix measure_extremes(const MatrixOptions& options) {
     nlohmann::json::to_cbor(cell, bytes);  // keeps NaN
     return bytes;
   };
-  jobs.on_end = [&](int k, const JobEnd& end) {
+  jobs.on_end = [&](int k, const IsolatedJobs::End& end) {
     ExtremeCell cell;
-    if (end.kind == JobEnd::Kind::kDone) {
+    if (end.kind == IsolatedJobs::End::Kind::kDone) {
       nlohmann::json::from_cbor(end.text).get_to(cell);
     } else {
-      cell.status = end.kind == JobEnd::Kind::kHung ? "hung" : "crashed";
+      cell.status = end.kind == IsolatedJobs::End::Kind::kHung ? "hung" : "crashed";
       cell.message = end.text;
     }
     cell.name = of(k).name;
@@ -266,7 +269,7 @@ ExtremeMatrix measure_extremes(const MatrixOptions& options) {
   return matrix;
 }
 
-int count_cells(const ExtremeMatrix& matrix, CellEnd end, const std::string& solver) {
+int count_cells(const ExtremeMatrix& matrix, ExtremeCell::End end, const std::string& solver) {
   return static_cast<int>(
       std::count_if(matrix.cells.begin(), matrix.cells.end(), [&](const ExtremeCell& c) {
         return c.end == end && (solver.empty() || c.solver == solver);
@@ -276,10 +279,10 @@ int count_cells(const ExtremeMatrix& matrix, CellEnd end, const std::string& sol
 std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,
                                           const std::string& missed) {
   const ExtremeCell* first = matrix.find(name, missed);
-  if (first == nullptr || first->end == CellEnd::kSolved) return {};
+  if (first == nullptr || first->end == ExtremeCell::kSolved) return {};
   std::vector<std::string> others;
   for (const ExtremeCell& c : matrix.cells) {
-    if (c.name == name && c.end == CellEnd::kSolved) others.push_back(c.solver);
+    if (c.name == name && c.end == ExtremeCell::kSolved) others.push_back(c.solver);
   }
   return others;
 }

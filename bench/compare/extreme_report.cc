@@ -11,8 +11,9 @@
 namespace bipot {
 namespace {
 
-constexpr CellEnd kCounted[] = {CellEnd::kSolved, CellEnd::kUnsolved, CellEnd::kBeyond,
-                                CellEnd::kNone,   CellEnd::kRefused,  CellEnd::kWrong};
+constexpr ExtremeCell::End kCounted[] = {ExtremeCell::kSolved,  ExtremeCell::kUnsolved,
+                                         ExtremeCell::kBeyond,  ExtremeCell::kNone,
+                                         ExtremeCell::kRefused, ExtremeCell::kWrong};
 
 /// Cases by solvers, group by group. `cell_of` shows a cell, `case_of` the name of a case.
 template <class CellOf, class CaseOf>
@@ -23,10 +24,10 @@ Table matrix_table(const ExtremeMatrix& m, const CellOf& cell_of, const CaseOf& 
   for (const ExtremeCase& c : m.cases) {
     if (group == nullptr || c.group != *group) table.add({c.group});
     group = &c.group;
-    std::vector<TableCell> cells = {case_of(c)};
+    std::vector<Table::Cell> cells = {case_of(c)};
     for (const std::string& solver : m.solvers) {
       const ExtremeCell* cell = m.find(c.name, solver);
-      cells.push_back(cell == nullptr ? TableCell() : cell_of(*cell));
+      cells.push_back(cell == nullptr ? Table::Cell() : cell_of(*cell));
     }
     table.add(std::move(cells));
   }
@@ -35,12 +36,12 @@ Table matrix_table(const ExtremeMatrix& m, const CellOf& cell_of, const CaseOf& 
 
 Table counts_table(const ExtremeMatrix& m) {
   Table table{.columns = {{.name = "solver"}}};
-  for (const CellEnd end : kCounted) {
+  for (const ExtremeCell::End end : kCounted) {
     table.columns.push_back({.name = words_of(end).name, .show = count_label});
   }
   for (const std::string& solver : m.solvers) {
-    std::vector<TableCell> cells = {solver};
-    for (const CellEnd end : kCounted) cells.emplace_back(count_cells(m, end, solver));
+    std::vector<Table::Cell> cells = {solver};
+    for (const ExtremeCell::End end : kCounted) cells.emplace_back(count_cells(m, end, solver));
     table.add(std::move(cells));
   }
   return table;
@@ -88,10 +89,10 @@ void add_case(const ExtremeMatrix& m, std::size_t k, Document& whole) {
     if (cell == nullptr) continue;
     const std::string steps =
         cell->steps > 1 ? fmt::format(" ({} of {} steps)", cell->steps_solved, cell->steps) : "";
-    table.add({solver, TableCell(words_of(cell->end).name).as(words_of(cell->end).look),
-               TableCell(cell->status + steps).tipped(cell->message), cell->guarded,
+    table.add({solver, Table::Cell(words_of(cell->end).name).as(words_of(cell->end).look),
+               Table::Cell(cell->status + steps).tipped(cell->message), cell->guarded,
                cell->true_error, cell->energy_error, cell->iterations, cell->cpu_seconds},
-              cell->end == CellEnd::kWrong ? "bad" : "");
+              cell->end == ExtremeCell::kWrong ? "bad" : "");
   }
   page.add(std::move(table));
   whole.fold(c.name, std::move(page));
@@ -130,7 +131,7 @@ Table cells_table(const ExtremeMatrix& m) {
                  cell.guarded, cell.true_error, cell.energy_error, cell.iterations,
                  cell.cpu_seconds, cell.steps_solved, cell.steps, to_string(m.verdicts[k]),
                  m.floors[k],
-                 cell.end == CellEnd::kSolved && !solved_by_others(m, cell.name).empty(),
+                 cell.end == ExtremeCell::kSolved && !solved_by_others(m, cell.name).empty(),
                  cell.message, cell_command(cell)});
     }
   }
@@ -140,9 +141,9 @@ Table cells_table(const ExtremeMatrix& m) {
 std::string to_text(const ExtremeMatrix& m) {
   Document d;
   Table matrix = matrix_table(
-      m, [](const ExtremeCell& cell) { return TableCell(words_of(cell.end).sign); },
+      m, [](const ExtremeCell& cell) { return Table::Cell(words_of(cell.end).sign); },
       [](const ExtremeCase& c) { return "  " + c.name; });
-  for (TableColumn& column : matrix.columns) column.name = column.name.substr(0, 4);
+  for (Table::Column& column : matrix.columns) column.name = column.name.substr(0, 4);
   matrix.note =
       "ok solved and confirmed, -- not solved and says so, rd beyond double precision (the known "
       "answer rounded misses the tolerance), no solution exists (proved), rf data refused, !! "
@@ -156,7 +157,7 @@ std::string to_text(const ExtremeMatrix& m) {
     text += fmt::format("missed by auto: {}: solved by {}\n", c.name, fmt::join(others, ", "));
   }
   for (const ExtremeCell& cell : m.cells) {
-    if (cell.end != CellEnd::kWrong) continue;
+    if (cell.end != ExtremeCell::kWrong) continue;
     text += fmt::format("wrong: {}: {}: {}\n", cell_command(cell), cell.status, cell.message);
   }
   return text;
@@ -168,16 +169,16 @@ std::string to_markdown(const ExtremeMatrix& m) {
   for (std::size_t k = 0; k < m.cases.size(); ++k) {
     const std::string& group = m.cases[k].group;
     if (k > 0 && group == m.cases[k - 1].group) continue;
-    std::vector<TableCell> cells = {group};
+    std::vector<Table::Cell> cells = {group};
     for (const std::string& solver : m.solvers) {
       int solved = 0, possible = 0, wrong = 0;
       for (const ExtremeCase& c : m.cases) {
         const ExtremeCell* cell = c.group == group ? m.find(c.name, solver) : nullptr;
         if (cell == nullptr) continue;
-        solved += cell->end == CellEnd::kSolved;
-        wrong += cell->end == CellEnd::kWrong;
-        possible += cell->end == CellEnd::kSolved || cell->end == CellEnd::kUnsolved ||
-                    cell->end == CellEnd::kWrong;
+        solved += cell->end == ExtremeCell::kSolved;
+        wrong += cell->end == ExtremeCell::kWrong;
+        possible += cell->end == ExtremeCell::kSolved || cell->end == ExtremeCell::kUnsolved ||
+                    cell->end == ExtremeCell::kWrong;
       }
       cells.emplace_back(fmt::format("{}/{}{}", solved, possible,
                                      wrong > 0 ? fmt::format(", {} wrong", wrong) : ""));
@@ -193,9 +194,9 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
       "{} cases, {} solvers, each asked for a guarded error of 1e-8 within its time limit: {} "
       "cells solved, {} not solved, {} beyond double precision, {} proved to have no solution, {} "
       "wrong (false claims, NaN, crashes, hangs, energy against theory).{}",
-      m.cases.size(), m.solvers.size(), count_cells(m, CellEnd::kSolved),
-      count_cells(m, CellEnd::kUnsolved), count_cells(m, CellEnd::kBeyond),
-      count_cells(m, CellEnd::kNone), count_cells(m, CellEnd::kWrong),
+      m.cases.size(), m.solvers.size(), count_cells(m, ExtremeCell::kSolved),
+      count_cells(m, ExtremeCell::kUnsolved), count_cells(m, ExtremeCell::kBeyond),
+      count_cells(m, ExtremeCell::kNone), count_cells(m, ExtremeCell::kWrong),
       m.complete ? "" : " The measurement was stopped before its end."));
   const auto missed = std::count_if(m.cases.begin(), m.cases.end(), [&](const ExtremeCase& c) {
     return !solved_by_others(m, c.name).empty();
@@ -203,10 +204,10 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
   page.say(fmt::format("Cases that `auto` misses and another solver solves: {}.", missed));
   Table key{.columns = {{.name = "colours"}}};
   key.columns.resize(std::size(kCounted), {.name = " "});
-  key.add({TableCell("solved").as("good"), TableCell("not solved, and says why").as("weak"),
-           TableCell("beyond double precision").as("beyond"),
-           TableCell("no solution exists").as("none"), TableCell("data refused").as("grey"),
-           TableCell("wrong").as("bad")});
+  key.add({Table::Cell("solved").as("good"), Table::Cell("not solved, and says why").as("weak"),
+           Table::Cell("beyond double precision").as("beyond"),
+           Table::Cell("no solution exists").as("none"), Table::Cell("data refused").as("grey"),
+           Table::Cell("wrong").as("bad")});
   key.note =
       "The figure in a cell is the guarded error of the returned impulse in quadruple precision, "
       "by code that shares nothing with the solvers. Its status and message show when the pointer "
@@ -217,8 +218,8 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
   Table matrix = matrix_table(
       m,
       [](const ExtremeCell& cell) {
-        const bool figure = std::isfinite(cell.guarded) && cell.end != CellEnd::kNotForIt;
-        return TableCell(figure ? fmt::format("{:.0e}", cell.guarded) : "")
+        const bool figure = std::isfinite(cell.guarded) && cell.end != ExtremeCell::kNotForIt;
+        return Table::Cell(figure ? fmt::format("{:.0e}", cell.guarded) : "")
             .tipped(cell.status + ": " + cell.message)
             .as(words_of(cell.end).look);
       },

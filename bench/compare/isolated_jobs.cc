@@ -131,17 +131,17 @@ void run_isolated(const IsolatedJobs& jobs) {
     Stopwatch since_record;
     for (bool alive = true; alive && next < jobs.count;) {
       if (interrupted()) return;
-      JobEnd end;
+      IsolatedJobs::End end;
       switch (child.next(0.1, end.text)) {
         case Child::Event::kRecord:
           break;
         case Child::Event::kEnd:
-          end = {JobEnd::Kind::kCrashed, child.wait()};
+          end = {IsolatedJobs::End::Kind::kCrashed, child.wait()};
           alive = false;
           break;
         case Child::Event::kQuiet:
           if (since_record.seconds() < jobs.seconds) continue;
-          end = {JobEnd::Kind::kHung, fmt::format("no end within {:g} s", jobs.seconds)};
+          end = {IsolatedJobs::End::Kind::kHung, fmt::format("no end within {:g} s", jobs.seconds)};
           alive = false;
           break;
       }

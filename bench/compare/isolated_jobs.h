@@ -5,19 +5,18 @@
 
 namespace bipot {
 
-/// End of a job that ran in a process of its own.
-struct JobEnd {
-  enum class Kind { kDone, kCrashed, kHung };
-  Kind kind = Kind::kDone;
-  std::string text;  ///< result of the job, any bytes; else the cause of its end
-};
-
 struct IsolatedJobs {
+  /// End of a job that ran in a process of its own.
+  struct End {
+    enum class Kind { kDone, kCrashed, kHung };
+    Kind kind = Kind::kDone;
+    std::string text;  ///< result of the job, any bytes; else the cause of its end
+  };
   int count = 0;
   double seconds = 60;  ///< wall time after which a job counts as hung and is killed
-  std::function<std::string(int)> job;             ///< runs in the child
-  std::function<void(int, const JobEnd&)> on_end;  ///< runs here, in order
-  std::function<bool()> interrupted;               ///< asked between and during jobs; may be empty
+  std::function<std::string(int)> job;          ///< runs in the child
+  std::function<void(int, const End&)> on_end;  ///< runs here, in order
+  std::function<bool()> interrupted;            ///< asked between and during jobs; may be empty
 };
 
 /// Runs the jobs 0 .. count - 1 one after the other in a child process. A crash or a hang of a job

@@ -50,14 +50,14 @@ Json to_json(const std::string& solver, const Verdict& v, double seconds) {
 }
 
 /// The solvers that run on problem `index`.
-std::vector<std::string> solvers_of(const RandomSetOptions& options, int index) {
+std::vector<std::string> solvers_of(const RandomSets::Options& options, int index) {
   std::vector<std::string> names = {options.solvers.front()};
   const int others = static_cast<int>(options.solvers.size()) - 1;
   if (others > 0) names.push_back(options.solvers[to_size(1 + index % others)]);
   return names;
 }
 
-std::string problem_job(const RandomSetOptions& options, int index) {
+std::string problem_job(const RandomSets::Options& options, int index) {
   const RandomProblem random = random_problem(options.seed, index);
   const ContactProblem& p = random.problem;
   Json record{{"planted", random.planted.size() > 0}, {"solves", Json::array()}};
@@ -85,11 +85,11 @@ std::string problem_job(const RandomSetOptions& options, int index) {
 /// Sums the results of the jobs.
 class Ledger {
  public:
-  explicit Ledger(const RandomSetOptions& options) : options_(options) {
+  explicit Ledger(const RandomSets::Options& options) : options_(options) {
     for (const std::string& name : options.solvers) result_.tallies.emplace_back().solver = name;
   }
 
-  void add_problem(int index, const JobEnd& end) {
+  void add_problem(int index, const IsolatedJobs::End& end) {
     ++result_.done;
     if (lost(index, end)) return;
     const Json record = Json::parse(end.text);
@@ -114,11 +114,11 @@ class Ledger {
     }
   }
 
-  void add_scene(int index, const JobEnd& end) {
+  void add_scene(int index, const IsolatedJobs::End& end) {
     ++result_.done;
     if (lost(index, end)) return;
     const Json record = Json::parse(end.text);
-    RandomTally& t = result_.tallies.front();
+    RandomSets::Tally& t = result_.tallies.front();
     for (const Json& solve : record.at("solves")) {
       std::optional<Existence> verdict;
       if (solve.contains("verdict")) {
@@ -138,12 +138,12 @@ class Ledger {
     }
   }
 
-  RandomSetResult result() { return std::move(result_); }
+  RandomSets result() { return std::move(result_); }
 
  private:
-  RandomTally& tally(const std::string& solver) {
+  RandomSets::Tally& tally(const std::string& solver) {
     return *std::find_if(result_.tallies.begin(), result_.tallies.end(),
-                         [&](const RandomTally& t) { return t.solver == solver; });
+                         [&](const RandomSets::Tally& t) { return t.solver == solver; });
   }
 
   void find(const char* kind, int index, const std::string& solver, const std::string& message) {
@@ -151,17 +151,17 @@ class Ledger {
   }
 
   /// A crash or a hang is counted for the first solver: the job gives no more information.
-  bool lost(int index, const JobEnd& end) {
-    if (end.kind == JobEnd::Kind::kDone) return false;
-    RandomTally& t = result_.tallies.front();
-    const bool hung = end.kind == JobEnd::Kind::kHung;
+  bool lost(int index, const IsolatedJobs::End& end) {
+    if (end.kind == IsolatedJobs::End::Kind::kDone) return false;
+    RandomSets::Tally& t = result_.tallies.front();
+    const bool hung = end.kind == IsolatedJobs::End::Kind::kHung;
     ++(hung ? t.hung : t.crashed);
     find(hung ? "hung" : "crashed", index, "", end.text);
     return true;
   }
 
   void add_solve(int index, const Json& solve, bool planted, std::optional<Existence> verdict) {
-    RandomTally& t = tally(solve.at("solver").get<std::string>());
+    RandomSets::Tally& t = tally(solve.at("solver").get<std::string>());
     const std::string message = solve.at("message").get<std::string>();
     ++t.tried;
     t.cpu_seconds += solve.at("seconds").get<double>();
@@ -195,12 +195,12 @@ class Ledger {
     }
   }
 
-  const RandomSetOptions& options_;
-  RandomSetResult result_;
+  const RandomSets::Options& options_;
+  RandomSets result_;
 };
 
 /// Runs a scene and records each of its solves.
-std::string scene_job(const RandomSetOptions& options, int index) {
+std::string scene_job(const RandomSets::Options& options, int index) {
   const Scene<2> scene = random_scene(options.seed, index);
   const std::string& name = options.solvers.front();
   Json record{{"solves", Json::array()}, {"grew", false}, {"message", ""}};
@@ -257,15 +257,15 @@ std::string scene_job(const RandomSetOptions& options, int index) {
   return json_text(record);
 }
 
-RandomSetResult run_set(const RandomSetOptions& options,
-                        std::string (*job)(const RandomSetOptions&, int),
-                        void (Ledger::*add)(int, const JobEnd&), int solves_of_a_job) {
+RandomSets run_set(const RandomSets::Options& options,
+                   std::string (*job)(const RandomSets::Options&, int),
+                   void (Ledger::*add)(int, const IsolatedJobs::End&), int solves_of_a_job) {
   Ledger ledger(options);
   IsolatedJobs jobs{.count = options.count};
   // Twice the CPU limit of each solve, since the machine has other work as well.
   jobs.seconds = std::max(30.0, 10.0 * solves_of_a_job * options.time_limit);
   jobs.job = [&](int k) { return job(options, options.first + k); };
-  jobs.on_end = [&](int k, const JobEnd& end) {
+  jobs.on_end = [&](int k, const IsolatedJobs::End& end) {
     (ledger.*add)(options.first + k, end);
     if (options.on_progress) options.on_progress(k + 1);
   };
@@ -276,24 +276,23 @@ RandomSetResult run_set(const RandomSetOptions& options,
 
 }  // namespace
 
-bool RandomSetResult::sound() const {
-  return false_certificates == 0 &&
-         std::all_of(tallies.begin(), tallies.end(), [](const RandomTally& t) {
+bool RandomSets::sound() const {
+  return false_certificates == 0 && std::all_of(tallies.begin(), tallies.end(), [](const Tally& t) {
            return t.false_claims + t.not_finite + t.crashed + t.hung == 0;
          });
 }
 
-RandomSetResult run_random_problems(const RandomSetOptions& options) {
+RandomSets run_random_problems(const RandomSets::Options& options) {
   return run_set(options, &problem_job, &Ledger::add_problem, 3);
 }
 
-RandomSetResult run_random_scenes(const RandomSetOptions& options) {
-  RandomSetOptions one = options;
+RandomSets run_random_scenes(const RandomSets::Options& options) {
+  RandomSets::Options one = options;
   one.solvers.resize(1);
   return run_set(one, &scene_job, &Ledger::add_scene, kStepsOfAScene);
 }
 
-std::string to_text(const RandomSetResult& r, const std::string& what) {
+std::string to_text(const RandomSets& r, const std::string& what) {
   std::string text = fmt::format("{} {}\n", r.done, what);
   text += fmt::format(
       "  {:<10} {:>7} {:>17} {:>17} {:>8} {:>9} {:>9} {:>7} {:>5} {:>7} {:>5} {:>9} {:>9}\n",
@@ -302,7 +301,7 @@ std::string to_text(const RandomSetResult& r, const std::string& what) {
   text += fmt::format(
       "  {:<10} {:>7} {:>17} {:>17} {:>8} {:>9} {:>9} {:>7} {:>5} {:>7} {:>5} {:>9}\n", "", "", "",
       "", "exists", "unsolved", "unsolved", "claims", "", "", "", "the first");
-  for (const RandomTally& t : r.tallies) {
+  for (const RandomSets::Tally& t : r.tallies) {
     text += fmt::format(
         "  {:<10} {:>7} {:>17} {:>17} {:>8} {:>9} {:>9} {:>7} {:>5} {:>7} {:>5} {:>9} {:>9.1f}\n",
         t.solver, t.tried - t.refused, fmt::format("{} of {}", t.planted_solved, t.planted),

@@ -8,8 +8,8 @@
 namespace bipot {
 namespace {
 
-const ComparisonRow* cold_row(const Comparison& comparison, const ComparisonRow& warm) {
-  for (const ComparisonRow& row : comparison.rows) {
+const Comparison::Row* cold_row(const Comparison& comparison, const Comparison::Row& warm) {
+  for (const Comparison::Row& row : comparison.rows) {
     if (row.problem == warm.problem && row.solver == warm.solver && row.tol == warm.tol) {
       return &row;
     }
@@ -25,8 +25,8 @@ std::vector<WarmGain> warm_gains(const Comparison& comparison) {
   };
   std::vector<WarmGain> gains;
   std::vector<Ratios> ratios;
-  for (const ComparisonRow& warm : comparison.warm_rows) {
-    const ComparisonRow* cold = cold_row(comparison, warm);
+  for (const Comparison::Row& warm : comparison.warm_rows) {
+    const Comparison::Row* cold = cold_row(comparison, warm);
     if (cold == nullptr) continue;
     auto at = std::find_if(gains.begin(), gains.end(), [&](const WarmGain& g) {
       return g.solver == warm.solver && g.tol == warm.tol;

@@ -23,7 +23,7 @@ constexpr int kSteps = 200;
 constexpr double kChainStep = 1e-3, kForce = 1000;
 
 /// `n` disks of radius 0.5 m and 1 kg, solved by sweeps; driven wall 1 of 1 kg.
-Scene<2> chain_scene(int n, int sweeps, const ExperimentTrial& trial) {
+Scene<2> chain_scene(int n, int sweeps, const Experiment::Trial& trial) {
   Scene<2> scene = experiment_scene<2>({}, kChainStep, trial);
   scene.solver.name = "pgs";
   scene.solver.max_iterations = sweeps;
@@ -47,18 +47,17 @@ double shortening(const State<2>& state, int n) {
   return (n - state.walls[1].a[0]) / (0.5 * kForce / mass * state.time * state.time);
 }
 
-ValidationExperiment stiffness() {
-  ValidationExperiment e{
-      .rows = {validation_row(
-          kChain, "chain_is_rigid",
-          "way of the wall that presses a row of 40 disks, over that of free masses "
-          "under the force",
-          "rigid bodies: the force is balanced at once", "0", Expectation::equal(0), 1e-6,
-          "a hundred times the tightest tolerance",
-          "discretisation: one deterministic run, Gauss–Seidel (`pgs`), warm start")},
-      .tols = decades(-1, 8),
-      .quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8}};
-  e.run = [](ExperimentTrial& trial) {
+Experiment stiffness() {
+  Experiment e{.rows = {validation_row(
+                   kChain, "chain_is_rigid",
+                   "way of the wall that presses a row of 40 disks, over that of free masses "
+                   "under the force",
+                   "rigid bodies: the force is balanced at once", "0", Expectation::equal(0), 1e-6,
+                   "a hundred times the tightest tolerance",
+                   "discretisation: one deterministic run, Gauss–Seidel (`pgs`), warm start")},
+               .tols = decades(-1, 8),
+               .quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8}};
+  e.run = [](Experiment::Trial& trial) {
     constexpr int kDisks = 40;
     const auto end = run_from_start<2>(chain_scene(kDisks, 1000000, trial), trial);
     trial.seen = {{shortening(end, kDisks)}};
@@ -89,8 +88,8 @@ StepSolver plain_sweeps(int sweeps) {
 ///   s' = s + κ (w + F h - s),  w' = w + F h - s':   an oscillator of frequency √κ/h,
 /// like a bar of n + 1 diameters with speed of sound c = √k d/h: the wall turns back after 2 (n +
 /// 1) d/c.
-ValidationExperiment speed_of_sound() {
-  ValidationExperiment e;
+Experiment speed_of_sound() {
+  Experiment e;
   e.rows = {validation_row(
                 kChain, "chain_sound",
                 "speed of sound of a row of 40 disks with 1 Gauss–Seidel sweep a step, over "
@@ -104,7 +103,7 @@ ValidationExperiment speed_of_sound() {
                            Expectation::equal(0.5), 0.05, "k θ² is not small for many sweeps",
                            "95 % of the fit of a power law", false)};
   e.tols = e.quick_tols = {1};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     constexpr int kDisks = 40;
     Chart chart{.title = "Way of the wall, by sweeps a step",
                 .x = {.label = "time [s]"},
@@ -120,10 +119,10 @@ ValidationExperiment speed_of_sound() {
       Scene<2> scene = chain_scene(kDisks, 1, trial);
       // The wall presses on the row all the time: no contact opens until it is back.
       scene.num_steps = 200;
-      ChartSeries series{fmt::format("{} sweeps", sweeps),
-                         static_cast<int>(chart.series.size()),
-                         {},
-                         ChartSeries::Kind::kLine};
+      Chart::Series series{fmt::format("{} sweeps", sweeps),
+                           static_cast<int>(chart.series.size()),
+                           {},
+                           Chart::Series::Kind::kLine};
       State<2> state = initial_state(scene);
       double farthest = 0, turns = 0;
       SceneRunOptions<2> options{.solver = plain_sweeps(sweeps),
@@ -152,8 +151,8 @@ ValidationExperiment speed_of_sound() {
   return e;
 }
 
-ValidationExperiment sweeps_needed() {
-  ValidationExperiment e;
+Experiment sweeps_needed() {
+  Experiment e;
   e.rows = {validation_row(
       kChain, "chain_sweeps",
       "exponent of the sweeps from ε to ε/100, in one step from nothing, against n + 1, n disks (20 to "
@@ -164,7 +163,7 @@ ValidationExperiment sweeps_needed() {
       "95 % of the fit of a power law")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-6};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     std::vector<double> lengths, counts;
     for (const int n : {20, 40, 80, 160}) {
       trial.go_on();
@@ -190,7 +189,7 @@ ValidationExperiment sweeps_needed() {
 
 }  // namespace
 
-std::vector<ValidationExperiment> chain_experiments() {
+std::vector<Experiment> chain_experiments() {
   return {stiffness(), speed_of_sound(), sweeps_needed()};
 }
 

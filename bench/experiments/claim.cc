@@ -16,8 +16,8 @@ template <class Visit>
 void visit_texts(Findings& findings, const Visit& visit) {
   visit(findings.paper);
   for (std::string& text : findings.ours) visit(text);
-  for (ClaimFigure& f : findings.figures) visit(f.caption);
-  for (ClaimTable& t : findings.tables) visit(t.caption);
+  for (Findings::Figure& f : findings.figures) visit(f.caption);
+  for (Findings::Table& t : findings.tables) visit(t.caption);
 }
 
 std::string filled(const std::string& text, const std::vector<Claim>& claims) {
@@ -129,7 +129,7 @@ void Findings::show(std::string name, std::string caption, std::optional<int> af
 void complete(Findings& findings, const std::string& command) {
   require_own_names(findings.claims, "numbers");
   require_own_names(findings.figures, "figures");
-  for (const ClaimFigure& f : findings.figures) {
+  for (const Findings::Figure& f : findings.figures) {
     if (f.chart.has_value() != f.file.empty()) {
       throw std::invalid_argument(
           fmt::format("figure {} must have a chart or a file, not both", f.name));

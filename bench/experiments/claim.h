@@ -50,30 +50,28 @@ struct Claim {
   std::string note;           ///< a remark on the measurement
 };
 
-/// A drawing: a chart, or an SVG file of the folder.
-struct ClaimFigure {
-  std::string name;  ///< of the files <name>.svg and, for charts, <name>.csv and <name>.gp
-  std::string caption;
-  std::string command;  ///< empty: that of the findings
-  std::optional<Chart> chart;
-  std::string file;          ///< relative to the folder; without chart
-  bool wide = false;         ///< two columns of the page
-  std::optional<int> after;  ///< follows this paragraph of `ours`, from 0; else follows all
-};
-
-struct ClaimTable {
-  std::string name, caption, command;
-  std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows;
-};
-
 /// Findings of one item. In texts, "{name}" stands for a claim's value with its unit.
 struct Findings {
+  /// A drawing: a chart, or an SVG file of the folder.
+  struct Figure {
+    std::string name;  ///< of the files <name>.svg and, for charts, <name>.csv and <name>.gp
+    std::string caption;
+    std::string command;  ///< empty: that of the findings
+    std::optional<Chart> chart;
+    std::string file;          ///< relative to the folder; without chart
+    bool wide = false;         ///< two columns of the page
+    std::optional<int> after;  ///< follows this paragraph of `ours`, from 0; else follows all
+  };
+  struct Table {
+    std::string name, caption, command;
+    std::vector<std::string> columns;
+    std::vector<std::vector<std::string>> rows;
+  };
   std::string paper;              ///< the paper's report in one or two sentences
   std::vector<std::string> ours;  ///< paragraphs
   std::vector<Claim> claims;
-  std::vector<ClaimFigure> figures;
-  std::vector<ClaimTable> tables;
+  std::vector<Figure> figures;
+  std::vector<Table> tables;
 
   /// Adds a number that texts quote.
   Claim& state(std::string name, double measured, std::string unit, std::string quantity,

@@ -9,22 +9,22 @@
 
 namespace bipot {
 
-NLOHMANN_JSON_SERIALIZE_ENUM(ChartAxis::Kind, {{ChartAxis::Kind::kLinear, "linear"},
-                                               {ChartAxis::Kind::kLog, "log"},
-                                               {ChartAxis::Kind::kLogSeconds, "log seconds"}})
-NLOHMANN_JSON_SERIALIZE_ENUM(ChartSeries::Kind,
-                             {{ChartSeries::Kind::kLinePoints, "line and points"},
-                              {ChartSeries::Kind::kLine, "line"},
-                              {ChartSeries::Kind::kPoints, "points"},
-                              {ChartSeries::Kind::kSteps, "steps"}})
+NLOHMANN_JSON_SERIALIZE_ENUM(Chart::Axis::Kind, {{Chart::Axis::Kind::kLinear, "linear"},
+                                                 {Chart::Axis::Kind::kLog, "log"},
+                                                 {Chart::Axis::Kind::kLogSeconds, "log seconds"}})
+NLOHMANN_JSON_SERIALIZE_ENUM(Chart::Series::Kind,
+                             {{Chart::Series::Kind::kLinePoints, "line and points"},
+                              {Chart::Series::Kind::kLine, "line"},
+                              {Chart::Series::Kind::kPoints, "points"},
+                              {Chart::Series::Kind::kSteps, "steps"}})
 NLOHMANN_JSON_SERIALIZE_ENUM(Chart::Key, {{Chart::Key::kBelow, "below"},
                                           {Chart::Key::kRight, "right"},
                                           {Chart::Key::kNone, "none"}})
-NLOHMANN_JSON_SERIALIZE_ENUM(ReportItem::Status,
-                             {{ReportItem::Status::kNotRun, "not run"},
-                              {ReportItem::Status::kDone, "done"},
-                              {ReportItem::Status::kFailed, "failed"},
-                              {ReportItem::Status::kInterrupted, "interrupted"}})
+NLOHMANN_JSON_SERIALIZE_ENUM(ClaimReport::Item::Status,
+                             {{ClaimReport::Item::Status::kNotRun, "not run"},
+                              {ClaimReport::Item::Status::kDone, "done"},
+                              {ClaimReport::Item::Status::kFailed, "failed"},
+                              {ClaimReport::Item::Status::kInterrupted, "interrupted"}})
 
 namespace {
 
@@ -112,7 +112,7 @@ class FieldVisitor {
 };
 
 /// The points of a series, by columns. Throws std::out_of_range if those read do not match.
-void point_columns(FieldVisitor& field, std::vector<ChartPoint>& points) {
+void point_columns(FieldVisitor& field, std::vector<Chart::Point>& points) {
   std::vector<double> x, y, low, high;
   std::vector<std::size_t> hollow, bare;
   std::vector<std::string> notes;
@@ -120,9 +120,9 @@ void point_columns(FieldVisitor& field, std::vector<ChartPoint>& points) {
     return std::any_of(points.begin(), points.end(), has);
   };
   const bool bars =
-      any([](const ChartPoint& p) { return std::isfinite(p.y_low) || std::isfinite(p.y_high); });
-  const bool noted = any([](const ChartPoint& p) { return !p.note.empty(); });
-  for (const ChartPoint& p : points) {
+      any([](const Chart::Point& p) { return std::isfinite(p.y_low) || std::isfinite(p.y_high); });
+  const bool noted = any([](const Chart::Point& p) { return !p.note.empty(); });
+  for (const Chart::Point& p : points) {
     if (p.hollow) hollow.push_back(x.size());
     if (!p.marked) bare.push_back(x.size());
     x.push_back(p.x);
@@ -140,7 +140,7 @@ void point_columns(FieldVisitor& field, std::vector<ChartPoint>& points) {
   field.maybe("y_high", high);
   if (!field.reads()) return;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    ChartPoint& p = points.emplace_back(ChartPoint{x[i], y.at(i)});
+    Chart::Point& p = points.emplace_back(Chart::Point{x[i], y.at(i)});
     if (!notes.empty()) p.note = notes.at(i);
     if (!low.empty()) p.y_low = low.at(i);
     if (!high.empty()) p.y_high = high.at(i);
@@ -149,19 +149,19 @@ void point_columns(FieldVisitor& field, std::vector<ChartPoint>& points) {
   for (const std::size_t i : bare) points.at(i).marked = false;
 }
 
-void fields(FieldVisitor& field, ChartSeries& s) {
+void fields(FieldVisitor& field, Chart::Series& s) {
   field("name", s.name);
   field("style", s.style);
   field("kind", s.kind);
   point_columns(field, s.points);
 }
 
-void fields(FieldVisitor& field, ChartLine& l) {
+void fields(FieldVisitor& field, Chart::Line& l) {
   field("at", l.at);
   field("label", l.label);
 }
 
-void fields(FieldVisitor& field, ChartAxis& a) {
+void fields(FieldVisitor& field, Chart::Axis& a) {
   field("label", a.label);
   field("scale", a.kind);
   field.maybe("low", a.low);
@@ -196,7 +196,7 @@ void fields(FieldVisitor& field, Claim& c) {
   field.maybe("note", c.note);
 }
 
-void fields(FieldVisitor& field, ClaimFigure& f) {
+void fields(FieldVisitor& field, Findings::Figure& f) {
   field("name", f.name);
   field("caption", f.caption);
   field("command", f.command);
@@ -206,7 +206,7 @@ void fields(FieldVisitor& field, ClaimFigure& f) {
   field.maybe("file", f.file);
 }
 
-void fields(FieldVisitor& field, ClaimTable& t) {
+void fields(FieldVisitor& field, Findings::Table& t) {
   field("name", t.name);
   field("caption", t.caption);
   field("command", t.command);
@@ -214,7 +214,7 @@ void fields(FieldVisitor& field, ClaimTable& t) {
   field("rows", t.rows);
 }
 
-void fields(FieldVisitor& field, ReportItem& item) {
+void fields(FieldVisitor& field, ClaimReport::Item& item) {
   field("name", item.name);
   field("title", item.title);
   field("status", item.status);
@@ -247,17 +247,17 @@ void fields(FieldVisitor& field, ReportItem& item) {
 
 }  // namespace
 
-std::string to_string(ReportItem::Status status) { return Json(status).get<std::string>(); }
+std::string to_string(ClaimReport::Item::Status status) { return Json(status).get<std::string>(); }
 
 Json to_json(const ClaimReport& report) {
   Json json{{"command", report.command}};
   int checks = 0, held = 0;
   bool all_done = true;
   Json items = Json::array();
-  for (ReportItem item : report.items) {
+  for (ClaimReport::Item item : report.items) {
     checks += item.checks();
     held += item.held();
-    all_done = all_done && item.status == ReportItem::Status::kDone;
+    all_done = all_done && item.status == ClaimReport::Item::Status::kDone;
     Json& row = items.emplace_back(Json::object());
     FieldVisitor visitor(row, false);
     fields(visitor, item);
@@ -269,8 +269,8 @@ Json to_json(const ClaimReport& report) {
   return json;
 }
 
-std::vector<ReportItem> read_items(const std::filesystem::path& file) {
-  std::vector<ReportItem> items;
+std::vector<ClaimReport::Item> read_items(const std::filesystem::path& file) {
+  std::vector<ClaimReport::Item> items;
   if (!std::filesystem::exists(file)) return items;
   const std::string text = read_text_file(file);
   try {

@@ -18,36 +18,37 @@ std::string seconds(double s) {
                 : (s < 120 ? fmt::format("{:.0f} s", s) : fmt::format("{:.1f} min", s / 60));
 }
 
-TableCell verdict(const Claim& claim) {
+Table::Cell verdict(const Claim& claim) {
   if (!claim.holds) {
-    return claim.reason.empty() ? TableCell("")
-                                : TableCell("undecided: " + claim.reason).as("weak");
+    return claim.reason.empty() ? Table::Cell("")
+                                : Table::Cell("undecided: " + claim.reason).as("weak");
   }
-  if (*claim.holds) return TableCell("✓ holds").as("good");
-  return TableCell("✗ does not hold" + (claim.reason.empty() ? "" : ": " + claim.reason)).as("bad");
+  if (*claim.holds) return Table::Cell("✓ holds").as("good");
+  return Table::Cell("✗ does not hold" + (claim.reason.empty() ? "" : ": " + claim.reason))
+      .as("bad");
 }
 
 /// Empty columns are left out. A command is shown once, above its claims.
-Table claim_table(const ReportItem& item) {
+Table claim_table(const ClaimReport::Item& item) {
   struct Column {
     const char* name;
-    TableCell (*cell)(const Claim&);
+    Table::Cell (*cell)(const Claim&);
     bool number = false;
   };
   static constexpr Column kColumns[] = {
-      {"quantity", [](const Claim& c) { return TableCell(c.quantity); }},
+      {"quantity", [](const Claim& c) { return Table::Cell(c.quantity); }},
       {"verdict", &verdict},
-      {"source", [](const Claim& c) { return TableCell(c.source).as("small"); }},
-      {"by theory or the paper", [](const Claim& c) { return TableCell(c.expected); }},
-      {"here", [](const Claim& c) { return TableCell(measured_text(c)); }, true},
-      {"error bar", [](const Claim& c) { return TableCell(c.bar_is).as("small"); }},
-      {"note", [](const Claim& c) { return TableCell(c.note).as("small"); }}};
+      {"source", [](const Claim& c) { return Table::Cell(c.source).as("small"); }},
+      {"by theory or the paper", [](const Claim& c) { return Table::Cell(c.expected); }},
+      {"here", [](const Claim& c) { return Table::Cell(measured_text(c)); }, true},
+      {"error bar", [](const Claim& c) { return Table::Cell(c.bar_is).as("small"); }},
+      {"note", [](const Claim& c) { return Table::Cell(c.note).as("small"); }}};
   const std::vector<Claim>& claims = item.result.claims;
   Table table;
   std::vector<const Column*> used;
   for (const Column& column : kColumns) {
     const bool any = std::any_of(claims.begin(), claims.end(), [&](const Claim& c) {
-      return column.cell(c).value != TableCell("").value;
+      return column.cell(c).value != Table::Cell("").value;
     });
     if (!any) continue;
     used.push_back(&column);
@@ -59,15 +60,16 @@ Table claim_table(const ReportItem& item) {
       command = &claim.command;
       table.add({"made by `" + *command + "`"});
     }
-    std::vector<TableCell> cells;
+    std::vector<Table::Cell> cells;
     for (const Column* column : used) cells.push_back(column->cell(claim));
     table.add(std::move(cells), {}, fmt::format("{}.{}", item.name, claim.name));
   }
   return table;
 }
 
-void add_figures(Document& page, const std::vector<ClaimFigure>& figures, int after, int last) {
-  for (const ClaimFigure& f : figures) {
+void add_figures(Document& page, const std::vector<Findings::Figure>& figures, int after,
+                 int last) {
+  for (const Findings::Figure& f : figures) {
     const bool behind_all = !f.after || *f.after < 0 || *f.after > last;
     if (behind_all ? after <= last : *f.after != after) continue;
     page.add(Figure{.chart = f.chart,
@@ -78,7 +80,7 @@ void add_figures(Document& page, const std::vector<ClaimFigure>& figures, int af
   }
 }
 
-void add_table(Document& page, const ClaimTable& from) {
+void add_table(Document& page, const Findings::Table& from) {
   Table table;
   for (const std::string& name : from.columns) table.columns.push_back({.name = name});
   for (const auto& row : from.rows) table.add({row.begin(), row.end()});
@@ -92,9 +94,9 @@ void add_table(Document& page, const ClaimTable& from) {
   page.fold(fmt::format("{} ({} rows)", caption, from.rows.size()), std::move(inside));
 }
 
-void add_item(Document& page, const ReportItem& item) {
+void add_item(Document& page, const ClaimReport::Item& item) {
   page.heading(item.title, item.name);
-  if (item.status != ReportItem::Status::kDone) {
+  if (item.status != ClaimReport::Item::Status::kDone) {
     return page.say(fmt::format("This item is {}{}{}. Run `{}`.", to_string(item.status),
                                 item.message.empty() ? "" : ": ", item.message, item.command),
                     "bad");
@@ -108,7 +110,7 @@ void add_item(Document& page, const ReportItem& item) {
   }
   add_figures(page, found.figures, last + 1, last);
   if (!found.claims.empty()) page.add(claim_table(item));
-  for (const ClaimTable& table : found.tables) add_table(page, table);
+  for (const Findings::Table& table : found.tables) add_table(page, table);
   page.say(fmt::format("Made by `{}` in {} ({} of CPU).", item.command, seconds(item.wall_seconds),
                        seconds(item.cpu_seconds)),
            "small");
@@ -117,17 +119,17 @@ void add_item(Document& page, const ReportItem& item) {
 Table overview(const ClaimReport& report) {
   Table table;
   table.columns = {{.name = "item"}, {.name = "checks"}, {.name = "time"}};
-  for (const ReportItem& item : report.items) {
-    TableCell checks = "none";
-    if (item.status != ReportItem::Status::kDone) {
-      checks = TableCell(to_string(item.status)).as("bad");
+  for (const ClaimReport::Item& item : report.items) {
+    Table::Cell checks = "none";
+    if (item.status != ClaimReport::Item::Status::kDone) {
+      checks = Table::Cell(to_string(item.status)).as("bad");
     } else if (item.checks() > 0) {
       const bool all = item.held() == item.checks();
       checks =
-          TableCell(fmt::format("{} {} of {} hold", all ? "✓" : "✗", item.held(), item.checks()))
+          Table::Cell(fmt::format("{} {} of {} hold", all ? "✓" : "✗", item.held(), item.checks()))
               .as(all ? "good" : "bad");
     }
-    const bool run = item.status != ReportItem::Status::kNotRun;
+    const bool run = item.status != ClaimReport::Item::Status::kNotRun;
     table.add({fmt::format("[{}](#{}){}", item.title, item.name,
                            item.quick ? " (quick: small sizes)" : ""),
                checks, run ? seconds(item.wall_seconds) : ""});
@@ -139,7 +141,7 @@ Table overview(const ClaimReport& report) {
 void add_verdict(Document& page, const ClaimReport& report) {
   int checks = 0, held = 0;
   std::string refuted, open;
-  for (const ReportItem& item : report.items) {
+  for (const ClaimReport::Item& item : report.items) {
     checks += item.checks();
     held += item.held();
     for (const Claim& claim : item.result.claims) {
@@ -160,9 +162,9 @@ void add_verdict(Document& page, const ClaimReport& report) {
 Terms all_terms(const ClaimReport& report) {
   Terms all{{{"last command", '`' + report.command + '`'}}};
   double total = 0;
-  for (const ReportItem& item : report.items) {
+  for (const ClaimReport::Item& item : report.items) {
     total += item.wall_seconds;
-    if (item.status == ReportItem::Status::kNotRun) continue;
+    if (item.status == ClaimReport::Item::Status::kNotRun) continue;
     for (const auto& term :
          to_terms(Provenance{.date = item.date.substr(0, 10), .build = item.build}).entries) {
       const bool known =
@@ -176,12 +178,12 @@ Terms all_terms(const ClaimReport& report) {
 
 }  // namespace
 
-int ReportItem::checks() const {
+int ClaimReport::Item::checks() const {
   return static_cast<int>(std::count_if(result.claims.begin(), result.claims.end(),
                                         [](const Claim& n) { return n.holds.has_value(); }));
 }
 
-int ReportItem::held() const {
+int ClaimReport::Item::held() const {
   return static_cast<int>(std::count_if(result.claims.begin(), result.claims.end(),
                                         [](const Claim& n) { return n.holds.value_or(false); }));
 }
@@ -193,7 +195,7 @@ Document to_document(const ClaimReport& report) {
   Document about;
   about.say(report.introduction);
   page.fold("What the columns mean", std::move(about), "about", true);
-  for (const ReportItem& item : report.items) add_item(page, item);
+  for (const ClaimReport::Item& item : report.items) add_item(page, item);
   page.heading("How this page was made");
   page.add(all_terms(report));
   return page;

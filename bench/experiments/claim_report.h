@@ -11,34 +11,33 @@
 
 namespace bipot {
 
-/// An item of a report, run now or kept from an earlier run into the same folder.
-struct ReportItem {
-  enum class Status {
-    kNotRun,
-    kDone,
-    kFailed,      ///< `message` says why; there is no result
-    kInterrupted  ///< stopped before it was done; there is no result
-  };
-  std::string name, title, command;
-  Status status = Status::kNotRun;
-  std::string message;
-  bool quick = false;
-  double wall_seconds = 0, cpu_seconds = 0;
-  BuildInfo build;   ///< that ran it
-  std::string date;  ///< of the run, UTC
-  Findings result;
-
-  int checks() const;  ///< claims with `holds`
-  int held() const;    ///< of them, those that hold
-};
-std::string to_string(ReportItem::Status status);
-
 /// A report of `bipot paper` or `bipot validate`.
 struct ClaimReport {
-  std::string command;            ///< of the last run
-  std::vector<ReportItem> items;  ///< in the order of the page
+  /// An item of a report, run now or kept from an earlier run into the same folder.
+  struct Item {
+    enum class Status {
+      kNotRun,
+      kDone,
+      kFailed,      ///< `message` says why; there is no result
+      kInterrupted  ///< stopped before it was done; there is no result
+    };
+    std::string name, title, command;
+    Status status = Status::kNotRun;
+    std::string message;
+    bool quick = false;
+    double wall_seconds = 0, cpu_seconds = 0;
+    BuildInfo build;   ///< that ran it
+    std::string date;  ///< of the run, UTC
+    Findings result;
+
+    int checks() const;  ///< claims with `holds`
+    int held() const;    ///< of them, those that hold
+  };
+  std::string command;      ///< of the last run
+  std::vector<Item> items;  ///< in the order of the page
   std::string title, introduction;
 };
+std::string to_string(ClaimReport::Item::Status status);
 
 /// The page: an overview, a section for each item, and how it was made.
 Document to_document(const ClaimReport& report);
@@ -46,7 +45,7 @@ Document to_document(const ClaimReport& report);
 /// Everything, charts' points included. NaN is null.
 Json to_json(const ClaimReport& report);
 /// The items that to_json wrote; empty if there is no file. Throws FileError for any other file.
-std::vector<ReportItem> read_items(const std::filesystem::path& file);
+std::vector<ClaimReport::Item> read_items(const std::filesystem::path& file);
 
 /// Writes index.html and the JSON under this name; write_figures makes the files of charts. Throws
 /// FileError.

@@ -77,8 +77,8 @@ Sample measure(const Scene<2>& scene, const State<2>& before, const State<2>& af
   return sample;
 }
 
-CompressionPhase summarise(std::span<const Sample> samples) {
-  CompressionPhase phase{.steps = static_cast<int>(samples.size())};
+Compression::Phase summarise(std::span<const Sample> samples) {
+  Compression::Phase phase{.steps = static_cast<int>(samples.size())};
   if (samples.empty()) return phase;
   const double n = static_cast<double>(samples.size());
   std::vector<double> windows(kWindows * kWindows, 0.0);
@@ -91,7 +91,7 @@ CompressionPhase summarise(std::span<const Sample> samples) {
     phase.fabric_anisotropy += anisotropy(s.fabric_of_step) / n;
     phase.asymmetry = std::max(phase.asymmetry, s.asymmetry);
     phase.contact_asymmetry = std::max(phase.contact_asymmetry, s.contact_asymmetry);
-    const WindowStatistics w = window_statistics(s.windows);
+    const Compression::WindowStatistics w = window_statistics(s.windows);
     phase.variation += w.variation / n;
     phase.horizontal += w.horizontal * w.horizontal / n;
     phase.vertical += w.vertical * w.vertical / n;
@@ -105,7 +105,7 @@ CompressionPhase summarise(std::span<const Sample> samples) {
     const std::size_t from = b * samples.size() / kBlocks, to = (b + 1) * samples.size() / kBlocks;
     double variation = 0, side = 0;
     for (const Sample& s : samples.subspan(from, to - from)) {
-      const WindowStatistics w = window_statistics(s.windows);
+      const Compression::WindowStatistics w = window_statistics(s.windows);
       variation += w.variation / static_cast<double>(to - from);
       side += w.horizontal / static_cast<double>(to - from);
     }
@@ -133,8 +133,8 @@ CompressionPhase summarise(std::span<const Sample> samples) {
 
 }  // namespace
 
-WindowStatistics window_statistics(const std::vector<double>& pressures) {
-  WindowStatistics result;
+Compression::WindowStatistics window_statistics(const std::vector<double>& pressures) {
+  Compression::WindowStatistics result;
   double sum = 0, squares = 0, right = 0, upper = 0;
   for (int i = 0; i < kWindows; ++i) {
     for (int j = 0; j < kWindows; ++j) {

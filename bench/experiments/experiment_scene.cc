@@ -7,7 +7,7 @@
 namespace bipot {
 
 template <int D>
-Scene<D> experiment_scene(const ContactLaw& law, double step, const ExperimentTrial& trial) {
+Scene<D> experiment_scene(const ContactLaw& law, double step, const Experiment::Trial& trial) {
   Scene<D> scene = one_law<D>(law);
   scene.title = "validate";
   scene.source = "generated";
@@ -32,7 +32,7 @@ double fill_box(Scene<2>& scene, int count, double width, double spacing, std::u
 }
 
 template <int D>
-State<D> run_from(const Scene<D>& scene, State<D> start, ExperimentTrial& trial,
+State<D> run_from(const Scene<D>& scene, State<D> start, Experiment::Trial& trial,
                   const std::function<bool(const SceneStep<D>&)>& on_step) {
   SceneRunOptions<D> options{.cancelled = trial.context.stopped, .on_step = on_step};
   const SceneRun<D> run = run_scene<D>(scene, start, options);
@@ -54,11 +54,11 @@ Observation find_threshold(double low, double high, const std::function<bool(dou
   return {0.5 * (low + high)};
 }
 
-template Scene<2> experiment_scene<2>(const ContactLaw&, double, const ExperimentTrial&);
-template Scene<3> experiment_scene<3>(const ContactLaw&, double, const ExperimentTrial&);
-template State<2> run_from(const Scene<2>&, State<2>, ExperimentTrial&,
+template Scene<2> experiment_scene<2>(const ContactLaw&, double, const Experiment::Trial&);
+template Scene<3> experiment_scene<3>(const ContactLaw&, double, const Experiment::Trial&);
+template State<2> run_from(const Scene<2>&, State<2>, Experiment::Trial&,
                            const std::function<bool(const SceneStep<2>&)>&);
-template State<3> run_from(const Scene<3>&, State<3>, ExperimentTrial&,
+template State<3> run_from(const Scene<3>&, State<3>, Experiment::Trial&,
                            const std::function<bool(const SceneStep<3>&)>&);
 
 }  // namespace bipot

@@ -28,7 +28,7 @@ struct Sheared {
 
 /// The shipped plane_shear at another speed, over the shear strain `strain` in steps of at most
 /// 1e-3 of it.
-Sheared shear(double speed, double strain, ExperimentTrial& trial) {
+Sheared shear(double speed, double strain, Experiment::Trial& trial) {
   Scene<2> scene = read_scene(find_scene("plane_shear"));
   scene.solver = trial.choice();
   scene.cell.offset.speed = speed;
@@ -92,8 +92,8 @@ Observation slope(const Sheared& slow, const Sheared& fast, double low, double l
   return {(high - low) / span, std::hypot(low_bar, high_bar) / span, std::move(note)};
 }
 
-ValidationExperiment plane_shear() {
-  ValidationExperiment e;
+Experiment plane_shear() {
+  Experiment e;
   const std::string memory =
       "da Cruz, Emam, Prochnow, Roux and Chevoir, PRE 72, 021309 (2005): τ/P = .26 + 1.0 I, "
       "ν = .81 − .3 I are from memory, so only the trend is tested";
@@ -119,7 +119,7 @@ ValidationExperiment plane_shear() {
                      "95 % over 8 blocks of time")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     const std::vector<double> speeds =
         trial.context.quick ? std::vector<double>{0.5, 2} : std::vector<double>{0.1, 0.3, 1, 2.5};
     std::vector<Sheared> runs;
@@ -137,17 +137,17 @@ ValidationExperiment plane_shear() {
               fmt::format("ν = {:.3f} at I = {:.3f}, {:.3f} at {:.3f}", slow.fraction,
                           slow.inertial, fast.fraction, fast.inertial))};
     Chart chart{.title = "Plane shear",
-                .x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog},
+                .x = {.label = "inertial number", .kind = Chart::Axis::Kind::kLog},
                 .y = {.label = "τ/P and solid fraction", .low = 0, .high = 1}};
     const std::string caption =
         "Plane shear of 120 disks (μ = 0.4) in a periodic cell under constant pressure: τ/P and solid fraction against "
         "the inertial number, bars over blocks of time; lines: the laws of da Cruz et al. (2005) as remembered, not tested.";
-    ChartSeries friction{"τ/P", 0, {}};
-    ChartSeries fraction{"solid fraction", 1, {}};
-    ChartSeries law{".26 + 1.0 I", 2, {}, ChartSeries::Kind::kLine};
-    ChartSeries density{".81 − .3 I", 3, {}, ChartSeries::Kind::kLine};
+    Chart::Series friction{"τ/P", 0, {}};
+    Chart::Series fraction{"solid fraction", 1, {}};
+    Chart::Series law{".26 + 1.0 I", 2, {}, Chart::Series::Kind::kLine};
+    Chart::Series density{".81 − .3 I", 3, {}, Chart::Series::Kind::kLine};
     for (const Sheared& r : runs) {
-      ChartPoint p{r.inertial, r.friction}, q{r.inertial, r.fraction};
+      Chart::Point p{r.inertial, r.friction}, q{r.inertial, r.fraction};
       p.y_low = r.friction - r.friction_bar;
       p.y_high = r.friction + r.friction_bar;
       q.y_low = r.fraction - r.fraction_bar;
@@ -165,7 +165,7 @@ ValidationExperiment plane_shear() {
 
 /// Runout of a column of disks, its corner wall at the left as a plane of symmetry: (r - r0)/r0.
 /// Within r lies 97 % of the mass at the end, within r0 at the start.
-double runout(double aspect, int width, std::uint64_t seed, ExperimentTrial& trial) {
+double runout(double aspect, int width, std::uint64_t seed, Experiment::Trial& trial) {
   constexpr double kDiameter = 1, kMu = 0.5;
   Scene<2> scene = experiment_scene<2>({.mu = kMu}, 5e-3, trial);
   const int count = static_cast<int>(std::lround(width * width * aspect * 1.05));
@@ -197,8 +197,8 @@ double runout(double aspect, int width, std::uint64_t seed, ExperimentTrial& tri
   return (edge(end) - start) / start;
 }
 
-ValidationExperiment column_collapse() {
-  ValidationExperiment e;
+Experiment column_collapse() {
+  Experiment e;
   e.rows = {validation_row(
       kFlow, "column_collapse",
       "exponent of the runout of a column against its aspect ratio, above 2 (within which 97 % of "
@@ -210,12 +210,12 @@ ValidationExperiment column_collapse() {
       "columns of 6 to 8 disks across", "95 % of the fit over aspect ratios and seeds")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     const std::vector<double> aspects =
         trial.context.quick ? std::vector<double>{2, 3.5, 6} : std::vector<double>{2, 3, 4.5, 7};
     const int seeds = trial.context.quick ? 2 : 4, width = trial.context.quick ? 5 : 7;
     std::vector<double> a, r;
-    ChartSeries series{"columns", 0, {}, ChartSeries::Kind::kPoints};
+    Chart::Series series{"columns", 0, {}, Chart::Series::Kind::kPoints};
     for (const double aspect : aspects) {
       for (int seed = 1; seed <= seeds; ++seed) {
         a.push_back(aspect);
@@ -227,16 +227,16 @@ ValidationExperiment column_collapse() {
     trial.seen = {{law.exponent, law.confidence,
                    fmt::format("runout {:.2f} a^{:.2f}", law.prefactor, law.exponent)}};
     Chart chart{.title = "Column collapse",
-                .x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog},
-                .y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog}};
+                .x = {.label = "aspect ratio", .kind = Chart::Axis::Kind::kLog},
+                .y = {.label = "runout over the first width", .kind = Chart::Axis::Kind::kLog}};
     const std::string caption =
         "Runout of columns against their aspect ratio, with the fitted power law; grey: 3.80 a^0.73 of rods on a plane "
         "(arXiv 1512.05180, whose front counts the last rod).";
-    ChartSeries fit{fmt::format("{:.2f} a^{:.2f}", law.prefactor, law.exponent),
-                    1,
-                    {},
-                    ChartSeries::Kind::kLine};
-    ChartSeries rods{"3.80 a^0.73", 2, {}, ChartSeries::Kind::kLine};
+    Chart::Series fit{fmt::format("{:.2f} a^{:.2f}", law.prefactor, law.exponent),
+                      1,
+                      {},
+                      Chart::Series::Kind::kLine};
+    Chart::Series rods{"3.80 a^0.73", 2, {}, Chart::Series::Kind::kLine};
     for (const double aspect : {aspects.front(), aspects.back()}) {
       fit.points.push_back({aspect, law.prefactor * std::pow(aspect, law.exponent)});
       rods.points.push_back({aspect, 3.8 * std::pow(aspect, 0.73)});
@@ -250,8 +250,8 @@ ValidationExperiment column_collapse() {
 /// Action of the drum on the grains, by their angular momentum L about its axis. Its moment is the
 /// change of L less the moment of their weight, its work that times its speed. The work is lost in
 /// contacts or goes into the grains' energy: two sums that share only the states.
-ValidationExperiment turning_drum() {
-  ValidationExperiment e{
+Experiment turning_drum() {
+  Experiment e{
       .rows = {validation_row(
           kFlow, "drum_power",
           "rotating drum (shipped scene): work of the wall by the grains' angular momentum and weight, "
@@ -261,7 +261,7 @@ ValidationExperiment turning_drum() {
           "discretisation: one run")},
       .tols = {10, 1, 1e-1, 1e-2, 1e-3},
       .quick_tols = {1, 1e-1}};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = read_scene(find_scene("drum"));
     scene.solver = trial.choice();
     if (trial.context.quick) scene.bodies.resize(90);
@@ -291,7 +291,7 @@ ValidationExperiment turning_drum() {
 
 }  // namespace
 
-std::vector<ValidationExperiment> flow_experiments() {
+std::vector<Experiment> flow_experiments() {
   return {plane_shear(), column_collapse(), turning_drum()};
 }
 

@@ -24,8 +24,8 @@ namespace {
 
 const std::string kForces = "distribution of forces";
 
-ValidationExperiment force_tails() {
-  ValidationExperiment e;
+Experiment force_tails() {
+  Experiment e;
   e.rows = {
       validation_row(
           kForces, "tail_is_exponential",
@@ -47,7 +47,7 @@ ValidationExperiment force_tails() {
                      Expectation::at_least(0, 1), 0, "none", "95 % of the fit")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-2};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     Scene<2> pressed = compression_scene({.count = trial.context.quick ? 300 : 2000, .e_t = 0});
     pressed.solver = trial.choice();
     pressed.num_steps = 400;
@@ -74,7 +74,7 @@ ValidationExperiment force_tails() {
                    fmt::format("β = {:.2f} ± {:.2f} by layers", unmixed.rate, unmixed.confidence)}};
     Chart chart{.title = "Distribution of normal forces",
                 .x = {.label = "normal force over its mean"},
-                .y = {.label = "probability density", .kind = ChartAxis::Kind::kLog}};
+                .y = {.label = "probability density", .kind = Chart::Axis::Kind::kLog}};
     const std::string caption = fmt::format(
         "Distribution of normal forces over their mean: {} disks pressed from all sides (e_t = 0, β = {:.2f} ± {:.2f}), a "
         "deposit of {} under its weight ({:.2f} ± {:.2f}), and the deposit by layers ({:.2f} ± {:.2f}). A deposit mixes "
@@ -90,6 +90,6 @@ ValidationExperiment force_tails() {
 
 }  // namespace
 
-std::vector<ValidationExperiment> force_experiments() { return {force_tails()}; }
+std::vector<Experiment> force_experiments() { return {force_tails()}; }
 
 }  // namespace bipot

@@ -13,9 +13,9 @@ const std::string kMotion = "exact cases: bounces and swings";
 /// Falls from 1 m above the floor, e_n = 0.6. In the step that detects the floor the ball is within
 /// v h of it. The heights before and after are then those of a floor as much higher or lower: H1/H0
 /// = e² (1 ± v h/H0 (1 + 1/e²)), its root half of that.
-ValidationExperiment bouncing() {
+Experiment bouncing() {
   constexpr double kRestitution = 0.6, kStep = 1e-4;
-  ValidationExperiment e;
+  Experiment e;
   const double speed = std::sqrt(2 * kGravity);
   e.rows = {validation_row(
       kMotion, "ball_bounces", "root of the ratio of heights of a ball before and after a bounce",
@@ -23,7 +23,7 @@ ValidationExperiment bouncing() {
       0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
       "the place of the impact is known to v h", "discretisation: one deterministic run")};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = experiment_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, trial);
     scene.gravity = Vec2(0, -kGravity);
     scene.bodies = {round_body<2>(Vec2(0, 2), 1, 1)};
@@ -48,10 +48,10 @@ ValidationExperiment bouncing() {
 /// turns by φ' h in a step, whose shock dissipates the share (φ' h)² of the energy: φ'² <= φ0² g/l.
 /// Over a period that is at most 2π h φ0² √(g/l) = 5e-3 of the energy, which changes the period by
 /// φ0²/16 of that.
-ValidationExperiment swinging() {
+Experiment swinging() {
   constexpr double kDrum = 1, kRadius = 0.2, kStart = 0.5, kStep = 1e-3;
   constexpr double kLength = 1.5 * (kDrum - kRadius);
-  ValidationExperiment e;
+  Experiment e;
   e.rows = {validation_row(
       kMotion, "disk_swings",
       "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
@@ -63,7 +63,7 @@ ValidationExperiment swinging() {
       "discretisation: one deterministic run")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-7};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = experiment_scene<2>({.mu = 1}, kStep, trial);
     scene.gravity = Vec2(0, -kGravity);
     const double way = kDrum - kRadius;
@@ -90,6 +90,6 @@ ValidationExperiment swinging() {
 
 }  // namespace
 
-std::vector<ValidationExperiment> impact_experiments() { return {bouncing(), swinging()}; }
+std::vector<Experiment> impact_experiments() { return {bouncing(), swinging()}; }
 
 }  // namespace bipot

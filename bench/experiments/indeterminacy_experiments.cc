@@ -22,7 +22,7 @@ constexpr double kWeight = 9.81;
 /// A disk of 1 kg in a groove of two planes that rise by 45° to both sides. By symmetry of moments
 /// the two frictions T are equal, as are the forces N: 2 (N cos α + T sin α) = w with |T| <= mu N
 /// leaves N in w/2 [1/(cos α + mu sin α), 1/(cos α - mu sin α)].
-Scene<2> groove(double mu, const ExperimentTrial& trial) {
+Scene<2> groove(double mu, const Experiment::Trial& trial) {
   Scene<2> scene = experiment_scene<2>({.mu = mu}, 1e-2, trial);
   const double half = std::sqrt(0.5);
   scene.gravity = Vec2(0, -kWeight);
@@ -37,8 +37,8 @@ double groove_end(double sign) {
   return 0.5 * std::sqrt(2.0) / (1 + sign * kGrooveMu);  // over the weight
 }
 
-ValidationExperiment groove_forces() {
-  ValidationExperiment e;
+Experiment groove_forces() {
+  Experiment e;
   e.rows = {
       validation_row(kIndeterminacy, "groove_interval",
                      "width of the interval of admissible normal forces of a disk in a groove of "
@@ -54,7 +54,7 @@ ValidationExperiment groove_forces() {
                      "the same interval", "at most 0", Expectation::at_most(0, 1), 1e-6,
                      "a hundred times the tightest tolerance", "discretisation: the worst of all")};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     const Scene<2> scene = groove(kGrooveMu, trial);
     const ContactProblem problem = step_problem(scene, initial_state(scene), false);
     const double weight = kWeight * scene.step;
@@ -90,7 +90,7 @@ ValidationExperiment groove_forces() {
 }
 
 /// Disks that fell into a box without friction and came to rest; walls and disks of law 0.
-Scene<2> small_pile(int count, std::uint64_t seed, double mu, const ExperimentTrial& trial) {
+Scene<2> small_pile(int count, std::uint64_t seed, double mu, const Experiment::Trial& trial) {
   Scene<2> scene = experiment_scene<2>({.mu = mu}, 5e-3, trial);
   fill_box(scene, count, 6, 0.05, seed);
   scene.num_steps = 1500;
@@ -112,8 +112,8 @@ double spread_of(Scene<2> scene, State<2> state, double mu) {
 /// determined. With a small mu the tangential forces are free within mu n, and the normal ones
 /// respond linearly: spread ~ mu. A larger mu allows all that a smaller one does: for a given
 /// geometry the spread never decreases.
-ValidationExperiment spread() {
-  ValidationExperiment e;
+Experiment spread() {
+  Experiment e;
   e.rows = {
       validation_row(kIndeterminacy, "spread_small_mu",
                      "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
@@ -130,15 +130,15 @@ ValidationExperiment spread() {
                      "discretisation: the worst of all")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
   e.quick_tols = {10, 1, 1e-1, 1e-4};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     const std::vector<double> small = {1e-4, 1e-3, 1e-2}, large = {0.03, 0.1, 0.3, 1};
     const int seeds = trial.context.quick ? 2 : 6;
     std::vector<double> exponents;
     double fall = kNaN;  // of nothing compared
     std::string extra;
     Chart chart{.title = "Spread of admissible forces",
-                .x = {.label = "μ", .kind = ChartAxis::Kind::kLog},
-                .y = {.label = "spread", .kind = ChartAxis::Kind::kLog}};
+                .x = {.label = "μ", .kind = Chart::Axis::Kind::kLog},
+                .y = {.label = "spread", .kind = Chart::Axis::Kind::kLog}};
     const std::string caption =
         "Spread of the admissible normal forces (mean width of their intervals over the mean force) in piles "
         "of 25 disks that came to rest without friction, against the friction that is then allowed.";
@@ -146,7 +146,7 @@ ValidationExperiment spread() {
       const Scene<2> scene = small_pile(25, to_size(seed), 0, trial);
       const auto end = run_from_start<2>(scene, trial);
       std::vector<double> mus, spreads;
-      ChartSeries series{fmt::format("pile {}", seed), seed - 1, {}};
+      Chart::Series series{fmt::format("pile {}", seed), seed - 1, {}};
       for (const std::vector<double>* some : {&small, &large}) {
         for (const double mu : *some) {
           const double s = spread_of(scene, end, mu);
@@ -175,8 +175,6 @@ ValidationExperiment spread() {
 
 }  // namespace
 
-std::vector<ValidationExperiment> indeterminacy_experiments() {
-  return {groove_forces(), spread()};
-}
+std::vector<Experiment> indeterminacy_experiments() { return {groove_forces(), spread()}; }
 
 }  // namespace bipot

@@ -163,15 +163,15 @@ std::vector<double> relative_forces(const State<2>& state, int layers) {
   return relative;
 }
 
-ChartSeries force_histogram(const std::string& name, int style, const std::vector<double>& forces,
-                            double bin) {
+Chart::Series force_histogram(const std::string& name, int style, const std::vector<double>& forces,
+                              double bin) {
   std::vector<int> counts;
   for (const double f : forces) {
     const auto k = static_cast<std::size_t>(f / bin);
     if (k >= counts.size()) counts.resize(k + 1);
     ++counts[k];
   }
-  ChartSeries series{name, style, {}};
+  Chart::Series series{name, style, {}};
   for (std::size_t k = 0; k < counts.size(); ++k) {
     if (counts[k] == 0) continue;
     series.points.push_back({(static_cast<double>(k) + 0.5) * bin,

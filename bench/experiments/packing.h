@@ -54,8 +54,8 @@ inline constexpr double kForceTail = 1.5;
 /// Loaded normal forces over the mean of their layer, of `layers` layers of equal height.
 std::vector<double> relative_forces(const State<2>& state, int layers);
 /// Probability density of forces, in bins of that width.
-ChartSeries force_histogram(const std::string& name, int style, const std::vector<double>& forces,
-                            double bin);
+Chart::Series force_histogram(const std::string& name, int style, const std::vector<double>& forces,
+                              double bin);
 
 /// Contacts of a number of steps, averaged pair by pair; an unloaded pair counts with zero. Normals
 /// and gaps are those of the last step that had the pair.

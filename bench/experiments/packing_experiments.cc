@@ -28,7 +28,7 @@ constexpr double kPressure = 1000, kDensity = 1000;
 const std::vector<RadiusClass> kSizes = {{0.044, 1}, {0.05, 1}, {0.056, 1}};
 
 /// Disks of three radii about 0.05 m in a cell that is pressed from both sides.
-Scene<2> pressed_cell(int count, double mu, std::uint64_t seed, const ExperimentTrial& trial) {
+Scene<2> pressed_cell(int count, double mu, std::uint64_t seed, const Experiment::Trial& trial) {
   Scene<2> scene = experiment_scene<2>({.mu = mu}, 2e-3, trial);
   const double width = 0.12 * std::sqrt(count);
   scene.bodies = random_filling(count, kSizes, width, 0.02, seed, Vec2::Zero());
@@ -86,10 +86,10 @@ ValidationRow packing_row(std::string name, std::string quantity, std::string so
                         "95 % over packings (seeds)");
 }
 
-ValidationExperiment plane_packings() {
+Experiment plane_packings() {
   const std::string counting =
       "counting of forces and equations, derived in packing_experiments.cc";
-  ValidationExperiment e;
+  Experiment e;
   e.rows = {
       packing_row("disks_frictionless",
                   "coordination of disks without friction, without rattlers, periodic cell pressed "
@@ -123,7 +123,7 @@ ValidationExperiment plane_packings() {
                   Expectation::at_most(std::numbers::pi / std::sqrt(12.0), 1), 0, "none")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-3};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     const int count = trial.context.quick ? 25 : 64, seeds = trial.context.quick ? 3 : 5;
     std::vector<double> smooth, rough, excess, falls, fractions;
     for (int seed = 1; seed <= seeds; ++seed) {
@@ -157,7 +157,7 @@ ValidationExperiment plane_packings() {
 }
 
 /// Spheres in a box whose three upper planes press.
-Scene<3> pressed_box(int count, double mu, std::uint64_t seed, const ExperimentTrial& trial) {
+Scene<3> pressed_box(int count, double mu, std::uint64_t seed, const Experiment::Trial& trial) {
   Scene<3> scene = experiment_scene<3>({.mu = mu}, 2e-3, trial);
   const double side = 0.12 * std::cbrt(count);
   scene.bodies = random_spheres(count, kSizes, Vec2(side, side), 0.02, seed, Vec3::Zero());
@@ -212,8 +212,8 @@ Counted count_spheres(const State<3>& state, int least) {
   return counted;
 }
 
-ValidationExperiment space_packings() {
-  ValidationExperiment e;
+Experiment space_packings() {
+  Experiment e;
   e.rows = {
       packing_row("spheres_frictionless",
                   "twice the loaded contacts of spheres without friction, over the number that "
@@ -226,7 +226,7 @@ ValidationExperiment space_packings() {
                   "at least 4 (3M ≥ 6N' + 3), below 6", Expectation::between(4, 6, 4), 0, "none")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-3};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     const int count = trial.context.quick ? 27 : 100, seeds = trial.context.quick ? 3 : 4;
     std::vector<double> smooth, rough;
     for (int seed = 1; seed <= seeds; ++seed) {
@@ -246,8 +246,6 @@ ValidationExperiment space_packings() {
 
 }  // namespace
 
-std::vector<ValidationExperiment> packing_experiments() {
-  return {plane_packings(), space_packings()};
-}
+std::vector<Experiment> packing_experiments() { return {plane_packings(), space_packings()}; }
 
 }  // namespace bipot

@@ -99,7 +99,7 @@ double kinetic_ratio(const ContactProblem& problem, const Vector& s) {
 
 class Fig10 {
  public:
-  explicit Fig10(const PaperContext& context) : context_(context) {}
+  explicit Fig10(const PaperItem::Context& context) : context_(context) {}
 
   Findings run() {
     result_.paper =
@@ -280,11 +280,11 @@ class Fig10 {
   void curve() {
     Chart chart{
         .title = "Least friction coefficient with which a pyramid can stand, against its rows",
-        .x = {"rows", ChartAxis::Kind::kLinear, 0.0, context_.quick ? 12.0 : 24.0},
-        .y = {"least friction coefficient", ChartAxis::Kind::kLinear, 0.2, 0.6},
+        .x = {"rows", Chart::Axis::Kind::kLinear, 0.0, context_.quick ? 12.0 : 24.0},
+        .y = {"least friction coefficient", Chart::Axis::Kind::kLinear, 0.2, 0.6},
         .y_lines = {{std::tan(std::numbers::pi / 6), "tan 30°"}},
         .key = Chart::Key::kNone};
-    ChartSeries series{"disks and floor alike", 0, {}};
+    Chart::Series series{"disks and floor alike", 0, {}};
     for (const int rows : {2, 3, 4, 5, 6, 8, 10, 14, 20}) {
       if (context_.quick && rows > 10) break;
       context_.report(fmt::format("least friction of {} rows", rows));
@@ -343,7 +343,7 @@ class Fig10 {
     const std::vector<double> mus = {0.545, 0.6, 0.8, 1, 2, 4};
     for (const int rows : {10, 20}) {
       if (context_.quick && rows > 10) break;
-      ClaimTable table{
+      Findings::Table table{
           .name = fmt::format("selection_{}", rows),
           .caption = fmt::format(
               "Pyramid of {} rows from rest, one step to ε ≤ 1e-8 from zero impulses: stands, or falls "
@@ -414,8 +414,8 @@ class Fig10 {
       bool held;
     };
     Chart chart{.title = "Height lost by the top disk of a pyramid of 10 rows against time",
-                .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 1.0},
-                .y = {"height lost by the top disk (radii)", ChartAxis::Kind::kLinear, 0.0, {}}};
+                .x = {"time (s)", Chart::Axis::Kind::kLinear, 0.0, 1.0},
+                .y = {"height lost by the top disk (radii)", Chart::Axis::Kind::kLinear, 0.0, {}}};
     int style = 0;
     for (const Case& c :
          {Case{"μ = 0.5, pgs", 0.5, "pgs", false}, Case{"μ = 0.6, pgs", kStandingMu, "pgs", false},
@@ -430,7 +430,7 @@ class Fig10 {
       const SolverEntry& entry = require_solver(c.solver);
       SolverOptions options{
           .tol = 1e-6, .max_iterations = 200000, .cancelled = context_.interrupted};
-      ChartSeries series{c.name, style++, {{0, 0}}};
+      Chart::Series series{c.name, style++, {{0, 0}}};
       const double top = state.bodies.back().x[1];
       const int steps = context_.quick ? 20 : 100;
       SceneRunOptions<2> fall{.steps = steps,
@@ -482,13 +482,13 @@ class Fig10 {
 
   static constexpr int kFirstOrder = 50000, kSecondOrder = 500;
 
-  const PaperContext& context_;
+  const PaperItem::Context& context_;
   Findings result_;
   std::pair<Scene<2>, State<2>> fallen_;
 };
 
 }  // namespace
 
-Findings run_fig10(const PaperContext& context) { return Fig10(context).run(); }
+Findings run_fig10(const PaperItem::Context& context) { return Fig10(context).run(); }
 
 }  // namespace bipot

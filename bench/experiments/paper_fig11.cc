@@ -38,7 +38,7 @@ struct Settling {
   double side_limit = 0;          ///< mu times the side walls' normal force over the weight
   bool at_rest = false;
   PackingRun run;
-  std::vector<ChartPoint> history;  ///< kinetic energy over the energy released, against time
+  std::vector<Chart::Point> history;  ///< kinetic energy over the energy released, against time
 
   double released() const { return initial - final; }
 };
@@ -84,7 +84,7 @@ Scene<2> fig11_scene(const Variant& v) {
 
 /// Continues until the mean energy of the last kQuietSteps steps is below kRestEnergy of the energy
 /// released by the fall. The energy is that of the displacing velocities, or the kinetic one.
-void settle(Settling& s, const PaperContext& context, bool by_displacement) {
+void settle(Settling& s, const PaperItem::Context& context, bool by_displacement) {
   const double total = weight(s.scene);
   double released = s.initial;
   struct Row {
@@ -125,7 +125,7 @@ void settle(Settling& s, const PaperContext& context, bool by_displacement) {
   s.side_limit = mean(&Row::limit);
 }
 
-Settling settled(const Variant& v, const PaperContext& context) {
+Settling settled(const Variant& v, const PaperItem::Context& context) {
   Settling s;
   s.scene = fig11_scene(v);
   s.state = initial_state(s.scene);
@@ -153,9 +153,9 @@ double alternating_bound(const Settling& s) {
 }
 
 /// The fitted tail of a histogram of x.
-ChartSeries tail_line(const std::string& name, int style, const std::vector<double>& x) {
+Chart::Series tail_line(const std::string& name, int style, const std::vector<double>& x) {
   const ExponentialTail tail = fit_exponential_tail(x, kForceTail);
-  ChartSeries series{name, style, {}, ChartSeries::Kind::kLine};
+  Chart::Series series{name, style, {}, Chart::Series::Kind::kLine};
   const double share = tail.points / static_cast<double>(x.size());
   const double last = *std::max_element(x.begin(), x.end());
   for (const double at : {kForceTail, last}) {
@@ -191,7 +191,7 @@ struct Samples {
 
 class Fig11 {
  public:
-  explicit Fig11(const PaperContext& context) : context_(context) {
+  explicit Fig11(const PaperItem::Context& context) : context_(context) {
     step_ = context.quick ? 2e-4 : 1e-4;
   }
 
@@ -327,12 +327,12 @@ class Fig11 {
 
   void distribution_chart(const Samples& samples) {
     Chart chart{.title = "Distribution of the normal forces",
-                .x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}},
-                .y = {"P(f/⟨f⟩)", ChartAxis::Kind::kLog, {}, {}}};
+                .x = {"f/⟨f⟩", Chart::Axis::Kind::kLinear, 0.0, {}},
+                .y = {"P(f/⟨f⟩)", Chart::Axis::Kind::kLog, {}, {}}};
     const auto add = [&chart](const char* name, int style, const std::vector<double>& x) {
       const double rate = fit_exponential_tail(x, kForceTail).rate;
       chart.series.push_back(force_histogram(name, style, x, 0.25));
-      chart.series.back().kind = ChartSeries::Kind::kPoints;
+      chart.series.back().kind = Chart::Series::Kind::kPoints;
       chart.series.push_back(tail_line(fmt::format("exp(−{:.2f} f/⟨f⟩)", rate), style + 1, x));
     };
     add("mean of the packing", 0, samples.forces);
@@ -388,7 +388,7 @@ class Fig11 {
   /// A packing at rest with e_t = 1, continued with smaller and smaller steps.
   struct GoingOn {
     /// Kinetic energy, and the bound by friction, over the energy released, against the step.
-    ChartSeries levels{"kinetic energy at rest", 0, {}}, bounds{"bound", 1, {}};
+    Chart::Series levels{"kinetic energy at rest", 0, {}}, bounds{"bound", 1, {}};
     bool below = true;         ///< each level its bound
     double last = 0;           ///< kinetic energy with the smallest step                    [J]
     double smallest_step = 0;  // [s]
@@ -404,7 +404,7 @@ class Fig11 {
 
   GoingOn go_on(Settling& main) const {
     GoingOn going_on;
-    going_on.bounds.kind = ChartSeries::Kind::kLine;
+    going_on.bounds.kind = Chart::Series::Kind::kLine;
     const double released = main.released();
     going_on.add(main, main.kinetic, released);
     const int rounds = context_.quick ? 2 : 4;
@@ -461,13 +461,13 @@ class Fig11 {
                   "share of the steps that met it, e_t = 0", 2);
   }
 
-  void decay_chart(const std::vector<ChartPoint>& elastic,
-                   const std::vector<ChartPoint>& inelastic) {
+  void decay_chart(const std::vector<Chart::Point>& elastic,
+                   const std::vector<Chart::Point>& inelastic) {
     Chart decay{.title = "Kinetic energy against time",
-                .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}},
-                .y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, 1e-12, 1.0}};
+                .x = {"time (s)", Chart::Axis::Kind::kLinear, 0.0, {}},
+                .y = {"kinetic energy / energy released", Chart::Axis::Kind::kLog, 1e-12, 1.0}};
     decay.series = {{"e_t = 1", 0, elastic}, {"e_t = 0", 1, inelastic}};
-    for (ChartSeries& series : decay.series) series.kind = ChartSeries::Kind::kLine;
+    for (Chart::Series& series : decay.series) series.kind = Chart::Series::Kind::kLine;
     decay.y_lines = {{kRestEnergy, "1e-9"}};
     result_.draw("fig11_rest", "Kinetic energy over the energy that the fall has released so far.",
                  decay, 3);
@@ -476,8 +476,8 @@ class Fig11 {
   void level_chart(const GoingOn& going_on) {
     Chart level;
     level.title = "Kinetic energy at rest against time step, e_t = 1";
-    level.x = {"time step h (s)", ChartAxis::Kind::kLog, {}, {}};
-    level.y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, {}, {}};
+    level.x = {"time step h (s)", Chart::Axis::Kind::kLog, {}, {}};
+    level.y = {"kinetic energy / energy released", Chart::Axis::Kind::kLog, {}, {}};
     level.series = {going_on.levels, going_on.bounds};
     level.y_lines = {{kRestEnergy, "1e-9"}};
     result_.draw(
@@ -487,13 +487,13 @@ class Fig11 {
         level, 3);
   }
 
-  const PaperContext& context_;
+  const PaperItem::Context& context_;
   double step_ = 0;
   Findings result_;
 };
 
 }  // namespace
 
-Findings run_fig11(const PaperContext& context) { return Fig11(context).run(); }
+Findings run_fig11(const PaperItem::Context& context) { return Fig11(context).run(); }
 
 }  // namespace bipot

@@ -20,7 +20,7 @@ struct Variation {
 };
 
 Compression compressed(const CompressionOptions& options, double step_factor, double tol, int cap,
-                       const PaperContext& context) {
+                       const PaperItem::Context& context) {
   Scene<2> scene = compression_scene(options);
   scene.step *= step_factor;
   scene.solver.tol = tol;
@@ -28,7 +28,7 @@ Compression compressed(const CompressionOptions& options, double step_factor, do
   return run_compression(scene, context.interrupted);
 }
 
-double at_lag(const CompressionPhase& phase, std::size_t lag) {
+double at_lag(const Compression::Phase& phase, std::size_t lag) {
   return lag < phase.correlation.size() ? phase.correlation[lag] : std::nan("");
 }
 
@@ -51,7 +51,7 @@ double mean_overlap(const Compression& c) {
 
 std::vector<std::string> row(const Variation& v) {
   const Compression& c = v.result;
-  const CompressionPhase& j = c.jammed;
+  const Compression::Phase& j = c.jammed;
   return {v.name,
           fmt::format("{:.4f}", c.solid_fraction),
           fmt::format("{:.2f}", c.coordination),
@@ -115,7 +115,7 @@ struct VariationExtremes {
 
 class Fig12 {
  public:
-  explicit Fig12(const PaperContext& context) : context_(context) {}
+  explicit Fig12(const PaperItem::Context& context) : context_(context) {}
 
   Findings run() {
     result_.paper =
@@ -164,7 +164,7 @@ class Fig12 {
   }
 
   void falling_numbers(const Compression& main) {
-    const CompressionPhase& flow = main.flow;
+    const Compression::Phase& flow = main.flow;
     result_.state("disks", main.state.bodies.size(), "",
                   "disks; density 7800 kg/m³, a wall has 20 kg for 2470 disks");
     result_.state("solid_fraction", main.solid_fraction, "", "solid fraction at the end");
@@ -189,7 +189,7 @@ class Fig12 {
   }
 
   void jammed_numbers(const Compression& main) {
-    const CompressionPhase& jam = main.jammed;
+    const Compression::Phase& jam = main.jammed;
     result_.state("jam_lag1", at_lag(jam, 1), "",
                   "correlation of the forces of consecutive steps, last 100 steps", 3);
     result_.test("jam_lag2", at_lag(jam, 2), "", "of steps that are two apart",
@@ -238,10 +238,10 @@ class Fig12 {
 
   void correlation_chart(const Compression& main) {
     Chart chart{.title = "Correlation of the contact forces against the number of steps between",
-                .x = {"steps between", ChartAxis::Kind::kLinear, 0.0, 20.0},
-                .y = {"correlation", ChartAxis::Kind::kLinear, {}, 1.0}};
-    const auto series = [&](const std::string& name, int style, const CompressionPhase& phase) {
-      ChartSeries s{name, style, {}};
+                .x = {"steps between", Chart::Axis::Kind::kLinear, 0.0, 20.0},
+                .y = {"correlation", Chart::Axis::Kind::kLinear, {}, 1.0}};
+    const auto series = [&](const std::string& name, int style, const Compression::Phase& phase) {
+      Chart::Series s{name, style, {}};
       for (std::size_t lag = 0; lag < phase.correlation.size() && lag <= 20; ++lag) {
         s.points.push_back({static_cast<double>(lag), phase.correlation[lag]});
       }
@@ -255,7 +255,7 @@ class Fig12 {
   }
 
   void walls(const Compression& main) {
-    const CompressionPhase& jam = main.jammed;
+    const Compression::Phase& jam = main.jammed;
     result_.check("wall_balance", main.wall_balance, "",
                   "largest |contact force on a wall − (5000 N − mass × acceleration)| over the "
                   "applied force, all steps",
@@ -305,11 +305,11 @@ class Fig12 {
         "disks overlap by {overlap_mean} of the smallest radius in the mean, {overlap} at most; "
         "overlaps are not pushed back.");
     Chart chart{.title = "Pressure against time",
-                .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}},
-                .y = {"pressure (Pa)", ChartAxis::Kind::kLinear, 0.0, {}}};
+                .x = {"time (s)", Chart::Axis::Kind::kLinear, 0.0, {}},
+                .y = {"pressure (Pa)", Chart::Axis::Kind::kLinear, 0.0, {}}};
     const auto series = [&](const char* name, int style, const std::vector<double>& values) {
-      ChartSeries s{name, style, {}};
-      s.kind = ChartSeries::Kind::kLine;
+      Chart::Series s{name, style, {}};
+      s.kind = Chart::Series::Kind::kLine;
       for (std::size_t k = 0; k < values.size(); ++k) {
         s.points.push_back({main.time[k], values[k], false, "", false});
       }
@@ -352,7 +352,7 @@ class Fig12 {
   void variations(const Compression& main) {
     const int count = context_.quick ? 154 : 617;
     const CompressionOptions base = {.count = count};
-    ClaimTable table = variations_table(main, count);
+    Findings::Table table = variations_table(main, count);
     VariationExtremes found;
     std::optional<Compression> first;
     for (const WantedVariation& w : wanted_variations(count)) {
@@ -385,8 +385,8 @@ class Fig12 {
   }
 
   /// With its first row, the run of the figure.
-  static ClaimTable variations_table(const Compression& main, int count) {
-    ClaimTable table;
+  static Findings::Table variations_table(const Compression& main, int count) {
+    Findings::Table table;
     table.name = "fig12_variations";
     table.caption = fmt::format(
         "First row: as above, {} disks. The others: {} disks, box and forces half as large for a "
@@ -444,12 +444,12 @@ class Fig12 {
         kBarOfSolver, 4);
   }
 
-  const PaperContext& context_;
+  const PaperItem::Context& context_;
   Findings result_;
 };
 
 }  // namespace
 
-Findings run_fig12(const PaperContext& context) { return Fig12(context).run(); }
+Findings run_fig12(const PaperItem::Context& context) { return Fig12(context).run(); }
 
 }  // namespace bipot

@@ -51,7 +51,7 @@ constexpr double kExactTol = 1e-10;
 constexpr double kMu = 0.3;  // where there is friction
 
 History history(const ErrorMethod& method, int side, double mu, double tilt, int max_iterations,
-                const PaperContext& context) {
+                const PaperItem::Context& context) {
   const Scene<2> scene = make_family_scene("square", side, {.mu = mu, .tilt_degrees = tilt});
   const SolverEntry& entry = require_solver(method.solver);
   const ContactProblem problem = step_problem(scene, initial_state(scene), entry.needs_delassus);
@@ -66,9 +66,9 @@ History history(const ErrorMethod& method, int side, double mu, double tilt, int
 }
 
 /// `value` against the iteration, about one marker in half a decade.
-ChartSeries curve(const std::string& name, int style, const History& h,
-                  double (*value)(const IterationRecord&)) {
-  ChartSeries series{name, style, {}};
+Chart::Series curve(const std::string& name, int style, const History& h,
+                    double (*value)(const IterationRecord&)) {
+  Chart::Series series{name, style, {}};
   double next = std::pow(10, 0.08 * style);
   for (const IterationRecord& r : h.records) {
     if (r.iteration < 1) continue;
@@ -114,14 +114,14 @@ int first_below(const History& h, double error) {
 
 Chart error_chart(const std::string& title, const char* ordinate) {
   return Chart{.title = title,
-               .x = {"iteration", ChartAxis::Kind::kLog},
-               .y = {ordinate, ChartAxis::Kind::kLog, 1e-10, {}}};
+               .x = {"iteration", Chart::Axis::Kind::kLog},
+               .y = {ordinate, Chart::Axis::Kind::kLog, 1e-10, {}}};
 }
 constexpr const char* kLawError = "error in the contact law, ε";
 
 class Fig13 {
  public:
-  explicit Fig13(const PaperContext& context) : context_(context) {}
+  explicit Fig13(const PaperItem::Context& context) : context_(context) {}
 
   Findings run() {
     result_.paper =
@@ -144,7 +144,7 @@ class Fig13 {
 
   /// The paper's method on lattices of several sizes, from zero impulses.
   void transient() {
-    ClaimTable rows{.name = "transient"};
+    Findings::Table rows{.name = "transient"};
     rows.caption =
         "`uzawa` with the paper's ρ, μ = 0. Reached: first iteration in which every row carries "
         "force. Time constant: iterations for a factor e, measured over the last four decades and "
@@ -279,12 +279,12 @@ class Fig13 {
         "is below 1e-10.");
   }
 
-  const PaperContext& context_;
+  const PaperItem::Context& context_;
   Findings result_;
 };
 
 }  // namespace
 
-Findings run_fig13(const PaperContext& context) { return Fig13(context).run(); }
+Findings run_fig13(const PaperItem::Context& context) { return Fig13(context).run(); }
 
 }  // namespace bipot

@@ -41,7 +41,7 @@ struct Case {
 
 class Fig14 {
  public:
-  explicit Fig14(const PaperContext& context) : context_(context) {
+  explicit Fig14(const PaperItem::Context& context) : context_(context) {
     // Sweeps get about 3 s of one core, momentum eight times that.
     const double work = context.quick ? 1e7 : 3e8;
     methods_ = {{{"uzawa, paper's ρ", "uzawa", {{"rho", "paper"}}}, "uzawa_paper", 0, work},
@@ -110,7 +110,8 @@ class Fig14 {
     double disks_before = 0;
     for (const double size : c.sizes) {
       context_.report(fmt::format("{}, {:.0f} disks: making it", c.scene.family, size));
-      const GrowthProblem problem = make_growth_problem(c.scene, side_of(c.scene.family, size));
+      const GrowthScene::Problem problem =
+          make_growth_problem(c.scene, side_of(c.scene.family, size));
       const double disks = static_cast<double>(problem.bodies);
       for (std::size_t m = 0; m < methods_.size(); ++m) {
         const CurveMethod& method = methods_[m];
@@ -126,7 +127,7 @@ class Fig14 {
         if (tols.empty()) continue;
         context_.report(
             fmt::format("{}, {:.0f} disks, {}", c.scene.family, disks, method.method.label));
-        GrowthLimits limits{
+        GrowthRow::Limits limits{
             .max_iterations = static_cast<int>(std::min(cap, method.work < 1e300 ? 1e9 : 500.0)),
             .cancelled = context_.interrupted};
         const auto rows = growth_rows(c.scene, problem, method.method, tols, limits);
@@ -211,9 +212,9 @@ class Fig14 {
         other + "10";
   }
 
-  ChartSeries series(const std::string& name, int style, const std::string& family,
-                     const std::string& method, double tol, bool seconds) const {
-    ChartSeries s{name, style, {}};
+  Chart::Series series(const std::string& name, int style, const std::string& family,
+                       const std::string& method, double tol, bool seconds) const {
+    Chart::Series s{name, style, {}};
     for (const GrowthRow& row : rows_) {
       if (row.family != family || row.method != method || row.tol != tol) continue;
       if (!is_success(row.status)) continue;
@@ -228,25 +229,25 @@ class Fig14 {
   }
 
   void figure(const std::string& name, const std::string& title, const std::string& caption,
-              std::vector<ChartSeries> all, bool seconds) {
+              std::vector<Chart::Series> all, bool seconds) {
     Chart chart{.title = title,
-                .x = {"number of disks", ChartAxis::Kind::kLog},
+                .x = {"number of disks", Chart::Axis::Kind::kLog},
                 .y = {seconds ? "time of the solve" : "iterations",
-                      seconds ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog}};
-    std::erase_if(all, [](const ChartSeries& s) { return s.points.empty(); });
+                      seconds ? Chart::Axis::Kind::kLogSeconds : Chart::Axis::Kind::kLog}};
+    std::erase_if(all, [](const Chart::Series& s) { return s.points.empty(); });
     chart.series = std::move(all);
     result_.draw(name, caption, std::move(chart));
   }
 
   void charts() {
-    std::vector<ChartSeries> all;
+    std::vector<Chart::Series> all;
     for (std::size_t t = 0; t < kTols.size(); ++t) {
       all.push_back(series("ε ≤ " + tol_text(kTols[t]), static_cast<int>(t), "square",
                            methods_[0].method.label, kTols[t], false));
     }
-    ChartSeries slope{"slope 1.042", 9, {}, ChartSeries::Kind::kLine};
+    Chart::Series slope{"slope 1.042", 9, {}, Chart::Series::Kind::kLine};
     if (!all[0].points.empty()) {
-      const ChartPoint& first = all[0].points.front();
+      const Chart::Point& first = all[0].points.front();
       for (const double factor : {1.0, all[0].points.back().x / first.x}) {
         slope.points.push_back({factor * first.x, 0.5 * first.y * std::pow(factor, 1.042)});
       }
@@ -258,7 +259,7 @@ class Fig14 {
     for (const Case& c : cases_) {
       for (const double tol : {1e-4, 1e-8}) {
         if (tol == 1e-8 && c.scene.family != "square" && c.scene.family != "pile") continue;
-        std::vector<ChartSeries> methods;
+        std::vector<Chart::Series> methods;
         for (const CurveMethod& m : methods_) {
           methods.push_back(
               series(m.method.label, m.style, c.scene.family, m.method.label, tol, false));
@@ -269,7 +270,7 @@ class Fig14 {
                false);
       }
     }
-    std::vector<ChartSeries> times;
+    std::vector<Chart::Series> times;
     for (const CurveMethod& m : methods_) {
       times.push_back(series(m.method.label, m.style, "square", m.method.label, 1e-8, true));
     }
@@ -279,7 +280,7 @@ class Fig14 {
 
   void tables() {
     for (const Case& c : cases_) {
-      ClaimTable table;
+      Findings::Table table;
       table.name = "exponents_" + c.scene.family;
       table.caption = fmt::format(
           "{}: exponent of the iterations in the number of disks, ± half of its 95 % confidence "
@@ -300,7 +301,7 @@ class Fig14 {
       }
       result_.tables.push_back(std::move(table));
     }
-    ClaimTable rows;
+    Findings::Table rows;
     rows.name = "rows";
     rows.caption = "Every problem: iterations to each tolerance, and what the tightest achieved.";
     rows.columns = {"scene", "method", "disks", "contacts"};
@@ -331,7 +332,7 @@ class Fig14 {
     result_.tables.push_back(std::move(rows));
   }
 
-  const PaperContext& context_;
+  const PaperItem::Context& context_;
   std::vector<CurveMethod> methods_;
   std::vector<Case> cases_;
   std::vector<GrowthRow> rows_;
@@ -341,6 +342,6 @@ class Fig14 {
 
 }  // namespace
 
-Findings run_fig14(const PaperContext& context) { return Fig14(context).run(); }
+Findings run_fig14(const PaperItem::Context& context) { return Fig14(context).run(); }
 
 }  // namespace bipot

@@ -23,7 +23,7 @@ const std::vector<PaperItem>& paper_items() {
 }
 
 State<2> run_paper_scene(
-    const Scene<2>& scene, const PaperContext& context,
+    const Scene<2>& scene, const PaperItem::Context& context,
     const std::function<void(const State<2>&, const StepReport<2>&)>& on_step) {
   SceneRunOptions<2> options;
   options.cancelled = context.interrupted;

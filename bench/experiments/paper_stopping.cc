@@ -97,12 +97,12 @@ std::vector<StopTestRow> select(const std::vector<StopTestRow>& rows,
 Chart envelope_chart(const std::vector<StopTestRow>& rows, const Group& group,
                      const std::vector<double>& tols) {
   Chart chart{.title = fmt::format("velocity error against tolerance, {}", group.title),
-              .x = {"tolerance asked for", ChartAxis::Kind::kLog},
-              .y = {"velocity error", ChartAxis::Kind::kLog, 1e-10, 10}};
+              .x = {"tolerance asked for", Chart::Axis::Kind::kLog},
+              .y = {"velocity error", Chart::Axis::Kind::kLog, 1e-10, 10}};
   int style = 0;
   for (const Test& test : kTests) {
-    ChartSeries largest{fmt::format("{} max", test.legend), style++, {}};
-    ChartSeries smallest{fmt::format("{} min", test.legend), style++, {}};
+    Chart::Series largest{fmt::format("{} max", test.legend), style++, {}};
+    Chart::Series smallest{fmt::format("{} min", test.legend), style++, {}};
     for (double tol : tols) {
       const StopTestRow *high = nullptr, *low = nullptr;
       for (const StopTestRow& row : rows) {
@@ -120,15 +120,15 @@ Chart envelope_chart(const std::vector<StopTestRow>& rows, const Group& group,
     chart.series.push_back(std::move(largest));
     chart.series.push_back(std::move(smallest));
   }
-  ChartSeries equal{"error = tol", 7, {}};
+  Chart::Series equal{"error = tol", 7, {}};
   for (double tol : tols) equal.points.push_back({tol, tol, false, "", false});
   chart.series.push_back(std::move(equal));
   return chart;
 }
 
-ClaimTable scenes_table(const std::vector<StopTestRow>& rows,
-                        const std::vector<StopTestScene>& scenes) {
-  ClaimTable table{.name = "stop_test_scenes"};
+Findings::Table scenes_table(const std::vector<StopTestRow>& rows,
+                             const std::vector<StopTestScene>& scenes) {
+  Findings::Table table{.name = "stop_test_scenes"};
   table.caption =
       "How well each test foretells the velocity error, scene by scene, over all solvers and "
       "tolerances: error over tolerance, from smallest to largest (1 to 1: a perfect forecast), "
@@ -157,7 +157,7 @@ ClaimTable scenes_table(const std::vector<StopTestRow>& rows,
 
 class StopTestItem {
  public:
-  explicit StopTestItem(const PaperContext& context) : context_(context) {
+  explicit StopTestItem(const PaperItem::Context& context) : context_(context) {
     options_.solvers = {{"uzawa, paper's ρ", "uzawa", {{"rho", "paper"}}},
                         {"uzawa, stable ρ", "uzawa", {{"rho", "stable"}}},
                         {"pgs", "pgs", {}},
@@ -202,8 +202,8 @@ class StopTestItem {
   void study() {
     for (const StopTestScene& scene : scenes_) {
       context_.report(scene.name);
-      const ReferenceSolution reference =
-          find_reference(scene.given, 20, 1e-11, LimitOn::kCpu, context_.interrupted);
+      const ReferenceSolution reference = find_reference(
+          scene.given, 20, 1e-11, ReferenceSolution::Clock::kCpu, context_.interrupted);
       worst_reference_ = std::fmax(worst_reference_, reference.error.guarded());
       if (reference.several()) {
         ++several_;
@@ -229,8 +229,8 @@ class StopTestItem {
     }
   }
 
-  ClaimTable summary_table() const {
-    ClaimTable summary{.name = "stop_test_summary"};
+  Findings::Table summary_table() const {
+    Findings::Table summary{.name = "stop_test_summary"};
     summary.caption =
         "Velocity error over tolerance, over all solves that met the test. Early: above 10; late: "
         "below 0.1. Factor and spread: geometric mean and standard deviation. Slope: median "
@@ -402,7 +402,7 @@ class StopTestItem {
     }
   }
 
-  const PaperContext& context_;
+  const PaperItem::Context& context_;
   StopTestOptions options_;
   std::vector<StopTestScene> scenes_;
   std::vector<StopTestRow> rows_;
@@ -414,6 +414,6 @@ class StopTestItem {
 
 }  // namespace
 
-Findings run_stop_test(const PaperContext& context) { return StopTestItem(context).run(); }
+Findings run_stop_test(const PaperItem::Context& context) { return StopTestItem(context).run(); }
 
 }  // namespace bipot

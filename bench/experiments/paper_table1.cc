@@ -17,10 +17,11 @@ namespace {
 struct Bounces {
   std::vector<double> height, flight_time;  ///< of the whole flights, from the first impact on
   int impacts = 0, max_iterations = 0;
-  std::vector<ChartPoint> film;  ///< time, height of the gap
+  std::vector<Chart::Point> film;  ///< time, height of the gap
 };
 
-Bounces bounce(const Scene<2>& shipped, double e_n, double step, const PaperContext& context) {
+Bounces bounce(const Scene<2>& shipped, double e_n, double step,
+               const PaperItem::Context& context) {
   Scene<2> scene = shipped;
   scene.laws[0].e_n = e_n;
   scene.step = step;
@@ -53,7 +54,7 @@ Bounces bounce(const Scene<2>& shipped, double e_n, double step, const PaperCont
 
 }  // namespace
 
-Findings run_table1(const PaperContext& context) {
+Findings run_table1(const PaperItem::Context& context) {
   constexpr double kHeight = 0.1;
   const Scene<2> shipped = read_scene(find_scene("bouncing_ball"));
   const double g = -shipped.gravity[1];
@@ -63,8 +64,8 @@ Findings run_table1(const PaperContext& context) {
       "the bounces are exact to the digits printed; with e_n = 0.9 the heights of the first two "
       "bounces are 2.1 % and 5.6 % off, the times 0.3 % and 0.4 %; 2 iterations an impact.";
   Chart film{.title = "Height of the ball against time for two restitution coefficients",
-             .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 0.8},
-             .y = {"height above the plane (m)", ChartAxis::Kind::kLinear, 0.0, 0.1}};
+             .x = {"time (s)", Chart::Axis::Kind::kLinear, 0.0, 0.8},
+             .y = {"height above the plane (m)", Chart::Axis::Kind::kLinear, 0.0, 0.1}};
   // The paper's relative errors in percent: heights and times of the bounces 1 and 2.
   constexpr double kPaper[2][2][2] = {{{0, 0}, {0, 0}}, {{2.1, 5.6}, {0.3, 0.4}}};
   // An impact is located within one step of length |v| h <= 0.14 mm of the plane. Errors of heights
@@ -105,9 +106,9 @@ Findings run_table1(const PaperContext& context) {
 
   Chart steps;
   steps.title = "Relative error of the first bounce's height against the time step, e_n = 0.9";
-  steps.x = {"time step h (s)", ChartAxis::Kind::kLog};
-  steps.y = {"relative error of the height", ChartAxis::Kind::kLog};
-  ChartSeries here{"here", 0, {}}, first_order{"|v| h / h0", 1, {}};
+  steps.x = {"time step h (s)", Chart::Axis::Kind::kLog};
+  steps.y = {"relative error of the height", Chart::Axis::Kind::kLog};
+  Chart::Series here{"here", 0, {}}, first_order{"|v| h / h0", 1, {}};
   for (const double step : {2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 2e-6}) {
     if (context.quick && step < 1e-5) continue;
     context.report(fmt::format("h = {:g} s", step));

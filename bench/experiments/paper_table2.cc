@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-Findings run_table2(const PaperContext& context) {
+Findings run_table2(const PaperItem::Context& context) {
   const Scene<2> scene = read_scene(find_scene("sliding_cylinder"));
   const double g = -scene.gravity[1], mu = scene.laws[0].mu, h = scene.step;
   const double v0 = scene.bodies[0].v[0], radius = scene.bodies[0].radius;
@@ -19,11 +19,11 @@ Findings run_table2(const PaperContext& context) {
 
   double rolls_from = std::nan("");
   Chart chart{.title = "Velocity of the cylinder against time",
-              .x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 0.1},
-              .y = {"velocity (m/s)", ChartAxis::Kind::kLinear, 0.0, 1.0}};
-  ChartSeries centre{"centre", 0, {{0, v0, false, "", false}}};
-  ChartSeries rim{"rim, −a ω", 1, {{0, 0, false, "", false}}};
-  ChartSeries theory{"(45), (46)", 2, {{0, v0}, {t1, v1}, {0.1, v1}}};
+              .x = {"time (s)", Chart::Axis::Kind::kLinear, 0.0, 0.1},
+              .y = {"velocity (m/s)", Chart::Axis::Kind::kLinear, 0.0, 1.0}};
+  Chart::Series centre{"centre", 0, {{0, v0, false, "", false}}};
+  Chart::Series rim{"rim, −a ω", 1, {{0, 0, false, "", false}}};
+  Chart::Series theory{"(45), (46)", 2, {{0, v0}, {t1, v1}, {0.1, v1}}};
   const State<2> end =
       run_paper_scene(scene, context, [&](const State<2>& state, const StepReport<2>& r) {
         if (std::isnan(rolls_from) && !state.contacts.empty() &&

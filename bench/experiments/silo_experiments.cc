@@ -33,7 +33,7 @@ struct SiloLoad {
   std::vector<double> depths, loads;  ///< Q below the depth, from the walls' forces above it
 };
 
-SiloLoad silo_load(int count, std::uint64_t seed, ExperimentTrial& trial) {
+SiloLoad silo_load(int count, std::uint64_t seed, Experiment::Trial& trial) {
   Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, trial);
   const double top = fill_box(scene, count, kSiloWidth, 0, seed);
   SiloLoad load;
@@ -125,8 +125,8 @@ double screening_length(const SiloLoad& load, double& rms) {
   return length;
 }
 
-ValidationExperiment janssen() {
-  ValidationExperiment e;
+Experiment janssen() {
+  Experiment e;
   e.rows = {
       validation_row(kSilo, "silo_balance",
                      "floor and walls together over the weight, while the floor sinks slowly",
@@ -150,7 +150,7 @@ ValidationExperiment janssen() {
           "m and K are not the same at all depths", "discretisation: one fit")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     const int tall = trial.context.quick ? 160 : 360;
     const SiloLoad half = silo_load(tall / 2, 1, trial);
     const SiloLoad full = silo_load(tall, 1, trial);
@@ -180,9 +180,9 @@ ValidationExperiment janssen() {
     const std::string caption =
         "Vertical load against depth in a silo 8 disks wide whose floor sinks slowly: weight above less the walls' "
         "friction above. Line: Janssen's exponential with the fitted length; dashes: the weight alone.";
-    ChartSeries points{"measured", 0, {}, ChartSeries::Kind::kPoints};
-    ChartSeries fit{"Janssen, fitted", 1, {}, ChartSeries::Kind::kLine};
-    ChartSeries weight{"weight above", 2, {}, ChartSeries::Kind::kLine};
+    Chart::Series points{"measured", 0, {}, Chart::Series::Kind::kPoints};
+    Chart::Series fit{"Janssen, fitted", 1, {}, Chart::Series::Kind::kLine};
+    Chart::Series weight{"weight above", 2, {}, Chart::Series::Kind::kLine};
     for (std::size_t i = 0; i < full.depths.size(); ++i) {
       const double z = full.depths[i];
       points.points.push_back({z / kSiloWidth, full.loads[i] / full.weight});
@@ -201,7 +201,7 @@ struct Discharge {
   double first = kNaN, second = kNaN;  ///< [kg/s]
 };
 
-Discharge discharge(double hole, int count, std::uint64_t seed, ExperimentTrial& trial) {
+Discharge discharge(double hole, int count, std::uint64_t seed, Experiment::Trial& trial) {
   constexpr double kWidth = 18;
   Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, trial);
   const double top = fill_box(scene, count, kWidth, 0, seed);
@@ -232,8 +232,8 @@ Discharge discharge(double hole, int count, std::uint64_t seed, ExperimentTrial&
   return {0.15 * whole / (times[1] - times[0]), 0.15 * whole / (times[2] - times[1])};
 }
 
-ValidationExperiment beverloo() {
-  ValidationExperiment e;
+Experiment beverloo() {
+  Experiment e;
   e.rows = {
       validation_row(
           kSilo, "discharge_exponent",
@@ -250,12 +250,12 @@ ValidationExperiment beverloo() {
           Expectation::equal(1), 0.05, "few disks", "95 % over holes and seeds")};
   e.tols = {1, 1e-1, 1e-2};
   e.quick_tols = {1, 1e-1};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     const int count = trial.context.quick ? 260 : 500, seeds = trial.context.quick ? 1 : 3;
     const std::vector<double> holes =
         trial.context.quick ? std::vector<double>{5, 9} : std::vector<double>{5, 6.5, 9};
     std::vector<double> widths, rates, ratios;
-    ChartSeries points{"measured", 0, {}, ChartSeries::Kind::kPoints};
+    Chart::Series points{"measured", 0, {}, Chart::Series::Kind::kPoints};
     for (const double hole : holes) {
       for (int seed = 1; seed <= seeds; ++seed) {
         const Discharge seen = discharge(hole, count, to_size(seed), trial);
@@ -280,7 +280,7 @@ ValidationExperiment beverloo() {
     const std::string caption =
         "Discharge rate to the power 2/3 against the width of the hole: Beverloo's law is a straight line that meets zero at k d. "
         "Line: through k = 1.4 with the exponent 3/2.";
-    ChartSeries line{"k = 1.4", 1, {}, ChartSeries::Kind::kLine};
+    Chart::Series line{"k = 1.4", 1, {}, Chart::Series::Kind::kLine};
     double slope = 0;
     for (std::size_t k = 0; k < rates.size(); ++k) {
       slope += std::pow(rates[k], 2.0 / 3) / widths[k] / static_cast<double>(rates.size());
@@ -294,6 +294,6 @@ ValidationExperiment beverloo() {
 
 }  // namespace
 
-std::vector<ValidationExperiment> silo_experiments() { return {janssen(), beverloo()}; }
+std::vector<Experiment> silo_experiments() { return {janssen(), beverloo()}; }
 
 }  // namespace bipot

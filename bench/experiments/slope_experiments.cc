@@ -33,7 +33,7 @@ const char* body_name() {
 
 /// A body of radius 1 m and 1 kg that touches the floor; gravity is tilted by `slope` towards +x.
 template <int D>
-Scene<D> on_floor(double slope, double mu, double step, const ExperimentTrial& trial) {
+Scene<D> on_floor(double slope, double mu, double step, const Experiment::Trial& trial) {
   Scene<D> scene = experiment_scene<D>({.mu = mu}, step, trial);
   scene.gravity =
       kGravity * (std::sin(slope) * Vec<D>::Unit(0) - std::cos(slope) * Vec<D>::Unit(D - 1));
@@ -54,9 +54,9 @@ ValidationRow exact_row(std::string name, std::string quantity, std::string form
 }
 
 template <int D>
-ValidationExperiment rolling() {
+Experiment rolling() {
   const double c = share<D>();
-  ValidationExperiment e;
+  Experiment e;
   e.rows = {exact_row(fmt::format("{}_rolls", body_name<D>()),
                       fmt::format("acceleration of a {} that rolls down 20°, over g sin θ",
                                   body_name<D>()),
@@ -66,7 +66,7 @@ ValidationExperiment rolling() {
                                   body_name<D>()),
                       "1", 1)};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     for (const double mu : {0.5, 0.05}) {
       Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
       scene.num_steps = 50;
@@ -82,10 +82,10 @@ ValidationExperiment rolling() {
 /// g sin θ (1 - mu/mu_c). The criterion "slides by more than 1e-3 of free fall" puts it at (1 -
 /// 1e-3) mu_c.
 template <int D>
-ValidationExperiment threshold(bool block) {
+Experiment threshold(bool block) {
   const double c = share<D>();
   const double critical = std::tan(kSlope) * (block ? 1 : c / (1 + c));
-  ValidationExperiment e;
+  Experiment e;
   const std::string name = block ? "block" : body_name<D>();
   ValidationRow row = exact_row(
       name + "_threshold",
@@ -97,7 +97,7 @@ ValidationExperiment threshold(bool block) {
   row.claim.bar_is = "discretisation: bisection to 1e-4";
   e.rows = {row};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [critical, block](ExperimentTrial& trial) {
+  e.run = [critical, block](Experiment::Trial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
       Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
       if (block) scene.bodies[0].inertia = kHuge;
@@ -111,15 +111,15 @@ ValidationExperiment threshold(bool block) {
 }
 
 template <int D>
-ValidationExperiment thrown() {
+Experiment thrown() {
   const double c = share<D>();
-  ValidationExperiment e;
+  Experiment e;
   e.rows = {exact_row(
       fmt::format("{}_thrown", body_name<D>()),
       fmt::format("speed at which a {} thrown without spin ends rolling, over v0", body_name<D>()),
       D == 2 ? "2/3" : "5/7", 1 / (1 + c))};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     Scene<D> scene = on_floor<D>(0, 0.3, 0.01, trial);
     scene.bodies[0].v[0] = 1;
     scene.num_steps = 60;  // rolls from v0 / (mu g (1 + 1/c)) < 0.12 s on
@@ -129,13 +129,13 @@ ValidationExperiment thrown() {
   return e;
 }
 
-ValidationExperiment belt() {
-  ValidationExperiment e;
+Experiment belt() {
+  Experiment e;
   e.rows = {exact_row("disk_on_belt",
                       "speed of a disk put down on a belt, once it rolls, over the belt's",
                       "1/3: thrown at −V seen from the belt, where it keeps 2/3", 1.0 / 3)};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = on_floor<2>(0, 0.3, 0.01, trial);
     scene.walls[0].motion = Wall<2>::Motion::kMoving;
     scene.walls[0].v = Vec2(1, 0);
@@ -146,10 +146,10 @@ ValidationExperiment belt() {
   return e;
 }
 
-ValidationExperiment braking() {
+Experiment braking() {
   constexpr double kBrakeMu = 0.3, kSpeed = 3, kStep = 0.01;
   constexpr double kBrake = kBrakeMu * kGravity;
-  ValidationExperiment e;
+  Experiment e;
   ValidationRow row =
       exact_row("block_stops", "way of a block thrown at 3 m/s on μ = 0.3 until it stands [m]",
                 "v0²/(2 μ g) = 1.529 m", kSpeed * kSpeed / (2 * kBrake));
@@ -159,7 +159,7 @@ ValidationExperiment braking() {
   row.allowed_why = "the step that stops it: (μ g h/v0)²/4";
   e.rows = {row};
   e.tols = e.quick_tols = decades(-1, 8);
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = on_floor<2>(0, kBrakeMu, kStep, trial);
     scene.bodies[0].inertia = kHuge;
     scene.bodies[0].v[0] = kSpeed;
@@ -172,7 +172,7 @@ ValidationExperiment braking() {
 
 }  // namespace
 
-std::vector<ValidationExperiment> slope_experiments() {
+std::vector<Experiment> slope_experiments() {
   return {rolling<2>(), threshold<2>(false), rolling<3>(), threshold<3>(false),
           thrown<2>(),  thrown<3>(),         belt(),       threshold<2>(true),
           braking()};

@@ -13,7 +13,7 @@ const std::string kStanding = "exact cases: what stands";
 
 /// Motion after the scene's steps: the largest path of a body over that of free fall.
 template <int D>
-double motion_of(const Scene<D>& scene, ExperimentTrial& trial) {
+double motion_of(const Scene<D>& scene, Experiment::Trial& trial) {
   const auto end = run_from_start<D>(scene, trial);
   double way = 0;
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
@@ -35,7 +35,7 @@ ValidationRow standing_row(std::string name, std::string quantity, std::string s
 
 /// A heap of equal bodies on the floor, law 0 between them and law 1 at the floor.
 template <int D>
-Scene<D> heap(double mu, double mu_floor, const ExperimentTrial& trial) {
+Scene<D> heap(double mu, double mu_floor, const Experiment::Trial& trial) {
   Scene<D> scene = experiment_scene<D>({}, 1e-3, trial);
   scene.materials = {"body", "floor"};
   scene.laws = {{.mu = mu}, {.mu = mu_floor}, {.mu = mu_floor}, {.mu = mu_floor}};
@@ -63,10 +63,10 @@ Scene<D> heap(double mu, double mu_floor, const ExperimentTrial& trial) {
 /// that load's vertical part, W/n of it, and the body's own W; along the floor W/n tan(φ/2):
 /// mu_floor >= tan(φ/2) (1/n)/(1/n + 1).
 template <int D>
-ValidationExperiment heap_threshold(bool floor) {
+Experiment heap_threshold(bool floor) {
   const double lean = D == 2 ? std::numbers::pi / 6 : std::acos(std::sqrt(2.0 / 3));
   const double critical = std::tan(lean / 2) / (floor ? D + 1 : 1);
-  ValidationExperiment e;
+  Experiment e;
   const std::string bodies = D == 2 ? "three disks" : "four spheres";
   e.rows = {standing_row(
       std::string(D == 2 ? "three_disks" : "four_spheres") + (floor ? "_floor" : "_between"),
@@ -79,7 +79,7 @@ ValidationExperiment heap_threshold(bool floor) {
       critical)};
   e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
-  e.run = [critical, floor](ExperimentTrial& trial) {
+  e.run = [critical, floor](Experiment::Trial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
       const double other = D == 2 ? 1 : 1.0;
       return motion_of(heap<D>(floor ? other : mu, floor ? mu : other, trial), trial) <= kMoves;
@@ -92,8 +92,8 @@ ValidationExperiment heap_threshold(bool floor) {
 /// A disk in the hollow of two equal disks glued to the floor, with tilted gravity. When it is
 /// about to leave one of them, the other carries it alone along the line of centres, 30° from the
 /// normal, without friction. Beyond, it rolls over with g sin(α - 30°)/(1 + 1/2).
-ValidationExperiment hollow_threshold() {
-  ValidationExperiment e;
+Experiment hollow_threshold() {
+  Experiment e;
   e.rows = {standing_row("rough_wall_hollow",
                          "slope of a rough wall at which a disk leaves the hollow of two of its "
                          "disks [°]",
@@ -101,7 +101,7 @@ ValidationExperiment hollow_threshold() {
                          "30° for equal disks that touch", 30)};
   e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
-  e.run = [](ExperimentTrial& trial) {
+  e.run = [](Experiment::Trial& trial) {
     Observation found = find_threshold(-45, -15, [&](double degrees) {
       const double slope = -degrees * std::numbers::pi / 180;
       Scene<2> scene = experiment_scene<2>({.mu = 0.5}, 1e-3, trial);
@@ -122,7 +122,7 @@ ValidationExperiment hollow_threshold() {
 
 }  // namespace
 
-std::vector<ValidationExperiment> standing_experiments() {
+std::vector<Experiment> standing_experiments() {
   return {heap_threshold<2>(false), heap_threshold<2>(true), heap_threshold<3>(false),
           heap_threshold<3>(true), hollow_threshold()};
 }

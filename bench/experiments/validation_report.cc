@@ -14,7 +14,7 @@ namespace {
 constexpr double kChartFloor = 1e-12, kHighestFloor = 1e-4;
 
 /// Empty where it is undefined.
-TableCell number(double x) { return std::isnan(x) ? TableCell() : TableCell(x); }
+Table::Cell number(double x) { return std::isnan(x) ? Table::Cell() : Table::Cell(x); }
 
 std::string verdict_of(const ValidationRow& row) {
   return row.holds() ? "holds" : row.undecided() ? "undecided" : "does not hold";
@@ -28,7 +28,7 @@ std::string right_from(const ValidationRow& row) {
 /// Notes of the page on a row.
 std::string note_of(const ValidationRow& row) {
   std::string note;
-  if (const ValidationPoint* p = row.measured()) {
+  if (const ValidationRow::Point* p = row.measured()) {
     note = row.takes_tolerance ? fmt::format("at ε = {}, right from ε = {}",
                                              tolerance_label(p->tol), right_from(row))
                                : "no ε";
@@ -40,14 +40,14 @@ std::string note_of(const ValidationRow& row) {
 }
 
 /// Every tolerance of every row of a group.
-ClaimTable tolerances(const ValidationPage& page, const std::string& group) {
-  ClaimTable table{.name = "tolerances",
-                   .caption = "Every tolerance.",
-                   .columns = {"row", "ε", "measured", "relative error", "right", "steps",
-                               "not solved", "CPU", "note"}};
+Findings::Table tolerances(const ValidationPage& page, const std::string& group) {
+  Findings::Table table{.name = "tolerances",
+                        .caption = "Every tolerance.",
+                        .columns = {"row", "ε", "measured", "relative error", "right", "steps",
+                                    "not solved", "CPU", "note"}};
   for (const ValidationRow& row : page.rows) {
     if (row.group != group) continue;
-    for (const ValidationPoint& p : row.points) {
+    for (const ValidationRow::Point& p : row.points) {
       table.rows.push_back({row.claim.name, tolerance_label(p.tol),
                             measured_text({.measured = p.seen.value, .bar = p.seen.bar}),
                             compact_label(p.error), p.right ? "✓" : "✗", std::to_string(p.steps),
@@ -65,10 +65,10 @@ int count_rows(const ValidationPage& page, const Holds& holds) {
 
 }  // namespace
 
-void ValidationPage::add(ExperimentResult result) {
+void ValidationPage::add(Experiment::Result result) {
   auto& drawings = figures[result.rows.front().group];
   for (ValidationRow& row : result.rows) rows.push_back(std::move(row));
-  for (ClaimFigure& figure : result.figures) drawings.push_back(std::move(figure));
+  for (Findings::Figure& figure : result.figures) drawings.push_back(std::move(figure));
 }
 
 int ValidationPage::held() const {
@@ -89,7 +89,7 @@ Table points_table(const ValidationPage& page) {
     table.columns.push_back({.key = key});
   }
   for (const ValidationRow& row : page.rows) {
-    for (const ValidationPoint& p : row.points) {
+    for (const ValidationRow::Point& p : row.points) {
       table.add({row.group, row.claim.name, p.tol, number(p.seen.value), number(p.seen.bar),
                  row.range.low, row.range.high, row.range.scale, number(p.error), p.right ? 1 : 0,
                  p.reached() ? 1 : 0, p.steps, p.unsolved, p.seconds, row.shared, page.solver,
@@ -119,7 +119,7 @@ Table verdicts_table(const ValidationPage& page) {
                    {.key = "steps"},
                    {.key = "cpu_seconds", .name = "CPU", .show = &seconds_label},
                    {.key = "rows_in_run"}};
-  const ValidationPoint none;
+  const ValidationRow::Point none;
   const std::string* group = nullptr;
   for (const ValidationRow& row : page.rows) {
     if (group == nullptr || *group != row.group) {
@@ -128,15 +128,15 @@ Table verdicts_table(const ValidationPage& page) {
     }
     const Claim& claim = row.claim;
     const bool any = row.measured() != nullptr;
-    const ValidationPoint& p = any ? *row.measured() : none;
+    const ValidationRow::Point& p = any ? *row.measured() : none;
     const std::string holds = row.holds() ? "yes" : row.undecided() ? "undecided" : "no";
     table.add({row.group, claim.name, claim.quantity, claim.source, claim.expected,
                number(claim.measured).shown(value_label(claim.measured)),
-               any ? TableCell(claim.bar).shown(claim.bar > 0 ? compact_label(claim.bar) : "")
-                   : TableCell(),
-               claim.bar_is, any ? TableCell(p.tol) : TableCell(),
+               any ? Table::Cell(claim.bar).shown(claim.bar > 0 ? compact_label(claim.bar) : "")
+                   : Table::Cell(),
+               claim.bar_is, any ? Table::Cell(p.tol) : Table::Cell(),
                number(p.error).shown(compact_label(p.error)), row.allowed, row.allowed_why,
-               TableCell(holds).shown(verdict_of(row)), claim.reason,
+               Table::Cell(holds).shown(verdict_of(row)), claim.reason,
                number(row.takes_tolerance ? row.loosest : kNaN).shown(right_from(row)), p.steps,
                row.seconds, row.shared});
   }
@@ -169,8 +169,8 @@ std::vector<std::string> groups_of(const ValidationPage& page) {
 Chart error_chart(const ValidationPage& page, const std::string& group) {
   Chart chart;
   chart.title = "Relative error against tolerance: " + group;
-  chart.x = {.label = "tolerance ε of every step", .kind = ChartAxis::Kind::kLog};
-  chart.y = {.label = "relative error of the observable", .kind = ChartAxis::Kind::kLog};
+  chart.x = {.label = "tolerance ε of every step", .kind = Chart::Axis::Kind::kLog};
+  chart.y = {.label = "relative error of the observable", .kind = Chart::Axis::Kind::kLog};
   chart.y_lines = {{kRightTo, "1 %"}};
   chart.key = Chart::Key::kRight;
   chart.width = 620;
@@ -178,7 +178,7 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
   // A decade below the least error other than 0, for the end of the axis.
   double least = kHighestFloor;
   for (const ValidationRow& row : page.rows) {
-    for (const ValidationPoint& p : row.points) {
+    for (const ValidationRow::Point& p : row.points) {
       if (row.group == group && p.error > 0) least = std::min(least, p.error);
     }
   }
@@ -187,10 +187,10 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
   int style = 0;
   for (const ValidationRow& row : page.rows) {
     if (row.group != group || !row.takes_tolerance) continue;
-    ChartSeries series{.name = row.claim.name, .style = style++};
-    for (const ValidationPoint& p : row.points) {
+    Chart::Series series{.name = row.claim.name, .style = style++};
+    for (const ValidationRow::Point& p : row.points) {
       if (!std::isfinite(p.error)) continue;
-      ChartPoint point{
+      Chart::Point point{
           .x = p.tol,
           .y = std::max(p.error, floor),
           .hollow = !p.reached(),
@@ -229,13 +229,13 @@ ClaimReport to_report(const ValidationPage& page) {
                    "Statistical rows have wide bars.\n"
                  : "");
   for (const std::string& group : groups_of(page)) {
-    ReportItem item{.name = fmt::format("errors_{}", report.items.size() + 1),
-                    .title = group,
-                    .command = page.command,
-                    .status = ReportItem::Status::kDone,
-                    .quick = page.quick,
-                    .build = build_info(),
-                    .date = date_and_time()};
+    ClaimReport::Item item{.name = fmt::format("errors_{}", report.items.size() + 1),
+                           .title = group,
+                           .command = page.command,
+                           .status = ClaimReport::Item::Status::kDone,
+                           .quick = page.quick,
+                           .build = build_info(),
+                           .date = date_and_time()};
     Findings& found = item.result;
     for (const ValidationRow& row : page.rows) {
       if (row.group != group) continue;

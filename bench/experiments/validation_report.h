@@ -14,10 +14,10 @@ namespace bipot {
 struct ValidationPage {
   std::string command, solver;
   bool quick = false, complete = true;
-  std::vector<ValidationRow> rows;                          ///< judged
-  std::map<std::string, std::vector<ClaimFigure>> figures;  ///< by group
+  std::vector<ValidationRow> rows;                               ///< judged
+  std::map<std::string, std::vector<Findings::Figure>> figures;  ///< by group
 
-  void add(ExperimentResult result);
+  void add(Experiment::Result result);
   int held() const;
   int undecided() const;
   int failed() const;  ///< neither

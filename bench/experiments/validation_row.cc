@@ -28,19 +28,19 @@ ValidationRow validation_row(std::string group, std::string name, std::string qu
           .takes_tolerance = takes_tolerance};
 }
 
-SolverChoice ExperimentTrial::choice() const {
+SolverChoice Experiment::Trial::choice() const {
   return SolverChoice{.name = context.solver,
                       .tol = tol,
                       .max_iterations = context.max_iterations,
                       .parameters = {{"islands", "off"}}};
 }
 
-void ExperimentTrial::draw(std::string name, std::string caption, Chart chart) {
+void Experiment::Trial::draw(std::string name, std::string caption, Chart chart) {
   figures.push_back(
       {.name = std::move(name), .caption = std::move(caption), .chart = std::move(chart)});
 }
 
-void ExperimentTrial::go_on() const {
+void Experiment::Trial::go_on() const {
   if (context.interrupted()) throw std::runtime_error("interrupted");
 }
 
@@ -50,8 +50,8 @@ std::vector<double> decades(int first, int last) {
   return tols;
 }
 
-std::vector<ValidationExperiment> validation_experiments() {
-  std::vector<ValidationExperiment> all;
+std::vector<Experiment> validation_experiments() {
+  std::vector<Experiment> all;
   for (const auto& group : {slope_experiments(), standing_experiments(), impact_experiments(),
                             chain_experiments(), indeterminacy_experiments(), packing_experiments(),
                             force_experiments(), flow_experiments(), silo_experiments()}) {
@@ -67,12 +67,12 @@ constexpr double kWidestBar = 0.5;
 // Fraction of the steps that may miss the tolerance in a run that counts at that tolerance.
 constexpr double kMayMiss = 0.01;
 
-std::string missed(const ValidationPoint& p) {
+std::string missed(const ValidationRow::Point& p) {
   return fmt::format("the solver did not reach it in {} of {} steps", p.unsolved, p.steps);
 }
 
 /// Reason for no value at any tolerance.
-std::string no_value(const ValidationPoint& p) {
+std::string no_value(const ValidationRow::Point& p) {
   const std::string why = !p.failure.empty() ? ": " + p.failure
                           : p.unsolved > 0
                               ? " " + missed(p)
@@ -83,7 +83,7 @@ std::string no_value(const ValidationPoint& p) {
 
 }  // namespace
 
-bool ValidationPoint::reached() const {
+bool ValidationRow::Point::reached() const {
   return failure.empty() &&
          static_cast<double>(unsolved) <= kMayMiss * static_cast<double>(steps) &&
          std::isfinite(seen.value);
@@ -97,7 +97,7 @@ void judge(ValidationRow& row) {
   claim.bar = 0;
   claim.holds = false;
   claim.reason.clear();
-  for (ValidationPoint& p : row.points) {
+  for (ValidationRow::Point& p : row.points) {
     if (std::isnan(p.seen.bar)) p.seen.bar = kInfinity;
     p.error = row.range.error(p.seen.value);
     p.right = std::isfinite(p.error) && p.seen.bar <= kWidestBar * scale &&
@@ -109,7 +109,7 @@ void judge(ValidationRow& row) {
     if (!row.points.empty()) claim.reason += no_value(row.points.front());
     return;
   }
-  const ValidationPoint& best = *row.measured();
+  const ValidationRow::Point& best = *row.measured();
   const double bar = best.seen.bar / scale;
   claim.measured = best.seen.value;
   claim.bar = best.seen.bar + row.allowed * scale;
@@ -122,23 +122,22 @@ void judge(ValidationRow& row) {
         fmt::format("off by {} of its scale at {}, {} are allowed", compact_label(best.error),
                     tolerance_label(best.tol), compact_label(row.allowed + bar));
     if (to_size(row.best) + 1 < row.points.size()) {
-      const ValidationPoint& tighter = row.points[to_size(row.best) + 1];
+      const ValidationRow::Point& tighter = row.points[to_size(row.best) + 1];
       claim.reason += fmt::format(", and at {} {}", tolerance_label(tighter.tol),
                                   tighter.failure.empty() ? missed(tighter) : tighter.failure);
     }
   }
   for (int k = row.best; k >= 0; --k) {
-    const ValidationPoint& p = row.points[to_size(k)];
+    const ValidationRow::Point& p = row.points[to_size(k)];
     if (!p.reached()) continue;
     if (!p.right) break;
     row.loosest = p.tol;
   }
 }
 
-ExperimentResult run_experiment(const ValidationExperiment& experiment,
-                                const ValidationContext& context,
-                                const std::function<void(int, int)>& on_tolerance) {
-  ExperimentResult result{.rows = experiment.rows};
+Experiment::Result run_experiment(const Experiment& experiment, const Experiment::Context& context,
+                                  const std::function<void(int, int)>& on_tolerance) {
+  Experiment::Result result{.rows = experiment.rows};
   for (ValidationRow& row : result.rows) row.shared = static_cast<int>(result.rows.size());
   const std::vector<double>& tols = context.quick ? experiment.quick_tols : experiment.tols;
   for (std::size_t k = 0; k < tols.size(); ++k) {
@@ -148,7 +147,7 @@ ExperimentResult run_experiment(const ValidationExperiment& experiment,
       break;
     }
     const CpuStopwatch clock;
-    ExperimentTrial trial{tols[k], context};
+    Experiment::Trial trial{tols[k], context};
     std::string failure;
     try {
       experiment.run(trial);
@@ -169,12 +168,12 @@ ExperimentResult run_experiment(const ValidationExperiment& experiment,
     trial.seen.resize(experiment.rows.size());
     const double seconds = clock.seconds();
     for (std::size_t r = 0; r < result.rows.size(); ++r) {
-      ValidationPoint point{.tol = tols[k],
-                            .seen = trial.seen[r],
-                            .steps = trial.steps,
-                            .unsolved = trial.unsolved,
-                            .seconds = seconds,
-                            .failure = failure};
+      ValidationRow::Point point{.tol = tols[k],
+                                 .seen = trial.seen[r],
+                                 .steps = trial.steps,
+                                 .unsolved = trial.unsolved,
+                                 .seconds = seconds,
+                                 .failure = failure};
       result.rows[r].points.push_back(std::move(point));
       result.rows[r].seconds += seconds;
     }

@@ -20,25 +20,24 @@ struct Observation {
   std::string note;
 };
 
-/// A row at one tolerance.
-struct ValidationPoint {
-  double tol = 0;
-  Observation seen;
-  double error = kNaN;  ///< of the value, see Expectation::error
-  /// Error at most kRightTo (or the allowed one, if that is more) plus the bar.
-  bool right = false;
-  long steps = 0, unsolved = 0;
-  double seconds = 0;   ///< CPU, of the experiment: with the other rows that it measures
-  std::string failure;  ///< why there is no value
-
-  /// True if the steps were solved to the tolerance, all but kMayMiss of them, and there is a
-  /// value.
-  bool reached() const;
-};
-
 /// A claim on an observable, and its result at each tolerance. The claim has the measurement at the
 /// tightest tolerance reached.
 struct ValidationRow {
+  /// A row at one tolerance.
+  struct Point {
+    double tol = 0;
+    Observation seen;
+    double error = kNaN;  ///< of the value, see Expectation::error
+    /// Error at most kRightTo (or the allowed one, if that is more) plus the bar.
+    bool right = false;
+    long steps = 0, unsolved = 0;
+    double seconds = 0;   ///< CPU, of the experiment: with the other rows that it measures
+    std::string failure;  ///< why there is no value
+
+    /// True if the steps were solved to the tolerance, all but kMayMiss of them, and there is a
+    /// value.
+    bool reached() const;
+  };
   Claim claim;
   std::string group;  ///< heading of the page
   Expectation range;  ///< that of claim.expected
@@ -48,13 +47,13 @@ struct ValidationRow {
   std::string allowed_why;
   bool takes_tolerance = true;  ///< false: it contains no solve to a tolerance
 
-  std::vector<ValidationPoint> points;  ///< tolerances falling
-  int best = -1;                        ///< the tightest tolerance reached; -1: none
-  double loosest = kNaN;                ///< right here and at all tighter tolerances reached
-  double seconds = 0;                   ///< CPU, of all tolerances, of the experiment
-  int shared = 1;                       ///< rows that the experiment measures
+  std::vector<Point> points;  ///< tolerances falling
+  int best = -1;              ///< the tightest tolerance reached; -1: none
+  double loosest = kNaN;      ///< right here and at all tighter tolerances reached
+  double seconds = 0;         ///< CPU, of all tolerances, of the experiment
+  int shared = 1;             ///< rows that the experiment measures
 
-  const ValidationPoint* measured() const { return best < 0 ? nullptr : &points[to_size(best)]; }
+  const Point* measured() const { return best < 0 ? nullptr : &points[to_size(best)]; }
   bool holds() const { return claim.holds.value_or(false); }
   bool undecided() const { return best >= 0 && !claim.holds; }
 };
@@ -68,64 +67,61 @@ ValidationRow validation_row(std::string group, std::string name, std::string qu
 /// Sets the claim's measurement and verdict, best and loosest, from the points.
 void judge(ValidationRow& row);
 
-struct ValidationContext {
-  bool quick = false;             ///< fewer seeds, fewer bodies, fewer tolerances
-  std::string solver = "apgd";    ///< of every step, without islands
-  int max_iterations = 20000;     ///< a step
-  std::function<bool()> stopped;  ///< asked between steps; may be empty
-
-  bool interrupted() const { return stopped && stopped(); }
-};
-
-/// One run of an experiment, and what it finds.
-struct ExperimentTrial {
-  double tol = 0;
-  const ValidationContext& context;
-  std::vector<Observation> seen = {};  ///< one for each row
-  std::vector<ClaimFigure> figures = {};
-  long steps = 0;     ///< time steps (or single problems) that were solved
-  long unsolved = 0;  ///< of them, those whose solver missed the tolerance
-
-  SolverChoice choice() const;  ///< of every step
-  void draw(std::string name, std::string caption, Chart chart);
-  /// Throws std::runtime_error if the context has stopped it: the measurement is meaningless.
-  void go_on() const;
-};
-
 /// Observables of one computation, which is repeated for each tolerance.
-struct ValidationExperiment {
+struct Experiment {
+  struct Context {
+    bool quick = false;             ///< fewer seeds, fewer bodies, fewer tolerances
+    std::string solver = "apgd";    ///< of every step, without islands
+    int max_iterations = 20000;     ///< a step
+    std::function<bool()> stopped;  ///< asked between steps; may be empty
+
+    bool interrupted() const { return stopped && stopped(); }
+  };
+  /// One run of an experiment, and what it finds.
+  struct Trial {
+    double tol = 0;
+    const Context& context;
+    std::vector<Observation> seen = {};  ///< one for each row
+    std::vector<Findings::Figure> figures = {};
+    long steps = 0;     ///< time steps (or single problems) that were solved
+    long unsolved = 0;  ///< of them, those whose solver missed the tolerance
+
+    SolverChoice choice() const;  ///< of every step
+    void draw(std::string name, std::string caption, Chart chart);
+    /// Throws std::runtime_error if the context has stopped it: the measurement is meaningless.
+    void go_on() const;
+  };
+  struct Result {
+    std::vector<ValidationRow> rows;        ///< judged
+    std::vector<Findings::Figure> figures;  ///< of the tightest tolerance that gave some
+    bool complete = true;                   ///< false: the context stopped it
+  };
   std::vector<ValidationRow> rows;
   std::vector<double> tols;        ///< falling
   std::vector<double> quick_tols;  ///< the same of --quick
-  std::function<void(ExperimentTrial&)> run;
+  std::function<void(Trial&)> run;
 };
 
 /// All of them, in the order of the page.
-std::vector<ValidationExperiment> validation_experiments();
+std::vector<Experiment> validation_experiments();
 
 /// 10^-first … 10^-last.
 std::vector<double> decades(int first, int last);
 
-struct ExperimentResult {
-  std::vector<ValidationRow> rows;   ///< judged
-  std::vector<ClaimFigure> figures;  ///< of the tightest tolerance that gave some
-  bool complete = true;              ///< false: the context stopped it
-};
-
 /// Runs the experiment at each of its tolerances; its exceptions become part of the points.
 /// `on_tolerance`: called before each, with the number of finished ones and of all.
-ExperimentResult run_experiment(const ValidationExperiment& experiment,
-                                const ValidationContext& context,
-                                const std::function<void(int done, int total)>& on_tolerance = {});
+Experiment::Result run_experiment(
+    const Experiment& experiment, const Experiment::Context& context,
+    const std::function<void(int done, int total)>& on_tolerance = {});
 
-std::vector<ValidationExperiment> slope_experiments();     ///< one body on a floor, by hand
-std::vector<ValidationExperiment> standing_experiments();  ///< three disks, four spheres, a hollow
-std::vector<ValidationExperiment> impact_experiments();    ///< bouncing, swinging
-std::vector<ValidationExperiment> chain_experiments();     ///< few sweeps look elastic
-std::vector<ValidationExperiment> indeterminacy_experiments();  ///< admissible forces
-std::vector<ValidationExperiment> packing_experiments();        ///< coordination, solid fraction
-std::vector<ValidationExperiment> force_experiments();          ///< distribution of forces
-std::vector<ValidationExperiment> flow_experiments();           ///< shear, collapse, drum
-std::vector<ValidationExperiment> silo_experiments();           ///< Janssen
+std::vector<Experiment> slope_experiments();          ///< one body on a floor, by hand
+std::vector<Experiment> standing_experiments();       ///< three disks, four spheres, a hollow
+std::vector<Experiment> impact_experiments();         ///< bouncing, swinging
+std::vector<Experiment> chain_experiments();          ///< few sweeps look elastic
+std::vector<Experiment> indeterminacy_experiments();  ///< admissible forces
+std::vector<Experiment> packing_experiments();        ///< coordination, solid fraction
+std::vector<Experiment> force_experiments();          ///< distribution of forces
+std::vector<Experiment> flow_experiments();           ///< shear, collapse, drum
+std::vector<Experiment> silo_experiments();           ///< Janssen
 
 }  // namespace bipot

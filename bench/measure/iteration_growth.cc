@@ -30,7 +30,7 @@ double disks_of(const std::string& family, int side) {
   return n * n;
 }
 
-SolverOptions options_of(const SolverVariant& method, double tol, const GrowthLimits& limits) {
+SolverOptions options_of(const SolverVariant& method, double tol, const GrowthRow::Limits& limits) {
   return {.tol = tol,
           .max_iterations = limits.max_iterations,
           .time_limit = limits.time_limit,
@@ -39,7 +39,7 @@ SolverOptions options_of(const SolverVariant& method, double tol, const GrowthLi
           .cancelled = limits.cancelled};
 }
 
-GrowthRow empty_row(const GrowthScene& scene, const GrowthProblem& problem,
+GrowthRow empty_row(const GrowthScene& scene, const GrowthScene::Problem& problem,
                     const SolverVariant& method, double tol) {
   return {.family = scene.family,
           .method = method.label,
@@ -59,7 +59,7 @@ void fill(GrowthRow& row, const SolveResult& result) {
 
 }  // namespace
 
-GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
+GrowthScene::Problem make_growth_problem(const GrowthScene& scene, int side) {
   const GrowthScene usual;
   std::string target =
       fmt::format("{}:{}:mu={}:tilt={}", scene.family, side, scene.mu, scene.tilt_degrees);
@@ -76,16 +76,16 @@ int side_of(const std::string& family, double disks) {
   return side > 1 && disks - below < above - disks ? side - 1 : side;
 }
 
-GrowthRow growth_row(const GrowthScene& scene, const GrowthProblem& problem,
-                     const SolverVariant& method, double tol, const GrowthLimits& limits) {
+GrowthRow growth_row(const GrowthScene& scene, const GrowthScene::Problem& problem,
+                     const SolverVariant& method, double tol, const GrowthRow::Limits& limits) {
   GrowthRow row = empty_row(scene, problem, method, tol);
   fill(row, solve(method.solver, problem.problem, options_of(method, tol, limits)));
   return row;
 }
 
-std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem& problem,
+std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthScene::Problem& problem,
                                    const SolverVariant& method, std::span<const double> tols,
-                                   const GrowthLimits& limits) {
+                                   const GrowthRow::Limits& limits) {
   std::vector<GrowthRow> rows;
   if (!require_solver(method.solver).path_ignores_tolerance) {
     for (const double tol : tols) rows.push_back(growth_row(scene, problem, method, tol, limits));

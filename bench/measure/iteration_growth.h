@@ -18,6 +18,11 @@ namespace bipot {
 
 /// A scene of any size; one step of it is the problem.
 struct GrowthScene {
+  struct Problem {
+    ContactProblem problem;
+    int side = 0;
+    std::size_t bodies = 0;
+  };
   std::string family = "square";  ///< one of target_families() (problem_target.h)
   double mu = 0.3;
   double tilt_degrees = 0;
@@ -25,19 +30,20 @@ struct GrowthScene {
   std::uint64_t seed = 1;
 };
 
-struct GrowthProblem {
-  ContactProblem problem;
-  int side = 0;
-  std::size_t bodies = 0;
-};
 /// The target of that family and size; of a moving one the step at 0.65 of the run. Throws
 /// std::invalid_argument for an unknown family, or numbers that it does not take.
-GrowthProblem make_growth_problem(const GrowthScene& scene, int side);
+GrowthScene::Problem make_growth_problem(const GrowthScene& scene, int side);
 /// The side whose number of disks is nearest to `disks`.
 int side_of(const std::string& family, double disks);
 
 /// One solver on one problem at one tolerance, from s = 0.
 struct GrowthRow {
+  struct Limits {
+    double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of a solve
+    int max_iterations = 1000000;
+    int threads = 1;
+    std::function<bool()> cancelled;  ///< may be empty
+  };
   std::string family, method;
   double tol = 0;
   int side = 0;
@@ -49,22 +55,15 @@ struct GrowthRow {
   double setup_seconds = 0, solve_seconds = 0;  ///< wall
 };
 
-struct GrowthLimits {
-  double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of a solve
-  int max_iterations = 1000000;
-  int threads = 1;
-  std::function<bool()> cancelled;  ///< may be empty
-};
-
-GrowthRow growth_row(const GrowthScene& scene, const GrowthProblem& problem,
-                     const SolverVariant& method, double tol, const GrowthLimits& limits);
+GrowthRow growth_row(const GrowthScene& scene, const GrowthScene::Problem& problem,
+                     const SolverVariant& method, double tol, const GrowthRow::Limits& limits);
 
 /// Rows for several tolerances, in their order. If the solver's iterates do not depend on the
 /// tolerance, one solve gives all. A row then ends at the first judged iteration that meets it, and
 /// its time is the time until then.
-std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem& problem,
+std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthScene::Problem& problem,
                                    const SolverVariant& method, std::span<const double> tols,
-                                   const GrowthLimits& limits);
+                                   const GrowthRow::Limits& limits);
 
 /// Power laws in the number of disks for one family, method and tolerance.
 struct GrowthFit {

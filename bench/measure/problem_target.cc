@@ -85,7 +85,7 @@ double smallest_radius_of(const Scene<D>& scene) {
 /// Settling takes longer than most solves: each pile settles once.
 class Piles {
  public:
-  const SettledPile& get(const PileOptions& options) {
+  const SettledPile& get(const SettledPile::Options& options) {
     const auto [place, fresh] =
         piles_.try_emplace({options.count, options.mu, options.seed}, SettledPile());
     if (fresh) place->second = settle_pile(options);

@@ -28,7 +28,8 @@ SolveStatus parse_status(const std::string& text) {
 }  // namespace
 
 ReferenceSolution find_reference(const TestProblem& given, double time_limit, double target,
-                                 LimitOn limit_on, const std::function<bool()>& interrupted) {
+                                 ReferenceSolution::Clock limit_on,
+                                 const std::function<bool()>& interrupted) {
   const double witness = std::max(ReferenceSolution::kTrusted, 10 * target);
   const ContactProblem& problem = given.problem;
   ReferenceSolution best{.origin = given.origin,
@@ -50,14 +51,14 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
     if (entry == nullptr) continue;
     SolverOptions options{.tol = target, .time_limit = time_limit, .cancelled = interrupted};
     CpuLimit limit(time_limit);
-    if (limit_on == LimitOn::kCpu) {
+    if (limit_on == ReferenceSolution::Clock::kCpu) {
       options.time_limit *= CpuLimit::kWallFactor;
       options.cancelled = [&] { return limit() || (interrupted && interrupted()); };
     }
     SolveResult result = solve(*entry, problem, options);
     if (limit.reached() && !is_success(result.status)) result.status = SolveStatus::kTimeLimit;
-    ReferenceAttempt attempt{name, result.status, kNaN,
-                             result.setup_seconds + result.solve_seconds};
+    ReferenceSolution::Attempt attempt{name, result.status, kNaN,
+                                       result.setup_seconds + result.solve_seconds};
     if (result.s.size() == problem.num_rows() && result.status != SolveStatus::kInvalidInput) {
       const ContactError error = contact_error(problem, result.s);
       attempt.guarded = error.guarded();
@@ -138,7 +139,7 @@ void write_reference(const std::filesystem::path& path, const std::string& probl
                  {"force", reference.spread.force},
                  {"energy", reference.spread.energy}};
   j["attempts"] = Json::array();
-  for (const ReferenceAttempt& a : reference.attempts) {
+  for (const ReferenceSolution::Attempt& a : reference.attempts) {
     j["attempts"].push_back({{"solver", a.solver},
                              {"status", to_string(a.status)},
                              {"guarded", a.guarded},

@@ -14,35 +14,35 @@
 
 namespace bipot {
 
-/// Result of one solver in the search for a reference.
-struct ReferenceAttempt {
-  std::string solver;
-  SolveStatus status = SolveStatus::kNotRun;
-  double guarded = std::numeric_limits<double>::quiet_NaN();
-  double seconds = 0;
-};
-
-/// Largest differences between two exact answers of one problem; NaN for a single one, or if a
-/// measure is not defined. Scales as in TrueError.
-struct AnswerSpread {
-  double velocity = kNaN, force = kNaN, energy = kNaN;
-};
-
 /// The most accurate impulse found, and its reliability.
 struct ReferenceSolution {
+  /// Largest differences between two exact answers of one problem; NaN for a single one, or if a
+  /// measure is not defined. Scales as in TrueError.
+  struct Spread {
+    double velocity = kNaN, force = kNaN, energy = kNaN;
+  };
+  /// Result of one solver in the search for a reference.
+  struct Attempt {
+    std::string solver;
+    SolveStatus status = SolveStatus::kNotRun;
+    double guarded = std::numeric_limits<double>::quiet_NaN();
+    double seconds = 0;
+  };
+  /// Clock of a time limit; CPU time does not depend on other work of the machine.
+  enum class Clock { kWall, kCpu };
   std::string origin;  ///< of the problem, see TestProblem
   int contacts = 0, dim = 0, dofs = 0;
   std::string solver;  ///< whose impulse it is
   Vector s;            ///< the problem's variables                              [N s]
   ContactError error;  ///< recomputed from s alone
-  std::vector<ReferenceAttempt> attempts;
+  std::vector<Attempt> attempts;
   /// Largest ‖v - v*‖_A / ‖v* - v_free‖_A between attempts that are both below kTrusted; NaN with
   /// fewer than two of them.
   double velocity_spread = std::numeric_limits<double>::quiet_NaN();
   /// Exact answers distinct from s and from each other (solvers/analysis/distinct_answers.h), in
   /// the order in which they were found. They prove that the problem has several.
   std::vector<Vector> others;
-  AnswerSpread spread;  ///< between s and the others
+  Spread spread;  ///< between s and the others
 
   bool several() const { return !others.empty(); }
 
@@ -52,18 +52,15 @@ struct ReferenceSolution {
   static constexpr int kLarge = 1000;  ///< contacts: beyond, ten times the target is enough
 };
 
-/// Clock of a time limit; CPU time does not depend on other work of the machine.
-enum class LimitOn { kWall, kCpu };
-
 /// Runs auto, newton, ipm and apgd from s = 0 to a guarded error of `target`, each within the time
 /// limit. It ends once one reaches the target and a second one is below 1e-9 (or ten times the
 /// target, if that is more) as a witness. Keeps the lowest, and distinct answers besides. Beyond
 /// kLarge contacts the order is auto, apgd, ipm, newton. `interrupted` is polled inside the solves:
 /// true ends the search.
-ReferenceSolution find_reference(const TestProblem& problem, double time_limit,
-                                 double target = ReferenceSolution::kTarget,
-                                 LimitOn limit_on = LimitOn::kWall,
-                                 const std::function<bool()>& interrupted = {});
+ReferenceSolution find_reference(
+    const TestProblem& problem, double time_limit, double target = ReferenceSolution::kTarget,
+    ReferenceSolution::Clock limit_on = ReferenceSolution::Clock::kWall,
+    const std::function<bool()>& interrupted = {});
 
 /// Adds an impulse to the reference's others if it is a new exact answer. A nearly exact one
 /// (guarded error at most 1e-6), far from all of them, is first improved within the time limit

@@ -111,8 +111,8 @@ TrueError TrueErrorEvaluator::operator()(const Vector& s) const {
   return error;
 }
 
-AnswerSpread TrueErrorEvaluator::spread() const {
-  AnswerSpread spread;
+ReferenceSolution::Spread TrueErrorEvaluator::spread() const {
+  ReferenceSolution::Spread spread;
   std::vector<const Vector*> all{&reference_.s};
   for (const Vector& other : reference_.others) all.push_back(&other);
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -34,7 +34,7 @@ class TrueErrorEvaluator {
   /// Error against the nearest of the reference's present answers.
   TrueError operator()(const Vector& s) const;
   /// Largest differences between two of the answers.
-  AnswerSpread spread() const;
+  ReferenceSolution::Spread spread() const;
 
  private:
   TrueError difference(const Vector& s, const Vector& exact) const;

@@ -113,9 +113,9 @@ void draw_frames(const fs::path& run_path, const fs::path& pictures, const Scene
 
 }  // namespace
 
-fs::path write_run_movie(const fs::path& run, const MovieOptions& options) {
+fs::path write_run_movie(const fs::path& run, fs::path file, int frames_a_second) {
   const fs::path folder = run_folder(run);
-  const fs::path file = options.file.empty() ? folder / "movie.mp4" : options.file;
+  if (file.empty()) file = folder / "movie.mp4";
   const bool gif = file.extension() == ".gif";
   if (!gif && file.extension() != ".mp4") {
     throw std::invalid_argument(file.string() + ": expected a name that ends with .mp4 or .gif");
@@ -135,7 +135,7 @@ fs::path write_run_movie(const fs::path& run, const MovieOptions& options) {
           : "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white";
   std::vector<std::string> words{"ffmpeg",     "-y",
                                  "-loglevel",  "error",
-                                 "-framerate", std::to_string(options.frames_a_second),
+                                 "-framerate", std::to_string(frames_a_second),
                                  "-i",         (pictures.path() / "%06d.png").string(),
                                  "-vf",        filter};
   if (!gif) words.insert(words.end(), {"-pix_fmt", "yuv420p", "-movflags", "+faststart"});

@@ -12,10 +12,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-ChartSeries column_over(const NumberTable& table, const std::string& x, const std::string& y,
-                        const std::string& name, int style) {
-  ChartSeries series{.name = name, .style = style};
-  series.kind = table.rows.size() > 60 ? ChartSeries::Kind::kLine : ChartSeries::Kind::kLinePoints;
+Chart::Series column_over(const NumberTable& table, const std::string& x, const std::string& y,
+                          const std::string& name, int style) {
+  Chart::Series series{.name = name, .style = style};
+  series.kind =
+      table.rows.size() > 60 ? Chart::Series::Kind::kLine : Chart::Series::Kind::kLinePoints;
   const std::size_t at_x = table.column(x), at_y = table.column(y);
   for (const auto& row : table.rows) series.points.push_back({.x = row[at_x], .y = row[at_y]});
   return series;
@@ -64,8 +65,8 @@ void draw_profile(const fs::path& folder) {
 void draw_forces(const fs::path& folder) {
   const NumberTable forces = read_number_table(folder / "forces_mean.csv");
   Chart chart{.title = "distribution of normal forces", .x = {.label = "force / mean force"}};
-  chart.y = {.label = "probability density", .kind = ChartAxis::Kind::kLog};
-  ChartSeries series{.name = "density"};
+  chart.y = {.label = "probability density", .kind = Chart::Axis::Kind::kLog};
+  Chart::Series series{.name = "density"};
   const std::size_t low = forces.column("low"), high = forces.column("high"),
                     density = forces.column("density");
   // The last bin holds all larger forces: it has no width, so no density.

@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-SettledPile settle_pile(const PileOptions& options) {
+SettledPile settle_pile(const SettledPile::Options& options) {
   SettledPile pile;
   const int side = static_cast<int>(std::ceil(std::sqrt(options.count)));
   pile.scene = make_family_scene("random", side, {.mu = options.mu, .seed = options.seed});

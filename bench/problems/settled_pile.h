@@ -11,19 +11,19 @@ namespace bipot {
 /// simulation (h = 0.01 s, e = 0). It runs at a loose tolerance until the kinetic energy is below
 /// `rest` times the initial potential energy, or for `max_steps`.
 struct SettledPile {
+  struct Options {
+    int count = 1000;
+    double mu = 0.3;
+    std::uint64_t seed = 1;
+    double rest = 1e-9;
+    int max_steps = 3000;
+    double tol = 1e-3;
+  };
   Scene<2> scene;  ///< disks at their settled places, velocities kept
   State<2> state;
   int steps = 0;
   bool at_rest = false;
 };
-struct PileOptions {
-  int count = 1000;
-  double mu = 0.3;
-  std::uint64_t seed = 1;
-  double rest = 1e-9;
-  int max_steps = 3000;
-  double tol = 1e-3;
-};
-SettledPile settle_pile(const PileOptions& options);
+SettledPile settle_pile(const SettledPile::Options& options);
 
 }  // namespace bipot

@@ -194,7 +194,8 @@ Method by_mumps(const SparseMatrix& K) {
 #endif
 
 void table(const std::string& family, int side, int at, int repeat) {
-  const GrowthProblem made = make_growth_problem({.family = family, .tilt_degrees = 10}, side);
+  const GrowthScene::Problem made =
+      make_growth_problem({.family = family, .tilt_degrees = 10}, side);
   const System system = system_of(made.problem, at);
   fmt::print(
       "\n**{} {}**, {} contacts, {} unknowns, {} numbers in K, after {} iterations (error {:.0e})\n\n",

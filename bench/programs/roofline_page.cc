@@ -65,8 +65,8 @@ Chart roofline_chart(const Roofline& m, int threads) {
   constexpr double kLeast = 1.0 / 16, kMost = 4;
   const std::string with = fmt::format("{} thread{}", threads, threads == 1 ? "" : "s");
   Chart chart{.title = "Roofline, " + with,
-              .x = {"flops a byte of one iteration", ChartAxis::Kind::kLog, kLeast, kMost},
-              .y = {"Gflop/s, " + with, ChartAxis::Kind::kLog},
+              .x = {"flops a byte of one iteration", Chart::Axis::Kind::kLog, kLeast, kMost},
+              .y = {"Gflop/s, " + with, Chart::Axis::Kind::kLog},
               .width = 640,
               .height = 400};
   double top = 0;
@@ -77,10 +77,10 @@ Chart roofline_chart(const Roofline& m, int threads) {
   int style = 0;
   for (const Roofline::Bandwidth& b : m.bandwidths) {
     if (b.threads != threads) continue;
-    ChartSeries roof{
+    Chart::Series roof{
         .name = fmt::format("triad of {:g} MB, {:.3g} GB/s", b.megabytes, 1e-9 * b.bytes),
         .style = style++,
-        .kind = ChartSeries::Kind::kLine};
+        .kind = Chart::Series::Kind::kLine};
     for (const double x : {kLeast, std::min(top / b.bytes, kMost)}) {
       roof.points.push_back({.x = x, .y = 1e-9 * x * b.bytes});
     }
@@ -90,9 +90,10 @@ Chart roofline_chart(const Roofline& m, int threads) {
     if (k.threads != threads) continue;
     const std::string name = k.name + ", " + k.path;
     auto series = std::find_if(chart.series.begin(), chart.series.end(),
-                               [&](const ChartSeries& s) { return s.name == name; });
+                               [&](const Chart::Series& s) { return s.name == name; });
     if (series == chart.series.end()) {
-      chart.series.push_back({.name = name, .style = style++, .kind = ChartSeries::Kind::kPoints});
+      chart.series.push_back(
+          {.name = name, .style = style++, .kind = Chart::Series::Kind::kPoints});
       series = std::prev(chart.series.end());
     }
     series->points.push_back(

@@ -39,16 +39,16 @@ struct BenchFlags {
   std::vector<double> sizes;
   std::vector<std::string> parameters;
   GrowthScene scene;
-  GrowthLimits limits = {.time_limit = 10};
+  GrowthRow::Limits limits = {.time_limit = 10};
   double fit_from = 300;
   std::string fit_out;
 };
 
 /// Built once and shared by the rows that use it.
-std::shared_ptr<const GrowthProblem> problem_of(const GrowthScene& scene, int side) {
-  static std::map<std::pair<std::string, int>, std::shared_ptr<const GrowthProblem>> cache;
+std::shared_ptr<const GrowthScene::Problem> problem_of(const GrowthScene& scene, int side) {
+  static std::map<std::pair<std::string, int>, std::shared_ptr<const GrowthScene::Problem>> cache;
   auto& slot = cache[{scene.family, side}];
-  if (!slot) slot = std::make_shared<const GrowthProblem>(make_growth_problem(scene, side));
+  if (!slot) slot = std::make_shared<const GrowthScene::Problem>(make_growth_problem(scene, side));
   return slot;
 }
 

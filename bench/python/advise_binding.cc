@@ -24,7 +24,7 @@ std::string advise_scene(const std::string& name, const std::map<std::string, do
                          const std::vector<std::string>& solvers, double time_limit, double window,
                          int samples, bool keep_step) {
   PythonWatch watch;
-  AdviseOptions options;
+  Advice::Options options;
   for (const auto& [m, key, text] : Accuracy::kMeasures) {
     if (const auto asked = goal.find(key); asked != goal.end()) options.goal.*m = asked->second;
   }

@@ -66,7 +66,7 @@ std::vector<ProblemSource> sources_of(const py::list& given, const TargetOptions
   return sources;
 }
 
-py::dict to_dict(const ComparisonRow& row) {
+py::dict to_dict(const Comparison::Row& row) {
   py::dict out;
   for (const ComparisonColumn& column : comparison_columns()) {
     out[py::str(column.column.key)] = py::cast(column.cell(row).value);
@@ -81,7 +81,7 @@ py::dict columns_of(const PythonComparison& self) {
     out[py::str(column.column.key)] = py::list();
   }
   for (const auto* rows : {&self.comparison.rows, &self.comparison.warm_rows}) {
-    for (const ComparisonRow& row : *rows) {
+    for (const Comparison::Row& row : *rows) {
       for (const auto& [name, value] : to_dict(row)) out[name].attr("append")(value);
     }
   }
@@ -89,9 +89,9 @@ py::dict columns_of(const PythonComparison& self) {
 }
 
 /// Reports the rows of a comparison to Python as they are made.
-void report_rows_to(const py::object& on_row, PythonWatch& watch, ComparisonOptions& options) {
+void report_rows_to(const py::object& on_row, PythonWatch& watch, Comparison::Options& options) {
   if (on_row.is_none()) return;
-  options.on_row = [&](const ComparisonRow& row, int done, int total) {
+  options.on_row = [&](const Comparison::Row& row, int done, int total) {
     const py::gil_scoped_acquire lock;
     try {
       on_row(to_dict(row), done, total);
@@ -111,7 +111,7 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
   PythonWatch watch;
   std::vector<std::unique_ptr<CallableSolver>> foreign;
   PythonComparison made;
-  ComparisonOptions& options = made.context.options;
+  Comparison::Options& options = made.context.options;
   for (const py::handle item : callables) {
     auto [name, callable] = item.cast<std::pair<std::string, py::object>>();
     foreign.push_back(std::make_unique<CallableSolver>(name, callable, watch));

@@ -61,16 +61,16 @@ std::string wrapped(const std::string& text, std::size_t width) {
   return out;
 }
 
-bool is_log(const ChartAxis& axis) { return axis.kind != ChartAxis::Kind::kLinear; }
+bool is_log(const Chart::Axis& axis) { return axis.kind != Chart::Axis::Kind::kLinear; }
 
 /// True if a reference line lies within the given limits.
-bool allows(const ChartAxis& axis, double at) {
+bool allows(const Chart::Axis& axis, double at) {
   return std::isfinite(at) && !(is_log(axis) && at <= 0) && !(axis.low && at < *axis.low) &&
          !(axis.high && at > *axis.high);
 }
 
 /// Place of non-positive values on a logarithmic axis: its limit, or the decade below all others.
-double floor_of(const ChartAxis& axis, const std::vector<double>& values) {
+double floor_of(const Chart::Axis& axis, const std::vector<double>& values) {
   if (axis.low && *axis.low > 0) return *axis.low;
   double least = std::numeric_limits<double>::infinity();
   for (double v : values) {
@@ -85,8 +85,8 @@ double floor_of(const ChartAxis& axis, const std::vector<double>& values) {
 class Script {
  public:
   Script(const Chart& chart, bool page) : chart_(chart), page_(page) {
-    for (const ChartSeries& series : chart.series) {
-      for (const ChartPoint& p : series.points) {
+    for (const Chart::Series& series : chart.series) {
+      for (const Chart::Point& p : series.points) {
         if (!std::isfinite(p.x) || !std::isfinite(p.y)) continue;
         xs_.push_back(p.x);
         ys_.push_back(p.y);
@@ -96,10 +96,10 @@ class Script {
       }
     }
     std::vector<double> places = xs_;
-    for (const ChartLine& line : chart.x_lines) places.push_back(line.at);
+    for (const Chart::Line& line : chart.x_lines) places.push_back(line.at);
     if (is_log(chart.x)) x_floor_ = floor_of(chart.x, places);
     std::vector<double> levels = ys_;
-    for (const ChartLine& line : horizontal()) levels.push_back(line.at);
+    for (const Chart::Line& line : horizontal()) levels.push_back(line.at);
     if (is_log(chart.y)) y_floor_ = floor_of(chart.y, levels);
   }
 
@@ -129,7 +129,7 @@ class Script {
       }
     }
     // Constant functions count for the range of the axis.
-    for (const ChartLine& reference : horizontal()) {
+    for (const Chart::Line& reference : horizontal()) {
       add_plot(fmt::format("{} with lines lw 1.5 dt (1,4) lc rgb '#777777' notitle",
                            number(reference.at)),
                reference.label);
@@ -168,9 +168,9 @@ class Script {
 
   static std::string number(double x) { return fmt::format("{}", x); }
 
-  std::vector<ChartLine> horizontal() const {
-    std::vector<ChartLine> lines = chart_.y_lines;
-    std::erase_if(lines, [this](const ChartLine& l) { return !allows(chart_.y, l.at); });
+  std::vector<Chart::Line> horizontal() const {
+    std::vector<Chart::Line> lines = chart_.y_lines;
+    std::erase_if(lines, [this](const Chart::Line& l) { return !allows(chart_.y, l.at); });
     return lines;
   }
 
@@ -184,7 +184,7 @@ class Script {
     if (!page_ && !chart_.title.empty()) height_ += 30;
     double longest = 0;
     int entries = 0;
-    for (const ChartSeries& s : chart_.series) {
+    for (const Chart::Series& s : chart_.series) {
       if (s.name.empty()) continue;
       ++entries;
       longest = std::max(longest, static_cast<double>(letters(s.name)));
@@ -209,7 +209,7 @@ class Script {
   }
 
   /// Returns the middle of the axis.
-  double axis(const char* name, const ChartAxis& axis, double floor) {
+  double axis(const char* name, const Chart::Axis& axis, double floor) {
     const bool along_x = name[0] == 'x';
     line(fmt::format("set {}label {} noenhanced{}", name, in_quotes(axis.label),
                      along_x ? " offset 0,0.4" : ""));
@@ -218,12 +218,12 @@ class Script {
     if (axis.high && (!is_log(axis) || *axis.high > 0)) high = number(*axis.high);
     if (is_log(axis)) line(fmt::format("set logscale {}", name));
     switch (axis.kind) {
-      case ChartAxis::Kind::kLinear:
+      case Chart::Axis::Kind::kLinear:
         break;
-      case ChartAxis::Kind::kLog:
+      case Chart::Axis::Kind::kLog:
         line(fmt::format("set format {} '10^{{%T}}'", name));
         break;
-      case ChartAxis::Kind::kLogSeconds:
+      case Chart::Axis::Kind::kLogSeconds:
         line(fmt::format("set format {} '%.0s %cs'", name));
         // gnuplot writes u for micro.
         line(fmt::format("set {}tics add ('1 µs' 1e-6, '10 µs' 1e-5, '100 µs' 1e-4)", name));
@@ -231,7 +231,7 @@ class Script {
     }
     // An axis without data, or with one value, needs a range.
     std::vector<double> values = along_x ? xs_ : ys_;
-    for (const ChartLine& l : along_x ? chart_.x_lines : horizontal()) {
+    for (const Chart::Line& l : along_x ? chart_.x_lines : horizontal()) {
       if (allows(axis, l.at)) values.push_back(l.at);
     }
     double least = std::numeric_limits<double>::infinity(), most = -least;
@@ -268,13 +268,13 @@ class Script {
 
   /// gnuplot leaves out labels on the frame, and markers with notes are labels: they are moved
   /// inwards by an invisible amount.
-  static double inside(const ChartAxis& axis, double v, double middle) {
+  static double inside(const Chart::Axis& axis, double v, double middle) {
     constexpr double kShift = 1e-9;
     return is_log(axis) ? v * std::pow(middle / v, kShift) : v + kShift * (middle - v);
   }
 
   void vertical_lines() {
-    for (const ChartLine& reference : chart_.x_lines) {
+    for (const Chart::Line& reference : chart_.x_lines) {
       if (!allows(chart_.x, reference.at)) continue;
       const std::string at = number(reference.at);
       line(
@@ -295,7 +295,7 @@ class Script {
     }
   }
 
-  static std::string line_style(const ChartSeries& s) {
+  static std::string line_style(const Chart::Series& s) {
     if (s.background) return "lw 7 dt solid lc rgb '#d9d9d9'";
     return fmt::format("lw 1.6 dt {} lc rgb '{}'", of_style(kDashes, s.style),
                        of_style(kColours, s.style));
@@ -310,12 +310,12 @@ class Script {
   }
 
   void series(std::size_t index) {
-    const ChartSeries& s = chart_.series[index];
-    using Kind = ChartSeries::Kind;
+    const Chart::Series& s = chart_.series[index];
+    using Kind = Chart::Series::Kind;
     std::string joined, bars;
     std::array<std::string, 4> marked;  // filled, hollow; then those with notes
     for (std::size_t k = 0; k < s.points.size(); ++k) {
-      const ChartPoint& p = s.points[k];
+      const Chart::Point& p = s.points[k];
       if (!std::isfinite(p.x) || !std::isfinite(p.y)) continue;
       const std::string at = number(lifted_x(p.x)) + " " + number(lifted_y(p.y));
       joined += at + "\n";
@@ -362,12 +362,12 @@ class Script {
     }
   }
 
-  void key_entry(const ChartSeries& s) {
+  void key_entry(const Chart::Series& s) {
     if (s.name.empty() || chart_.key == Chart::Key::kNone) return;
-    const bool any_marked =
-        s.kind != ChartSeries::Kind::kLine && !s.background &&
-        std::any_of(s.points.begin(), s.points.end(), [](const ChartPoint& p) { return p.marked; });
-    const bool joined = s.kind != ChartSeries::Kind::kPoints;
+    const bool any_marked = s.kind != Chart::Series::Kind::kLine && !s.background &&
+                            std::any_of(s.points.begin(), s.points.end(),
+                                        [](const Chart::Point& p) { return p.marked; });
+    const bool joined = s.kind != Chart::Series::Kind::kPoints;
     const Marker& marker = of_style(kMarkers, s.style);
     std::string look = joined && any_marked ? "linespoints" : joined ? "lines" : "points";
     if (any_marked || !joined) look += fmt::format(" pt {} ps {}", marker.filled, marker.size);
@@ -406,8 +406,8 @@ std::string note_of(const Chart& chart, std::string_view label) {
   char* end = nullptr;
   const std::size_t series = std::strtoul(text.c_str() + 1, &end, 10);
   const std::size_t point = std::strtoul(end + 1, nullptr, 10);
-  const ChartSeries& s = chart.series.at(series);
-  const ChartPoint& p = s.points.at(point);
+  const Chart::Series& s = chart.series.at(series);
+  const Chart::Point& p = s.points.at(point);
   if (!p.note.empty()) return p.note;
   const auto named = [](const std::string& axis, double x) {
     return axis.empty() ? fmt::format("{:.4g}", x) : fmt::format("{}: {:.4g}", axis, x);
@@ -512,8 +512,8 @@ void write_chart_files(const std::filesystem::path& folder, const std::string& n
                   fmt::format("# gnuplot {0}.gp makes {0}.svg.\nset output {1}\n{2}", name,
                               in_quotes(name + ".svg"), script));
   std::string csv = "series,x,y,note\n";
-  for (const ChartSeries& series : chart.series) {
-    for (const ChartPoint& p : series.points) {
+  for (const Chart::Series& series : chart.series) {
+    for (const Chart::Point& p : series.points) {
       csv += fmt::format("{},{},{},{}\n", csv_text(series.name), p.x, p.y, csv_text(p.note));
     }
   }

@@ -9,49 +9,49 @@
 
 namespace bipot {
 
-/// A chart, drawn by gnuplot (bench/report/program.h) as SVG with its text as text.
-struct ChartPoint {
-  double x = 0, y = 0;
-  bool hollow = false;  ///< drawn without filling
-  /// Shown by the browser when the pointer rests on the marker; empty: its numbers.
-  std::string note;
-  bool marked = true;
-  /// Ends of an error bar; none if one is not finite.
-  double y_low = std::numeric_limits<double>::quiet_NaN();
-  double y_high = std::numeric_limits<double>::quiet_NaN();
-};
-struct ChartSeries {
-  enum class Kind {
-    kLinePoints,  ///< markers, joined in the order of the points
-    kLine,        ///< no markers: a fit, a theory
-    kPoints,      ///< markers that nothing joins
-    kSteps        ///< y holds from x to the next x; markers on request
-  };
-  std::string name;  ///< in the key; empty: not there
-  /// Colour, marker and dashes. No two up to 29 share both marker and dashes, so that grey
-  /// suffices.
-  int style = 0;
-  std::vector<ChartPoint> points;
-  Kind kind = Kind::kLinePoints;
-  bool background = false;  ///< wide and grey behind the others, without markers; kLine or kSteps
-};
-struct ChartAxis {
-  enum class Kind { kLinear, kLog, kLogSeconds };
-  std::string label;
-  Kind kind = Kind::kLinear;
-  std::optional<double> low, high;  ///< else from the data
-};
-/// A reference, drawn across the chart.
-struct ChartLine {
-  double at = 0;
-  std::string label;
-};
 struct Chart {
+  /// A chart, drawn by gnuplot (bench/report/program.h) as SVG with its text as text.
+  struct Point {
+    double x = 0, y = 0;
+    bool hollow = false;  ///< drawn without filling
+    /// Shown by the browser when the pointer rests on the marker; empty: its numbers.
+    std::string note;
+    bool marked = true;
+    /// Ends of an error bar; none if one is not finite.
+    double y_low = std::numeric_limits<double>::quiet_NaN();
+    double y_high = std::numeric_limits<double>::quiet_NaN();
+  };
+  struct Series {
+    enum class Kind {
+      kLinePoints,  ///< markers, joined in the order of the points
+      kLine,        ///< no markers: a fit, a theory
+      kPoints,      ///< markers that nothing joins
+      kSteps        ///< y holds from x to the next x; markers on request
+    };
+    std::string name;  ///< in the key; empty: not there
+    /// Colour, marker and dashes. No two up to 29 share both marker and dashes, so that grey
+    /// suffices.
+    int style = 0;
+    std::vector<Point> points;
+    Kind kind = Kind::kLinePoints;
+    bool background = false;  ///< wide and grey behind the others, without markers; kLine or kSteps
+  };
+  struct Axis {
+    enum class Kind { kLinear, kLog, kLogSeconds };
+    std::string label;
+    Kind kind = Kind::kLinear;
+    std::optional<double> low, high;  ///< else from the data
+  };
+  /// A reference, drawn across the chart.
+  struct Line {
+    double at = 0;
+    std::string label;
+  };
   enum class Key { kBelow, kRight, kNone };
   std::string title;  ///< for readers who do not see the drawing; drawn in files alone
-  ChartAxis x, y;
-  std::vector<ChartSeries> series;
-  std::vector<ChartLine> x_lines, y_lines;  ///< vertical and horizontal lines
+  Axis x, y;
+  std::vector<Series> series;
+  std::vector<Line> x_lines, y_lines;  ///< vertical and horizontal lines
   Key key = Key::kBelow;
   /// Size of the axes with their labels; the key is additional. In units in which text is 12 high.
   double width = 440, height = 300;

@@ -57,31 +57,31 @@ void write_columns(std::string& out, const Table& table, const std::vector<std::
   for (const auto& texts : cells) line(texts);
 }
 
-void write_blocks(std::string& out, const std::vector<Block>& blocks);
+void write_blocks(std::string& out, const std::vector<Document::Block>& blocks);
 
-void write_block(std::string& out, const Block& block) {
+void write_block(std::string& out, const Document::Block& block) {
   const std::string space = out.empty() ? "" : "\n";
   std::visit(
-      Overloaded{[&](const Heading& h) { out += space + plain(h.text) + '\n'; },
-                 [&](const Paragraph& p) { write_paragraph(out, p.text); },
+      Overloaded{[&](const Document::Heading& h) { out += space + plain(h.text) + '\n'; },
+                 [&](const Document::Paragraph& p) { write_paragraph(out, p.text); },
                  [&](const Table& t) { out += space + to_text(t) + '\n'; }, [](const Figure&) {},
                  [&](const Terms& t) {
                    for (const auto& [term, text] : t.entries) {
                      write_paragraph(out, term + ": " + text);
                    }
                  },
-                 [&](const Details& d) {
+                 [&](const Document::Details& d) {
                    out += space + plain(d.summary) + '\n';
                    write_blocks(out, d.blocks);
                  }},
       block.content);
 }
 
-void write_blocks(std::string& out, const std::vector<Block>& blocks) {
-  for (const Block& block : blocks) write_block(out, block);
+void write_blocks(std::string& out, const std::vector<Document::Block>& blocks) {
+  for (const Document::Block& block : blocks) write_block(out, block);
 }
 
-Json value_json(const TableCell& cell) {
+Json value_json(const Table::Cell& cell) {
   return std::visit(Overloaded{[](std::monostate) { return Json(nullptr); },
                                [](const auto& x) { return Json(x); }},
                     cell.value);
@@ -95,7 +95,7 @@ std::string csv_word(const std::string& text) {
   return bare ? text : csv_text(text);
 }
 
-std::string value_csv(const TableCell& cell) {
+std::string value_csv(const Table::Cell& cell) {
   return std::visit(Overloaded{[](std::monostate) { return std::string(); },
                                [](const std::string& x) { return csv_word(x); },
                                [](const auto& x) { return fmt::format("{}", x); }},
@@ -104,20 +104,20 @@ std::string value_csv(const TableCell& cell) {
 
 }  // namespace
 
-TableCell& TableCell::shown(std::string x) {
+Table::Cell& Table::Cell::shown(std::string x) {
   text = std::move(x);
   return *this;
 }
-TableCell& TableCell::tipped(std::string x) {
+Table::Cell& Table::Cell::tipped(std::string x) {
   tip = std::move(x);
   return *this;
 }
-TableCell& TableCell::as(std::string x) {
+Table::Cell& Table::Cell::as(std::string x) {
   look = std::move(x);
   return *this;
 }
 
-std::string text_of(const TableCell& cell, const TableColumn& column) {
+std::string text_of(const Table::Cell& cell, const Table::Column& column) {
   if (cell.text) return *cell.text;
   return std::visit(
       Overloaded{[](std::monostate) { return std::string(); },
@@ -128,15 +128,15 @@ std::string text_of(const TableCell& cell, const TableColumn& column) {
       cell.value);
 }
 
-bool is_title(const Table& table, const TableRow& row) {
+bool is_title(const Table& table, const Table::Row& row) {
   return row.cells.size() == 1 && table.columns.size() > 1;
 }
 
-std::string heading_of(const TableColumn& column) {
+std::string heading_of(const Table::Column& column) {
   return column.unit.empty() ? column.name : fmt::format("{} [{}]", column.name, column.unit);
 }
 
-void Table::add(std::vector<TableCell> cells, std::string row_look, std::string id) {
+void Table::add(std::vector<Cell> cells, std::string row_look, std::string id) {
   rows.push_back({std::move(cells), std::move(row_look), std::move(id)});
 }
 
@@ -150,10 +150,11 @@ void Document::add(Table table) { blocks.push_back({std::move(table)}); }
 void Document::add(Figure figure) { blocks.push_back({std::move(figure)}); }
 void Document::add(Terms terms) { blocks.push_back({std::move(terms)}); }
 void Document::fold(std::string summary, Document inside, std::string id, bool open) {
-  blocks.push_back({Details{std::move(summary), std::move(id), open, std::move(inside.blocks)}});
+  blocks.push_back(
+      {Document::Details{std::move(summary), std::move(id), open, std::move(inside.blocks)}});
 }
 void Document::append(Document part) {
-  for (Block& block : part.blocks) blocks.push_back(std::move(block));
+  for (Document::Block& block : part.blocks) blocks.push_back(std::move(block));
 }
 
 Provenance provenance(std::string name, std::string command) {
@@ -195,7 +196,7 @@ std::string to_text(const Table& table) {
     cells[0].push_back(plain(heading_of(table.columns[k])));
     widths.push_back(letters(cells[0].back()));
   }
-  for (const TableRow& row : table.rows) {
+  for (const Table::Row& row : table.rows) {
     auto& texts = cells.emplace_back();
     const bool title = is_title(table, row);
     if (title) texts.push_back(plain(text_of(row.cells[0], table.columns[0])));
@@ -231,16 +232,16 @@ std::string to_text(const Document& document) {
 
 std::string to_markdown(const Table& table) {
   std::string head = "|", rule = "|", rows;
-  for (const TableColumn& column : table.columns) {
+  for (const Table::Column& column : table.columns) {
     if (column.name.empty()) continue;
     head += fmt::format(" {} |", heading_of(column));
     rule += " --- |";
   }
-  for (const TableRow& row : table.rows) {
+  for (const Table::Row& row : table.rows) {
     if (is_title(table, row)) continue;
     rows += '|';
     for (std::size_t k = 0; k < row.cells.size(); ++k) {
-      const TableColumn& column = table.columns[k];
+      const Table::Column& column = table.columns[k];
       if (!column.name.empty()) rows += fmt::format(" {} |", text_of(row.cells[k], column));
     }
     rows += '\n';
@@ -250,7 +251,7 @@ std::string to_markdown(const Table& table) {
 
 Json to_json(const Table& table) {
   Json all = Json::array();
-  for (const TableRow& row : table.rows) {
+  for (const Table::Row& row : table.rows) {
     if (is_title(table, row)) continue;
     Json object = Json::object();
     for (std::size_t k = 0; k < row.cells.size(); ++k) {
@@ -263,23 +264,24 @@ Json to_json(const Table& table) {
 
 Json to_json(const Document& document) {
   Json json = to_json(document.made);
-  for (const Block& block : document.blocks) {
+  for (const Document::Block& block : document.blocks) {
     const auto* table = std::get_if<Table>(&block.content);
     if (table != nullptr && !table->key.empty()) json[table->key] = to_json(*table);
   }
   return json;
 }
 
-std::string csv_header(const std::vector<TableColumn>& columns) {
+std::string csv_header(const std::vector<Table::Column>& columns) {
   std::string line;
-  for (const TableColumn& column : columns) {
+  for (const Table::Column& column : columns) {
     if (column.key.empty()) continue;
     line += (line.empty() ? "" : ",") + column.key;
   }
   return line;
 }
 
-std::string csv_line(const std::vector<TableColumn>& columns, const std::vector<TableCell>& cells) {
+std::string csv_line(const std::vector<Table::Column>& columns,
+                     const std::vector<Table::Cell>& cells) {
   std::string line;
   bool first = true;
   for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -292,20 +294,20 @@ std::string csv_line(const std::vector<TableColumn>& columns, const std::vector<
 
 std::string to_csv(const Table& table) {
   std::string out = csv_header(table.columns) + '\n';
-  for (const TableRow& row : table.rows) {
+  for (const Table::Row& row : table.rows) {
     if (!is_title(table, row)) out += csv_line(table.columns, row.cells) + '\n';
   }
   return out;
 }
 
 void write_figures(const std::filesystem::path& folder, const Document& document) {
-  const auto write = [&](const auto& self, const std::vector<Block>& blocks) -> void {
-    for (const Block& block : blocks) {
+  const auto write = [&](const auto& self, const std::vector<Document::Block>& blocks) -> void {
+    for (const Document::Block& block : blocks) {
       if (const auto* figure = std::get_if<Figure>(&block.content)) {
         if (!figure->chart || figure->file.empty()) continue;
         write_chart_files(folder, std::filesystem::path(figure->file).stem().string(),
                           *figure->chart);
-      } else if (const auto* details = std::get_if<Details>(&block.content)) {
+      } else if (const auto* details = std::get_if<Document::Details>(&block.content)) {
         self(self, details->blocks);
       }
     }

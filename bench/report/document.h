@@ -22,65 +22,53 @@ namespace bipot {
 // and the end of a line breaks it. A link leads into the page or to a file beside it. Looks are
 // classes of bench/report/page_style.cc: good, weak, bad, none, grey, beyond, over, small, quote.
 
-/// A value, and its form for readers. CSV and JSON have the value alone.
-struct TableCell {
-  TableCell() = default;  ///< empty in CSV, null in JSON
-  TableCell(std::integral auto x) {
-    if constexpr (std::same_as<decltype(x), bool>) {
-      value = x;
-    } else {
-      value = static_cast<long>(x);
-    }
-  }
-  TableCell(double x) : value(x) {}
-  TableCell(const char* x) : value(std::string(x)) {}
-  TableCell(std::string_view x) : value(std::string(x)) {}
-  TableCell(std::string x) : value(std::move(x)) {}
-
-  TableCell& shown(std::string x);   ///< sets `text`
-  TableCell& tipped(std::string x);  ///< sets `tip`
-  TableCell& as(std::string x);      ///< sets `look`
-
-  std::variant<std::monostate, bool, long, double, std::string> value;
-  std::optional<std::string> text;  ///< shown instead of the value
-  std::string tip;                  ///< shown when the pointer rests on it
-  std::string look;
-};
-
-struct TableColumn {
-  std::string key;                        ///< in CSV and JSON; empty: not there
-  std::string name;                       ///< the heading; empty: a column hidden from readers
-  std::string (*show)(double) = nullptr;  ///< of numbers (labels.h), flush right; null: texts
-  std::string unit;                       ///< shown in brackets behind the name
-  std::string meaning;                    ///< shown when the pointer rests on the heading
-  bool filter = false;  ///< of a sortable table: the reader can filter by its values
-};
-
-struct TableRow {
-  /// A single one is a title of the rows below, absent in CSV and JSON.
-  std::vector<TableCell> cells;
-  std::string look;
-  std::string id;
-};
-
 struct Table {
-  std::vector<TableColumn> columns;
-  std::vector<TableRow> rows;
+  /// A value, and its form for readers. CSV and JSON have the value alone.
+  struct Cell {
+    Cell() = default;  ///< empty in CSV, null in JSON
+    Cell(std::integral auto x) {
+      if constexpr (std::same_as<decltype(x), bool>) {
+        value = x;
+      } else {
+        value = static_cast<long>(x);
+      }
+    }
+    Cell(double x) : value(x) {}
+    Cell(const char* x) : value(std::string(x)) {}
+    Cell(std::string_view x) : value(std::string(x)) {}
+    Cell(std::string x) : value(std::move(x)) {}
+
+    Cell& shown(std::string x);   ///< sets `text`
+    Cell& tipped(std::string x);  ///< sets `tip`
+    Cell& as(std::string x);      ///< sets `look`
+
+    std::variant<std::monostate, bool, long, double, std::string> value;
+    std::optional<std::string> text;  ///< shown instead of the value
+    std::string tip;                  ///< shown when the pointer rests on it
+    std::string look;
+  };
+  struct Column {
+    std::string key;                        ///< in CSV and JSON; empty: not there
+    std::string name;                       ///< the heading; empty: a column hidden from readers
+    std::string (*show)(double) = nullptr;  ///< of numbers (labels.h), flush right; null: texts
+    std::string unit;                       ///< shown in brackets behind the name
+    std::string meaning;                    ///< shown when the pointer rests on the heading
+    bool filter = false;  ///< of a sortable table: the reader can filter by its values
+  };
+  struct Row {
+    /// A single one is a title of the rows below, absent in CSV and JSON.
+    std::vector<Cell> cells;
+    std::string look;
+    std::string id;
+  };
+  std::vector<Column> columns;
+  std::vector<Row> rows;
   std::string key;      ///< in the JSON of a document; empty: not included
   std::string caption;  ///< above it
   std::string note;     ///< below it, small
   bool sortable = false;
 
-  void add(std::vector<TableCell> cells, std::string row_look = {}, std::string id = {});
-};
-
-struct Heading {
-  int level = 2;
-  std::string text, id;
-};
-
-struct Paragraph {
-  std::string text, look;
+  void add(std::vector<Cell> cells, std::string row_look = {}, std::string id = {});
 };
 
 /// A chart or an image. Consecutive ones form a grid.
@@ -98,18 +86,6 @@ struct Terms {
   std::vector<std::pair<std::string, std::string>> entries;
 };
 
-struct Block;
-/// Collapsed on a page.
-struct Details {
-  std::string summary, id;
-  bool open = false;
-  std::vector<Block> blocks;
-};
-
-struct Block {
-  std::variant<Heading, Paragraph, Table, Figure, Terms, Details> content;
-};
-
 /// Origin of numbers: program, machine and date.
 struct Provenance {
   std::string name;     ///< of the command: "compare"
@@ -125,6 +101,20 @@ Terms to_terms(const Provenance& made);
 Json to_json(const Provenance& made);
 
 struct Document {
+  struct Heading {
+    int level = 2;
+    std::string text, id;
+  };
+  struct Paragraph {
+    std::string text, look;
+  };
+  struct Block;
+  /// Collapsed on a page.
+  struct Details {
+    std::string summary, id;
+    bool open = false;
+    std::vector<Block> blocks;
+  };
   std::string title;
   Provenance made;
   bool contents = false;  ///< links to the headings of level 2, before the first of them
@@ -139,12 +129,15 @@ struct Document {
   /// Appends the blocks of another document.
   void append(Document part);
 };
+struct Document::Block {
+  std::variant<Heading, Paragraph, Table, Figure, Terms, Details> content;
+};
 
 /// Text of a cell and of a heading for readers, marks included.
-std::string text_of(const TableCell& cell, const TableColumn& column);
-std::string heading_of(const TableColumn& column);
+std::string text_of(const Table::Cell& cell, const Table::Column& column);
+std::string heading_of(const Table::Column& column);
 /// True if the row is a title of the rows below it.
-bool is_title(const Table& table, const TableRow& row);
+bool is_title(const Table& table, const Table::Row& row);
 
 /// A page that needs no other file except those named by its figures. Throws FileError if gnuplot
 /// cannot draw.
@@ -161,8 +154,9 @@ Json to_json(const Table& table);
 /// The keys, then a line for each row; numbers to the last bit.
 std::string to_csv(const Table& table);
 /// Both without the end of the line.
-std::string csv_header(const std::vector<TableColumn>& columns);
-std::string csv_line(const std::vector<TableColumn>& columns, const std::vector<TableCell>& cells);
+std::string csv_header(const std::vector<Table::Column>& columns);
+std::string csv_line(const std::vector<Table::Column>& columns,
+                     const std::vector<Table::Cell>& cells);
 
 /// The files of figures that name one and have a chart, see write_chart_files. Throws FileError.
 void write_figures(const std::filesystem::path& folder, const Document& document);

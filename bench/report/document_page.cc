@@ -84,8 +84,8 @@ std::string prose(std::string_view text) {
   return out;
 }
 
-bool has_sortable(const std::vector<Block>& blocks) {
-  return std::any_of(blocks.begin(), blocks.end(), [](const Block& block) {
+bool has_sortable(const std::vector<Document::Block>& blocks) {
+  return std::any_of(blocks.begin(), blocks.end(), [](const Document::Block& block) {
     const auto* table = std::get_if<Table>(&block.content);
     return table != nullptr && table->sortable;
   });
@@ -104,7 +104,7 @@ class PageWriter {
     add("{}<h1>{}</h1>\n", page_head(document_.title), prose(document_.title));
     bool listed = !document_.contents;
     for (std::size_t k = 0; k < document_.blocks.size();) {
-      const auto* heading = std::get_if<Heading>(&document_.blocks[k].content);
+      const auto* heading = std::get_if<Document::Heading>(&document_.blocks[k].content);
       if (!listed && heading != nullptr && heading->level == 2) {
         write_contents();
         listed = true;
@@ -122,11 +122,11 @@ class PageWriter {
   }
 
   /// Charts to be drawn in the page, in its order: gnuplot draws all at once.
-  static void collect(const std::vector<Block>& blocks, std::vector<Chart>& charts) {
-    for (const Block& block : blocks) {
+  static void collect(const std::vector<Document::Block>& blocks, std::vector<Chart>& charts) {
+    for (const Document::Block& block : blocks) {
       if (const auto* figure = std::get_if<Figure>(&block.content)) {
         if (figure->chart) charts.push_back(*figure->chart);
-      } else if (const auto* details = std::get_if<Details>(&block.content)) {
+      } else if (const auto* details = std::get_if<Document::Details>(&block.content)) {
         collect(details->blocks, charts);
       }
     }
@@ -134,8 +134,8 @@ class PageWriter {
 
   void write_contents() {
     add("<nav>");
-    for (const Block& block : document_.blocks) {
-      const auto* heading = std::get_if<Heading>(&block.content);
+    for (const Document::Block& block : document_.blocks) {
+      const auto* heading = std::get_if<Document::Heading>(&block.content);
       if (heading == nullptr || heading->level != 2 || heading->id.empty()) continue;
       add("<a href=\"#{}\">{}</a>", escape_markup(heading->id), prose(heading->text));
     }
@@ -143,7 +143,7 @@ class PageWriter {
   }
 
   /// Writes one block, or all figures of a grid. Returns the index after them.
-  std::size_t write_from(const std::vector<Block>& blocks, std::size_t k) {
+  std::size_t write_from(const std::vector<Document::Block>& blocks, std::size_t k) {
     if (!std::holds_alternative<Figure>(blocks[k].content)) {
       std::visit([this](const auto& content) { write(content); }, blocks[k].content);
       return k + 1;
@@ -158,11 +158,11 @@ class PageWriter {
     return k;
   }
 
-  void write(const Heading& h) {
+  void write(const Document::Heading& h) {
     add("<h{0}{1}>{2}</h{0}>\n", h.level, attribute("id", h.id), prose(h.text));
   }
 
-  void write(const Paragraph& p) {
+  void write(const Document::Paragraph& p) {
     add("<p{}>{}</p>\n", attribute("class", p.look), prose(p.text));
   }
 
@@ -174,7 +174,7 @@ class PageWriter {
     add("</dl>\n");
   }
 
-  void write(const Details& d) {
+  void write(const Document::Details& d) {
     if (has_script_ && !has_button_) {
       add("<p><button type=\"button\" id=\"open-all\">Open all that is folded</button></p>\n");
       has_button_ = true;
@@ -218,14 +218,14 @@ class PageWriter {
     if (!table.caption.empty()) add("<caption>{}</caption>", prose(table.caption));
     add("<thead><tr>");
     for (const std::size_t k : shown) {
-      const TableColumn& column = table.columns[k];
+      const Table::Column& column = table.columns[k];
       const std::string name = prose(heading_of(column));
       add("<th{}{}>{}</th>", class_of("", column.show != nullptr),
           attribute("title", column.meaning),
           table.sortable ? "<button type=\"button\">" + name + "</button>" : name);
     }
     add("</tr></thead><tbody>\n");
-    for (const TableRow& row : table.rows) {
+    for (const Table::Row& row : table.rows) {
       if (is_title(table, row)) {
         add("<tr class=\"group\"{}><td colspan=\"{}\">{}</td></tr>\n", attribute("id", row.id),
             shown.size(), prose(text_of(row.cells[0], table.columns[0])));
@@ -240,7 +240,7 @@ class PageWriter {
     if (table.sortable) add("</section>\n");
   }
 
-  void write_cell(const Table& table, const TableCell& cell, const TableColumn& column) {
+  void write_cell(const Table& table, const Table::Cell& cell, const Table::Column& column) {
     add("<td{}{}", class_of(cell.look, column.show != nullptr), attribute("title", cell.tip));
     html_ += attribute("data-label", heading_of(column));  // rows are cards on small screens
     if (table.sortable) {
@@ -254,12 +254,12 @@ class PageWriter {
         "<input data-column=\"0\" size=\"14\"></label>",
         prose(table.columns[shown[0]].name));
     for (std::size_t place = 0; place < shown.size(); ++place) {
-      const TableColumn& column = table.columns[shown[place]];
+      const Table::Column& column = table.columns[shown[place]];
       if (!column.filter) continue;
       add("<label>{}<select data-column=\"{}\"><option value=\"\">all</option>", prose(column.name),
           place);
       std::set<std::string> seen = {""};
-      for (const TableRow& row : table.rows) {
+      for (const Table::Row& row : table.rows) {
         const std::string text = text_of(row.cells[shown[place]], column);
         if (seen.insert(text).second) add("<option>{}</option>", escape_markup(text));
       }

@@ -156,7 +156,7 @@ Table start_table(const SeveralAnswers& found) {
   for (const AnswerStart& start : found.starts) {
     const bool finished = !start.finished_by.empty() && start.finished_by != start.solver;
     table.add({start.from, finished ? start.solver + ", then " + start.finished_by : start.solver,
-               start.answer < 0 ? TableCell(kNaN).shown("–") : TableCell(start.answer + 1),
+               start.answer < 0 ? Table::Cell(kNaN).shown("–") : Table::Cell(start.answer + 1),
                start.error.guarded(), start.seconds, start.message});
   }
   return table;
@@ -168,7 +168,7 @@ Table difference_table(const SeveralAnswers& found) {
     table.columns.push_back({.name = fmt::format("answer {}", k + 1)});
   }
   for (const int c : found.differing_contacts) {
-    std::vector<TableCell> cells = {c};
+    std::vector<Table::Cell> cells = {c};
     for (const Answer& answer : found.answers) cells.emplace_back(word(answer.status[to_size(c)]));
     table.add(std::move(cells));
   }

@@ -16,7 +16,7 @@ namespace {
 // Fractions of a goal that the time step may use: comfortably, and at most.
 constexpr double kComfortable = 0.5, kMost = 0.9;
 
-bool solved_everywhere(const SolverTrial& trial) {
+bool solved_everywhere(const Advice::SolverTrial& trial) {
   return trial.stretches > 0 && trial.solved == trial.stretches;
 }
 
@@ -77,11 +77,12 @@ std::string error_against(const MeasuredError& measured, const Accuracy& goal) {
 namespace {
 
 /// The choice among equal steps.
-StepChoice choose_equal_step(const std::vector<StepTrial>& steps, const Accuracy& goal) {
+Advice::StepChoice choose_equal_step(const std::vector<Advice::StepTrial>& steps,
+                                     const Accuracy& goal) {
   // A larger step is not better than a smaller one: such a measurement is chance.
-  const auto share = [&](const StepTrial& trial) {
+  const auto share = [&](const Advice::StepTrial& trial) {
     double largest = share_of(trial.error.bound(), goal);
-    for (const StepTrial& other : steps) {
+    for (const Advice::StepTrial& other : steps) {
       if (other.accuracy == 0 && other.step < trial.step) {
         largest = std::max(largest, share_of(other.error.least(), goal));
       }
@@ -102,7 +103,7 @@ StepChoice choose_equal_step(const std::vector<StepTrial>& steps, const Accuracy
   // Steps that surely miss come after all others.
   constexpr double kNear = 1.25;
   std::vector<bool> left;
-  for (const StepTrial& trial : steps) {
+  for (const Advice::StepTrial& trial : steps) {
     left.push_back(trial.accuracy == 0 && share_of(trial.error.least(), goal) <= kMost);
   }
   if (std::find(left.begin(), left.end(), true) == left.end()) {
@@ -122,8 +123,8 @@ StepChoice choose_equal_step(const std::vector<StepTrial>& steps, const Accuracy
 
 }  // namespace
 
-StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal) {
-  StepChoice choice = choose_equal_step(steps, goal);
+Advice::StepChoice choose_step(const std::vector<Advice::StepTrial>& steps, const Accuracy& goal) {
+  Advice::StepChoice choice = choose_equal_step(steps, goal);
   const auto share = [&](int i) { return share_of(steps[to_size(i)].error.bound(), goal); };
   for (int i = 0; i < static_cast<int>(steps.size()); ++i) {
     if (steps[to_size(i)].accuracy == 0) continue;
@@ -154,12 +155,12 @@ Accuracy without_lost_digits(const Accuracy& error, const Accuracy& spread) {
   return counted;
 }
 
-bool meets(const SolverTrial& trial, const Accuracy& budget, const Accuracy& spread) {
+bool meets(const Advice::SolverTrial& trial, const Accuracy& budget, const Accuracy& spread) {
   return solved_everywhere(trial) &&
          share_of(without_lost_digits(trial.error.bound(), spread), budget) <= 1;
 }
 
-std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget,
+std::vector<int> by_cost(const std::vector<Advice::SolverTrial>& trials, const Accuracy& budget,
                          const Accuracy& spread) {
   std::vector<int> order;
   for (int i = 0; i < static_cast<int>(trials.size()); ++i) {
@@ -171,7 +172,7 @@ std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy&
   return order;
 }
 
-int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget) {
+int nearest_trial(const std::vector<Advice::SolverTrial>& trials, const Accuracy& budget) {
   int nearest = -1;
   for (int i = 0; i < static_cast<int>(trials.size()); ++i) {
     if (!solved_everywhere(trials[i])) continue;
@@ -181,11 +182,11 @@ int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget
   return nearest;
 }
 
-void mark_pareto(std::vector<SolverTrial>& trials, const Accuracy& goal) {
-  for (SolverTrial& a : trials) {
+void mark_pareto(std::vector<Advice::SolverTrial>& trials, const Accuracy& goal) {
+  for (Advice::SolverTrial& a : trials) {
     const double share = share_of(a.error.error, goal);
     a.pareto = solved_everywhere(a) &&
-               std::none_of(trials.begin(), trials.end(), [&](const SolverTrial& b) {
+               std::none_of(trials.begin(), trials.end(), [&](const Advice::SolverTrial& b) {
                  const double other = share_of(b.error.error, goal);
                  return solved_everywhere(b) && b.seconds <= a.seconds && other <= share &&
                         (b.seconds < a.seconds || other < share);

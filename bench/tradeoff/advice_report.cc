@@ -26,12 +26,12 @@ Json to_json(const MeasuredError& e) {
   return j;
 }
 
-std::string_view verdict_name(SolverTrial::Verdict verdict) {
+std::string_view verdict_name(Advice::SolverTrial::Verdict verdict) {
   constexpr std::string_view kNames[] = {"missed", "met", "chosen"};
   return kNames[static_cast<int>(verdict)];
 }
 
-Json to_json(const SolverTrial& t) {
+Json to_json(const Advice::SolverTrial& t) {
   return {{"solver", t.solver.solver},
           {"parameters", t.solver.parameters},
           {"tol", t.tol},
@@ -47,17 +47,17 @@ Json to_json(const SolverTrial& t) {
 }
 
 /// A column for each quantity with a goal.
-void add_columns(const Accuracy& goal, std::vector<TableColumn>& columns) {
+void add_columns(const Accuracy& goal, std::vector<Table::Column>& columns) {
   for (const auto& [m, key, name] : Accuracy::kMeasures) {
     if (!std::isnan(goal.*m)) columns.push_back({.key = key, .name = name, .show = compact_label});
   }
 }
 void add_errors(const MeasuredError& measured, const Accuracy& goal,
-                std::vector<TableCell>& cells) {
+                std::vector<Table::Cell>& cells) {
   const Accuracy bound = measured.bound();
   for (const auto& [m, key, name] : Accuracy::kMeasures) {
     if (std::isnan(goal.*m)) continue;
-    cells.push_back(TableCell(measured.error.*m)
+    cells.push_back(Table::Cell(measured.error.*m)
                         .shown(with_bar(measured.error.*m, measured.bar.*m))
                         .as(bound.*m > goal.*m ? "over" : ""));
   }
@@ -68,8 +68,8 @@ Table step_table(const Advice& a) {
   add_columns(a.goal, table.columns);
   table.columns.push_back({.name = " "});
   for (std::size_t i = 0; i < a.steps.steps.size(); ++i) {
-    const StepTrial& t = a.steps.steps[i];
-    std::vector<TableCell> cells = {static_cast<int>(i) == a.step.index ? ">" : "", t.step};
+    const Advice::StepTrial& t = a.steps.steps[i];
+    std::vector<Table::Cell> cells = {static_cast<int>(i) == a.step.index ? ">" : "", t.step};
     add_errors(t.error, a.goal, cells);
     cells.emplace_back(t.accuracy > 0  ? fmt::format("cut by accuracy {:.2g}", t.accuracy)
                        : t.factor == 1 ? std::string("the scene's")
@@ -87,10 +87,10 @@ Table trial_table(const Advice& a) {
   add_columns(a.goal, table.columns);
   table.columns.push_back({.key = "verdict", .name = "verdict"});
   for (std::size_t i = 0; i < a.trials.size(); ++i) {
-    const SolverTrial& t = a.trials[i];
+    const Advice::SolverTrial& t = a.trials[i];
     const bool chosen = static_cast<int>(i) == a.choice;
-    std::vector<TableCell> cells = {fmt::format("{}{}", chosen ? ">" : "", t.pareto ? "*" : ""),
-                                    t.solver.label, t.tol, t.seconds};
+    std::vector<Table::Cell> cells = {fmt::format("{}{}", chosen ? ">" : "", t.pareto ? "*" : ""),
+                                      t.solver.label, t.tol, t.seconds};
     add_errors(t.error, a.goal, cells);
     cells.emplace_back(t.solved < t.stretches
                            ? fmt::format("{} of {} stretches: {}", t.solved, t.stretches, t.message)
@@ -111,17 +111,17 @@ Table plane_table(const Advice& a) {
                   "at others their errors are taken from there. Below: CPU of the solves in a "
                   "simulated second, at the marked step."};
   std::vector<double> tols;
-  for (const SolverTrial& t : a.trials) {
+  for (const Advice::SolverTrial& t : a.trials) {
     if (t.solved == t.stretches && std::find(tols.begin(), tols.end(), t.tol) == tols.end()) {
       tols.push_back(t.tol);
     }
   }
   std::sort(tols.rbegin(), tols.rend());
-  const SolverTrial* choice = a.choice < 0 ? nullptr : &a.trials[to_size(a.choice)];
+  const Advice::SolverTrial* choice = a.choice < 0 ? nullptr : &a.trials[to_size(a.choice)];
   const auto cheapest = [&](double tol) {
-    const SolverTrial* best = nullptr;
+    const Advice::SolverTrial* best = nullptr;
     if (choice != nullptr && choice->tol == tol) return choice;
-    for (const SolverTrial& t : a.trials) {
+    for (const Advice::SolverTrial& t : a.trials) {
       if (t.tol != tol || t.solved < t.stretches) continue;
       if (best == nullptr || t.seconds < best->seconds) best = &t;
     }
@@ -132,13 +132,13 @@ Table plane_table(const Advice& a) {
   }
   for (std::size_t i = 0; i < a.steps.steps.size(); ++i) {
     const bool own = static_cast<int>(i) == a.step.index;
-    const StepTrial& s = a.steps.steps[i];
-    std::vector<TableCell> cells = {s.step};
+    const Advice::StepTrial& s = a.steps.steps[i];
+    std::vector<Table::Cell> cells = {s.step};
     if (s.accuracy > 0) {
       cells[0].shown(fmt::format("{}, accuracy {:.2g}", value_label(s.step), s.accuracy));
     }
     for (const double tol : tols) {
-      const SolverTrial* t = cheapest(tol);
+      const Advice::SolverTrial* t = cheapest(tol);
       double share = 0;
       for (const auto& [m, key, name] : Accuracy::kMeasures) {
         const double solver = t->error.bound().*m;
@@ -150,7 +150,7 @@ Table plane_table(const Advice& a) {
         text += fmt::format("\n{}, {}", t->solver.label, seconds_label(t->seconds / a.step_size));
       const bool chosen = own && a.choice >= 0 && tol == a.trials[to_size(a.choice)].tol;
       if (chosen) text = "**" + text + "**";
-      cells.push_back(TableCell(share).shown(text).as(share > 1 ? "bad" : "good"));
+      cells.push_back(Table::Cell(share).shown(text).as(share > 1 ? "bad" : "good"));
     }
     table.add(std::move(cells));
   }
@@ -161,9 +161,9 @@ Table plane_table(const Advice& a) {
 Chart cost_chart(const Advice& a) {
   Chart chart;
   chart.title = "Cost and error of the solvers";
-  chart.x = {"worst error over its goal", ChartAxis::Kind::kLog};
-  chart.y = {"CPU of a solve", ChartAxis::Kind::kLogSeconds};
-  for (const SolverTrial& t : a.trials) {
+  chart.x = {"worst error over its goal", Chart::Axis::Kind::kLog};
+  chart.y = {"CPU of a solve", Chart::Axis::Kind::kLogSeconds};
+  for (const Advice::SolverTrial& t : a.trials) {
     const double share = share_of(t.error.error, a.goal);
     if (t.solved < t.stretches || !(share > 0)) continue;
     if (chart.series.empty() || chart.series.back().name != t.solver.label) {
@@ -228,7 +228,7 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
     }
     return lines;
   }
-  const SolverTrial& t = a.trials[to_size(a.choice)];
+  const Advice::SolverTrial& t = a.trials[to_size(a.choice)];
   const bool own_step = std::abs(a.step_size / a.scene_step - 1) < 1e-9;
   line("choice",
        fmt::format("{} to {}, time step {:g} s (the scene's{}){}", t.solver.label,
@@ -264,7 +264,7 @@ Json to_json(const Advice& a, const Provenance& made) {
   j["goal"] = to_json(a.goal);
   j["default_goal"] = a.default_goal;
   if (a.choice >= 0) {
-    const SolverTrial& t = a.trials[to_size(a.choice)];
+    const Advice::SolverTrial& t = a.trials[to_size(a.choice)];
     j["advice"] = {{"solver", t.solver.solver},
                    {"parameters", t.solver.parameters},
                    {"tol", t.tol},
@@ -291,7 +291,7 @@ Json to_json(const Advice& a, const Provenance& made) {
                      {"finest_step", a.steps.finest * a.scene_step},
                      {"met", a.step.met},
                      {"steps", Json::array()}};
-  for (const StepTrial& t : a.steps.steps) {
+  for (const Advice::StepTrial& t : a.steps.steps) {
     j["step_study"]["steps"].push_back({{"step", t.step},
                                         {"accuracy", t.accuracy},
                                         {"seconds", t.seconds},
@@ -299,7 +299,7 @@ Json to_json(const Advice& a, const Provenance& made) {
   }
   j["budget"] = to_json(a.budget);
   j["trials"] = Json::array();
-  for (const SolverTrial& t : a.trials) j["trials"].push_back(to_json(t));
+  for (const Advice::SolverTrial& t : a.trials) j["trials"].push_back(to_json(t));
   j["out_of_time"] = a.out_of_time;
   j["spread"] = to_json(a.spread);
   j["advised_run"] = {{"steps_planned", a.run.steps_planned}, {"steps_run", a.run.steps},
@@ -311,7 +311,7 @@ Json to_json(const Advice& a, const Provenance& made) {
 
 std::string run_command_of(const Advice& a) {
   if (a.choice < 0) return {};
-  const SolverTrial& t = a.trials[to_size(a.choice)];
+  const Advice::SolverTrial& t = a.trials[to_size(a.choice)];
   std::string line = fmt::format("bipot run {} --solver {} --tol {}", a.scene, t.solver.solver,
                                  tolerance_label(t.tol));
   for (const auto& [name, value] : t.solver.parameters) {

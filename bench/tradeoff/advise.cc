@@ -25,7 +25,7 @@ constexpr int kMaxStarts = 64;
 constexpr int kMoreSamples = 4;  // times as many halve the bars
 
 template <int D>
-void check_request(const Scene<D>& scene, const AdviseOptions& options) {
+void check_request(const Scene<D>& scene, const Advice::Options& options) {
   for (const auto& [m, key, name] : Accuracy::kMeasures) {
     const double x = options.goal.*m;
     if (!std::isnan(x) && (!(x > 0) || !std::isfinite(x))) {
@@ -85,7 +85,7 @@ std::string beyond_goal(const Advice& advice) {
 }
 
 /// Sets costs, status and message from the results.
-void conclude(const AdviseOptions& options, Advice& advice) {
+void conclude(const Advice::Options& options, Advice& advice) {
   const std::string more = fmt::format("give --time-limit {:g}", 4 * options.time_limit);
   if (advice.choice < 0) {
     advice.status = Advice::Status::kUndecided;
@@ -95,8 +95,8 @@ void conclude(const AdviseOptions& options, Advice& advice) {
     if (!advice.out_of_time && !advice.trials.empty()) advice.status = Advice::Status::kNotMet;
     return;
   }
-  const SolverTrial& chosen = advice.trials[to_size(advice.choice)];
-  const AdvisedRun& run = advice.run;
+  const Advice::SolverTrial& chosen = advice.trials[to_size(advice.choice)];
+  const Advice::Run& run = advice.run;
   const double share =
       static_cast<double>(advice.sample.contact_steps) / std::max(1, advice.sample.steps_run);
   advice.seconds_per_step =
@@ -122,10 +122,10 @@ void conclude(const AdviseOptions& options, Advice& advice) {
   } else if (advice.step.index < 0) {
     advice.message = "the error of the time step could not be measured in time: " + more;
   } else if (!advice.step.met) {
-    const StepTrial& large = advice.steps.steps.front();
+    const Advice::StepTrial& large = advice.steps.steps.front();
     double small = large.step;
     std::string accuracies;
-    for (const StepTrial& t : advice.steps.steps) {
+    for (const Advice::StepTrial& t : advice.steps.steps) {
       if (t.accuracy == 0) small = t.step;
       if (t.accuracy > 0) accuracies += fmt::format(" nor accuracy {:.2g}", t.accuracy);
     }
@@ -140,7 +140,7 @@ void conclude(const AdviseOptions& options, Advice& advice) {
                     advice.accuracy > 0 ? fmt::format("accuracy {:.2g}", advice.accuracy)
                                         : fmt::format("{:g} s", advice.step_size),
                     held_against(advice.step_error, advice.goal));
-  } else if (chosen.verdict != SolverTrial::Verdict::kChosen) {
+  } else if (chosen.verdict != Advice::SolverTrial::Verdict::kChosen) {
     advice.message = fmt::format(
         "{}; the best is {} to {} with {}",
         advice.out_of_time ? "time was up before all solvers were tried: " + more
@@ -171,7 +171,7 @@ void conclude(const AdviseOptions& options, Advice& advice) {
 template <int D>
 class Adviser {
  public:
-  Adviser(const Scene<D>& scene, const AdviseOptions& options)
+  Adviser(const Scene<D>& scene, const Advice::Options& options)
       : scene_(scene),
         options_(options),
         time_(options.time_limit),
@@ -286,7 +286,7 @@ class Adviser {
   /// of a stretch, of which that from the third last has the present in its middle. One of them is
   /// that of the deepest overlap.
   void run_to_sample(double tol, double part) {
-    SceneSample& seen = advice_.sample;
+    Advice::Sample& seen = advice_.sample;
     seen = {.steps_planned = scene_.num_steps};
     starts_.clear();
     hardest_.reset();
@@ -336,7 +336,7 @@ class Adviser {
   }
 
   void say_that_nothing_touched() {
-    const SceneSample& seen = advice_.sample;
+    const Advice::Sample& seen = advice_.sample;
     const bool whole = seen.steps_run == seen.steps_planned;
     advice_.status = whole ? Advice::Status::kNoContacts : Advice::Status::kUndecided;
     advice_.message =
@@ -351,7 +351,7 @@ class Adviser {
   /// Measures time steps, as many and on as many stretches as time allows.
   void study_time_step() {
     say("measuring the time step");
-    StepStudy& study = advice_.steps;
+    Advice::StepStudy& study = advice_.steps;
     study.window = steps_ * scene_.step;
     // The scene's own step and half of it: the minimum for a stretch. The first one is
     // indispensable and may take longer.
@@ -395,8 +395,8 @@ class Adviser {
     for (auto level = runs_.rbegin(); level != runs_.rend(); ++level) {
       const double factor = level->first;
       if (factor == study.finest || (options_.keep_step && factor != 1)) continue;
-      StepTrial trial{factor, factor * scene_.step,
-                      stretch_errors(level->second, runs_.begin()->second, floor_, first_)};
+      Advice::StepTrial trial{factor, factor * scene_.step,
+                              stretch_errors(level->second, runs_.begin()->second, floor_, first_)};
       double& deepest = trial.error.error.penetration;
       deepest = std::fmax(deepest, factor * overlap);
       for (const auto& [m, key, name] : Accuracy::kMeasures) {
@@ -410,7 +410,7 @@ class Adviser {
     if (!options_.keep_step) try_accuracies(kept);
     advice_.step = choose_step(study.steps, advice_.goal);
     if (advice_.step.index >= 0) {
-      const StepTrial& chosen = study.steps[to_size(advice_.step.index)];
+      const Advice::StepTrial& chosen = study.steps[to_size(advice_.step.index)];
       factor_ = chosen.factor;
       advice_.accuracy = accuracy_ = chosen.accuracy;
       advice_.step_size = chosen.step;
@@ -429,7 +429,7 @@ class Adviser {
   /// Cuts longer steps by accuracies, large to small, until one meets the goal. Overlaps stay below
   /// about three times the accuracy.
   void try_accuracies(const Starts& kept) {
-    StepStudy& study = advice_.steps;
+    Advice::StepStudy& study = advice_.steps;
     const double overlap = advice_.goal.penetration;
     std::vector<double> ladder = {0.1, 0.03, 0.01};
     if (!std::isnan(overlap)) {
@@ -484,9 +484,10 @@ class Adviser {
   }
 
   /// A solver at a tolerance against tight runs with the same step.
-  SolverTrial try_solver(const SolverVariant& variant, double tol, const Samples& reference,
-                         double cpu_limit) const {
-    SolverTrial trial{.solver = variant, .tol = tol, .stretches = static_cast<int>(sample_.size())};
+  Advice::SolverTrial try_solver(const SolverVariant& variant, double tol, const Samples& reference,
+                                 double cpu_limit) const {
+    Advice::SolverTrial trial{
+        .solver = variant, .tol = tol, .stretches = static_cast<int>(sample_.size())};
     const RunSetting setting = setting_of(variant, tol);
     Samples samples;
     double cpu = 0;
@@ -547,11 +548,11 @@ class Adviser {
           reference_tol = tighter.tol;
         }
         // A solver that takes four times as long as the best so far is left.
-        SolverTrial trial = try_solver(variant, tol, reference, std::max(0.25, 4 * best));
+        Advice::SolverTrial trial = try_solver(variant, tol, reference, std::max(0.25, 4 * best));
         const bool solved = trial.solved == trial.stretches;
         if (meets(trial, advice_.budget, advice_.spread)) {
           ++met;
-          trial.verdict = SolverTrial::Verdict::kMet;
+          trial.verdict = Advice::SolverTrial::Verdict::kMet;
           best = std::min(best, trial.seconds * solves);
         }
         advice_.trials.push_back(std::move(trial));
@@ -565,13 +566,13 @@ class Adviser {
     const std::vector<int> order = by_cost(advice_.trials, advice_.budget, advice_.spread);
     advice_.choice = order.empty() ? nearest_trial(advice_.trials, advice_.budget) : order.front();
     if (order.empty()) return;
-    advice_.trials[to_size(order.front())].verdict = SolverTrial::Verdict::kChosen;
+    advice_.trials[to_size(order.front())].verdict = Advice::SolverTrial::Verdict::kChosen;
   }
 
   /// Stretches do not see the deepest overlap of another run: only the run itself does.
   void run_as_advised() {
     say("running the scene as advised");
-    const SolverTrial& chosen = advice_.trials[to_size(advice_.choice)];
+    const Advice::SolverTrial& chosen = advice_.trials[to_size(advice_.choice)];
     State<D> state = initial_state(scene_);
     const RunRecord run =
         run_setting(scene_, state, setting_of(chosen.solver, chosen.tol), until(1, kInfinity),
@@ -586,7 +587,7 @@ class Adviser {
   }
 
   const Scene<D>& scene_;
-  const AdviseOptions& options_;
+  const Advice::Options& options_;
   const TimeBudget time_;
   const int steps_;                                           // of a stretch, the scene's own
   double tight_ = 0, factor_ = 1, accuracy_ = 0, floor_ = 0;  // of sample_
@@ -613,7 +614,7 @@ Accuracy default_goal(const Scene<D>& scene) {
 template Accuracy default_goal(const Scene<2>&);
 template Accuracy default_goal(const Scene<3>&);
 
-Advice advise(const AnyScene& scene, const AdviseOptions& options) {
+Advice advise(const AnyScene& scene, const Advice::Options& options) {
   return std::visit(
       [&]<int D>(const Scene<D>& in) {
         check_request(in, options);

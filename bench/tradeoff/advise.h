@@ -15,6 +15,6 @@ Accuracy default_goal(const Scene<D>& scene);
 /// Tries solvers, tolerances and time steps on stretches of the scene's own run, and recommends the
 /// cheapest that meets the goal. Times decide, so that two runs may differ in close cases; errors
 /// do not depend on them. Throws std::invalid_argument for an inconsistent goal or options.
-Advice advise(const AnyScene& scene, const AdviseOptions& options);
+Advice advise(const AnyScene& scene, const Advice::Options& options);
 
 }  // namespace bipot

@@ -51,9 +51,9 @@ void perturb(Scene<D>& scene, int replica) {
   }
 }
 
-/// Steps of TradeOptions::shorten.
+/// Steps of Trade::Options::shorten.
 template <int D>
-int shortened(const Scene<D>& scene, const TradeOptions& options) {
+int shortened(const Scene<D>& scene, const Trade::Options& options) {
   constexpr double kPart = 0.1, kLeast = 0.05, kReserve = 0.5;
   const double tol = *std::min_element(options.tols.begin(), options.tols.end());
   double shortest = 1;
@@ -68,8 +68,8 @@ int shortened(const Scene<D>& scene, const TradeOptions& options) {
                     scene.num_steps);
 }
 
-TradeScene load_target(const std::string& target, const TradeOptions& options) {
-  TradeScene made{.target = target};
+Trade::Scene load_target(const std::string& target, const Trade::Options& options) {
+  Trade::Scene made{.target = target};
   std::string file = target;
   std::optional<int> steps;
   const std::string option = ":steps=";
@@ -112,12 +112,12 @@ TradeScene load_target(const std::string& target, const TradeOptions& options) {
 
 class Runner {
  public:
-  Runner(const TradeOptions& options, Trade& trade) : options_(options), trade_(trade) {}
+  Runner(const Trade::Options& options, Trade& trade) : options_(options), trade_(trade) {}
 
   bool stopped() const { return options_.interrupted && options_.interrupted(); }
 
   /// Runs all replicas of a setting. True if all were completed.
-  bool run(const TradeScene& scene, const RunSetting& setting) {
+  bool run(const Trade::Scene& scene, const RunSetting& setting) {
     for (int replica = 0; replica < scene.replicas && !stopped(); ++replica) {
       add(run_one(scene, setting, replica));
       if (trade_.rows.back().completed()) continue;
@@ -129,24 +129,24 @@ class Runner {
     return !stopped();
   }
 
-  void skip(const TradeScene& scene, const RunSetting& setting, int replica,
+  void skip(const Trade::Scene& scene, const RunSetting& setting, int replica,
             const std::string& why) {
-    TradeRow row = blank(scene, setting, replica);
+    Trade::Row row = blank(scene, setting, replica);
     row.message = why;
     add(std::move(row));
   }
-  void skip_all(const TradeScene& scene, const RunSetting& setting, const std::string& why) {
+  void skip_all(const Trade::Scene& scene, const RunSetting& setting, const std::string& why) {
     for (int replica = 0; replica < scene.replicas; ++replica) skip(scene, setting, replica, why);
   }
 
  private:
-  void add(TradeRow row) {
+  void add(Trade::Row row) {
     trade_.rows.push_back(std::move(row));
     if (options_.on_row) options_.on_row(trade_.rows.back());
   }
 
-  static TradeRow blank(const TradeScene& scene, const RunSetting& setting, int replica) {
-    TradeRow row;
+  static Trade::Row blank(const Trade::Scene& scene, const RunSetting& setting, int replica) {
+    Trade::Row row;
     row.scene = scene.name;
     row.setting = setting;
     row.replica = replica;
@@ -156,8 +156,8 @@ class Runner {
     return row;
   }
 
-  TradeRow run_one(const TradeScene& trade_scene, RunSetting setting, int replica) {
-    TradeRow row = blank(trade_scene, setting, replica);
+  Trade::Row run_one(const Trade::Scene& trade_scene, RunSetting setting, int replica) {
+    Trade::Row row = blank(trade_scene, setting, replica);
     std::visit(
         [&]<int D>(Scene<D> scene) {
           perturb(scene, replica);
@@ -180,14 +180,14 @@ class Runner {
     return row;
   }
 
-  const TradeOptions& options_;
+  const Trade::Options& options_;
   Trade& trade_;
 };
 
 double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& setting) {
   double sum = 0;
   int count = 0;
-  for (const TradeRow& row : trade.rows) {
+  for (const Trade::Row& row : trade.rows) {
     if (row.scene != scene || !(row.setting == setting) || !row.completed()) continue;
     sum += row.cpu;
     ++count;
@@ -196,14 +196,14 @@ double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& 
 }
 
 /// Why a scene has no springs; null: it has.
-const char* no_springs(const TradeScene& scene) {
+const char* no_springs(const Trade::Scene& scene) {
   const auto* plane = std::get_if<Scene<2>>(&scene.scene);
   if (plane == nullptr) return "springs and dashpots take disks only";
   if (!plane->clusters.empty()) return "springs and dashpots have no clusters";
   return nullptr;
 }
 
-void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& runner,
+void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runner& runner,
                  Trade& trade) {
   // 1. Tolerances.
   std::vector<double> tols = options.tols;
@@ -289,7 +289,7 @@ void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& r
       continue;
     }
     runner.run(scene, setting);
-    for (const TradeRow& row : trade.rows) {
+    for (const Trade::Row& row : trade.rows) {
       out_of_time |=
           row.scene == scene.name && row.setting == setting && row.status == "time limit";
     }
@@ -311,7 +311,7 @@ std::vector<std::string> trade_targets(bool quick) {
           "compaction"};
 }
 
-Trade run_trade(const TradeOptions& options) {
+Trade run_trade(const Trade::Options& options) {
   for (const std::string& solver : options.solvers) require_solver(solver);
   if (!options.witness.empty()) require_solver(options.witness);
   if (options.solvers.empty() || options.tols.empty()) {
@@ -327,7 +327,7 @@ Trade run_trade(const TradeOptions& options) {
     }
   }
   Runner runner(options, trade);
-  for (const TradeScene& scene : trade.scenes) trade_scene(scene, options, runner, trade);
+  for (const Trade::Scene& scene : trade.scenes) trade_scene(scene, options, runner, trade);
   trade.complete = !runner.stopped();
   return trade;
 }

@@ -11,51 +11,48 @@
 
 namespace bipot {
 
-/// One whole simulation.
-struct TradeRow : RunRecord {
-  std::string scene;
-  RunSetting setting;
-  int replica = 0;
-  std::vector<double> values;  ///< of the scene's quantities; NaN unless completed
-};
-
-/// A scene, and data known before its run.
-struct TradeScene {
-  std::string name, target, title;
-  AnyScene scene;
-  double step = 0;  ///< [s]
-  int num_steps = 0, bodies = 0;
-  int whole_steps = 0;  ///< of the scene, before it was shortened
-  int replicas = 1;
-  std::vector<TradeQuantity> quantities;
-};
-
-struct TradeOptions {
-  /// Scene file or shipped name, followed by ":steps=N" if wanted.
-  std::vector<std::string> targets;
-  std::vector<std::string> solvers = {"auto"};
-  std::vector<double> tols = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};
-  std::vector<double> step_factors = {2, 1, 0.5, 0.25};
-  std::vector<double> accuracies = {0.1, 0.03};       ///< that cut steps of one frame
-  std::vector<double> overlaps = {1e-2, 1e-3, 1e-4};  ///< of the springs' rows, or
-  std::vector<double> stiffness;                      ///< these instead            [N/m]
-  double time_limit = 20;                             ///< CPU seconds of one run
-  /// Scenes are shortened until a run at the tightest tolerance and the shortest step is expected to
-  /// fit the limit, by a trial of a tenth of the steps. At least a twentieth remains.
-  bool shorten = false;
-  double negligible = 1e-4;  ///< relative error of an outcome: no solver has to be better
-  /// A solver that runs once more at the tightest tolerance that the first solver completed. On
-  /// steps with several exact answers, solvers choose different ones. Empty, or one of `solvers`:
-  /// none.
-  std::string witness;
-  int replicas = 3;  ///< of scenes whose disks fly freely: runs with small perturbations
-  std::function<void(const TradeRow&)> on_row;
-  std::function<bool()> interrupted;
-};
-
 struct Trade {
-  std::vector<TradeScene> scenes;
-  std::vector<TradeRow> rows;
+  /// A scene, and data known before its run.
+  struct Scene {
+    std::string name, target, title;
+    AnyScene scene;
+    double step = 0;  ///< [s]
+    int num_steps = 0, bodies = 0;
+    int whole_steps = 0;  ///< of the scene, before it was shortened
+    int replicas = 1;
+    std::vector<TradeQuantity> quantities;
+  };
+  /// One whole simulation.
+  struct Row : RunRecord {
+    std::string scene;
+    RunSetting setting;
+    int replica = 0;
+    std::vector<double> values;  ///< of the scene's quantities; NaN unless completed
+  };
+  struct Options {
+    /// Scene file or shipped name, followed by ":steps=N" if wanted.
+    std::vector<std::string> targets;
+    std::vector<std::string> solvers = {"auto"};
+    std::vector<double> tols = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};
+    std::vector<double> step_factors = {2, 1, 0.5, 0.25};
+    std::vector<double> accuracies = {0.1, 0.03};       ///< that cut steps of one frame
+    std::vector<double> overlaps = {1e-2, 1e-3, 1e-4};  ///< of the springs' rows, or
+    std::vector<double> stiffness;                      ///< these instead            [N/m]
+    double time_limit = 20;                             ///< CPU seconds of one run
+    /// Scenes are shortened until a run at the tightest tolerance and the shortest step is expected
+    /// to fit the limit, by a trial of a tenth of the steps. At least a twentieth remains.
+    bool shorten = false;
+    double negligible = 1e-4;  ///< relative error of an outcome: no solver has to be better
+    /// A solver that runs once more at the tightest tolerance that the first solver completed. On
+    /// steps with several exact answers, solvers choose different ones. Empty, or one of `solvers`:
+    /// none.
+    std::string witness;
+    int replicas = 3;  ///< of scenes whose disks fly freely: runs with small perturbations
+    std::function<void(const Row&)> on_row;
+    std::function<bool()> interrupted;
+  };
+  std::vector<Scene> scenes;
+  std::vector<Row> rows;
   double negligible = 0;  ///< of the options
   bool complete = false;
 };
@@ -76,6 +73,6 @@ std::vector<std::string> trade_targets(bool quick);
 /// same for every setting. A run that fails or exceeds its time is a row with that status. Costlier
 /// runs (tighter tolerance, further replicas, stiffer springs) are then skipped, with a message.
 /// Throws std::invalid_argument and SceneFileError for impossible targets, solvers and stiffness.
-Trade run_trade(const TradeOptions& options);
+Trade run_trade(const Trade::Options& options);
 
 }  // namespace bipot

@@ -11,13 +11,14 @@
 namespace bipot {
 namespace {
 
-std::vector<TradeCell> cells_of(const Trade& trade, const TradeScene& scene) {
-  std::vector<TradeCell> cells;
-  std::vector<std::vector<const TradeRow*>> rows;
-  for (const TradeRow& row : trade.rows) {
+std::vector<SceneTrade::Cell> cells_of(const Trade& trade, const Trade::Scene& scene) {
+  std::vector<SceneTrade::Cell> cells;
+  std::vector<std::vector<const Trade::Row*>> rows;
+  for (const Trade::Row& row : trade.rows) {
     if (row.scene != scene.name) continue;
-    const auto at = std::find_if(cells.begin(), cells.end(),
-                                 [&](const TradeCell& c) { return c.setting == row.setting; });
+    const auto at = std::find_if(cells.begin(), cells.end(), [&](const SceneTrade::Cell& c) {
+      return c.setting == row.setting;
+    });
     const auto index = static_cast<std::size_t>(at - cells.begin());
     if (at == cells.end()) {
       cells.push_back({.setting = row.setting});
@@ -26,11 +27,11 @@ std::vector<TradeCell> cells_of(const Trade& trade, const TradeScene& scene) {
     rows[index].push_back(&row);
   }
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    TradeCell& cell = cells[k];
+    SceneTrade::Cell& cell = cells[k];
     cell.means.assign(scene.quantities.size(), 0.0);
     double cpu = 0, rate = 0, iterations = 0;
     int ran = 0;
-    for (const TradeRow* row : rows[k]) {
+    for (const Trade::Row* row : rows[k]) {
       ++cell.runs;
       cell.completed += row->completed() ? 1 : 0;
       if (cell.status.empty() || cell.status == "completed") {
@@ -65,12 +66,12 @@ std::vector<TradeCell> cells_of(const Trade& trade, const TradeScene& scene) {
 double spread(const Trade& trade, const SceneTrade& s, std::size_t q) {
   double sum = 0;
   int freedom = 0;
-  for (const TradeCell& cell : s.cells) {
+  for (const SceneTrade::Cell& cell : s.cells) {
     if (!cell.setting.equal_steps() || cell.setting.step_factor != 1 || !cell.done() ||
         cell.runs < 2) {
       continue;
     }
-    for (const TradeRow& row : trade.rows) {
+    for (const Trade::Row& row : trade.rows) {
       if (row.scene != s.scene->name || !(row.setting == cell.setting)) continue;
       const double difference = row.values[q] - cell.means[q];
       sum += difference * difference;
@@ -80,19 +81,19 @@ double spread(const Trade& trade, const SceneTrade& s, std::size_t q) {
   return freedom > 0 ? std::sqrt(sum / freedom) : 0;
 }
 
-const TradeCell* at_step(const SceneTrade& s, double factor) {
+const SceneTrade::Cell* at_step(const SceneTrade& s, double factor) {
   return s.find({.solver = s.solver, .tol = s.step_tol, .step_factor = factor});
 }
 
-void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
+void time_step_error(const SceneTrade& s, std::size_t q, SceneTrade::Errors& e) {
   const TradeQuantity& quantity = s.scene->quantities[q];
-  const TradeCell* own = at_step(s, 1);
+  const SceneTrade::Cell* own = at_step(s, 1);
   if (own == nullptr || !own->done()) return;
   const double value = own->means[q];
   e.reference = value;
   e.reference_kind = "the scene's step, no shorter one was completed";
   double shortest = 1;
-  for (const TradeCell& cell : s.cells) {
+  for (const SceneTrade::Cell& cell : s.cells) {
     const RunSetting& setting = cell.setting;
     if (!setting.equal_steps() || setting.solver != s.solver || setting.tol != s.step_tol) continue;
     if (!cell.done() || setting.step_factor >= shortest || !std::isfinite(cell.means[q])) continue;
@@ -108,8 +109,9 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
     return;
   }
   const double scale = quantity.scale(e.reference);
-  const TradeCell *half = at_step(s, 0.5), *quarter = at_step(s, 0.25), *twice = at_step(s, 2);
-  const auto usable = [&](const TradeCell* c) {
+  const SceneTrade::Cell *half = at_step(s, 0.5), *quarter = at_step(s, 0.25),
+                         *twice = at_step(s, 2);
+  const auto usable = [&](const SceneTrade::Cell* c) {
     return c != nullptr && c->done() && std::isfinite(c->means[q]);
   };
   if (usable(half) && usable(quarter)) {
@@ -124,7 +126,7 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
   }
   if (shortest < 1) {
     e.step_error = 0;
-    for (const TradeCell& cell : s.cells) {
+    for (const SceneTrade::Cell& cell : s.cells) {
       const RunSetting& setting = cell.setting;
       if (!setting.equal_steps() || setting.solver != s.solver || setting.tol != s.step_tol)
         continue;
@@ -139,10 +141,10 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
 }
 
 /// Solvers at the tightest tolerance of the first one, with another outcome.
-void choice_error(SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
+void choice_error(SceneTrade& s, std::size_t q, SceneTrade::Errors& e) {
   const double scale = s.scene->quantities[q].scale(e.reference);
-  const TradeCell* own = s.find({.solver = s.solver, .tol = s.tols.back()});
-  for (const TradeCell& cell : s.cells) {
+  const SceneTrade::Cell* own = s.find({.solver = s.solver, .tol = s.tols.back()});
+  for (const SceneTrade::Cell& cell : s.cells) {
     const RunSetting& setting = cell.setting;
     if (!setting.equal_steps() || setting.solver == s.solver || setting.step_factor != 1) continue;
     if (setting.tol != s.tols.back() || !cell.done()) continue;
@@ -153,11 +155,11 @@ void choice_error(SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
   }
 }
 
-void solver_errors(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
+void solver_errors(const SceneTrade& s, std::size_t q, SceneTrade::Errors& e) {
   const double scale = s.scene->quantities[q].scale(e.reference);
-  const TradeCell* tightest = s.find({.solver = s.solver, .tol = s.tols.back()});
+  const SceneTrade::Cell* tightest = s.find({.solver = s.solver, .tol = s.tols.back()});
   for (const double tol : s.tols) {
-    const TradeCell* cell = s.find({.solver = s.solver, .tol = tol});
+    const SceneTrade::Cell* cell = s.find({.solver = s.solver, .tol = tol});
     e.solver_error.push_back(std::abs(cell->means[q] - tightest->means[q]) / scale);
   }
   const double bound = e.bound();
@@ -168,9 +170,9 @@ void solver_errors(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
   }
 }
 
-SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
+SceneTrade analyse_scene(const Trade& trade, const Trade::Scene& scene) {
   SceneTrade s{.scene = &scene, .cells = cells_of(trade, scene)};
-  for (const TradeCell& cell : s.cells) {
+  for (const SceneTrade::Cell& cell : s.cells) {
     if (cell.setting.equal_steps() && s.solver.empty()) s.solver = cell.setting.solver;
     if (!cell.setting.equal_steps() || cell.setting.solver != s.solver) continue;
     if (cell.setting.step_factor != 1) {
@@ -184,9 +186,9 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
   if (!std::isfinite(s.step_tol)) s.step_tol = s.tols.back();
   bool all_known = true;
   for (std::size_t q = 0; q < s.quantities.size(); ++q) {
-    TradeQuantityErrors& e = s.quantities[q];
+    SceneTrade::Errors& e = s.quantities[q];
     e.negligible = trade.negligible;
-    const TradeCell* own = s.find({.solver = s.solver, .tol = s.step_tol});
+    const SceneTrade::Cell* own = s.find({.solver = s.solver, .tol = s.step_tol});
     const double size = own == nullptr ? kNaN : own->means[q];
     if (scene.replicas > 1) {
       e.noise = 2 * spread(trade, s, q) * std::sqrt(2.0 / scene.replicas) /
@@ -213,30 +215,30 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
 
 }  // namespace
 
-double TradeQuantityErrors::bound() const {
+double SceneTrade::Errors::bound() const {
   return std::isnan(step_error) ? kNaN
                                 : std::max({step_error, noise, negligible, std::fmax(choice, 0)});
 }
 
-const TradeCell* SceneTrade::find(const RunSetting& setting) const {
-  for (const TradeCell& cell : cells) {
+const SceneTrade::Cell* SceneTrade::find(const RunSetting& setting) const {
+  for (const Cell& cell : cells) {
     if (cell.setting == setting) return &cell;
   }
   return nullptr;
 }
 
-const TradeCell* SceneTrade::sufficient_cell() const {
+const SceneTrade::Cell* SceneTrade::sufficient_cell() const {
   return tols.empty() ? nullptr
                       : find({.solver = solver, .tol = sufficient_tol.value_or(tols.back())});
 }
 
-double SceneTrade::error(const TradeCell& cell, std::size_t q) const {
+double SceneTrade::error(const Cell& cell, std::size_t q) const {
   if (!cell.done()) return kNaN;
   const double reference = quantities[q].reference;
   return std::abs(cell.means[q] - reference) / scene->quantities[q].scale(reference);
 }
 
-double SceneTrade::worst_error(const TradeCell& cell, std::size_t* which) const {
+double SceneTrade::worst_error(const Cell& cell, std::size_t* which) const {
   double worst = kNaN;
   for (std::size_t q = 0; q < quantities.size(); ++q) {
     const double e = error(cell, q);
@@ -249,10 +251,10 @@ double SceneTrade::worst_error(const TradeCell& cell, std::size_t* which) const 
 
 std::string SceneTrade::choice_sentence() const {
   // Negligible errors are not reported.
-  const TradeQuantityErrors* most = nullptr;
+  const Errors* most = nullptr;
   std::size_t which = 0;
   for (std::size_t q = 0; q < quantities.size(); ++q) {
-    const TradeQuantityErrors& e = quantities[q];
+    const Errors& e = quantities[q];
     if (!(e.choice > e.negligible) || (most != nullptr && e.choice <= most->choice)) continue;
     most = &e;
     which = q;
@@ -271,13 +273,13 @@ std::string SceneTrade::choice_sentence() const {
 }
 
 std::string SceneTrade::accuracy_sentence() const {
-  const TradeCell* fixed = find({.solver = solver, .tol = step_tol});
+  const Cell* fixed = find({.solver = solver, .tol = step_tol});
   if (fixed == nullptr || !fixed->done()) return {};
   // The cheapest of those with smaller overlaps, else that with the smallest.
-  const TradeCell* best = nullptr;
-  for (const TradeCell& cell : cells) {
+  const Cell* best = nullptr;
+  for (const Cell& cell : cells) {
     if (!cell.setting.cut() || !cell.done()) continue;
-    const auto rank = [&](const TradeCell& c) {
+    const auto rank = [&](const Cell& c) {
       return std::pair(std::max(c.penetration, fixed->penetration), c.cpu_per_second);
     };
     if (best == nullptr || rank(cell) < rank(*best)) best = &cell;
@@ -293,7 +295,7 @@ std::string SceneTrade::accuracy_sentence() const {
 
 std::string SceneTrade::what_is_needed() const {
   double needed = 0;
-  for (const TradeCell& cell : cells) {
+  for (const Cell& cell : cells) {
     if (cell.setting.solver == solver) needed = std::fmax(needed, cell.cpu_needed);
   }
   if (!(needed > 0)) return {};
@@ -316,7 +318,7 @@ std::string SceneTrade::answer() const {
         what_is_needed());
   }
   bool all_same = true;
-  for (const TradeQuantityErrors& e : quantities) {
+  for (const Errors& e : quantities) {
     for (const double x : e.solver_error) all_same &= x == 0;
   }
   if (all_same) {
@@ -350,14 +352,14 @@ std::string SceneTrade::answer() const {
           fmt::format(" Tolerance {} costs {:.2g} times as much for digits that are lost anyway.",
                       tolerance_label(tols.back()), ratio);
     }
-    const TradeCell* loosest = find({.solver = solver, .tol = tols.front()});
+    const Cell* loosest = find({.solver = solver, .tol = tols.front()});
     if (loosest->cpu_per_second > 1.1 * cpu_sufficient) {
       text += fmt::format(
           " It even costs less than {}: what a loose step leaves undone, the next ones must mend.",
           tolerance_label(tols.front()));
     }
     double noise = 0;
-    for (const TradeQuantityErrors& e : quantities) noise = std::max(noise, e.noise);
+    for (const Errors& e : quantities) noise = std::max(noise, e.noise);
     if (noise > 0) {
       text += fmt::format(
           " With {} runs of each setting, differences below {:.2g} % (the worst outcome) cannot "
@@ -370,7 +372,7 @@ std::string SceneTrade::answer() const {
 
 std::vector<SceneTrade> analyse_trade(const Trade& trade) {
   std::vector<SceneTrade> scenes;
-  for (const TradeScene& scene : trade.scenes) scenes.push_back(analyse_scene(trade, scene));
+  for (const Trade::Scene& scene : trade.scenes) scenes.push_back(analyse_scene(trade, scene));
   return scenes;
 }
 

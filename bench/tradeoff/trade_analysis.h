@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bench/tradeoff/trade.h"
@@ -10,70 +9,68 @@
 
 namespace bipot {
 
-/// All replicas of one setting on one scene.
-struct TradeCell {
-  RunSetting setting;
-  int runs = 0, completed = 0;
-  std::string status;   ///< "completed", or that of the first replica that was not
-  std::string message;  ///< of that replica
-  /// Of the scene's quantities over the replicas; NaN unless all were completed.
-  std::vector<double> means;
-  double cpu = kNaN;  ///< mean of a run                                       [s]
-  /// Of a whole run, by the steps that the time limit allowed.                              [s]
-  double cpu_needed = kNaN;
-  double cpu_per_second = kNaN;  ///< of simulated time
-  double iterations = kNaN, penetration = kNaN, worst_guarded = kNaN, stiffness = kNaN;
-
-  bool done() const { return runs > 0 && completed == runs; }
-};
-
-/// The three scales of error of one outcome, each relative to TradeQuantity::scale.
-struct TradeQuantityErrors {
-  double reference = kNaN;  ///< exact, or at the shortest step completed
-  std::string reference_kind;
-  /// Error of the scene's time step: against the exact value; else by Richardson extrapolation, if
-  /// three steps halved twice reduce the differences like a power of h; else the largest difference
-  /// to shorter steps; else that to twice the step.
-  double step_error = kNaN;
-  std::string step_error_kind;
-  /// Twice the standard error of the difference of two means over the replicas: the difference of
-  /// nearby runs. 0 with a single replica.
-  double noise = 0;
-  /// Largest difference of another solver's outcome at the tightest tolerance. Solvers that solve
-  /// every step to it and still end elsewhere chose other answers. NaN if no other solver completed
-  /// it.
-  double choice = kNaN;
-  std::vector<double> solver_error;  ///< of each tolerance of SceneTrade::tols, to the tightest
-  double negligible = 0;             ///< of TradeOptions
-  /// Bound for the solver's error: max(step_error, noise, negligible, choice where it is known); NaN
-  /// if step_error is.
-  double bound() const;
-  /// Loosest tolerance from which on every solver error is below the bound; none from one tolerance
-  /// alone, which is compared with nothing.
-  std::optional<double> sufficient_tol;
-};
-
 /// Analysis of the rows of one scene.
 struct SceneTrade {
-  const TradeScene* scene = nullptr;
-  std::vector<TradeCell> cells;  ///< in the order of the rows
-  std::string solver;            ///< the first one
-  std::vector<double> tols;      ///< that it completed with the scene's step, loose to tight
-  double step_tol = kNaN;        ///< of the runs at other time steps
-  std::vector<TradeQuantityErrors> quantities;
+  /// All replicas of one setting on one scene.
+  struct Cell {
+    RunSetting setting;
+    int runs = 0, completed = 0;
+    std::string status;   ///< "completed", or that of the first replica that was not
+    std::string message;  ///< of that replica
+    /// Of the scene's quantities over the replicas; NaN unless all were completed.
+    std::vector<double> means;
+    double cpu = kNaN;  ///< mean of a run                                       [s]
+    /// Of a whole run, by the steps that the time limit allowed.                              [s]
+    double cpu_needed = kNaN;
+    double cpu_per_second = kNaN;  ///< of simulated time
+    double iterations = kNaN, penetration = kNaN, worst_guarded = kNaN, stiffness = kNaN;
+
+    bool done() const { return runs > 0 && completed == runs; }
+  };
+  /// The three scales of error of one outcome, each relative to TradeQuantity::scale.
+  struct Errors {
+    double reference = kNaN;  ///< exact, or at the shortest step completed
+    std::string reference_kind;
+    /// Error of the scene's time step: against the exact value; else by Richardson extrapolation,
+    /// if three steps halved twice reduce the differences like a power of h; else the largest
+    /// difference to shorter steps; else that to twice the step.
+    double step_error = kNaN;
+    std::string step_error_kind;
+    /// Twice the standard error of the difference of two means over the replicas: the difference of
+    /// nearby runs. 0 with a single replica.
+    double noise = 0;
+    /// Largest difference of another solver's outcome at the tightest tolerance. Solvers that solve
+    /// every step to it and still end elsewhere chose other answers. NaN if no other solver
+    /// completed it.
+    double choice = kNaN;
+    std::vector<double> solver_error;  ///< of each tolerance of SceneTrade::tols, to the tightest
+    double negligible = 0;             ///< of Trade::Options
+    /// Bound for the solver's error: max(step_error, noise, negligible, choice where it is known);
+    /// NaN if step_error is.
+    double bound() const;
+    /// Loosest tolerance from which on every solver error is below the bound; none from one
+    /// tolerance alone, which is compared with nothing.
+    std::optional<double> sufficient_tol;
+  };
+  const Trade::Scene* scene = nullptr;
+  std::vector<Cell> cells;   ///< in the order of the rows
+  std::string solver;        ///< the first one
+  std::vector<double> tols;  ///< that it completed with the scene's step, loose to tight
+  double step_tol = kNaN;    ///< of the runs at other time steps
+  std::vector<Errors> quantities;
   /// The tightest of the quantities' sufficient tolerances; none where the errors are unknown.
   std::optional<double> sufficient_tol;
   std::string decided_by;                             ///< the quantity
   std::string other_solver;                           ///< behind the largest choice; empty: none
   double cpu_sufficient = kNaN, cpu_tightest = kNaN;  ///< per simulated second
 
-  const TradeCell* find(const RunSetting& setting) const;
+  const Cell* find(const RunSetting& setting) const;
   /// At the sufficient tolerance, else at the tightest; null if none was completed.
-  const TradeCell* sufficient_cell() const;
+  const Cell* sufficient_cell() const;
   /// Error of a cell's outcome q against the reference; NaN if either is missing.
-  double error(const TradeCell& cell, std::size_t q) const;
+  double error(const Cell& cell, std::size_t q) const;
   /// The largest of them, and its quantity.
-  double worst_error(const TradeCell& cell, std::size_t* which = nullptr) const;
+  double worst_error(const Cell& cell, std::size_t* which = nullptr) const;
   /// The answer in a sentence or two.
   std::string answer() const;
 
@@ -86,16 +83,5 @@ struct SceneTrade {
 
 /// The scene and the trade must outlive the result.
 std::vector<SceneTrade> analyse_trade(const Trade& trade);
-
-/// A trade with its analysis, made once for all reports. The analysis points into the trade: both
-/// are moved together and never copied.
-struct AnalysedTrade {
-  explicit AnalysedTrade(Trade whole) : trade(std::move(whole)), scenes(analyse_trade(trade)) {}
-  AnalysedTrade(AnalysedTrade&&) = default;
-  AnalysedTrade& operator=(AnalysedTrade&&) = default;
-
-  Trade trade;
-  std::vector<SceneTrade> scenes;
-};
 
 }  // namespace bipot

@@ -14,15 +14,15 @@ namespace {
 Chart ratio_chart(const SceneTrade& s) {
   Chart ratio;
   ratio.title = "Solver error over the others, " + s.scene->name;
-  ratio.x = {"tolerance", ChartAxis::Kind::kLog};
-  ratio.y = {"solver's error / other errors", ChartAxis::Kind::kLog, 1e-4};
+  ratio.x = {"tolerance", Chart::Axis::Kind::kLog};
+  ratio.y = {"solver's error / other errors", Chart::Axis::Kind::kLog, 1e-4};
   ratio.y_lines = {{1, "as large as the others"}};
   bool any = false;  // else there is nothing to see
   for (std::size_t q = 0; q < s.quantities.size(); ++q) {
-    const TradeQuantityErrors& e = s.quantities[q];
+    const SceneTrade::Errors& e = s.quantities[q];
     const double other = e.bound();
     if (!(other > 0)) continue;
-    ChartSeries series{s.scene->quantities[q].name, static_cast<int>(q), {}};
+    Chart::Series series{s.scene->quantities[q].name, static_cast<int>(q), {}};
     // The tightest is the reference of the others.
     for (std::size_t k = 0; k + 1 < s.tols.size(); ++k) {
       series.points.push_back({s.tols[k], e.solver_error[k] / other, false,
@@ -47,7 +47,7 @@ struct Family {
 std::vector<Family> families_of(const SceneTrade& s) {
   std::vector<Family> families;
   std::vector<std::string> solvers;
-  for (const TradeCell& cell : s.cells) {
+  for (const SceneTrade::Cell& cell : s.cells) {
     const std::string& name = cell.setting.solver;
     if (!name.empty() && std::find(solvers.begin(), solvers.end(), name) == solvers.end()) {
       solvers.push_back(name);
@@ -74,25 +74,26 @@ std::vector<Family> families_of(const SceneTrade& s) {
 std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
   Chart error, depth;
   error.title = "Error of the outcome against cost, " + s.scene->name;
-  error.x = {"CPU time per simulated second", ChartAxis::Kind::kLogSeconds};
-  error.y = {"worst error of an outcome", ChartAxis::Kind::kLog};
+  error.x = {"CPU time per simulated second", Chart::Axis::Kind::kLogSeconds};
+  error.y = {"worst error of an outcome", Chart::Axis::Kind::kLog};
   depth.title = "Penetration against cost, " + s.scene->name;
   depth.x = error.x;
-  depth.y = {"largest overlap / smaller radius", ChartAxis::Kind::kLog};
+  depth.y = {"largest overlap / smaller radius", Chart::Axis::Kind::kLog};
   double noise = 0;
-  for (const TradeQuantityErrors& e : s.quantities) noise = std::max(noise, e.noise);
+  for (const SceneTrade::Errors& e : s.quantities) noise = std::max(noise, e.noise);
   for (const Family& family : families_of(s)) {
-    ChartSeries in_error{family.name, family.style, {}}, in_depth = in_error;
-    std::vector<const TradeCell*> cells;
-    for (const TradeCell& cell : s.cells) {
+    Chart::Series in_error{family.name, family.style, {}}, in_depth = in_error;
+    std::vector<const SceneTrade::Cell*> cells;
+    for (const SceneTrade::Cell& cell : s.cells) {
       if (family.has(cell.setting) && cell.done()) cells.push_back(&cell);
     }
     // Along the family's own parameter, not in the order of the runs.
-    std::stable_sort(cells.begin(), cells.end(), [](const TradeCell* a, const TradeCell* b) {
-      return std::pair(a->setting.accuracy, a->setting.step_factor) >
-             std::pair(b->setting.accuracy, b->setting.step_factor);
-    });
-    for (const TradeCell* cell : cells) {
+    std::stable_sort(cells.begin(), cells.end(),
+                     [](const SceneTrade::Cell* a, const SceneTrade::Cell* b) {
+                       return std::pair(a->setting.accuracy, a->setting.step_factor) >
+                              std::pair(b->setting.accuracy, b->setting.step_factor);
+                     });
+    for (const SceneTrade::Cell* cell : cells) {
       std::size_t q = 0;
       const double worst = s.worst_error(*cell, &q);
       const std::string note = fmt::format("{}: {} per simulated second", cell->setting.label(),
@@ -128,7 +129,7 @@ std::vector<Figure> trade_charts(const SceneTrade& scene) {
                     .caption = "How deep bodies enter each other, and what that costs."});
   std::erase_if(charts, [](const Figure& f) {
     return std::all_of(f.chart->series.begin(), f.chart->series.end(),
-                       [](const ChartSeries& series) { return series.points.empty(); });
+                       [](const Chart::Series& series) { return series.points.empty(); });
   });
   return charts;
 }

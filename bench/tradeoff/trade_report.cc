@@ -20,10 +20,10 @@ std::string times_label(double ratio) {
 }
 
 /// The worst outcome of a cell: "0.3 %, pressure".
-TableCell worst_outcome(const SceneTrade& s, const TradeCell& cell) {
+Table::Cell worst_outcome(const SceneTrade& s, const SceneTrade::Cell& cell) {
   std::size_t q = 0;
   const double worst = s.worst_error(cell, &q);
-  TableCell made(worst);
+  Table::Cell made(worst);
   if (std::isfinite(worst)) {
     made.shown(fmt::format("{}, {}", share_label(worst), s.scene->quantities[q].name));
   }
@@ -40,7 +40,7 @@ Table answers_table(const std::vector<SceneTrade>& scenes) {
   for (const SceneTrade& s : scenes) {
     const bool known = s.sufficient_tol.has_value();
     table.add({s.scene->name,
-               known ? TableCell(*s.sufficient_tol) : TableCell(kNaN).shown("undecided"),
+               known ? Table::Cell(*s.sufficient_tol) : Table::Cell(kNaN).shown("undecided"),
                known && *s.sufficient_tol < s.tols.front() ? s.decided_by : "–", s.cpu_sufficient,
                s.cpu_tightest, s.tols.empty() ? kNaN : s.tols.back()});
   }
@@ -49,7 +49,7 @@ Table answers_table(const std::vector<SceneTrade>& scenes) {
 
 Table error_table(const SceneTrade& s) {
   const bool nearby = s.scene->replicas > 1;
-  const bool other = std::any_of(s.cells.begin(), s.cells.end(), [&](const TradeCell& cell) {
+  const bool other = std::any_of(s.cells.begin(), s.cells.end(), [&](const SceneTrade::Cell& cell) {
     return !cell.setting.dem() && cell.setting.solver != s.solver;
   });
   Table table{.columns = {{.name = "outcome"},
@@ -64,16 +64,16 @@ Table error_table(const SceneTrade& s) {
   table.columns.push_back({.name = "enough", .show = tolerance_label});
   for (std::size_t q = 0; q < s.quantities.size(); ++q) {
     const TradeQuantity& quantity = s.scene->quantities[q];
-    const TradeQuantityErrors& e = s.quantities[q];
-    std::vector<TableCell> cells = {
-        TableCell(quantity.name).tipped(quantity.meaning),
-        TableCell(fmt::format("{} {}", value_label(e.reference), quantity.unit))
+    const SceneTrade::Errors& e = s.quantities[q];
+    std::vector<Table::Cell> cells = {
+        Table::Cell(quantity.name).tipped(quantity.meaning),
+        Table::Cell(fmt::format("{} {}", value_label(e.reference), quantity.unit))
             .tipped(e.reference_kind),
-        TableCell(e.step_error).tipped(e.step_error_kind)};
+        Table::Cell(e.step_error).tipped(e.step_error_kind)};
     if (nearby) cells.emplace_back(e.noise);
     if (other) cells.emplace_back(e.choice);
     for (const double x : e.solver_error) {
-      cells.push_back(TableCell(x).as(x <= e.bound() ? "" : "over"));
+      cells.push_back(Table::Cell(x).as(x <= e.bound() ? "" : "over"));
     }
     cells.emplace_back(e.sufficient_tol.value_or(kNaN));
     table.add(std::move(cells));
@@ -109,9 +109,9 @@ Table spring_table(const SceneTrade& s) {
                   "Worst outcome: the one that is furthest from the reference. Springs are "
                   "another model: where statics leaves forces open, elasticity picks others, "
                   "and tangential restitution is missing; such differences are not errors."};
-  const TradeCell* rigid = s.sufficient_cell();
+  const SceneTrade::Cell* rigid = s.sufficient_cell();
   if (rigid == nullptr) return table;
-  const auto add = [&](const TradeCell& cell, const std::string& name) {
+  const auto add = [&](const SceneTrade::Cell& cell, const std::string& name) {
     const bool dem = cell.setting.dem();
     const double h = s.scene->step;
     table.add(
@@ -121,7 +121,7 @@ Table spring_table(const SceneTrade& s) {
   };
   add(*rigid,
       fmt::format("rigid, {} at tolerance {}", s.solver, tolerance_label(rigid->setting.tol)));
-  for (const TradeCell& cell : s.cells) {
+  for (const SceneTrade::Cell& cell : s.cells) {
     if (!cell.setting.dem()) continue;
     add(cell, cell.setting.label() + (cell.done() ? "" : " (" + cell.status + ")"));
   }
@@ -146,18 +146,18 @@ Table setting_table(const SceneTrade& s) {
     table.columns.push_back(
         {.name = q.name, .show = value_label, .unit = q.unit, .meaning = q.meaning});
   }
-  for (const TradeCell& cell : s.cells) {
+  for (const SceneTrade::Cell& cell : s.cells) {
     std::string name = cell.setting.label();
     if (cell.setting.dem() && std::isfinite(cell.stiffness) &&
         !std::isfinite(cell.setting.stiffness)) {
       name += fmt::format(", k_n = {:.3g} N/m", cell.stiffness);
     }
-    std::vector<TableCell> cells = {name,
-                                    TableCell(cell.status).tipped(cell.message),
-                                    cell.cpu_per_second,
-                                    cell.iterations,
-                                    cell.penetration,
-                                    worst_outcome(s, cell)};
+    std::vector<Table::Cell> cells = {name,
+                                      Table::Cell(cell.status).tipped(cell.message),
+                                      cell.cpu_per_second,
+                                      cell.iterations,
+                                      cell.penetration,
+                                      worst_outcome(s, cell)};
     for (const double x : cell.means) cells.emplace_back(x);
     cells.resize(table.columns.size());
     table.add(std::move(cells), cell.done() ? "" : "bad");
@@ -165,9 +165,9 @@ Table setting_table(const SceneTrade& s) {
   return table;
 }
 
-void add_scene(const SceneTrade& s, const std::string& id, const TradeContext& context,
+void add_scene(const SceneTrade& s, const std::string& id, const std::string& command,
                Document& report) {
-  const TradeScene& scene = *s.scene;
+  const Trade::Scene& scene = *s.scene;
   const char* body = std::holds_alternative<Scene<2>>(scene.scene) ? "disk" : "sphere";
   report.heading(s.scene->title, id, 3);
   std::string run =
@@ -184,7 +184,7 @@ void add_scene(const SceneTrade& s, const std::string& id, const TradeContext& c
   if (!s.tols.empty()) report.add(error_table(s));
   if (Table springs = spring_table(s); !springs.rows.empty()) report.add(std::move(springs));
   for (Figure& figure : trade_charts(s)) {
-    figure.command = fmt::format(fmt::runtime(context.command_of_scene), s.scene->target);
+    figure.command = fmt::format(fmt::runtime(command), s.scene->target);
     report.add(std::move(figure));
   }
   Document settings;
@@ -206,7 +206,7 @@ Json outcomes_json(const SceneTrade& s) {
   Json outcomes = Json::array();
   for (std::size_t q = 0; q < s.quantities.size(); ++q) {
     const TradeQuantity& quantity = s.scene->quantities[q];
-    const TradeQuantityErrors& e = s.quantities[q];
+    const SceneTrade::Errors& e = s.quantities[q];
     Json solver = Json::array();
     for (std::size_t k = 0; k < e.solver_error.size(); ++k) {
       solver.push_back({{"tol", s.tols[k]}, {"error", e.solver_error[k]}});
@@ -230,7 +230,7 @@ Json outcomes_json(const SceneTrade& s) {
 
 Json cells_json(const SceneTrade& s) {
   Json cells = Json::array();
-  for (const TradeCell& cell : s.cells) {
+  for (const SceneTrade::Cell& cell : s.cells) {
     Json c = setting_json(cell.setting);
     c["status"] = cell.status;
     c["message"] = cell.message;
@@ -269,7 +269,7 @@ Json scene_json(const SceneTrade& s) {
 
 Json rows_json(const Trade& trade) {
   Json rows = Json::array();
-  for (const TradeRow& r : trade.rows) {
+  for (const Trade::Row& r : trade.rows) {
     Json row{{"scene", r.scene}, {"replica", r.replica}};
     row.update(setting_json(r.setting));
     row.update(Json{{"status", r.status},
@@ -294,13 +294,13 @@ Json rows_json(const Trade& trade) {
 
 }  // namespace
 
-Json to_json(const AnalysedTrade& analysed, const TradeContext& context) {
-  Json json = to_json(context.made);
-  json["time_limit"] = context.time_limit;
-  json["complete"] = analysed.trade.complete;
+Json to_json(const FinishedTrade& finished) {
+  Json json = to_json(finished.made);
+  json["time_limit"] = finished.time_limit;
+  json["complete"] = finished.trade.complete;
   json["scenes"] = Json::array();
-  for (const SceneTrade& s : analysed.scenes) json["scenes"].push_back(scene_json(s));
-  json["rows"] = rows_json(analysed.trade);
+  for (const SceneTrade& s : finished.scenes) json["scenes"].push_back(scene_json(s));
+  json["rows"] = rows_json(finished.trade);
   return json;
 }
 
@@ -313,9 +313,9 @@ Table outcome_table(const Trade& trade) {
                           {"cpu [s]"},       {"iterations_mean"}, {"worst_guarded"},
                           {"penetration"},   {"outcome"},         {"unit"},
                           {"value"},         {"message"}}};
-  for (const TradeRow& r : trade.rows) {
+  for (const Trade::Row& r : trade.rows) {
     const auto scene = std::find_if(trade.scenes.begin(), trade.scenes.end(),
-                                    [&](const TradeScene& s) { return s.name == r.scene; });
+                                    [&](const Trade::Scene& s) { return s.name == r.scene; });
     for (std::size_t q = 0; q < r.values.size(); ++q) {
       table.add({r.scene,
                  model_name(r.setting),
@@ -345,11 +345,11 @@ Table outcome_table(const Trade& trade) {
   return table;
 }
 
-Document trade_document(const AnalysedTrade& analysed, const TradeContext& context) {
+Document trade_document(const FinishedTrade& finished) {
   Document report;
   const auto id_of = [](std::size_t k) { return fmt::format("scene-{}", k + 1); };
-  for (std::size_t k = 0; k < analysed.scenes.size(); ++k) {
-    const SceneTrade& s = analysed.scenes[k];
+  for (std::size_t k = 0; k < finished.scenes.size(); ++k) {
+    const SceneTrade& s = finished.scenes[k];
     report.say(fmt::format("**[{}](#{})**: {}", s.scene->title, id_of(k), s.answer()));
   }
   report.say(
@@ -359,22 +359,22 @@ Document trade_document(const AnalysedTrade& analysed, const TradeContext& conte
       "run as a whole, at several tolerances, at several time steps, and with springs and dashpots "
       "instead of rigid contacts.",
       "small");
-  report.add(answers_table(analysed.scenes));
-  for (std::size_t k = 0; k < analysed.scenes.size(); ++k) {
-    add_scene(analysed.scenes[k], id_of(k), context, report);
+  report.add(answers_table(finished.scenes));
+  for (std::size_t k = 0; k < finished.scenes.size(); ++k) {
+    add_scene(finished.scenes[k], id_of(k), finished.command_of_scene, report);
   }
   return report;
 }
 
-Document trade_page(const AnalysedTrade& analysed, const TradeContext& context) {
+Document trade_page(const FinishedTrade& finished) {
   Document page{.title = "What a tolerance, a time step and a model buy over a whole simulation",
-                .made = context.made};
-  if (!analysed.trade.complete) page.say("**This run was interrupted; rows are missing.**");
-  page.append(trade_document(analysed, context));
+                .made = finished.made};
+  if (!finished.trade.complete) page.say("**This run was interrupted; rows are missing.**");
+  page.append(trade_document(finished));
   page.heading("How this was made", "made");
-  Terms terms = to_terms(context.made);
+  Terms terms = to_terms(finished.made);
   terms.entries.emplace_back("limit",
-                             fmt::format("{:g} s of CPU time for one run", context.time_limit));
+                             fmt::format("{:g} s of CPU time for one run", finished.time_limit));
   page.add(std::move(terms));
   page.say("Every run and outcome: [trade.csv](trade.csv), [trade.json](trade.json).", "small");
   return page;

@@ -42,8 +42,8 @@ std::string command_line(const std::string& scenes, const TradeRequest& request)
   return line;
 }
 
-TradeOptions options_of(const TradeRequest& request) {
-  TradeOptions options;
+Trade::Options options_of(const TradeRequest& request) {
+  Trade::Options options;
   options.targets = request.scenes.empty() ? trade_targets(request.quick) : request.scenes;
   options.solvers = request.solvers;
   if (request.quick) {
@@ -76,9 +76,9 @@ TradeOptions options_of(const TradeRequest& request) {
 
 }  // namespace
 
-FinishedTrade run_trade(const TradeRequest& request, const TradeWatch& watch) {
-  TradeOptions options = options_of(request);
-  options.interrupted = watch.interrupted;
+FinishedTrade run_trade(const TradeRequest& request) {
+  Trade::Options options = options_of(request);
+  options.interrupted = request.interrupted;
   const std::size_t springs =
       options.stiffness.empty() ? options.overlaps.size() : options.stiffness.size();
   const std::size_t settings = options.solvers.size() * options.tols.size() +
@@ -86,24 +86,26 @@ FinishedTrade run_trade(const TradeRequest& request, const TradeWatch& watch) {
                                (options.witness.empty() ? 0 : 1);
   const long total = static_cast<long>(settings * options.targets.size());
   long done = 0;
-  if (watch.progress) watch.progress(done, total, "");
-  options.on_row = [&](const TradeRow& row) {
+  if (request.progress) request.progress(done, total, "");
+  options.on_row = [&](const Trade::Row& row) {
     if (row.replica == 0) ++done;
-    if (!watch.progress) return;
-    watch.progress(done, total,
-                   fmt::format("{}: {}, run {}", row.scene, row.setting.label(), row.replica + 1));
+    if (!request.progress) return;
+    request.progress(
+        done, total,
+        fmt::format("{}: {}, run {}", row.scene, row.setting.label(), row.replica + 1));
   };
-  return {AnalysedTrade(run_trade(options)),
-          {.made = provenance(
-               "trade", command_line(fmt::format("{}", fmt::join(request.scenes, " ")), request)),
-           .command_of_scene = command_line("{}", request),
-           .time_limit = options.time_limit}};
+  FinishedTrade finished(run_trade(options));
+  finished.made =
+      provenance("trade", command_line(fmt::format("{}", fmt::join(request.scenes, " ")), request));
+  finished.command_of_scene = command_line("{}", request);
+  finished.time_limit = options.time_limit;
+  return finished;
 }
 
 void write_trade(const std::filesystem::path& folder, const FinishedTrade& finished) {
-  write_text_file(folder / "trade.csv", to_csv(outcome_table(finished.analysed.trade)));
-  write_json(to_json(finished.analysed, finished.context), (folder / "trade.json").string());
-  write_text_file(folder / "trade.html", to_html(trade_page(finished.analysed, finished.context)));
+  write_text_file(folder / "trade.csv", to_csv(outcome_table(finished.trade)));
+  write_json(to_json(finished), (folder / "trade.json").string());
+  write_text_file(folder / "trade.html", to_html(trade_page(finished)));
 }
 
 }  // namespace bipot

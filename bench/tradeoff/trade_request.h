@@ -18,26 +18,16 @@ struct TradeRequest {
   std::vector<double> tols, step_sizes, accuracies, overlaps, stiffness;
   std::optional<double> time_limit, negligible;
   std::optional<int> replicas;
-  std::string witness = "apgd";  ///< TradeOptions::witness
+  std::string witness = "apgd";  ///< Trade::Options::witness
   bool quick = false;
-};
-
-/// Observers of a run; both may be empty.
-struct TradeWatch {
-  std::function<bool()> interrupted;
-  /// `total` is an upper bound: the number of replicas is not known before.
+  std::function<bool()> interrupted;  ///< may be empty
+  /// `total` is an upper bound: the number of replicas is not known before. May be empty.
   std::function<void(long done, long total, const std::string& what)> progress;
 };
 
-/// The runs, their analysis, and the command to repeat them.
-struct FinishedTrade {
-  AnalysedTrade analysed;
-  TradeContext context;
-};
-
 /// Runs the request. Throws std::invalid_argument for an inconsistent request, and as
-/// run_trade(TradeOptions).
-FinishedTrade run_trade(const TradeRequest& request, const TradeWatch& watch);
+/// run_trade(Trade::Options).
+FinishedTrade run_trade(const TradeRequest& request);
 
 /// Writes trade.csv, trade.json and trade.html. Throws FileError.
 void write_trade(const std::filesystem::path& folder, const FinishedTrade& finished);

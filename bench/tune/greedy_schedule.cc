@@ -12,7 +12,7 @@ std::vector<double> budgets_of(std::span<const TunedInstance* const> left, std::
                                double done) {
   std::vector<double> works;
   for (const TunedInstance* instance : left) {
-    const VariantOutcome& outcome = instance->outcomes[variant];
+    const TunedInstance::Outcome& outcome = instance->outcomes[variant];
     if (outcome.solved && outcome.work > done) works.push_back(outcome.work);
   }
   std::sort(works.begin(), works.end());
@@ -26,7 +26,7 @@ std::vector<double> budgets_of(std::span<const TunedInstance* const> left, std::
 
 }  // namespace
 
-double VariantOutcome::seconds_of(double budget) const {
+double TunedInstance::Outcome::seconds_of(double budget) const {
   if (work <= 0) return 0;  // cannot run: left out
   return seconds * std::min(1.0, budget / work);
 }
@@ -47,7 +47,7 @@ std::vector<ScheduledStage> greedy_schedule(std::span<const TunedInstance* const
       for (const double budget : budgets_of(left, v, done[v])) {
         double solved = 0, cost = 0;
         for (const TunedInstance* instance : left) {
-          const VariantOutcome& outcome = instance->outcomes[v];
+          const TunedInstance::Outcome& outcome = instance->outcomes[v];
           solved += outcome.solved && outcome.work <= budget;
           cost += (outcome.seconds_of(budget) - outcome.seconds_of(done[v])) / instance->best;
         }
@@ -61,7 +61,7 @@ std::vector<ScheduledStage> greedy_schedule(std::span<const TunedInstance* const
     schedule.push_back(best);
     done[best.variant] = best.budget;
     std::erase_if(left, [&](const TunedInstance* instance) {
-      const VariantOutcome& outcome = instance->outcomes[best.variant];
+      const TunedInstance::Outcome& outcome = instance->outcomes[best.variant];
       return outcome.solved && outcome.work <= best.budget;
     });
   }
@@ -73,7 +73,7 @@ double seconds_of(std::span<const ScheduledStage> schedule, const TunedInstance&
   std::vector<double> done(instance.outcomes.size(), 0);
   double seconds = 0;
   for (const auto& [variant, budget] : schedule) {
-    const VariantOutcome& outcome = instance.outcomes[variant];
+    const TunedInstance::Outcome& outcome = instance.outcomes[variant];
     seconds += outcome.seconds_of(budget) - outcome.seconds_of(done[variant]);
     done[variant] = budget;
     if (outcome.solved && outcome.work <= budget && seconds <= instance.limit) {

@@ -8,20 +8,19 @@
 
 namespace bipot {
 
-/// What one variant did on one instance (a problem, a start, a tolerance).
-struct VariantOutcome {
-  double work = 0;     ///< iterations in the variant's unit, until solved or given up; 0: not run
-  double seconds = 0;  ///< until then
-  bool solved = false;
-
-  /// Time of the first `budget` units of work; infinite beyond what was run.
-  double seconds_of(double budget) const;
-};
-
 struct TunedInstance {
-  std::vector<VariantOutcome> outcomes;  ///< one for each variant
-  double limit = 0;  ///< time that a schedule may take                       [s]
-  double best = 0;   ///< least time of a variant that solves it; its unit of time  [s]
+  /// What one variant did on one instance (a problem, a start, a tolerance).
+  struct Outcome {
+    double work = 0;     ///< iterations in the variant's unit, until solved or given up; 0: not run
+    double seconds = 0;  ///< until then
+    bool solved = false;
+
+    /// Time of the first `budget` units of work; infinite beyond what was run.
+    double seconds_of(double budget) const;
+  };
+  std::vector<Outcome> outcomes;  ///< one for each variant
+  double limit = 0;               ///< time that a schedule may take                       [s]
+  double best = 0;                ///< least time of a variant that solves it; its unit of time  [s]
 };
 
 /// Run the variant until its work in all stages is `budget`.

@@ -17,7 +17,7 @@ constexpr int kParts = 10;  // of the cross-validation
 struct Measured {
   ClassifiedInstance instance;
   std::string scene;
-  VariantOutcome present;  // of auto
+  TunedInstance::Outcome present;  // of auto
 };
 
 std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
@@ -35,8 +35,8 @@ std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
     }
     Measured& to = made[at->second];
     TunedInstance& instance = to.instance.measured;
-    VariantOutcome outcome{static_cast<double>(row.iterations), std::max(row.seconds, 1e-7),
-                           row.solved};
+    TunedInstance::Outcome outcome{static_cast<double>(row.iterations), std::max(row.seconds, 1e-7),
+                                   row.solved};
     if (row.variant == "auto") {
       to.present = outcome;
       instance.limit = std::max(instance.limit, row.limit);
@@ -56,8 +56,8 @@ std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
   return made;
 }
 
-RegretRow regret_row(const std::string& name, std::vector<double> ratios, int of) {
-  RegretRow row{.name = name, .solved = static_cast<int>(ratios.size()), .of = of};
+TunedPlan::Regret regret_row(const std::string& name, std::vector<double> ratios, int of) {
+  TunedPlan::Regret row{.name = name, .solved = static_cast<int>(ratios.size()), .of = of};
   if (ratios.empty()) return row;
   std::sort(ratios.begin(), ratios.end());
   row.median = ratios[ratios.size() / 2];
@@ -146,7 +146,7 @@ TunedPlan tune_plan(std::span<const MeasuredRow> rows, std::span<const TunedVari
     ratios.clear();
     int ran = 0;
     for (const Measured& m : all) {
-      const VariantOutcome& outcome = m.instance.measured.outcomes[v];
+      const TunedInstance::Outcome& outcome = m.instance.measured.outcomes[v];
       ran += outcome.work > 0;
       if (outcome.solved) ratios.push_back(outcome.seconds / m.instance.measured.best);
     }
@@ -183,7 +183,7 @@ std::string plan_text(const TunedPlan& plan, const std::string& comment) {
 std::string regret_text(const TunedPlan& plan) {
   std::string text = fmt::format("{:<32} {:>9} {:>8} {:>8} {:>8}\n", "time over the best row's",
                                  "solved", "median", "9 of 10", "worst");
-  for (const RegretRow& row : plan.regret) {
+  for (const TunedPlan::Regret& row : plan.regret) {
     text += fmt::format("{:<32} {:>9} {:>8.2f} {:>8.2f} {:>8.2f}\n", row.name,
                         fmt::format("{}/{}", row.solved, row.of), row.median, row.ninth_tenth,
                         row.worst);

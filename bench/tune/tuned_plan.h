@@ -9,17 +9,16 @@
 
 namespace bipot {
 
-/// Times of one way to solve the instances, over those of the best variant on each.
-struct RegretRow {
-  std::string name;
-  double median = kNaN, ninth_tenth = kNaN, worst = kNaN;  ///< of the solved ones
-  int solved = 0;
-  int of = 0;  ///< instances that some variant solves, and this one could run
-};
-
 struct TunedPlan {
+  /// Times of one way to solve the instances, over those of the best variant on each.
+  struct Regret {
+    std::string name;
+    double median = kNaN, ninth_tenth = kNaN, worst = kNaN;  ///< of the solved ones
+    int solved = 0;
+    int of = 0;  ///< instances that some variant solves, and this one could run
+  };
   std::vector<TunedClass> classes;
-  std::vector<RegretRow> regret;  ///< of the plan, cross-validated and not, of `auto`, of variants
+  std::vector<Regret> regret;  ///< of the plan, cross-validated and not, of `auto`, of variants
   std::vector<TunedVariant> variants;
 };
 

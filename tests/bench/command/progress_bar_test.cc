@@ -9,7 +9,7 @@ namespace bipot {
 namespace {
 
 TEST(RemainingTime, FollowsTheTrendOfTheCost) {
-  RemainingTime even(1000), growing(1000), once(1000);
+  ProgressBar::RemainingTime even(1000), growing(1000), once(1000);
   for (long k = 1; k <= 500; ++k) {
     even.add(k, 0.1 * static_cast<double>(k));
     growing.add(k, 0.0005 * static_cast<double>(k * k));  // the cost of a step is 0.001 k
@@ -23,7 +23,7 @@ TEST(RemainingTime, FollowsTheTrendOfTheCost) {
 }
 
 TEST(RemainingTime, StaysWithinTwiceTheRecentCost) {
-  RemainingTime steep(1000);
+  ProgressBar::RemainingTime steep(1000);
   steep.add(1, 0);
   steep.add(6, 0.1);
   steep.add(11, 10.1);

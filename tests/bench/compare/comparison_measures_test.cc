@@ -16,13 +16,13 @@ namespace {
 class RunTable {
  public:
   RunTable& problem(const std::string& name, int dofs = 30, const std::string& series = "") {
-    ProblemSummary p{.name = name, .series = series, .contacts = 10, .dim = 2, .dofs = dofs};
+    Comparison::Problem p{.name = name, .series = series, .contacts = 10, .dim = 2, .dofs = dofs};
     made.problems.push_back(p);
     return *this;
   }
   RunTable& row(const std::string& solver, double tol, double time, int iterations, double guarded,
                 double error) {
-    ComparisonRow r{
+    Comparison::Row r{
         .problem = made.problems.back().name, .solver = solver, .tol = tol, .cpu_min = time};
     r.total_min = kNaN;  // must not matter
     r.iterations = iterations;
@@ -195,7 +195,7 @@ TEST(ComparisonMeasures, GrowthIsFittedToTheSolvedSizes) {
   EXPECT_NEAR(all[0].iterations.exponent, 0.5, 1e-12);
   EXPECT_NEAR(all[0].time.exponent, 1.5, 1e-12);
   EXPECT_NEAR(all[0].time.prefactor, 1e-4, 1e-14);
-  const Chart chart = growth_chart(all, "square", 1e-4, GrowthOf::kTime);
+  const Chart chart = growth_chart(all, "square", 1e-4, Growth::Measure::kTime);
   ASSERT_EQ(chart.series.size(), 2u);  // points, fit
   EXPECT_TRUE(chart.series[0].points[3].hollow);
   EXPECT_EQ(chart.series[1].points.back().x, 1600);
@@ -221,7 +221,7 @@ TEST(ComparisonCharts, FrontOfTheWorkPrecisionDiagramIsThatOfTheRows) {
   const Comparison c = small_table();
   const Chart chart = work_precision_chart(c, c.problems[0]);
   ASSERT_EQ(chart.series.size(), 4u);
-  const ChartSeries& front = chart.series.back();
+  const Chart::Series& front = chart.series.back();
   EXPECT_TRUE(front.background);
   ASSERT_EQ(front.points.size(), 3u);
   EXPECT_EQ(front.points[1].x, 2);

@@ -17,12 +17,12 @@
 namespace bipot {
 namespace {
 
-ComparisonOptions options_for(std::vector<std::string> solvers, std::vector<double> tols) {
-  return ComparisonOptions{.solvers = std::move(solvers),
-                           .tols = std::move(tols),
-                           .time_limit = 20,
-                           .reference_time_limit = 20,
-                           .min_time = 0};
+Comparison::Options options_for(std::vector<std::string> solvers, std::vector<double> tols) {
+  return Comparison::Options{.solvers = std::move(solvers),
+                             .tols = std::move(tols),
+                             .time_limit = 20,
+                             .reference_time_limit = 20,
+                             .min_time = 0};
 }
 
 ProblemSource source_without_scales(const std::string& name, const ContactProblem& problem) {
@@ -35,14 +35,14 @@ TEST(SeveralAnswersInACompare, AreProvedByTwoVerifiedRows) {
   const Comparison c = compare({source_without_scales("two", several.problem)},
                                options_for({"pgs", "apgd", "uzawa"}, {1e-2, 1e-11}));
   ASSERT_EQ(c.problems.size(), 1u);
-  const ProblemSummary& p = c.problems[0];
+  const Comparison::Problem& p = c.problems[0];
   EXPECT_TRUE(p.several_velocities());
   EXPECT_GE(p.answers, 2);
   // At most the whole family, v_x from 4.4 to 4.8 and |(0.2, 1)| <= ‖v - v_free‖.
   EXPECT_GT(p.spread.velocity, 1e-2);
   EXPECT_LE(p.spread.velocity, 0.4 / std::hypot(0.2, 1) + 1e-9);
   EXPECT_GT(p.spread.force, 1e-2);
-  for (const ComparisonRow& row : c.rows) {
+  for (const Comparison::Row& row : c.rows) {
     if (row.tol != 1e-11) continue;
     EXPECT_LE(row.guarded, 1e-11) << row.solver;
     // Whatever a solver chose, its answer is one that is known, also when it was found later.
@@ -81,7 +81,7 @@ TEST(SeveralAnswersInACompare, AUniqueAnswerIsNotMarked) {
 TEST(SeveralAnswersInACompare, AreKeptWithTheReference) {
   const TemporaryFolder folder;
   const SeveralProblem several = two_frictions_problem();
-  ComparisonOptions options = options_for({"pgs", "apgd"}, {1e-11});
+  Comparison::Options options = options_for({"pgs", "apgd"}, {1e-11});
   options.out = folder / "table";
   const auto source = source_without_scales("two", several.problem);
   const Comparison first = compare({source}, options);
@@ -104,7 +104,7 @@ TEST(SeveralAnswersInACompare, OfATiltedPackingAreTwo) {
   EXPECT_GE(c.problems[0].answers, 2);
   EXPECT_GT(c.problems[0].spread.velocity, 5e-2);
   EXPECT_LT(c.problems[0].spread.energy, c.problems[0].spread.velocity);
-  for (const ComparisonRow& row : c.rows) EXPECT_LT(row.velocity_error, 1e-4) << row.solver;
+  for (const Comparison::Row& row : c.rows) EXPECT_LT(row.velocity_error, 1e-4) << row.solver;
 }
 
 TEST(ReferenceSolution, LearnsOnlyWhatIsExactAndElsewhere) {

@@ -12,13 +12,13 @@ namespace bipot {
 namespace {
 
 void add_problem(Comparison& c, const std::string& name, int contacts) {
-  ProblemSummary p{.name = name, .contacts = contacts};
+  Comparison::Problem p{.name = name, .contacts = contacts};
   c.problems.push_back(p);
 }
 
 void add_row(Comparison& c, const std::string& problem, const std::string& solver, double tol,
              double guarded) {
-  ComparisonRow r{.problem = problem, .solver = solver, .tol = tol, .guarded = guarded};
+  Comparison::Row r{.problem = problem, .solver = solver, .tol = tol, .guarded = guarded};
   c.rows.push_back(r);
 }
 
@@ -98,9 +98,10 @@ TEST(ComparisonSuccess, NeverGrowsTowardsTighterTolerances) {
 TEST(ComparisonSuccess, EveryContactCountHasOneSize) {
   for (const int contacts : {1, 100, 101, 1000, 1001, 1000000}) {
     const auto sizes = size_classes();
-    EXPECT_EQ(std::count_if(sizes.begin(), sizes.end(),
-                            [&](const SizeClass& size) { return size.has(contacts); }),
-              1)
+    EXPECT_EQ(
+        std::count_if(sizes.begin(), sizes.end(),
+                      [&](const SuccessCurve::SizeClass& size) { return size.has(contacts); }),
+        1)
         << contacts;
   }
 }

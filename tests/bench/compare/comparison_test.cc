@@ -27,12 +27,12 @@
 namespace bipot {
 namespace {
 
-ComparisonOptions quick(std::vector<std::string> solvers, std::vector<double> tols) {
-  return ComparisonOptions{.solvers = std::move(solvers),
-                           .tols = std::move(tols),
-                           .time_limit = 20,
-                           .reference_time_limit = 20,
-                           .min_time = 0};
+Comparison::Options quick(std::vector<std::string> solvers, std::vector<double> tols) {
+  return Comparison::Options{.solvers = std::move(solvers),
+                             .tols = std::move(tols),
+                             .time_limit = 20,
+                             .reference_time_limit = 20,
+                             .min_time = 0};
 }
 
 ProblemSource source_of(const std::string& name, const ContactProblem& problem) {
@@ -43,15 +43,15 @@ ProblemSource source_of(const std::string& name, const ContactProblem& problem) 
           }};
 }
 
-const ComparisonRow& row_of(const Comparison& c, const std::string& solver, double tol) {
-  for (const ComparisonRow& row : c.rows) {
+const Comparison::Row& row_of(const Comparison& c, const std::string& solver, double tol) {
+  for (const Comparison::Row& row : c.rows) {
     if (row.solver == solver && row.tol == tol) return row;
   }
   throw std::out_of_range(solver);
 }
 
 /// Everything but the times, which no two runs share.
-std::string without_times(ComparisonRow row) {
+std::string without_times(Comparison::Row row) {
   row.total_min = row.setup_min = row.setup_median = row.solve_min = row.solve_median =
       row.cpu_min = 0;
   return to_csv(row);
@@ -64,14 +64,14 @@ TEST(Comparison, HasARowForEachProblemSolverAndTolerance) {
   ASSERT_EQ(c.rows.size(), 8u);
   EXPECT_EQ(c.rows[0].problem, "square:4");
   EXPECT_EQ(c.rows[0].tol, 1e-2);  // from loose to tight, whatever the order of the flags
-  for (const ComparisonRow& row : c.rows) {
+  for (const Comparison::Row& row : c.rows) {
     EXPECT_EQ(row.status, "converged") << row.solver << ": " << row.message;
     EXPECT_LE(row.guarded, row.tol);
     EXPECT_GT(row.total_min, 0);
     EXPECT_EQ(row.take_off + row.stick + row.slip, row.contacts);
   }
   ASSERT_EQ(c.problems.size(), 2u);
-  for (const ProblemSummary& p : c.problems) EXPECT_LE(p.reference_guarded, 1e-12) << p.name;
+  for (const Comparison::Problem& p : c.problems) EXPECT_LE(p.reference_guarded, 1e-12) << p.name;
   EXPECT_EQ(count_solved(c, 1e-8)[0].solved, 2);
 }
 
@@ -84,7 +84,7 @@ TEST(Comparison, JudgesSolversThatACallerBringsAlong) {
   liar.run = run_of([](const ContactProblem& p, const SolverOptions&) {
     return SolveResult{.status = SolveStatus::kConverged, .s = Vector::Zero(p.num_rows())};
   });
-  ComparisonOptions options = quick({"pgs"}, {1e-6});
+  Comparison::Options options = quick({"pgs"}, {1e-6});
   options.foreign = {honest, liar};
   const Comparison c = compare(expand_targets({"square:4"}), options);
   ASSERT_EQ(c.rows.size(), 3u);
@@ -214,7 +214,7 @@ TEST(BodyRows, FindDrivenWallsBehindTheDisks) {
 }
 
 TEST(Comparison, ShowsATimeOutAndDoesNotRepeatItAtTighterTolerances) {
-  ComparisonOptions options = quick({"uzawa"}, {1e-10, 1e-12});
+  Comparison::Options options = quick({"uzawa"}, {1e-10, 1e-12});
   options.time_limit = 1e-4;
   const Comparison c = compare(expand_targets({"triangular:20:tilt=10"}), options);
   ASSERT_EQ(c.rows.size(), 2u);
@@ -231,7 +231,7 @@ TEST(Comparison, ShowsATimeOutAndDoesNotRepeatItAtTighterTolerances) {
 TEST(Comparison, DoesNotTryLargeProblemsAfterATimeOutOnSmallOnes) {
   // What uzawa does in a tenth of a millisecond is not enough for 60 disks.
   const TemporaryFolder folder;
-  ComparisonOptions options = quick({"uzawa", "auto"}, {1e-10});
+  Comparison::Options options = quick({"uzawa", "auto"}, {1e-10});
   options.time_limit = 1e-4;
   options.out = folder / "table";
   const auto sources =
@@ -239,13 +239,13 @@ TEST(Comparison, DoesNotTryLargeProblemsAfterATimeOutOnSmallOnes) {
   const Comparison c = compare(sources, options);
   ASSERT_EQ(c.rows.size(), 6u);
   EXPECT_EQ(c.rows[0].status, "time limit");
-  EXPECT_EQ(c.rows[2].status, ComparisonRow::kNotTried);
+  EXPECT_EQ(c.rows[2].status, Comparison::Row::kNotTried);
   EXPECT_TRUE(says(c.rows[2].message, "triangular:8:tilt=10"));
   EXPECT_TRUE(std::isnan(c.rows[2].guarded));
   EXPECT_TRUE(std::isnan(c.rows[2].time()));
   EXPECT_EQ(c.rows[2].contacts, c.rows[3].contacts);
-  EXPECT_NE(c.rows[3].status, ComparisonRow::kNotTried);  // auto always runs
-  EXPECT_EQ(c.rows[4].status, "time limit");              // another series
+  EXPECT_NE(c.rows[3].status, Comparison::Row::kNotTried);  // auto always runs
+  EXPECT_EQ(c.rows[4].status, "time limit");                // another series
   EXPECT_EQ(to_csv(compare(sources, options)), to_csv(c));
   options.out.clear();
   options.try_all = true;
@@ -254,13 +254,13 @@ TEST(Comparison, DoesNotTryLargeProblemsAfterATimeOutOnSmallOnes) {
 
 TEST(Comparison, KeepsTheHistoryOfTheTightestSolve) {
   const TemporaryFolder folder;
-  ComparisonOptions options = quick({"pgs", "ipm"}, {1e-2, 1e-8});
+  Comparison::Options options = quick({"pgs", "ipm"}, {1e-2, 1e-8});
   options.out = folder / "table";
   const auto sources = expand_targets({"triangular:6:tilt=10"});
   const Comparison c = compare(sources, options);
   ASSERT_EQ(c.histories.size(), 2u);
-  for (const History& h : c.histories) {
-    const ComparisonRow& row = row_of(c, h.solver, 1e-8);
+  for (const Comparison::History& h : c.histories) {
+    const Comparison::Row& row = row_of(c, h.solver, 1e-8);
     EXPECT_EQ(h.tol, 1e-8);
     ASSERT_GE(h.points.size(), 3u);
     EXPECT_EQ(h.points.front().iteration, 0);
@@ -279,7 +279,7 @@ TEST(Comparison, KeepsTheHistoryOfTheTightestSolve) {
   EXPECT_EQ(to_csv(again.histories[1]), to_csv(c.histories[1]));
 
   // A solve that was cut off and begun again stands twice in the file; its second run counts.
-  History broken = c.histories[0];
+  Comparison::History broken = c.histories[0];
   broken.points.resize(2);
   std::ofstream(folder / "h.csv") << history_csv_header() << '\n'
                                   << to_csv(broken) << to_csv(c.histories[0]);
@@ -289,7 +289,7 @@ TEST(Comparison, KeepsTheHistoryOfTheTightestSolve) {
 }
 
 TEST(Comparison, RepeatsShortSolves) {
-  ComparisonOptions options = quick({"pgs"}, {1e-4});
+  Comparison::Options options = quick({"pgs"}, {1e-4});
   options.min_time = 0.01;
   const Comparison c = compare(expand_targets({"square:3"}), options);
   EXPECT_GT(c.rows[0].repeats, 3);  // a few microseconds each
@@ -298,7 +298,7 @@ TEST(Comparison, RepeatsShortSolves) {
 
 TEST(Comparison, ShowsSolversThatRefuseAProblem) {
   const Comparison c = compare(expand_targets({"square:30"}), quick({"lemke", "apgd"}, {1e-2}));
-  const ComparisonRow& row = row_of(c, "lemke", 1e-2);
+  const Comparison::Row& row = row_of(c, "lemke", 1e-2);
   EXPECT_EQ(row.status, "invalid input");
   EXPECT_TRUE(says(row.message, "at most"));
   EXPECT_TRUE(std::isnan(row.guarded));
@@ -308,7 +308,7 @@ TEST(Comparison, ShowsSolversThatRefuseAProblem) {
 TEST(Comparison, GoesOnWhereItWasStopped) {
   const TemporaryFolder folder;
   const auto sources = expand_targets({"square:4", "pyramid:4"});
-  ComparisonOptions options = quick({"pgs", "apgd", "lemke"}, {1e-2, 1e-6});
+  Comparison::Options options = quick({"pgs", "apgd", "lemke"}, {1e-2, 1e-6});
   const Comparison whole = compare(sources, options);
 
   options.out = folder / "table";
@@ -356,7 +356,7 @@ TEST(Comparison, HasWarmRowsBesideTheColdOnesWhereAProblemHasAStart) {
   const ContactProblem lattice = lattice_step(Lattice::kSquare, 5, 0.3, 10);
   const std::vector<ProblemSource> sources{started_at_its_solution("warm", lattice),
                                            source_of("cold", lattice)};
-  ComparisonOptions options = quick({"pgs", "apgd"}, {1e-2, 1e-6});
+  Comparison::Options options = quick({"pgs", "apgd"}, {1e-2, 1e-6});
   const Comparison cold = compare(sources, options);
   EXPECT_TRUE(cold.warm_rows.empty());
   EXPECT_TRUE(warm_gains(cold).empty());
@@ -370,7 +370,7 @@ TEST(Comparison, HasWarmRowsBesideTheColdOnesWhereAProblemHasAStart) {
     EXPECT_GT(both.rows[i].iterations, 0);
   }
   ASSERT_EQ(both.warm_rows.size(), 4u);  // "cold" has no start
-  for (const ComparisonRow& row : both.warm_rows) {
+  for (const Comparison::Row& row : both.warm_rows) {
     EXPECT_EQ(row.problem, "warm");
     EXPECT_EQ(row.warm, 1);
     EXPECT_EQ(row.status, "converged");
@@ -393,10 +393,10 @@ TEST(Comparison, HasWarmRowsBesideTheColdOnesWhereAProblemHasAStart) {
 
 TEST(Comparison, ACancelledSolveLeavesNoRow) {
   const ContactProblem lattice = lattice_step(Lattice::kSquare, 6, 0.3, 10);
-  ComparisonOptions options = quick({"pgs"}, {1e-2, 1e-12});
+  Comparison::Options options = quick({"pgs"}, {1e-2, 1e-12});
   int polls = 0;
   bool first_row_done = false;
-  options.on_row = [&](const ComparisonRow&, int, int) { first_row_done = true; };
+  options.on_row = [&](const Comparison::Row&, int, int) { first_row_done = true; };
   options.cancelled = [&] { return first_row_done && ++polls > 3; };
   const Comparison stopped = compare({source_of("lattice", lattice)}, options);
   EXPECT_FALSE(stopped.complete);
@@ -406,7 +406,7 @@ TEST(Comparison, ACancelledSolveLeavesNoRow) {
 
 TEST(Comparison, RefusesRowsOfAnotherProblem) {
   const TemporaryFolder folder;
-  ComparisonOptions options = quick({"pgs"}, {1e-2});
+  Comparison::Options options = quick({"pgs"}, {1e-2});
   options.out = folder / "table";
   compare({source_of("p", lattice_step(Lattice::kSquare, 4, 0.3, 10))}, options);
   options.tols = {1e-2, 1e-4};
@@ -430,7 +430,7 @@ TEST(Comparison, NamesProblemsWithSeveralVelocities) {
   // A free pyramid that slides apart: exact solutions with different velocities exist.
   const Comparison c = compare(expand_targets({"pyramid:5"}), quick({"lemke", "pgs"}, {1e-10}));
   ASSERT_EQ(c.problems.size(), 1u);
-  const ComparisonRow& lemke = row_of(c, "lemke", 1e-10);
+  const Comparison::Row& lemke = row_of(c, "lemke", 1e-10);
   ASSERT_LE(lemke.guarded, 1e-10);
   ASSERT_LE(c.problems[0].reference_guarded, 1e-11);
   // lemke's is one of the answers that are known: its error is the distance to itself.
@@ -492,12 +492,12 @@ TEST(ComparisonTargets, TakeProblemsAlongARun) {
 
 TEST(ComparisonRows, SurviveTheCsvFile) {
   const TemporaryFolder folder;
-  ComparisonRow row{.problem = "a,\"b\"",
-                    .solver = "pgs",
-                    .tol = 0.1 + 0.2,
-                    .message = "first, \"second\"\nthird",
-                    .iterations = 12,
-                    .guarded = std::numeric_limits<double>::infinity()};
+  Comparison::Row row{.problem = "a,\"b\"",
+                      .solver = "pgs",
+                      .tol = 0.1 + 0.2,
+                      .message = "first, \"second\"\nthird",
+                      .iterations = 12,
+                      .guarded = std::numeric_limits<double>::infinity()};
   std::ofstream(folder / "rows.csv") << csv_header() << '\n' << to_csv(row) << '\n';
   const auto rows = read_csv_rows(folder / "rows.csv");
   ASSERT_EQ(rows.size(), 1u);
@@ -510,10 +510,10 @@ TEST(ComparisonRows, SurviveTheCsvFile) {
 }
 
 TEST(ComparisonReport, FindsTheFastestAndTheUnbeaten) {
-  ProblemSummary problem{.name = "p"};
-  std::vector<ComparisonRow> rows;
+  Comparison::Problem problem{.name = "p"};
+  std::vector<Comparison::Row> rows;
   const auto add = [&rows](const char* solver, double seconds, double error) {
-    ComparisonRow row{
+    Comparison::Row row{
         .problem = "p", .solver = solver, .cpu_min = seconds, .velocity_error = error};
     rows.push_back(row);
   };
@@ -584,7 +584,7 @@ TEST(Comparison, TakesFamiliesAndScenesOfSpheres) {
   EXPECT_EQ(sources[2].load().smallest_radius, 0.05);
   const Comparison c = compare(sources, quick({"pgs", "admm"}, {1e-6}));
   ASSERT_EQ(c.rows.size(), 8u);
-  for (const ComparisonRow& row : c.rows) {
+  for (const Comparison::Row& row : c.rows) {
     EXPECT_EQ(row.status, "converged") << row.problem << ' ' << row.solver;
     EXPECT_LE(row.guarded, 1e-6);
   }

@@ -96,7 +96,7 @@ TEST(IndependentCheck, SeesWhatExtendedPrecisionRoundsAway) {
 }
 
 TEST(IsolatedJobs, ACrashAHangAndAnExceptionAreCountedAndTheOthersRun) {
-  std::vector<JobEnd> ends;
+  std::vector<IsolatedJobs::End> ends;
   IsolatedJobs jobs;
   jobs.count = 6;
   jobs.seconds = 1;
@@ -106,17 +106,17 @@ TEST(IsolatedJobs, ACrashAHangAndAnExceptionAreCountedAndTheOthersRun) {
     if (k == 4) throw std::runtime_error("on purpose");
     return "job " + std::to_string(k);
   };
-  jobs.on_end = [&](int, const JobEnd& end) { ends.push_back(end); };
+  jobs.on_end = [&](int, const IsolatedJobs::End& end) { ends.push_back(end); };
   run_isolated(jobs);
   ASSERT_EQ(ends.size(), 6u);
   for (const int k : {0, 2, 5}) {
-    EXPECT_EQ(ends[to_size(k)].kind, JobEnd::Kind::kDone);
+    EXPECT_EQ(ends[to_size(k)].kind, IsolatedJobs::End::Kind::kDone);
     EXPECT_EQ(ends[to_size(k)].text, "job " + std::to_string(k));
   }
-  EXPECT_EQ(ends[1].kind, JobEnd::Kind::kCrashed);
+  EXPECT_EQ(ends[1].kind, IsolatedJobs::End::Kind::kCrashed);
   EXPECT_TRUE(says(ends[1].text, "signal 9"));
-  EXPECT_EQ(ends[3].kind, JobEnd::Kind::kHung);
-  EXPECT_EQ(ends[4].kind, JobEnd::Kind::kCrashed);
+  EXPECT_EQ(ends[3].kind, IsolatedJobs::End::Kind::kHung);
+  EXPECT_EQ(ends[4].kind, IsolatedJobs::End::Kind::kCrashed);
 }
 
 TEST(IsolatedJobs, AnInterruptionEndsThem) {
@@ -124,7 +124,7 @@ TEST(IsolatedJobs, AnInterruptionEndsThem) {
   IsolatedJobs jobs;
   jobs.count = 100;
   jobs.job = [](int) { return std::string(); };
-  jobs.on_end = [&](int, const JobEnd&) { ++done; };
+  jobs.on_end = [&](int, const IsolatedJobs::End&) { ++done; };
   jobs.interrupted = [&] { return done >= 3; };
   run_isolated(jobs);
   EXPECT_EQ(done, 3);
@@ -155,15 +155,15 @@ TEST(RandomProblem, AClaimThatTheRaceDoesNotConfirmIsNotItsEnd) {
   EXPECT_LE(independent_check(random.problem, result.s).guarded, 1e-8) << result.message;
 }
 
-RandomSetOptions short_set(int count) {
-  RandomSetOptions options{
+RandomSets::Options short_set(int count) {
+  RandomSets::Options options{
       .count = count, .seed = 20, .time_limit = 0.3, .solvers = solver_names()};
   return options;
 }
 
 TEST(RandomSets, NothingIsWrongInAShortOne) {
-  const RandomSetResult result = run_random_problems(short_set(66));
-  for (const RandomFinding& f : result.findings) {
+  const RandomSets result = run_random_problems(short_set(66));
+  for (const RandomSets::Finding& f : result.findings) {
     if (f.kind.find("not solved") == std::string::npos) {
       ADD_FAILURE() << f.kind << ' ' << f.index << ' ' << f.solver << ": " << f.message;
     }
@@ -178,19 +178,19 @@ TEST(RandomSets, NothingIsWrongInAShortOne) {
 // 44 contacts of 10 bodies without friction, W alone: impulses so large beside the energy that ε in
 // double precision was 9.8e-9 where it is 1.6e-8, and auto took it. One of 10 000.
 TEST(RandomSets, RoundingOfLargeSelfStressIsNoClaim) {
-  RandomSetOptions options = short_set(1);
+  RandomSets::Options options = short_set(1);
   options.seed = 1;
   options.first = 4989;
   options.solvers = {"auto", "homotopy"};
-  const RandomSetResult result = run_random_problems(options);
+  const RandomSets result = run_random_problems(options);
   EXPECT_TRUE(result.sound());
   EXPECT_EQ(result.tallies[0].tried, 1);
   EXPECT_EQ(result.tallies[1].tried, 1);
 }
 
 TEST(RandomSets, NothingIsWrongInAFewScenes) {
-  const RandomSetResult result = run_random_scenes(short_set(12));
-  for (const RandomFinding& f : result.findings) {
+  const RandomSets result = run_random_scenes(short_set(12));
+  for (const RandomSets::Finding& f : result.findings) {
     if (f.kind.find("not solved") == std::string::npos && f.kind != "run ended early") {
       ADD_FAILURE() << f.kind << ' ' << f.index << ": " << f.message;
     }
@@ -212,32 +212,32 @@ TEST(ExtremeCases, EachSaysWhatItIsAndWhatIsKnown) {
   EXPECT_GT(names.size(), 60u);
 }
 
-MatrixOptions of(const std::string& name) {
-  return MatrixOptions{.solvers = {"auto", "pgs"}, .only = name, .time_limit = 0.3};
+ExtremeMatrix::Options of(const std::string& name) {
+  return ExtremeMatrix::Options{.solvers = {"auto", "pgs"}, .only = name, .time_limit = 0.3};
 }
 
 TEST(ExtremeMatrix, KnowsWhatItsCasesAre) {
   const ExtremeMatrix walls = measure_extremes(of("wall_into_row"));
   EXPECT_EQ(walls.verdicts.front(), Existence::kNone);
-  EXPECT_EQ(walls.find("wall_into_row", "auto")->end, CellEnd::kNone);
+  EXPECT_EQ(walls.find("wall_into_row", "auto")->end, ExtremeCell::kNone);
   // By cases: friction jams the wedge, normals alone do not.
   const ExtremeMatrix wedge = measure_extremes(of("wedge_closes"));
   EXPECT_EQ(wedge.verdicts.front(), Existence::kNone);
-  EXPECT_EQ(wedge.find("wedge_closes", "auto")->end, CellEnd::kNone);
+  EXPECT_EQ(wedge.find("wedge_closes", "auto")->end, ExtremeCell::kNone);
   const ExtremeMatrix tower = measure_extremes(of("light_on_heavy_1e2"));
-  EXPECT_EQ(tower.find("light_on_heavy_1e2", "auto")->end, CellEnd::kSolved);
+  EXPECT_EQ(tower.find("light_on_heavy_1e2", "auto")->end, ExtremeCell::kSolved);
   EXPECT_LT(tower.find("light_on_heavy_1e2", "auto")->true_error, 1e-6);
   // Weights of 1e12 kg in 53 digits: what is lost moves the light disks by more than the tolerance.
   const ExtremeMatrix beyond = measure_extremes(of("heavy_on_light_1e12"));
   EXPECT_GT(beyond.floors.front(), 1e-8);
-  EXPECT_EQ(beyond.find("heavy_on_light_1e12", "auto")->end, CellEnd::kBeyond);
-  EXPECT_EQ(measure_extremes(of("coincident_centres")).cells.front().end, CellEnd::kRefused);
+  EXPECT_EQ(beyond.find("heavy_on_light_1e12", "auto")->end, ExtremeCell::kBeyond);
+  EXPECT_EQ(measure_extremes(of("coincident_centres")).cells.front().end, ExtremeCell::kRefused);
   EXPECT_THROW(measure_extremes(of("no_such_case")), std::invalid_argument);
 }
 
 TEST(ExtremeMatrix, NewtonsLawCreatesEnergyOnlyWhereTheCoefficientsDiffer) {
   const ExtremeMatrix corners = measure_extremes(of("corner_e"));
-  for (const ExtremeCell& c : corners.cells) EXPECT_NE(c.end, CellEnd::kWrong) << c.name;
+  for (const ExtremeCell& c : corners.cells) EXPECT_NE(c.end, ExtremeCell::kWrong) << c.name;
   EXPECT_LT(corners.find("corner_e_1_1", "auto")->energy_error, 1e-7);
   EXPECT_LT(corners.find("corner_e_0.5_0.5", "auto")->energy_error, 1e-7);
   EXPECT_GT(corners.find("corner_e_1_0", "auto")->energy_error, 0.01);
@@ -247,18 +247,19 @@ TEST(ExtremeReport, SaysWhatAutoMissesAndOthersSolve) {
   ExtremeMatrix m = measure_extremes(of("units_usual"));
   EXPECT_TRUE(solved_by_others(m, "units_usual").empty());
   EXPECT_FALSE(says(to_text(m), "missed by auto"));
-  for (ExtremeCell& c : m.cells) c.end = c.solver == "auto" ? CellEnd::kUnsolved : CellEnd::kSolved;
+  for (ExtremeCell& c : m.cells)
+    c.end = c.solver == "auto" ? ExtremeCell::kUnsolved : ExtremeCell::kSolved;
   EXPECT_EQ(solved_by_others(m, "units_usual"), std::vector<std::string>{"pgs"});
   EXPECT_TRUE(says(to_text(m), "missed by auto: units_usual: solved by pgs"));
   EXPECT_TRUE(says(to_html(extremes_page(m, {})), "solves: 1."));
   EXPECT_TRUE(says(to_csv(cells_table(m)), ",true,"));
-  for (ExtremeCell& c : m.cells) c.end = CellEnd::kUnsolved;
+  for (ExtremeCell& c : m.cells) c.end = ExtremeCell::kUnsolved;
   EXPECT_TRUE(solved_by_others(m, "units_usual").empty());
 }
 
 TEST(ExtremeReport, EveryCellStandsInTheTableAndThePage) {
   ExtremeMatrix m = measure_extremes(of("units_usual"));
-  m.cells.back().end = CellEnd::kWrong;
+  m.cells.back().end = ExtremeCell::kWrong;
   m.cells.back().message = "a <planted> fault";
   const std::string csv = to_csv(cells_table(m)), text = to_text(m);
   const Document document = extremes_page(m, provenance("extremes", "bipot extremes"));

@@ -19,11 +19,11 @@ Claim number(const std::string& name, double value, const std::string& unit = ""
 }
 
 ClaimReport one_entry(Findings result) {
-  ReportItem entry;
+  ClaimReport::Item entry;
   entry.name = "table9";
   entry.title = "Table 9: of nothing";
   entry.command = "bipot paper --only table9";
-  entry.status = ReportItem::Status::kDone;
+  entry.status = ClaimReport::Item::Status::kDone;
   entry.quick = true;
   entry.wall_seconds = 1.5;
   entry.build.commit = "0123abc";
@@ -79,10 +79,10 @@ TEST(ClaimReport, ResultsAreReadBackAsTheyWere) {
   result.claims[0].bar = 0.25;
   result.claims[0].source = "theory";
   Chart chart{.title = "t",
-              .x = {"N", ChartAxis::Kind::kLog, 1.0, {}},
-              .y = {"s", ChartAxis::Kind::kLogSeconds},
+              .x = {"N", Chart::Axis::Kind::kLog, 1.0, {}},
+              .y = {"s", Chart::Axis::Kind::kLogSeconds},
               .series = {{"a", 3, {{1, 2, true, "note"}, {2, NAN}, {3, 4, false, "", false}}}}};
-  chart.series[0].kind = ChartSeries::Kind::kSteps;
+  chart.series[0].kind = Chart::Series::Kind::kSteps;
   chart.series[0].points[0].y_low = 1;
   chart.x_lines = {{3, "three"}};
   chart.key = Chart::Key::kRight;
@@ -129,7 +129,7 @@ TEST(ClaimPage, MarksChecksAndEscapesMarkup) {
 
 TEST(ClaimPage, AFailedItemSaysWhy) {
   ClaimReport report = one_entry({});
-  report.items[0].status = ReportItem::Status::kFailed;
+  report.items[0].status = ClaimReport::Item::Status::kFailed;
   report.items[0].message = "step 3: <stalled>";
   const std::string page = to_html(to_document(report));
   EXPECT_TRUE(says(page, "This item is failed: step 3: &lt;stalled&gt;"));

@@ -191,7 +191,7 @@ TEST(WindowStatistics, TellHalvesApart) {
   EXPECT_DOUBLE_EQ(window_statistics(pressures).variation, 0);
   // The right half (columns are stored one after the other) carries three times as much.
   for (std::size_t k = pressures.size() / 2; k < pressures.size(); ++k) pressures[k] = 3;
-  const WindowStatistics s = window_statistics(pressures);
+  const Compression::WindowStatistics s = window_statistics(pressures);
   EXPECT_DOUBLE_EQ(s.horizontal, 0.5);
   EXPECT_DOUBLE_EQ(s.vertical, 0);
   EXPECT_DOUBLE_EQ(s.variation, 0.5);  // mean 2, deviations 1

@@ -14,7 +14,7 @@ class PaperItemsQuick : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(PaperItemsQuick, ChecksHold) {
   const TemporaryFolder folder;
-  PaperContext context{.out = folder.path(), .quick = true};
+  PaperItem::Context context{.out = folder.path(), .quick = true};
   const auto& items = paper_items();
   const auto item = std::find_if(items.begin(), items.end(),
                                  [](const PaperItem& i) { return i.name == GetParam(); });

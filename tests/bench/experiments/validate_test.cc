@@ -16,7 +16,7 @@ namespace bipot {
 namespace {
 
 ValidationRow judged(const Expectation& range, double allowed,
-                     std::vector<ValidationPoint> points) {
+                     std::vector<ValidationRow::Point> points) {
   ValidationRow row;
   row.claim.name = "row";
   row.range = range;
@@ -26,8 +26,8 @@ ValidationRow judged(const Expectation& range, double allowed,
   return row;
 }
 
-ValidationPoint point(double tol, double value, double bar = 0, long unsolved = 0) {
-  return ValidationPoint{.tol = tol, .seen = {value, bar}, .steps = 100, .unsolved = unsolved};
+ValidationRow::Point point(double tol, double value, double bar = 0, long unsolved = 0) {
+  return ValidationRow::Point{.tol = tol, .seen = {value, bar}, .steps = 100, .unsolved = unsolved};
 }
 
 TEST(Validate, ErrorsAreDistancesFromWhatIsExpected) {
@@ -43,8 +43,9 @@ TEST(Validate, ErrorsAreDistancesFromWhatIsExpected) {
 // Errors 0.5, 0.005, 0.3, 0.004, 1e-9 at falling tolerances: right to 1 % from the fourth on, as
 // the third is not right.
 TEST(Validate, TheLoosestToleranceIsThatFromWhichAllTighterOnesAreRight) {
-  const std::vector<ValidationPoint> points = {point(1, 1.5), point(0.1, 1.005), point(0.01, 1.3),
-                                               point(1e-3, 1.004), point(1e-4, 1 + 1e-9)};
+  const std::vector<ValidationRow::Point> points = {point(1, 1.5), point(0.1, 1.005),
+                                                    point(0.01, 1.3), point(1e-3, 1.004),
+                                                    point(1e-4, 1 + 1e-9)};
   const ValidationRow verdict = judged(Expectation::equal(1), 1e-6, points);
   EXPECT_TRUE(verdict.holds());
   EXPECT_EQ(verdict.best, 4);
@@ -92,16 +93,16 @@ TEST(Validate, ABarWidensWhatIsAllowed) {
 }
 
 TEST(Validate, WhatAnExperimentThrowsIsTheReason) {
-  ValidationExperiment broken;
+  Experiment broken;
   broken.rows.resize(2);
   broken.tols = broken.quick_tols = {0.1};
-  broken.run = [](ExperimentTrial&) { throw std::runtime_error("no disks at all"); };
-  const ExperimentResult result = run_experiment(broken, {});
+  broken.run = [](Experiment::Trial&) { throw std::runtime_error("no disks at all"); };
+  const Experiment::Result result = run_experiment(broken, {});
   ASSERT_EQ(result.rows.size(), 2u);
   EXPECT_FALSE(result.rows[1].holds());
   EXPECT_TRUE(says(result.rows[1].claim.reason, "no disks at all"));
   // One observation for two rows is a fault of the experiment.
-  broken.run = [](ExperimentTrial& trial) { trial.seen = {{1}}; };
+  broken.run = [](Experiment::Trial& trial) { trial.seen = {{1}}; };
   EXPECT_TRUE(says(run_experiment(broken, {}).rows[0].claim.reason, "1 observations for 2 rows"));
 }
 
@@ -119,7 +120,7 @@ TEST(Validate, AThresholdIsFoundAndItsLackIsNotHidden) {
 
 TEST(Validate, EveryRowSaysWhatItIs) {
   std::set<std::string> names;
-  for (const ValidationExperiment& e : validation_experiments()) {
+  for (const Experiment& e : validation_experiments()) {
     for (const ValidationRow& row : e.rows) {
       EXPECT_TRUE(names.insert(row.claim.name).second) << row.claim.name;
       for (const std::string* text : {&row.group, &row.claim.quantity, &row.claim.source,
@@ -140,11 +141,11 @@ TEST(Validate, EveryRowSaysWhatItIs) {
 /// Rows whose answer is known by hand hold at the tightest tolerance; with an expected value that
 /// is 20 % off (or a bound that is moved by a tenth of its scale past what was measured) each of
 /// them does not.
-class ExactRows : public testing::TestWithParam<std::vector<ValidationExperiment> (*)()> {};
+class ExactRows : public testing::TestWithParam<std::vector<Experiment> (*)()> {};
 
 TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
-  ValidationContext context{.quick = true};
-  for (ValidationExperiment e : GetParam()()) {
+  Experiment::Context context{.quick = true};
+  for (Experiment e : GetParam()()) {
     e.quick_tols = {e.quick_tols.back()};
     for (ValidationRow& v : run_experiment(e, context).rows) {
       EXPECT_TRUE(v.holds()) << v.claim.name << ": " << v.claim.reason;
@@ -168,8 +169,8 @@ INSTANTIATE_TEST_SUITE_P(Validate, ExactRows,
 
 // A solver that may not iterate reaches no tolerance, and no row holds by luck.
 TEST(Validate, WithoutIterationsNothingThatNeedsThemHolds) {
-  ValidationContext context{.quick = true, .max_iterations = 1};
-  for (ValidationExperiment e : standing_experiments()) {
+  Experiment::Context context{.quick = true, .max_iterations = 1};
+  for (Experiment e : standing_experiments()) {
     e.quick_tols = {1e-8};
     for (const ValidationRow& v : run_experiment(e, context).rows) {
       EXPECT_FALSE(v.holds()) << v.claim.name;
@@ -180,9 +181,9 @@ TEST(Validate, WithoutIterationsNothingThatNeedsThemHolds) {
 
 /// All rows at one tolerance, as --quick measures them.
 ValidationPage small_page() {
-  ValidationContext context{.quick = true};
+  Experiment::Context context{.quick = true};
   ValidationPage page{.command = "bipot validate --quick", .solver = context.solver, .quick = true};
-  for (ValidationExperiment e : validation_experiments()) {
+  for (Experiment e : validation_experiments()) {
     e.quick_tols = {1e-1};
     page.add(run_experiment(e, context));
   }
@@ -197,7 +198,7 @@ TEST(Validate, TheQuickPageHasEveryRowAndNoNaN) {
   const std::string html = to_html(to_document(report)), text = to_text(page),
                     csv = to_csv(points_table(page)), verdicts = to_csv(verdicts_table(page));
   std::size_t rows = 0;
-  for (const ValidationExperiment& e : validation_experiments()) {
+  for (const Experiment& e : validation_experiments()) {
     for (const ValidationRow& row : e.rows) {
       ++rows;
       EXPECT_TRUE(says(html, "." + row.claim.name + "\">")) << row.claim.name;
@@ -226,8 +227,8 @@ TEST(Validate, TheQuickPageHasEveryRowAndNoNaN) {
 /// As --quick measures it: every row has an error bar and none is refuted. A planted value does not
 /// pass: an equality is moved to twice what is expected, a bound to beyond what was measured.
 TEST(Validate, QuickRowsHaveBarsAndRefutePlantedValues) {
-  ValidationContext context{.quick = true};
-  for (const ValidationExperiment& e : flow_experiments()) {
+  Experiment::Context context{.quick = true};
+  for (const Experiment& e : flow_experiments()) {
     for (ValidationRow& row : run_experiment(e, context).rows) {
       EXPECT_GT(row.claim.bar, 0) << row.claim.name;
       EXPECT_TRUE(row.holds() || row.undecided()) << row.claim.name << ": " << row.claim.reason;

@@ -15,15 +15,15 @@ TEST(IterationGrowth, SideIsTheNearest) {
   EXPECT_EQ(side_of("triangular", 95), 10);  // 5 rows of 10 and 5 of 9
   EXPECT_EQ(side_of("square", 1), 1);
   for (const char* family : {"square", "triangular", "pyramid"}) {
-    const GrowthProblem problem = make_growth_problem({.family = family}, 7);
+    const GrowthScene::Problem problem = make_growth_problem({.family = family}, 7);
     EXPECT_EQ(side_of(family, static_cast<double>(problem.bodies)), 7) << family;
   }
   EXPECT_THROW(make_growth_problem({.family = "simplex"}, 3), std::invalid_argument);
 }
 
 TEST(IterationGrowth, DilutedLatticeLacksATenthOfItsDisks) {
-  const GrowthProblem some = make_growth_problem({.family = "diluted", .seed = 1}, 40);
-  const GrowthProblem other = make_growth_problem({.family = "diluted", .seed = 2}, 40);
+  const GrowthScene::Problem some = make_growth_problem({.family = "diluted", .seed = 1}, 40);
+  const GrowthScene::Problem other = make_growth_problem({.family = "diluted", .seed = 2}, 40);
   // 1580 places, each empty with probability 1/10: 1422 ± 12 disks, four standard deviations.
   EXPECT_NEAR(static_cast<double>(some.bodies), 1422, 48);
   EXPECT_NE(some.problem.num_contacts(), other.problem.num_contacts());
@@ -32,7 +32,7 @@ TEST(IterationGrowth, DilutedLatticeLacksATenthOfItsDisks) {
 // One solve with a history and a solve for each tolerance must say the same.
 TEST(IterationGrowth, OneSolveGivesTheRowsOfAllTolerances) {
   const GrowthScene scene{.family = "triangular", .tilt_degrees = 10};
-  const GrowthProblem problem = make_growth_problem(scene, 8);
+  const GrowthScene::Problem problem = make_growth_problem(scene, 8);
   const double tols[] = {1e-2, 1e-4, 1e-8};
   for (const SolverVariant& method :
        {SolverVariant{"u", "uzawa", {{"rho", "stable"}}}, SolverVariant{"p", "pgs"},
@@ -52,7 +52,7 @@ TEST(IterationGrowth, OneSolveGivesTheRowsOfAllTolerances) {
 
 TEST(IterationGrowth, LimitLeavesTheTightRowsUnmet) {
   const GrowthScene scene{.family = "square"};
-  const GrowthProblem problem = make_growth_problem(scene, 10);
+  const GrowthScene::Problem problem = make_growth_problem(scene, 10);
   const double tols[] = {1e-2, 1e-8};
   const auto rows = growth_rows(scene, problem, {"pgs", "pgs"}, tols, {.max_iterations = 400});
   EXPECT_EQ(rows[0].status, SolveStatus::kConverged);

@@ -141,7 +141,7 @@ TEST(MovingProblems, AreTargetsAndFamilies) {
   for (const char* bad : {"pour:5:ratio=2", "pour:5:angle=3", "pour", "strike:0"}) {
     EXPECT_THROW(expand_targets({bad}), std::invalid_argument) << bad;
   }
-  const GrowthProblem growth = make_growth_problem({.family = "pour"}, 5);
+  const GrowthScene::Problem growth = make_growth_problem({.family = "pour"}, 5);
   EXPECT_EQ(growth.bodies, 25u);
   EXPECT_GT(growth.problem.num_contacts(), 0);
 }

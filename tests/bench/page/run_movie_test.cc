@@ -20,7 +20,7 @@ TEST(RunMovie, AnotherEndingIsRefusedBeforeAnythingIsDrawn) {
       "one");
   State<2> state = initial_state(scene);
   run_scene(scene, state, {.folder = {.folder = folder.path()}});
-  EXPECT_THROW(write_run_movie(folder.path(), {.file = "movie.avi"}), std::invalid_argument);
+  EXPECT_THROW(write_run_movie(folder.path(), "movie.avi"), std::invalid_argument);
 }
 
 TEST(RunFrames, AShownStateIsTheOneOfItsFile) {

@@ -35,8 +35,8 @@ std::set<std::string> ids(std::string_view svg) {
 
 Chart falling() {
   return Chart{.title = "Error against time",
-               .x = {"time", ChartAxis::Kind::kLogSeconds},
-               .y = {"force error [−]", ChartAxis::Kind::kLog},
+               .x = {"time", Chart::Axis::Kind::kLogSeconds},
+               .y = {"force error [−]", Chart::Axis::Kind::kLog},
                .series = {{"apgd", 0, {{1e-4, 1e-1, false, "loose"}, {1e-2, 1e-5, true, "tight"}}},
                           {"ipm", 1, {{3e-3, 1e-2}, {6e-3, 1e-9}}}}};
 }
@@ -118,11 +118,11 @@ TEST(Chart, LiftsWhatALogarithmicAxisCannotShow) {
   Chart chart = falling();
   chart.series = {{"a", 0, {{1, 0}, {10, 3e-5}, {100, -1}, {1000, 1e-2}}},
                   {"b", 1, {{0, 1e-2}, {kNaN, 1}, {10, kNaN}}}};
-  chart.x.kind = ChartAxis::Kind::kLog;
+  chart.x.kind = Chart::Axis::Kind::kLog;
   // Without notes of its own, a point would name the values that it has.
   const auto noted = [](Chart of) {
-    for (ChartSeries& series : of.series) {
-      for (ChartPoint& point : series.points) point.note = "a point";
+    for (Chart::Series& series : of.series) {
+      for (Chart::Point& point : series.points) point.note = "a point";
     }
     return of;
   };
@@ -135,7 +135,7 @@ TEST(Chart, LiftsWhatALogarithmicAxisCannotShow) {
 }
 
 TEST(Chart, WithoutFiniteValuesIsAnEmptyFrame) {
-  for (auto kind : {ChartAxis::Kind::kLinear, ChartAxis::Kind::kLog}) {
+  for (auto kind : {Chart::Axis::Kind::kLinear, Chart::Axis::Kind::kLog}) {
     Chart chart;
     chart.x.kind = chart.y.kind = kind;
     EXPECT_TRUE(says(to_svg(chart), "no finite values"));
@@ -153,10 +153,10 @@ TEST(Chart, TakesASinglePointAndEveryKindOfSeries) {
   Chart chart = falling();
   chart.series = {{"one", 0, {{1e-3, 1e-3}}}};
   EXPECT_EQ(markup_defect(to_svg(chart)), "");
-  chart.x.kind = chart.y.kind = ChartAxis::Kind::kLinear;
+  chart.x.kind = chart.y.kind = Chart::Axis::Kind::kLinear;
   chart.series = {{"one", 0, {{0, 0}}}};
   EXPECT_EQ(markup_defect(to_svg(chart)), "");
-  using Kind = ChartSeries::Kind;
+  using Kind = Chart::Series::Kind;
   chart.series = {{"line", 1, {{0, 0}, {1, 1}}, Kind::kLine},
                   {"points", 2, {{0, 0, false, "", true, -0.2, 0.2}, {1, 2}}, Kind::kPoints},
                   {"steps", 3, {{0, 0, false, "", false}, {1, 1, true, "here"}}, Kind::kSteps}};
@@ -175,7 +175,7 @@ TEST(Chart, TakesASinglePointAndEveryKindOfSeries) {
 TEST(Chart, HasRoomForErrorBars) {
   // From 0.5 to 300 around 10: three decades and a half need the axis from 10^-1 to 10^3.
   Chart chart;
-  chart.y.kind = ChartAxis::Kind::kLog;
+  chart.y.kind = Chart::Axis::Kind::kLog;
   chart.series = {{"", 0, {{0, 10}, {1, 10, false, "", true, 0.5, 300}}}};
   const std::string svg = to_svg(chart);
   for (const char* power : {">−1</tspan>", ">3</tspan>"}) EXPECT_EQ(count(svg, power), 1u) << power;
@@ -183,7 +183,7 @@ TEST(Chart, HasRoomForErrorBars) {
 
 TEST(Chart, ShowsMarkersOnItsFrame) {
   // The four corners of the ranges, with notes and without, on both kinds of axes.
-  for (auto kind : {ChartAxis::Kind::kLinear, ChartAxis::Kind::kLog}) {
+  for (auto kind : {Chart::Axis::Kind::kLinear, Chart::Axis::Kind::kLog}) {
     for (const char* note : {"", "note"}) {
       Chart chart{
           .x = {"x", kind, 1.0, 100.0},
@@ -196,7 +196,7 @@ TEST(Chart, ShowsMarkersOnItsFrame) {
     }
   }
   Chart single;  // its decade begins where it stands
-  single.x = {"x", ChartAxis::Kind::kLog, {}, {}};
+  single.x = {"x", Chart::Axis::Kind::kLog, {}, {}};
   single.series = {{"", 0, {{100, 0, false, "note"}}}};
   EXPECT_EQ(count(to_svg(single), "-gpPt6' transform"), 1u);
 }

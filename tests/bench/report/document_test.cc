@@ -21,9 +21,9 @@ Table solver_table() {
                           {"", "time", seconds_label, "CPU", "the least of all"}},
               .key = "solvers",
               .note = "See [below](#made)."};
-  table.add({"a<b", 1e-6, 0.1 + 0.2, TableCell(0.3).tipped("0.3 s \"all\"").as("good")});
+  table.add({"a<b", 1e-6, 0.1 + 0.2, Table::Cell(0.3).tipped("0.3 s \"all\"").as("good")});
   table.add({"others"});
-  table.add({"c,\"d\"", kNaN, {}, TableCell("never").as("bad")}, "bad", "second");
+  table.add({"c,\"d\"", kNaN, {}, Table::Cell("never").as("bad")}, "bad", "second");
   return table;
 }
 
@@ -116,7 +116,7 @@ TEST(Document, TextAlignsColumnsAndFitsTheTerminal) {
             "c,\"d\"           –       never\n"
             "See below.\n");
   Table wide{.columns = {{"", "name"}}};
-  std::vector<TableCell> cells = {"row"};
+  std::vector<Table::Cell> cells = {"row"};
   for (int k = 0; k < 30; ++k) {
     wide.columns.push_back({"", "column " + std::to_string(k), count_label});
     cells.push_back(k);

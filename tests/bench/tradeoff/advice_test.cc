@@ -9,12 +9,12 @@ namespace {
 
 Accuracy force(double x) { return {.force = x}; }
 
-StepTrial step(double h, double error, double bar = 0) {
+Advice::StepTrial step(double h, double error, double bar = 0) {
   return {h / 1e-3, h, {force(error), force(bar)}};
 }
 
-SolverTrial trial(const std::string& name, double tol, double error, double seconds) {
-  SolverTrial t;
+Advice::SolverTrial trial(const std::string& name, double tol, double error, double seconds) {
+  Advice::SolverTrial t;
   t.solver = {name, name, {}};
   t.tol = tol;
   t.stretches = t.solved = 4;
@@ -31,18 +31,19 @@ TEST(Advice, ShareIsTheWorstOfWhatIsAskedFor) {
 }
 
 TEST(Advice, LargestStepThatTakesHalfTheGoal) {
-  const std::vector<StepTrial> steps = {step(4e-3, 8e-3), step(2e-3, 4e-3), step(1e-3, 2e-3)};
-  const StepChoice half = choose_step(steps, force(1e-2));
+  const std::vector<Advice::StepTrial> steps = {step(4e-3, 8e-3), step(2e-3, 4e-3),
+                                                step(1e-3, 2e-3)};
+  const Advice::StepChoice half = choose_step(steps, force(1e-2));
   EXPECT_EQ(half.index, 1);
   EXPECT_TRUE(half.met);
   // Half of 2.5e-3 is below all; nine tenths are not.
-  const StepChoice most = choose_step(steps, force(2.5e-3));
+  const Advice::StepChoice most = choose_step(steps, force(2.5e-3));
   EXPECT_EQ(most.index, 2);
   EXPECT_TRUE(most.met);
 }
 
 TEST(Advice, AnAccuracyIsTakenWhereItIsCheaperOrNoEqualStepMeets) {
-  std::vector<StepTrial> steps = {step(2e-3, 2e-2), step(1e-3, 4e-3), step(1e-2, 8e-3)};
+  std::vector<Advice::StepTrial> steps = {step(2e-3, 2e-2), step(1e-3, 4e-3), step(1e-2, 8e-3)};
   steps[1].seconds = 1;
   steps[2].accuracy = 0.1;
   for (const double seconds : {0.5, 2.0}) {
@@ -60,8 +61,9 @@ TEST(Advice, AnAccuracyIsTakenWhereItIsCheaperOrNoEqualStepMeets) {
 }
 
 TEST(Advice, AStepIsNoBetterThanASmallerOne) {
-  const std::vector<StepTrial> steps = {step(4e-3, 1e-3), step(2e-3, 4e-2), step(1e-3, 2e-3)};
-  const StepChoice choice = choose_step(steps, force(1e-2));
+  const std::vector<Advice::StepTrial> steps = {step(4e-3, 1e-3), step(2e-3, 4e-2),
+                                                step(1e-3, 2e-3)};
+  const Advice::StepChoice choice = choose_step(steps, force(1e-2));
   EXPECT_EQ(choice.index, 2);  // 4e-3 s came out well by chance
   EXPECT_TRUE(choice.met);
 }
@@ -70,7 +72,8 @@ TEST(Advice, TheBarCounts) {
   // 4e-3 ± 3e-3 may be 7e-3: within nine tenths of 1e-2, not within half of it.
   EXPECT_EQ(choose_step({step(2e-3, 4e-3, 3e-3), step(1e-3, 1e-3, 3e-3)}, force(1e-2)).index, 1);
   // A smaller step that may be as good as nothing says nothing against a larger one.
-  const StepChoice choice = choose_step({step(2e-3, 4e-3), step(1e-3, 2e-2, 3e-2)}, force(1e-2));
+  const Advice::StepChoice choice =
+      choose_step({step(2e-3, 4e-3), step(1e-3, 2e-2, 3e-2)}, force(1e-2));
   EXPECT_EQ(choice.index, 0);
   EXPECT_TRUE(choice.met);
   EXPECT_FALSE(choose_step({step(1e-3, 5e-3, 5e-3)}, force(1e-2)).met);
@@ -84,8 +87,9 @@ TEST(Advice, TheBarCounts) {
 
 TEST(Advice, AMissedGoalNamesTheLargestStepNearTheBest) {
   // The error stops falling: 1.1e-1 is within a quarter of 1e-1.
-  const std::vector<StepTrial> steps = {step(4e-3, 5e-1), step(2e-3, 1.1e-1), step(1e-3, 1e-1)};
-  const StepChoice choice = choose_step(steps, force(1e-2));
+  const std::vector<Advice::StepTrial> steps = {step(4e-3, 5e-1), step(2e-3, 1.1e-1),
+                                                step(1e-3, 1e-1)};
+  const Advice::StepChoice choice = choose_step(steps, force(1e-2));
   EXPECT_EQ(choice.index, 1);
   EXPECT_FALSE(choice.met);
   EXPECT_EQ(choose_step({}, force(1e-2)).index, -1);
@@ -113,7 +117,7 @@ TEST(Advice, TheSolverGetsWhatTheStepLeaves) {
 }
 
 TEST(Advice, CheapestFirstOfThoseThatMeetTheBudget) {
-  std::vector<SolverTrial> trials = {
+  std::vector<Advice::SolverTrial> trials = {
       trial("slow", 1e-3, 1e-3, 5e-2), trial("loose", 1e-1, 5e-2, 1e-3),
       trial("fast", 1e-3, 2e-3, 1e-2), trial("fails", 1e-3, 1e-4, 1e-3)};
   trials[3].solved = 3;
@@ -123,8 +127,8 @@ TEST(Advice, CheapestFirstOfThoseThatMeetTheBudget) {
 }
 
 TEST(Advice, TimesThatDifferByNoiseKeepTheirOrder) {
-  const std::vector<SolverTrial> trials = {trial("first", 1e-3, 1e-3, 2e-6),
-                                           trial("second", 1e-3, 1e-3, 1e-6)};
+  const std::vector<Advice::SolverTrial> trials = {trial("first", 1e-3, 1e-3, 2e-6),
+                                                   trial("second", 1e-3, 1e-3, 1e-6)};
   EXPECT_EQ(by_cost(trials, force(1e-2)), (std::vector<int>{0, 1}));
 }
 
@@ -156,9 +160,9 @@ TEST(Advice, ExpectedErrorIsThatOfStepAndSolver) {
 }
 
 TEST(Advice, ParetoLeavesOutWhatIsBeatenInBoth) {
-  std::vector<SolverTrial> trials = {trial("a", 1e-1, 1e-1, 1e-3), trial("b", 1e-3, 1e-3, 1e-2),
-                                     trial("beaten", 1e-2, 1e-2, 2e-2),
-                                     trial("fails", 1e-8, 1e-8, 1e-4)};
+  std::vector<Advice::SolverTrial> trials = {
+      trial("a", 1e-1, 1e-1, 1e-3), trial("b", 1e-3, 1e-3, 1e-2), trial("beaten", 1e-2, 1e-2, 2e-2),
+      trial("fails", 1e-8, 1e-8, 1e-4)};
   trials[3].solved = 0;
   mark_pareto(trials, force(1e-2));
   EXPECT_TRUE(trials[0].pareto);

@@ -26,8 +26,8 @@ Scene<2> lattice() {
   return scene;
 }
 
-AdviseOptions quick(double force) {
-  AdviseOptions options;
+Advice::Options quick(double force) {
+  Advice::Options options;
   options.goal.force = force;
   options.solvers = {{"pgs", "pgs", {}}, {"ipm", "ipm", {}}};
   options.time_limit = 120;  // never reached: what is measured does not hang on the machine
@@ -48,8 +48,8 @@ TEST(Advise, MeetsTheGoalOnStretchesAndInTheRun) {
   const Advice advice = advise(lattice(), quick(1e-2));
   ASSERT_EQ(advice.status, Advice::Status::kMet) << advice.message;
   ASSERT_GE(advice.choice, 0);
-  const SolverTrial& chosen = advice.trials[advice.choice];
-  EXPECT_EQ(chosen.verdict, SolverTrial::Verdict::kChosen);
+  const Advice::SolverTrial& chosen = advice.trials[advice.choice];
+  EXPECT_EQ(chosen.verdict, Advice::SolverTrial::Verdict::kChosen);
   EXPECT_LE(chosen.error.bound().force, 1e-2);
   EXPECT_EQ(advice.sample.steps_run, 40);
   EXPECT_TRUE(advice.run.whole());
@@ -67,14 +67,14 @@ TEST(Advise, OverStretchesNothingBelowTheSpreadOfExactRunsIsPaidFor) {
   // 64 disks poured into a tilted box: steps with several exact answers, each the start of the
   // next.
   Scene<2> heap = make_moving_scene("tilt", 8, {.seed = 3});
-  AdviseOptions options = quick(1e-6);
+  Advice::Options options = quick(1e-6);
   options.solvers = {{"auto", "auto", {}}};
   options.keep_step = true;
   const Advice advice = advise(heap, options);
   ASSERT_GT(advice.spread.force, 1e-6) << advice.message;
   EXPECT_TRUE(says(advice.message, "exact runs of the same stretches"));
-  for (const SolverTrial& t : advice.trials) {
-    if (t.verdict != SolverTrial::Verdict::kMissed || t.solved < t.stretches) continue;
+  for (const Advice::SolverTrial& t : advice.trials) {
+    if (t.verdict != Advice::SolverTrial::Verdict::kMissed || t.solved < t.stretches) continue;
     EXPECT_GT(t.error.bound().force, advice.spread.force);
   }
 }
@@ -85,9 +85,9 @@ TEST(Advise, AGoalOnForcesAsksForFinerStepsThroughAShock) {
   // The shock's time is known to a step: the error of the mean force over a window of 16 of the
   // scene's steps falls with the step, from more than 10 % at four times the scene's.
   const auto equal = std::count_if(advice.steps.steps.begin(), advice.steps.steps.end(),
-                                   [](const StepTrial& t) { return t.accuracy == 0; });
-  const StepTrial& largest = advice.steps.steps.front();
-  const StepTrial& smallest = advice.steps.steps.at(to_size(equal - 1));
+                                   [](const Advice::StepTrial& t) { return t.accuracy == 0; });
+  const Advice::StepTrial& largest = advice.steps.steps.front();
+  const Advice::StepTrial& smallest = advice.steps.steps.at(to_size(equal - 1));
   EXPECT_DOUBLE_EQ(largest.step, 4e-3);
   EXPECT_DOUBLE_EQ(smallest.step, 2.5e-4);
   EXPECT_GT(largest.error.error.force, 0.1);
@@ -95,7 +95,7 @@ TEST(Advise, AGoalOnForcesAsksForFinerStepsThroughAShock) {
 }
 
 TEST(Advise, TheScenesStepIsKeptOnRequest) {
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.keep_step = true;
   const Advice advice = advise(lattice(), options);
   EXPECT_EQ(advice.status, Advice::Status::kMet) << advice.message;
@@ -104,7 +104,7 @@ TEST(Advise, TheScenesStepIsKeptOnRequest) {
 }
 
 TEST(Advise, SaysWhatCannotBeMet) {
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.goal = {.penetration = 1e-12};
   const Advice advice = advise(drop(), options);
   EXPECT_EQ(advice.status, Advice::Status::kNotMet);
@@ -116,7 +116,7 @@ TEST(Advise, SaysWhatCannotBeMet) {
 // The disk of 0.5 m falls h before the floor stops it: at mid-step it is up to h v/2 = 0.3 m/s · 1 ms /
 // 2 deep at the scene's step. Only one stretch of the run sees it.
 TEST(Advise, TheOverlapIsThatOfTheRun) {
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.goal = {.penetration = 5e-2};
   options.samples = 1;
   const Advice advice = advise(drop(), options);
@@ -138,7 +138,7 @@ TEST(Advise, TheOverlapIsThatOfTheRun) {
 // At 0.3 m/s, an overlap of 1e-5 of 0.5 m asks for equal steps of 3e-5 s. They are not even tried, but
 // an accuracy places the step on the shock.
 TEST(Advise, AnAccuracyKeepsOverlapsSmallWhereNoEqualStepDoes) {
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.goal = {.penetration = 1e-5};
   const Advice advice = advise(drop(), options);
   ASSERT_EQ(advice.status, Advice::Status::kMet) << advice.message;
@@ -153,7 +153,7 @@ TEST(Advise, AnAccuracyKeepsOverlapsSmallWhereNoEqualStepDoes) {
 }
 
 TEST(Advise, TakesMoreStretchesWhereOneHasNoBar) {
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.goal = {.energy = 0.5};
   options.samples = 1;
   const Advice advice = advise(lattice(), options);
@@ -172,7 +172,7 @@ TEST(Advise, SaysThatNothingTouches) {
 TEST(Advise, RefusesGoalsWithoutMeaning) {
   EXPECT_THROW(advise(lattice(), quick(0)), std::invalid_argument);
   EXPECT_THROW(advise(lattice(), quick(-1)), std::invalid_argument);
-  AdviseOptions unknown = quick(1e-2);
+  Advice::Options unknown = quick(1e-2);
   unknown.solvers = {{"pgz", "pgz", {}}};
   EXPECT_THROW(advise(lattice(), unknown), std::invalid_argument);
 }
@@ -188,7 +188,7 @@ TEST(Advise, WithoutAGoalItTakesMeansOverTimeThatTheSceneHas) {
   Scene<2> cell = lattice();
   cell.cell.in_x = true;
   EXPECT_EQ(default_goal(cell).stress_ratio, 5e-2);
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.goal = {};
   const Advice advice = advise(lattice(), options);
   EXPECT_TRUE(advice.default_goal);
@@ -202,7 +202,7 @@ TEST(Advise, WithoutAGoalItTakesMeansOverTimeThatTheSceneHas) {
 }
 
 TEST(Advise, SaysThatTimeWasUpAndNotThatNoSolverMeets) {
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.time_limit = 1e-3;
   const Advice advice = advise(lattice(), options);
   EXPECT_EQ(advice.status, Advice::Status::kUndecided);
@@ -230,7 +230,7 @@ density = 100
 }
 
 TEST(Advise, TakesBodiesThatComeAndGo) {
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.goal = {.load = 5e-2};
   const Advice advice = advise(stream(), options);
   EXPECT_NE(advice.status, Advice::Status::kNoContacts) << advice.message;
@@ -240,7 +240,7 @@ TEST(Advise, TakesBodiesThatComeAndGo) {
 
 TEST(Advise, TakesSpheres) {
   const AnyScene scene = read_any_scene(find_scene("four_spheres"));
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.goal = {.load = 1e-2};
   options.solvers = {{"auto", "auto", {}}, {"pgs", "pgs", {}}};
   Scene<3> spheres = std::get<Scene<3>>(scene);
@@ -265,17 +265,17 @@ corner = [-0.05, -0.12]
 density = 2000
 )",
                                     "drum.toml");
-  AdviseOptions options;
+  Advice::Options options;
   options.goal = {.energy = 5e-2};
   options.time_limit = 60;
   options.solvers = {{"auto", "auto", {}}, {"apgd", "apgd", {}}};
   const Advice advice = advise(drum, options);
   ASSERT_GE(advice.choice, 0) << advice.message;
-  const SolverTrial& chosen = advice.trials[to_size(advice.choice)];
-  if (chosen.verdict != SolverTrial::Verdict::kMissed) {
+  const Advice::SolverTrial& chosen = advice.trials[to_size(advice.choice)];
+  if (chosen.verdict != Advice::SolverTrial::Verdict::kMissed) {
     EXPECT_TRUE(meets(chosen, advice.budget, advice.spread));
     // No tolerance a hundred times tighter than the loosest that meets.
-    for (const SolverTrial& t : advice.trials) {
+    for (const Advice::SolverTrial& t : advice.trials) {
       if (t.solver.label == chosen.solver.label && meets(t, advice.budget, advice.spread)) {
         EXPECT_GE(chosen.tol, 0.05 * t.tol);
       }
@@ -308,7 +308,7 @@ steps = 60
     EXPECT_NE(advice.status, Advice::Status::kInterrupted) << advice.message;
     ASSERT_FALSE(advice.trials.empty());
     bool measured = false;
-    for (const SolverTrial& trial : advice.trials) {
+    for (const Advice::SolverTrial& trial : advice.trials) {
       measured = measured || std::isfinite(trial.error.error.force);
     }
     EXPECT_TRUE(measured) << mu;
@@ -316,7 +316,7 @@ steps = 60
 }
 
 TEST(Advise, EndsWhenInterrupted) {
-  AdviseOptions options = quick(1e-2);
+  Advice::Options options = quick(1e-2);
   options.interrupted = [] { return true; };
   EXPECT_EQ(advise(lattice(), options).status, Advice::Status::kInterrupted);
 }

@@ -56,13 +56,13 @@ std::size_t index_of(const std::vector<TradeQuantity>& quantities, const std::st
 template <class Value>
 Trade manufactured(int replicas, double negligible, Value&& value) {
   Trade trade{.negligible = negligible, .complete = true};
-  TradeScene scene{.name = "made", .step = 1e-3, .replicas = replicas};
+  Trade::Scene scene{.name = "made", .step = 1e-3, .replicas = replicas};
   scene.num_steps = scene.whole_steps = 100;
   scene.quantities = {{.name = "q", .unit = "m", .meaning = "manufactured"}};
   trade.scenes = {scene};
   const auto add = [&](double tol, double factor) {
     for (int r = 0; r < replicas; ++r) {
-      TradeRow row;
+      Trade::Row row;
       row.scene = "made";
       row.setting = {.solver = "auto", .tol = tol, .step_factor = factor};
       row.replica = r;
@@ -85,7 +85,7 @@ TEST(TradeAnalysis, SeparatesTheSolverFromTheTimeStep) {
   const Trade trade =
       manufactured(1, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
   const SceneTrade s = analyse_trade(trade).at(0);
-  const TradeQuantityErrors& e = s.quantities.at(0);
+  const SceneTrade::Errors& e = s.quantities.at(0);
   const double reference = 1.0025 + 0.5e-6;
   EXPECT_NEAR(e.reference, reference, 1e-15);
   EXPECT_NEAR(e.step_error, 0.01 / reference, 1e-12);
@@ -124,7 +124,7 @@ TEST(TradeAnalysis, NearbyRunsHideWhatIsSmallerThanTheirSpread) {
 
 /// The trade with one more solver at the tightest tolerance.
 Trade with_witness(Trade trade, double value) {
-  TradeRow row = trade.rows.front();
+  Trade::Row row = trade.rows.front();
   row.setting = {.solver = "apgd", .tol = 1e-6};
   row.values = {value};
   trade.rows.push_back(row);
@@ -161,7 +161,7 @@ TEST(TradeAnalysis, AWitnessThatAgreesChangesNothing) {
 TEST(TradeAnalysis, RunsThatWereNotCompletedSayNothing) {
   Trade trade =
       manufactured(2, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
-  for (TradeRow& row : trade.rows) {
+  for (Trade::Row& row : trade.rows) {
     const bool tight = row.setting.tol == 1e-6 && row.setting.step_factor == 1;
     const bool other_step = row.setting.step_factor != 1;
     if (tight && row.replica == 1) {
@@ -177,23 +177,23 @@ TEST(TradeAnalysis, RunsThatWereNotCompletedSayNothing) {
   const SceneTrade s = analyse_trade(trade).at(0);
   EXPECT_EQ(s.tols, (std::vector<double>{1e-1, 1e-2, 1e-3}));
   EXPECT_EQ(s.quantities[0].step_error_kind, "difference to twice the step");
-  const TradeCell* tight = s.find({.solver = "auto", .tol = 1e-6});
+  const SceneTrade::Cell* tight = s.find({.solver = "auto", .tol = 1e-6});
   EXPECT_FALSE(tight->done());
   EXPECT_EQ(tight->status, "time limit");
   EXPECT_TRUE(std::isnan(s.worst_error(*tight)));
   // Without any other step nothing is known of the step's error.
-  std::erase_if(trade.rows, [](const TradeRow& r) { return r.setting.step_factor != 1; });
+  std::erase_if(trade.rows, [](const Trade::Row& r) { return r.setting.step_factor != 1; });
   EXPECT_FALSE(analyse_trade(trade).at(0).sufficient_tol.has_value());
 }
 
 TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
   const TemporaryFolder folder;
-  TradeOptions options{.targets = {scene_file(folder, "columns", kColumns)},
-                       .solvers = {"auto", "pgs"},
-                       .tols = {1e-2, 1e-8},
-                       .step_factors = {1, 0.5},
-                       .accuracies = {},
-                       .overlaps = {1e-3, 1e-2}};
+  Trade::Options options{.targets = {scene_file(folder, "columns", kColumns)},
+                         .solvers = {"auto", "pgs"},
+                         .tols = {1e-2, 1e-8},
+                         .step_factors = {1, 0.5},
+                         .accuracies = {},
+                         .overlaps = {1e-3, 1e-2}};
   const Trade trade = run_trade(options);
   ASSERT_TRUE(trade.complete);
   ASSERT_EQ(trade.scenes.size(), 1u);
@@ -208,7 +208,7 @@ TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
   const double weight = 2000 * M_PI * 1e-4 * 9.81;
   const double area = 0.04 * 0.06 - (4 - M_PI) * 1e-4;
   const double expected = 0.5 * 2 * weight * (0.01 + 0.03 + 0.05) / area;
-  for (const TradeRow& row : trade.rows) {
+  for (const Trade::Row& row : trade.rows) {
     EXPECT_EQ(row.status, "completed") << row.setting.label() << ": " << row.message;
     EXPECT_GT(row.cpu, 0);
     const bool tight = row.setting.dem() || row.setting.tol == 1e-8;
@@ -219,7 +219,7 @@ TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
     EXPECT_NEAR(row.values[pressure] / expected, 1, row.setting.dem() ? 3e-2 : 1e-3);
   }
   // Springs: soft ones first, overlap as aimed at, three disks on the floor of each column.
-  const TradeRow &soft = trade.rows[5], &stiff = trade.rows[6];
+  const Trade::Row &soft = trade.rows[5], &stiff = trade.rows[6];
   EXPECT_EQ(soft.setting.overlap, 1e-2);
   EXPECT_NEAR(soft.penetration / 1e-2, 1, 0.7);
   EXPECT_NEAR(stiff.stiffness / soft.stiffness, 10, 1e-9);
@@ -231,11 +231,11 @@ TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
 
 TEST(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
   const TemporaryFolder folder;
-  TradeOptions options{.targets = {scene_file(folder, "falling", kFalling) + ":steps=90"},
-                       .tols = {1e-1, 1e-6},
-                       .step_factors = {1},
-                       .accuracies = {},
-                       .overlaps = {1e-2}};
+  Trade::Options options{.targets = {scene_file(folder, "falling", kFalling) + ":steps=90"},
+                         .tols = {1e-1, 1e-6},
+                         .step_factors = {1},
+                         .accuracies = {},
+                         .overlaps = {1e-2}};
   const Trade first = run_trade(options), second = run_trade(options);
   EXPECT_EQ(first.scenes[0].replicas, 3);
   ASSERT_EQ(first.rows.size(), 9u);
@@ -252,20 +252,20 @@ TEST(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
 
 TEST(TradeRun, AccuraciesCutStepsOfOneFrame) {
   const TemporaryFolder folder;
-  TradeOptions options{.targets = {scene_file(folder, "falling", kFalling)},
-                       .tols = {1e-2, 1e-6},
-                       .step_factors = {1, 0.5},
-                       .accuracies = {0.1, 0.01},
-                       .overlaps = {},
-                       .replicas = 1};
+  Trade::Options options{.targets = {scene_file(folder, "falling", kFalling)},
+                         .tols = {1e-2, 1e-6},
+                         .step_factors = {1, 0.5},
+                         .accuracies = {0.1, 0.01},
+                         .overlaps = {},
+                         .replicas = 1};
   const Trade trade = run_trade(options);
   ASSERT_EQ(trade.rows.size(), 5u);
-  const TradeRow& equal = trade.rows[1];
+  const Trade::Row& equal = trade.rows[1];
   const int factor = longest_cut_step(std::get<Scene<2>>(trade.scenes[0].scene), equal.steps);
   EXPECT_GT(factor, 1);
   EXPECT_EQ(equal.steps % factor, 0);
   for (const std::size_t k : {3u, 4u}) {
-    const TradeRow& row = trade.rows[k];
+    const Trade::Row& row = trade.rows[k];
     ASSERT_EQ(row.status, "completed") << row.message;
     EXPECT_DOUBLE_EQ(row.step, factor * equal.step);
     EXPECT_LE(row.penetration, 3.5 * row.setting.accuracy);
@@ -279,12 +279,12 @@ TEST(TradeRun, AccuraciesCutStepsOfOneFrame) {
 
 TEST(TradeRun, FailuresAndTimeOutsStayInTheTable) {
   const TemporaryFolder folder;
-  TradeOptions options{.targets = {scene_file(folder, "falling", kFalling)},
-                       .tols = {1e-1, 1e-6},
-                       .step_factors = {1, 0.5},
-                       .accuracies = {},
-                       .stiffness = {10, 1e5},
-                       .time_limit = 1e-9};
+  Trade::Options options{.targets = {scene_file(folder, "falling", kFalling)},
+                         .tols = {1e-1, 1e-6},
+                         .step_factors = {1, 0.5},
+                         .accuracies = {},
+                         .stiffness = {10, 1e5},
+                         .time_limit = 1e-9};
   Trade trade = run_trade(options);
   EXPECT_TRUE(trade.complete);
   ASSERT_EQ(trade.rows.size(), (2u + 1 + 2) * 3);
@@ -300,7 +300,7 @@ TEST(TradeRun, FailuresAndTimeOutsStayInTheTable) {
   options.step_factors = {1};
   trade = run_trade(options);
   ASSERT_EQ(trade.rows.size(), (2u + 2) * 3);
-  const TradeRow& soft = trade.rows[6];  // 10 N/m under disks of half a kilogram
+  const Trade::Row& soft = trade.rows[6];  // 10 N/m under disks of half a kilogram
   EXPECT_EQ(soft.status, "failed");
   EXPECT_TRUE(says(soft.message, "too low for this load"));
   EXPECT_EQ(trade.rows[9].status, "completed");
@@ -312,7 +312,7 @@ TEST(TradeAnalysis, OneCompletedToleranceDecidesNothing) {
   // The drum of a visitor: at 0.1 it was completed, at the others a fifth of 100 steps in 5 s.
   Trade trade =
       manufactured(1, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
-  for (TradeRow& row : trade.rows) {
+  for (Trade::Row& row : trade.rows) {
     if (row.setting.step_factor == 1 && row.setting.tol < 1e-1) {
       row.status = "time limit";
       row.values = {kNaN};
@@ -329,9 +329,9 @@ TEST(TradeAnalysis, OneCompletedToleranceDecidesNothing) {
   // 25 s are needed; twice that, to one digit.
   EXPECT_TRUE(says(s.answer(), "Undecided"));
   EXPECT_TRUE(says(s.answer(), "--time-limit 50"));
-  const AnalysedTrade analysed(trade);
-  const std::string text =
-      to_text(trade_document(analysed, {.command_of_scene = "bipot trade {}"}));
+  FinishedTrade finished(trade);
+  finished.command_of_scene = "bipot trade {}";
+  const std::string text = to_text(trade_document(finished));
   EXPECT_TRUE(says(text, "undecided"));
   EXPECT_FALSE(says(text, "Tolerance 0.1 is enough")) << text;
 }
@@ -339,7 +339,7 @@ TEST(TradeAnalysis, OneCompletedToleranceDecidesNothing) {
 TEST(TradeRun, TakesScenesWhoseBodiesComeAndGo) {
   // Disks of 1 kg fall through an outlet: all 4 are gone at the end.
   const TemporaryFolder folder;
-  TradeOptions options;
+  Trade::Options options;
   options.targets = {scene_file(folder, "leak", R"(
 [[disks]]
 arrangement = "rectangular"
@@ -362,16 +362,16 @@ steps = 700
   options.overlaps = {};
   options.replicas = 1;
   const Trade trade = run_trade(options);
-  const TradeRow& run = trade.rows.at(0);
+  const Trade::Row& run = trade.rows.at(0);
   ASSERT_EQ(run.status, "completed") << run.message;
   EXPECT_EQ(trade.scenes[0].bodies, 4);
 }
 
 TEST(TradeRun, TakesSpheres) {
-  TradeOptions options{.targets = {"four_spheres:steps=20"},
-                       .tols = {1e-3, 1e-6},
-                       .step_factors = {1},
-                       .replicas = 1};
+  Trade::Options options{.targets = {"four_spheres:steps=20"},
+                         .tols = {1e-3, 1e-6},
+                         .step_factors = {1},
+                         .replicas = 1};
   const Trade trade = run_trade(options);
   const std::size_t floor = index_of(trade.scenes[0].quantities, "floor load");
   // At rest the floor carries the weight.
@@ -385,11 +385,11 @@ TEST(TradeRun, TakesSpheres) {
 TEST(TradeRun, QuickShortensTheScene) {
   // A limit of CPU time that the whole scene does not fit: fewer steps, not fewer tolerances.
   const TemporaryFolder folder;
-  TradeOptions options{.targets = {scene_file(folder, "falling", kFalling) + ":steps=80"},
-                       .tols = {1e-1, 1e-3},
-                       .step_factors = {1},
-                       .overlaps = {},
-                       .shorten = true};
+  Trade::Options options{.targets = {scene_file(folder, "falling", kFalling) + ":steps=80"},
+                         .tols = {1e-1, 1e-3},
+                         .step_factors = {1},
+                         .overlaps = {},
+                         .shorten = true};
   EXPECT_EQ(run_trade(options).scenes[0].num_steps, 80);  // a length that was asked for stays
   std::string text = kFalling;
   text.replace(text.find("steps = 80"), 10, "steps = 400000");
@@ -405,7 +405,7 @@ TEST(TradeRun, AClusterIsOneBody) {
   // with its centre of mass a radius above its lowest point, and the floor carries it. Springs have
   // no clusters.
   const TemporaryFolder folder;
-  TradeOptions options;
+  Trade::Options options;
   options.targets = {scene_file(folder, "dumbbell", R"(
 [contact]
 mu = 0.3
@@ -424,8 +424,8 @@ steps = 500
   options.step_factors = {1};
   options.overlaps = {1e-2};
   const Trade trade = run_trade(options);
-  const TradeScene& scene = trade.scenes.at(0);
-  const TradeRow& run = trade.rows.at(0);
+  const Trade::Scene& scene = trade.scenes.at(0);
+  const Trade::Row& run = trade.rows.at(0);
   ASSERT_EQ(run.status, "completed") << run.message;
   EXPECT_NEAR(run.values[index_of(scene.quantities, "energy lost")], 3 * 9.81 * 0.005,
               0.01 * 3 * 9.81 * 0.005);
@@ -437,14 +437,14 @@ steps = 500
 }
 
 TEST(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
-  TradeOptions options{.targets = {"bouncing_ball", "sliding_cylinder"},
-                       .tols = {1e-8},
-                       .step_factors = {2, 1},
-                       .accuracies = {1e-2},
-                       .overlaps = {1e-4}};
+  Trade::Options options{.targets = {"bouncing_ball", "sliding_cylinder"},
+                         .tols = {1e-8},
+                         .step_factors = {2, 1},
+                         .accuracies = {1e-2},
+                         .overlaps = {1e-4}};
   const Trade trade = run_trade(options);
   ASSERT_EQ(trade.rows.size(), 8u);
-  for (const TradeRow& row : trade.rows) {
+  for (const Trade::Row& row : trade.rows) {
     const auto& scene = row.scene == "bouncing_ball" ? trade.scenes[0] : trade.scenes[1];
     EXPECT_EQ(row.status, "completed");
     for (std::size_t q = 0; q < row.values.size(); ++q) {
@@ -458,7 +458,7 @@ TEST(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
   EXPECT_NEAR(trade.scenes[1].quantities[0].exact, 2.0 / 3, 1e-12);
   EXPECT_NEAR(trade.scenes[1].quantities[1].exact, 1 / (3 * 0.5 * 9.81), 1e-12);
   for (const SceneTrade& s : analyse_trade(trade)) {
-    for (const TradeQuantityErrors& e : s.quantities) EXPECT_EQ(e.reference_kind, "exact");
+    for (const SceneTrade::Errors& e : s.quantities) EXPECT_EQ(e.reference_kind, "exact");
   }
 }
 
@@ -470,23 +470,23 @@ TEST(TradeReport, NamesEveryRunAndNoNumberThatIsNone) {
   trade.rows[0].status = "time limit";
   trade.rows[0].message = "5 s were up";
   trade.rows[0].values = {kNaN};
-  TradeContext context{.made = provenance("trade", "bipot trade made.toml"),
-                       .command_of_scene = "bipot trade {}"};
-  const AnalysedTrade analysed(trade);
+  FinishedTrade finished(trade);
+  finished.made = provenance("trade", "bipot trade made.toml");
+  finished.command_of_scene = "bipot trade {}";
   const std::string csv = to_csv(outcome_table(trade));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 7);
-  const Json json = Json::parse(json_text(to_json(analysed, context)));
+  const Json json = Json::parse(json_text(to_json(finished)));
   EXPECT_EQ(json["rows"].size(), 7u);
   EXPECT_TRUE(json["rows"][0]["values"][0].is_null());
   EXPECT_EQ(json["scenes"][0]["settings"].size(), 7u);
-  const std::string page = to_html(trade_page(analysed, context));
+  const std::string page = to_html(trade_page(finished));
   EXPECT_EQ(markup_defect(page), "");
   EXPECT_TRUE(says(page, "<h3 id=\"scene-1\">&lt;made&gt;</h3>"));
   EXPECT_TRUE(says(page, "5 s were up"));
   EXPECT_FALSE(says(page, "nan"));
   EXPECT_TRUE(says(page, "bipot trade made.toml"));
   EXPECT_EQ(page.find("http"), page.find("http://www.w3.org"));  // nothing from elsewhere
-  EXPECT_TRUE(says(to_text(trade_document(analysed, context)), "time limit"));
+  EXPECT_TRUE(says(to_text(trade_document(finished)), "time limit"));
 }
 
 }  // namespace

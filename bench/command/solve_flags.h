@@ -3,11 +3,11 @@
 #include <optional>
 #include <string>
 
-#include "bench/command/command_line.h"
 #include "bench/command/command_options.h"
 
 namespace bipot {
 
+/// Flags of `bipot solve`.
 struct SolveFlags {
   CommonFlags common;
   SolverFlags solver;
@@ -21,12 +21,5 @@ struct SolveFlags {
   std::optional<int> several;      ///< starts of a search for several answers
   bool reproducible = false;       ///< exact sums, the same bits for any number of processes
 };
-
-/// Declares `bipot solve`.
-CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags);
-
-/// Solves one problem file; --out DIR puts summary.json, history.csv and solution.hdf5 there.
-/// Returns an ExitCode.
-int solve_command(const SolveFlags& flags);
 
 }  // namespace bipot
