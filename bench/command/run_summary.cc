@@ -192,6 +192,7 @@ Json to_json(const RunSummary<D>& s) {
     j["energy"]["passed"] = t.last.energy.passed;
     j["gates"] = gates_json(scene, state);
   }
+  if (scene.has_cohesion()) j["energy"]["cohesion_loss"] = of_steps(t.last.energy.cohesion_loss);
   if (dem != nullptr) j["energy"]["elastic"] = t.last.energy.elastic;
   const double area = sample_measure(state, scene.step);
   if (area > 0) {
@@ -286,6 +287,9 @@ std::string to_text(const RunSummary<D>& s) {
                  "               lost to friction {:.4e} J, to shocks {:.4e} J\n",
                  t.last.energy.kinetic, t.last.energy.potential, t.last.energy.wall_work,
                  t.last.energy.friction_loss, t.last.energy.shock_loss);
+  if (scene.has_cohesion()) {
+    fmt::format_to(add, "               taken by cohesion {:.4e} J\n", t.last.energy.cohesion_loss);
+  }
   if (scene.has_gates()) {
     fmt::format_to(add, "               came in less what left {:.4e} J\n", t.last.energy.passed);
   }

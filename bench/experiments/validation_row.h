@@ -117,6 +117,7 @@ Experiment::Result run_experiment(
 std::vector<Experiment> slope_experiments();          ///< one body on a floor, by hand
 std::vector<Experiment> standing_experiments();       ///< three disks, four spheres, a hollow
 std::vector<Experiment> impact_experiments();         ///< bouncing, swinging
+std::vector<Experiment> cohesion_experiments();       ///< hanging, struck
 std::vector<Experiment> chain_experiments();          ///< few sweeps look elastic
 std::vector<Experiment> indeterminacy_experiments();  ///< admissible forces
 std::vector<Experiment> packing_experiments();        ///< coordination, solid fraction

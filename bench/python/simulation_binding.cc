@@ -475,9 +475,10 @@ from.)")
             out["shock_loss"] = e.shock_loss;
             out["imbalance"] = e.imbalance;
             out["elastic"] = e.elastic;
+            out["cohesion_loss"] = e.cohesion_loss;
             return out;
           },
-          "kinetic, potential, wall_work, friction_loss, shock_loss, imbalance, elastic [J].")
+          "kinetic, potential, wall_work, friction_loss, shock_loss, imbalance, elastic, cohesion_loss [J].")
       .def("__repr__", [](const PythonStep& s) {
         return fmt::format("<bipot.{} {} at t = {:g} s: {} contacts, {}>",
                            D == 2 ? "Step" : "SphereStep", s.report.step, s.report.time,

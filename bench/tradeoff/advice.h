@@ -123,10 +123,11 @@ struct Advice {
   Accuracy goal;
   bool default_goal = false;  ///< the user gave none
 
-  std::string scene, title;  ///< file; title
-  double scene_step = 0;     ///< [s]
-  double duration = 0;       ///< of the scene                                        [s]
-  bool warm_start = true;    ///< of the scene, in all trials
+  std::string scene, title;             ///< file; title
+  double scene_step = 0;                ///< [s]
+  double duration = 0;                  ///< of the scene                                        [s]
+  bool warm_start = true;               ///< of the scene, in all trials
+  bool cohesion_without_range = false;  ///< of the scene: in impacts it grows with the time step
 
   Sample sample;
   StepStudy steps;

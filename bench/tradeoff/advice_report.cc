@@ -196,6 +196,11 @@ std::string confidence(const Advice& a) {
             error_text(a.spread, a.goal) +
             "; nothing below that counts (several exact answers of a step, or chaos)";
   }
+  if (a.cohesion_without_range) {
+    text +=
+        "\ncohesion without a range: in impacts a contact holds an impulse of cohesion times the "
+        "step, so that longer steps are more cohesive; give [contact] cohesion_range";
+  }
   if (a.steps.windows_dropped > 0 || a.steps.finest > 0.125 || a.out_of_time) {
     text += fmt::format(
         "\ntime was short ({} stretches dropped, finest step {:g} of the scene's{}): --time-limit "
@@ -269,6 +274,7 @@ Json to_json(const Advice& a, const Provenance& made) {
                    {"parameters", t.solver.parameters},
                    {"tol", t.tol},
                    {"warm_start", a.warm_start},
+                   {"cohesion_without_range", a.cohesion_without_range},
                    {"step", a.step_size},
                    {"accuracy", a.accuracy},
                    {"steps", a.num_steps},

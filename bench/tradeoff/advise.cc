@@ -186,6 +186,7 @@ class Adviser {
     advice_.num_steps = scene.num_steps;
     advice_.duration = scene.num_steps * scene.step;
     advice_.warm_start = scene.solver.warm_start;
+    advice_.cohesion_without_range = scene.has_cohesion() && scene.cohesion_range == 0;
   }
 
   Advice advise() {
@@ -438,6 +439,7 @@ class Adviser {
       ladder.push_back(number_at(fmt::format("{:.2g}", std::clamp(overlap / 3, 1e-6, 0.3))));
       std::sort(ladder.rbegin(), ladder.rend());
     }
+    if (scene_.has_cohesion()) ladder.clear();  // which excludes them
     const int factor = longest_cut_step(scene_, std::gcd(steps_ / 4, scene_.num_steps));
     const double equal = seconds_of(runs_.at(1));
     for (const double x : ladder) {

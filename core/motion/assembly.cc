@@ -324,6 +324,22 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   }
 }
 
+/// Cohesion as forces on the bodies: they change v_free and u_free. `forces`: of each contact [N].
+template <int D>
+void add_cohesion(const Scene<D>& scene, std::span<const double> forces, AssembledStep& step) {
+  ContactProblem& p = step.problem;
+  step.pull = Vector::Zero(p.num_rows());
+  for (std::size_t c = 0; c < forces.size(); ++c) {
+    const Eigen::Index row = static_cast<Eigen::Index>(c) * p.dim;
+    const double r = p.row_scale.size() > 0 ? p.row_scale[row] : 1.0;
+    step.pull[row] = r * scene.step * forces[c];
+  }
+  if (p.num_rows() == 0) return;
+  const Vector v = (p.H * step.pull).cwiseQuotient(p.A.diagonal());
+  p.v_free -= v;
+  p.u_free -= p.H.transpose() * v;
+}
+
 /// Sets masses and free velocities of the clusters in contact.
 void fill_clusters(std::span<const Disk> disks, const ClusterInput& clusters, const DofMap& dofs,
                    Vector& mass, Vector& v_free) {
@@ -347,7 +363,8 @@ AssembledStep assemble_step(const Scene<D>& scene,
                             std::span<const std::type_identity_t<Contact<D>>> contacts,
                             std::span<const std::type_identity_t<Vec<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads, CellInput cell, ClusterInput clusters) {
+                            int threads, CellInput cell, ClusterInput clusters,
+                            std::span<const double> cohesion) {
   if (cell.cell != nullptr && !cell.cell->deforms()) cell = {};  // its images stand still
   const bool friction = scene.has_friction();
   const int d = friction ? D : 1;
@@ -394,7 +411,8 @@ AssembledStep assemble_step(const Scene<D>& scene,
   p.mu = large_vector(num_contacts);
   p.u_free = large_vector(d * num_contacts);
   step.u_before = large_vector(d * num_contacts);
-  if (scene.predict_gaps || scene.accuracy > 0) step.shift = Vector::Zero(d * num_contacts);
+  if (scene.predict_gaps || scene.accuracy > 0 || !cohesion.empty())
+    step.shift = Vector::Zero(d * num_contacts);
   if (any_restitution) p.row_scale = large_vector(d * num_contacts);
 
   // First entry of each contact's columns, which several threads write.
@@ -410,6 +428,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
     ColumnWriter columns(p.H, d * begin, start[to_size(begin)]);
     for (int c = begin; c < end; ++c) write_contact(input, contacts[to_size(c)], c, columns, step);
   });
+  if (!cohesion.empty()) add_cohesion(scene, cohesion, step);
   if (explicit_delassus) p.W = assemble_delassus(p.A, p.H, d);
   return step;
 }
@@ -417,10 +436,10 @@ AssembledStep assemble_step(const Scene<D>& scene,
 template AssembledStep assemble_step<2>(const Scene<2>&, std::span<const Disk>,
                                         std::span<const Wall<2>>, std::span<const Contact<2>>,
                                         std::span<const Vec2>, std::span<const double>, bool, int,
-                                        CellInput, ClusterInput);
+                                        CellInput, ClusterInput, std::span<const double>);
 template AssembledStep assemble_step<3>(const Scene<3>&, std::span<const Sphere>,
                                         std::span<const Wall<3>>, std::span<const Contact<3>>,
                                         std::span<const Vec3>, std::span<const double>, bool, int,
-                                        CellInput, ClusterInput);
+                                        CellInput, ClusterInput, std::span<const double>);
 
 }  // namespace bipot

@@ -42,6 +42,9 @@ struct AssembledStep {
   /// Part of u_free that is not a velocity, m values in the problem's variables: g/h of pairs not
   /// yet in contact, or the turning of contacts. Empty without both. [m/s]
   Vector shift;
+  /// Cohesion h c in normal rows, m values in the problem's variables; empty without cohesion. The
+  /// problem's impulses are the physical ones and this. [N s]
+  Vector pull;
 };
 
 /// Assembles A, H, u_free, mu (and W on request) of one step of size h. Input: the bodies'
@@ -63,6 +66,9 @@ struct AssembledStep {
 /// At the midpoint of the next step, h later, it is then closed without overlap (Stewart and
 /// Trinkle, Int. J. Numer. Methods Eng. 39, 1996, for the end of the step).
 ///
+/// Cohesion c of a contact is a pair of attractive forces: with s' = s + h c n the law is that of
+/// Coulomb for s', u = W s' + u_free - W h c n. Its gap g > 0 is closed: u_n + g/h >= 0.
+///
 /// With the scene's accuracy the law holds for the velocities halfway to the last and the next
 /// midpoint. On the way bodies go straight and the normal turns: u⁺ + δ and u⁻ - δ in place of u⁺
 /// and u⁻. Then bodies that slide or roll on each other keep their gap and their energy to the
@@ -79,6 +85,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
                             std::span<const std::type_identity_t<Contact<D>>> contacts,
                             std::span<const std::type_identity_t<Vec<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads = 1, CellInput cell = {}, ClusterInput clusters = {});
+                            int threads = 1, CellInput cell = {}, ClusterInput clusters = {},
+                            std::span<const double> cohesion = {});
 
 }  // namespace bipot

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/motion/cohesion.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/periodic_detection.h"
 #include "core/scene/wall_motion.h"
@@ -51,7 +52,7 @@ void keep_those_who_may_meet(const Scene<D>& scene, Midpoint<D>& mid) {
     return std::max(mid.walls[w].v.norm(), std::abs(mid.wall_v_free[w]));
   };
   std::erase_if(mid.contacts, [&](const Contact<D>& c) {
-    return c.gap > scene.contact_distance &&
+    return c.gap > scene.detection_distance() &&
            c.gap > scene.step * (speed(to_size(c.i)) + speed(to_size(c.j)));
   });
 }
@@ -129,20 +130,21 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
         mid.side_v_free[k] += h * stress_force(mid.cell, k) / side.mass;
       }
     }
-    mid.contacts =
-        detect_periodic_contacts(mid.bodies, mid.walls, mid.cell, scene.contact_distance, threads);
+    mid.contacts = detect_periodic_contacts(mid.bodies, mid.walls, mid.cell,
+                                            scene.detection_distance(), threads);
   } else if (scene.predict_gaps) {
-    const double reach = std::max(scene.contact_distance, 2 * h * largest_speed<D>(mid, h));
+    const double reach = std::max(scene.detection_distance(), 2 * h * largest_speed<D>(mid, h));
     mid.contacts = detect_contacts<D>(mid.bodies, mid.walls, reach, threads);
   } else if (kept != nullptr) {
-    mid.contacts = (*kept)(mid.bodies, mid.walls, scene.contact_distance, threads);
+    mid.contacts = (*kept)(mid.bodies, mid.walls, scene.detection_distance(), threads);
   } else {
-    mid.contacts = detect_contacts<D>(mid.bodies, mid.walls, scene.contact_distance, threads);
+    mid.contacts = detect_contacts<D>(mid.bodies, mid.walls, scene.detection_distance(), threads);
   }
 
   free_bodies(scene, mid);
   if (scene.predict_gaps) keep_those_who_may_meet(scene, mid);
   if constexpr (D == 2) free_clusters(mid, h);
+  mid.cohesion = cohesive_forces<D>(scene, mid.bodies, mid.walls, mid.contacts, state);
   return mid;
 }
 
@@ -151,7 +153,7 @@ AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, bool 
                             int threads) {
   return assemble_step(scene, mid.bodies, mid.walls, mid.contacts, mid.disk_v_free, mid.wall_v_free,
                        explicit_delassus, threads, {&mid.cell, mid.side_v_free},
-                       {mid.clusters.bodies, mid.cluster_v_free});
+                       {mid.clusters.bodies, mid.cluster_v_free}, mid.cohesion);
 }
 
 template void place_bodies(const Scene<2>&, const State<2>&, Midpoint<2>&);

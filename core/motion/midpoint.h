@@ -22,6 +22,7 @@ struct Midpoint {
   std::vector<Contact<D>> contacts;   ///< candidates at the mid-point, sorted by (i, j)
   std::vector<Vec<D>> disk_v_free;    ///< v + h g, without contact impulses                 [m/s]
   std::vector<double> wall_v_free;    ///< of driven walls: along their direction, else 0    [m/s]
+  std::vector<double> cohesion;       ///< of each contact; empty in scenes without        [N]
   Vec<D> gravity = Vec<D>::Zero();    ///< of the step: that of its middle                  [m/s²]
 };
 

@@ -40,7 +40,7 @@ struct State {
   Population<D> population;                 ///< of scenes with outlets or inlets
   std::vector<ContactOutcome<D>> contacts;  ///< of the last step, sorted by (i, j); warm start
   /// Accumulated since step 0, for the ledger                                  [J]
-  double wall_work = 0, friction_loss = 0, shock_loss = 0;
+  double wall_work = 0, friction_loss = 0, shock_loss = 0, cohesion_loss = 0;
 };
 
 template <int D>

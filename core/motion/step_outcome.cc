@@ -12,7 +12,7 @@ namespace {
 /// Normal and tangential values of one contact; the tangential ones are 0 without friction.
 template <int D>
 struct ContactValues {
-  std::array<double, to_size(D)> s{};        // physical impulse
+  std::array<double, to_size(D)> s{};        // physical impulse and cohesion
   std::array<double, to_size(D)> u_after{};  // relative velocity after the step
   std::array<double, to_size(D)>
       mean{};  // mean of the relative velocities before and after the step
@@ -94,22 +94,29 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
     const ContactValues<D> values = contact_values<D>(p, assembled, law, static_cast<int>(c), s, u);
     const auto frame = contact_frame<D>(contact.n);
     const Tangent<D> s_t = tangential<D>(values.s, frame);
+    const Eigen::Index row = static_cast<Eigen::Index>(c) * p.dim;
+    const bool cohesive = assembled.pull.size() > 0;
+    const double pull =
+        cohesive ? assembled.pull[row] / (p.row_scale.size() == 0 ? 1.0 : p.row_scale[row]) : 0.0;
+    const double s_n = values.s[0] - pull;
     outcome.contacts[c] = {.contact = contact,
-                           .s_n = values.s[0],
+                           .s_n = s_n,
                            .s_t = s_t,
                            .u_n = values.u_after[0],
                            .u_t = tangential<D>(values.u_after, frame),
-                           .status = contact_status(values.s[0], magnitude(s_t), law.mu)};
+                           .status = contact_status(values.s[0], magnitude(s_t), law.mu),
+                           .bonded = !cohesive || pull > 0};
     if (values.s[0] > 0) ++outcome.active;
     outcome.shock_loss -= values.s[0] * values.mean[0];
+    outcome.cohesion_loss += pull * values.mean[0];
     for (std::size_t k = 1; k < D; ++k) outcome.friction_loss -= values.s[k] * values.mean[k];
     if (contact.with_image() && mid.cell.deforms()) {
-      const Vec<D> impulse = values.s[0] * contact.n + tangent_vector(contact.n, s_t);
+      const Vec<D> impulse = s_n * contact.n + tangent_vector(contact.n, s_t);
       outcome.wall_work +=
           impulse.dot(in_dimensions<D>(prescribed_shift_velocity<D>(mid.cell, contact)));
     }
     if (wall == nullptr) continue;
-    add_wall_impulse<D>(*wall, contact.n, values.s[0] * contact.n + tangent_vector(contact.n, s_t),
+    add_wall_impulse<D>(*wall, contact.n, s_n * contact.n + tangent_vector(contact.n, s_t),
                         outcome);
   }
   return outcome;

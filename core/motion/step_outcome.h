@@ -19,10 +19,11 @@ ContactStatus contact_status(double s_n, double s_t, double mu);
 template <int D>
 struct StepOutcome {
   std::vector<ContactOutcome<D>> contacts;  ///< one for each candidate, in their order
-  int active = 0;                           ///< contacts with s_n > 0
+  int active = 0;                           ///< contacts that push or are held
   double wall_work = 0;                     ///< by walls and sides of a periodic cell     [J]
   double friction_loss = 0;                 ///< dissipated by tangential impulses         [J]
-  double shock_loss = 0;                    ///< dissipated by normal impulses             [J]
+  double shock_loss = 0;                    ///< dissipated by normal impulses, but cohesion [J]
+  double cohesion_loss = 0;                 ///< taken by cohesion                         [J]
   Vec<D> external = Vec<D>::Zero();  ///< impulse on disks and driven walls from all else [N s]
 };
 

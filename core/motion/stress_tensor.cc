@@ -393,7 +393,7 @@ Mat<D> fabric_tensor(const State<D>& state) {
   Mat<D> sum = Mat<D>::Zero();
   int loaded = 0;
   for (const ContactOutcome<D>& o : state.contacts) {
-    if (!(o.s_n > 0)) continue;
+    if (!o.loaded()) continue;
     sum += o.contact.n * o.contact.n.transpose();
     ++loaded;
   }

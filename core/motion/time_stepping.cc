@@ -132,6 +132,7 @@ Vector TimeStepper<D>::Inside::solve_contacts(const State<D>& state,
   } else if (scene.solver.warm_start) {
     s0 = warm_start<D>(state.contacts, contacts, p);
   }
+  if (s0.size() > 0 && assembled.pull.size() > 0) s0 += assembled.pull;
   StepSolution solution = neighbours != nullptr ? neighbours->solve(s0) : solver(p, std::move(s0));
   bool usable = solution.s.size() == p.num_rows() && solution.s.allFinite();
   if (neighbours != nullptr)
@@ -290,15 +291,17 @@ void TimeStepper<D>::Inside::close_ledger(const State<D>& before, const Midpoint
   next.wall_work = before.wall_work + outcome.wall_work;
   next.friction_loss = before.friction_loss + outcome.friction_loss;
   next.shock_loss = before.shock_loss + outcome.shock_loss;
+  next.cohesion_loss = before.cohesion_loss + outcome.cohesion_loss;
   report.energy = {.kinetic = now.kinetic,
                    .potential = now.potential,
                    .wall_work = next.wall_work,
                    .friction_loss = next.friction_loss,
                    .shock_loss = next.shock_loss,
+                   .cohesion_loss = next.cohesion_loss,
                    .passed = energy_passed(next)};
   report.energy.imbalance = report.energy.kinetic + report.energy.potential - then.kinetic -
                             then.potential - outcome.wall_work + outcome.friction_loss +
-                            outcome.shock_loss;
+                            outcome.shock_loss + outcome.cohesion_loss;
   if (!std::isfinite(report.energy.kinetic + report.energy.potential)) {
     throw StepFailure(StepFailure::Kind::kNumerical, before, "the energy is not finite");
   }

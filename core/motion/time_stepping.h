@@ -14,6 +14,7 @@ namespace bipot {
 
 /// Energy of a state and what the steps so far did to it. Closed:
 ///   kinetic + potential + elastic = initial + wall_work + passed - friction_loss - shock_loss
+///                                  - cohesion_loss
 /// up to round-off in the nonsmooth model, because the impulses act through the mean of the
 /// velocities before and after the step, as the displacement does (38), (43).
 struct EnergyLedger {
@@ -24,6 +25,7 @@ struct EnergyLedger {
   double shock_loss = 0;     ///< dissipated by normal impulses                  [J]
   double imbalance = 0;      ///< of the last step: what does not add up         [J]
   double elastic = 0;        ///< stored in contacts, spring-dashpot model only  [J]
+  double cohesion_loss = 0;  ///< taken by cohesion, less what it gave           [J]
   double passed = 0;         ///< came in less what left, by inlets and outlets  [J]
 };
 

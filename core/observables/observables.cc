@@ -111,7 +111,7 @@ void observe_contacts(const State<D>& placed, const MeasuredBodies<D>& bodies,
   seen.mean_mass /= seen.bodies;
   int ends = 0, held_ends = 0;
   for (const ContactOutcome<D>& o : placed.contacts) {
-    if (!(o.s_n > 0)) continue;
+    if (!o.loaded()) continue;
     const std::size_t i = to_size(o.contact.i), j = to_size(o.contact.j);
     const bool with_disk = j < placed.bodies.size();
     const bool loose = rattles[i] || (with_disk && rattles[j]);
@@ -216,7 +216,7 @@ std::vector<bool> find_rattlers(const Scene<D>& scene, const State<D>& state) {
   std::vector<int> held(bodies.list.size(), 0);
   std::vector<std::vector<std::size_t>> neighbours(bodies.list.size());
   for (const ContactOutcome<D>& o : state.contacts) {
-    if (!(o.s_n > 0)) continue;
+    if (!o.loaded()) continue;
     const std::size_t j = to_size(o.contact.j);
     const int a = bodies.of_disk[to_size(o.contact.i)];
     const int b = j < state.bodies.size() ? bodies.of_disk[j] : -1;
@@ -428,7 +428,7 @@ ForceDistribution observe_forces(const State<D>& state, double step,
   const State<D> placed = in_place(state);
   std::vector<double> loaded;
   for (const ContactOutcome<D>& o : placed.contacts) {
-    if (!(o.s_n > 0)) continue;
+    if (!o.loaded()) continue;
     if (!in_window<D>(choice, touching_point(placed, o.contact))) continue;
     loaded.push_back(o.s_n / step);
     forces.mean += loaded.back();

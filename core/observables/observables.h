@@ -10,7 +10,7 @@
 namespace bipot {
 
 /// Observables of a sample, or of a window of it, from one state. A disk counts if its centre is in
-/// the window, a contact if its point is. Loaded contacts have s_n > 0. Disks glued to a wall are
+/// the window, a contact if its point is. Loaded contacts push, or cohesion holds them. Disks glued to a wall are
 /// part of the wall. A cluster counts as one body at its centre of mass, with all contacts of its
 /// disks and the area of their union. Undefined values are NaN.
 template <int D>

@@ -30,6 +30,7 @@ namespace {
 constexpr Colour kStick = {0.02, 0.27, 0.48};
 constexpr Colour kSlip = {0.95, 0.62, 0.04};
 constexpr Colour kSlipRim = {0.42, 0.24, 0.0};
+constexpr Colour kPull = {0.69, 0.09, 0.44};
 constexpr Colour kTakeOff = {0.55, 0.55, 0.55};
 constexpr Colour kDisk = {0.965, 0.965, 0.955};
 constexpr Colour kGlued = {0.7, 0.7, 0.7};
@@ -117,7 +118,7 @@ struct Mapping {
   }
 };
 
-enum class Kind { kNone, kHeld, kSliding };
+enum class Kind { kNone, kHeld, kSliding, kTension };
 
 struct Segment {
   Vec2 a, b;  // points
@@ -142,6 +143,8 @@ void draw_segment(cairo_t* c, const Segment& s, double width) {
     cairo_set_dash(c, nullptr, 0, 0);
   } else if (s.kind == Kind::kHeld) {
     stroke_force(c, s, width, kStick);
+  } else if (s.kind == Kind::kTension) {
+    stroke_force(c, s, width, kPull);
   } else {
     // The rim lies within the width, so that widths remain comparable.
     const double rim = std::min(1.1, 0.22 * width);
@@ -268,8 +271,10 @@ class Picture {
       s.a = map_(from);
       s.at_wall = j >= disks.size();
       s.b = map_(to);
-      s.force = std::max(0.0, o.s_n / scene_.step);
-      if (s.force > 0) {
+      s.force = o.loaded() ? std::abs(o.s_n) / scene_.step : 0.0;
+      if (o.loaded() && o.s_n < 0) {
+        s.kind = Kind::kTension;
+      } else if (s.force > 0) {
         s.kind = friction_ && o.status == ContactStatus::kSlip ? Kind::kSliding : Kind::kHeld;
       }
       ++count_[static_cast<std::size_t>(s.kind)];
@@ -391,7 +396,7 @@ class Picture {
            [](cairo_t* c, double x, double y) { draw_mark(c, Vec2(x + kMarkRadius, y)); }});
     }
     if (!options_.forces) return items;
-    const double loaded = count_[1] + count_[2];
+    const double loaded = count_[1] + count_[2] + count_[3];
     const auto sample = [this](Kind kind, double force) {
       return [this, kind, force](cairo_t* c, double x, double y) {
         const double inset = kind == Kind::kNone ? 0 : 0.5 * width_of(force);
@@ -412,6 +417,10 @@ class Picture {
       } else {
         items.push_back(
             {kSample, fmt::format("contact ({})", count_[1]), sample(Kind::kHeld, shown)});
+      }
+      if (count_[3] > 0) {
+        items.push_back(
+            {kSample, fmt::format("tension ({})", count_[3]), sample(Kind::kTension, shown)});
       }
     } else {
       items.push_back({0, "no contact forces", [](cairo_t*, double, double) {}});
@@ -512,7 +521,7 @@ class Picture {
   Vec2 corner_ = Vec2::Zero();
   double bottom_ = 0;
   std::vector<Segment> segments_;
-  std::array<int, 3> count_ = {0, 0, 0};  // by Kind
+  std::array<int, 4> count_ = {};  // by Kind
   double widest_ = kWidest;
   double full_force_ = 1;
   double full_fill_ = 0;

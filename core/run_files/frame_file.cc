@@ -142,6 +142,11 @@ void write_frame_file(const std::filesystem::path& path, const Scene<D>& scene,
     file.write_attribute(name, "unit", "J");
   }
 
+  if (scene.has_cohesion()) {
+    file.write("/cohesion_loss", state.cohesion_loss);
+    file.write_attribute("/cohesion_loss", "unit", "J");
+  }
+
   const auto& disks = state.bodies;
   write_vectors(file, "/bodies/x", "m", disks, [](const Body<D>& d) { return d.x; });
   write_orientations(file, disks);
@@ -189,6 +194,10 @@ void write_frame_file(const std::filesystem::path& path, const Scene<D>& scene,
                [](const Outcome& c) { return c.contact.image_x; });
     write_ints(file, "/contacts/image_y", contacts,
                [](const Outcome& c) { return c.contact.image_y; });
+  }
+  if (scene.has_cohesion()) {
+    write_ints(file, "/contacts/bonded", contacts,
+               [](const Outcome& c) { return c.bonded ? 1 : 0; });
   }
   if (scene.model == Model::kSpringDashpot) {
     write_doubles(file, "/contacts/spring", "m", contacts,

@@ -99,13 +99,14 @@ Vec<D> some_place(const Scene<D>& scene) {
 
 /// Names and units of the columns of the ledger.
 template <int D>
-std::string ledger_header(bool dem, bool gates, bool accurate) {
+std::string ledger_header(bool dem, bool gates, bool accurate, bool cohesion) {
   const std::string passed =
       !gates ? ""
              : std::string(",passed [J],momentum_passed_x [kg m/s],momentum_passed_y [kg m/s]") +
                    (D == 3 ? ",momentum_passed_z [kg m/s]" : "");
   const std::string last =
-      passed + (accurate ? ",parts,rejected,smallest_part [s],misplaced,limited_by" : "");
+      passed + (accurate ? ",parts,rejected,smallest_part [s],misplaced,limited_by" : "") +
+      (cohesion ? ",cohesion_loss [J]" : "");
   if constexpr (D == 3) {
     return "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
            "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
@@ -249,7 +250,8 @@ RunWriter<D>::RunWriter(fs::path folder, const Scene<D>& scene, std::string scen
   };
   if (scene_.output.ledger_every > 0) {
     const bool dem = scene_.model == Model::kSpringDashpot;
-    begin(ledger_, "ledger.csv", ledger_header<D>(dem, scene_.has_gates(), scene_.accuracy > 0));
+    begin(ledger_, "ledger.csv",
+          ledger_header<D>(dem, scene_.has_gates(), scene_.accuracy > 0, scene_.has_cohesion()));
     if (scene_.has_gates()) begin(gates_, "gates.csv", gates_header(scene_));
     if (!scene_.walls.empty()) begin(walls_, "walls.csv", walls_header<D>());
   }
@@ -312,6 +314,10 @@ void RunWriter<D>::write_run_file() const {
   write_law("mu", &ContactLaw::mu);
   write_law("e_n", &ContactLaw::e_n);
   write_law("e_t", &ContactLaw::e_t);
+  if (scene_.has_cohesion()) {
+    write_law("cohesion", &ContactLaw::cohesion);
+    file.write_attribute("/materials/cohesion", "unit", "N");
+  }
 
   const auto& disks = scene_.bodies;
   write_doubles(file, "/bodies/radius", "m", disks, [](const Body<D>& d) { return d.radius; });
@@ -355,6 +361,7 @@ void RunWriter<D>::write_row(const State<D>& state, const StepReport<D>& r) {
     add_numbers(line, r.cut.smallest, r.cut.misplaced);
     line += "," + csv_cell(r.cut.limited_by);
   }
+  if (scene_.has_cohesion()) add_numbers(line, r.energy.cohesion_loss);
   ledger_->row(line);
   if (gates_) gates_->row(gates_row(scene_, state));
   if (walls_) {

@@ -189,6 +189,9 @@ std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t d
   // Only the spring-dashpot model writes springs.
   const auto spring = file.exists("/contacts/spring") ? read_sized(file, "/contacts/spring", c)
                                                       : std::vector<double>(c, 0.0);
+  // Only scenes with cohesion write bonds; elsewhere every contact may become one.
+  const auto bonded = file.exists("/contacts/bonded") ? read_sized_ints(file, "/contacts/bonded", c)
+                                                      : std::vector<int>(c, 1);
   // Only periodic scenes write images.
   const bool images = file.exists("/contacts/image_x");
   const auto image_x = images ? read_sized_ints(file, "/contacts/image_x", c) : std::vector<int>(c);
@@ -218,6 +221,7 @@ std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t d
                    .u_n = u_n[k],
                    .u_t = tangential(u_t, k),
                    .status = checked_enum<ContactStatus>(file, "/contacts/status", status[k], 2),
+                   .bonded = bonded[k] != 0,
                    .spring = spring[k]};
   }
   return contacts;
@@ -258,6 +262,7 @@ State<D> read_state(const fs::path& run, int step) {
   state.wall_work = file.read_double("/wall_work");
   state.friction_loss = file.read_double("/friction_loss");
   state.shock_loss = file.read_double("/shock_loss");
+  if (file.exists("/cohesion_loss")) state.cohesion_loss = file.read_double("/cohesion_loss");
   state.bodies = read_disks<D>(fixed, file, state.population);
   if constexpr (D == 2) read_clusters(file, state);
   state.walls = read_walls<D>(fixed, file);

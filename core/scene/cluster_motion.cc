@@ -115,7 +115,7 @@ std::string check_clusters(const Scene<D>& scene) {
     }
   }
   if (scene.cell.periodic()) {
-    if (auto e = check_cluster_lengths<D>(scene.bodies, scene.cell, scene.contact_distance);
+    if (auto e = check_cluster_lengths<D>(scene.bodies, scene.cell, scene.detection_distance());
         !e.empty()) {
       return e;
     }

@@ -27,12 +27,17 @@ enum class ContactStatus : std::int8_t { kTakeOff = 0, kStick = 1, kSlip = 2 };
 template <int D>
 struct ContactOutcome {
   Contact<D> contact;
-  double s_n = 0;                 ///< impulse of the step on disk i; force = s/h       [N s]
+  double s_n = 0;  ///< impulse of the step on disk i, < 0: tension; force = s/h [N s]
   Tangent<D> s_t = no_turn<D>();  ///< its tangential part                              [N s]
   double u_n = 0;                 ///< relative velocity at the end of the step         [m/s]
   Tangent<D> u_t = no_turn<D>();  ///< its tangential part                              [m/s]
   ContactStatus status = ContactStatus::kTakeOff;
+  /// Cohesion acted in the step; always true in scenes without cohesion.
+  bool bonded = true;
   double spring = 0;  ///< tangential spring's elongation, spring-dashpot model only  [m]
+
+  /// It pushes, or cohesion holds it in tension.
+  bool loaded() const { return s_n > 0 || (s_n < 0 && status != ContactStatus::kTakeOff); }
 };
 
 }  // namespace bipot

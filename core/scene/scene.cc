@@ -126,7 +126,7 @@ std::string check_periodic(const Scene<D>& scene) {
   if (D == 3 && cell.deforms()) return "cell: in 3D it cannot deform";
   double largest = 0;
   for (const Body<D>& d : scene.bodies) largest = std::max(largest, d.radius);
-  if (!(shortest_period(cell) > 4 * largest + 2 * scene.contact_distance)) {
+  if (!(shortest_period(cell) > 4 * largest + 2 * scene.detection_distance())) {
     return fmt::format(
         "the cell repeats itself after {} m: it must be longer than two of the largest diameters, "
         "{} m",
@@ -194,6 +194,36 @@ std::string check_accuracy(const Scene<D>& scene) {
   return {};
 }
 
+/// Checks cohesion, and the entries that it excludes.
+template <int D>
+std::string check_cohesion(const Scene<D>& scene) {
+  for (const ContactLaw& law : scene.laws) {
+    if (!(law.cohesion >= 0) || !std::isfinite(law.cohesion)) {
+      return fmt::format("cohesion = {} N is not >= 0", law.cohesion);
+    }
+  }
+  if (!(scene.cohesion_range >= 0) || !std::isfinite(scene.cohesion_range)) {
+    return fmt::format("cohesion_range = {} m is not >= 0", scene.cohesion_range);
+  }
+  if (!scene.has_cohesion()) {
+    if (scene.cohesion_range == 0 && scene.heal) return {};
+    return "cohesion_range and heal = false need cohesion > 0";
+  }
+  if (scene.model == Model::kSpringDashpot) return "cohesion does not go with the model \"dem\"";
+  if (scene.accuracy > 0) {
+    return "cohesion does not go with accuracy, whose parts would open contacts by rounding";
+  }
+  if (scene.cohesion_range == 0) return {};
+  for (const ContactLaw& law : scene.laws) {
+    if (law.e_n == 0) continue;
+    return fmt::format(
+        "cohesion_range goes with e_n = 0 alone: a pair in its range stops before it touches, and "
+        "e_n = {} would act on its remaining speed",
+        law.e_n);
+  }
+  return {};
+}
+
 /// Checks outlets and inlets, and the entries that they exclude.
 template <int D>
 std::string check_gates(const Scene<D>& scene) {
@@ -233,6 +263,12 @@ bool Scene<D>::has_friction() const {
     if (law.mu > 0) return true;
   }
   return false;
+}
+
+template <int D>
+bool Scene<D>::has_cohesion() const {
+  return std::any_of(laws.begin(), laws.end(),
+                     [](const ContactLaw& law) { return law.cohesion > 0; });
 }
 
 template <int D>
@@ -320,6 +356,7 @@ std::string validate(const Scene<D>& scene) {
   }
   if (auto e = check_periodic(scene); !e.empty()) return e;
   if (auto e = check_gates(scene); !e.empty()) return e;
+  if (auto e = check_cohesion(scene); !e.empty()) return e;
   if (auto e = check_clusters(scene); !e.empty()) return e;
   const SpringDashpotChoice& dem = scene.dem;
   const auto at_least_zero = [](double x) { return x >= 0 && std::isfinite(x); };

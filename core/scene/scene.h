@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -13,11 +14,12 @@
 
 namespace bipot {
 
-/// Coulomb friction and Moreau's restitution coefficients of one pair of materials.
+/// Coulomb friction, Moreau's restitution coefficients and cohesion of one pair of materials.
 struct ContactLaw {
-  double mu = 0;   ///< friction coefficient, >= 0                    [-]
-  double e_n = 0;  ///< normal restitution in [0, 1]                  [-]
-  double e_t = 0;  ///< tangential restitution in [0, 1]              [-]
+  double mu = 0;        ///< friction coefficient, >= 0                    [-]
+  double e_n = 0;       ///< normal restitution in [0, 1]                  [-]
+  double e_t = 0;       ///< tangential restitution in [0, 1]              [-]
+  double cohesion = 0;  ///< largest tension, >= 0: s_n/h >= -cohesion [N]
 };
 
 /// A round body: a disk in 2D, a sphere in 3D.
@@ -206,6 +208,10 @@ struct Scene {
   double contact_distance = 0;    ///< eta of data/manual/explanation/method.md §4 [m]
   bool project_overlaps = false;  ///< after every step: core/motion/projection.h
   bool predict_gaps = false;      ///< pairs that may meet before the next detection take part
+  double cohesion_range = 0;      ///< largest gap over which cohesion acts, if > 0          [m]
+  /// False: bonds. Cohesion acts at the contacts of the start alone, and no more at those that have
+  /// opened.
+  bool heal = true;
   StartChoice start = StartChoice::kRefuse;
   Model model = Model::kNonsmooth;
   SolverChoice solver;      ///< nonsmooth model only
@@ -216,6 +222,10 @@ struct Scene {
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];
   }
+  /// True if some pair of materials is cohesive.
+  bool has_cohesion() const;
+  /// Largest gap of a candidate, but for those of predict_gaps. [m]
+  double detection_distance() const { return std::max(contact_distance, cohesion_range); }
   /// True if bodies may come or go: their number and numbering change (core/motion/population.h).
   bool has_gates() const { return !outlets.empty() || !inlets.empty(); }
   /// True if some pair of materials has friction: the contact dimension is then D, else 1.

@@ -33,7 +33,9 @@ ContactLaw read_law(const SceneTable& table, const ContactLaw& base) {
   law.mu = table.number("mu", base.mu);
   law.e_n = table.number("e_n", base.e_n);
   law.e_t = table.number("e_t", base.e_t);
+  law.cohesion = table.number("cohesion", base.cohesion);
   if (law.mu < 0) table.fail("mu", fmt::format("mu = {}, expected a number >= 0", law.mu));
+  if (law.cohesion < 0) table.fail("cohesion", "expected a number >= 0");
   for (const auto& [key, e] : {std::pair{"e_n", law.e_n}, std::pair{"e_t", law.e_t}}) {
     if (e < 0 || e > 1) table.fail(key, fmt::format("{} = {}, expected 0 to 1", key, e));
   }
@@ -52,6 +54,8 @@ void read_materials(const SceneTable& root, Scene<D>& scene) {
     const std::string overlaps = table->one_of("overlaps", "keep", {"keep", "project", "predict"});
     scene.project_overlaps = overlaps == "project";
     scene.predict_gaps = overlaps == "predict";
+    scene.cohesion_range = table->number("cohesion_range", 0);
+    scene.heal = table->boolean("heal", true);
     table->finish();
   }
   scene.materials = root.words("materials");

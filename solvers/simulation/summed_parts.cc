@@ -14,9 +14,13 @@ std::vector<ContactOutcome<D>> added(const std::vector<ContactOutcome<D>>& first
                                      const std::vector<ContactOutcome<D>>& second) {
   const auto key = [](const ContactOutcome<D>& c) { return std::pair(c.contact.i, c.contact.j); };
   std::vector<ContactOutcome<D>> sum;
+  const auto add_opened = [&](ContactOutcome<D> c) {
+    c.bonded = false;
+    sum.push_back(c);
+  };
   auto a = first.begin();
   for (const ContactOutcome<D>& b : second) {
-    for (; a != first.end() && key(*a) < key(b); ++a) sum.push_back(*a);
+    for (; a != first.end() && key(*a) < key(b); ++a) add_opened(*a);
     ContactOutcome<D> both = b;
     if (a != first.end() && key(*a) == key(b)) {
       both.s_n += a->s_n;
@@ -25,7 +29,7 @@ std::vector<ContactOutcome<D>> added(const std::vector<ContactOutcome<D>>& first
     }
     sum.push_back(both);
   }
-  sum.insert(sum.end(), a, first.end());
+  for (; a != first.end(); ++a) add_opened(*a);
   return sum;
 }
 

@@ -49,10 +49,10 @@ std::string bits_of_contacts(const State<D>& state) {
 /// All of it: time, work, bodies, clusters, walls, cell, contacts.
 template <int D>
 std::string bits_of_state(const State<D>& state) {
-  std::string text =
-      fmt::format("step {} ", state.step) +
-      bits_of_all(state.time, state.wall_work, state.friction_loss, state.shock_loss) +
-      bits_of_bodies(state);
+  std::string text = fmt::format("step {} ", state.step) +
+                     bits_of_all(state.time, state.wall_work, state.friction_loss, state.shock_loss,
+                                 state.cohesion_loss) +
+                     bits_of_bodies(state);
   for (const int number : state.population.numbers) text += fmt::format("\nnumber {}", number);
   for (const auto& c : state.clusters.bodies)
     text += "\ncluster " + bits_of_all(c.x, c.angle, c.spin);

@@ -41,7 +41,7 @@ function palette(dark) {
     stage: dark ? '#14181a' : '#fcfdfd', ink: dark ? '#e4e8ea' : '#1c2328',
     edge: dark ? 'rgb(200 212 220 / .34)' : 'rgb(40 55 66 / .42)',
     // As in the pictures (core/pictures/force_picture.cc).
-    stick: dark ? '#7db8ea' : '#05457a', slip: '#f29e0a',
+    stick: dark ? '#7db8ea' : '#05457a', slip: '#f29e0a', tension: dark ? '#f07fc0' : '#b01770',
     open: dark ? '#8a98a2' : '#84919b', wall: dark ? '#7d8a93' : '#5d6a73',
     solid: dark ? '#1b2023' : '#f1f3f5', hatch: dark ? '#333c42' : '#cfd6db',
     glued: dark ? [86, 95, 102] : [176, 185, 191], arrow: dark ? '#7fd0a6' : '#0b7a4b',
@@ -153,13 +153,19 @@ function coloured(run, frame, name, colours) {
   return {index, list: [...list, colours.glued], values};
 }
 
+/** Whether a contact pushes, or cohesion holds it in tension. */
+const carries = (frame, k) => LOG[frame.fn[k]] > 0 || (frame.fn[k] && frame.status[k] !== 0);
+/** Colour of its force among those of pushing contacts and of tension. */
+const forceColour = (frame, k, {stick, slip, tension}) =>
+  LOG[frame.fn[k]] < 0 ? tension : frame.status[k] === 2 ? slip : stick;
+
 /** Normal force that has the full width: 99 of 100 forces of most frames are smaller, shocks aside. */
 function fullForce(run) {
   if (run.fullForce) return run.fullForce;
   const strong = [], stride = Math.max(1, Math.floor(run.frames.length / 80));
   for (let f = run.frames.length - 1; f >= 0; f -= stride) {
     const codes = run.frames[f].fn, skip = Math.max(1, Math.floor(codes.length / 1500)), forces = [];
-    for (let k = 0; k < codes.length; k += skip) if (codes[k]) forces.push(LOG[codes[k]]);
+    for (let k = 0; k < codes.length; k += skip) if (codes[k]) forces.push(Math.abs(LOG[codes[k]]));
     if (forces.length) strong.push(quantile(forces, 0.99));
   }
   return run.fullForce = quantile(strong, 0.6) || 1;

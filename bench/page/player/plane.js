@@ -299,6 +299,7 @@ class PlaneView {
     const {run, ratio, raster, s} = this, n = frame.count, q = run.quantum, full = fullForce(run);
     const thick = this.thickest = Math.min(11, Math.max(2.5, 0.75 * this.pxRadius)) * ratio;
     const [open] = pixelColour(colours.open), [stick] = pixelColour(colours.stick), [slip] = pixelColour(colours.slip);
+    const [tension] = pixelColour(colours.tension);
     const trace = (k, draw) => {
       const i = indexOf(frame, frame.i[k]), wall = frame.j[k] >= WALL;
       const x = this.X(frame.x[i] * q), y = this.Y(frame.x[n + i] * q);
@@ -311,15 +312,15 @@ class PlaneView {
     };
     const pushing = [];
     for (let k = 0; k < frame.contacts; ++k) {
-      if (LOG[frame.fn[k]] > 0) pushing.push(k);
+      if (carries(frame, k)) pushing.push(k);
       else if (look.open && frame.status[k] === 0) {
         trace(k, (x0, y0, x1, y1) => raster.dots(x0, y0, x1, y1, 1.4 * ratio, 3.6 * ratio, open));
       }
     }
-    pushing.sort((a, b) => frame.fn[a] - frame.fn[b]);  // logarithms have the order of the forces
+    pushing.sort((a, b) => Math.abs(LOG[frame.fn[a]]) - Math.abs(LOG[frame.fn[b]]));
     for (const k of pushing) {
-      const width = Math.max(0.5 * ratio, Math.min(1.25, LOG[frame.fn[k]] / full) * thick);
-      trace(k, (x0, y0, x1, y1) => raster.line(x0, y0, x1, y1, width, frame.status[k] === 2 ? slip : stick));
+      const width = Math.max(0.5 * ratio, Math.min(1.25, Math.abs(LOG[frame.fn[k]]) / full) * thick);
+      trace(k, (x0, y0, x1, y1) => raster.line(x0, y0, x1, y1, width, forceColour(frame, k, {stick, slip, tension})));
     }
   }
 

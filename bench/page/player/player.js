@@ -234,12 +234,12 @@ class Player {
       for (let c = 0; c < frame.contacts; ++c) {
         if (frame.i[c] !== b && frame.j[c] !== b) continue;
         ++contacts;
-        if (frame.fn[c]) ++pushing;
+        if (carries(frame, c)) ++pushing;
       }
       const rows = [['place', vector(placeOf(run, frame, k), 'm')], ['radius', `${textOf(run.radius[b], 4)} m`],
         ['mass', run.cluster[b] >= 0 ? `of cluster ${run.cluster[b]}` : run.glued[b] ? 'of its wall' : `${textOf(run.mass[b], 4)} kg`], ['speed', `${textOf(Math.hypot(...v))} m/s`],
         ['velocity', vector(v, 'm/s')], ['spin', D === 2 ? `${textOf(spin[0])} rad/s` : vector(spin, 'rad/s')],
-        ['contacts', `${contacts}, ${pushing} of them push`], ['contact force', vector(force, 'N')], ['its size', `${textOf(Math.hypot(...force))} N`]];
+        ['contacts', `${contacts}, ${pushing} with a force`], ['contact force', vector(force, 'N')], ['its size', `${textOf(Math.hypot(...force))} N`]];
       if (run.about.materials.length > 1) rows.push(['material', run.about.materials[run.material[b]]]);
       return {title: `${D === 2 ? 'Disk' : 'Sphere'} ${b}`, rows};
     }
@@ -320,6 +320,8 @@ class Player {
         return element('span', [mark, text], {className: 'key'});
       };
       parts.push(key(colours.stick, 'sticks'), key(colours.slip, 'slips'));
+      run.tension ??= run.frames.some(f => f.fn.some(code => LOG[code] < 0));
+      if (run.tension) parts.push(key(colours.tension, 'tension'));
       if (look.open) parts.push(key(colours.open, 'opens', true));
       parts.push(element('span', `full width ${textOf(fullForce(run))} N`, {className: 'soft'}));
     }

@@ -314,9 +314,10 @@ class SpaceView {
     const thick = 0.34 * run.meanRadius;
     const add = (a, b, radius, rgb) => tubes.push(...a, radius, ...b, ...rgb, 1);
     const stick = rgbOf(colours.stick), slip = rgbOf(colours.slip), open = rgbOf(colours.open);
+    const tension = rgbOf(colours.tension);
     if (look.chains) {
       for (let k = 0; k < frame.contacts; ++k) {
-        const force = LOG[frame.fn[k]];
+        const force = carries(frame, k) ? Math.abs(LOG[frame.fn[k]]) : 0;
         if (!(force > 0) && !look.open) continue;
         const a = placeOf(run, frame, indexOf(frame, frame.i[k])), n = normalOf(run, frame, k);
         const wall = frame.j[k] >= WALL;
@@ -328,7 +329,7 @@ class SpaceView {
           continue;
         }
         const width = Math.min(1, force / full) * thick;
-        add(a, b, Math.max(width, 0.015 * run.meanRadius), frame.status[k] === 2 ? slip : stick);
+        add(a, b, Math.max(width, 0.015 * run.meanRadius), forceColour(frame, k, {stick, slip, tension}));
       }
     }
     if (look.arrows) {

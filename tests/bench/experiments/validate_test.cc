@@ -164,8 +164,8 @@ TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
 
 INSTANTIATE_TEST_SUITE_P(Validate, ExactRows,
                          testing::Values(&slope_experiments, &standing_experiments,
-                                         &impact_experiments, &chain_experiments,
-                                         &indeterminacy_experiments));
+                                         &impact_experiments, &cohesion_experiments,
+                                         &chain_experiments, &indeterminacy_experiments));
 
 // A solver that may not iterate reaches no tolerance, and no row holds by luck.
 TEST(Validate, WithoutIterationsNothingThatNeedsThemHolds) {
