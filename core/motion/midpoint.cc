@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/motion/body_forces.h"
 #include "core/motion/cohesion.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/periodic_detection.h"
@@ -59,12 +60,13 @@ void keep_those_who_may_meet(const Scene<D>& scene, Midpoint<D>& mid) {
 
 /// Velocities of disks and walls after the step without contact impulses.
 template <int D>
-void free_bodies(const Scene<D>& scene, Midpoint<D>& mid) {
+void free_bodies(const Scene<D>& scene, double middle, Midpoint<D>& mid) {
   const double h = scene.step;
   mid.disk_v_free.resize(mid.bodies.size());
   for (std::size_t i = 0; i < mid.bodies.size(); ++i) {
     mid.disk_v_free[i] = mid.bodies[i].v + h * mid.gravity;
   }
+  if (has_body_forces(scene)) add_body_forces<D>(scene, middle, mid.bodies, mid.disk_v_free);
   mid.wall_v_free.assign(mid.walls.size(), 0.0);
   for (std::size_t w = 0; w < mid.walls.size(); ++w) {
     const Wall<D>& wall = mid.walls[w];
@@ -109,7 +111,7 @@ template <int D>
 Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state) {
   Midpoint<D> mid;
   place_bodies(scene, state, mid);
-  free_bodies(scene, mid);
+  free_bodies(scene, state.time + 0.5 * scene.step, mid);
   if constexpr (D == 2) free_clusters(mid, scene.step);
   return mid;
 }
@@ -141,7 +143,7 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
     mid.contacts = detect_contacts<D>(mid.bodies, mid.walls, scene.detection_distance(), threads);
   }
 
-  free_bodies(scene, mid);
+  free_bodies(scene, state.time + 0.5 * h, mid);
   if (scene.predict_gaps) keep_those_who_may_meet(scene, mid);
   if constexpr (D == 2) free_clusters(mid, h);
   mid.cohesion = cohesive_forces<D>(scene, mid.bodies, mid.walls, mid.contacts, state);

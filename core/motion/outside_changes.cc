@@ -1,5 +1,6 @@
 #include "core/motion/outside_changes.h"
 
+#include "core/motion/body_forces.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
@@ -14,6 +15,17 @@ OutsideChanges<D> outside_changes(const Scene<D>& scene, const State<D>& before,
     if (!has_schedule(scene.walls[w])) continue;
     changes.work += wall_kinetic_energy(walls[w]) - wall_kinetic_energy(before.walls[w]);
     changes.impulse += wall_momentum(walls[w]) - wall_momentum(before.walls[w]);
+  }
+  if (has_body_forces(scene)) {
+    std::vector<Vec<D>> v_free;
+    for (const Body<D>& d : before.bodies) v_free.emplace_back(d.v + scene.step * gravity);
+    add_body_forces<D>(scene, before.time + 0.5 * scene.step, before.bodies, v_free);
+    for (std::size_t i = 0; i < after.bodies.size(); ++i) {
+      const Body<D>& d = before.bodies[i];
+      const Vec<D> impulse = d.mass * (v_free[i] - d.v - scene.step * gravity);
+      changes.work += 0.5 * impulse.dot(d.v + after.bodies[i].v);
+      changes.impulse += impulse;
+    }
   }
   if (scene.tilt.rate == 0) return changes;
   const Vec<D> at_start = gravity - gravity_at(scene, before.time);

@@ -8,8 +8,8 @@
 
 namespace bipot {
 
-/// External changes of a scene in a step, besides forces and moving walls: walls start, stop and
-/// are removed, gravity turns.
+/// External changes of a scene in a step, besides gravity and walls that move: walls start, stop and
+/// are removed, gravity turns, forces and drag act on bodies.
 template <int D>
 struct OutsideChanges {
   double work = 0;                  ///< [J]

@@ -20,7 +20,7 @@ namespace bipot {
 struct EnergyLedger {
   double kinetic = 0;        ///< disks and driven walls                         [J]
   double potential = 0;      ///< of gravity, zero at the origin                 [J]
-  double wall_work = 0;      ///< by moving and driven walls, since step 0       [J]
+  double wall_work = 0;      ///< by walls, forces and drag, since step 0        [J]
   double friction_loss = 0;  ///< dissipated by tangential impulses              [J]
   double shock_loss = 0;     ///< dissipated by normal impulses                  [J]
   double imbalance = 0;      ///< of the last step: what does not add up         [J]

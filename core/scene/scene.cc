@@ -97,6 +97,7 @@ std::string check_wall(const Wall<D>& w, std::size_t i, int materials) {
     return fmt::format("wall {}: starts = {} s (>= 0), stops = {} s (>= starts), removed = {} s", i,
                        w.starts, w.stops, w.removed);
   }
+  if (auto e = check_course(w.course); !e.empty()) return fmt::format("wall {}: {}", i, e);
   if (w.material < 0 || w.material >= materials) {
     return fmt::format("wall {}: material index {} is not in [0, {})", i, w.material, materials);
   }
@@ -220,6 +221,38 @@ std::string check_cohesion(const Scene<D>& scene) {
         "cohesion_range goes with e_n = 0 alone: a pair in its range stops before it touches, and "
         "e_n = {} would act on its remaining speed",
         law.e_n);
+  }
+  return {};
+}
+
+/// Checks forces on bodies and drag, and the entries that they exclude.
+template <int D>
+std::string check_outside_forces(const Scene<D>& scene) {
+  const Drag<D>& drag = scene.drag;
+  if (!(drag.coefficient >= 0) || !std::isfinite(drag.coefficient) || !drag.velocity.allFinite()) {
+    return fmt::format("drag: coefficient = {} N s/m² (>= 0), velocity = {}", drag.coefficient,
+                       in_brackets(drag.velocity));
+  }
+  if (scene.forces.empty() && drag.coefficient == 0) return {};
+  if (scene.model == Model::kSpringDashpot)
+    return "forces and drag do not go with the model \"dem\"";
+  if (!scene.clusters.empty()) return "forces and drag do not go with clusters";
+  if (!scene.forces.empty() && scene.has_gates()) {
+    return "forces on bodies do not go with outlets and inlets, which renumber them";
+  }
+  const int bodies = static_cast<int>(scene.bodies.size());
+  for (std::size_t k = 0; k < scene.forces.size(); ++k) {
+    const BodyForce<D>& f = scene.forces[k];
+    if (f.first < 0 || f.last < f.first || f.last >= bodies) {
+      return fmt::format("forces[{}]: there are no bodies {} to {}", k, f.first, f.last);
+    }
+    if (auto e = check_finite("force", k, "force", f.force); !e.empty()) return e;
+    if (auto e = check_course(f.course); !e.empty()) return fmt::format("forces[{}]: {}", k, e);
+    for (int i = f.first; i <= f.last; ++i) {
+      if (scene.bodies[to_size(i)].wall >= 0) {
+        return fmt::format("forces[{}]: {} {} is glued to a wall", k, kBodyName<D>, i);
+      }
+    }
   }
   return {};
 }
@@ -357,6 +390,7 @@ std::string validate(const Scene<D>& scene) {
   if (auto e = check_periodic(scene); !e.empty()) return e;
   if (auto e = check_gates(scene); !e.empty()) return e;
   if (auto e = check_cohesion(scene); !e.empty()) return e;
+  if (auto e = check_outside_forces(scene); !e.empty()) return e;
   if (auto e = check_clusters(scene); !e.empty()) return e;
   const SpringDashpotChoice& dem = scene.dem;
   const auto at_least_zero = [](double x) { return x >= 0 && std::isfinite(x); };

@@ -9,6 +9,7 @@
 
 #include "core/base/types.h"
 #include "core/scene/cell.h"
+#include "core/scene/course.h"
 #include "core/scene/gates.h"
 #include "core/scene/observable_choice.h"
 
@@ -127,9 +128,25 @@ struct Wall {
   double starts = 0;           ///< before that it stands still                            [s]
   double stops = kInfinity;    ///< from then on it stands still                           [s]
   double removed = kInfinity;  ///< from then on it is not there                           [s]
+  Course course;               ///< factor of velocity, spin and belt, or of the force
   bool present = true;         ///< in a state: false once it has been removed
 
   bool is_circle() const { return shape == Shape::kHollowCircle || shape == Shape::kSolidCircle; }
+};
+
+/// A force on each of some bodies.
+template <int D>
+struct BodyForce {
+  int first = 0, last = -1;       ///< bodies, the last one included
+  Vec<D> force = Vec<D>::Zero();  ///< on each, times the course [N]
+  Course course;
+};
+
+/// Drag on the centre of each body: -coefficient × radius × (v - velocity).
+template <int D>
+struct Drag {
+  double coefficient = 0;            ///< 6 π viscosity for spheres; 0: none [N s/m²]
+  Vec<D> velocity = Vec<D>::Zero();  ///< of the fluid [m/s]
 };
 
 /// Gravity that turns from the first axis to the last one, in their plane (2D: counter-clockwise).
@@ -188,6 +205,8 @@ struct Scene {
   std::string source;               ///< file name, or "generated"
   Vec<D> gravity = Vec<D>::Zero();  ///< before it turns        [m/s²]
   Tilt tilt;
+  std::vector<BodyForce<D>> forces;
+  Drag<D> drag;
   PeriodicCell cell;  ///< periodic scenes
   std::vector<Body<D>> bodies;
   Clusters clusters;  ///< disks that are joined rigidly; 2D only

@@ -36,12 +36,14 @@ std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
     wall.present = time < definition.removed;
     const bool moves = time >= definition.starts && time < definition.stops && wall.present;
     wall.motion = moves ? definition.motion : Motion::kFixed;
-    wall.spin = moves ? definition.spin : 0;
-    wall.belt = moves ? definition.belt : Vec<D>(Vec<D>::Zero());
+    const double factor = definition.course.at(time);
+    wall.spin = moves ? factor * definition.spin : 0;
+    wall.belt = moves ? Vec<D>(factor * definition.belt) : Vec<D>(Vec<D>::Zero());
+    wall.force = factor * definition.force;
     if (!moves) {
       wall.v.setZero();
     } else if (definition.motion == Motion::kMoving) {
-      wall.v = definition.v;
+      wall.v = factor * definition.v;
     } else if (definition.motion == Motion::kDriven && now[w].motion != definition.motion) {
       wall.v = definition.v;  // it starts with the speed that the scene gives it
     }

@@ -10,7 +10,8 @@ namespace bipot {
 /// True if the motion or presence of the wall depends on the time.
 template <int D>
 bool has_schedule(const Wall<D>& wall) {
-  return wall.starts > 0 || wall.stops < kInfinity || wall.removed < kInfinity;
+  return wall.starts > 0 || wall.stops < kInfinity || wall.removed < kInfinity ||
+         !wall.course.constant();
 }
 
 /// The walls at a given time: those of the scene, with positions and speeds of `now`. A wall that

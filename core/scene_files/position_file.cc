@@ -51,21 +51,41 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
     head.emplace_back(cell);
     for (char& c : head.back()) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }
-  constexpr const char* kNames[] = {"x", "y", "z", "radius"};
-  std::array<std::size_t, 4> column{};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const auto it = std::find(head.begin(), head.end(), kNames[k]);
-    column[k] = to_size(static_cast<int>(it - head.begin()));
-    const bool found = it != head.end();
-    if (k == 2 && dim == 2) {
-      if (found) refuse_line(path, 1, "has a column z: spheres need [[spheres]]");
-      continue;
-    }
-    if (!found) {
-      refuse_line(path, 1,
-                  fmt::format("no column '{}' among {}", kNames[k], fmt::join(head, ", ")));
+  struct Column {
+    const char* name;
+    double* (*place)(PositionRow&);
+    bool required;
+    std::size_t at;
+  };
+  std::vector<Column> columns = {
+      {"x", [](PositionRow& r) { return &r.x[0]; }, true, 0},
+      {"y", [](PositionRow& r) { return &r.x[1]; }, true, 0},
+      {"radius", [](PositionRow& r) { return &r.radius; }, true, 0},
+      {"vx", [](PositionRow& r) { return &r.v[0]; }, false, 0},
+      {"vy", [](PositionRow& r) { return &r.v[1]; }, false, 0},
+  };
+  if (dim == 3) {
+    columns.insert(columns.end(),
+                   {{"z", [](PositionRow& r) { return &r.x[2]; }, true, 0},
+                    {"vz", [](PositionRow& r) { return &r.v[2]; }, false, 0},
+                    {"spin_x", [](PositionRow& r) { return &r.spin[0]; }, false, 0},
+                    {"spin_y", [](PositionRow& r) { return &r.spin[1]; }, false, 0},
+                    {"spin_z", [](PositionRow& r) { return &r.spin[2]; }, false, 0}});
+  } else {
+    columns.push_back({"spin", [](PositionRow& r) { return &r.spin[2]; }, false, 0});
+    if (std::find(head.begin(), head.end(), "z") != head.end()) {
+      refuse_line(path, 1, "has a column z: spheres need [[spheres]]");
     }
   }
+  for (Column& column : columns) {
+    const auto it = std::find(head.begin(), head.end(), column.name);
+    column.at = static_cast<std::size_t>(it - head.begin());
+    if (it == head.end() && column.required) {
+      refuse_line(path, 1,
+                  fmt::format("no column '{}' among {}", column.name, fmt::join(head, ", ")));
+    }
+  }
+  std::erase_if(columns, [&](const Column& column) { return column.at == head.size(); });
   std::vector<PositionRow> rows;
   for (int line = 2; std::getline(file, text); ++line) {
     if (trimmed(text).empty()) continue;
@@ -75,15 +95,17 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
                   fmt::format("{} columns, the head has {}", cells.size(), head.size()));
     }
     PositionRow& row = rows.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (k == 2 && dim == 2) continue;
-      const std::string_view cell = cells[column[k]];
-      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), row[k]);
-      if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(row[k])) {
-        refuse_line(path, line, fmt::format("{}: '{}' is no finite number", kNames[k], cell));
+    for (const Column& column : columns) {
+      const std::string_view cell = cells[column.at];
+      double& value = *column.place(row);
+      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+      if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
+        refuse_line(path, line, fmt::format("{}: '{}' is no finite number", column.name, cell));
       }
     }
-    if (!(row[3] > 0)) refuse_line(path, line, fmt::format("radius: {} is not positive", row[3]));
+    if (!(row.radius > 0)) {
+      refuse_line(path, line, fmt::format("radius: {} is not positive", row.radius));
+    }
   }
   return rows;
 }

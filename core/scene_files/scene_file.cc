@@ -117,8 +117,8 @@ void read_common(const SceneTable& table, const Scene<2>& scene, std::vector<Dis
   for (Disk& d : disks) {
     d.mass = group.mass ? *group.mass : *group.density * std::numbers::pi * d.radius * d.radius;
     d.inertia = group.inertia.value_or(0.5 * d.mass * d.radius * d.radius);
-    d.v = v;
-    d.spin = spin;
+    d.v += v;  // to that of a file
+    d.spin += spin;
     d.material = material;
   }
 }
@@ -138,7 +138,10 @@ std::vector<Disk> read_group(const SceneTable& table, const Scene<2>& scene) {
   if (arrangement == "file") {
     std::vector<Disk> disks;
     for (const PositionRow& row : read_named_positions(table, 2)) {
-      disks.push_back({.x = Vec2(row[0], row[1]), .radius = row[3]});
+      disks.push_back({.x = Vec2(row.x[0], row.x[1]),
+                       .v = Vec2(row.v[0], row.v[1]),
+                       .spin = row.spin[2],
+                       .radius = row.radius});
     }
     return disks;
   }
@@ -147,7 +150,7 @@ std::vector<Disk> read_group(const SceneTable& table, const Scene<2>& scene) {
     if (seed < 0) table.fail("seed", "expected a non-negative integer");
     const int count = table.natural("count");
     require_possible(table, "count", count, "disks");
-    const std::vector<RadiusClass> classes = read_radius_classes(table);
+    const std::vector<RadiusClass> classes = read_radii(table, count);
     const FillingPlace<2> place = read_filling_place(table, scene);
     try {
       return random_filling(count, classes, place.base[0], table.number("spacing", 0.1),
@@ -273,6 +276,29 @@ void read_tilt(const SceneTable& root, Scene<D>& scene) {
   table->finish();
 }
 
+template <int D>
+void read_outside_forces(const SceneTable& root, Scene<D>& scene) {
+  for (const SceneTable& table : root.tables("forces")) {
+    const std::vector<double> range = table.numbers("bodies");
+    const auto whole = [](double x) { return x >= 0 && x < 1e9 && x == std::floor(x); };
+    if (range.size() != 2 || !whole(range[0]) || !whole(range[1])) {
+      table.fail("bodies", "expected the numbers of the first and the last body");
+    }
+    const auto force = table.maybe_vec<D>("force");
+    if (!force) table.fail("force", "is missing");
+    scene.forces.push_back({.first = static_cast<int>(range[0]),
+                            .last = static_cast<int>(range[1]),
+                            .force = *force,
+                            .course = read_course(table)});
+    table.finish();
+  }
+  const auto table = root.table("drag");
+  if (!table) return;
+  scene.drag.coefficient = table->positive("coefficient");
+  scene.drag.velocity = table->maybe_vec<D>("velocity").value_or(Vec<D>::Zero());
+  table->finish();
+}
+
 /// Turns bodies and walls about the origin; gravity stays: a tilted box.
 void rotate(Scene<2>& scene, double degrees) {
   const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180);
@@ -357,6 +383,7 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
     scene.cell = read_cell_in_space(root);
   }
   read_tilt(root, scene);
+  read_outside_forces(root, scene);
   read_start(root, scene);
   read_time(root, accuracy, scene);
   read_model(root, scene);

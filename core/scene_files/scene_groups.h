@@ -13,6 +13,11 @@ namespace bipot {
 /// `radii` [m] and `fractions` of a random filling. Throws SceneFileError.
 std::vector<RadiusClass> read_radius_classes(const SceneTable& table);
 
+/// The radii of a filling of `count` bodies: classes, or quantiles (k + ½)/count of a distribution by
+/// number. That is `lognormal` = [median, σ of the logarithm], or `passing`, rows of a radius and
+/// the share of bodies up to it, linear in between. Throws SceneFileError.
+std::vector<RadiusClass> read_radii(const SceneTable& table, int count);
+
 /// Refuses a number of bodies that would exhaust the memory: `count` bodies of the kind named, as
 /// the value of `key` asks for. Throws SceneFileError.
 void require_possible(const SceneTable& table, std::string_view key, double count,

@@ -23,7 +23,7 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, const Scene<3>& sc
   if (arrangement == "file") {
     std::vector<Sphere> spheres;
     for (const PositionRow& row : read_named_positions(table, 3)) {
-      spheres.push_back({.x = Vec3(row[0], row[1], row[2]), .radius = row[3]});
+      spheres.push_back({.x = row.x, .v = row.v, .spin = row.spin, .radius = row.radius});
     }
     return spheres;
   }
@@ -32,7 +32,7 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, const Scene<3>& sc
     if (seed < 0) table.fail("seed", "expected a non-negative integer");
     const int count = table.natural("count");
     require_possible(table, "count", count, "spheres");
-    const std::vector<RadiusClass> classes = read_radius_classes(table);
+    const std::vector<RadiusClass> classes = read_radii(table, count);
     const FillingPlace<3> place = read_filling_place(table, scene);
     try {
       return random_spheres(count, classes, place.base, table.number("spacing", 0.1),
@@ -65,8 +65,8 @@ std::vector<Sphere> read_spheres(const SceneTable& table, const Scene<3>& scene)
     const double volume = 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius;
     s.mass = group.mass ? *group.mass : *group.density * volume;
     s.inertia = group.inertia.value_or(0.4 * s.mass * s.radius * s.radius);
-    s.v = v;
-    s.spin = spin;
+    s.v += v;  // to that of a file
+    s.spin += spin;
     s.material = material;
   }
   return spheres;

@@ -15,6 +15,9 @@ namespace bipot {
 template <int D>
 int material_index(const Scene<D>& scene, const SceneTable& table, std::string_view key);
 
+/// The keys times, factors, frequency and phase of a table. Throws SceneFileError.
+Course read_course(const SceneTable& table);
+
 /// Reads one table of [[walls]], with this index. Throws SceneFileError.
 template <int D>
 Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t index);

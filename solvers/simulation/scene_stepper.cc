@@ -31,6 +31,7 @@ std::string needs_whole_state(const Scene<D>& scene,
   if (scene.has_gates()) return "the scene has inlets or outlets";
   if (scene.cell.periodic()) return "the scene is periodic";
   if (scene.observables) return "the scene measures observables";
+  if (!scene.forces.empty() || scene.drag.coefficient > 0) return "the scene has forces or drag";
   if (scene.has_cohesion()) return "the scene has cohesion";
   if (scene.travel > 0) return "the scene cuts its steps by travel";
   if (scene.accuracy > 0) return "the scene cuts its steps by accuracy";

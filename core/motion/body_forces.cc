@@ -1,0 +1,32 @@
+#include "core/motion/body_forces.h"
+
+#include <cmath>
+
+namespace bipot {
+
+template <int D>
+void add_body_forces(const Scene<D>& scene, double middle,
+                     std::span<const std::type_identity_t<Body<D>>> bodies,
+                     std::vector<Vec<D>>& v_free) {
+  const double h = scene.step;
+  for (const BodyForce<D>& f : scene.forces) {
+    const Vec<D> impulse = h * f.course.at(middle) * f.force;
+    for (std::size_t i = to_size(f.first); i <= to_size(f.last); ++i) {
+      v_free[i] += impulse / bodies[i].mass;
+    }
+  }
+  if (scene.drag.coefficient == 0) return;
+  const Vec<D>& w = scene.drag.velocity;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Body<D>& body = bodies[i];
+    if (body.wall >= 0) continue;
+    const double lost = h * scene.drag.coefficient * body.radius / body.mass;
+    const double share = -std::expm1(-lost);
+    v_free[i] = body.v + share * (w - body.v) + share / lost * (v_free[i] - body.v);
+  }
+}
+
+template void add_body_forces(const Scene<2>&, double, std::span<const Disk>, std::vector<Vec2>&);
+template void add_body_forces(const Scene<3>&, double, std::span<const Sphere>, std::vector<Vec3>&);
+
+}  // namespace bipot

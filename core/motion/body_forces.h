@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// True if forces on bodies or drag act in the scene.
+template <int D>
+bool has_body_forces(const Scene<D>& scene) {
+  return !scene.forces.empty() || scene.drag.coefficient > 0;
+}
+
+/// Adds forces on bodies and drag to velocities without contacts. `v_free`: v + h g of each body.
+/// Forces are those at `middle` [s]. Drag acts exactly: with k = coefficient × radius / mass and the
+/// other accelerations a, v_free = w + (v - w) exp(-k h) + a (1 - exp(-k h))/k.
+template <int D>
+void add_body_forces(const Scene<D>& scene, double middle,
+                     std::span<const std::type_identity_t<Body<D>>> bodies,
+                     std::vector<Vec<D>>& v_free);
+
+}  // namespace bipot
