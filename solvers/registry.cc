@@ -9,8 +9,10 @@
 namespace bipot {
 
 const SolverEntry* find_solver(std::string_view name) {
-  for (const SolverEntry& entry : solver_table()) {
-    if (entry.name == name) return &entry;
+  for (const auto table : {solver_table(), other_laws()}) {
+    for (const SolverEntry& entry : table) {
+      if (entry.name == name) return &entry;
+    }
   }
   return nullptr;
 }

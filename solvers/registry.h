@@ -12,12 +12,17 @@ namespace bipot {
 /// The one table of solvers of this build, in the order of presentation (methods/solver_table.cc).
 std::span<const SolverEntry> solver_table();
 
-/// Null when no solver has that name.
+/// Solvers of other laws, for contrast. They have names and run like the others, but no loop over
+/// the table, no comparison of all solvers and no plan of `auto` takes them.
+std::span<const SolverEntry> other_laws();
+
+/// A row of either table; null when no solver has that name.
 const SolverEntry* find_solver(std::string_view name);
 
 /// The row of that name; throws std::invalid_argument(unknown_solver_message(name)).
 const SolverEntry& require_solver(std::string_view name);
 
+/// Of solver_table().
 std::vector<std::string> solver_names();
 
 /// The same solver on each uncoupled part of a problem, one by one (auto/islands.h).

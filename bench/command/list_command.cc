@@ -62,7 +62,9 @@ Json to_json(const SolverEntry& entry) {
 
 Json solvers_json() {
   auto rows = Json::array();
-  for (const SolverEntry& entry : solver_table()) rows.push_back(to_json(entry));
+  for (const auto table : {solver_table(), other_laws()}) {
+    for (const SolverEntry& entry : table) rows.push_back(to_json(entry));
+  }
   return rows;
 }
 
@@ -85,13 +87,15 @@ void print_solver(const SolverEntry& entry) {
 }
 
 void print_solvers() {
-  for (const SolverEntry& entry : solver_table()) {
+  const auto print = [](const SolverEntry& entry) {
     fmt::print("{:<14} {}\n", entry.name, entry.summary);
     for (const ParameterSpec& spec : entry.parameters) {
       fmt::print("{:<14}   {} = {}  ({})  {}\n", "", spec.name, spec.default_value, domain_of(spec),
                  spec.help);
     }
-  }
+  };
+  for (const SolverEntry& entry : solver_table()) print(entry);
+  for (const SolverEntry& entry : other_laws()) print(entry);
   fmt::print("{:<14}   {} = {}  ({})  {}\n", "all of them", kIslandsParameter.name,
              kIslandsParameter.default_value, domain_of(kIslandsParameter), kIslandsParameter.help);
 }
@@ -154,6 +158,7 @@ void print_names() {
   };
   std::string solvers;
   for (const SolverEntry& entry : solver_table()) solvers += std::string(entry.name) + " ";
+  for (const SolverEntry& entry : other_laws()) solvers += std::string(entry.name) + " ";
   print("solvers", solvers);
   print("scenes", stems(shipped_scenes()));
   print("problems", stems(shipped_problems()));

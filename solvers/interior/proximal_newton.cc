@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/problem/coulomb_cone.h"
+#include "solvers/kernels/contact_residual.h"
 
 namespace bipot {
 namespace {
@@ -13,31 +13,6 @@ constexpr int kInnerCap = 8;
 constexpr int kQuick = 6;  // inner iterations after which delta may fall
 constexpr double kInnerAccuracy = 1e-8, kStagnation = 1e-4;
 constexpr double kSmallestDelta = 1e-6, kDeltaToGiveUp = 1e2;
-
-/// Projection of Alart and Curnier at z and a generalised Jacobian of it.
-template <int D>
-Local<D> project(const Local<D>& z, double mu, Eigen::Matrix<double, D, D>& jacobian) {
-  Local<D> s = Local<D>::Zero();
-  jacobian.setZero();
-  if (z[0] <= 0) return s;
-  s[0] = z[0];
-  jacobian(0, 0) = 1;
-  if constexpr (D > 1) {
-    const double norm = tangential_norm<D>(z);
-    const double radius = mu * z[0];
-    if (norm <= radius) {
-      s = z;
-      jacobian.setIdentity();
-    } else {
-      const Eigen::Matrix<double, D - 1, 1> t = z.template tail<D - 1>() / norm;
-      s.template tail<D - 1>() = radius * t;
-      jacobian.template bottomLeftCorner<D - 1, 1>() = mu * t;
-      jacobian.template bottomRightCorner<D - 1, D - 1>() =
-          radius / norm * (Eigen::Matrix<double, D - 1, D - 1>::Identity() - t * t.transpose());
-    }
-  }
-  return s;
-}
 
 }  // namespace
 
@@ -59,7 +34,7 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
       for (int i = 0; i < D; ++i) rho[i] = 1 / (delta * mobility[c * D + i]);
       const Local<D> z = local<D>(anchor, c) - rho.cwiseProduct(local<D>(u, c));
       Eigen::Matrix<double, D, D> jacobian;
-      const Local<D> f = project<D>(z, p.mu[c], jacobian) - local<D>(s, c);
+      const Local<D> f = split_projection<D>(z, p.mu[c], jacobian) - local<D>(s, c);
       g.segment<D>(c * D) = f;
       for (int i = 0; i < D; ++i) {
         residual += mobility[c * D + i] * f[i] * f[i];

@@ -56,6 +56,32 @@ LocalResidual<D> alart_curnier(const Local<D>& s, const Local<D>& u, double mu) 
   return r;
 }
 
+/// Projection of Alart and Curnier at z, s_n on the half-line and then s_t on the disk of radius
+/// mu s_n, and a generalised Jacobian of it.
+template <int D>
+Local<D> split_projection(const Local<D>& z, double mu, Eigen::Matrix<double, D, D>& jacobian) {
+  Local<D> s = Local<D>::Zero();
+  jacobian.setZero();
+  if (z[0] <= 0) return s;
+  s[0] = z[0];
+  jacobian(0, 0) = 1;
+  if constexpr (D > 1) {
+    const double norm = tangential_norm<D>(z);
+    const double radius = mu * z[0];
+    if (norm <= radius) {
+      s = z;
+      jacobian.setIdentity();
+    } else {
+      const Eigen::Matrix<double, D - 1, 1> t = z.template tail<D - 1>() / norm;
+      s.template tail<D - 1>() = radius * t;
+      jacobian.template bottomLeftCorner<D - 1, 1>() = mu * t;
+      jacobian.template bottomRightCorner<D - 1, D - 1>() =
+          radius / norm * (Eigen::Matrix<double, D - 1, D - 1>::Identity() - t * t.transpose());
+    }
+  }
+  return s;
+}
+
 /// Fischer-Burmeister function of the Jordan product (Fukushima, Luo, Tseng 2002):
 ///     f = x + y - (x∘x + y∘y)^{1/2},   x = (s_n, s_t / mu),   y = (u_n + mu |u_t|, mu u_t),
 /// both in the self-dual cone |z_t| <= z_n, x·y = s·û. [ours] The tangential rows are multiplied by

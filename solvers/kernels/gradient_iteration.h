@@ -1,8 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "core/problem/coulomb_cone.h"
 #include "solvers/kernels/contact_scaling.h"
@@ -16,19 +18,21 @@ namespace bipot {
 // The accelerated projected gradient of solvers/methods/accelerated_gradient.h, for one process and
 // in parallel.
 
-/// x⁺ of one contact from the extrapolated impulse y and its velocity w (with sigma).
+/// x⁺ of one contact from the extrapolated impulse y and its velocity w. `held`: sigma of the map
+/// kFollowed, the radius of kHeldDisk.
 template <int D, GradientMap kMap>
-inline Local<D> corrected(const Local<D>& y, const Local<D>& w, double mu, double rho) {
+inline Local<D> corrected(const Local<D>& y, Local<D> w, double mu, double held, double rho) {
   if constexpr (kMap == GradientMap::kFollowed) {
+    w[0] += held;
     return project_coulomb_cone<D>(y - rho * w, mu);
   } else {
     Local<D> x = y - rho * w;
     x[0] = std::max(x[0], 0.0);
+    const double radius = kMap == GradientMap::kHeldDisk ? held : mu * x[0];
     if constexpr (D == 2) {
-      const double radius = mu * x[0];
       x[1] = std::clamp(x[1], -radius, radius);
     } else if constexpr (D == 3) {
-      const double norm = tangential_norm<D>(x), radius = mu * x[0];
+      const double norm = tangential_norm<D>(x);
       if (norm > radius) x.template tail<D - 1>() *= radius / norm;
     }
     return x;
@@ -50,7 +54,7 @@ class GradientIteration final : public GradientKernel {
     space_.velocity(s_, w_);
     w_.array() *= scaling_.velocity.array();
     w_before_ = w_y_ = w_;
-    sigma_.setZero(p_.num_contacts());
+    held_.setZero(p_.num_contacts());
   }
   const Vector& impulse() override {
     s_ = x_.cwiseProduct(scaling_.velocity);
@@ -59,8 +63,31 @@ class GradientIteration final : public GradientKernel {
   void follow(double kappa) override {
     for (int c = 0; c < p_.num_contacts(); ++c) {
       const double slip = tangential_norm<D>(Local<D>(w_.segment<D>(c * D)));
-      sigma_[c] += kappa * (scaling_.mu[c] * slip - sigma_[c]);
+      held_[c] += kappa * (scaling_.mu[c] * slip - held_[c]);
     }
+  }
+  /// Radii of the map kHeldDisk: those of the friction disks at x. Returns the norms of their
+  /// change and of the radii.
+  std::pair<double, double> hold_disks() {
+    double change2 = 0, size2 = 0;
+    for (int c = 0; c < p_.num_contacts(); ++c) {
+      const double radius = scaling_.mu[c] * std::max(x_[c * D], 0.0);
+      change2 += (radius - held_[c]) * (radius - held_[c]);
+      size2 += radius * radius;
+      held_[c] = radius;
+    }
+    return {std::sqrt(change2), std::sqrt(size2)};
+  }
+  /// Natural map of the problem in which sigma or the radii are held, Σ ½ |x - P(x - w)|² [J].
+  template <GradientMap kMap>
+  double held_residual() const {
+    double sum = 0;
+    for (int c = 0; c < p_.num_contacts(); ++c) {
+      const Local<D> x = x_.segment<D>(c * D);
+      const Local<D> w = w_.segment<D>(c * D);
+      sum += (x - corrected<D, kMap>(x, w, scaling_.mu[c], held_[c], 1)).squaredNorm();
+    }
+    return sum / 2;
   }
   void advance(int iterations, GradientControl& control) override {
     for (; iterations > 0; --iterations) {
@@ -82,8 +109,9 @@ class GradientIteration final : public GradientKernel {
   using Sum = typename Space::Sum;
 
   GradientProgress project(GradientMap map, double rho) {
-    return map == GradientMap::kSplit ? project<GradientMap::kSplit>(rho)
-                                      : project<GradientMap::kFollowed>(rho);
+    if (map == GradientMap::kSplit) return project<GradientMap::kSplit>(rho);
+    return map == GradientMap::kFollowed ? project<GradientMap::kFollowed>(rho)
+                                         : project<GradientMap::kHeldDisk>(rho);
   }
   template <GradientMap kMap>
   GradientProgress project(double rho) {
@@ -91,9 +119,8 @@ class GradientIteration final : public GradientKernel {
     before_.swap(x_);
     for (int c = 0; c < p_.num_contacts(); ++c) {
       const Local<D> y = y_.segment<D>(c * D);
-      Local<D> w = w_y_.segment<D>(c * D);
-      if constexpr (kMap == GradientMap::kFollowed) w[0] += sigma_[c];
-      const Local<D> x = corrected<D, kMap>(y, w, scaling_.mu[c], rho);
+      const Local<D> w = w_y_.segment<D>(c * D);
+      const Local<D> x = corrected<D, kMap>(y, w, scaling_.mu[c], held_[c], rho);
       const Local<D> change = x - before_.segment<D>(c * D);
       turn += (y - x).dot(change);
       change2 += change.squaredNorm();
@@ -114,7 +141,8 @@ class GradientIteration final : public GradientKernel {
   const ContactProblem& p_;
   Space& space_;
   const ContactScaling& scaling_;
-  Vector s_, x_, before_, y_, w_, w_before_, w_y_, sigma_;
+  Vector s_, x_, before_, y_, w_, w_before_, w_y_;
+  Vector held_;  // sigma, or radii
 };
 
 /// The Space of a GradientIteration with sums in double precision, taken by process.

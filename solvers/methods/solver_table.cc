@@ -5,6 +5,7 @@
 #include "solvers/methods/admm.h"
 #include "solvers/methods/anderson.h"
 #include "solvers/methods/classical.h"
+#include "solvers/methods/convex.h"
 #include "solvers/methods/gauss_seidel.h"
 #include "solvers/methods/homotopy.h"
 #include "solvers/methods/interior_point.h"
@@ -14,10 +15,12 @@
 #ifdef BIPOT_WITH_PETSC
 #include "solvers/methods/newton_snes.h"
 #endif
+#include "solvers/methods/pdas.h"
 #include "solvers/methods/proximal_point.h"
 #ifdef BIPOT_WITH_SICONOS
 #include "solvers/methods/siconos.h"
 #endif
+#include "solvers/methods/tresca.h"
 #include "solvers/methods/uzawa.h"
 
 namespace bipot {
@@ -109,6 +112,15 @@ const SolverEntry kSolvers[] = {
      .run = &solve_interior_point,
      .parameters = kInteriorPointParameters,
      .path_ignores_tolerance = true},
+    {.name = "pdas",
+     .summary = "primal-dual active sets: open, stick, slip (Abide, Barboteu et al. 2021)",
+     .run = &solve_pdas,
+     .parameters = kPdasParameters,
+     .path_ignores_tolerance = true},
+    {.name = "tresca",
+     .summary = "fixed point on the bounds of friction (Haslinger 1983; Chen, Ly and Wojtan 2024)",
+     .run = &solve_tresca,
+     .parameters = kTrescaParameters},
 #ifdef BIPOT_WITH_SICONOS
     {.name = "siconos:nsgs",
      .summary = "Siconos Numerics: nonsmooth Gauss-Seidel",
@@ -139,8 +151,16 @@ const SolverEntry kSolvers[] = {
 #endif
 };
 
+const SolverEntry kOtherLaws[] = {
+    {.name = "convex",
+     .summary = "another law, for contrast: associated friction, which opens (Anitescu 2006)",
+     .run = &solve_convex,
+     .parameters = {}},
+};
+
 }  // namespace
 
 std::span<const SolverEntry> solver_table() { return kSolvers; }
+std::span<const SolverEntry> other_laws() { return kOtherLaws; }
 
 }  // namespace bipot

@@ -76,6 +76,7 @@ using Row = std::tuple<std::string, bool>;
 
 std::vector<std::string> row_names() {
   std::vector<std::string> names = solver_names();
+  for (const SolverEntry& entry : other_laws()) names.emplace_back(entry.name);
   for (const char* inner : {"apgd", "newton", "ipm"}) {
     if (find_solver(inner) != nullptr) names.push_back(std::string("ppa around ") + inner);
   }
