@@ -78,6 +78,11 @@ TEST(ContactError, EqualsThePapersWhereNothingPenetratesAndFrictionDissipates) {
   EXPECT_GT(compared, 200);
 }
 
+// One contact, s in K, N = s - p with p = P_K(s - rho û). The inequality of the projection, tested
+// with s, gives |N|² <= rho û·N = rho (û·s - û·p). p in K and mu p_n |u_t| + p_t·u_t >= 0 give -û·p
+// <= p_n u_n⁻ <= (s_n + |N|) u_n⁻. With s_n (u_n + u_n⁻) <= s_n |u_n| follows |N|² <= rho (G_c + |N|
+// u_n⁻), and with rho |N| u_n⁻ <= ½ |N|² + ½ rho² (u_n⁻)² at last |N|²/(2 rho) <= G_c + V_c. Sum over
+// the contacts and divide.
 TEST(ContactError, NaturalMapIsBoundedByTheRootOfEpsilon) {
   for (unsigned seed = 1; seed <= 1500; ++seed) {
     PortableRandom draw(seed);
