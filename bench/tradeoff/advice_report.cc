@@ -196,11 +196,6 @@ std::string confidence(const Advice& a) {
             error_text(a.spread, a.goal) +
             "; nothing below that counts (several exact answers of a step, or chaos)";
   }
-  if (a.cohesion_without_range) {
-    text +=
-        "\ncohesion without a range: in impacts a contact holds an impulse of cohesion times the "
-        "step, so that longer steps are more cohesive; give [contact] cohesion_range";
-  }
   if (a.steps.windows_dropped > 0 || a.steps.finest > 0.125 || a.out_of_time) {
     text += fmt::format(
         "\ntime was short ({} stretches dropped, finest step {:g} of the scene's{}): --time-limit "
@@ -254,6 +249,11 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
                    share_of(a.step_error.bound(), a.goal) > share_of(t.error.bound(), a.goal)
                        ? (a.accuracy > 0 ? "the accuracy" : "the time step")
                        : "the solver"));
+  if (a.cohesion_without_range) {
+    line("note",
+         "without [contact] cohesion_range a contact holds an impulse of cohesion times the step: "
+         "in blows shorter steps are less cohesive");
+  }
   line("run it", run_command_of(a));
   return lines;
 }

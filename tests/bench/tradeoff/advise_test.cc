@@ -58,6 +58,18 @@ TEST(Advise, MeetsTheGoalOnStretchesAndInTheRun) {
   EXPECT_EQ(advice.num_steps, 10);
 }
 
+TEST(Advise, SaysThatCohesionWithoutARangeDependsOnTheStep) {
+  Scene<2> scene = lattice();
+  for (ContactLaw& law : scene.laws) law = {.mu = law.mu, .e_t = law.e_t, .cohesion = 1};
+  for (const double range : {0.0, 1e-6}) {
+    scene.cohesion_range = range;
+    Advice::Options options = quick(1e-2);
+    options.keep_step = true;
+    const std::string text = advice_summary(advise(scene, options));
+    EXPECT_EQ(text.find("cohesion_range") != std::string::npos, range == 0) << text;
+  }
+}
+
 TEST(Advise, OverStretchesNothingBelowTheSpreadOfExactRunsIsPaidFor) {
   // The lattice at rest has one velocity and, kept by the shared criterion, forces of bodies that
   // any solver finds: two tight runs agree far below the goal, and nothing is said of them.
