@@ -31,6 +31,8 @@ ProgramCommand compare_command(CommandLine& line);
 ProgramCommand extremes_command(CommandLine& line);
 /// Judges an impulse computed by any code for a problem file: 0 within the tolerance.
 ProgramCommand judge_command(CommandLine& line);
+/// Judges impulses of anybody for many problems: one page.
+ProgramCommand leaderboard_command(CommandLine& line);
 /// Names of solvers, scenes and problems.
 ProgramCommand list_command(CommandLine& line);
 /// A film of a run, by ffmpeg.

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,13 @@
 #include "bench/command/watched_trade.h"
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_report.h"
+#include "bench/compare/popular_settings.h"
+#include "bench/compare/settings_report.h"
+#include "bench/problems/scene_catalogue.h"
 #include "bench/report/json_output.h"
 #include "bench/tradeoff/trade_report.h"
 #include "core/base/interrupt.h"
+#include "core/files/atomic_file.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -35,19 +40,23 @@ struct CompareFlags : OutputFlags {
   std::optional<int> scene_steps;     ///< all; quick 100
   /// Scenes run as a whole, beside the problems; "set": the set of `bipot trade`.
   std::vector<std::string> whole_runs;
+  std::string settings;  ///< "popular"
   bool quick = false;
 };
 
 CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
   CommandDeclaration command = line.add_command(
       "compare", "Solvers on problems at tolerances: time against true error, as a report");
+  command.option("targets", flags.targets,
+                 "Problem file, folder of them, scene, family as square:30, triangular:30, "
+                 "pyramid:20, random:20, pile:32, impact:32, pour:32, collapse:32, tilt:32, "
+                 "strike:32, in space cannonballs:6, cubic:6, pour3d:8, pipe:8, shear3d:8 (with "
+                 ":mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark");
   command
-      .option("targets", flags.targets,
-              "Problem file, folder of them, scene, family as square:30, triangular:30, "
-              "pyramid:20, random:20, pile:32, impact:32, pour:32, collapse:32, tilt:32, "
-              "strike:32, in space cannonballs:6, cubic:6, pour3d:8, pipe:8, shear3d:8 (with "
-              ":mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark")
-      .required();
+      .option("--settings NAME", flags.settings,
+              "In place of solvers and tolerances: defaults of popular codes, judged (targets: "
+              "the shipped problems)")
+      .one_of({"popular"});
   command.option("--solvers NAMES", flags.solvers, "all, or names separated by commas");
   command
       .option("--tols NUMBERS", flags.tols,
@@ -93,8 +102,47 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
       "  bipot compare square:30 pile:18 --out out/compare\n"
       "  bipot compare problems/ --solvers auto,pgs,ipm --tols 1e-8 --time-limit 60 --json -\n"
       "  bipot compare compaction --quick --out out/compaction_solvers\n"
+      "  bipot compare --settings popular --out out/settings\n"
       "  bipot compare benchmark --whole-runs set --out out/benchmark");
   return command;
+}
+
+std::vector<std::string> all_shipped_problems() {
+  std::vector<std::string> files;
+  for (const std::filesystem::path& file : shipped_problems()) files.push_back(file.string());
+  return files;
+}
+
+int run_settings(const CompareFlags& flags, const std::vector<ProblemSource>& sources) {
+  SettingStudy::Options options{.warm = flags.warm};
+  options.time_limit = flags.time_limit.value_or(flags.quick ? 0.5 : options.time_limit);
+  options.reference_time_limit = flags.reference_time_limit.value_or(options.reference_time_limit);
+  flags.prepare(true);
+  ProgressBar progress(static_cast<long>(sources.size() * popular_settings().size()),
+                       flags.silent());
+  long done = 0;
+  options.on_row = [&](const SettingStudy::Row& row) {
+    progress.update(++done, fmt::format("{} {}", row.problem, row.code));
+  };
+  const InterruptGuard interrupt;
+  options.interrupted = &InterruptGuard::requested;
+  const SettingStudy study = study_settings(sources, options);
+  const Document summary = settings_document(study, provenance("compare", typed_command()));
+  Document page = summary, runs;
+  runs.add(setting_rows(study));
+  page.fold("All runs", runs, "rows");
+  if (!flags.out.empty()) {
+    const std::filesystem::path folder = flags.out;
+    write_text_file(folder / "settings.csv", to_csv(setting_rows(study)));
+    write_text_file(folder / "report.html", to_html(page));
+    write_figures(folder, page);
+  }
+  if (!flags.json.empty()) write_json(to_json(page), flags.json);
+  if (!flags.silent()) {
+    fmt::print("{}", to_text(summary));
+    if (!flags.out.empty()) fmt::print("results in {}\n", flags.out);
+  }
+  return study.complete ? kExitConverged : kExitInterrupted;
 }
 
 int run_compare(const CompareFlags& flags) {
@@ -118,7 +166,12 @@ int run_compare(const CompareFlags& flags) {
   scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
   scenes.quick = flags.quick;
   scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
-  const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
+  if (flags.targets.empty() && flags.settings.empty()) {
+    throw std::invalid_argument("TARGETS is missing: problem files, scenes or families");
+  }
+  const std::vector<ProblemSource> sources =
+      expand_targets(flags.targets.empty() ? all_shipped_problems() : flags.targets, scenes);
+  if (!flags.settings.empty()) return run_settings(flags, sources);
 
   flags.prepare(true);
   const bool quiet = flags.silent();

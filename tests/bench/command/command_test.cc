@@ -231,6 +231,27 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   EXPECT_EQ(code_of("compare square:4 --out /proc/nowhere"), 4);
 }
 
+TEST_F(Command, JudgesPopularSettingsAndSubmittedImpulses) {
+  const json j =
+      json_of("compare square:4 --settings popular --quick --json - --out " + path("set"));
+  EXPECT_EQ(j["settings"].size(), 8u);
+  EXPECT_GT(j["tolerances"].size(), 4u);
+  expect_files("set", {"settings.csv", "popular.svg", "report.html"});
+  EXPECT_EQ(code_of("compare"), 2);
+  const std::string problem = path("set") + ".hdf5";
+  fs::copy_file(source_folder() / "data/problems/2d_triangular_lattice.hdf5", problem);
+  fs::create_directories(path("mine"));
+  EXPECT_EQ(code_of("solve " + problem + " --tol 1e-9 --quiet --solution " + path("mine/set.hdf5")),
+            0);
+  const json board = json_of("leaderboard " + path("mine") + " --problems " + problem +
+                             " --json - --out " + path("board"));
+  ASSERT_EQ(board["solved"].size(), 2u);  // it, and auto
+  EXPECT_EQ(board["solved"][0]["who"], "mine");
+  EXPECT_EQ(board["solved"][0]["solved_1e-8"], 1);
+  expect_files("board", {"leaderboard.csv", "index.html"});
+  EXPECT_EQ(code_of("leaderboard " + path("nowhere")), 4);
+}
+
 TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   const std::string plan = path("plan.toml");
   const std::string arguments =

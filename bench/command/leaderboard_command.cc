@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/command/command_options.h"
+#include "bench/command/commands.h"
+#include "bench/command/exit_code.h"
+#include "bench/command/progress_bar.h"
+#include "bench/compare/leaderboard.h"
+#include "bench/problems/scene_catalogue.h"
+#include "core/files/atomic_file.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct LeaderboardFlags : OutputFlags {
+  std::vector<std::string> folders;
+  std::vector<std::string> problems;  ///< empty: the shipped ones
+  std::vector<std::string> solvers = {"auto"};
+  double tol = 1e-6, time_limit = 10;
+};
+
+CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
+  CommandDeclaration command =
+      line.add_command("leaderboard", "Judges impulses of anybody for many problems, on one page");
+  command
+      .option("folders", flags.folders,
+              "Folder of a contestant: PROBLEM.npy, .csv or .hdf5 for each problem, and times.csv "
+              "with lines problem,seconds")
+      .required();
+  command.option("--problems FILES", flags.problems,
+                 "Problem files, or folders of them (the shipped problems)");
+  command.option("--solvers NAMES", flags.solvers, "Solvers of this program that take part")
+      .show_default();
+  command.option("--tol NUMBER", flags.tol, "Their tolerance").positive().show_default();
+  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one of their solves")
+      .positive()
+      .show_default();
+  add_output_flags(command, flags, "Folder for leaderboard.csv and index.html");
+  command.footer("Example:\n  bipot leaderboard mine/ theirs/ --out out/leaderboard");
+  return command;
+}
+
+std::vector<fs::path> problem_files(const std::vector<std::string>& given) {
+  if (given.empty()) return shipped_problems();
+  std::vector<fs::path> files;
+  for (const std::string& name : given) {
+    if (!fs::is_directory(name)) {
+      files.emplace_back(name);
+      continue;
+    }
+    std::vector<fs::path> inside;
+    for (const auto& entry : fs::directory_iterator(name)) {
+      const std::string ending = entry.path().extension().string();
+      if (ending == ".hdf5" || ending == ".dat") inside.push_back(entry.path());
+    }
+    std::sort(inside.begin(), inside.end());
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
+int run_leaderboard(const LeaderboardFlags& flags) {
+  for (const std::string& solver : flags.solvers) require_solver(solver);
+  const std::vector<fs::path> problems = problem_files(flags.problems);
+  flags.prepare(true);
+  ProgressBar progress(static_cast<long>(problems.size()), flags.silent());
+  long done = 0;
+  const Leaderboard board =
+      make_leaderboard({flags.folders.begin(), flags.folders.end()}, problems,
+                       {.solvers = flags.solvers, .tol = flags.tol, .time_limit = flags.time_limit},
+                       [&](const std::string& problem) { progress.update(++done, problem); });
+  const Document summary = leaderboard_document(board, provenance("leaderboard", typed_command()));
+  Document page = summary, entries;
+  entries.add(leaderboard_rows(board));
+  page.fold("All impulses", entries, "rows");
+  if (!flags.out.empty()) {
+    const fs::path folder = flags.out;
+    write_text_file(folder / "leaderboard.csv", to_csv(leaderboard_rows(board)));
+    write_text_file(folder / "index.html", to_html(page));
+  }
+  if (!flags.json.empty()) write_json(to_json(page), flags.json);
+  if (!flags.silent()) fmt::print("{}", to_text(summary));
+  return kExitConverged;
+}
+
+}  // namespace
+
+ProgramCommand leaderboard_command(CommandLine& line) {
+  return make_command(line, &add_leaderboard, &run_leaderboard);
+}
+
+}  // namespace bipot

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/report/document.h"
+#include "core/criterion/contact_error.h"
+
+namespace bipot {
+
+/// Impulses of anybody for problem files, judged.
+struct Leaderboard {
+  /// One contestant on one problem.
+  struct Entry {
+    std::string who, problem;
+    std::string family;  ///< the problem's name up to its sizes: "2d_pour" of 2d_pour14_200
+    int contacts = 0;
+    std::string defect;  ///< why there is no verdict: no file, or one that cannot be read
+    double guarded = kNaN, epsilon = kNaN, eta = kNaN, cone = kNaN;  ///< ImpulseVerdict's
+    double seconds = kNaN;                                           ///< as submitted
+    /// guarded <= tol.
+    bool solves(double tol) const { return guarded <= tol; }
+  };
+  /// Solvers of this project that take part.
+  struct Ours {
+    std::vector<std::string> solvers;
+    double tol = 1e-6;
+    double time_limit = 10;  ///< CPU seconds of one solve
+  };
+
+  std::vector<std::string> who;  ///< in the order of the folders, then our solvers
+  std::vector<std::string> problems;
+  std::vector<Entry> entries;  ///< problem by problem
+};
+
+/// The part of a problem's name that its relatives share.
+std::string family_of(const std::string& problem);
+
+/// Judges the impulses of each folder: for PROBLEM.hdf5 a file PROBLEM with the ending npy, csv,
+/// hdf5, txt or dat (core/problem_files/impulse_file.h), and, in times.csv, lines
+/// "problem,seconds". The name of a folder is that of its contestant. Throws FileError for a folder
+/// or problem that cannot be read, std::invalid_argument for two contestants of one name and for a
+/// folder without any impulse of the problems.
+Leaderboard make_leaderboard(const std::vector<std::filesystem::path>& folders,
+                             const std::vector<std::filesystem::path>& problems,
+                             const Leaderboard::Ours& ours,
+                             const std::function<void(const std::string&)>& on_problem = {});
+
+/// One line for each entry.
+Table leaderboard_rows(const Leaderboard& board);
+/// Solved against tolerance, time against error, solved by family.
+Document leaderboard_document(const Leaderboard& board, const Provenance& made);
+
+}  // namespace bipot

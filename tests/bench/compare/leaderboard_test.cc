@@ -1,0 +1,93 @@
+#include "bench/compare/leaderboard.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "core/base/file_error.h"
+#include "core/problem_files/problem_file.h"
+#include "solvers/solve.h"
+#include "tests/support/refusal.h"
+#include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<fs::path> kProblems = {
+    source_folder() / "data/problems/2d_sliding_cylinder.hdf5",
+    source_folder() / "data/problems/2d_triangular_lattice.hdf5"};
+
+void write_numbers(const fs::path& file, const Vector& s) {
+  fs::create_directories(file.parent_path());
+  std::ofstream out(file);
+  out.precision(17);
+  for (const double x : s) out << x << '\n';
+}
+
+const Leaderboard::Entry& entry(const Leaderboard& board, const std::string& who,
+                                const std::string& problem) {
+  for (const Leaderboard::Entry& e : board.entries) {
+    if (e.who == who && e.problem == problem) return e;
+  }
+  throw std::out_of_range(who + problem);
+}
+
+TEST(Leaderboard, NamesFamiliesWithoutSizes) {
+  EXPECT_EQ(family_of("2d_pour14_200"), "2d_pour");
+  EXPECT_EQ(family_of("2d_pile_300_mu03"), "2d_pile");
+  EXPECT_EQ(family_of("3d_sphere_pyramid_4"), "3d_sphere_pyramid");
+  EXPECT_EQ(family_of("2d_sliding_cylinder"), "2d_sliding_cylinder");
+  EXPECT_EQ(family_of("problem17"), "problem17");
+}
+
+// An exact impulse, one that is 1 % too large, a missing and a broken one.
+TEST(Leaderboard, JudgesWhatIsThereAndSaysWhatIsNot) {
+  const TemporaryFolder folder;
+  for (const fs::path& file : kProblems) {
+    const ContactProblem p = read_problem(file).problem;
+    const Vector s = solve("ipm", p, {.tol = 1e-11}).s;
+    const std::string name = file.stem().string() + ".csv";
+    write_numbers(folder / "exact" / name, s);
+    if (name[3] == 's') write_numbers(folder / "rough" / name, 1.01 * s);
+    write_numbers(folder / "short" / name, s.head(1));
+  }
+  std::ofstream(folder / "exact" / "times.csv") << "problem,seconds\n2d_sliding_cylinder,0.25\n";
+  const Leaderboard board = make_leaderboard(
+      {folder / "exact", folder / "rough/", folder / "short"}, kProblems, {.solvers = {"pgs"}});
+  EXPECT_EQ(board.who, (std::vector<std::string>{"exact", "rough", "short", "bipot pgs"}));
+  EXPECT_EQ(board.entries.size(), 8u);
+  const std::string slide = "2d_sliding_cylinder", rest = "2d_triangular_lattice";
+  EXPECT_TRUE(entry(board, "exact", slide).solves(1e-9));
+  EXPECT_EQ(entry(board, "exact", slide).seconds, 0.25);
+  EXPECT_TRUE(std::isnan(entry(board, "exact", rest).seconds));
+  EXPECT_GT(entry(board, "rough", slide).guarded, 1e-4);
+  EXPECT_EQ(entry(board, "rough", rest).defect, "no impulse");
+  EXPECT_FALSE(entry(board, "rough", rest).solves(1));
+  EXPECT_FALSE(entry(board, "short", rest).defect.empty());
+  EXPECT_TRUE(entry(board, "bipot pgs", rest).solves(1e-6));
+  const std::string text = to_text(leaderboard_document(board, Provenance{}));
+  EXPECT_TRUE(says(text, "Solved, of 2 problems"));
+  EXPECT_TRUE(says(text, "2d_triangular_lattice"));  // a family
+}
+
+TEST(Leaderboard, RefusesFoldersThatAreNoContestants) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "empty");
+  const auto refused = [&](const std::vector<fs::path>& folders) {
+    return refusal_of([&] { make_leaderboard(folders, kProblems, {}); });
+  };
+  EXPECT_TRUE(says(refused({folder / "nowhere"}), "is not a folder"));
+  EXPECT_TRUE(says(refused({folder / "empty"}), "no impulse of these problems"));
+  write_numbers(folder / "one" / "2d_sliding_cylinder.csv", Vector{{1, 0.1}});
+  EXPECT_TRUE(says(refused({folder / "one", folder / "one"}), "two contestants are called one"));
+  std::ofstream(folder / "one" / "times.csv") << "problem,seconds\n2d_sliding_cylinder,soon\n";
+  EXPECT_TRUE(says(refused({folder / "one"}), "'soon' is no time in seconds"));
+}
+
+}  // namespace
+}  // namespace bipot
