@@ -21,6 +21,7 @@ struct StepInput {
   CellInput cell;  // of cells that deform only
   ClusterInput clusters;
   int dim;
+  bool cohesive;
 };
 
 namespace {
@@ -290,11 +291,9 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
     if (p.row_scale.size() > 0) p.row_scale[c * d + row] = r;
     if (step.shift.size() > 0) {
       double& shift = step.shift[c * d + row];
-      if (in.scene.accuracy > 0) {
-        shift = (1 - e) * turn[row] / r;
-      } else if (row == 0 && contact.gap > 0) {
-        shift = contact.gap / (in.scene.step * r);
-      }
+      if (in.scene.accuracy > 0) shift = (1 - e) * turn[row] / r;
+      const bool closes = in.scene.accuracy == 0 || in.cohesive;
+      if (row == 0 && contact.gap > 0 && closes) shift += contact.gap / (in.scene.step * r);
       p.u_free[c * d + row] += shift;
     }
 
@@ -423,7 +422,8 @@ AssembledStep assemble_step(const Scene<D>& scene,
   p.H.resize(dofs.size, d * num_contacts);
   p.H.resizeNonZeros(start.back());
   p.H.outerIndexPtr()[0] = 0;
-  const StepInput<D> input{scene, disks, walls, disk_v_free, wall_v_free, cell, clusters, d};
+  const StepInput<D> input{scene, disks,    walls, disk_v_free,      wall_v_free,
+                           cell,  clusters, d,     !cohesion.empty()};
   run_pieces(threads, num_contacts, [&](int begin, int end) {
     ColumnWriter columns(p.H, d * begin, start[to_size(begin)]);
     for (int c = begin; c < end; ++c) write_contact(input, contacts[to_size(c)], c, columns, step);

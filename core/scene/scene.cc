@@ -211,8 +211,11 @@ std::string check_cohesion(const Scene<D>& scene) {
     return "cohesion_range and heal = false need cohesion > 0";
   }
   if (scene.model == Model::kSpringDashpot) return "cohesion does not go with the model \"dem\"";
-  if (scene.accuracy > 0) {
-    return "cohesion does not go with accuracy, whose parts would open contacts by rounding";
+  if (scene.cohesion_range < 2 * scene.accuracy * smallest_radius(scene)) {
+    return fmt::format(
+        "cohesion with accuracy = {:g} needs a cohesion_range of at least {:.3g} m, two accuracies "
+        "in smallest radii: contacts may drift by that much",
+        scene.accuracy, 2 * scene.accuracy * smallest_radius(scene));
   }
   if (scene.cohesion_range == 0) return {};
   for (const ContactLaw& law : scene.laws) {

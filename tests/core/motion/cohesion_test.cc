@@ -358,7 +358,7 @@ TEST(Cohesion, IsReadAndRefusedWithItsReason) {
   EXPECT_TRUE(says(refusal_of([&] {
                      parse_scene("[contact]\ncohesion = 1" + rest + "accuracy = 0.1\n", "test");
                    }),
-                   "accuracy"));
+                   "needs a cohesion_range"));
 }
 
 }  // namespace

@@ -74,6 +74,31 @@ double height(double e, double time) {
   }
 }
 
+// Two disks that turn about each other at 5 rad/s are held by cohesion, m w² a = 0.25 N, through two
+// turns, with the moment of momentum that they had. A third one that hangs stays where it is.
+TEST(AccurateStep, CohesionHoldsWhatTurnsAndHangs) {
+  Scene<2> scene = one_law<2>({.mu = 0.3, .cohesion = 20});
+  scene.cohesion_range = 4e-4;
+  scene.walls = {half_space<2>(Vec2(0, 1), Vec2(0, -1))};
+  scene.bodies = {round_body<2>(Vec2(-kRadius, 0), kRadius, 1, Vec2(0, -0.05), 5),
+                  round_body<2>(Vec2(kRadius, 0), kRadius, 1, Vec2(0, 0.05), 5)};
+  for (const double pull : {0.0, -9.81}) {
+    scene.gravity = Vec2(0, pull);
+    if (pull != 0) scene.bodies = {round_body<2>(Vec2(0, 1 - kRadius), kRadius, 1)};
+    const Scene<2> cut = with_accuracy(scene, 0.01, 0.05, 50);
+    const double turning = angular_momentum(initial_state(cut));
+    const State<2> end = run(cut).state;
+    ASSERT_EQ(end.contacts.size(), 1u);
+    EXPECT_LT(end.contacts[0].contact.gap, 2 * 0.01 * kRadius);
+    EXPECT_LT(end.contacts[0].s_n, 0);
+    if (pull == 0) {
+      EXPECT_NEAR(angular_momentum(end), turning, 1e-3 * turning);
+    } else {
+      EXPECT_NEAR(end.bodies[0].x[1], 1 - kRadius, 1e-9);
+    }
+  }
+}
+
 TEST(AccurateStep, AnImpactIsMisplacedByItsPlaceInAStepOfFixedSize) {
   // It is noticed at the next mid-step: late by (1/2 - t) h, or by (3/2 - t) h. In the meantime the
   // body goes on with w instead of -e w.
