@@ -21,7 +21,7 @@ std::unique_ptr<ProcessGroup> group_of_this_run;
 std::FILE* own_voice = nullptr;  // standard error as it was
 
 /// Mean over the steps.
-Json to_json(const Traffic& traffic, int steps) {
+Json to_json(const ProcessGroup::Traffic& traffic, int steps) {
   const double n = std::max(steps, 1);
   return {{"messages", static_cast<double>(traffic.messages) / n},
           {"bytes", static_cast<double>(traffic.bytes) / n},
@@ -92,7 +92,7 @@ ExitCode exit_code_for(const std::exception& e) {
   return kExitNumericalFailure;
 }
 
-Json to_json(const DistributedCounts& counts) {
+Json to_json(const DistributedResult::Counts& counts) {
   return {
       {"processes", counts.processes},           {"imbalance", counts.imbalance},
       {"most_contacts", counts.most_contacts},   {"most_halo", counts.most_halo},
@@ -100,7 +100,7 @@ Json to_json(const DistributedCounts& counts) {
       {"reductions", counts.traffic.reductions}, {"reduced_bytes", counts.traffic.reduced_bytes}};
 }
 
-std::string to_text(const DistributedCounts& counts) {
+std::string to_text(const DistributedResult::Counts& counts) {
   return fmt::format(
       "  processes {}, imbalance {:.2f}, at most {} contacts and {} copies of others' on one\n"
       "  sent by one: at most {} messages with {:.3e} bytes; {} reductions with {:.3e} bytes\n",
@@ -128,7 +128,7 @@ Json to_json(const DomainCounts& c, double peak_bytes) {
 
 std::string to_text(const DomainCounts& c) {
   const double n = std::max(c.steps, 1);
-  const auto sent = [&](const Traffic& t) {
+  const auto sent = [&](const ProcessGroup::Traffic& t) {
     return fmt::format("{:.1f} messages, {:.3g} kB", static_cast<double>(t.messages) / n,
                        1e-3 * static_cast<double>(t.bytes) / n);
   };

@@ -64,9 +64,9 @@ std::vector<Vec3> contact_places(const State<D>& state) {
 ExitCode exit_code_for(const std::exception& e);
 
 /// Entries of a summary for parallel solves: processes, imbalance, halo and traffic.
-Json to_json(const DistributedCounts& counts);
+Json to_json(const DistributedResult::Counts& counts);
 /// The same in one line.
-std::string to_text(const DistributedCounts& counts);
+std::string to_text(const DistributedResult::Counts& counts);
 
 /// Entries of a summary for a distributed state. `peak_bytes`: memory of the process with the most.
 Json to_json(const DomainCounts& counts, double peak_bytes);

@@ -49,12 +49,12 @@ std::uint64_t take_seed(std::map<std::string, std::string>& parameters, std::uin
   return seed;
 }
 
-SeveralOptions options_of(const SolveFlags& flags, const ProblemFile& file) {
-  SeveralOptions options{.starts = *flags.several,
-                         .tol = flags.solver.tol.value_or(SeveralOptions{}.tol),
-                         .time_limit = flags.common.time_limit,
-                         .solver = flags.solver.name.value_or(""),
-                         .parameters = flags.solver.parameters};
+SeveralAnswers::Options options_of(const SolveFlags& flags, const ProblemFile& file) {
+  SeveralAnswers::Options options{.starts = *flags.several,
+                                  .tol = flags.solver.tol.value_or(SeveralAnswers::Options{}.tol),
+                                  .time_limit = flags.common.time_limit,
+                                  .solver = flags.solver.name.value_or(""),
+                                  .parameters = flags.solver.parameters};
   options.seed = take_seed(options.parameters, options.seed);
   if (!options.parameters.empty() && options.solver.empty()) {
     throw std::invalid_argument("--several: a solver's parameters need --solver");
@@ -99,7 +99,7 @@ void write_folder(const fs::path& out, const std::string& problem, const Problem
 }  // namespace
 
 int several_command(const SolveFlags& flags, const ProblemFile& file) {
-  SeveralOptions options = options_of(flags, file);
+  SeveralAnswers::Options options = options_of(flags, file);
   const fs::path out = flags.common.out;
   std::string json = flags.common.json;
   if (!out.empty() && json.empty()) json = (out / "summary.json").string();

@@ -54,7 +54,7 @@ int exit_code_of(SolveStatus status) {
 }
 
 using Certificate = std::optional<ExistenceCertificate>;
-using Counts = std::optional<DistributedCounts>;
+using Counts = std::optional<DistributedResult::Counts>;
 
 Json to_json(const ExistenceCertificate& c) {
   return {{"verdict", to_string(c.verdict)},

@@ -47,20 +47,22 @@ std::vector<ForceRange> admissible_forces(const ContactProblem& problem) {
     if (contact >= 0) programme.cost.segment(2 * contact, 2).setConstant(weight);
     return solve(programme, 60);
   };
-  const LinearOptimum any = optimum(-1, 0, 1);
+  const LinearProgramme::Optimum any = optimum(-1, 0, 1);
   if (!any.found) throw std::runtime_error("admissible forces: " + any.message);
   if (any.x[2 * contacts] < 1 - 1e-6) return {};
 
   std::vector<ForceRange> ranges;
   for (int k = 0; k < contacts; ++k) {
-    const auto force = [&](const LinearOptimum& o) { return unit * (o.x[2 * k] + o.x[2 * k + 1]); };
+    const auto force = [&](const LinearProgramme::Optimum& o) {
+      return unit * (o.x[2 * k] + o.x[2 * k + 1]);
+    };
     ForceRange range;
     const double known = any.x[2 * k] + any.x[2 * k + 1];
     // Any admissible force bounds the least one, so that this reward makes x0 = 1.
-    const LinearOptimum least = optimum(k, 1, 2 * known + 1);
+    const LinearProgramme::Optimum least = optimum(k, 1, 2 * known + 1);
     if (!least.found) throw std::runtime_error("admissible forces: " + least.message);
     range.low = force(least);
-    const LinearOptimum most = optimum(k, -1, 1);
+    const LinearProgramme::Optimum most = optimum(k, -1, 1);
     range.high = most.found ? force(most) : kInfinity;
     ranges.push_back(range);
   }

@@ -71,7 +71,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> pairs_of(const FilmFrame& fra
 }
 
 void add_contacts(std::string& bytes, const FilmFrame& now, const FilmFrame& before,
-                  const FilmWidths& widths) {
+                  const FilmFrame::Widths& widths) {
   const auto places = places_before(pairs_of(before), pairs_of(now));
   std::vector<std::uint8_t> kept(before.i.size(), 0);
   std::vector<std::uint32_t> new_i, new_j;
@@ -118,7 +118,7 @@ void keep(std::vector<Value>& values, const std::vector<bool>& stays, std::size_
 
 std::string packed_frames(const std::vector<PageBody>& bodies, const std::vector<FilmFrame>& frames,
                           int dim, bool gates) {
-  const FilmWidths widths(dim);
+  const FilmFrame::Widths widths(dim);
   std::string bytes;
   add_column(bytes, bodies,
              [](const PageBody& b) { return std::bit_cast<std::uint32_t>(b.radius); });
@@ -158,7 +158,7 @@ std::vector<FilmFrame> thinned(const std::vector<FilmFrame>& frames, std::size_t
 }
 
 double drop_weak_contacts(std::vector<FilmFrame>& frames, int dim, double quantile) {
-  const FilmWidths widths(dim);
+  const FilmFrame::Widths widths(dim);
   std::vector<std::uint16_t> forces;  // codes have the order of the forces, which push
   for (const FilmFrame& frame : frames) {
     forces.insert(forces.end(), frame.force_n.begin(), frame.force_n.end());

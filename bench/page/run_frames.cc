@@ -56,7 +56,7 @@ RunFrames<D> read_frames(const fs::path& folder, double step, int after) {
 
 template <int D>
 State<D> shown_state(const RunFrames<D>& run, const FilmFrame& frame, double step) {
-  const FilmWidths widths(D);
+  const FilmFrame::Widths widths(D);
   State<D> state;
   state.step = frame.step;
   state.time = frame.time;

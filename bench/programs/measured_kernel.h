@@ -123,7 +123,7 @@ template <int D>
 MeasuredKernel tiled_gradient(const PackedProblem<D>& p, const Execution& execution) {
   auto gradient = std::make_shared<TiledGradient<D>>(p.problem, p.bodies(), p.scaling, execution);
   gradient->reset(p.start());
-  GradientControl control{.lambda = p.lambda};
+  GradientKernel::Control control{.lambda = p.lambda};
   return {static_cast<double>(p.problem.num_contacts()), kTogether,
           gradient_work<D>(p.bodies_per_contact()),
           [gradient, control]() mutable { gradient->advance(kTogether, control); }};

@@ -23,6 +23,7 @@ namespace {
 
 namespace py = pybind11;
 using HeldProblem = std::shared_ptr<PythonProblem>;
+using ProblemClass = py::class_<PythonProblem, HeldProblem>;
 
 /// d from the sizes if it is not given; with it, mu may be one number for all contacts.
 int infer_dim(const py::object& given, Eigen::Index rows, Vector& mu, bool one_mu) {
@@ -414,42 +415,17 @@ auto vector_property(Vector ContactProblem::*field, bool optional) {
   };
 }
 
-}  // namespace
-
-void bind_problem(py::module_& module) {
-  py::class_<PythonProblem, HeldProblem> problem(
-      module, "Problem", py::is_final(), R"(One frictional contact problem, checked and immutable.
-
-Either bodies, A (n, n) symmetric positive definite [kg, kg m²], H (n, m) and v_free (n,)
-[m/s, rad/s], or W (m, m) [1/kg], or both; u_free (m,) [m/s], H^T v_free where it is left out with
-bodies; mu (c,), or one number with `dim`. M is another name of A; J (m, n), the Jacobian H^T, may
-stand for H. Matrices are anything of scipy.sparse, or dense arrays; duplicates are summed, explicit
-zeros dropped; integers and float32 become float64. Everything is copied. dim (1, 2 or 3 rows a
-contact) is len(u_free) / len(mu) where it is not given.
-
-restitution: e_n for all contacts, (c,) for each, or (m,) for each row, from 0 to 1, with the
-velocities before the impact, v_before (n,) or u_before (m,) = H^T v_before; all else as without it.
-u of the solution is then r (u_after + e u_before) / (1 + e) and s is r times the impulse, with
-r = sqrt(1 + e) = `row_scale`: `Result.impulse` and `Result.v` are physical. H, W, u_free and mu of
-the problem are scaled likewise (data/manual/explanation/method.md, section 3); row_scale (m,) is for
-problems that are given in these variables.
-
-Raises ValueError with the field and both sizes, or the entry and its value; TypeError for what is
-no array of real numbers or an option that does not exist.
-
-All arrays and matrices that it returns are read-only views into the problem, without copies,
-but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)");
-  // Made by __new__, not by __init__: no Problem exists without its data, and none changes.
-  problem.attr("__new__") =
-      py::cpp_function([](const py::handle&, const py::args& arguments, const py::kwargs& options) {
-        return make_problem(arguments, options);
-      });
-  problem.attr("__init__") = py::cpp_function(
-      [](const py::object&, const py::args&, const py::kwargs&) {}, py::is_method(problem));
-  const auto matrix = [](const auto& m, bool there, const HeldProblem& self) -> py::object {
-    if (!there) return py::none();
-    return scipy_view(m, py::cast(self));
+/// A view of one of the matrices; None without it.
+template <class Matrix>
+auto matrix_property(Matrix ContactProblem::*field, bool (ContactProblem::*has)() const) {
+  return [field, has](const HeldProblem& self) -> py::object {
+    const ContactProblem& p = *self->problem;
+    if (!(p.*has)()) return py::none();
+    return scipy_view(p.*field, py::cast(self));
   };
+}
+
+void bind_problem_sizes(ProblemClass& problem) {
   problem
       .def_property_readonly(
           "dim", [](const PythonProblem& self) { return self.problem->dim; },
@@ -462,26 +438,21 @@ but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)
           "m = c d.")
       .def_property_readonly(
           "num_dofs", [](const PythonProblem& self) { return self.problem->num_dofs(); },
-          "n, degrees of freedom of the bodies; 0 where the problem has W alone.")
+          "n, degrees of freedom of the bodies; 0 where the problem has W alone.");
+}
+
+void bind_problem_data(ProblemClass& problem) {
+  problem
       .def_readonly("name", &PythonProblem::name,
                     "For readers; the stem of the file that it was read from.")
       .def_property_readonly(
-          "A",
-          [matrix](const HeldProblem& self) {
-            return matrix(self->problem->A, self->problem->has_velocities(), self);
-          },
+          "A", matrix_property(&ContactProblem::A, &ContactProblem::has_velocities),
           "(n, n) mass matrix, csc_matrix of read-only views [kg, kg m²]; None without bodies.")
       .def_property_readonly(
-          "H",
-          [matrix](const HeldProblem& self) {
-            return matrix(self->problem->H, self->problem->has_velocities(), self);
-          },
+          "H", matrix_property(&ContactProblem::H, &ContactProblem::has_velocities),
           "(n, m) wrench map, csc_matrix of read-only views [-, m]; None without bodies.")
       .def_property_readonly(
-          "W",
-          [matrix](const HeldProblem& self) {
-            return matrix(self->problem->W, self->problem->has_delassus(), self);
-          },
+          "W", matrix_property(&ContactProblem::W, &ContactProblem::has_delassus),
           "As it was given; None where the problem has bodies alone, see `delassus`.")
       .def_property_readonly(
           "v_free", vector_property(&ContactProblem::v_free, true),
@@ -509,7 +480,11 @@ but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)
             }
             return list;
           },
-          "Impulses to start from, of the file or scene, each (m,) [N s].")
+          "Impulses to start from, of the file or scene, each (m,) [N s].");
+}
+
+void bind_problem_methods(ProblemClass& problem) {
+  problem
       .def(
           "update", &update,
           R"(The same bodies and contacts with other u_free (m,), v_free (n,), mu: a new problem, in
@@ -534,6 +509,43 @@ v_before or u_before comes with v_free or u_free. Raises as the constructor.)")
                            p.has_velocities() ? fmt::format(", {} degrees of freedom", p.num_dofs())
                                               : ", given by W");
       });
+}
+
+}  // namespace
+
+void bind_problem(py::module_& module) {
+  ProblemClass problem(module, "Problem", py::is_final(),
+                       R"(One frictional contact problem, checked and immutable.
+
+Either bodies, A (n, n) symmetric positive definite [kg, kg m²], H (n, m) and v_free (n,)
+[m/s, rad/s], or W (m, m) [1/kg], or both; u_free (m,) [m/s], H^T v_free where it is left out with
+bodies; mu (c,), or one number with `dim`. M is another name of A; J (m, n), the Jacobian H^T, may
+stand for H. Matrices are anything of scipy.sparse, or dense arrays; duplicates are summed, explicit
+zeros dropped; integers and float32 become float64. Everything is copied. dim (1, 2 or 3 rows a
+contact) is len(u_free) / len(mu) where it is not given.
+
+restitution: e_n for all contacts, (c,) for each, or (m,) for each row, from 0 to 1, with the
+velocities before the impact, v_before (n,) or u_before (m,) = H^T v_before; all else as without it.
+u of the solution is then r (u_after + e u_before) / (1 + e) and s is r times the impulse, with
+r = sqrt(1 + e) = `row_scale`: `Result.impulse` and `Result.v` are physical. H, W, u_free and mu of
+the problem are scaled likewise (data/manual/explanation/method.md, section 3); row_scale (m,) is for
+problems that are given in these variables.
+
+Raises ValueError with the field and both sizes, or the entry and its value; TypeError for what is
+no array of real numbers or an option that does not exist.
+
+All arrays and matrices that it returns are read-only views into the problem, without copies,
+but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)");
+  // Made by __new__, not by __init__: no Problem exists without its data, and none changes.
+  problem.attr("__new__") =
+      py::cpp_function([](const py::handle&, const py::args& arguments, const py::kwargs& options) {
+        return make_problem(arguments, options);
+      });
+  problem.attr("__init__") = py::cpp_function(
+      [](const py::object&, const py::args&, const py::kwargs&) {}, py::is_method(problem));
+  bind_problem_sizes(problem);
+  bind_problem_data(problem);
+  bind_problem_methods(problem);
   module.def("_problem_of_parts", &problem_of_parts, py::arg("parts"));
   module.def("read", &read, py::arg("path"), py::arg("accept_indefinite"));
   module.def("write", &write, py::arg("problem"), py::arg("path"), py::arg("s"), py::arg("title"),

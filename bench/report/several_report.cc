@@ -33,13 +33,13 @@ std::string solvers_of(const SeveralAnswers& found, const Answer& answer) {
 
 std::string kind_text(const SeveralAnswers& found, const Answer& answer) {
   switch (answer.kind) {
-    case AnswerKind::kIsolated:
+    case Answer::Kind::kIsolated:
       return "isolated";
-    case AnswerKind::kLeft:
+    case Answer::Kind::kLeft:
       return "a solve from 1 % away left it";
-    case AnswerKind::kUnknown:
+    case Answer::Kind::kUnknown:
       return "not known";
-    case AnswerKind::kFamily: {
+    case Answer::Kind::kFamily: {
       const auto members =
           std::count_if(found.answers.begin(), found.answers.end(),
                         [&](const Answer& other) { return other.set == answer.set; });
@@ -50,13 +50,13 @@ std::string kind_text(const SeveralAnswers& found, const Answer& answer) {
   return "";
 }
 
-Json to_json(const AnswerDifference& d) {
+Json to_json(const Answer::Difference& d) {
   return {{"velocity", d.velocity}, {"body_velocity", d.body_velocity},
           {"kinetic", d.kinetic},   {"force", d.force},
           {"total", d.total},       {"contacts", d.contacts}};
 }
 
-Json start_json(const AnswerStart& start) {
+Json start_json(const SeveralAnswers::Start& start) {
   Json j{{"solver", start.solver},
          {"from", start.from},
          {"finished_by", start.finished_by},
@@ -93,7 +93,7 @@ std::string conclusion(const SeveralAnswers& found) {
         "starts that were not tried.\n",
         error_label(found.resolution));
   }
-  const AnswerDifference& d = found.spread;
+  const Answer::Difference& d = found.spread;
   std::string text = fmt::format(
       "Several answers, each exact: {} of them in {} set{}. Farthest apart (relative):\n"
       "  velocities {} in the energy norm, {} of the fastest body;\n"
@@ -127,7 +127,7 @@ Table answer_table(const SeveralAnswers& found) {
           "the mean one; contacts that differ."};
   for (std::size_t k = 0; k < found.answers.size(); ++k) {
     const Answer& a = found.answers[k];
-    const AnswerDifference& from = a.from_first;
+    const Answer::Difference& from = a.from_first;
     table.add({k + 1, a.starts.size(), a.impulse.error.guarded(), a.kinetic, a.take_off, a.stick,
                a.slip, from.velocity, from.body_velocity, from.kinetic, from.force, from.contacts});
   }
@@ -153,7 +153,7 @@ Table start_table(const SeveralAnswers& found) {
                           {.name = "time", .show = seconds_label},
                           {.name = "message"}},
               .sortable = true};
-  for (const AnswerStart& start : found.starts) {
+  for (const SeveralAnswers::Start& start : found.starts) {
     const bool finished = !start.finished_by.empty() && start.finished_by != start.solver;
     table.add({start.from, finished ? start.solver + ", then " + start.finished_by : start.solver,
                start.answer < 0 ? Table::Cell(kNaN).shown("–") : Table::Cell(start.answer + 1),
@@ -230,7 +230,7 @@ Json to_json(const SeveralAnswers& found) {
   j["answers"] = Json::array();
   for (const Answer& answer : found.answers) j["answers"].push_back(answer_json(answer));
   j["starts"] = Json::array();
-  for (const AnswerStart& start : found.starts) j["starts"].push_back(start_json(start));
+  for (const SeveralAnswers::Start& start : found.starts) j["starts"].push_back(start_json(start));
   j["differing_contacts"] = Json::array();
   for (const int c : found.differing_contacts) {
     Json row{{"contact", c}, {"status", Json::array()}};

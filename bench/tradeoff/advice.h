@@ -116,6 +116,8 @@ struct Advice {
 
     bool stopped() const { return interrupted && interrupted(); }
   };
+  static constexpr int kMostSamples = 64;
+  static constexpr int kMoreSamples = 4;  ///< times as many halve the bars
   enum class Status { kMet, kNotMet, kUndecided, kNoContacts, kInterrupted };
   Status status = Status::kNotMet;
   /// One sentence: how the goal is met, or what fails and the best that is possible.

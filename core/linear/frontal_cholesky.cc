@@ -114,7 +114,7 @@ bool FrontalCholesky::analyse(const SymmetricPattern& A) {
 
 bool FrontalCholesky::factor(const SparseMatrix& A) {
   if (!analyse(A)) return false;
-  return factor([&](int column, const FrontColumn& to) {
+  return factor([&](int column, const Column& to) {
     for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
       if (to.takes(static_cast<int>(it.row()))) to[static_cast<int>(it.row())] += it.value();
     }

@@ -10,22 +10,21 @@
 
 namespace bipot {
 
-/// Destination of the entries of a column of the matrix in the front that eliminates it.
-struct FrontColumn {
-  const int* place;     ///< of each row of the matrix in the order of elimination
-  const int* position;  ///< of these in the front
-  int first;            ///< the front's first; rows before belong to other fronts
-  double* value;        ///< the column in the front
-
-  bool takes(int row) const { return place[row] >= first; }
-  double& operator[](int row) const { return value[position[place[row]]]; }
-};
-
 /// Sparse Cholesky factorisation A = L Lᵀ by dense fronts (multifrontal method: Duff and Reid 1983,
 /// Liu 1992). For matrices that are factored dozens of times with one pattern, each with about a
 /// hundred solves. Therefore the analysis is kept (FrontalTree), and solves use SupernodalSolve.
 class FrontalCholesky {
  public:
+  /// Destination of the entries of a column of the matrix in the front that eliminates it.
+  struct Column {
+    const int* place;     ///< of each row of the matrix in the order of elimination
+    const int* position;  ///< of these in the front
+    int first;            ///< the front's first; rows before belong to other fronts
+    double* value;        ///< the column in the front
+
+    bool takes(int row) const { return place[row] >= first; }
+    double& operator[](int row) const { return value[position[place[row]]]; }
+  };
   /// The symbolic analysis alone, for callers who check their clock before the first factor().
   /// False: memory ran out.
   [[nodiscard]] bool analyse(const SymmetricPattern& A);
@@ -34,7 +33,7 @@ class FrontalCholesky {
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// The same for a matrix that is not stored, with the pattern of the analysis. `add(j, to)` adds
   /// the entries (i, j) with to.takes(i) to to[i], which are 0 before; each column once.
-  using AddColumn = std::function<void(int column, const FrontColumn& to)>;
+  using AddColumn = std::function<void(int column, const Column& to)>;
   [[nodiscard]] bool factor(const AddColumn& add);
   /// x = A⁻¹ b; x may be b. Requires a successful factor(). No allocation after the first call.
   void solve(const Vector& b, Vector& x) const;

@@ -183,7 +183,7 @@ struct StoredPositions {
 namespace {
 
 /// A compressed matrix of symmetric pattern, line by line.
-class StoredMatrix final : public MatrixByLines {
+class StoredMatrix final : public FrontalLU::MatrixByLines {
  public:
   StoredMatrix(const SparseMatrix& A, const StoredPositions& positions)
       : start_(A.outerIndexPtr()),
@@ -192,10 +192,10 @@ class StoredMatrix final : public MatrixByLines {
         positions_(positions) {}
 
   double diagonal(int j) const override { return value_[positions_.diagonal[to_size(j)]]; }
-  void add_column(int j, FrontLine& to) const override {
+  void add_column(int j, FrontalLU::Line& to) const override {
     for (int k = start_[j]; k < start_[j + 1]; ++k) to.add(row_[k], value_[k]);
   }
-  void add_row(int i, FrontLine& to) const override {
+  void add_row(int i, FrontalLU::Line& to) const override {
     const int* const transposed = positions_.transposed.data();
     for (int k = start_[i]; k < start_[i + 1]; ++k) {
       if (to.takes(row_[k])) to.add(row_[k], value_[transposed[k]]);
@@ -248,11 +248,11 @@ struct FrontalLU::Impl {
   }
 
   bool analyse(const SymmetricPattern& pattern);
-  bool scale_by_diagonal(const MatrixByLines& A);
-  bool scale_by_largest(const MatrixByLines& A);
-  bool look_at_entries(const MatrixByLines& A, double most, double* sizes);
-  bool assemble(const MatrixByLines& A, double most, int s, const Front& f);
-  bool run(const MatrixByLines& A, double most);
+  bool scale_by_diagonal(const FrontalLU::MatrixByLines& A);
+  bool scale_by_largest(const FrontalLU::MatrixByLines& A);
+  bool look_at_entries(const FrontalLU::MatrixByLines& A, double most, double* sizes);
+  bool assemble(const FrontalLU::MatrixByLines& A, double most, int s, const Front& f);
+  bool run(const FrontalLU::MatrixByLines& A, double most);
   void substitute_forward();
   void substitute_backward();
   void substitute_several_forward();
@@ -284,8 +284,9 @@ bool FrontalLU::Impl::analyse(const SymmetricPattern& pattern) {
 
 /// True if all scaled entries are numbers up to `most`. `sizes`, if given, is raised to the largest
 /// of each row and column.
-bool FrontalLU::Impl::look_at_entries(const MatrixByLines& A, double most, double* sizes) {
-  FrontLine line;
+bool FrontalLU::Impl::look_at_entries(const FrontalLU::MatrixByLines& A, double most,
+                                      double* sizes) {
+  FrontalLU::Line line;
   line.scales_ = scale.data();
   line.largest_ = sizes;
   line.most_ = most;
@@ -299,7 +300,7 @@ bool FrontalLU::Impl::look_at_entries(const MatrixByLines& A, double most, doubl
 
 /// Powers of two near 1 / sqrt of the diagonal, which change with the units of rows and columns as
 /// A does. False: there are none.
-bool FrontalLU::Impl::scale_by_diagonal(const MatrixByLines& A) {
+bool FrontalLU::Impl::scale_by_diagonal(const FrontalLU::MatrixByLines& A) {
   for (int j = 0; j < tree->size(); ++j) {
     scale[to_size(j)] = inverse_root(std::abs(A.diagonal(j)));
     if (scale[to_size(j)] == 0) return false;
@@ -309,7 +310,7 @@ bool FrontalLU::Impl::scale_by_diagonal(const MatrixByLines& A) {
 
 /// The same for the largest entry in row or column. False: a row of zeros, or an entry is not
 /// finite.
-bool FrontalLU::Impl::scale_by_largest(const MatrixByLines& A) {
+bool FrontalLU::Impl::scale_by_largest(const FrontalLU::MatrixByLines& A) {
   std::fill(scale.begin(), scale.end(), 1.0);
   std::vector<double> sizes(scale.size(), 0.0);
   if (!look_at_entries(A, std::numeric_limits<double>::max(), sizes.data())) return false;
@@ -318,7 +319,8 @@ bool FrontalLU::Impl::scale_by_largest(const MatrixByLines& A) {
 }
 
 /// Adds the entries that the front takes. False: one is larger than `most`, or NaN.
-bool FrontalLU::Impl::assemble(const MatrixByLines& A, double most, int s, const Front& f) {
+bool FrontalLU::Impl::assemble(const FrontalLU::MatrixByLines& A, double most, int s,
+                               const Front& f) {
   const FrontalTree& t = *tree;
   std::fill(f.panel, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height(), 0.0);
   const int begin = t.first[to_size(s)];
@@ -328,7 +330,7 @@ bool FrontalLU::Impl::assemble(const MatrixByLines& A, double most, int s, const
   for (int k = 0; k < f.height(); ++k) {
     position[to_size(t.order[to_size(below_rows[k])])] = f.columns + k;
   }
-  FrontLine line;
+  FrontalLU::Line line;
   line.position_ = position.data();
   line.scales_ = scale.data();
   line.most_ = most;
@@ -349,7 +351,7 @@ bool FrontalLU::Impl::assemble(const MatrixByLines& A, double most, int s, const
 
 /// Eliminates all fronts, children before parents. False: a pivot is zero or not finite, or a
 /// scaled entry is larger than `most`.
-bool FrontalLU::Impl::run(const MatrixByLines& A, double most) {
+bool FrontalLU::Impl::run(const FrontalLU::MatrixByLines& A, double most) {
   const FrontalTree& t = *tree;
   FrontStack contributions(t, stack);
   int minus = 0;
@@ -492,7 +494,7 @@ void FrontalLU::Impl::substitute_several_backward() {
   }
 }
 
-void FrontalLU::solve(const SparseColumns& B, Vector* solution) const {
+void FrontalLU::solve(const Columns& B, Vector* solution) const {
   Impl& f = *impl_;
   const std::size_t count = B.start.size() - 1;
   if (f.sign == 0) throw std::logic_error("FrontalLU::solve without a factor");

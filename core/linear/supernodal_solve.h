@@ -7,14 +7,6 @@
 
 namespace bipot {
 
-/// Columns of a lower triangular matrix with common rows: a triangle of `columns` on top, a
-/// rectangle below.
-struct Supernode {
-  int first, columns, rows;  ///< first column; rows of triangle and rectangle
-  const int* below;          ///< numbers of the rectangle's rows, ascending; not copied
-  const double* values;      ///< by columns, `rows` apart; the triangle's upper part is not read
-};
-
 /// x = L⁻ᵀ L⁻¹ b for a lower triangular L of supernodes, many times.
 ///
 /// For a supernode with triangle T and rectangle R it stores M = [I; R] T⁻¹ (the partitioned
@@ -29,6 +21,13 @@ struct Supernode {
 /// in the same order.
 class SupernodalSolve {
  public:
+  /// Columns of a lower triangular matrix with common rows: a triangle of `columns` on top, a
+  /// rectangle below.
+  struct Supernode {
+    int first, columns, rows;  ///< first column; rows of triangle and rectangle
+    const int* below;          ///< numbers of the rectangle's rows, ascending; not copied
+    const double* values;      ///< by columns, `rows` apart; the triangle's upper part is not read
+  };
   /// Numbers stored for a supernode of this size, including zeros that fill the strips.
   static std::size_t num_entries(int columns, int rows);
   /// Starts a matrix of this number of supernodes, which take `entries`; drops the one before.

@@ -21,7 +21,8 @@ namespace {
 /// Reach of the neighbour list, relative to the smallest radius. Larger values make searches rarer
 /// and lists longer.
 constexpr double kSkin = 0.2;
-constexpr int kPollEvery = 64;  // substeps between looks at the clock
+constexpr double kMostOverlap = 0.1;  // over the smaller radius: beyond it a step fails
+constexpr int kPollEvery = 64;        // substeps between looks at the clock
 
 bool before(int i, int j, int other_i, int other_j) {
   return i < other_i || (i == other_i && j < other_j);
@@ -30,11 +31,11 @@ bool before(int i, int j, int other_i, int other_j) {
 }  // namespace
 
 SpringDashpotStepper::SpringDashpotStepper(const Scene<2>& scene, std::function<bool()> cut_short,
-                                           SpringDashpotLimits limits)
+                                           double most_created)
     : scene_(scene),
       setup_(spring_dashpot_setup(scene)),
       cut_short_(std::move(cut_short)),
-      limits_(limits) {
+      most_created_(most_created) {
   skin_ = scene.bodies.empty() ? 0 : kSkin * smallest_radius(scene);
 }
 
@@ -367,13 +368,13 @@ void SpringDashpotStepper::integrate(const State<2>& state, StepReport<2>& repor
       report.detection_seconds += search.seconds();
     }
     apply_contacts(dt);
-    if (!(worst_overlap_ <= limits_.overlap)) {
+    if (!(worst_overlap_ <= kMostOverlap)) {
       throw StepFailure(
           Kind::kNumerical, state,
           fmt::format(
               "{} overlap by {:.2g} of the radius (limit {:g}): a stiffness of {:.4g} N/m is "
               "too low for this load, raise it",
-              overlap_pair(), worst_overlap_, limits_.overlap, setup_.stiffness));
+              overlap_pair(), worst_overlap_, kMostOverlap, setup_.stiffness));
     }
     kick(dt);
     drift(0.5 * dt);
@@ -440,7 +441,7 @@ void SpringDashpotStepper::close_ledger(const State<2>& state, const Elastic& el
       kinetic_before + elastic_before.sum() + std::abs(fallen) + std::abs(wall_work_);
   const double created = -(friction_loss + shock_loss);
   const double rounding = 1e-12 * std::abs(report.energy.potential);
-  if (created > limits_.created_energy * in_play + rounding) {
+  if (created > most_created_ * in_play + rounding) {
     throw StepFailure(
         StepFailure::Kind::kNumerical, state,
         fmt::format("the contacts made {:.2g} of the energy in play: substeps of {:.4g} s "

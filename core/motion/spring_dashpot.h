@@ -8,13 +8,6 @@
 
 namespace bipot {
 
-/// Limits at which a step fails.
-struct SpringDashpotLimits {
-  double overlap = 0.1;  ///< relative to the smaller radius: beyond it a step fails
-  /// Relative to the energy in play, created in one step: beyond it the step fails.
-  double created_energy = 0.1;
-};
-
 /// The smooth discrete element method of Cundall and Strack, Géotechnique 29 (1979) 47-65, with
 /// which the paper compares its own: `bipot run --model dem` integrates it. Contacts overlap. At an
 /// overlap d = -gap > 0, with the relative velocity (u_n, u_t) of core/motion/assembly.h,
@@ -43,9 +36,10 @@ struct SpringDashpotLimits {
 class SpringDashpotStepper {
  public:
   /// The scene must outlive the stepper. `cut_short` is polled every few substeps; true ends the
-  /// step without result. Throws std::invalid_argument as spring_dashpot_setup() does.
+  /// step without result. `most_created`: energy that a step may create, over the energy in play.
+  /// Throws std::invalid_argument as spring_dashpot_setup() does.
   explicit SpringDashpotStepper(const Scene<2>& scene, std::function<bool()> cut_short = {},
-                                SpringDashpotLimits limits = {});
+                                double most_created = 0.1);
 
   /// Throws StepFailure, with the state as before the step, in these cases: overlap or energy
   /// exceed the limits, a value is not finite, or the step was cut short. Substeps allocate memory
@@ -104,7 +98,7 @@ class SpringDashpotStepper {
   const Scene<2>& scene_;
   SpringDashpotSetup setup_;
   std::function<bool()> cut_short_;
-  SpringDashpotLimits limits_;
+  double most_created_;
   bool refuse_passages_ = false;
 
   std::vector<Body> bodies_;

@@ -10,22 +10,21 @@
 
 namespace bipot {
 
-/// Colours of the disks by one number each, from 0 to `high` (sequential_colour), with a colour
-/// bar.
-struct DiskFill {
-  std::vector<double> values;  ///< one for each disk; empty: all disks alike
-  std::string label, unit;     ///< "pressure in the disk", "Pa"
-  double high = 0;             ///< end of the colour bar, in `unit`; 0: the largest value
-};
-
 struct ForcePictureOptions {
+  /// Colours of the disks by one number each, from 0 to `high` (sequential_colour), with a colour
+  /// bar.
+  struct Fill {
+    std::vector<double> values;  ///< one for each disk; empty: all disks alike
+    std::string label, unit;     ///< "pressure in the disk", "Pa"
+    double high = 0;             ///< end of the colour bar, in `unit`; 0: the largest value
+  };
   double width = 1000;         ///< of the picture, SVG points; a PNG has `resolution` pixels each
   double resolution = 2;       ///< pixels of a PNG in a point
   double full_force = 0;       ///< normal force of the widest segment; 0: the largest one   [N]
   bool take_off = true;        ///< also the candidates that carry nothing, as thin dots
   bool forces = true;          ///< false: no segments at all
   std::optional<Box<2>> view;  ///< shown in any case; empty: where the bodies are
-  DiskFill fill;
+  Fill fill;
   std::vector<int> marked;   ///< indices into State::contacts, each marked by a ring
   std::string marked_label;  ///< text for the marks in the legend
 };

@@ -27,6 +27,11 @@ Vec3 direction_value(std::uint16_t first, std::uint16_t second);
 /// A state for the eye: what a player shows, in few bits. Data of D components stand one body or
 /// contact after the other. Positions are multiples of a quantum and lie in the periodic cell.
 struct FilmFrame {
+  /// Components of a frame's vectors in D dimensions.
+  struct Widths {
+    explicit Widths(int dim) : x(to_size(dim)), spin(dim == 2 ? 1 : 3), n(to_size(dim - 1)) {}
+    std::size_t x, spin, n;  ///< spin: also turn and force_t
+  };
   /// j of a contact with wall w is kWall + w.
   static constexpr std::int32_t kWall = 1 << 30;
 
@@ -45,12 +50,6 @@ struct FilmFrame {
   std::vector<std::uint16_t> gap;               ///< log_code                            [m]
   std::vector<std::uint16_t> force_n, force_t;  ///< log_code; 3D: force_t is a vector   [N]
   std::vector<std::uint8_t> status;             ///< ContactStatus
-};
-
-/// Components of a frame's vectors in D dimensions.
-struct FilmWidths {
-  explicit FilmWidths(int dim) : x(to_size(dim)), spin(dim == 2 ? 1 : 3), n(to_size(dim - 1)) {}
-  std::size_t x, spin, n;  ///< spin: also turn and force_t
 };
 
 /// Step of the positions of a run: 1/1024 of its smallest radius. [m]

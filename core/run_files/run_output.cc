@@ -339,7 +339,7 @@ void RunWriter<D>::write_run_file() const {
     file.write("/no_contact/status", static_cast<int>(ContactStatus::kTakeOff));
   }
   file.create_group("/frames");
-  for (const FrameEntry& frame : frames_) {
+  for (const XdmfIndex::Frame& frame : frames_) {
     const std::string name = frame_name(frame.step);
     file.link("/frames/" + name, "frames/" + name + ".h5", "/");
   }
@@ -455,7 +455,7 @@ void RunWriter<D>::close() {
 }
 
 template <int D>
-void RunWriter<D>::add_frame(const FrameEntry& frame) {
+void RunWriter<D>::add_frame(const XdmfIndex::Frame& frame) {
   frames_.push_back(frame);
   xdmf_.add(frame);
 }

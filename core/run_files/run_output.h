@@ -68,14 +68,14 @@ class RunWriter {
   void write_row(const State<D>& state, const StepReport<D>& report);
   std::optional<MeanStress<D>> stress_if_known(const State<D>& state) const;
   void write_frame(const State<D>& state, const std::optional<MeanStress<D>>& stress);
-  void add_frame(const FrameEntry& frame);
+  void add_frame(const XdmfIndex::Frame& frame);
   void write_index();
   void write_run_file() const;
 
   std::filesystem::path folder_;
   const Scene<D>& scene_;
   std::string scene_text_;
-  std::vector<FrameEntry> frames_;
+  std::vector<XdmfIndex::Frame> frames_;
   std::optional<CsvFile> ledger_, trajectory_, gates_, walls_;
   std::optional<ObservableWriter<D>> observables_;
   std::optional<StepReport<D>> left_out_;               // of the last step, if its row was not due

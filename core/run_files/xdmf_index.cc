@@ -58,7 +58,7 @@ std::string pieces(const std::string& where, std::size_t count) {
 
 }  // namespace
 
-void XdmfIndex::add(const FrameEntry& frame) {
+void XdmfIndex::add(const Frame& frame) {
   const std::string file = "frames/" + frame_name(frame.step) + ".h5:";
   const auto grid = [&](const std::string& content) {
     return fmt::format(

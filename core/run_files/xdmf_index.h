@@ -8,16 +8,6 @@
 
 namespace bipot {
 
-/// Entry of one frame in the index of a run.
-struct FrameEntry {
-  int step = 0;
-  double time = 0;  ///< [s]
-  std::size_t contacts = 0;
-  bool stress = true;              ///< false: of a version that did not write stresses
-  std::size_t bodies = 0;          ///< where their number changes
-  std::string group = "/bodies/";  ///< of the bodies (run_layout.h)
-};
-
 /// A circular wall is drawn as a closed polygon of this number of points.
 inline constexpr int kRimPoints = 97;
 
@@ -26,6 +16,15 @@ inline constexpr int kRimPoints = 97;
 /// walls and the cell of periodic scenes.
 class XdmfIndex {
  public:
+  /// Entry of one frame in the index of a run.
+  struct Frame {
+    int step = 0;
+    double time = 0;  ///< [s]
+    std::size_t contacts = 0;
+    bool stress = true;              ///< false: of a version that did not write stresses
+    std::size_t bodies = 0;          ///< where their number changes
+    std::string group = "/bodies/";  ///< of the bodies (run_layout.h)
+  };
   /// `circles`: number of walls that are circles. `cell_lines`: number of lines of the outline of a
   /// periodic cell, whose disks are shown at their places in it.
   XdmfIndex(std::size_t disks, std::size_t walls, std::size_t circles = 0,
@@ -45,7 +44,7 @@ class XdmfIndex {
   /// Each frame gives the cluster of each disk.
   void let_disks_be_joined() { clusters_ = true; }
 
-  void add(const FrameEntry& frame);
+  void add(const Frame& frame);
   /// Whole or not at all (AtomicFile). Throws FileError.
   void write(const std::filesystem::path& path) const;
 

@@ -27,24 +27,24 @@ struct Allowed {
   int edge_count = 0;
 };
 
-Allowed allowed(CaseStatus status, double mu) {
+Allowed allowed(CaseExclusion::Status status, double mu) {
   Allowed a;
   const auto edge = [&](double tangent) { a.edges[a.edge_count++] = tangent; };
   switch (status) {
-    case CaseStatus::kOpen:
+    case CaseExclusion::kOpen:
       break;
-    case CaseStatus::kAny:
-    case CaseStatus::kStick:
+    case CaseExclusion::kAny:
+    case CaseExclusion::kStick:
       edge(mu);
       if (mu > 0) edge(-mu);
-      if (status == CaseStatus::kAny) break;
+      if (status == CaseExclusion::kAny) break;
       a.free_normal = a.above = a.below = true;
       break;
-    case CaseStatus::kLeft:
+    case CaseExclusion::kLeft:
       a.free_normal = a.below = true;
       edge(mu);
       break;
-    case CaseStatus::kRight:
+    case CaseExclusion::kRight:
       a.free_normal = true;
       a.above = mu > 0;
       edge(-mu);
@@ -70,7 +70,7 @@ class CaseSearch {
   }
 
   CaseExclusion run() {
-    statuses_.assign(to_size(p_.num_contacts()), CaseStatus::kAny);
+    statuses_.assign(to_size(p_.num_contacts()), CaseExclusion::kAny);
     out_.reach = kInfinity;
     out_.complete = exclude(0);
     if (!out_.complete) out_.cases.clear();
@@ -84,7 +84,7 @@ class CaseSearch {
       out_.message = fmt::format("{} cases were excluded before the limit", out_.cases.size());
       return false;
     }
-    ExcludedCase found{statuses_, Vector()};
+    CaseExclusion::Case found{statuses_, Vector()};
     if (const double reach = try_to_exclude(found); reach > kLeastReach) {
       out_.reach = std::min(out_.reach, reach);
       out_.cases.push_back(std::move(found));
@@ -95,19 +95,19 @@ class CaseSearch {
       return false;
     }
     const bool slides = friction_of(p_, contact) > 0;
-    for (const CaseStatus status :
-         {CaseStatus::kOpen, CaseStatus::kStick, CaseStatus::kLeft, CaseStatus::kRight}) {
-      if (!slides && (status == CaseStatus::kStick || status == CaseStatus::kLeft)) continue;
+    for (const CaseExclusion::Status status : {CaseExclusion::kOpen, CaseExclusion::kStick,
+                                               CaseExclusion::kLeft, CaseExclusion::kRight}) {
+      if (!slides && (status == CaseExclusion::kStick || status == CaseExclusion::kLeft)) continue;
       statuses_[to_size(contact)] = status;
       if (!exclude(contact + 1)) return false;
     }
-    statuses_[to_size(contact)] = CaseStatus::kAny;
+    statuses_[to_size(contact)] = CaseExclusion::kAny;
     return true;
   }
 
   /// Farkas' multipliers: minimises y·b over y with y·W e <= 0 for all edges, |y| <= 1, and its
   /// signs. Returns their reach, or 0.
-  double try_to_exclude(ExcludedCase& found) const {
+  double try_to_exclude(CaseExclusion::Case& found) const {
     const int d = p_.dim;
     std::vector<std::pair<int, double>> unknowns;  // row and sign of each part of y
     std::vector<Vector> edges;
@@ -146,7 +146,8 @@ class CaseSearch {
     }
     lp.A.resize(k, n + k);
     lp.A.setFromTriplets(entries.begin(), entries.end());
-    const LinearOptimum best = bipot::solve(lp, std::max(1e-3, seconds_ - watch_.seconds()));
+    const LinearProgramme::Optimum best =
+        bipot::solve(lp, std::max(1e-3, seconds_ - watch_.seconds()));
     if (!best.found || !(best.value < -kSolvable)) return 0;
     found.multipliers = Vector::Zero(W_.rows());
     for (int j = 0; j < n; ++j) {
@@ -161,7 +162,7 @@ class CaseSearch {
   const Stopwatch watch_;
   Eigen::MatrixXd W_;
   Vector scale_, b_;
-  std::vector<CaseStatus> statuses_;
+  std::vector<CaseExclusion::Status> statuses_;
   CaseExclusion out_;
 };
 
@@ -215,7 +216,7 @@ Rates rates_of(const ContactProblem& p, const Vector& y) {
 
 }  // namespace
 
-double reach_of_exclusion(const ContactProblem& p, const ExcludedCase& excluded) {
+double reach_of_exclusion(const ContactProblem& p, const CaseExclusion::Case& excluded) {
   const Vector& y = excluded.multipliers;
   if (y.size() != p.num_rows() || !y.allFinite()) return 0;
   if (!(p.has_velocities() && is_diagonal(p.A)) && !p.has_delassus()) return 0;

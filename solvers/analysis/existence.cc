@@ -172,7 +172,7 @@ class Search {
     lp.cost[n] = 0;
     lp.upper = Vector::Ones(n + 1);
     lp.upper[n] = kInfinity;
-    const LinearOptimum best = solve(lp, seconds_left());
+    const LinearProgramme::Optimum best = solve(lp, seconds_left());
     if (!best.found) return best.message;
     if (best.value < -0.5) {  // 0, or at least 1: a self-stress can grow until one share is 1
       return "there is a self-stress in the friction cones: contacts can be jammed";
@@ -206,7 +206,7 @@ class Search {
     std::vector<double> scale;
     lp.A = columns(true, lp.cost, contact, scale);
     lp.upper = Vector::Ones(lp.cost.size());
-    const LinearOptimum best = solve(lp, seconds_left());
+    const LinearProgramme::Optimum best = solve(lp, seconds_left());
     if (!best.found) return best.message;
     if (!(best.value < -kZero)) return {};
     Vector stress = Vector::Zero(p_.num_contacts());
@@ -257,7 +257,7 @@ class Search {
     std::vector<double> scale;
     lp.A = columns(false, lp.cost, contact, scale);
     lp.upper = Vector::Ones(lp.cost.size());
-    const LinearOptimum best = solve(lp, seconds_left());
+    const LinearProgramme::Optimum best = solve(lp, seconds_left());
     if (!best.found) return best.message;
     if (best.value < -kZero) return "a self-stress in the friction cones works against the data";
     const Vector y = -work_scale_ * best.y.cwiseProduct(row_scale_);

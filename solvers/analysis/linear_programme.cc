@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-LinearOptimum solve(const LinearProgramme& programme, double seconds) {
+LinearProgramme::Optimum solve(const LinearProgramme& programme, double seconds) {
   SparseMatrix A = programme.A;
   A.makeCompressed();
   const int rows = static_cast<int>(A.rows()), columns = static_cast<int>(A.cols());
@@ -26,7 +26,7 @@ LinearOptimum solve(const LinearProgramme& programme, double seconds) {
   Clp_setMaximumSeconds(model.get(), std::min(seconds, 1e8));
   Clp_dual(model.get(), 0);
 
-  LinearOptimum optimum{.pivots = Clp_numberIterations(model.get())};
+  LinearProgramme::Optimum optimum{.pivots = Clp_numberIterations(model.get())};
   const int status = Clp_status(model.get());
   if (status != 0) {
     optimum.message = status == 3 ? fmt::format("out of time after {} pivots", optimum.pivots)

@@ -9,23 +9,22 @@ namespace bipot {
 /// minimise cost·x subject to A x = 0, 0 <= x <= upper. x = 0 is always feasible, so that a bounded
 /// programme has an optimum.
 struct LinearProgramme {
+  /// x and multipliers y with cost - Aᵀ y >= 0 at x = 0, <= 0 at the upper bound.
+  struct Optimum {
+    bool found = false;
+    std::string message;  ///< why not
+    double value = kNaN;  ///< cost·x
+    Vector x;             ///< n
+    Vector y;             ///< k
+    int pivots = 0;
+  };
   SparseMatrix A;  ///< k x n
   Vector cost;     ///< n
   Vector upper;    ///< n, may hold kInfinity
 };
 
-/// x and multipliers y with cost - Aᵀ y >= 0 at x = 0, <= 0 at the upper bound.
-struct LinearOptimum {
-  bool found = false;
-  std::string message;  ///< why not
-  double value = kNaN;  ///< cost·x
-  Vector x;             ///< n
-  Vector y;             ///< k
-  int pivots = 0;
-};
-
 /// Solves it by the dual simplex method (CLP, COIN-OR) in floating point. Proofs need a separate
 /// check. `seconds`: wall-clock limit.
-LinearOptimum solve(const LinearProgramme& programme, double seconds);
+LinearProgramme::Optimum solve(const LinearProgramme& programme, double seconds);
 
 }  // namespace bipot

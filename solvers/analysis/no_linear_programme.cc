@@ -3,8 +3,8 @@
 
 namespace bipot {
 
-LinearOptimum solve(const LinearProgramme&, double) {
-  LinearOptimum none;
+LinearProgramme::Optimum solve(const LinearProgramme&, double) {
+  LinearProgramme::Optimum none;
   none.message = "this program was built without CLP (-DBIPOT_WITH_CLP=OFF)";
   return none;
 }

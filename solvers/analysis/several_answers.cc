@@ -64,13 +64,13 @@ std::vector<ContactStatus> statuses(const ContactProblem& p, const Vector& s) {
 /// The search for one problem.
 class AnswerSearch {
  public:
-  AnswerSearch(const ContactProblem& p, const SeveralOptions& options)
+  AnswerSearch(const ContactProblem& p, const SeveralAnswers::Options& options)
       : p_(p), options_(options), distinct_(p), begin_(Clock::now()), random_(options.seed) {}
 
   SeveralAnswers run() {
     for (int k = 0; k < options_.starts && !stopped(); ++k) {
       const Clock::time_point start = Clock::now();
-      AnswerStart made = begin_start(k);
+      SeveralAnswers::Start made = begin_start(k);
       if (invalid_) break;
       if (stopped() && made.answer < 0) break;  // cut short: says nothing
       made.seconds = std::chrono::duration<double>(Clock::now() - start).count();
@@ -109,8 +109,8 @@ class AnswerSearch {
   }
 
   /// Solver and start number k.
-  AnswerStart begin_start(int k) {
-    AnswerStart made;
+  SeveralAnswers::Start begin_start(int k) {
+    SeveralAnswers::Start made;
     made.from = "zero";
     Vector s0;
     Recipe recipe = recipe_of(k, made.from, s0);
@@ -166,7 +166,7 @@ class AnswerSearch {
   }
 
   /// Runs the start's own solver, then exact ones from its result, until one is trusted.
-  void drive(const Recipe& recipe, const Vector& s0, AnswerStart& made) {
+  void drive(const Recipe& recipe, const Vector& s0, SeveralAnswers::Start& made) {
     SolveResult result = attempt(recipe.solver, s0, recipe.iterations, recipe.parameters);
     if (result.status == SolveStatus::kInvalidInput) {
       invalid_ = true;
@@ -220,7 +220,7 @@ class AnswerSearch {
     const EnumeratedCases all = enumerate_cases(p_, [this] { return stopped(); });
     for (const Vector& s : all.candidates) {
       const std::size_t before = distinct_.answers().size();
-      AnswerStart made{.solver = "cases", .from = "all cases", .finished_by = "cases"};
+      SeveralAnswers::Start made{.solver = "cases", .from = "all cases", .finished_by = "cases"};
       made.answer = distinct_.add(s, made.solver);
       if (distinct_.answers().size() == before) continue;
       made.error = distinct_.answers().back().error;
@@ -278,7 +278,7 @@ class AnswerSearch {
       Answer& answer = found_.answers[k];
       const Vector& s = answer.impulse.s;
       const Vector away = random_multiples(s, p_.dim, kPerturbation, random_);
-      AnswerStart made;
+      SeveralAnswers::Start made;
       Recipe recipe{"pgs", kSweeps};
       SolveResult back = attempt(recipe.solver, away, recipe.iterations, {});
       if (!(back.error.guarded() <= options_.tol) && usable("homotopy") && !stopped()) {
@@ -289,9 +289,9 @@ class AnswerSearch {
       if (!(found.error.guarded() <= DistinctAnswers::kTrusted)) continue;
       answer.perturbed = distinct_.relative(distinct_.distance(away, s));
       answer.came_back_to = distinct_.relative(distinct_.distance(found.s, s));
-      answer.kind = !distinct_.are_distinct(found, answer.impulse) ? AnswerKind::kIsolated
-                    : joined(found.s, s)                           ? AnswerKind::kFamily
-                                                                   : AnswerKind::kLeft;
+      answer.kind = !distinct_.are_distinct(found, answer.impulse) ? Answer::Kind::kIsolated
+                    : joined(found.s, s)                           ? Answer::Kind::kFamily
+                                                                   : Answer::Kind::kLeft;
     }
   }
 
@@ -303,7 +303,7 @@ class AnswerSearch {
       for (std::size_t j = 0; j < i; ++j) {
         if (all[i].set == all[j].set || cancelled()) continue;
         if (!joined(all[i].impulse.s, all[j].impulse.s)) continue;
-        all[i].kind = all[j].kind = AnswerKind::kFamily;
+        all[i].kind = all[j].kind = Answer::Kind::kFamily;
         const int from = std::max(all[i].set, all[j].set), to = std::min(all[i].set, all[j].set);
         for (Answer& answer : all) {
           if (answer.set == from) answer.set = to;
@@ -337,9 +337,9 @@ class AnswerSearch {
     return made;
   }
 
-  AnswerDifference difference(const Answer& a, const Answer& b) const {
-    AnswerDifference d{.velocity =
-                           distinct_.relative(distinct_.distance(a.impulse.s, b.impulse.s))};
+  Answer::Difference difference(const Answer& a, const Answer& b) const {
+    Answer::Difference d{.velocity =
+                             distinct_.relative(distinct_.distance(a.impulse.s, b.impulse.s))};
     const double kinetic = std::abs(a.kinetic - b.kinetic);
     if (kinetic == 0 || found_.answers.front().kinetic > 0) {
       d.kinetic = kinetic == 0 ? 0 : kinetic / found_.answers.front().kinetic;
@@ -389,9 +389,9 @@ class AnswerSearch {
 
   void close() {
     found_.seconds = seconds();
-    const auto exact =
-        static_cast<int>(std::count_if(found_.starts.begin(), found_.starts.end(),
-                                       [](const AnswerStart& s) { return s.answer >= 0; }));
+    const auto exact = static_cast<int>(
+        std::count_if(found_.starts.begin(), found_.starts.end(),
+                      [](const SeveralAnswers::Start& s) { return s.answer >= 0; }));
     const int made = static_cast<int>(found_.starts.size());
     if (invalid_) {
       found_.status = SolveStatus::kInvalidInput;
@@ -411,7 +411,7 @@ class AnswerSearch {
   }
 
   const ContactProblem& p_;
-  const SeveralOptions& options_;
+  const SeveralAnswers::Options& options_;
   DistinctAnswers distinct_;
   std::vector<VerifiedAnswer> shown_;  // of answers that starts found
   const Clock::time_point begin_;
@@ -426,27 +426,28 @@ double larger(double a, double b) { return std::fmax(a, b); }
 
 }  // namespace
 
-std::string_view to_string(AnswerKind kind) {
+std::string_view to_string(Answer::Kind kind) {
   switch (kind) {
-    case AnswerKind::kIsolated:
+    case Answer::Kind::kIsolated:
       return "isolated";
-    case AnswerKind::kFamily:
+    case Answer::Kind::kFamily:
       return "family";
-    case AnswerKind::kLeft:
+    case Answer::Kind::kLeft:
       return "left";
-    case AnswerKind::kUnknown:
+    case Answer::Kind::kUnknown:
       break;
   }
   return "unknown";
 }
 
-AnswerDifference larger_of(const AnswerDifference& a, const AnswerDifference& b) {
+Answer::Difference larger_of(const Answer::Difference& a, const Answer::Difference& b) {
   return {larger(a.velocity, b.velocity), larger(a.body_velocity, b.body_velocity),
           larger(a.kinetic, b.kinetic),   larger(a.force, b.force),
           larger(a.total, b.total),       std::max(a.contacts, b.contacts)};
 }
 
-SeveralAnswers find_several_answers(const ContactProblem& problem, const SeveralOptions& options) {
+SeveralAnswers find_several_answers(const ContactProblem& problem,
+                                    const SeveralAnswers::Options& options) {
   SeveralAnswers refused{.status = SolveStatus::kInvalidInput};
   if (refused.message = validate(problem); !refused.message.empty()) return refused;
   if (options.starts < 1) {

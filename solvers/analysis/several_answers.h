@@ -15,72 +15,68 @@
 
 namespace bipot {
 
-struct SeveralOptions {
-  int starts = 10;         ///< >= 1
-  std::uint64_t seed = 1;  ///< of orders, multiples and perturbations
-  double tol = 1e-11;      ///< guarded error that every start is driven to
-  double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of everything
-  Vector guess;  ///< impulse of the previous step, one more kind of start; empty: none   [N s]
-  std::string solver;                             ///< every start by this one; empty: by several
-  std::map<std::string, std::string> parameters;  ///< of that one
-  std::function<bool()> cancelled;                ///< true ends the search
-};
-
-/// One attempt at an answer.
-struct AnswerStart {
-  std::string solver, from;  ///< "pgs", "zero"; "apgd", "multiples of answer 1, 50 %"
-  std::string finished_by;   ///< the solver whose impulse counts
-  ContactError error;        ///< of the best impulse
-  int answer = -1;           ///< index into SeveralAnswers::answers; -1: no exact one was reached
-  double seconds = 0;        ///< wall
-  std::string message;       ///< of the solver that came last
-};
-
-/// Relation of an answer to answers near it.
-enum class AnswerKind {
-  kIsolated,  ///< every solve from 1 % away returned to it
-  kFamily,    ///< joined by exact answers to another one: velocities vary continuously
-  kLeft,      ///< a solve from 1 % away ended at another answer, not joined to this one
-  kUnknown    ///< no solve from 1 % away reached an exact answer, or time was up
-};
-std::string_view to_string(AnswerKind kind);
-
-/// Difference of two answers of a problem. Undefined measures are NaN: those of bodies need the
-/// rows of rigid bodies in H (body_rows.h).
-struct AnswerDifference {
-  double velocity = kNaN;  ///< ‖v - v'‖_A / ‖v - v_free‖_A of the first answer      [-]
-  double body_velocity = kNaN;  ///< largest |v_b - v_b'| over the largest |v_b|, translations [-]
-  double kinetic = kNaN;  ///< |½ vᵀA v - ½ v'ᵀA v'| over that of the first answer        [-]
-  double force =
-      kNaN;  ///< largest |R_b - R_b'| over the mean |R_b|, R_b the resultant contact impulse
-  /// Change of the sum of all R_b, the impulse of walls, over that of the first answer [-]
-  double total = kNaN;
-  int contacts = 0;  ///< whose status differs
-};
-/// The larger of each.
-AnswerDifference larger_of(const AnswerDifference& a, const AnswerDifference& b);
-
 struct Answer {
+  /// Relation of an answer to answers near it.
+  enum class Kind {
+    kIsolated,  ///< every solve from 1 % away returned to it
+    kFamily,    ///< joined by exact answers to another one: velocities vary continuously
+    kLeft,      ///< a solve from 1 % away ended at another answer, not joined to this one
+    kUnknown    ///< no solve from 1 % away reached an exact answer, or time was up
+  };
+  /// Difference of two answers of a problem. Undefined measures are NaN: those of bodies need the
+  /// rows of rigid bodies in H (body_rows.h).
+  struct Difference {
+    double velocity = kNaN;  ///< ‖v - v'‖_A / ‖v - v_free‖_A of the first answer      [-]
+    double body_velocity = kNaN;  ///< largest |v_b - v_b'| over the largest |v_b|, translations [-]
+    double kinetic = kNaN;  ///< |½ vᵀA v - ½ v'ᵀA v'| over that of the first answer        [-]
+    double force =
+        kNaN;  ///< largest |R_b - R_b'| over the mean |R_b|, R_b the resultant contact impulse
+    /// Change of the sum of all R_b, the impulse of walls, over that of the first answer [-]
+    double total = kNaN;
+    int contacts = 0;  ///< whose status differs
+  };
   VerifiedAnswer impulse;
   Vector u;                           ///< local velocities                              [m/s]
   std::vector<ContactStatus> status;  ///< of each contact
   int take_off = 0, stick = 0, slip = 0;
   double kinetic = kNaN;    ///< ½ vᵀ A v after the step; NaN for a problem given by W [J]
   std::vector<int> starts;  ///< that ended here
-  AnswerKind kind = AnswerKind::kUnknown;
-  int set = 0;                  ///< joined answers have the same number, from 0
-  double perturbed = kNaN;      ///< relative distance of the perturbed impulse           [-]
-  double came_back_to = kNaN;   ///< relative distance from there of the answer found     [-]
-  AnswerDifference from_first;  ///< to answer 0
+  Kind kind = Kind::kUnknown;
+  int set = 0;                 ///< joined answers have the same number, from 0
+  double perturbed = kNaN;     ///< relative distance of the perturbed impulse           [-]
+  double came_back_to = kNaN;  ///< relative distance from there of the answer found     [-]
+  Difference from_first;       ///< to answer 0
 };
+std::string_view to_string(Answer::Kind kind);
+/// The larger of each.
+Answer::Difference larger_of(const Answer::Difference& a, const Answer::Difference& b);
 
 struct SeveralAnswers {
+  /// One attempt at an answer.
+  struct Start {
+    std::string solver, from;  ///< "pgs", "zero"; "apgd", "multiples of answer 1, 50 %"
+    std::string finished_by;   ///< the solver whose impulse counts
+    ContactError error;        ///< of the best impulse
+    int answer = -1;           ///< index into SeveralAnswers::answers; -1: no exact one was reached
+    double seconds = 0;        ///< wall
+    std::string message;       ///< of the solver that came last
+  };
+  struct Options {
+    int starts = 10;         ///< >= 1
+    std::uint64_t seed = 1;  ///< of orders, multiples and perturbations
+    double tol = 1e-11;      ///< guarded error that every start is driven to
+    double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of everything
+    Vector guess;  ///< impulse of the previous step, one more kind of start; empty: none   [N s]
+    std::string solver;                             ///< every start by this one; empty: by several
+    std::map<std::string, std::string> parameters;  ///< of that one
+    std::function<bool()> cancelled;                ///< true ends the search
+  };
   SolveStatus status = SolveStatus::kNotRun;
   std::string message;
-  std::vector<AnswerStart> starts;
+  std::vector<Start> starts;
   std::vector<Answer> answers;  ///< in the order in which they were found
   int sets = 0;                 ///< isolated answers and families together
-  AnswerDifference spread;      ///< largest over all pairs
+  Answer::Difference spread;    ///< largest over all pairs
   /// Least relative distance at which answers with the largest error here count as two.
   double resolution = kNaN;
   std::vector<int> differing_contacts;  ///< with different statuses in some answers
@@ -99,6 +95,7 @@ struct SeveralAnswers {
 /// the same bits unless the time limit acts. Status: kConverged if every start reached an exact
 /// answer, kStalled if only some did, kTimeLimit, kInterrupted, kInvalidInput with the reason,
 /// kNothingToDo.
-SeveralAnswers find_several_answers(const ContactProblem& problem, const SeveralOptions& options);
+SeveralAnswers find_several_answers(const ContactProblem& problem,
+                                    const SeveralAnswers::Options& options);
 
 }  // namespace bipot

@@ -52,8 +52,8 @@ class Planner {
     stages_.reserve(64);
   }
 
-  void add(const std::vector<PlanRow>& rows, double times) {
-    for (const PlanRow& row : rows) {
+  void add(const std::vector<AutoPlan::Row>& rows, double times) {
+    for (const AutoPlan::Row& row : rows) {
       if (!row.conditions.hold(problem_)) continue;
       if (row.list.empty()) {
         add(row, times);
@@ -65,7 +65,7 @@ class Planner {
     }
   }
   void add_class() {
-    const PlanClass* of = plan_->class_of(problem_);
+    const AutoPlan::Class* of = plan_->class_of(problem_);
     if (of != nullptr) return add(of->rows, 1);
     if (plan_ != &shipped_plan()) add_list(std::string(kShippedList), 1);
   }
@@ -78,7 +78,7 @@ class Planner {
     add_class();
     plan_ = own;
   }
-  void add(const PlanRow& row, double times) {
+  void add(const AutoPlan::Row& row, double times) {
     const SolverEntry* solver = find_solver(row.solver);
     if (solver == nullptr || problem_.dim > solver->max_dim ||
         problem_.contacts > solver->max_contacts) {
@@ -115,7 +115,7 @@ std::string start_in_words(const AutoStage& stage) {
 
 /// The class that serves, why, and its odds.
 std::string class_in_words(const AutoPlan& plan, const ProblemTraits& problem) {
-  const PlanClass* of = plan.class_of(problem);
+  const AutoPlan::Class* of = plan.class_of(problem);
   if (of == nullptr) return fmt::format("{}: no class serves\n", plan.source);
   const std::string why = of->conditions.to_text();
   std::string text =

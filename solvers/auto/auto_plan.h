@@ -19,7 +19,7 @@ namespace bipot {
 struct AutoStage {
   /// A stage starts at the impulse of the same solver's last stage (at first, at the caller's
   /// start), at the caller's start, at the impulse of the last stage, or at the best one.
-  using Start = PlanStart;
+  using Start = AutoPlan::Row::Start;
   static constexpr int kUnlimited = std::numeric_limits<int>::max();
 
   const SolverEntry* solver = nullptr;

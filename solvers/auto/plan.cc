@@ -76,7 +76,7 @@ class PlanReader {
       fail(classes == nullptr ? 1 : classes->source().begin.line, "expected a [[class]]");
     }
     for (const toml::node& node : *classes->as_array()) add_class(*node.as_table());
-    for (const PlanClass& of : plan_.classes) check_depth(of.rows, of.name, 0);
+    for (const AutoPlan::Class& of : plan_.classes) check_depth(of.rows, of.name, 0);
     return std::move(plan_);
   }
 
@@ -142,7 +142,8 @@ class PlanReader {
   }
 
   /// N, or [factor, power], or [factor, power, least].
-  PlanCount count_at(const toml::table& table, std::string_view key, PlanCount fallback) const {
+  AutoPlan::Row::Count count_at(const toml::table& table, std::string_view key,
+                                AutoPlan::Row::Count fallback) const {
     const toml::node* node = table.get(key);
     if (node == nullptr) return fallback;
     if (!node->is_array()) return {number_of(*node, 0), 0, 0};
@@ -166,10 +167,10 @@ class PlanReader {
     return made;
   }
 
-  std::vector<PlanRow> rows_of(const toml::table& table) const {
+  std::vector<AutoPlan::Row> rows_of(const toml::table& table) const {
     const toml::node* stages = table.get("stages");
     if (stages == nullptr || !stages->is_array()) fail(table, "expected stages = [...]");
-    std::vector<PlanRow> rows;
+    std::vector<AutoPlan::Row> rows;
     for (const toml::node& node : *stages->as_array()) {
       if (!node.is_table()) fail(node, "expected a stage, as {solver = \"pgs\", most = 500}");
       rows.push_back(row_of(*node.as_table()));
@@ -177,8 +178,8 @@ class PlanReader {
     return rows;
   }
 
-  PlanRow row_of(const toml::table& table) const {
-    PlanRow row;
+  AutoPlan::Row row_of(const toml::table& table) const {
+    AutoPlan::Row row;
     row.conditions = conditions_of(table);
     if (table.contains("list")) {
       check_keys(table, {"list", "repeat", "growth", "contacts", "tol", "when"});
@@ -212,7 +213,7 @@ class PlanReader {
     return row;
   }
 
-  void set_solver(const toml::table& table, PlanRow& row) const {
+  void set_solver(const toml::table& table, AutoPlan::Row& row) const {
     row.solver = text_at(table, "solver");
     if (row.solver.empty()) fail(table, "a stage needs a solver or a list");
     row.parameters = text_at(table, "with");
@@ -229,7 +230,7 @@ class PlanReader {
     }
   }
 
-  void set_start(const toml::table& table, PlanRow& row) const {
+  void set_start(const toml::table& table, AutoPlan::Row& row) const {
     Names words = words_of(text_at(table, "from"));
     if (words.empty()) return;
     const std::string name = words.back();
@@ -245,12 +246,12 @@ class PlanReader {
            "from: expected own, caller, last or best, or a factor and one of "
            "them, as \"0.98 last\"");
     }
-    row.start = static_cast<PlanStart>(start - std::begin(kStarts));
+    row.start = static_cast<AutoPlan::Row::Start>(start - std::begin(kStarts));
   }
 
   void add_class(const toml::table& table) {
     check_keys(table, {"name", "contacts", "tol", "when", "solved", "stages"});
-    PlanClass made;
+    AutoPlan::Class made;
     made.name = text_at(table, "name");
     if (made.name.empty()) fail(table, "a class needs a name");
     made.conditions = conditions_of(table);
@@ -268,12 +269,13 @@ class PlanReader {
   }
 
   /// Refuses lists that name each other in a circle.
-  void check_depth(const std::vector<PlanRow>& rows, const std::string& name, int depth) const {
+  void check_depth(const std::vector<AutoPlan::Row>& rows, const std::string& name,
+                   int depth) const {
     if (depth > 8) {
       throw std::invalid_argument(
           fmt::format("{}: lists within lists without end, in '{}'", plan_.source, name));
     }
-    for (const PlanRow& row : rows) {
+    for (const AutoPlan::Row& row : rows) {
       const auto list = plan_.lists.find(row.list);
       if (list != plan_.lists.end()) check_depth(list->second, row.list, depth + 1);
     }
@@ -287,7 +289,7 @@ class PlanReader {
 
 }  // namespace
 
-int PlanCount::of(int contacts, double times) const {
+int AutoPlan::Row::Count::of(int contacts, double times) const {
   const double count = times * std::max(least, factor * std::pow(contacts, power));
   return static_cast<int>(std::min<double>(count, std::numeric_limits<int>::max()));
 }
@@ -325,9 +327,9 @@ std::string PlanConditions::to_text() const {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-const PlanClass* AutoPlan::class_of(const ProblemTraits& problem) const {
+const AutoPlan::Class* AutoPlan::class_of(const ProblemTraits& problem) const {
   const auto found = std::find_if(classes.begin(), classes.end(),
-                                  [&](const PlanClass& of) { return of.conditions.hold(problem); });
+                                  [&](const Class& of) { return of.conditions.hold(problem); });
   return found == classes.end() ? nullptr : &*found;
 }
 

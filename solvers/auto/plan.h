@@ -52,47 +52,43 @@ struct PlanConditions {
   std::string to_text() const;
 };
 
-/// max(least, factor N^power), rounded down; a single number does not depend on N.
-struct PlanCount {
-  double factor = 0, power = 0, least = 0;
-  /// `times` that number, at most AutoStage::kUnlimited.
-  int of(int contacts, double times) const;
-};
-
-enum class PlanStart { kOwn, kCaller, kLast, kBest };
-
-/// A stage (auto_plan.h), or a list of stages.
-struct PlanRow {
-  PlanConditions conditions;
-  std::string list;   ///< its name; empty: a stage
-  int repeat = 1;     ///< of the list
-  double growth = 1;  ///< of its budgets, with each repetition
-  std::string solver;
-  std::string parameters;  ///< "name=value name=value"
-  PlanStart start = PlanStart::kOwn;
-  double of_start = 1;
-  PlanCount least, most, near;
-  double largest_error = kInfinity;
-  bool before_cutting = false, on_whole_only = false;
-  std::string reason;
-};
-
-/// The rows for one class of problems.
-struct PlanClass {
-  std::string name;
-  PlanConditions conditions;
-  int solved = 0, measured = 0;  ///< by its own stages; 0: not measured
-  std::vector<PlanRow> rows;
-};
-
 /// The plan of `auto`: data/manual/explanation/auto.md has the form of the file.
 struct AutoPlan {
+  /// A stage (auto_plan.h), or a list of stages.
+  struct Row {
+    enum class Start { kOwn, kCaller, kLast, kBest };
+    /// max(least, factor N^power), rounded down; a single number does not depend on N.
+    struct Count {
+      double factor = 0, power = 0, least = 0;
+      /// `times` that number, at most AutoStage::kUnlimited.
+      int of(int contacts, double times) const;
+    };
+    PlanConditions conditions;
+    std::string list;   ///< its name; empty: a stage
+    int repeat = 1;     ///< of the list
+    double growth = 1;  ///< of its budgets, with each repetition
+    std::string solver;
+    std::string parameters;  ///< "name=value name=value"
+    Start start = Start::kOwn;
+    double of_start = 1;
+    Count least, most, near;
+    double largest_error = kInfinity;
+    bool before_cutting = false, on_whole_only = false;
+    std::string reason;
+  };
+  /// The rows for one class of problems.
+  struct Class {
+    std::string name;
+    PlanConditions conditions;
+    int solved = 0, measured = 0;  ///< by its own stages; 0: not measured
+    std::vector<Row> rows;
+  };
   std::string source;
-  std::vector<PlanClass> classes;  ///< the first one whose conditions hold serves
-  std::map<std::string, std::vector<PlanRow>> lists;
+  std::vector<Class> classes;  ///< the first one whose conditions hold serves
+  std::map<std::string, std::vector<Row>> lists;
 
   /// Null: none serves.
-  const PlanClass* class_of(const ProblemTraits& problem) const;
+  const Class* class_of(const ProblemTraits& problem) const;
 };
 
 /// "name=value name=value" as a map; a word without '=' has an empty value.

@@ -65,7 +65,7 @@ bool DeflatedSweep::iterate() {
                   modes_.share(), at_.swept_velocity.data(), stress_.data()});
   if (!modes_.relax(stress_)) return false;
   clear(momentum_);
-  LoadSums load;
+  StressKernels::LoadSums load;
   kernels_.impulse(
       {batches, disks.contacts(tile), disks.law_numbers(tile), disks.laws(), modes_.share(),
        stress_.data(), at_.y.data(), at_.swept.data(), momentum_.data()},
@@ -77,7 +77,7 @@ bool DeflatedSweep::iterate() {
         sums_[to_size(first / kPieceItems)]);
   });
   double yz = 0, zz = 0, zp = 0;
-  for (const ConjugateSums& part : sums_) {
+  for (const StressKernels::ConjugateSums& part : sums_) {
     yz += sum(part.yz);
     zz += sum(part.zz);
     zp += sum(part.zp);

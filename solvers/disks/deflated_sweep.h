@@ -41,7 +41,7 @@ class DeflatedSweep {
   StressModes modes_;
   SymmetricSweep<2>::Swept at_;
   LargeVector<BodyRow> mass_, direction_, stress_, momentum_;
-  std::vector<ConjugateSums> sums_;
+  std::vector<StressKernels::ConjugateSums> sums_;
   int since_renewal_ = 0;
   bool carried_ = false;  // stresses, as of the last renewal
   // z⁻·Wz⁻, z⁻·Wp⁻⁻, p⁻·Wp⁻, g⁻·z⁻, alpha⁻, beta⁻; p⁻·Wp⁻ = 0: there is no previous direction.

@@ -15,7 +15,7 @@ struct StressToImpulse {
   Lanes normal, tangential;
 };
 inline StressToImpulse stress_to_impulse(const ContactBatch<2>& c, const LawBatch& law,
-                                         const ShareBatch& share, int part) {
+                                         const StressKernels::ShareBatch& share, int part) {
   const Lanes spin = load(c.spin, part), ratio = load(law.ratio, part), zero{};
   // Empty lanes have no spin and no share.
   const Lanes inverse = 1 / (spin == zero ? all(1) : spin), length = ratio * inverse;
@@ -24,8 +24,8 @@ inline StressToImpulse stress_to_impulse(const ContactBatch<2>& c, const LawBatc
   return {nx * nx, nx * ny, ny * ny, carried * length, carried * inverse};
 }
 
-void stress_rates(const StressRatesTask& task) {
-  const StressRatesTask a = task;
+void stress_rates(const StressKernels::RatesTask& task) {
+  const StressKernels::RatesTask a = task;
   for (int k = 0; k < a.batches; ++k) {
     prefetch_item(a.contact, k + kAhead);
     prefetch_item(a.share, k + kAhead);
@@ -48,8 +48,8 @@ void stress_rates(const StressRatesTask& task) {
   }
 }
 
-void stress_impulse(const StressImpulseTask& task, LoadSums& sums) {
-  const StressImpulseTask a = task;
+void stress_impulse(const StressKernels::ImpulseTask& task, StressKernels::LoadSums& sums) {
+  const StressKernels::ImpulseTask a = task;
   Lanes sum[kParts] = {};
   for (int k = 0; k < a.batches; ++k) {
     prefetch_item(a.contact, k + kAhead);
@@ -82,8 +82,8 @@ void stress_impulse(const StressImpulseTask& task, LoadSums& sums) {
   for (int part = 0; part < kParts; ++part) store(sums.load, part, sum[part]);
 }
 
-void conjugate_rows(const ConjugateRowsTask& task, ConjugateSums& sums) {
-  const ConjugateRowsTask a = task;
+void conjugate_rows(const StressKernels::ConjugateTask& task, StressKernels::ConjugateSums& sums) {
+  const StressKernels::ConjugateTask a = task;
   Row yz{}, zz{}, zp{};
   for (int k = 0; k < a.rows; ++k) {
     const Row y = row(a.velocity[k]), mass = row(a.mass[k]);
@@ -101,8 +101,8 @@ void conjugate_rows(const ConjugateRowsTask& task, ConjugateSums& sums) {
   }
 }
 
-void follow_rows(const FollowTask<BodyRow>& task) {
-  const FollowTask<BodyRow> a = task;
+void follow_rows(const StressKernels::FollowTask<BodyRow>& task) {
+  const StressKernels::FollowTask<BodyRow> a = task;
   const Row alpha = Row{} + a.alpha, beta = Row{} + a.beta;
   for (int k = 0; k < a.items; ++k) {
     const Row p = row(a.z[k]) + beta * row(a.p[k]);
@@ -111,8 +111,8 @@ void follow_rows(const FollowTask<BodyRow>& task) {
   }
 }
 
-void follow(const FollowTask<ImpulseBatch<2>>& task) {
-  const FollowTask<ImpulseBatch<2>> a = task;
+void follow(const StressKernels::FollowTask<ImpulseBatch<2>>& task) {
+  const StressKernels::FollowTask<ImpulseBatch<2>> a = task;
   const Lanes alpha = all(a.alpha), beta = all(a.beta);
   for (int k = 0; k < a.items; ++k) {
     for (int part = 0; part < 2 * kParts; ++part) {  // both rows of a batch in sequence

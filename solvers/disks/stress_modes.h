@@ -25,15 +25,15 @@ class StressModes {
   StressModes(const DiskTiles<2>& tiles, const DiskStructure& disks, int threads = 1);
 
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
-  const ShareBatch* share() const { return share_.data(); }
+  const StressKernels::ShareBatch* share() const { return share_.data(); }
   /// Determines the contacts that carry at x, which obeys Coulomb's law exactly at edges; then PᵀWP
   /// and its factor, unless nearly all are unchanged. False if there is no factor, or no modes.
   [[nodiscard]] bool renew(std::span<const ImpulseBatch<2>> x);
   /// PᵀWP of the last renew(): node after node σ_xx, σ_xy, σ_yy.
   const SparseMatrix& matrix() const { return matrix_; }
 
-  /// Replaces rows of rates (StressRatesTask) by stresses, those of -(PᵀWP)⁻¹ Pᵀw. Requires a
-  /// successful renew(). False if they would grow without bound, along stresses that move no body
+  /// Replaces rows of rates (StressKernels::RatesTask) by stresses, those of -(PᵀWP)⁻¹ Pᵀw. Requires
+  /// a successful renew(). False if they would grow without bound, along stresses that move no body
   /// but have a rate. This happens for different restitution in a jammed place, where no solution
   /// exists.
   [[nodiscard]] bool relax(std::span<BodyRow> rows) const;
@@ -72,7 +72,7 @@ class StressModes {
   std::vector<Place> place_;          // of each row
   std::vector<int> first_row_, row_;  // the rows of each cell
   std::vector<int> first_, lane_;     // lanes of the contacts of each row
-  LargeVector<ShareBatch> share_;
+  LargeVector<StressKernels::ShareBatch> share_;
   std::vector<Neighbours> neighbours_;
   SparseMatrix matrix_;
   SparseCholesky factor_;

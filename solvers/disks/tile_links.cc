@@ -38,8 +38,8 @@ void add_once(int tile, int other, std::vector<std::vector<int>>& lists, std::ve
 }
 
 template <class Number>
-TileLists<Number> joined(const std::vector<std::vector<Number>>& lists) {
-  TileLists<Number> all{{}, {0}};
+TileLinks::Lists<Number> joined(const std::vector<std::vector<Number>>& lists) {
+  TileLinks::Lists<Number> all{{}, {0}};
   for (const std::vector<Number>& list : lists) {
     all.numbers.insert(all.numbers.end(), list.begin(), list.end());
     all.start.push_back(static_cast<int>(all.numbers.size()));

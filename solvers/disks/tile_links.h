@@ -8,31 +8,30 @@
 
 namespace bipot {
 
-/// A list of numbers for each tile.
-template <class Number>
-struct TileLists {
-  std::vector<Number> numbers;
-  std::vector<int> start;  ///< of each tile, and the end
-
-  std::span<const Number> of(int t) const {
-    const std::size_t first = to_size(start[to_size(t)]);
-    return {numbers.data() + first, to_size(start[to_size(t) + 1]) - first};
-  }
-};
-
 /// Bodies that tiles of an order share, for sweeps through the tiles up and down. A sweep up comes
 /// to tile 0 first. The tile that a body's row belongs to counts as one with that body.
 struct TileLinks {
+  /// A list of numbers for each tile.
+  template <class Number>
+  struct Lists {
+    std::vector<Number> numbers;
+    std::vector<int> start;  ///< of each tile, and the end
+
+    std::span<const Number> of(int t) const {
+      const std::size_t first = to_size(start[to_size(t)]);
+      return {numbers.data() + first, to_size(start[to_size(t) + 1]) - first};
+    }
+  };
   int tiles = 0;
   /// Tiles that a sweep up comes to next before tile t, with one of its bodies, and a sweep down.
   /// After these all that a sweep did before to the bodies of t is done.
-  TileLists<int> before, after;
+  Lists<int> before, after;
   /// Tiles that a sweep up comes to first and last of all, with one of the bodies of tile t; t may
   /// be one of them.
-  TileLists<int> first, last;
+  Lists<int> first, last;
   /// Offsets of rows, one for each line of the cache, that a sweep down uses in tile t but did not
   /// in the tiles just before.
-  TileLists<unsigned> coming;
+  Lists<unsigned> coming;
 };
 
 template <class Bodies>

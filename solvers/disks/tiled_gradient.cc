@@ -22,7 +22,7 @@ double next_momentum(double t) { return 0.5 * (1 + std::sqrt(1 + 4 * t * t)); }
 template <int D>
 TiledGradient<D>::TiledGradient(const ContactProblem& problem, const BodiesOf<D>& bodies,
                                 const ContactScaling& scaling, const Execution& options,
-                                GradientNeighbours<D>* neighbours)
+                                TiledGradient<D>::Neighbours* neighbours)
     : u_free_(problem.u_free),
       blocks_(block_contacts(bodies)),
       disks_(problem, bodies, scaling, std::move(blocks_.tiles), options.threads),
@@ -113,7 +113,7 @@ typename TiledGradient<D>::Roles TiledGradient<D>::after(int iterations) const {
 
 template <int D>
 void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
-                           const GradientControl& control) {
+                           const GradientKernel::Control& control) {
   std::vector<Roles> roles;
   for (int k = 0; k <= iterations; ++k) roles.push_back(after(k));
   const int tiles = disks_.num_tiles();
@@ -145,7 +145,7 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
 }
 
 template <int D>
-GradientProgress TiledGradient<D>::totals(int iteration, double beta) const {
+GradientKernel::Progress TiledGradient<D>::totals(int iteration, double beta) const {
   GradientSums sum;  // of all tiles
   for (int t = 0; t < disks_.num_tiles(); ++t) {
     const std::size_t at = to_size(iteration * disks_.num_tiles() + t);
@@ -156,7 +156,7 @@ GradientProgress TiledGradient<D>::totals(int iteration, double beta) const {
     }
     for (int k = 0; k < 8; ++k) sum.energy[k] += part.energy[k];
   }
-  GradientProgress total;
+  GradientKernel::Progress total;
   double along = 0;
   for (int lane = 0; lane < kLanes; ++lane) {
     along += sum.along[lane];
@@ -184,7 +184,7 @@ int TiledGradient<D>::before_restart() const {
 }
 
 template <int D>
-void TiledGradient<D>::advance(int iterations, GradientControl& control) {
+void TiledGradient<D>::advance(int iterations, GradientKernel::Control& control) {
   std::vector<double> beta, t;
   while (iterations > 0) {
     set_step(control.step / control.lambda);
@@ -202,7 +202,7 @@ void TiledGradient<D>::advance(int iterations, GradientControl& control) {
     bool restart = false, raised = false;
     double raised_to = 0, change2 = change2_;
     while (good < group && !restart) {
-      const GradientProgress sums = totals(good, beta[to_size(good)]);
+      const GradientKernel::Progress sums = totals(good, beta[to_size(good)]);
       if (sums.energy > control.lambda * change2) {
         // The estimate of the largest eigenvalue proved too small in the step before.
         raised = true;

@@ -10,22 +10,6 @@
 
 namespace bipot {
 
-/// Contacts of the same bodies in other processes. Collective: every process calls.
-template <int D>
-class GradientNeighbours {
- public:
-  virtual ~GradientNeighbours() = default;
-  /// Adds the impulses of other processes to the momentum (the rows of `tiles`, in the scale of
-  /// DiskTiles::push). `x`: the scaled impulses here, all batches.
-  virtual void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
-                        std::span<RowOf<D>> momentum) = 0;
-  /// Sums over all processes, from those of the contacts and bodies here. `now`, `before`: the
-  /// momenta from which `here.energy` was computed.
-  virtual GradientProgress total(const DiskTiles<D>& tiles, const GradientProgress& here,
-                                 std::span<const RowOf<D>> now,
-                                 std::span<const RowOf<D>> before) = 0;
-};
-
 /// The accelerated projected gradient for disks or spheres (D = 3), vectorised, by blocks of bodies
 /// (body_blocks.h).
 ///
@@ -36,15 +20,29 @@ class GradientNeighbours {
 template <int D>
 class TiledGradient final : public GradientKernel {
  public:
+  /// Contacts of the same bodies in other processes. Collective: every process calls.
+  class Neighbours {
+   public:
+    virtual ~Neighbours() = default;
+    /// Adds the impulses of other processes to the momentum (the rows of `tiles`, in the scale of
+    /// DiskTiles::push). `x`: the scaled impulses here, all batches.
+    virtual void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
+                          std::span<RowOf<D>> momentum) = 0;
+    /// Sums over all processes, from those of the contacts and bodies here. `now`, `before`: the
+    /// momenta from which `here.energy` was computed.
+    virtual Progress total(const DiskTiles<D>& tiles, const Progress& here,
+                           std::span<const RowOf<D>> now, std::span<const RowOf<D>> before) = 0;
+  };
+
   /// Keeps problem.u_free by reference. With neighbours, kept by reference, one iteration at a time.
   TiledGradient(const ContactProblem& problem, const BodiesOf<D>& bodies,
                 const ContactScaling& scaling, const Execution& options,
-                GradientNeighbours<D>* neighbours = nullptr);
+                Neighbours* neighbours = nullptr);
 
   void reset(const Vector& s) override;
   const Vector& impulse() override;
   void follow(double kappa) override;
-  void advance(int iterations, GradientControl& control) override;
+  void advance(int iterations, Control& control) override;
 
  private:
   static constexpr typename DiskTiles<D>::Streamed kStreamed{
@@ -57,14 +55,14 @@ class TiledGradient final : public GradientKernel {
   void set_step(double rho);
   int before_restart() const;
   Roles after(int iterations) const;
-  void run(int iterations, const std::vector<double>& beta, const GradientControl& control);
-  GradientProgress totals(int iteration, double beta) const;
+  void run(int iterations, const std::vector<double>& beta, const Control& control);
+  Progress totals(int iteration, double beta) const;
 
   const Vector& u_free_;
   BodyBlocks blocks_;  // without its tiles, which disks_ has
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;
-  GradientNeighbours<D>* const neighbours_;
+  Neighbours* const neighbours_;
   int threads_;
   Pipeline pipeline_;
   bool asks_ahead_;

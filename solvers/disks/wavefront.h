@@ -9,13 +9,6 @@
 
 namespace bipot {
 
-/// Progress of a thread in run_wavefront(): iterations done in the first and in the last tile of
-/// its range. Each on its own line of the cache, as others wait for them.
-struct alignas(64) RangeProgress {
-  std::atomic<int> first{0};
-  alignas(64) std::atomic<int> last{0};
-};
-
 /// Returns once `done` has reached `count`. Polls, since the other thread is nearly there. Yields
 /// after many polls, for machines that are busy with other work.
 inline void wait_for(const std::atomic<int>& done, int count) {
@@ -91,6 +84,12 @@ inline int turn_of_tile(int tile, int tiles) {
 /// follow this order; hence there is no deadlock.
 template <class Task>
 void run_wavefront(int threads, int tiles, int iterations, Pipeline pipeline, const Task& task) {
+  // Iterations that a thread has done in the first and in the last tile of its range. Each on its
+  // own line of the cache, as others wait for them.
+  struct alignas(64) RangeProgress {
+    std::atomic<int> first{0};
+    alignas(64) std::atomic<int> last{0};
+  };
   constexpr int kLeastTiles = 2;  // of a range
   // A thread that follows another one by the iterations in flight idles for that part of the
   // iterations.

@@ -78,7 +78,7 @@ class CellBasis {
   bool analysed_ = false;
   ExchangedColumns exchanged_;
   Vector rhs_, change_, error_, y_;  // scratch
-  SparseColumns several_;
+  FrontalLU::Columns several_;
   std::array<Vector, kRightSides> solutions_;
 };
 

@@ -53,12 +53,12 @@ double CellMatrix::diagonal(int slot) const {
                d > 1 ? problem_.W.coeff(slot, n + 1) : 0);
 }
 
-void CellMatrix::add_column(int slot, FrontLine& to) const {
+void CellMatrix::add_column(int slot, FrontalLU::Line& to) const {
   for_column(slot / problem_.dim, columns_[to_size(slot)],
              [&](int row, double value) { to.add(row, value); });
 }
 
-void CellMatrix::add_row(int row, FrontLine& to) const {
+void CellMatrix::add_row(int row, FrontalLU::Line& to) const {
   const int d = problem_.dim, own = row / d;
   const auto add = [&](int contact, double normal, double tangential) {
     const int n = contact * d;

@@ -14,7 +14,7 @@ namespace bipot {
 ///     opening e_n,   sliding e_t,   plus -(W + D)(1, -mu),   minus -(W + D)(1, +mu),
 ///
 /// so that U(p) - (W + D) S(p) = B p, with D the diagonal proximal term. Refers to the problem.
-class CellMatrix final : public MatrixByLines {
+class CellMatrix final : public FrontalLU::MatrixByLines {
  public:
   explicit CellMatrix(const LawProblem& problem);
 
@@ -23,8 +23,8 @@ class CellMatrix final : public MatrixByLines {
   const std::vector<Column>& columns() const { return columns_; }
 
   double diagonal(int slot) const override;
-  void add_column(int slot, FrontLine& to) const override;
-  void add_row(int row, FrontLine& to) const override;
+  void add_column(int slot, FrontalLU::Line& to) const override;
+  void add_row(int row, FrontalLU::Line& to) const override;
   /// Calls add(row, value) for the entries of a column of a contact, rows ascending.
   template <class Add>
   void for_column(int contact, Column column, Add&& add) const;

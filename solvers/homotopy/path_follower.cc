@@ -42,20 +42,20 @@ constexpr int kGroup = 64;
 PathFollower::PathFollower(const LawProblem& problem, std::function<bool()> stop)
     : problem_(problem), stop_(std::move(stop)), basis_(problem) {}
 
-PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, const Vector& proximal,
-                             int longest) {
+PathFollower::End PathFollower::follow(LawPoint& point, const Vector& anchor,
+                                       const Vector& proximal, int longest) {
   ++counts_.paths;
   proximal_ = &proximal;
   least_proximal_ = proximal.minCoeff();
   target_ = problem_.b - proximal.cwiseProduct(anchor);
   factored_ = false;
   t_ = turning_t_ = 0;
-  PathEnd end = approach(point);
-  if (end == PathEnd::kLong) {
+  End end = approach(point);
+  if (end == kLong) {
     residual(point, r_);
-    end = r_.isZero(0) ? PathEnd::kSolved : pursue(point, longest);
+    end = r_.isZero(0) ? kSolved : pursue(point, longest);
   }
-  if (end != PathEnd::kSolved) ++counts_.failed;
+  if (end != kSolved) ++counts_.failed;
   return end;
 }
 
@@ -69,14 +69,14 @@ double PathFollower::residual(const LawPoint& point, Vector& f) {
 }
 
 /// Damped Newton steps while many faces lie ahead. kLong: the path does the rest.
-PathEnd PathFollower::approach(LawPoint& point) {
+PathFollower::End PathFollower::approach(LawPoint& point) {
   double norm = residual(point, r_);
   LawPoint ahead = point, candidate;
   for (int k = 0; k < kNewtonSteps && norm > 0; ++k) {
-    if (stop_()) return PathEnd::kStopped;
+    if (stop_()) return kStopped;
     point.sort_columns(problem_.dim);
     factored_ = basis_.factor(point, *proximal_);
-    if (!factored_) return PathEnd::kSingular;
+    if (!factored_) return kSingular;
     ahead = point;
     // One refinement is enough for a step; a solution gets all.
     const auto admissible = [&](double rounding) {
@@ -84,13 +84,13 @@ PathEnd PathFollower::approach(LawPoint& point) {
       return violation <= rounding * y_.lpNorm<Eigen::Infinity>();
     };
     basis_.solve_refined(point, target_, 0, r_, 1, y_);
-    if (!y_.allFinite()) return PathEnd::kSingular;
+    if (!y_.allFinite()) return kSingular;
     if (admissible(kNearZero)) {
       basis_.refine(point, target_, 0, r_, refinements() - 1, y_);
-      if (!y_.allFinite()) return PathEnd::kSingular;
+      if (!y_.allFinite()) return kSingular;
       if (admissible(kAtZero)) {
         point.value = y_;
-        return PathEnd::kSolved;
+        return kSolved;
       }
     }
     y_ -= point.value;
@@ -106,25 +106,25 @@ PathEnd PathFollower::approach(LawPoint& point) {
         for (std::size_t i = 0; i < point.cell.size(); ++i) {
           faces += candidate.cell[i] != point.cell[i] ? 1 : 0;
         }
-        if (faces <= kFewFaces) return PathEnd::kLong;
+        if (faces <= kFewFaces) return kLong;
       }
       reached = residual(candidate, r_);
       accepted = reached <= (1 - kDescent * step) * norm;
     }
-    if (!accepted) return PathEnd::kLong;
+    if (!accepted) return kLong;
     ++counts_.newton;
     point = candidate;
     factored_ = false;
     norm = reached;
   }
-  return PathEnd::kLong;
+  return kLong;
 }
 
-PathEnd PathFollower::pursue(LawPoint& point, int longest) {
+PathFollower::End PathFollower::pursue(LawPoint& point, int longest) {
   for (Vector* of_newton_steps : {&s_, &u_, &y_}) of_newton_steps->resize(0);
-  if (!refresh(point, /*move=*/false)) return PathEnd::kSingular;
+  if (!refresh(point, /*move=*/false)) return kSingular;
   const int first_direction = direction_ = basis_.orientation(point);
-  if (direction_ == 0) return PathEnd::kSingular;
+  if (direction_ == 0) return kSingular;
   const std::vector<Cell> first_cell = point.cell;
   int last = -1;  // slot that has just entered: its parameter is zero and grows
   for (int pivots = 0;; ++pivots) {
@@ -132,22 +132,22 @@ PathEnd PathFollower::pursue(LawPoint& point, int longest) {
     const double end = t_ + direction_ * next.step;
     if (pivots > 0 && direction_ == first_direction && t_ * direction_ <= 0 &&
         end * direction_ > 0 && point.cell == first_cell) {
-      return PathEnd::kLoop;
+      return kLoop;
     }
     if (direction_ > 0 && end >= kArrived) {
       t_ = 1;
       basis_.solve_refined(point, target_, 0, r_, refinements(), point.value);
-      return point.value.allFinite() ? PathEnd::kSolved : PathEnd::kSingular;
+      return point.value.allFinite() ? kSolved : kSingular;
     }
-    if (next.slot < 0 || end < kFarBack) return PathEnd::kRay;
-    if (pivots >= longest) return PathEnd::kLong;
-    if (pivots % kPoll == 0 && stop_()) return PathEnd::kStopped;
+    if (next.slot < 0 || end < kFarBack) return kRay;
+    if (pivots >= longest) return kLong;
+    if (pivots % kPoll == 0 && stop_()) return kStopped;
     point.value.noalias() -= (direction_ * next.step) * x_;
     point.value[next.slot] = 0;
     t_ = end;
     last = next.slot;
     const int before = direction_;
-    if (!pivot(point, next.slot)) return PathEnd::kSingular;
+    if (!pivot(point, next.slot)) return kSingular;
     if (since_refresh_ == 0) last = -1;  // factored afresh, columns sorted
     if (direction_ != before) {
       ++counts_.turns;

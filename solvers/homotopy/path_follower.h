@@ -7,20 +7,6 @@
 
 namespace bipot {
 
-enum class PathEnd {
-  kSolved,    ///< t = 1
-  kRay,       ///< nothing blocks, or t fell without bound
-  kLoop,      ///< back at the start, in the same direction
-  kLong,      ///< more pivots than allowed
-  kSingular,  ///< a cell whose matrix is singular to working precision
-  kStopped,   ///< the caller's stop() said so
-};
-
-/// Counts over all paths so far.
-struct PathCounts {
-  int pivots = 0, turns = 0, paths = 0, failed = 0, newton = 0;
-};
-
 /// Follows the piecewise linear path of a proximal problem. With s and u the impulse and the
 /// velocity of a point p of the law's manifold,
 ///
@@ -35,17 +21,30 @@ struct PathCounts {
 /// cell, then to the nearest point of the manifold, as long as |F| decreases.
 class PathFollower {
  public:
+  enum class End {
+    kSolved,    ///< t = 1
+    kRay,       ///< nothing blocks, or t fell without bound
+    kLoop,      ///< back at the start, in the same direction
+    kLong,      ///< more pivots than allowed
+    kSingular,  ///< a cell whose matrix is singular to working precision
+    kStopped,   ///< the caller's stop() said so
+  };
+  using enum End;
+  /// Counts over all paths so far.
+  struct Counts {
+    int pivots = 0, turns = 0, paths = 0, failed = 0, newton = 0;
+  };
   PathFollower(const LawProblem& problem, std::function<bool()> stop);
 
   /// Starts at `point`, which becomes the last point reached. `proximal`: the diagonal of D, m, >
   /// 0. `longest`: largest number of pivots.
-  PathEnd follow(LawPoint& point, const Vector& anchor, const Vector& proximal, int longest);
+  End follow(LawPoint& point, const Vector& anchor, const Vector& proximal, int longest);
 
   /// The turning point with the largest t of the last path, without its bounds; its t, 0 if there
   /// was none.
   double turning_t() const { return turning_t_; }
   const LawPoint& turning_point() const { return turning_point_; }
-  const PathCounts& counts() const { return counts_; }
+  const Counts& counts() const { return counts_; }
 
  private:
   struct Blocking {
@@ -53,8 +52,8 @@ class PathFollower {
     double step = 0;
   };
   double residual(const LawPoint& point, Vector& f);
-  PathEnd approach(LawPoint& point);
-  PathEnd pursue(LawPoint& point, int longest);
+  End approach(LawPoint& point);
+  End pursue(LawPoint& point, int longest);
   int refinements() const;
   bool refresh(LawPoint& point, bool move = true);
   Blocking blocking(const LawPoint& point, int last) const;
@@ -78,7 +77,7 @@ class PathFollower {
   LawPoint turning_point_;
   std::vector<Blocking> nearest_;  // scratch of look_ahead()
   std::vector<CellBasis::Candidate> candidates_;
-  PathCounts counts_;
+  Counts counts_;
 };
 
 }  // namespace bipot

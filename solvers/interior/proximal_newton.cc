@@ -19,14 +19,14 @@ constexpr double kSmallestDelta = 1e-6, kDeltaToGiveUp = 1e2;
 template <int D>
 StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delassus,
                          ShiftedDelassus& shifted, const Vector& mobility, const Vector& start,
-                         InteriorRun& run, const ProximalNewtonOptions& options) {
+                         InteriorRun& run, int max_iterations) {
   const int contacts = p.num_contacts();
   std::vector<double> R(static_cast<std::size_t>(contacts) * D * D);
   Vector anchor = start, s = start, u, g(contacts * D), ds;
-  double delta = options.delta;
+  double delta = 0.1;  // proximal term, in units of W_cc
   double first_residual = 0, last_residual = 0;
   int inner = 0;
-  for (int k = 0; k < options.max_iterations; ++k) {
+  for (int k = 0; k < max_iterations; ++k) {
     delassus.velocity(s, u);
     double residual = 0, scale = 0;  // energies
     for (int c = 0; c < contacts; ++c) {
@@ -81,12 +81,12 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
 
 template StageEnd proximal_newton<1>(const ContactProblem&, const DelassusOperator&,
                                      ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
-                                     const ProximalNewtonOptions&);
+                                     int);
 template StageEnd proximal_newton<2>(const ContactProblem&, const DelassusOperator&,
                                      ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
-                                     const ProximalNewtonOptions&);
+                                     int);
 template StageEnd proximal_newton<3>(const ContactProblem&, const DelassusOperator&,
                                      ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
-                                     const ProximalNewtonOptions&);
+                                     int);
 
 }  // namespace bipot

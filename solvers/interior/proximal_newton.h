@@ -5,11 +5,6 @@
 
 namespace bipot {
 
-struct ProximalNewtonOptions {
-  int max_iterations = 30;  ///< factorisations
-  double delta = 0.1;       ///< first proximal term, in units of W_cc
-};
-
 /// Proximal semismooth Newton from an accurate impulse, the last stage of the interior point.
 /// Contacts that neither move nor carry end there with impulses of the order of the square root of
 /// the last product. Outer loop: anchor s_k; inner Newton on
@@ -19,20 +14,21 @@ struct ProximalNewtonOptions {
 /// with P the projection of Alart and Curnier (1991): s_n on the half-line, then s_t on the disk of
 /// radius mu s_n. The fixed points of the outer loop solve the problem for any delta. The anchor
 /// moves when the inner Newton has converged; delta falls after quick convergence and grows after a
-/// failure. Limit: there is no globalisation; from far away it cycles.
+/// failure. Limit: there is no globalisation; from far away it cycles. `max_iterations`:
+/// factorisations.
 template <int D>
 StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& delassus,
                          ShiftedDelassus& shifted, const Vector& mobility, const Vector& start,
-                         InteriorRun& run, const ProximalNewtonOptions& options);
+                         InteriorRun& run, int max_iterations);
 
 extern template StageEnd proximal_newton<1>(const ContactProblem&, const DelassusOperator&,
                                             ShiftedDelassus&, const Vector&, const Vector&,
-                                            InteriorRun&, const ProximalNewtonOptions&);
+                                            InteriorRun&, int);
 extern template StageEnd proximal_newton<2>(const ContactProblem&, const DelassusOperator&,
                                             ShiftedDelassus&, const Vector&, const Vector&,
-                                            InteriorRun&, const ProximalNewtonOptions&);
+                                            InteriorRun&, int);
 extern template StageEnd proximal_newton<3>(const ContactProblem&, const DelassusOperator&,
                                             ShiftedDelassus&, const Vector&, const Vector&,
-                                            InteriorRun&, const ProximalNewtonOptions&);
+                                            InteriorRun&, int);
 
 }  // namespace bipot

@@ -89,10 +89,10 @@ class GradientIteration final : public GradientKernel {
     }
     return sum / 2;
   }
-  void advance(int iterations, GradientControl& control) override {
+  void advance(int iterations, Control& control) override {
     for (; iterations > 0; --iterations) {
       const double rho = control.step / control.lambda;
-      const GradientProgress progress = project(control.map, rho);
+      const Progress progress = project(control.map, rho);
       const double t = progress.turn > 0 ? 1 : control.t;
       control.t = next_momentum(t);
       extrapolate((t - 1) / control.t);
@@ -108,13 +108,13 @@ class GradientIteration final : public GradientKernel {
  private:
   using Sum = typename Space::Sum;
 
-  GradientProgress project(GradientMap map, double rho) {
+  Progress project(GradientMap map, double rho) {
     if (map == GradientMap::kSplit) return project<GradientMap::kSplit>(rho);
     return map == GradientMap::kFollowed ? project<GradientMap::kFollowed>(rho)
                                          : project<GradientMap::kHeldDisk>(rho);
   }
   template <GradientMap kMap>
-  GradientProgress project(double rho) {
+  Progress project(double rho) {
     Sum turn{}, change2{}, energy{};
     before_.swap(x_);
     for (int c = 0; c < p_.num_contacts(); ++c) {
@@ -155,7 +155,7 @@ struct SpaceSums {
   void add_dot(const A& a, const B& b, Sum& sum) const {
     sum += a.dot(b);
   }
-  GradientProgress total(Sum turn, Sum change2, Sum energy) {
+  GradientKernel::Progress total(Sum turn, Sum change2, Sum energy) {
     double values[3] = {turn, change2, energy};
     space.sum(values);
     return {values[0], values[1], values[2]};
@@ -200,7 +200,7 @@ inline void iterate_gradient(GradientKernel& kernel, MapSchedule schedule, int h
   if (schedule.map() == GradientMap::kFollowed && run.space().any(!start.isZero(0))) {
     kernel.follow(1);
   }
-  GradientControl control{.lambda = lambda, .step = step, .map = schedule.map()};
+  GradientKernel::Control control{.lambda = lambda, .step = step, .map = schedule.map()};
   int since = 0;  // iterations with the present map
   // A step of sigma after the last iteration; before it, since the last judgement.
   bool stepped = false, changed = true;

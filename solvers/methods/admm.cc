@@ -60,8 +60,9 @@ class Resolvent {
   }
   bool factor(const ContactPenalties<D>& penalties) {
     if (!body_) return factor_.factor(shifted(penalties));
-    return factor_.factor(
-        [&](int column, const FrontColumn& to) { body_->add(column, penalties.inverses(), to); });
+    return factor_.factor([&](int column, const FrontalCholesky::Column& to) {
+      body_->add(column, penalties.inverses(), to);
+    });
   }
 
   /// x holds the start of the residual correction.

@@ -37,7 +37,7 @@ void iterate_associated(SolveRun& run, const ContactScaling& scaling) {
   const ContactProblem& p = run.problem();
   SpaceSums sums{run.space()};
   GradientIteration<D, SpaceSums> kernel(p, sums, scaling);
-  GradientControl control{
+  GradientKernel::Control control{
       .lambda = kSpectralMargin * spectral_estimate(run.space(), scaling.velocity),
       .map = GradientMap::kFollowed};  // and sigma = 0
   const double energy = kTheta * run.space().energy_at_rest();

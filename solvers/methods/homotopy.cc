@@ -105,7 +105,7 @@ class Homotopy {
  private:
   int iteration() const { return start_steps_ + follower_.counts().pivots + judged_; }
   std::string counted() const {
-    const PathCounts& n = follower_.counts();
+    const PathFollower::Counts& n = follower_.counts();
     return fmt::format(
         "{} pivots on {} paths ({} turns, {} paths failed), {} Newton steps, {} of apgd", n.pivots,
         n.paths, n.turns, n.failed, n.newton, start_steps_);
@@ -234,9 +234,10 @@ class Homotopy {
       before.bound.resize(0);  // a contact's cell tells them
       const int left = options_.max_iterations - iteration();
       proximal_term(problem_, point, anchor, delta_, proximal_);
-      const PathEnd path = follower_.follow(point, anchor, proximal_, std::min(longest, left));
+      const PathFollower::End path =
+          follower_.follow(point, anchor, proximal_, std::min(longest, left));
       point.impulse(problem_, s);
-      if (path == PathEnd::kSolved) {
+      if (path == PathFollower::kSolved) {
         ++judged_;
         if (judge(s.cwiseProduct(problem_.impulse_unit))) return true;
         const double error = run_.last_error();
@@ -257,7 +258,7 @@ class Homotopy {
         factor = std::max(shrink, shrink * factor);
         continue;
       }
-      if (path == PathEnd::kStopped) return stopped();
+      if (path == PathFollower::kStopped) return stopped();
       if (iteration() >= options_.max_iterations) {
         return end(SolveStatus::kIterationLimit, fmt::format("iteration limit {} reached, {}",
                                                              options_.max_iterations, counted()));

@@ -129,9 +129,8 @@ class Driver {
     return newton(s);
   }
   StageEnd newton(const Vector& s) {
-    ProximalNewtonOptions options{.max_iterations = kPolishSteps};
     return proximal_newton<D>(p_, system_.delassus(), system_.shifted(), system_.mobility(), s,
-                              stages_, options);
+                              stages_, kPolishSteps);
   }
   StageEnd finish_status(const InteriorState<D>& z) {
     if (!polish_) return StageEnd::kLimit;

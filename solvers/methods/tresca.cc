@@ -20,7 +20,7 @@ template <int D>
 void iterate_bounds(SolveRun& run, const ContactScaling& scaling) {
   SpaceSums sums{run.space()};
   GradientIteration<D, SpaceSums> kernel(run.problem(), sums, scaling);
-  GradientControl control{
+  GradientKernel::Control control{
       .lambda = kSpectralMargin * spectral_estimate(run.space(), scaling.velocity),
       .map = GradientMap::kHeldDisk};
   const double accuracy = run.parameters().number("bound_accuracy");

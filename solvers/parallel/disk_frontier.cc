@@ -84,9 +84,10 @@ void DiskFrontier<D>::complete(const DiskTiles<D>& tiles, std::span<const Impuls
 }
 
 template <int D>
-GradientProgress DiskFrontier<D>::total(const DiskTiles<D>& tiles, const GradientProgress& here,
-                                        std::span<const RowOf<D>> now,
-                                        std::span<const RowOf<D>> before) {
+GradientKernel::Progress DiskFrontier<D>::total(const DiskTiles<D>& tiles,
+                                                const GradientKernel::Progress& here,
+                                                std::span<const RowOf<D>> now,
+                                                std::span<const RowOf<D>> before) {
   double values[3] = {here.turn, here.change2, here.energy};
   for (const Shared& shared : shared_) {
     const std::size_t row = to_size(tiles.row(shared.body));

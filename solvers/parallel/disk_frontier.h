@@ -16,7 +16,7 @@ namespace bipot {
 /// rows agree to rounding, and so do iterates and those of one process. (DistributedSpace's own
 /// product has the same bits for any number of processes, but is slower.)
 template <int D>
-class DiskFrontier final : public GradientNeighbours<D> {
+class DiskFrontier final : public TiledGradient<D>::Neighbours {
  public:
   /// The structure of the owned contacts if the vector kernels can handle the whole problem, as all
   /// processes determine together: disks everywhere, and no degree of freedom that every process
@@ -28,8 +28,9 @@ class DiskFrontier final : public GradientNeighbours<D> {
 
   void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
                 std::span<RowOf<D>> momentum) override;
-  GradientProgress total(const DiskTiles<D>& tiles, const GradientProgress& here,
-                         std::span<const RowOf<D>> now, std::span<const RowOf<D>> before) override;
+  GradientKernel::Progress total(const DiskTiles<D>& tiles, const GradientKernel::Progress& here,
+                                 std::span<const RowOf<D>> now,
+                                 std::span<const RowOf<D>> before) override;
 
  private:
   /// A contact of the halo, and the bodies here on which it acts; -1: none.

@@ -68,16 +68,16 @@ void require_one_problem(const ContactProblem& p, const SolverOptions& o, Proces
   require_same(figures, group);
 }
 
-DistributedCounts counts_since(const Traffic& before, const ProblemPiece& piece,
-                               ProcessGroup& group) {
-  const Traffic& now = group.traffic();
+DistributedResult::Counts counts_since(const ProcessGroup::Traffic& before,
+                                       const ProblemPiece& piece, ProcessGroup& group) {
+  const ProcessGroup::Traffic& now = group.traffic();
   double most[5] = {static_cast<double>(now.messages - before.messages),
                     static_cast<double>(now.bytes - before.bytes),
                     static_cast<double>(now.reductions - before.reductions),
                     static_cast<double>(now.reduced_bytes - before.reduced_bytes),
                     static_cast<double>(piece.halo.size())};
   group.largest(most);
-  DistributedCounts counts;
+  DistributedResult::Counts counts;
   counts.processes = group.size();
   const double here[1] = {static_cast<double>(piece.own.num_contacts())};
   const std::vector<double> contacts = group.gather(here);
@@ -119,7 +119,7 @@ DistributedResult distributed_solve(std::string_view name, const ContactProblem&
   DistributedSpace space(piece, group, extra.reproducible, &whole, extra.shared_factor_rows);
   SolverOptions here = options;
   if (options.s0.size() != 0) here.s0 = whole.mine(options.s0);
-  const Traffic before = group.traffic();
+  const ProcessGroup::Traffic before = group.traffic();
   out.result = solve_in(space, require_solver(name), here, watch);
   out.counts = counts_since(before, piece, group);
   out.result.s = whole.join(out.result.s);
@@ -151,7 +151,7 @@ PieceResult distributed_solve(std::string_view name, const ProblemPiece& piece,
   }
   const Stopwatch watch;
   DistributedSpace space(piece, group, extra.reproducible, nullptr, extra.shared_factor_rows);
-  const Traffic before = group.traffic();
+  const ProcessGroup::Traffic before = group.traffic();
   out.result = solve_in(space, require_solver(name), options, watch);
   out.counts = counts_since(before, piece, group);
   space.with_halo(out.result.s, out.with_halo);

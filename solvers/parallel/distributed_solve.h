@@ -18,19 +18,18 @@ struct DistributedOptions {
   int shared_factor_rows = kSharedFactorRows;
 };
 
-/// Counts of a parallel solve, the same on all processes.
-struct DistributedCounts {
-  int processes = 1;
-  double imbalance = 1;   ///< most contacts of a process over their mean
-  int most_contacts = 0;  ///< owned by one process
-  int most_halo = 0;      ///< copies of others' contacts on one process
-  /// Of the solve without its set-up; messages and bytes of the process with the most.
-  Traffic traffic;
-};
-
 struct DistributedResult {
+  /// Counts of a parallel solve, the same on all processes.
+  struct Counts {
+    int processes = 1;
+    double imbalance = 1;   ///< most contacts of a process over their mean
+    int most_contacts = 0;  ///< owned by one process
+    int most_halo = 0;      ///< copies of others' contacts on one process
+    /// Of the solve without its set-up; messages and bytes of the process with the most.
+    ProcessGroup::Traffic traffic;
+  };
   SolveResult result;  ///< s and u of the whole, on every process
-  DistributedCounts counts;
+  Counts counts;
 };
 
 /// solve() (solvers/solve.h) on all processes of the group: the same refusals, statuses and
@@ -54,7 +53,7 @@ struct PieceResult {
   Vector with_halo;  ///< s in the rows of ProblemPiece::with_halo
   std::vector<double>
       everywhere_momentum;  ///< H s in the degrees of freedom that every process has
-  DistributedCounts counts;
+  DistributedResult::Counts counts;
 };
 
 /// The same for a distributed problem, to which each process brings its part. options.s0 has the

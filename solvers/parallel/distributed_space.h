@@ -102,7 +102,7 @@ class DistributedSpace final : public ContactSpace {
   const ProblemPiece& piece_;
   ProcessGroup& group_;
   bool exact_;
-  std::unique_ptr<Exchange> exchange_;
+  std::unique_ptr<ProcessGroup::Exchange> exchange_;
   std::optional<DelassusOperator> packed_;  // where the whole problem is one of disks or spheres
   bool all_packed_ = false;
   Vector inverse_mass_, velocity_;  // of with_halo
@@ -132,7 +132,7 @@ struct ExactSums {
   void add_dot(const A& a, const B& b, Sum& sum) const {
     DistributedSpace::add_products(a, b, sum);
   }
-  GradientProgress total(const Sum& turn, const Sum& change2, const Sum& energy) {
+  GradientKernel::Progress total(const Sum& turn, const Sum& change2, const Sum& energy) {
     ExactSum sums[3] = {turn, change2, energy};
     double values[3];
     space.totals(sums, values);

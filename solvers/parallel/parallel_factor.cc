@@ -45,7 +45,7 @@ struct Order {
 /// a row of its own.
 class FactorGroup {
  public:
-  explicit FactorGroup(Traffic& traffic) : traffic_(traffic) {
+  explicit FactorGroup(ProcessGroup::Traffic& traffic) : traffic_(traffic) {
     MPI_Comm_rank(PETSC_COMM_WORLD, &rank_);
     MPI_Comm_size(PETSC_COMM_WORLD, &processes_);
   }
@@ -213,7 +213,7 @@ class FactorGroup {
     VecDestroy(&right_);
   }
 
-  Traffic& traffic_;
+  ProcessGroup::Traffic& traffic_;
   int rank_ = 0, processes_ = 1, size_ = 0, workspace_ = kFirstWorkspace, sign_ = 1;
   std::vector<int> column_counts_, column_firsts_, entry_counts_, entry_firsts_;
   std::vector<PetscInt> starts_, rows_;
@@ -290,7 +290,8 @@ void serve(FactorGroup& group) {
 
 }  // namespace
 
-void run_with_parallel_factor(const std::function<void(SystemFactor&)>& work, Traffic& traffic) {
+void run_with_parallel_factor(const std::function<void(SystemFactor&)>& work,
+                              ProcessGroup::Traffic& traffic) {
   FactorGroup group(traffic);
   if (group.rank() == 0) {
     lead(group, work);

@@ -12,6 +12,7 @@ namespace bipot {
 /// MATSOLVERMUMPS; Amestoy, Duff, L'Excellent and Koster 2001), whose factor is distributed. The
 /// analysis is reused while the pattern stays. Waiting processes sleep. `traffic` counts messages
 /// from and to the root process, not those of MUMPS.
-void run_with_parallel_factor(const std::function<void(SystemFactor&)>& work, Traffic& traffic);
+void run_with_parallel_factor(const std::function<void(SystemFactor&)>& work,
+                              ProcessGroup::Traffic& traffic);
 
 }  // namespace bipot

@@ -38,14 +38,15 @@ class BlockType {
   MPI_Datatype type_ = MPI_DATATYPE_NULL;
 };
 
-class ForestExchange : public Exchange {
+class ForestExchange : public ProcessGroup::Exchange {
  public:
-  ForestExchange(int originals, std::span<const RemoteItem> copies,
-                 std::shared_ptr<Traffic> traffic)
+  ForestExchange(int originals, std::span<const ProcessGroup::RemoteItem> copies,
+                 std::shared_ptr<ProcessGroup::Traffic> traffic)
       : traffic_(std::move(traffic)) {
     check_petsc(PetscSFCreate(PETSC_COMM_WORLD, &forest_), "PetscSFCreate");
     std::vector<PetscSFNode> remote;
-    for (const RemoteItem& item : copies) remote.push_back({item.owner, item.original});
+    for (const ProcessGroup::RemoteItem& item : copies)
+      remote.push_back({item.owner, item.original});
     check_petsc(PetscSFSetGraph(forest_, originals, static_cast<PetscInt>(remote.size()), nullptr,
                                 PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES),
                 "PetscSFSetGraph");
@@ -104,7 +105,7 @@ class ForestExchange : public Exchange {
   }
 
   PetscSF forest_ = nullptr;
-  std::shared_ptr<Traffic> traffic_;
+  std::shared_ptr<ProcessGroup::Traffic> traffic_;
   Outgoing copies_out_, sums_out_;
   std::vector<std::unique_ptr<BlockType>> types_;
 };
@@ -242,8 +243,8 @@ class PetscGroup : public ProcessGroup {
     }
     return {};
   }
-  std::unique_ptr<Exchange> make_exchange(int originals,
-                                          std::span<const RemoteItem> copies) override {
+  std::unique_ptr<ProcessGroup::Exchange> make_exchange(
+      int originals, std::span<const ProcessGroup::RemoteItem> copies) override {
     return std::make_unique<ForestExchange>(originals, copies, traffic_);
   }
   void run_on_root(const std::function<void(SystemFactor&)>& work) override {

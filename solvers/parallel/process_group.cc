@@ -5,9 +5,9 @@
 namespace bipot {
 namespace {
 
-class LoneExchange : public Exchange {
+class LoneExchange : public ProcessGroup::Exchange {
  public:
-  explicit LoneExchange(std::span<const RemoteItem> copies)
+  explicit LoneExchange(std::span<const ProcessGroup::RemoteItem> copies)
       : copies_(copies.begin(), copies.end()) {}
 
   void copy(std::span<const double> originals, std::span<double> copies, int block) override {
@@ -30,7 +30,7 @@ class LoneExchange : public Exchange {
   std::size_t original(std::size_t k, int i, int block) const {
     return place(to_size(copies_[k].original), i, block);
   }
-  std::vector<RemoteItem> copies_;
+  std::vector<ProcessGroup::RemoteItem> copies_;
 };
 
 class LoneProcess : public ProcessGroup {
@@ -45,7 +45,8 @@ class LoneProcess : public ProcessGroup {
   }
   std::vector<Buffer> deliver(std::vector<Buffer> buffers) override { return buffers; }
   std::string first_text(const std::string& mine) override { return mine; }
-  std::unique_ptr<Exchange> make_exchange(int, std::span<const RemoteItem> copies) override {
+  std::unique_ptr<ProcessGroup::Exchange> make_exchange(
+      int, std::span<const ProcessGroup::RemoteItem> copies) override {
     return std::make_unique<LoneExchange>(copies);
   }
   void run_on_root(const std::function<void(SystemFactor&)>& work) override {

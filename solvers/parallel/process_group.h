@@ -12,48 +12,8 @@
 
 namespace bipot {
 
-/// Messages of one process and number of collective calls. Counted, not measured: the same on every
-/// machine.
-struct Traffic {
-  std::int64_t messages = 0;       ///< to single other processes
-  std::int64_t bytes = 0;          ///< in these
-  std::int64_t reductions = 0;     ///< in which all take part
-  std::int64_t reduced_bytes = 0;  ///< part of this process in them
-
-  /// Adds the difference of two readings.
-  void add_since(const Traffic& before, const Traffic& now) {
-    messages += now.messages - before.messages;
-    bytes += now.bytes - before.bytes;
-    reductions += now.reductions - before.reductions;
-    reduced_bytes += now.reduced_bytes - before.reduced_bytes;
-  }
-};
-
-/// An item that is here as a copy of one that belongs to a process.
-struct RemoteItem {
-  int owner = 0;     ///< rank
-  int original = 0;  ///< the item's number among the owner's originals
-};
-
 /// Message for one process, or from one, of any length.
 using Buffer = std::vector<double>;
-
-/// Exchange of items that have one original each, with its owner, and copies on other processes.
-/// Collective: every process of the group calls, with the same block.
-class Exchange {
- public:
-  virtual ~Exchange() = default;
-  Exchange(const Exchange&) = delete;
-  Exchange& operator=(const Exchange&) = delete;
-
-  /// Each copy is set to its original. `block` values for each item.
-  virtual void copy(std::span<const double> originals, std::span<double> copies, int block) = 0;
-  /// Each copy is added to its original, in an order that depends on the graph alone.
-  virtual void add(std::span<const double> copies, std::span<double> originals, int block) = 0;
-
- protected:
-  Exchange() = default;
-};
 
 /// The processes that work on one problem. There are two implementations: for a single process,
 /// without effect (lone_process()), and on MPI through PETSc (petsc_group.h), the only code that
@@ -61,6 +21,43 @@ class Exchange {
 /// rank, so that the same processes get the same bits again, all of them the same.
 class ProcessGroup {
  public:
+  /// Messages of one process and number of collective calls. Counted, not measured: the same on
+  /// every machine.
+  struct Traffic {
+    std::int64_t messages = 0;       ///< to single other processes
+    std::int64_t bytes = 0;          ///< in these
+    std::int64_t reductions = 0;     ///< in which all take part
+    std::int64_t reduced_bytes = 0;  ///< part of this process in them
+
+    /// Adds the difference of two readings.
+    void add_since(const Traffic& before, const Traffic& now) {
+      messages += now.messages - before.messages;
+      bytes += now.bytes - before.bytes;
+      reductions += now.reductions - before.reductions;
+      reduced_bytes += now.reduced_bytes - before.reduced_bytes;
+    }
+  };
+  /// An item that is here as a copy of one that belongs to a process.
+  struct RemoteItem {
+    int owner = 0;     ///< rank
+    int original = 0;  ///< the item's number among the owner's originals
+  };
+  /// Exchange of items that have one original each, with its owner, and copies on other processes.
+  /// Collective: every process of the group calls, with the same block.
+  class Exchange {
+   public:
+    virtual ~Exchange() = default;
+    Exchange(const Exchange&) = delete;
+    Exchange& operator=(const Exchange&) = delete;
+
+    /// Each copy is set to its original. `block` values for each item.
+    virtual void copy(std::span<const double> originals, std::span<double> copies, int block) = 0;
+    /// Each copy is added to its original, in an order that depends on the graph alone.
+    virtual void add(std::span<const double> copies, std::span<double> originals, int block) = 0;
+
+   protected:
+    Exchange() = default;
+  };
   virtual ~ProcessGroup() = default;
   ProcessGroup(const ProcessGroup&) = delete;
   ProcessGroup& operator=(const ProcessGroup&) = delete;

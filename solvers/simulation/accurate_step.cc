@@ -78,6 +78,7 @@ struct PartError {
   bool hit = false;  // it had an impact
 
   double smooth() const { return std::max(drift, acceleration); }
+  const char* smooth_kind() const { return drift > acceleration ? "drift" : "acceleration"; }
 };
 
 }  // namespace
@@ -111,11 +112,45 @@ struct AccurateStepper<D>::Inside {
            options.on_failure == OnFailure::kUnlessUnsolvable;
   }
 
+  /// A step under way.
+  struct Step {
+    Step(const Scene<D>& scene, const State<D>& state)
+        : start(state),
+          now(state),
+          shortest(scene.step),
+          last(scene.step),
+          smooth(kFirst * scene.step) {
+      cut.smallest = kInfinity;
+    }
+    const State<D> start;
+    State<D> now;
+    SummedParts<D> sums;
+    StepParts cut;
+    double done = 0;                    // time of the parts so far
+    double shortest;                    // of all parts
+    double last;                        // size of the last one, of its impulses
+    double smooth;                      // size that smooth motion allows
+    std::string smooth_by = "none";     // why
+    double shrink = 1;                  // after rejected parts
+    std::string shrunk_by;              // why
+    std::optional<Accelerations<D>> a;  // of the last part, if it had no impact
+  };
+  struct Part {
+    double h;
+    bool ends;       // the step, or a time of a scheduled change
+    std::string by;  // what limits it
+  };
+
   std::string impact(const State<D>& state, int i, int j) const;
   std::string place(const State<D>& now, const std::vector<Closing<D>>& closing, double& h) const;
   PartError measure(const State<D>& before, const State<D>& after, double h, double last,
                     const std::optional<Accelerations<D>>& a_before,
                     const Accelerations<D>& a_after);
+  Part next_part(const Step& step);
+  std::string take(const Step& step, double h, State<D>& next, StepReport<D>& report);
+  bool rejects(const PartError& error, double h, const State<D>& next, Step& step) const;
+  void go_on(const Part& taken, const PartError& error, const Accelerations<D>& a,
+             Step& step) const;
   StepReport<D> advance(State<D>& state);
 };
 
@@ -220,135 +255,151 @@ PartError AccurateStepper<D>::Inside::measure(const State<D>& before, const Stat
   return error;
 }
 
+/// The size of the next part, and what limits it.
+template <int D>
+auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
+  const double whole = scene.step, smallest = kSmallest * whole;
+  const State<D>& now = step.now;
+  if (is_over()) {
+    throw StepFailure(StepFailure::Kind::kCutShort, step.start, "ended within the step");
+  }
+  const double left =
+      std::min(whole - step.done, next_change(scene, now.time, kEnd * whole) - now.time);
+  double h = std::min(step.smooth, left);
+  const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time + 0.5 * h);
+  Accelerations<D> without_contacts;
+  if (!step.a) without_contacts = free_accelerations(scene, now, walls);
+  const std::vector<Closing<D>> closing =
+      closings.find(now, walls, step.a ? *step.a : without_contacts, now.contacts, h);
+  std::string by = place(now, closing, h);
+  if (by.empty()) by = h == step.smooth ? step.smooth_by : "none";
+  if (step.shrink < 1) {
+    h *= step.shrink;
+    by = step.shrunk_by;
+  }
+  const bool ends = h >= left * (1 - kEnd);
+  if (ends) h = left;
+  if (h < smallest && !ends) {
+    throw StepFailure(StepFailure::Kind::kInvalidInput, step.start,
+                      fmt::format("accuracy = {:g} asks for a part of {:.3g} s ({}), shorter than "
+                                  "the step / 2^20: give a larger accuracy or a shorter step",
+                                  scene.accuracy, h, by));
+  }
+  return {h, ends, by};
+}
+
+/// Takes a part; `next` is the state after it. The reason if it failed and is to be halved, else
+/// empty.
+template <int D>
+std::string AccurateStepper<D>::Inside::take(const Step& step, double h, State<D>& next,
+                                             StepReport<D>& report) {
+  const bool halves = 0.5 * h >= kSmallest * scene.step;
+  scale_impulses(next.contacts, h / step.last);
+  part.step = h;
+  try {
+    report = stepper.advance(next);
+    if (report.converged || takes_unsolved()) return {};
+    if (options.on_failure == OnFailure::kStop || !halves) {
+      throw StepFailure(StepFailure::Kind::kNotConverged, step.start, report.message);
+    }
+    return report.message;
+  } catch (const StepFailure& failure) {
+    const bool again = failure.kind == StepFailure::Kind::kPassage ||
+                       (failure.kind == StepFailure::Kind::kNumerical &&
+                        options.on_failure == OnFailure::kSmallerStep);
+    if (!again || !halves) throw;
+    return failure.what();
+  }
+}
+
+/// True if the part misses the accuracy: the next attempt is shorter.
+template <int D>
+bool AccurateStepper<D>::Inside::rejects(const PartError& error, double h, const State<D>& next,
+                                         Step& step) const {
+  if (error.misplaced > kSlack) {
+    ++step.cut.misplacing;
+    step.shrink *= std::clamp(0.8 / error.misplaced, 0.1, 0.7);
+    step.shrunk_by = impact(next, error.i, error.j);
+    return true;
+  }
+  if (error.smooth() <= kSlack) return false;
+  ++(error.drift > error.acceleration ? step.cut.drifting : step.cut.accelerating);
+  step.smooth = h * std::max(kDrop, kAim / error.smooth());
+  step.smooth_by = error.smooth_kind();
+  return true;
+}
+
+/// Goes on after a part: counts, and the size that smooth motion allows for the next one.
+template <int D>
+void AccurateStepper<D>::Inside::go_on(const Part& taken, const PartError& error,
+                                       const Accelerations<D>& a, Step& step) const {
+  const double whole = scene.step, x = scene.accuracy, h = taken.h;
+  step.done = h == whole - step.done ? whole : step.done + h;
+  step.now.time = step.start.time + step.done;
+  step.now.step = step.start.step;
+  step.last = h;
+  step.shortest = std::min(step.shortest, h);
+  StepParts& cut = step.cut;
+  if (!taken.ends && h < cut.smallest) {
+    cut.smallest = h;
+    cut.limited_by = taken.by;
+  }
+  cut.misplaced = std::max(cut.misplaced, x * error.misplaced);
+  cut.misplaced_sum += x * error.misplaced;
+  step.shrink = 1;
+  step.a.reset();
+  if (error.hit) return;
+  step.a = a;
+  if (error.smooth() > kAim) {
+    step.smooth = h * kAim / error.smooth();
+    step.smooth_by = error.smooth_kind();
+  } else if (h >= 0.5 * std::min(step.smooth, whole)) {
+    const double growth = std::sqrt(kAim / std::max(error.smooth(), 1e-3));
+    step.smooth = std::min(whole, h * std::min(kGrowth, growth));
+    step.smooth_by = growth < kGrowth && step.smooth < whole ? error.smooth_kind() : "none";
+  }
+}
+
 template <int D>
 StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
-  using Kind = StepFailure::Kind;
-  const double whole = scene.step, x = scene.accuracy, smallest = kSmallest * whole;
-  State<D> now = with_changed_population(scene, state);
-  const State<D> start = now;
+  Step step(scene, with_changed_population(scene, state));
   if (scene.has_gates()) closings.forget();
-  SummedParts<D> sums;
-  StepParts cut;
-  cut.smallest = kInfinity;
-  double shortest = whole;        // of all parts
-  double done = 0, last = whole;  // time of the parts so far; size of the last one, of its impulses
-  double smooth = kFirst * whole;     // size that smooth motion allows
-  std::string smooth_by = "none";     // why
-  double shrink = 1;                  // after rejected parts
-  std::string shrunk_by;              // why
-  std::optional<Accelerations<D>> a;  // of the last part, if it had no impact
-  while (done < whole) {
-    if (is_over()) throw StepFailure(Kind::kCutShort, start, "ended within the step");
-    const double left =
-        std::min(whole - done, next_change(scene, now.time, kEnd * whole) - now.time);
-    double h = std::min(smooth, left);
-    const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time + 0.5 * h);
-    Accelerations<D> without_contacts;
-    if (!a) without_contacts = free_accelerations(scene, now, walls);
-    const std::vector<Closing<D>> closing =
-        closings.find(now, walls, a ? *a : without_contacts, now.contacts, h);
-    std::string by = place(now, closing, h);
-    if (by.empty()) by = h == smooth ? smooth_by : "none";
-    if (shrink < 1) {
-      h *= shrink;
-      by = shrunk_by;
-    }
-    const bool ends = h >= left * (1 - kEnd);
-    if (ends) h = left;
-    if (h < smallest && !ends) {
-      throw StepFailure(
-          Kind::kInvalidInput, start,
-          fmt::format("accuracy = {:g} asks for a part of {:.3g} s ({}), shorter than "
-                      "the step / 2^20: give a larger accuracy or a shorter step",
-                      x, h, by));
-    }
-
-    State<D> next = now;
-    scale_impulses(next.contacts, h / last);
-    part.step = h;
+  while (step.done < scene.step) {
+    const Part chosen = next_part(step);
+    State<D> next = step.now;
     StepReport<D> report;
-    std::string failed;
-    try {
-      report = stepper.advance(next);
-      if (!report.converged && !takes_unsolved()) {
-        failed = report.message;
-        if (options.on_failure == OnFailure::kStop || 0.5 * h < smallest) {
-          throw StepFailure(Kind::kNotConverged, start, failed);
-        }
-      }
-    } catch (const StepFailure& failure) {
-      const bool again =
-          failure.kind == Kind::kPassage ||
-          (failure.kind == Kind::kNumerical && options.on_failure == OnFailure::kSmallerStep);
-      if (!again || 0.5 * h < smallest) throw;
-      failed = failure.what();
-    }
-    if (!failed.empty()) {
-      sums.add_rejected(report);
-      ++cut.failed;
-      shrink *= 0.5;
-      shrunk_by = "failure";
+    if (const std::string failed = take(step, chosen.h, next, report); !failed.empty()) {
+      step.sums.add_rejected(report);
+      ++step.cut.failed;
+      step.shrink *= 0.5;
+      step.shrunk_by = "failure";
       continue;
     }
-
-    const Accelerations<D> a_next = mean_accelerations(now, next, h);
-    const PartError error = measure(now, next, h, done > 0 ? last : kFirst * whole, a, a_next);
-    const char* const smooth_kind = error.drift > error.acceleration ? "drift" : "acceleration";
-    if (error.misplaced > kSlack) {
-      sums.add_rejected(report);
-      ++cut.misplacing;
-      shrink *= std::clamp(0.8 / error.misplaced, 0.1, 0.7);
-      shrunk_by = impact(next, error.i, error.j);
+    const Accelerations<D> a = mean_accelerations(step.now, next, chosen.h);
+    const double last = step.done > 0 ? step.last : kFirst * scene.step;
+    const PartError error = measure(step.now, next, chosen.h, last, step.a, a);
+    if (rejects(error, chosen.h, next, step)) {
+      step.sums.add_rejected(report);
       continue;
     }
-    if (error.smooth() > kSlack) {
-      sums.add_rejected(report);
-      ++(error.drift > error.acceleration ? cut.drifting : cut.accelerating);
-      smooth = h * std::max(kDrop, kAim / error.smooth());
-      smooth_by = smooth_kind;
-      continue;
-    }
-
-    done = h == whole - done ? whole : done + h;
-    next.time = start.time + done;
-    next.step = start.step;
-    now = std::move(next);
-    sums.add(report, now.contacts);
-    last = h;
-    shortest = std::min(shortest, h);
-    if (!ends && h < cut.smallest) {
-      cut.smallest = h;
-      cut.limited_by = by;
-    }
-    cut.misplaced = std::max(cut.misplaced, x * error.misplaced);
-    cut.misplaced_sum += x * error.misplaced;
-    shrink = 1;
-    a.reset();
-    if (error.hit) continue;
-    a = a_next;
-    if (error.smooth() > kAim) {
-      smooth = h * kAim / error.smooth();
-      smooth_by = smooth_kind;
-    } else if (h >= 0.5 * std::min(smooth, whole)) {
-      const double growth = std::sqrt(kAim / std::max(error.smooth(), 1e-3));
-      smooth = std::min(whole, h * std::min(kGrowth, growth));
-      smooth_by = growth < kGrowth && smooth < whole ? smooth_kind : "none";
-    }
+    step.now = std::move(next);
+    go_on(chosen, error, a, step);
+    step.sums.add(report, step.now.contacts);
   }
-  cut.parts = sums.count();
-  if (!std::isfinite(cut.smallest)) {
-    cut.smallest = shortest;
-    cut.limited_by = "none";
+  step.cut.parts = step.sums.count();
+  if (!std::isfinite(step.cut.smallest)) {
+    step.cut.smallest = step.shortest;
+    step.cut.limited_by = "none";
   }
-  const std::vector<ContactOutcome<D>> of_last_part = now.contacts;
-  StepReport<D> report = sums.finish(start, whole, now);
-  for (ContactOutcome<D>& c : now.contacts) {
+  const std::vector<ContactOutcome<D>> of_last_part = step.now.contacts;
+  StepReport<D> report = step.sums.finish(step.start, scene.step, step.now);
+  for (ContactOutcome<D>& c : step.now.contacts) {
     if (find_pair(of_last_part, c.contact.i, c.contact.j) == nullptr) {
       c.status = ContactStatus::kTakeOff;
     }
   }
-  report.cut = std::move(cut);
-  state = std::move(now);
+  report.cut = std::move(step.cut);
+  state = std::move(step.now);
   return report;
 }
 

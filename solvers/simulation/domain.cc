@@ -26,8 +26,9 @@ DomainCounts largest_counts(const DomainCounts& mine, ProcessGroup& group) {
   std::vector<double> numbers = {
       static_cast<double>(mine.most_bodies), static_cast<double>(mine.most_ghosts),
       static_cast<double>(mine.most_contacts), static_cast<double>(mine.most_halo)};
-  Traffic* const traffics[] = {&all.detection, &all.solve, &all.migration, &all.gathering};
-  for (const Traffic* t : traffics) {
+  ProcessGroup::Traffic* const traffics[] = {&all.detection, &all.solve, &all.migration,
+                                             &all.gathering};
+  for (const ProcessGroup::Traffic* t : traffics) {
     for (const std::int64_t n : {t->messages, t->bytes, t->reductions, t->reduced_bytes}) {
       numbers.push_back(static_cast<double>(n));
     }
@@ -37,7 +38,7 @@ DomainCounts largest_counts(const DomainCounts& mine, ProcessGroup& group) {
   for (int* n : {&all.most_bodies, &all.most_ghosts, &all.most_contacts, &all.most_halo}) {
     *n = static_cast<int>(*next++);
   }
-  for (Traffic* t : traffics) {
+  for (ProcessGroup::Traffic* t : traffics) {
     for (std::int64_t* n : {&t->messages, &t->bytes, &t->reductions, &t->reduced_bytes}) {
       *n = static_cast<std::int64_t>(*next++);
     }
@@ -59,7 +60,7 @@ Domain<D>::Domain(const Scene<D>& scene, const State<D>& whole, ProcessGroup& gr
 
 template <int D>
 Midpoint<D> Domain<D>::midpoint() {
-  const Traffic before = group_.traffic();
+  const ProcessGroup::Traffic before = group_.traffic();
   local_ = with_ghosts(scene_, state_, group_);
   Midpoint<D> mid = free_midpoint(scene_, local_.state);
   release(local_.state.bodies);  // mid-step has them
@@ -142,7 +143,7 @@ void Domain<D>::number(Contact<D>& contact) const {
 
 template <int D>
 void Domain<D>::settle() {
-  const Traffic before = group_.traffic();
+  const ProcessGroup::Traffic before = group_.traffic();
   counts_.solve.add_since(detected_, before);
   ++counts_.steps;
   local_ = {};
@@ -164,7 +165,7 @@ void Domain<D>::settle() {
 
 template <int D>
 State<D> Domain<D>::gather() {
-  const Traffic before = group_.traffic();
+  const ProcessGroup::Traffic before = group_.traffic();
   State<D> whole = gather_state(state_, group_);
   counts_.gathering.add_since(before, group_.traffic());
   ++counts_.gathers;

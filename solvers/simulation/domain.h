@@ -27,11 +27,11 @@ struct DomainCounts {
   int most_bodies = 0, most_ghosts = 0, most_contacts = 0, most_halo = 0;  ///< in a step
   /// Bodies and contacts of the process with the most, over their mean, largest of the steps.
   double imbalance = 1;
-  Traffic detection;  ///< ghosts, numbers and places of contacts
-  Traffic solve;      ///< with assembly and the sums after it
-  Traffic migration;  ///< and new cells
-  int gathers = 0;    ///< of the whole state
-  Traffic gathering;
+  ProcessGroup::Traffic detection;  ///< ghosts, numbers and places of contacts
+  ProcessGroup::Traffic solve;      ///< with assembly and the sums after it
+  ProcessGroup::Traffic migration;  ///< and new cells
+  int gathers = 0;                  ///< of the whole state
+  ProcessGroup::Traffic gathering;
 };
 /// The largest of all processes for each entry; migrated bodies are summed. Collective.
 DomainCounts largest_counts(const DomainCounts& mine, ProcessGroup& group);
@@ -90,7 +90,7 @@ class Domain final : public Neighbours<D> {
   std::unique_ptr<DomainPiece> last_;  // of the last step
   PieceResult solved_;
   DomainCounts counts_;
-  Traffic detected_;  // reading after the detection of this step
+  ProcessGroup::Traffic detected_;  // reading after the detection of this step
 };
 
 }  // namespace bipot

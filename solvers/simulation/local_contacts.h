@@ -13,12 +13,13 @@ namespace bipot {
 /// that touch a body of its own or of its own contacts.
 template <int D>
 struct LocalContacts {
-  std::vector<Contact<D>> own;     ///< i and j: positions in LocalBodies, j = its size + wall
-  std::vector<Contact<D>> all;     ///< own ones and halo, likewise
-  std::vector<int> owned, halo;    ///< places in `all`
-  std::vector<int> number;         ///< of each own one in the whole
-  std::vector<RemoteItem> copies;  ///< owner of each halo contact, and its position there
-  int whole = 0;                   ///< of all processes
+  std::vector<Contact<D>> own;   ///< i and j: positions in LocalBodies, j = its size + wall
+  std::vector<Contact<D>> all;   ///< own ones and halo, likewise
+  std::vector<int> owned, halo;  ///< places in `all`
+  std::vector<int> number;       ///< of each own one in the whole
+  std::vector<ProcessGroup::RemoteItem>
+      copies;     ///< owner of each halo contact, and its position there
+  int whole = 0;  ///< of all processes
 };
 
 /// Finds the contacts among these bodies, own ones with the bits of detect_contacts() on the whole

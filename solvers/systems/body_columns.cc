@@ -15,7 +15,8 @@ BodyPattern BodyColumns::pattern() const {
 }
 
 template <int D>
-void BodyColumns::add_contacts(int j, const double* blocks, const FrontColumn& to) const {
+void BodyColumns::add_contacts(int j, const double* blocks,
+                               const FrontalCholesky::Column& to) const {
   const SparseMatrix& H = problem_.H;
   for (int k = contacts_.start[to_size(j)]; k < contacts_.start[to_size(j) + 1]; ++k) {
     const int c = contacts_.contact[to_size(k)];
@@ -38,7 +39,7 @@ void BodyColumns::add_contacts(int j, const double* blocks, const FrontColumn& t
   }
 }
 
-void BodyColumns::add(int j, const double* blocks, const FrontColumn& to) const {
+void BodyColumns::add(int j, const double* blocks, const FrontalCholesky::Column& to) const {
   for (SparseMatrix::InnerIterator it(problem_.A, j); it; ++it) {
     const int row = static_cast<int>(it.row());
     if (to.takes(row)) to[row] += it.value();

@@ -21,7 +21,7 @@ class BodyColumns {
   BodyPattern pattern() const;
   /// Adds the entries of column j that `to` takes, for the blocks of R, row-major, contact after
   /// contact.
-  void add(int j, const double* blocks, const FrontColumn& to) const;
+  void add(int j, const double* blocks, const FrontalCholesky::Column& to) const;
 
   /// g = G s: m -> n. No allocation if g has its size.
   void momentum(const Vector& s, Vector& g) const;
@@ -41,7 +41,7 @@ class BodyColumns {
 
  private:
   template <int D>
-  void add_contacts(int j, const double* blocks, const FrontColumn& to) const;
+  void add_contacts(int j, const double* blocks, const FrontalCholesky::Column& to) const;
 
   const ContactProblem& problem_;
   const Vector& scale_;

@@ -94,7 +94,7 @@ void sweeps(const ContactProblem& p) {
   for (const GradientMap map : {GradientMap::kSplit, GradientMap::kFollowed}) {
     TiledGradient<D> gradient(p, bodies, scaling, {});
     gradient.reset(zero);
-    GradientControl control{.lambda = 2, .map = map};
+    GradientKernel::Control control{.lambda = 2, .map = map};
     gradient.advance(40, control);
     const bool followed = map == GradientMap::kFollowed;
     if (followed) {

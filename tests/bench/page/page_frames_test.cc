@@ -50,12 +50,12 @@ class Unpacker {
   }
 
   bool at_end() const { return next_ == bytes_.size(); }
-  const FilmWidths& widths() const { return widths_; }
+  const FilmFrame::Widths& widths() const { return widths_; }
 
  private:
   std::string bytes_;
   std::size_t next_ = 0;
-  FilmWidths widths_;
+  FilmFrame::Widths widths_;
 };
 
 template <class T, class Key>
@@ -85,7 +85,7 @@ std::vector<FilmFrame> unpacked(const std::string& bytes, std::size_t bodies, in
   in.planes<std::uint32_t>(bodies);
   std::vector<FilmFrame> frames;
   FilmFrame before;
-  const FilmWidths& w = in.widths();
+  const FilmFrame::Widths& w = in.widths();
   for (const FilmFrame& model : like) {
     FilmFrame now;
     if (gates) {
@@ -136,7 +136,7 @@ std::vector<FilmFrame> unpacked(const std::string& bytes, std::size_t bodies, in
 
 /// Frames in which bodies come and go and contacts change, with all values of the codes.
 std::vector<FilmFrame> random_frames(int dim, bool gates) {
-  const FilmWidths w(dim);
+  const FilmFrame::Widths w(dim);
   std::mt19937 random(7);
   const auto codes = [&](std::size_t count) {
     std::vector<std::uint16_t> values(count);

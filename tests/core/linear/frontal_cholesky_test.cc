@@ -66,7 +66,7 @@ TEST(FrontalCholesky, RefusesIndefiniteAndNonFiniteMatricesAndRecovers) {
 
 TEST(FrontalCholesky, FactorsNoColumnsBeforeAnAnalysis) {
   FrontalCholesky factor;
-  EXPECT_THROW((void)factor.factor([](int, const FrontColumn&) {}), std::logic_error);
+  EXPECT_THROW((void)factor.factor([](int, const FrontalCholesky::Column&) {}), std::logic_error);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ TEST(FrontalLU, SolvesForSeveralRightSidesAtOnce) {
     Vector alone;
     std::array<Vector, kRightSides> first, found;
     for (int count = 1; count <= kRightSides; ++count) {
-      SparseColumns B;
+      FrontalLU::Columns B;
       Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, count);
       for (int c = 0; c < count; ++c) {
         for (int i = c % n; i < n; i += c % 2 == 0 ? n : 1) {
@@ -85,13 +85,13 @@ TEST(FrontalLU, SolvesForSeveralRightSidesAtOnce) {
         EXPECT_EQ(x, first[to_size(c)]) << side << " " << count << " " << c;
       }
     }
-    SparseColumns many;
+    FrontalLU::Columns many;
     for (int c = 0; c <= kRightSides; ++c) many.end_column();
     EXPECT_THROW(lu.solve(many, found.data()), std::logic_error);
   }
   const FrontalLU none;
   Vector x;
-  EXPECT_THROW(none.solve(SparseColumns{}, &x), std::logic_error);
+  EXPECT_THROW(none.solve(FrontalLU::Columns{}, &x), std::logic_error);
 }
 
 /// Every length and count up to some beyond the blocks, against plain loops.
@@ -291,16 +291,16 @@ TEST(FrontalLU, DoesNotDependOnUnits) {
 }
 
 /// A matrix as its columns and rows give it, line by line.
-class GridByLines final : public MatrixByLines {
+class GridByLines final : public FrontalLU::MatrixByLines {
  public:
   explicit GridByLines(SparseMatrix matrix) : matrix_(std::move(matrix)), rows_(matrix_) {}
   double diagonal(int j) const override { return matrix_.coeff(j, j); }
-  void add_column(int j, FrontLine& to) const override {
+  void add_column(int j, FrontalLU::Line& to) const override {
     for (SparseMatrix::InnerIterator it(matrix_, j); it; ++it) {
       to.add(static_cast<int>(it.row()), it.value());
     }
   }
-  void add_row(int i, FrontLine& to) const override {
+  void add_row(int i, FrontalLU::Line& to) const override {
     for (SparseRows::InnerIterator it(rows_, i); it; ++it) {
       if (to.takes(static_cast<int>(it.col()))) to.add(static_cast<int>(it.col()), it.value());
     }

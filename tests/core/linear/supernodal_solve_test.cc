@@ -16,7 +16,7 @@ namespace {
 struct GivenSupernodes {
   std::deque<std::vector<int>> rows;
   std::deque<std::vector<double>> values;
-  std::vector<Supernode> nodes;
+  std::vector<SupernodalSolve::Supernode> nodes;
   Eigen::MatrixXd L;
 
   GivenSupernodes(const std::vector<int>& widths, double coupling, unsigned seed) {
@@ -58,11 +58,11 @@ void expect_inverse(double coupling, double tolerance) {
                                          {2, 2}}) {
     const GivenSupernodes made(widths, coupling, 7);
     std::size_t entries = 0;
-    for (const Supernode& node : made.nodes) {
+    for (const SupernodalSolve::Supernode& node : made.nodes) {
       entries += SupernodalSolve::num_entries(node.columns, node.rows);
     }
     solve.begin(static_cast<int>(made.L.rows()), entries);
-    for (const Supernode& node : made.nodes) solve.add(node);
+    for (const SupernodalSolve::Supernode& node : made.nodes) solve.add(node);
     PortableRandom draw(3);
     Vector x(made.L.rows());
     for (double& value : x) value = draw.symmetric();

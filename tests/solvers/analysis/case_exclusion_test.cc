@@ -78,12 +78,13 @@ TEST(CaseExclusion, NoSolverFindsWhatIsExcluded) {
 
 TEST(CaseExclusion, TheCheckRefusesWhatDoesNotHold) {
   const ContactProblem p = between_walls(-1, -2);
-  const std::vector<CaseStatus> any(2, CaseStatus::kAny);
+  const std::vector<CaseExclusion::Status> any(2, CaseExclusion::kAny);
   EXPECT_GT(reach_of_exclusion(p, {any, Eigen::Vector2d(1, 1)}), 1e16);
   // u_n >= 0 says nothing of -u_n; where u_n = 0 it does, but y·W e = -2 leaves y·w = 1 > 0.
   EXPECT_EQ(reach_of_exclusion(p, {any, Eigen::Vector2d(-1, 1)}), 0);
-  EXPECT_EQ(reach_of_exclusion(p, {{CaseStatus::kRight, CaseStatus::kAny}, Eigen::Vector2d(1, -1)}),
-            0);
+  EXPECT_EQ(
+      reach_of_exclusion(p, {{CaseExclusion::kRight, CaseExclusion::kAny}, Eigen::Vector2d(1, -1)}),
+      0);
   // y = (1, 0): the rates are 1 and -1, y·w = -1, |w| = sqrt(5): s_1 >= 1 solves what y sees.
   EXPECT_NEAR(reach_of_exclusion(p, {any, Eigen::Vector2d(1, 0)}), 1 / std::sqrt(5.0), 1e-12);
   EXPECT_EQ(reach_of_exclusion(p, {any, Eigen::Vector2d(kNaN, 0)}), 0);
@@ -93,8 +94,9 @@ TEST(CaseExclusion, TheCheckRefusesWhatDoesNotHold) {
   const ContactProblem q = manufactured_problem(2, 1, 1, 1, 0.5).problem;
   const double sign = q.u_free[1] < 0 ? 1 : -1;
   const Vector y = Eigen::Vector2d(0, sign);
-  EXPECT_EQ(reach_of_exclusion(q, {{CaseStatus::kOpen}, y}), 0);
-  EXPECT_EQ(reach_of_exclusion(q, {{sign > 0 ? CaseStatus::kLeft : CaseStatus::kRight}, y}), 0);
+  EXPECT_EQ(reach_of_exclusion(q, {{CaseExclusion::kOpen}, y}), 0);
+  EXPECT_EQ(reach_of_exclusion(q, {{sign > 0 ? CaseExclusion::kLeft : CaseExclusion::kRight}, y}),
+            0);
 }
 
 }  // namespace

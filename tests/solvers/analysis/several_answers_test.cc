@@ -33,7 +33,7 @@ TEST(SeveralAnswers, FindsThoseOfAPainleveContact) {
     EXPECT_GE(known(several, answer.impulse.s), 0);
     EXPECT_LE(answer.impulse.error.guarded(), 1e-11);
     EXPECT_FALSE(answer.starts.empty());
-    EXPECT_NE(answer.kind, AnswerKind::kFamily);
+    EXPECT_NE(answer.kind, Answer::Kind::kFamily);
   }
   EXPECT_EQ(found.sets, static_cast<int>(found.answers.size()));
   // The nearest two are sqrt(3) apart, on a scale of at least 1.
@@ -60,7 +60,7 @@ TEST(SeveralAnswers, TellsAContinuousFamily) {
   ASSERT_GE(found.answers.size(), 2u);
   EXPECT_EQ(found.sets, 1);
   for (const Answer& answer : found.answers) {
-    EXPECT_EQ(answer.kind, AnswerKind::kFamily);
+    EXPECT_EQ(answer.kind, Answer::Kind::kFamily);
     EXPECT_NEAR(answer.impulse.s[0] + answer.impulse.s[2], 1, 1e-9);
   }
   // v_x differs by at most 0.4; ‖v - v_free‖ is at least |(0.2, 1)|.
@@ -78,13 +78,13 @@ TEST(SeveralAnswers, FindsOneWhereThereIsOne) {
   EXPECT_EQ(found.status, SolveStatus::kConverged) << found.message;
   ASSERT_EQ(found.answers.size(), 1u);
   EXPECT_EQ(found.answers[0].starts.size(), 10u);
-  EXPECT_EQ(found.answers[0].kind, AnswerKind::kIsolated);
+  EXPECT_EQ(found.answers[0].kind, Answer::Kind::kIsolated);
   EXPECT_EQ(found.spread.velocity, 0);
   EXPECT_EQ(found.sets, 1);
   EXPECT_TRUE(found.differing_contacts.empty());
   // From zero, each solver of the list once.
   std::vector<std::string> solvers;
-  for (const AnswerStart& start : found.starts) solvers.push_back(start.solver);
+  for (const SeveralAnswers::Start& start : found.starts) solvers.push_back(start.solver);
   for (const char* name : {"pgs", "apgd", "ipm", "admm", "homotopy"}) {
     EXPECT_TRUE(std::find(solvers.begin(), solvers.end(), name) != solvers.end()) << name;
   }
@@ -110,7 +110,7 @@ TEST(SeveralAnswers, ThreeIsolatedOnesOfATiltedPacking) {
 
 TEST(SeveralAnswers, TheSameSeedGivesTheSameBits) {
   const SeveralProblem several = two_frictions_problem();
-  SeveralOptions options{.starts = 10};
+  SeveralAnswers::Options options{.starts = 10};
   const SeveralAnswers once = find_several_answers(several.problem, options);
   const SeveralAnswers again = find_several_answers(several.problem, options);
   options.seed = 2;
@@ -126,11 +126,12 @@ TEST(SeveralAnswers, TheSameSeedGivesTheSameBits) {
 
 TEST(SeveralAnswers, BeginsAtTheGuessToo) {
   const SeveralProblem several = painleve_problem();
-  SeveralOptions options{.starts = static_cast<int>(solver_names().size()),
-                         .guess = several.answers[1] * (1 + 1e-3)};
+  SeveralAnswers::Options options{.starts = static_cast<int>(solver_names().size()),
+                                  .guess = several.answers[1] * (1 + 1e-3)};
   const SeveralAnswers found = find_several_answers(several.problem, options);
-  const auto from_guess = std::count_if(found.starts.begin(), found.starts.end(),
-                                        [](const AnswerStart& s) { return s.from == "guess"; });
+  const auto from_guess =
+      std::count_if(found.starts.begin(), found.starts.end(),
+                    [](const SeveralAnswers::Start& s) { return s.from == "guess"; });
   EXPECT_EQ(from_guess, 2);
   options.guess = Vector::Zero(3);
   EXPECT_EQ(find_several_answers(several.problem, options).status, SolveStatus::kInvalidInput);
@@ -138,8 +139,8 @@ TEST(SeveralAnswers, BeginsAtTheGuessToo) {
 
 TEST(SeveralAnswers, StartsByOneSolverAlone) {
   const SeveralProblem several = two_frictions_problem();
-  SeveralOptions options{.starts = 3, .solver = "apgd"};
-  for (const AnswerStart& start : find_several_answers(several.problem, options).starts) {
+  SeveralAnswers::Options options{.starts = 3, .solver = "apgd"};
+  for (const SeveralAnswers::Start& start : find_several_answers(several.problem, options).starts) {
     EXPECT_EQ(start.solver, "apgd");
   }
   options.solver = "apgdd";
@@ -151,7 +152,7 @@ TEST(SeveralAnswers, StartsByOneSolverAlone) {
 
 TEST(SeveralAnswers, StopsWhenAsked) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 12, 0.3, 10);
-  SeveralOptions options{.starts = 1000, .time_limit = 0.05};
+  SeveralAnswers::Options options{.starts = 1000, .time_limit = 0.05};
   const SeveralAnswers late = find_several_answers(p, options);
   EXPECT_EQ(late.status, SolveStatus::kTimeLimit) << late.message;
   EXPECT_LT(late.starts.size(), 1000u);

@@ -108,7 +108,7 @@ TEST(Plan, BudgetsGrowWithContactsAndRepetitions) {
   for (const int k : {0, 1, 2}) {
     EXPECT_EQ(stages[to_size(k)].max_iterations, 20 << (2 * k));
     EXPECT_EQ(stages[to_size(k)].min_iterations, 7 << (2 * k));
-    EXPECT_EQ(stages[to_size(k)].start, PlanStart::kBest);
+    EXPECT_EQ(stages[to_size(k)].start, AutoPlan::Row::Start::kBest);
     EXPECT_EQ(stages[to_size(k)].of_start, 0.5);
   }
   EXPECT_EQ(stages[3].max_iterations, 30);

@@ -51,10 +51,10 @@ class StageRace : public ::testing::Test {
 TEST_F(StageRace, StagesStartWhereThePlanSays) {
   const double five = 1 - std::pow(0.9, 5);
   AutoStage caller = stage_of(other, 5), last = stage_of(other, 5), best = stage_of(still, 5);
-  caller.start = PlanStart::kCaller;
-  last.start = PlanStart::kLast;
+  caller.start = AutoPlan::Row::Start::kCaller;
+  last.start = AutoPlan::Row::Start::kLast;
   last.of_start = 0.5;
-  best.start = PlanStart::kBest;
+  best.start = AutoPlan::Row::Start::kBest;
   options_.s0 = Vector::Zero(2);
   options_.s0[0] = 0.2;
   race({stage_of(slow, 5), caller, last, best, stage_of(slow, 5)});

@@ -59,7 +59,7 @@ struct Stressed {
     const StressImpulses y = impulses();
     StressImpulses z = y;
     momentum = rows();
-    LoadSums load;
+    StressKernels::LoadSums load;
     stress_kernels(path).impulse(
         {tiles.num_batches(), tiles.contacts(tile()), tiles.law_numbers(tile()), tiles.laws(),
          modes.share(), stress.data(), y.data(), z.data(), momentum.data()},
@@ -192,7 +192,7 @@ TEST(StressModes, OneCorrectionTakesThemOut) {
   ASSERT_TRUE(at.modes.relax(rows));
   StressImpulses z = at.pressed();
   StressRows momentum = at.rows();
-  LoadSums load;
+  StressKernels::LoadSums load;
   const StressImpulses nothing = at.impulses();
   stress_kernels(SimdPath::kAuto)
       .impulse({at.tiles.num_batches(), at.tiles.contacts(at.tile()),

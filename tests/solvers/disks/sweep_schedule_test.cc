@@ -23,7 +23,7 @@ TileLinks packing(int rows, int length) {
     for (const int other : before[to_size(t)]) after[to_size(other)].push_back(t);
   }
   const auto joined = [&](const std::vector<std::vector<int>>& lists, bool with_own) {
-    TileLists<int> all{{}, {0}};
+    TileLinks::Lists<int> all{{}, {0}};
     for (int t = 0; t < tiles; ++t) {
       if (with_own) all.numbers.push_back(t);
       const std::vector<int>& list = lists[to_size(t)];

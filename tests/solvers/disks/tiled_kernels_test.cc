@@ -63,7 +63,7 @@ Vector descended(const Setting& at, GradientMap map, const Execution& execution,
                  const std::vector<int>& portions) {
   TiledGradient<D> gradient(at.problem, at.bodies<D>(), at.scaling, execution);
   gradient.reset(at.zero());
-  GradientControl control;
+  GradientKernel::Control control;
   // Too small on purpose: it is raised on the way.
   control.lambda = 0.8 * at.largest_eigenvalue();
   control.map = map;
@@ -208,7 +208,7 @@ void check_gradient(const ContactProblem& problem) {
     SpaceSums sums{space};
     GradientIteration<D, SpaceSums> plain(at.problem, sums, at.scaling);
     plain.reset(at.zero());
-    GradientControl control{.lambda = 0.8 * at.largest_eigenvalue(), .map = map};
+    GradientKernel::Control control{.lambda = 0.8 * at.largest_eigenvalue(), .map = map};
     plain.advance(40, control);
     if (map == GradientMap::kFollowed) {
       plain.follow(0.7);

@@ -187,7 +187,7 @@ TEST_F(PathOfOneContact, CrossesFromTakeOffThroughSlipToStick) {
   LawPoint point = nearest_point(problem, Vector::Zero(2), Vector::Ones(2));
   ASSERT_EQ(point.cell[0], Cell::kTakeOff);
   const Eigen::Vector2d proximal(1e-3, 3e-2);
-  ASSERT_EQ(follower.follow(point, Vector::Zero(2), proximal, 10), PathEnd::kSolved);
+  ASSERT_EQ(follower.follow(point, Vector::Zero(2), proximal, 10), PathFollower::kSolved);
   EXPECT_EQ(point.cell[0], Cell::kStick);
   EXPECT_EQ(follower.counts().pivots, 2);
   Vector s;
@@ -200,11 +200,12 @@ TEST_F(PathOfOneContact, EndsWhereTheCallerStopsOrTheCountIsUsed) {
   const LawProblem problem = law(0.2);
   LawPoint point = nearest_point(problem, Vector::Zero(2), Vector::Ones(2));
   PathFollower counting(problem, [] { return false; });
-  EXPECT_EQ(counting.follow(point, Vector::Zero(2), Vector::Constant(2, 1e-3), 1), PathEnd::kLong);
+  EXPECT_EQ(counting.follow(point, Vector::Zero(2), Vector::Constant(2, 1e-3), 1),
+            PathFollower::kLong);
   EXPECT_EQ(counting.counts().failed, 1);
   PathFollower stopping(problem, [] { return true; });
   EXPECT_EQ(stopping.follow(point, Vector::Zero(2), Vector::Constant(2, 1e-3), 10),
-            PathEnd::kStopped);
+            PathFollower::kStopped);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ Iterated iterate(GradientKernel& kernel, const Vector& s0, GradientMap map) {
   constexpr int kIterations = 40;
   Iterated out;
   kernel.reset(s0);
-  GradientControl control{.lambda = 1e-3, .map = map};
+  GradientKernel::Control control{.lambda = 1e-3, .map = map};
   for (int k = 0; k < kIterations; ++k) {
     kernel.advance(1, control);
     if (k % 8 == 7 && map == GradientMap::kFollowed) kernel.follow(0.7);

@@ -291,7 +291,7 @@ TEST(DistributedSolve, AnIterationIsOneExchangeAndOneReduction) {
   const ProblemPiece piece = cut_piece(p, nodes, owners, mpi_group().rank());
   // What a process sends in one exchange: its contacts in the halos of others, d = 2 doubles each.
   std::vector<double> owner_of_copies;
-  for (const RemoteItem& item : piece.copies) owner_of_copies.push_back(item.owner);
+  for (const ProcessGroup::RemoteItem& item : piece.copies) owner_of_copies.push_back(item.owner);
   const std::vector<double> partners = mpi_group().gather(owner_of_copies);
   double bytes = 16.0 * static_cast<double>(std::count(partners.begin(), partners.end(),
                                                        static_cast<double>(mpi_group().rank())));
@@ -299,7 +299,7 @@ TEST(DistributedSolve, AnIterationIsOneExchangeAndOneReduction) {
   const auto traffic = [&](int iterations, const char* solver) {
     return distributed_solve(solver, p, first_iterations(iterations), mpi_group()).counts.traffic;
   };
-  const Traffic a = traffic(20, "apgd"), b = traffic(30, "apgd");
+  const ProcessGroup::Traffic a = traffic(20, "apgd"), b = traffic(30, "apgd");
   // Ten iterations, each an exchange and the reduction of 3 numbers; iterates 24, 28 and 30 are
   // judged, each an exchange and the criterion's reduction (10 sums, 2 norms, 2 wishes to stop).
   EXPECT_EQ(b.reductions - a.reductions, 13);
@@ -313,7 +313,7 @@ TEST(DistributedSolve, AnIterationIsOneExchangeAndOneReduction) {
   }
   // A sweep and an Uzawa step have no reduction of their own.
   for (const char* solver : {"pgs", "uzawa"}) {
-    const Traffic c = traffic(20, solver), d = traffic(30, solver);
+    const ProcessGroup::Traffic c = traffic(20, solver), d = traffic(30, solver);
     EXPECT_EQ(d.reductions - c.reductions, 3) << solver;
     EXPECT_EQ(d.bytes - c.bytes, static_cast<std::int64_t>(13 * bytes)) << solver;
   }

@@ -20,7 +20,7 @@ TEST(Exchange, CopiesAreTheOriginalsAndSumsCountThem) {
   // Everybody owns 10 + rank items of two values and copies item k of process k and the last item
   // of every process, its own as well.
   const int owned = 10 + r;
-  std::vector<RemoteItem> copies;
+  std::vector<ProcessGroup::RemoteItem> copies;
   for (int p = 0; p < P; ++p) {
     copies.push_back({p, p});
     copies.push_back({p, 9 + p});
@@ -50,11 +50,11 @@ TEST(Exchange, MessagesAndBytesAreCounted) {
   const int P = group.size(), r = group.rank();
   // A chain: everybody copies three items of the next process, so that all but the first send one
   // message of 3 items in a copy, and all but the last one in a sum.
-  std::vector<RemoteItem> copies;
+  std::vector<ProcessGroup::RemoteItem> copies;
   if (r + 1 < P) copies = {{r + 1, 0}, {r + 1, 2}, {r + 1, 4}};
   const auto exchange = group.make_exchange(5, copies);
   std::vector<double> mine(5 * 2, 1.0), here(copies.size() * 2);
-  Traffic before = group.traffic();
+  ProcessGroup::Traffic before = group.traffic();
   exchange->copy(mine, here, 2);
   EXPECT_EQ(group.traffic().messages - before.messages, r > 0 ? 1 : 0);
   EXPECT_EQ(group.traffic().bytes - before.bytes, r > 0 ? 3 * 2 * 8 : 0);

@@ -336,7 +336,7 @@ TEST(Domains, GhostsAreCounted) {
   const Scene<2> scene = domain_scenes().front().scene;
   const State<2> whole = initial_state(scene);
   const DomainState<2> state = cut_state(whole, cut_cells(whole, group.size()), group.rank());
-  const Traffic before = group.traffic();
+  const ProcessGroup::Traffic before = group.traffic();
   const LocalBodies<2> local = with_ghosts(scene, state, group);
   const std::int64_t meetings = group.traffic().reductions - before.reductions;
   // 12 numbers a disk, and each ghost was sent by somebody.

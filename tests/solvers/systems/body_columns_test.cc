@@ -73,8 +73,8 @@ TEST(BodyColumns, AreThoseOfTheDenseMatrix) {
     }
     FrontalCholesky factor;
     ASSERT_TRUE(factor.analyse(pattern));
-    ASSERT_TRUE(
-        factor.factor([&](int j, const FrontColumn& to) { columns.add(j, blocks.data(), to); }));
+    ASSERT_TRUE(factor.factor(
+        [&](int j, const FrontalCholesky::Column& to) { columns.add(j, blocks.data(), to); }));
     const Vector x = random_vector(n, 3);
     Vector solved;
     factor.solve(K * x, solved);
