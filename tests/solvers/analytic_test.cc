@@ -1,4 +1,5 @@
-// Scenes with a solution by hand: Tables 1 and 2 and the square lattice of Fig. 10 of the paper.
+// Scenes with a solution by hand: Tables 1 and 2 and the square lattice of Fig. 10 of the paper,
+// bars with joints.
 
 #include <gtest/gtest.h>
 
@@ -6,6 +7,8 @@
 #include <vector>
 
 #include "core/scene_files/scene_file.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/source_folder.h"
 
@@ -135,6 +138,59 @@ TEST(SquareLattice, WithFrictionEveryDiskIsInEquilibrium) {
   }
   EXPECT_NEAR(walls[1] / (100 * load), 1, 1e-7);
   EXPECT_NEAR(walls[0] / (100 * load), 0, 1e-7);
+}
+
+// Four bars of 1 kg and 1 m are pinned to a square, which stands on a corner and slides at 0.5 m/s.
+// By symmetry s_n moves it by V and changes the angle of its bars by a', the friction mu s_n against
+// the motion slows it by U and turns it by w. Both rotations have the inertia 4 (1/12 + 1/4) = 4/3
+// kg m², and the corner the lever r = 1/√2 m. So W is diagonal, 1/4 + r²/(4/3) = 5/8 twice, and
+// s_n = 8/5 g h. The bars at the corner turn by w ± a' = -(mu ± 1) s_n r/(4/3).
+// A pin forbids motion in both directions: two pairs of opposite contacts without friction.
+TEST(FourBars, JointsArePairsOfOppositeContacts) {
+  const double impulse = 1.6 * kG * 1e-3, mu = 0.3, r = std::sqrt(0.5);
+  const Vec2 vertices[] = {{0, -r}, {r, 0}, {0, r}, {-r, 0}};  // bar k ends at k and k + 1
+  Eigen::MatrixXd wrenches = Eigen::MatrixXd::Zero(12, 2 * 17);
+  const auto add = [&](int contact, int bar, int vertex, const Vec2& normal) {
+    const Vec2 arm = vertices[vertex] - 0.5 * (vertices[bar] + vertices[(bar + 1) % 4]);
+    const Vec2 axes[] = {normal, Vec2(-normal[1], normal[0])};
+    for (int k = 0; k < 2; ++k) {
+      wrenches.col(2 * contact + k).segment<3>(3 * bar) =
+          Eigen::Vector3d(axes[k][0], axes[k][1], arm[0] * axes[k][1] - arm[1] * axes[k][0]);
+    }
+  };
+  add(0, 0, 0, Vec2(0, 1));
+  int contact = 0;
+  for (int k = 0; k < 4; ++k) {
+    for (const Vec2& normal : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1)}) {
+      add(++contact, k, k, normal);
+      add(contact, (k + 3) % 4, k, -normal);
+    }
+  }
+  Vector mass(12);
+  ContactProblem p;
+  p.v_free.resize(12);
+  for (int bar = 0; bar < 4; ++bar) {
+    mass.segment<3>(3 * bar) << 1, 1, 1.0 / 12;
+    p.v_free.segment<3>(3 * bar) << 0.5, -kG * 1e-3, 0;
+  }
+  p.A = Eigen::MatrixXd(mass.asDiagonal()).sparseView();
+  p.H = wrenches.sparseView();
+  p.u_free = wrenches.transpose() * p.v_free;
+  p.mu = Vector::Zero(17);
+  p.mu[0] = mu;
+  for (const SolverEntry& entry : solver_table()) {
+    const SolveResult result = solve(entry, p, {.tol = 1e-10, .time_limit = 20});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << entry.name << ": " << result.message;
+    EXPECT_NEAR(result.s[0], impulse, 1e-7 * impulse) << entry.name;
+    EXPECT_NEAR(result.s[1], mu * impulse, 1e-7 * impulse) << entry.name;
+    EXPECT_NEAR(result.u[1], -(0.5 - 0.625 * mu * impulse), 1e-8) << entry.name;
+    const Vector v = p.v_free + mass.cwiseInverse().cwiseProduct(wrenches * result.s);
+    EXPECT_NEAR(v[2], -(mu + 1) * impulse * r * 0.75, 1e-7) << entry.name;
+    EXPECT_NEAR(v[11], -(mu - 1) * impulse * r * 0.75, 1e-7) << entry.name;
+    // Both ends of a pin have one velocity.
+    const Vector u = wrenches.transpose() * v;
+    EXPECT_LE(u.tail(32).cwiseAbs().maxCoeff(), 1e-7) << entry.name;
+  }
 }
 
 TEST(Ledger, EnergyAndMomentumCloseToRoundOff) {
