@@ -104,15 +104,18 @@ void add_contacts(const State<3>& state, const View& view, FlatView& flat) {
 
 }  // namespace
 
-FlatView project(const Scene<3>& scene, const State<3>& any) {
+FlatView project(const Scene<3>& scene, const State<3>& any, const std::vector<double>& front) {
   const State<3> state = wrapped_state(any);
   const View view = view_of(scene.gravity);
   FlatView flat = frame_of(scene, state, view, std::nullopt);
   flat.bodies.resize(state.bodies.size());
   std::iota(flat.bodies.begin(), flat.bodies.end(), 0);
-  const auto depth = [&](int k) { return view.away.dot(state.bodies[to_size(k)].x); };
+  const auto place = [&](int k) {
+    const double depth = view.away.dot(state.bodies[to_size(k)].x);
+    return std::pair(front.empty() ? 0 : front[to_size(k)], -depth);
+  };
   std::stable_sort(flat.bodies.begin(), flat.bodies.end(),
-                   [&](int a, int b) { return depth(a) > depth(b); });
+                   [&](int a, int b) { return place(a) < place(b); });
   for (const int k : flat.bodies) {
     const Sphere& s = state.bodies[to_size(k)];
     Disk disk;

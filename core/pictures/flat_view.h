@@ -16,8 +16,10 @@ struct FlatView {
 
 /// View along a horizontal line, with gravity downwards (without gravity: the third axis upwards).
 /// It shows all spheres, the near ones drawn last, and all contacts. Branches are foreshortened,
-/// normal forces are not.
-FlatView project(const Scene<3>& scene, const State<3>& state);
+/// normal forces are not. `front`: one number for each sphere; the larger ones are drawn later,
+/// wherever they are.
+FlatView project(const Scene<3>& scene, const State<3>& state,
+                 const std::vector<double>& front = {});
 
 /// The cut through the middle of the spheres, seen along the same line. Each sphere that is cut
 /// appears as the disk of its section, with contacts between two of them or with a wall.

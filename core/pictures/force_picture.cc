@@ -552,6 +552,7 @@ std::string with_prefix(double value, const std::string& unit) {
   static constexpr std::array<std::string_view, 9> kPrefixes = {"p", "n", "µ", "m", "",
                                                                 "k", "M", "G", "T"};
   if (!(std::abs(value) > 0)) return fmt::format("0 {}", unit);
+  if (unit.size() > 3) return fmt::format("{:.3g} {}", value, unit);
   const double thousands = std::floor(std::log10(std::abs(value)) / 3 + 1e-9);
   const double index = std::clamp(thousands, -4.0, 4.0);
   return fmt::format("{:.3g} {}{}", value * std::pow(10.0, -3 * index),

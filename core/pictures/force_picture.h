@@ -42,7 +42,8 @@ void draw_force_picture(const std::filesystem::path& path, const Scene<2>& scene
 /// Round length or force for scales: the largest of 1, 2, 5 times a power of ten up to x > 0.
 double round_below(double x);
 
-/// "50 mm": three significant digits and a prefix that keeps the number between 1 and 1000.
+/// "50 mm": three significant digits and a prefix that keeps the number between 1 and 1000. Words
+/// have no prefix: "0.05 radii".
 std::string with_prefix(double value, const std::string& unit);
 
 }  // namespace bipot

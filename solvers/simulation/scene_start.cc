@@ -63,10 +63,11 @@ void draw_start(const std::filesystem::path& picture, const Scene<D>& scene,
   if constexpr (D == 2) {
     draw(picture, scene, state, std::move(radii), caption);
   } else {
-    const FlatView flat = project(scene, state);
+    const FlatView flat = project(scene, state, radii);
     std::vector<double> seen;
     for (const int body : flat.bodies) seen.push_back(radii[to_size(body)]);
-    draw(picture, flat.scene, flat.state, std::move(seen), caption + "; seen from the side");
+    draw(picture, flat.scene, flat.state, std::move(seen),
+         caption + "; seen from the side, overlapping bodies in front");
   }
 }
 

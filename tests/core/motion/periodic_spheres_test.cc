@@ -188,6 +188,10 @@ TEST(PeriodicSpheres, ARunGoesOnBitForBitAndIsDrawn) {
   for (const ContactOutcome<2>& c : all.state.contacts)
     with_image += c.contact.image_x != 0 ? 1 : 0;
   EXPECT_GT(with_image, 0);
+  // What is in front is drawn last, however far away it is.
+  std::vector<double> front(end.bodies.size(), 0);
+  front[to_size(all.bodies.front())] = 1;
+  EXPECT_EQ(project(scene, end, front).bodies.back(), all.bodies.front());
 }
 
 TEST(PeriodicSpheres, PlanesAcrossTheCellAndObliqueCylindersAreRefused) {

@@ -212,6 +212,7 @@ TEST(Scales, AreRoundAndNotTooLong) {
   EXPECT_DOUBLE_EQ(round_below(1), 1);
   EXPECT_DOUBLE_EQ(round_below(0.999), 0.5);
   EXPECT_EQ(with_prefix(0.05, "m"), "50 mm");
+  EXPECT_EQ(with_prefix(0.05, "radii"), "0.05 radii");
   EXPECT_EQ(with_prefix(1000, "N"), "1 kN");
   EXPECT_EQ(with_prefix(0.001, "m"), "1 mm");
   EXPECT_EQ(with_prefix(2, "N"), "2 N");
