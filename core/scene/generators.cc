@@ -87,7 +87,7 @@ std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& clas
     const double y = corner[1] + row * pitch + radius + random.uniform() * free_y;
     return disk_at(x, y, radius);
   };
-  return whole_filling(count, [&](int number) {
+  return whole_filling(count, height_for(count, columns, pitch, bounds), [&](int number) {
     random = PortableRandom(seed);
     return fill_cells<2>(drawn_radii(number, classes, random), columns, pitch, bounds, place);
   });

@@ -37,7 +37,7 @@ struct FillingBounds {
 /// largest remainders; the sequence of classes is shuffled. `spacing` >= 0 widens the cells beyond
 /// the largest diameter, relative. The same bits on every platform: 64-bit Mersenne twister,
 /// integer arithmetic and IEEE operations only. Throws std::invalid_argument, also if the bounds do
-/// not hold all disks: "fits 180 of 220".
+/// not hold all disks: "fits 180 of 220", with the height that does if bounds are a height alone.
 std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& classes, double width,
                                  double spacing, std::uint64_t seed, const Vec2& corner,
                                  const FillingBounds<2>& bounds = {});

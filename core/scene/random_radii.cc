@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace bipot {
@@ -18,9 +19,14 @@ void check_filling(int count, const std::vector<RadiusClass>& classes, double sp
   }
 }
 
-void refuse_filling(int fits, int asked) {
-  throw std::invalid_argument(
-      fmt::format("fits {} of {}: make its room larger, or the bodies fewer", fits, asked));
+void refuse_filling(int fits, int asked, double height) {
+  std::string message =
+      fmt::format("fits {} of {}: make its room larger, or the bodies fewer", fits, asked);
+  if (std::isfinite(height)) {
+    const double step = std::pow(10.0, std::floor(std::log10(height)) - 3);
+    message += fmt::format("; height = {:g} holds all", std::ceil(height / step) * step);
+  }
+  throw std::invalid_argument(message);
 }
 
 std::vector<double> drawn_radii(int count, const std::vector<RadiusClass>& classes,

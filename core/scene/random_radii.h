@@ -18,19 +18,27 @@ void check_filling(int count, const std::vector<RadiusClass>& classes, double sp
 std::vector<double> drawn_radii(int count, const std::vector<RadiusClass>& classes,
                                 PortableRandom& random);
 
-/// Throws std::invalid_argument: so many bodies have a place, fewer than asked for.
-[[noreturn]] void refuse_filling(int fits, int asked);
+/// Throws std::invalid_argument: so many bodies have a place, fewer than asked for. `height` would
+/// hold all, in m; infinite: unknown.
+[[noreturn]] void refuse_filling(int fits, int asked, double height);
 
 /// `fill(count)`: bodies in their places, fewer than `count` where no more have one. Throws
-/// std::invalid_argument with a number for which all have one.
+/// std::invalid_argument with a number for which all have one, and the `height` that holds all.
 template <class Fill>
-auto whole_filling(int count, const Fill& fill) {
+auto whole_filling(int count, double height, const Fill& fill) {
   auto bodies = fill(count);
   int fits = static_cast<int>(bodies.size());
   if (fits == count) return bodies;
   // Fewer bodies have other sizes.
   for (int made = fits; (made = static_cast<int>(fill(fits).size())) < fits;) fits = made;
-  refuse_filling(fits, count);
+  refuse_filling(fits, count, height);
+}
+
+/// The height of the layers that hold `count` bodies, one in each cell; infinite with walls, where
+/// cells may stay empty.
+template <int D>
+double height_for(int count, std::int64_t layer, double pitch, const FillingBounds<D>& bounds) {
+  return bounds.holds ? kInfinity : pitch * static_cast<double>((count + layer - 1) / layer);
 }
 
 /// One body for each radius, in cells from the bottom up. `place(cell, radius)` draws one in a cell,

@@ -78,7 +78,7 @@ std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& cl
     }
     return sphere_at(x, radius);
   };
-  return whole_filling(count, [&](int number) {
+  return whole_filling(count, height_for(count, layer, pitch, bounds), [&](int number) {
     random = PortableRandom(seed);
     return fill_cells<3>(drawn_radii(number, classes, random), layer, pitch, bounds, place);
   });

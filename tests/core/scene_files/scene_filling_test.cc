@@ -26,7 +26,11 @@ TEST(SceneFilling, StopsAtItsHeight) {
   const Scene<2> full = parse_filling(place + "24\n" + kShortTime);
   ASSERT_EQ(full.bodies.size(), 24u);
   for (const Disk& d : full.bodies) EXPECT_LE(d.x[1] + d.radius, 3.4);
-  expect_scene_refused(parse_filling, place + "25\n" + kShortTime, {"fits 24 of 25", "larger"});
+  expect_scene_refused(parse_filling, place + "25\n" + kShortTime,
+                       {"fits 24 of 25", "larger", "height = 4.4 holds all"});
+  EXPECT_EQ(
+      parse_filling(kRandom + "width = 8.9\nheight = 4.4\ncount = 25\n" + kShortTime).bodies.size(),
+      25u);
   // Without a height it has the same places, and no end.
   const Scene<2> open = parse_filling(kRandom + "width = 8.9\ncount = 24\n" + kShortTime);
   EXPECT_EQ(open.bodies[23].x, full.bodies[23].x);
