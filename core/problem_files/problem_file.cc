@@ -9,6 +9,9 @@ namespace bipot {
 
 ProblemFile read_problem(const std::filesystem::path& path, bool accept_indefinite) {
   require_regular_file(path);
+  if (path.extension() == ".toml") {
+    throw FileError(path, "", "a scene, not a contact problem: 'bipot run' takes it");
+  }
   Hdf5File::check_structure(path);
   ProblemFile file = Hdf5File::is_hdf5(path) ? read_fclib(path) : read_siconos_text(path);
   file.caution = delassus_defect(file.problem);

@@ -435,6 +435,10 @@ bool has_endless_key(std::string_view text) {
 
 AnyScene parse_any_scene(const std::string& text, const std::string& source,
                          std::optional<double> accuracy) {
+  if (text.starts_with("\x89HDF")) {
+    throw SceneFileError(
+        fmt::format("{}: an HDF5 file, not a scene; 'bipot solve' takes contact problems", source));
+  }
   if (has_endless_key(text)) {
     throw SceneFileError(fmt::format("{}: a key has more than 256 parts", source));
   }

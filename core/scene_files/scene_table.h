@@ -128,7 +128,10 @@ class SceneTable {
   std::optional<Vec<D>> maybe_vec(std::string_view key) const {
     if (!has(key)) return std::nullopt;
     const std::vector<double> values = numbers(key);
-    if (values.size() != D) fail(key, fmt::format("expected {} numbers, got {}", D, values.size()));
+    if (values.size() != D) {
+      fail(key, fmt::format("expected {} numbers, got {}{}", D, values.size(),
+                            D == 2 && values.size() == 3 ? "; a scene in space has dim = 3" : ""));
+    }
     return Vec<D>(values.data());
   }
   std::optional<Vec2> maybe_vec2(std::string_view key) const { return maybe_vec<2>(key); }
