@@ -78,6 +78,7 @@ struct Advice {
     double overhead_seconds = 0;  ///< CPU of a step besides its solve: detection, assembly   [s]
     double overlap = 0;           ///< largest, over the smaller radius
     std::string note;             ///< why the run ended early; empty: it did not
+    bool failed = false;          ///< for another reason than time
   };
   /// The run as advised, from its start as far as time allowed.
   struct Run {

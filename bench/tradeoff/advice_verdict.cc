@@ -125,13 +125,17 @@ void conclude_without_contacts(const Advice::Options& options, Advice& advice) {
   const Advice::Sample& seen = advice.sample;
   const bool whole = seen.steps_run == seen.steps_planned;
   advice.status = whole ? Advice::Status::kNoContacts : Advice::Status::kUndecided;
+  if (whole) {
+    advice.message =
+        "nothing touches in this scene: there is no contact problem to solve, any solver and "
+        "tolerance will do";
+    return;
+  }
   advice.message =
-      whole ? "nothing touches in this scene: there is no contact problem to solve, any solver "
-              "and tolerance will do"
-            : fmt::format(
-                  "nothing touches in the first {} of {} steps ({}): give "
-                  "--time-limit {:g}",
-                  seen.steps_run, seen.steps_planned, seen.note, 4 * options.time_limit);
+      fmt::format("nothing touches in the first {} of {} steps ({}): {}", seen.steps_run,
+                  seen.steps_planned, seen.note,
+                  seen.failed ? "mend the scene first, see bipot run"
+                              : fmt::format("give --time-limit {:g}", 4 * options.time_limit));
 }
 
 }  // namespace bipot

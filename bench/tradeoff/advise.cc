@@ -179,6 +179,7 @@ void Adviser<D>::run_to_sample(double tol, double part) {
       run_setting(scene_, state, {.solver = "auto", .tol = tol}, until(part, kInfinity), observer);
   if (run.status == "failed") {
     seen.note = "the run ended: " + run.message;
+    seen.failed = true;
   } else if (seen.steps_run < scene_.num_steps) {
     seen.note = fmt::format("time for the run was up after {} steps", seen.steps_run);
   }

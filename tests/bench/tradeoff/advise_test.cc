@@ -164,6 +164,18 @@ TEST(Advise, AnAccuracyKeepsOverlapsSmallWhereNoEqualStepDoes) {
   EXPECT_EQ(advise(drop(), options).accuracy, 0);
 }
 
+// A fall of 1 m with steps of 1 s goes through the floor in the second one. More time is no help.
+TEST(Advise, ASceneThatFailsBeforeAContactIsNamed) {
+  Scene<2> scene = drop();
+  scene.step = 1;
+  scene.num_steps = 100;
+  scene.gravity = Vec2(0, -1e3);
+  const Advice advice = advise(scene, quick(1e-2));
+  EXPECT_EQ(advice.status, Advice::Status::kUndecided);
+  EXPECT_NE(advice.message.find("went through"), std::string::npos) << advice.message;
+  EXPECT_NE(advice.message.find("mend the scene first"), std::string::npos) << advice.message;
+}
+
 TEST(Advise, TakesMoreStretchesWhereOneHasNoBar) {
   Advice::Options options = quick(1e-2);
   options.goal = {.energy = 0.5};
