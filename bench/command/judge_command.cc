@@ -12,6 +12,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/report/json_output.h"
+#include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/base/version.h"
 #include "core/criterion/impulse_verdict.h"
@@ -110,7 +111,7 @@ std::string at_contact(int contact) {
 }
 
 void print(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdict& v) {
-  fmt::print("{}: {} contacts, d = {}\n", flags.problem, p.num_contacts(), p.dim);
+  fmt::print("{}: {}, d = {}\n", flags.problem, counted(p.num_contacts(), "contact"), p.dim);
   fmt::print("  {}: {}\n", flags.impulses.empty() ? "its /solution" : flags.impulses,
              sentence(v, flags.tol));
   fmt::print(

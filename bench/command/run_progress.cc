@@ -7,6 +7,7 @@
 #include <ctime>
 #include <fstream>
 
+#include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/base/version.h"
 
@@ -35,8 +36,9 @@ template <int D>
 void RunProgress::add(const StepReport<D>& report, long done, double time) {
   if (!report.converged) ++unsolved_;
   worst_ = std::max(worst_, report.error.guarded());
-  const std::string note = fmt::format("t = {:.4g} s, {} unsolved, error {:.1e}, {} contacts", time,
-                                       unsolved_, report.error.guarded(), report.contacts);
+  const std::string note =
+      fmt::format("t = {:.4g} s, {} unsolved, error {:.1e}, {}", time, unsolved_,
+                  report.error.guarded(), counted(report.contacts, "contact"));
   bar_.update(done, note);
   const long tenths = 10 * done / steps_;
   if (log_.empty() || tenths <= tenths_) return;

@@ -9,6 +9,7 @@
 
 #include "bench/command/help_text.h"
 #include "bench/report/json_output.h"
+#include "core/base/counted.h"
 #include "core/base/version.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
@@ -30,8 +31,6 @@ std::string message_of(const RunSummary<D>& s) {
   if (s.run.failure) return s.run.failure->what();
   return t.worst_unconverged < 0 ? "" : fmt::format("step {}: {}", t.worst_unconverged, t.message);
 }
-
-std::string steps_text(int count) { return fmt::format("{} step{}", count, count == 1 ? "" : "s"); }
 
 /// Bodies through each outlet and inlet.
 template <int D>
@@ -69,7 +68,7 @@ std::string gates_text(const Scene<D>& scene, const State<D>& state) {
     text += fmt::format("  inlet        '{}': {} have come in, {:.4g} kg", scene.inlets[k].name,
                         flow.count, flow.mass);
     if (flow.waiting > 0) {
-      text += fmt::format("; no room in {}, what was due waited", steps_text(flow.waiting));
+      text += fmt::format("; no room in {}, what was due waited", counted(flow.waiting, "step"));
     }
     text += "\n";
   }
@@ -97,20 +96,23 @@ std::string bodies_text(const Scene<D>& scene) {
   double top = -kInfinity;
   for (const Body<D>& body : scene.bodies) top = std::max(top, body.x[D - 1] + body.radius);
   if (scene.bodies.empty()) return {};
-  return fmt::format("  bodies       {} {}{}, top at {:.4g} m at the start\n", scene.bodies.size(),
-                     kBodyName<D>, scene.bodies.size() == 1 ? "" : "s", top);
+  return fmt::format("  bodies       {}, top at {:.4g} m at the start\n",
+                     counted(static_cast<long>(scene.bodies.size()), kBodyName<D>), top);
 }
 
 /// How the accuracy cut the steps.
 template <int D>
 std::string parts_text(double accuracy, const SceneTotals<D>& t) {
   const StepParts& cut = t.cut;
+  // Each step begins with a tenth of its size. Where none was smaller, that alone cuts the steps.
+  const std::string why =
+      cut.limited_by == "none" ? "as each step begins: longer steps cost less" : cut.limited_by;
   return fmt::format(
       "  accuracy     {:g}: {} parts; rejected {} for impacts, {} for drift, {} for accelerations, "
       "{} failed\n"
       "  parts        smallest {:.3g} s in step {} ({}); impacts misplaced by at most {:.2g} radii\n",
       accuracy, cut.parts, cut.misplacing, cut.drifting, cut.accelerating, cut.failed, cut.smallest,
-      t.cut_step, cut.limited_by, cut.misplaced);
+      t.cut_step, why, cut.misplaced);
 }
 
 }  // namespace
@@ -240,11 +242,11 @@ std::string to_text(const RunSummary<D>& s) {
   if (!s.start.text.empty()) fmt::format_to(add, "  start        {}\n", s.start.text);
   if (!s.note.empty()) fmt::format_to(add, "  note         {}\n", s.note);
   if (t.unsolvable > 0) {
-    fmt::format_to(add, "  no solution  in {} (proved)\n", steps_text(t.unsolvable));
+    fmt::format_to(add, "  no solution  in {} (proved)\n", counted(t.unsolvable, "step"));
   }
   text += bodies_text(scene);
   if (t.split > 0)
-    fmt::format_to(add, "  split        {} taken in smaller parts\n", steps_text(t.split));
+    fmt::format_to(add, "  split        {} taken in smaller parts\n", counted(t.split, "step"));
   if (dem != nullptr) {
     fmt::format_to(add,
                    "  model        springs and dashpots, k_n = {:.4g} N/m, k_t = {:.4g} N/m\n"
@@ -274,7 +276,7 @@ std::string to_text(const RunSummary<D>& s) {
   if (scene.accuracy > 0) text += parts_text(scene.accuracy, t);
   if (t.deep_overlaps > 0) {
     fmt::format_to(add, "  overlaps     beyond {:g} % in {}, most in step {}{}{}\n",
-                   100 * kDeepOverlap, steps_text(t.deep_overlaps), t.overlap_step,
+                   100 * kDeepOverlap, counted(t.deep_overlaps, "step"), t.overlap_step,
                    t.overlap_pair.empty() ? "" : ": ", t.overlap_pair);
   }
   if (t.passages > 0) {

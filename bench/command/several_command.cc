@@ -15,6 +15,7 @@
 #include "bench/problems/several_picture.h"
 #include "bench/report/json_output.h"
 #include "bench/report/several_report.h"
+#include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/version.h"
@@ -128,7 +129,7 @@ int several_command(const SolveFlags& flags, const ProblemFile& file) {
     write_json(j, json);
   }
   if (!flags.common.quiet && json != "-") {
-    fmt::print("{}: {} contacts, d = {}\n{}", flags.problem, file.problem.num_contacts(),
+    fmt::print("{}: {}, d = {}\n{}", flags.problem, counted(file.problem.num_contacts(), "contact"),
                file.problem.dim, to_text(found));
   }
   return code;

@@ -17,6 +17,7 @@
 #include "bench/command/run_processes.h"
 #include "bench/command/several_command.h"
 #include "bench/report/json_output.h"
+#include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/version.h"
@@ -92,7 +93,7 @@ Json summary(const SolveFlags& flags, const std::string& solver, const ContactPr
 void print_summary(const SolveFlags& flags, const std::string& solver, const ContactProblem& p,
                    const SolveResult& r, const Certificate& certificate, const Counts& counts) {
   const ContactCount count = count_contacts(p, r.s);
-  fmt::print("{}: {} contacts, d = {}\n", flags.problem, p.num_contacts(), p.dim);
+  fmt::print("{}: {}, d = {}\n", flags.problem, counted(p.num_contacts(), "contact"), p.dim);
   fmt::print("  {}: {} ({})\n", solver, to_string(r.status),
              flags.explain ? r.message : short_reason(r.message));
   fmt::print("  iterations {}, set-up {:.3e} s, solve {:.3e} s\n", r.iterations, r.setup_seconds,

@@ -13,6 +13,7 @@
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
 #include "bench/python/python_problem.h"
+#include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/problem/delassus.h"
 #include "core/problem_files/fclib_file.h"
@@ -504,8 +505,9 @@ v_before or u_before comes with v_free or u_free. Raises as the constructor.)")
            "v = v_free + A^-1 H s (n,) [m/s, rad/s]. Raises ValueError without bodies.")
       .def("__repr__", [](const PythonProblem& self) {
         const ContactProblem& p = *self.problem;
-        return fmt::format("<bipot.Problem{}: {} contacts, d = {}{}>",
-                           self.name.empty() ? "" : " " + self.name, p.num_contacts(), p.dim,
+        return fmt::format("<bipot.Problem{}: {}, d = {}{}>",
+                           self.name.empty() ? "" : " " + self.name,
+                           counted(p.num_contacts(), "contact"), p.dim,
                            p.has_velocities() ? fmt::format(", {} degrees of freedom", p.num_dofs())
                                               : ", given by W");
       });

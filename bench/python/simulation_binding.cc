@@ -23,6 +23,7 @@
 #include "bench/python/callable_solver.h"
 #include "bench/python/python_problem.h"
 #include "bench/python/python_watch.h"
+#include "core/base/counted.h"
 #include "core/base/nearest_name.h"
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
@@ -480,9 +481,9 @@ from.)")
           },
           "kinetic, potential, wall_work, friction_loss, shock_loss, imbalance, elastic, cohesion_loss [J].")
       .def("__repr__", [](const PythonStep& s) {
-        return fmt::format("<bipot.{} {} at t = {:g} s: {} contacts, {}>",
-                           D == 2 ? "Step" : "SphereStep", s.report.step, s.report.time,
-                           s.report.contacts, s.report.converged ? "converged" : s.report.message);
+        return fmt::format("<bipot.{} {} at t = {:g} s: {}, {}>", D == 2 ? "Step" : "SphereStep",
+                           s.report.step, s.report.time, counted(s.report.contacts, "contact"),
+                           s.report.converged ? "converged" : s.report.message);
       });
 }
 

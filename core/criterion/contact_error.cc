@@ -21,11 +21,12 @@ Vector zeros(int size) {
   return v;
 }
 
-/// 0/0 is 0 (no motion and no violation), x/0 is infinite.
+/// 0/0 is 0 (no motion and no violation), x/0 is infinite. NaN has no sign.
 double ratio(double numerator, double denominator) {
   if (numerator == 0) return 0;
   if (denominator == 0) return kInfinity;
-  return numerator / denominator;
+  const double quotient = numerator / denominator;
+  return std::isnan(quotient) ? kNaN : quotient;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/counted.h"
 #include "solvers/auto/recovered_disks.h"
 #include "solvers/registry.h"
 
@@ -159,9 +160,10 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
   const AutoPlan& plan = own ? *own : shipped_plan();
   const bool warm = is_warm(options);
   const ProblemTraits problem = traits_of(p, DelassusOperator(p), warm, options.tol);
-  std::string text = fmt::format(
-      "auto: {} contacts, d = {}, {}, {} start, tolerance {:.0e}\n", p.num_contacts(), p.dim,
-      p.has_velocities() ? "bodies given" : "W alone given", warm ? "warm" : "cold", options.tol);
+  std::string text = fmt::format("auto: {}, d = {}, {}, {} start, tolerance {:.0e}\n",
+                                 counted(p.num_contacts(), "contact"), p.dim,
+                                 p.has_velocities() ? "bodies given" : "W alone given",
+                                 warm ? "warm" : "cold", options.tol);
   text += class_in_words(plan, problem);
   int number = 0;
   for (const AutoStage& stage : plan_stages(plan, problem)) {

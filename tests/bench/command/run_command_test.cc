@@ -155,6 +155,8 @@ TEST_F(RunCommand, AnAccuracyIsKeptWithALongStep) {
   EXPECT_GE(parts["parts"].get<int>(), 13);
   EXPECT_LE(parts["misplaced"].get<double>(), 1.5e-3);
   EXPECT_LT(parts["smallest_part"].get<double>(), 0.005);
+  const Outcome small = bipot("run bouncing_ball --accuracy 0.1 --step-size 1e-4 --overwrite");
+  EXPECT_TRUE(says(small.out, "longer steps cost less")) << small.out;
   EXPECT_EQ(code_of("run bouncing_ball --accuracy 1 --overwrite"), 2);
   EXPECT_EQ(code_of("run bouncing_ball --accuracy 0.1 --model dem --overwrite"), 2);
 }

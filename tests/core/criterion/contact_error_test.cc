@@ -370,7 +370,9 @@ TEST(ContactError, NotANumberIsNotAnError) {
     const ContactProblem p = one_contact(Vector::Ones(dim), -Vector::Ones(dim), 0.5);
     Vector s = Vector::Ones(dim);
     s[dim - 1] = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_TRUE(std::isnan(contact_error(p, s).guarded())) << "d = " << dim;
+    const ContactError e = contact_error(p, s);
+    EXPECT_TRUE(std::isnan(e.guarded())) << "d = " << dim;
+    EXPECT_FALSE(std::signbit(e.epsilon) || std::signbit(e.eta)) << "printed as -nan";
   }
 }
 
