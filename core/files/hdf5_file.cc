@@ -7,6 +7,7 @@
 #include <array>
 #include <limits>
 #include <mutex>
+#include <string_view>
 #include <utility>
 
 #include "core/files/input_file.h"
@@ -63,7 +64,7 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// The innermost message of HDF5's error stack.
+/// The innermost message of HDF5's error stack, or what the operating system says in it.
 std::string hdf5_reason() {
   std::string reason;
   H5Ewalk2(
@@ -73,7 +74,11 @@ std::string hdf5_reason() {
         return 0;
       },
       &reason);
-  std::erase(reason, '\n');  // after a time
+  constexpr std::string_view kSystem = "error message = '";
+  if (const std::size_t at = reason.find(kSystem); at != std::string::npos) {
+    reason.erase(0, at + kSystem.size());
+    reason.erase(std::min(reason.find('\''), reason.size()));
+  }
   return reason.empty() ? "unknown HDF5 error" : reason;
 }
 
