@@ -1,9 +1,9 @@
-#include "core/scene/course.h"
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
+
+#include "core/scene/scene.h"
 
 namespace bipot {
 
