@@ -21,12 +21,8 @@ namespace {
 // constant          value   unit          reason
 // kNearTolerances   10      tolerances    an error within a decade mostly arrives soon
 // kFreedFrom        6000    contacts      memory counts more than the milliseconds to give it back
-// kTighter          0.1     tolerances    the natural map is mostly ten times the guarded error
-// kTightenLeast     100     iterations    of the solver that succeeded, however small its budget
-// kTightenMost      4000    iterations    the same, however large
-// kTightenByFactor  40      iterations    of newton and ipm: some dozen factorisations
-constexpr double kNearTolerances = 10, kTighter = 0.1;
-constexpr int kFreedFrom = 6000, kTightenLeast = 100, kTightenMost = 4000, kTightenByFactor = 40;
+constexpr double kNearTolerances = 10;
+constexpr int kFreedFrom = 6000;
 
 /// Whether a stage will reach the tolerance within its budget, from the errors that it showed so
 /// far: the decades gained since half as many iterations are carried forward.
@@ -102,10 +98,6 @@ class Race {
     if (out_of_budget()) return true;
     if (best_error_ > stage.largest_error) return false;
     run_stage(stage);
-    if (alone() && !ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
-        best_natural_map_ > options_.tol) {
-      tighten(stage);
-    }
     return ended_ || is_success(last_) || at_floor();
   }
 
@@ -177,10 +169,8 @@ class Race {
     best_.setup_seconds += result.setup_seconds;
     last_ = result.status;
     double error = std::numeric_limits<double>::infinity();
-    ContactError measured;
     if (!space_.any(result.s.size() != p_.num_rows() || !result.s.allFinite())) {
-      measured = space_.error(result.s);
-      error = measured.guarded();
+      error = space_.error(result.s).guarded();
       own_.insert_or_assign(std::string(stage.solver->name), result.s);
       last_s_ = result.s;
     }
@@ -199,7 +189,6 @@ class Race {
     if (given_up) last_ = SolveStatus::kIterationLimit;
     if (error < best_error_ || is_success(last_)) {
       best_error_ = error;
-      best_natural_map_ = measured.natural_map;
       best_.s = result.s;
     }
     ended_ = stopped && !given_up;
@@ -215,31 +204,6 @@ class Race {
       best_.setup_seconds += setup.seconds();
     }
     return *delassus_space_;
-  }
-
-  /// The natural map lags behind the guarded error: on to a smaller one, by the solver that
-  /// succeeded, then by others.
-  void tighten(const AutoStage& successful) {
-    const SolveStatus reached = last_;
-    inner_.tol = kTighter * options_.tol;
-    AutoStage more = successful;
-    more.start = AutoStage::Start::kBest;
-    more.of_start = 1;
-    more.max_iterations = std::clamp(successful.max_iterations, kTightenLeast, kTightenMost);
-    more.min_iterations = more.max_iterations / 2;
-    more.near_iterations = more.max_iterations;
-    for (const SolverEntry* solver :
-         {successful.solver, find_solver("ipm"), find_solver("newton")}) {
-      if (solver == nullptr || out_of_budget()) continue;
-      more.solver = solver;
-      if (solver != successful.solver) {
-        more.min_iterations = more.max_iterations = kTightenByFactor;
-        more.parameters = {};
-      }
-      run_stage(more);
-      if (ended_ || best_natural_map_ <= options_.tol) break;
-    }
-    last_ = reached;  // whatever became of the tighter attempts
   }
 
   SolveResult finish() {
@@ -268,7 +232,6 @@ class Race {
   std::map<std::string, Vector, std::less<>> own_;
   Vector last_s_;  // of the last stage
   double best_error_ = 0, start_error_ = 0;
-  double best_natural_map_ = std::numeric_limits<double>::infinity();
   int iterations_ = 0;
   SolveStatus last_ = SolveStatus::kIterationLimit;
   bool ended_ = false;  // by the caller or the clock

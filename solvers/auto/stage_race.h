@@ -10,9 +10,7 @@ namespace bipot {
 
 /// Runs the stages that `chosen` selects in turn until one meets the stop test; the message says
 /// which ones ran, how they ended and which one succeeded. No stage is hidden: when all fail, the
-/// status is that of the last one and the impulse the best one. With the guarded test, a success
-/// whose natural map is above the tolerance is carried on to a ten times smaller one by the same
-/// solver, then by others, so that users who judge by either measure are served. `iterations` is
+/// status is that of the last one and the impulse the best one. `iterations` is
 /// the sum over stages, whose iterations differ much in cost. `best`: an impulse that competes with
 /// the caller's start, or empty. Without a stage the result has no status.
 SolveResult race_stages(SolveRun& run, std::span<const AutoStage> stages, const Vector& best,

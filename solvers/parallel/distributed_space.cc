@@ -123,21 +123,6 @@ void DistributedSpace::velocity(const Vector& s, Vector& u) {
   u += piece_.own.u_free;
 }
 
-void DistributedSpace::body_velocities(const Vector& s, Vector& v) {
-  fill(s);
-  const Vector wrench = piece_.with_halo.H * s_all_;
-  everywhere_momentum(s);
-  v = piece_.own.v_free;
-  for (std::size_t k = 0; k < momentum_.size(); ++k) {
-    const int dof = piece_.everywhere_own_dof[k];
-    if (dof >= 0) v[dof] += piece_.everywhere_inverse_mass[k] * momentum_[k];
-  }
-  for (int dof = 0; dof < v.size(); ++dof) {
-    const int place = piece_.dof_with_halo[to_size(dof)];
-    if (place >= 0) v[dof] += inverse_mass_[place] * wrench[place];
-  }
-}
-
 double DistributedSpace::norm_bound(const Vector& scale) {
   const int d = piece_.own.dim;
   Vector all;

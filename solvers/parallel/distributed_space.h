@@ -69,9 +69,6 @@ class DistributedSpace final : public ContactSpace {
   const DiskStructure& halo_disks() const { return *packed_->disks(); }
   /// The values of the owned contacts and of the halo, in the rows of piece().with_halo.
   void with_halo(const Vector& s, Vector& all);
-  /// v = v_free + A⁻¹ H s in the degrees of freedom of piece().own.
-  void body_velocities(const Vector& s, Vector& v);
-
   /// H s in the degrees of freedom that every process has, of all contacts.
   const std::vector<double>& everywhere_momentum(const Vector& s);
 

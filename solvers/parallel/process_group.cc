@@ -5,32 +5,11 @@
 namespace bipot {
 namespace {
 
+/// There are no items of other processes.
 class LoneExchange : public ProcessGroup::Exchange {
  public:
-  explicit LoneExchange(std::span<const ProcessGroup::RemoteItem> copies)
-      : copies_(copies.begin(), copies.end()) {}
-
-  void copy(std::span<const double> originals, std::span<double> copies, int block) override {
-    for (std::size_t k = 0; k < copies_.size(); ++k) {
-      for (int i = 0; i < block; ++i) copies[place(k, i, block)] = originals[original(k, i, block)];
-    }
-  }
-  void add(std::span<const double> copies, std::span<double> originals, int block) override {
-    for (std::size_t k = 0; k < copies_.size(); ++k) {
-      for (int i = 0; i < block; ++i) {
-        originals[original(k, i, block)] += copies[place(k, i, block)];
-      }
-    }
-  }
-
- private:
-  static std::size_t place(std::size_t k, int i, int block) {
-    return k * to_size(block) + to_size(i);
-  }
-  std::size_t original(std::size_t k, int i, int block) const {
-    return place(to_size(copies_[k].original), i, block);
-  }
-  std::vector<ProcessGroup::RemoteItem> copies_;
+  void copy(std::span<const double>, std::span<double>, int) override {}
+  void add(std::span<const double>, std::span<double>, int) override {}
 };
 
 class LoneProcess : public ProcessGroup {
@@ -46,8 +25,8 @@ class LoneProcess : public ProcessGroup {
   std::vector<Buffer> deliver(std::vector<Buffer> buffers) override { return buffers; }
   std::string first_text(const std::string& mine) override { return mine; }
   std::unique_ptr<ProcessGroup::Exchange> make_exchange(
-      int, std::span<const ProcessGroup::RemoteItem> copies) override {
-    return std::make_unique<LoneExchange>(copies);
+      int, std::span<const ProcessGroup::RemoteItem>) override {
+    return std::make_unique<LoneExchange>();
   }
   void run_on_root(const std::function<void(SystemFactor&)>& work) override {
     LocalFactor factor(SparseLU::Strategy::kSymmetric);

@@ -323,6 +323,33 @@ TEST(SceneFile, RotationTurnsTheBodiesAndNotGravity) {
   EXPECT_EQ(s.gravity, Vec2(0, -9.81));
 }
 
+TEST(SceneFile, RotationTurnsClusters) {
+  const std::string cluster =
+      "[[clusters]]\nposition = [1, 2]\nvelocity = [4, 5]\nspin = 3\ndensity = 100\n"
+      "parts = [[-0.1, 0, 0.1], [0.1, 0, 0.1]]\n";
+  const Scene<2> s = parse("rotate_degrees = 90\n" + cluster + kTime);
+  EXPECT_TRUE(s.clusters.bodies[0].x.isApprox(Vec2(-2, 1)));
+  EXPECT_TRUE(s.clusters.bodies[0].v.isApprox(Vec2(-5, 4)));
+  EXPECT_EQ(s.clusters.bodies[0].spin, 3);
+  EXPECT_TRUE(s.bodies[0].x.isApprox(Vec2(-2, 0.9)));
+  // v + w × r with r = (0, -0.1): (0.3, 0) more.
+  EXPECT_TRUE(s.bodies[0].v.isApprox(Vec2(-4.7, 4)));
+}
+
+TEST(SceneFile, SpringsAndDashpots) {
+  const Scene<2> s = parse("model = 'dem'\n" + kDisk +
+                           "[dem]\nstiffness = 1e5\noverlap = 0.02\ntangential_ratio = 0.5\n"
+                           "substep = 1e-5\nsafety = 0.2\n" +
+                           kTime);
+  EXPECT_EQ(s.model, Model::kSpringDashpot);
+  EXPECT_EQ(s.dem.stiffness, 1e5);
+  EXPECT_EQ(s.dem.overlap, 0.02);
+  EXPECT_EQ(s.dem.tangential_ratio, 0.5);
+  EXPECT_EQ(s.dem.substep, 1e-5);
+  EXPECT_EQ(s.dem.safety, 0.2);
+  EXPECT_EQ(parse(kDisk + kTime).model, Model::kNonsmooth);
+}
+
 TEST(SceneFile, SolverAndOutput) {
   const Scene<2> s =
       parse(kDisk + kDisk +
