@@ -122,9 +122,9 @@ Table family_counts(const Leaderboard& board, double tol) {
     std::vector<Table::Cell> cells{family, size};
     for (const std::string& who : board.who) {
       const auto entries = entries_of(board, who);
-      cells.emplace_back(std::count_if(entries.begin(), entries.end(), [&](const auto* e) {
-        return e->family == family && e->solves(tol);
-      }));
+      cells.emplace_back(std::count_if(
+          entries.begin(), entries.end(),
+          [&, &name = family](const auto* e) { return e->family == name && e->solves(tol); }));
     }
     table.add(std::move(cells));
   }

@@ -18,8 +18,8 @@ struct TileLinks {
     std::vector<int> start;  ///< of each tile, and the end
 
     std::span<const Number> of(int t) const {
-      const std::size_t first = to_size(start[to_size(t)]);
-      return {numbers.data() + first, to_size(start[to_size(t) + 1]) - first};
+      const std::size_t begin = to_size(start[to_size(t)]);
+      return {numbers.data() + begin, to_size(start[to_size(t) + 1]) - begin};
     }
   };
   int tiles = 0;
