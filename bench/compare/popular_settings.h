@@ -20,7 +20,11 @@ struct PopularSetting {
   enum class Test {
     kNone,        ///< a fixed number of iterations
     kNaturalMap,  ///< Siconos: peer_natural_map()                                          [-]
-    kQuadratic,  ///< LMGC90: (Σ|W_cc (s - s⁻)_c|² / Σ|W_cc s_c|²)^½                       [-]
+    /// LMGC90, check "Quad". x: the impulse of each contact alone, the others as they are; V =
+    /// W_cc (s - x)_c, R = (s + x)_c/2, sums over both s and x halved. The largest of
+    /// (Σ|V|²/Σ|W_cc s_c|²)^½, (n Σ|V|²|R|²)^½/Σs·W_cc s and |ΣR·V|/Σs·W_cc s, with n contacts that
+    /// push                                                                                  [-]
+    kQuadratic,
     /// Kamino: the largest of |s - s⁻| [N s], |û - P_K*(û)| [m/s] and |s·û| [J], as numbers
     kAbsolute,
     kFixedPoint  ///< SCoPI: |q - q⁻| / (|q| + 1), q = mu |u_t| [m/s], as a number

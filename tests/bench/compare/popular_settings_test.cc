@@ -73,6 +73,19 @@ TEST(PopularSettings, LooksAsOftenAsTheCodeDoes) {
   EXPECT_LE(one.error.guarded(), 1e-12);
 }
 
+// W = 1, b = (-1, 0): half the way to the solution x = 1 leaves s = V = 1/2, R = 3/4, and the halved
+// sums (1/4 + 1)/2 = 5/8. LMGC90's numbers are 0.5 / (5/8)^½ and twice 0.5 · 0.75 / (5/8) = 0.6.
+TEST(PopularSettings, TheQuadraticNormIsThatOfTheCode) {
+  const TestProblem p{.origin = "test",
+                      .problem = one_contact_problem(2, 1, 1, 0.5, -1, Vector{{0}})};
+  const PopularSetting half{.solver = "pgs",
+                            .parameters = {{"local", "exact"}, {"omega", "0.5"}},
+                            .test = PopularSetting::Test::kQuadratic,
+                            .tol = 1e-9,
+                            .most = 1};
+  EXPECT_NEAR(run_popular(half, p, nullptr, {.time_limit = 20}).own, 0.5 / std::sqrt(0.625), 1e-14);
+}
+
 // W = 1, b = (-1, -4), mu = 1/2. Chrono's law lifts the block: s = (2.4, 1.2). SCoPI repeats it with
 // q = mu |u_t| added: q = 1.4, then (1 - q, 4) is projected, and so on, towards Coulomb's s_n = 1,
 // u_t = -3.5, q = 1.75. From one round to the next q - 1.75 changes by the factor
