@@ -107,12 +107,6 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
   return command;
 }
 
-std::vector<std::string> all_shipped_problems() {
-  std::vector<std::string> files;
-  for (const std::filesystem::path& file : shipped_problems()) files.push_back(file.string());
-  return files;
-}
-
 int run_settings(const CompareFlags& flags, const std::vector<ProblemSource>& sources) {
   SettingStudy::Options options{.warm = flags.warm};
   options.time_limit = flags.time_limit.value_or(flags.quick ? 0.5 : options.time_limit);
@@ -169,8 +163,9 @@ int run_compare(const CompareFlags& flags) {
   if (flags.targets.empty() && flags.settings.empty()) {
     throw std::invalid_argument("TARGETS is missing: problem files, scenes or families");
   }
+  const std::vector<std::string> shipped = {(data_folder() / "problems").string()};
   const std::vector<ProblemSource> sources =
-      expand_targets(flags.targets.empty() ? all_shipped_problems() : flags.targets, scenes);
+      expand_targets(flags.targets.empty() ? shipped : flags.targets, scenes);
   if (!flags.settings.empty()) return run_settings(flags, sources);
 
   flags.prepare(true);

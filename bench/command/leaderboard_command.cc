@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,7 +8,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
-#include "bench/compare/leaderboard.h"
+#include "bench/compare/leaderboard_report.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/files/atomic_file.h"
 #include "solvers/registry.h"
@@ -21,7 +20,7 @@ namespace fs = std::filesystem;
 
 struct LeaderboardFlags : OutputFlags {
   std::vector<std::string> folders;
-  std::vector<std::string> problems;  ///< empty: the shipped ones
+  std::vector<std::string> problems = {(data_folder() / "problems").string()};
   std::vector<std::string> solvers = {"auto"};
   double tol = 1e-6, time_limit = 10;
 };
@@ -34,8 +33,9 @@ CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
               "Folder of a contestant: PROBLEM.npy, .csv or .hdf5 for each problem, and times.csv "
               "with lines problem,seconds")
       .required();
-  command.option("--problems FILES", flags.problems,
-                 "Problem files, or folders of them (the shipped problems)");
+  command.option(
+      "--problems FILES", flags.problems,
+      "Problem files, folders of them, or other targets of compare (the shipped problems)");
   command.option("--solvers NAMES", flags.solvers, "Solvers of this program that take part")
       .show_default();
   command.option("--tol NUMBER", flags.tol, "Their tolerance").positive().show_default();
@@ -47,28 +47,9 @@ CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
   return command;
 }
 
-std::vector<fs::path> problem_files(const std::vector<std::string>& given) {
-  if (given.empty()) return shipped_problems();
-  std::vector<fs::path> files;
-  for (const std::string& name : given) {
-    if (!fs::is_directory(name)) {
-      files.emplace_back(name);
-      continue;
-    }
-    std::vector<fs::path> inside;
-    for (const auto& entry : fs::directory_iterator(name)) {
-      const std::string ending = entry.path().extension().string();
-      if (ending == ".hdf5" || ending == ".dat") inside.push_back(entry.path());
-    }
-    std::sort(inside.begin(), inside.end());
-    files.insert(files.end(), inside.begin(), inside.end());
-  }
-  return files;
-}
-
 int run_leaderboard(const LeaderboardFlags& flags) {
   for (const std::string& solver : flags.solvers) require_solver(solver);
-  const std::vector<fs::path> problems = problem_files(flags.problems);
+  const std::vector<ProblemSource> problems = expand_targets(flags.problems);
   flags.prepare(true);
   ProgressBar progress(static_cast<long>(problems.size()), flags.silent());
   long done = 0;

@@ -4,17 +4,11 @@
 #include <cmath>
 #include <map>
 
+#include "bench/measure/statistics.h"
 #include "core/base/types.h"
 
 namespace bipot {
 namespace {
-
-/// The value that a fraction `q` of the sorted values does not exceed: the nearest rank.
-double quantile(const std::vector<double>& sorted, double q) {
-  if (sorted.empty()) return kNaN;
-  const double rank = std::ceil(q * static_cast<double>(sorted.size()) - 1e-9);
-  return sorted[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
-}
 
 const Comparison::Row* row_of(const Comparison& comparison, const std::string& problem,
                               const std::string& solver, double tol) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/report/document.h"
+#include "bench/measure/problem_target.h"
 #include "core/criterion/contact_error.h"
 
 namespace bipot {
@@ -15,7 +15,6 @@ struct Leaderboard {
   /// One contestant on one problem.
   struct Entry {
     std::string who, problem;
-    std::string family;  ///< the problem's name up to its sizes: "2d_pour" of 2d_pour14_200
     int contacts = 0;
     std::string defect;  ///< why there is no verdict: no file, or one that cannot be read
     double guarded = kNaN, epsilon = kNaN, eta = kNaN, cone = kNaN;  ///< ImpulseVerdict's
@@ -35,22 +34,14 @@ struct Leaderboard {
   std::vector<Entry> entries;  ///< problem by problem
 };
 
-/// The part of a problem's name that its relatives share.
-std::string family_of(const std::string& problem);
-
-/// Judges the impulses of each folder: for PROBLEM.hdf5 a file PROBLEM with the ending npy, csv,
+/// Judges the impulses of each folder: of a problem a file of its name with the ending npy, csv,
 /// hdf5, txt or dat (core/problem_files/impulse_file.h), and, in times.csv, lines
 /// "problem,seconds". The name of a folder is that of its contestant. Throws FileError for a folder
 /// or problem that cannot be read, std::invalid_argument for two contestants of one name and for a
 /// folder without any impulse of the problems.
 Leaderboard make_leaderboard(const std::vector<std::filesystem::path>& folders,
-                             const std::vector<std::filesystem::path>& problems,
+                             const std::vector<ProblemSource>& problems,
                              const Leaderboard::Ours& ours,
                              const std::function<void(const std::string&)>& on_problem = {});
-
-/// One line for each entry.
-Table leaderboard_rows(const Leaderboard& board);
-/// Solved against tolerance, time against error, solved by family.
-Document leaderboard_document(const Leaderboard& board, const Provenance& made);
 
 }  // namespace bipot

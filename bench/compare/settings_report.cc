@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/measure/statistics.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
@@ -20,13 +21,6 @@ std::vector<double> sorted_values(const SettingStudy& study, const std::string& 
   }
   std::sort(values.begin(), values.end());
   return values;
-}
-
-/// The value that `share` of the sorted ones do not exceed; NaN without any.
-double share_value(const std::vector<double>& sorted, double share) {
-  if (sorted.empty()) return kNaN;
-  const auto last = static_cast<double>(sorted.size() - 1);
-  return sorted[static_cast<std::size_t>(std::lround(share * last))];
 }
 
 double guarded_of(const SettingStudy::Row& row) { return row.error.guarded(); }
@@ -53,7 +47,7 @@ Table settings_table(const SettingStudy& study) {
                   "Overlap: added in one step, over the smallest radius. Both where known."};
   for (const PopularSetting& setting : popular_settings()) {
     const auto middle = [&](const auto& value) {
-      return share_value(sorted_values(study, setting.code, value), 0.5);
+      return quantile(sorted_values(study, setting.code, value), 0.5);
     };
     const std::vector<double> guarded = sorted_values(study, setting.code, guarded_of);
     const auto met = std::count_if(
@@ -66,7 +60,7 @@ Table settings_table(const SettingStudy& study) {
     if (setting.test == PopularSetting::Test::kNone) met_cell = Table::Cell("none");
     table.add({setting.code, setting.rule, met_cell, runs,
                middle([](const SettingStudy::Row& r) { return static_cast<double>(r.iterations); }),
-               share_value(guarded, 0.5), share_value(guarded, 0.1), share_value(guarded, 0.9),
+               quantile(guarded, 0.5), quantile(guarded, 0.1), quantile(guarded, 0.9),
                middle([](const SettingStudy::Row& r) { return r.error.epsilon; }),
                middle([](const SettingStudy::Row& r) { return r.error.eta; }),
                middle([](const SettingStudy::Row& r) { return r.error.natural_map; }),
@@ -95,7 +89,7 @@ Table tolerance_table(const SettingStudy& study) {
           study, setting.code, [&](const SettingStudy::Row& r) { return r.at_tolerance[i]; });
       if (at.empty()) continue;
       table.add({to_string(setting.test), SettingStudy::kTolerances[i], at.size(),
-                 share_value(at, 0.5), share_value(at, 0.1), share_value(at, 0.9)});
+                 quantile(at, 0.5), quantile(at, 0.1), quantile(at, 0.9)});
     }
   }
   return table;
@@ -129,10 +123,10 @@ Chart settings_chart(const SettingStudy& study) {
     const std::vector<double> guarded = sorted_values(study, settings[i].code, guarded_of);
     if (!guarded.empty()) {
       series.points.push_back({.x = x + 0.15,
-                               .y = share_value(guarded, 0.5),
+                               .y = quantile(guarded, 0.5),
                                .note = "median, 10 % to 90 %",
-                               .y_low = share_value(guarded, 0.1),
-                               .y_high = share_value(guarded, 0.9)});
+                               .y_low = quantile(guarded, 0.1),
+                               .y_high = quantile(guarded, 0.9)});
     }
     chart.series.push_back(std::move(series));
   }

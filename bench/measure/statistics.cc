@@ -69,6 +69,12 @@ double median(std::vector<double> x) {
   return 0.5 * (*half + *std::max_element(x.begin(), half));
 }
 
+double quantile(std::span<const double> sorted, double q) {
+  if (sorted.empty()) return kNaN;
+  const double rank = std::ceil(q * static_cast<double>(sorted.size()) - 1e-9);
+  return sorted[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
+}
+
 MeanValue mean_value(std::span<const double> x) {
   MeanValue value;
   if (x.empty()) return value;

@@ -33,6 +33,10 @@ double student_t(double probability, int degrees_of_freedom);
 /// The median. Values that are not finite are left out; NaN if none remain.
 double median(std::vector<double> x);
 
+/// The value that a fraction `q` of the sorted values does not exceed: the nearest rank. NaN without
+/// any.
+double quantile(std::span<const double> sorted, double q);
+
 /// Mean of independent measurements.
 struct MeanValue {
   double mean = kNaN;

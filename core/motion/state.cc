@@ -112,14 +112,14 @@ std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     const Wall<D>&a = state.walls[i], &b = scene.walls[i];
-    const char* field = a.shape != b.shape                          ? "shape"
-                        : a.motion != b.motion && !has_schedule(b)  ? "motion"
-                        : a.radius != b.radius                      ? "radius"
-                        : a.across != b.across                      ? "velocity"
-                        : a.material != b.material                  ? "material"
-                        : a.mass != b.mass                          ? "mass"
-                        : a.force != b.force && b.course.constant() ? "force"
-                        : a.direction != b.direction                ? "direction"
+    const char* field = a.shape != b.shape                               ? "shape"
+                        : a.motion != b.motion && !has_schedule(b)       ? "motion"
+                        : a.radius != b.radius                           ? "radius"
+                        : a.across != b.across                           ? "velocity"
+                        : a.material != b.material                       ? "material"
+                        : a.mass != b.mass                               ? "mass"
+                        : a.force != b.force && b.time_factor.constant() ? "force"
+                        : a.direction != b.direction                     ? "direction"
                         : a.shape == Wall<D>::Shape::kHalfPlane && a.normal != b.normal ? "normal"
                                                                                         : nullptr;
     if (field != nullptr) {

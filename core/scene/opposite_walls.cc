@@ -14,7 +14,7 @@ template <int D>
 bool presses(const Wall<D>& wall) {
   constexpr double kStraight = 1e-9;
   if (wall.motion != Wall<D>::Motion::kDriven || wall.is_circle()) return false;
-  if (!wall.course.constant()) return false;  // its force changes
+  if (!wall.time_factor.constant()) return false;  // its force changes
   if (wall.shape == Wall<D>::Shape::kHalfPlane) {
     return wall.direction.dot(wall.normal) > 1 - kStraight;
   }

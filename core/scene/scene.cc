@@ -97,7 +97,8 @@ std::string check_wall(const Wall<D>& w, std::size_t i, int materials) {
     return fmt::format("wall {}: starts = {} s (>= 0), stops = {} s (>= starts), removed = {} s", i,
                        w.starts, w.stops, w.removed);
   }
-  if (auto e = check_course(w.course); !e.empty()) return fmt::format("wall {}: {}", i, e);
+  if (auto e = check_time_factor(w.time_factor); !e.empty())
+    return fmt::format("wall {}: {}", i, e);
   if (w.material < 0 || w.material >= materials) {
     return fmt::format("wall {}: material index {} is not in [0, {})", i, w.material, materials);
   }
@@ -250,7 +251,8 @@ std::string check_outside_forces(const Scene<D>& scene) {
       return fmt::format("forces[{}]: there are no bodies {} to {}", k, f.first, f.last);
     }
     if (auto e = check_finite("force", k, "force", f.force); !e.empty()) return e;
-    if (auto e = check_course(f.course); !e.empty()) return fmt::format("forces[{}]: {}", k, e);
+    if (auto e = check_time_factor(f.time_factor); !e.empty())
+      return fmt::format("forces[{}]: {}", k, e);
     for (int i = f.first; i <= f.last; ++i) {
       if (scene.bodies[to_size(i)].wall >= 0) {
         return fmt::format("forces[{}]: {} {} is glued to a wall", k, kBodyName<D>, i);

@@ -16,7 +16,7 @@ namespace bipot {
 
 /// A factor that depends on time: 1, linear between given times and constant outside them, or a
 /// sine.
-struct Course {
+struct TimeFactor {
   std::vector<double> times;    ///< increasing [s]; empty: no table
   std::vector<double> factors;  ///< one for each
   double frequency = 0;         ///< of sin(2 π frequency t + phase), if > 0 [Hz]
@@ -26,8 +26,8 @@ struct Course {
   double at(double time) const;
 };
 
-/// Empty for a sound course, else one sentence.
-std::string check_course(const Course& course);
+/// Empty for a sound factor, else one sentence.
+std::string check_time_factor(const TimeFactor& factor);
 
 /// Coulomb friction, Moreau's restitution coefficients and cohesion of one pair of materials.
 struct ContactLaw {
@@ -142,7 +142,7 @@ struct Wall {
   double starts = 0;           ///< before that it stands still                            [s]
   double stops = kInfinity;    ///< from then on it stands still                           [s]
   double removed = kInfinity;  ///< from then on it is not there                           [s]
-  Course course;               ///< factor of velocity, spin and belt, or of the force
+  TimeFactor time_factor;      ///< factor of velocity, spin and belt, or of the force
   bool present = true;         ///< in a state: false once it has been removed
 
   bool is_circle() const { return shape == Shape::kHollowCircle || shape == Shape::kSolidCircle; }
@@ -152,8 +152,8 @@ struct Wall {
 template <int D>
 struct BodyForce {
   int first = 0, last = -1;       ///< bodies, the last one included
-  Vec<D> force = Vec<D>::Zero();  ///< on each, times the course [N]
-  Course course;
+  Vec<D> force = Vec<D>::Zero();  ///< on each, times the factor [N]
+  TimeFactor time_factor;
 };
 
 /// Drag on the centre of each body: -coefficient × radius × (v - velocity).

@@ -36,7 +36,7 @@ std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
     wall.present = time < definition.removed;
     const bool moves = time >= definition.starts && time < definition.stops && wall.present;
     wall.motion = moves ? definition.motion : Motion::kFixed;
-    const double factor = definition.course.at(time);
+    const double factor = definition.time_factor.at(time);
     wall.spin = moves ? factor * definition.spin : 0;
     wall.belt = moves ? Vec<D>(factor * definition.belt) : Vec<D>(Vec<D>::Zero());
     wall.force = factor * definition.force;

@@ -11,7 +11,7 @@ namespace bipot {
 template <int D>
 bool has_schedule(const Wall<D>& wall) {
   return wall.starts > 0 || wall.stops < kInfinity || wall.removed < kInfinity ||
-         !wall.course.constant();
+         !wall.time_factor.constant();
 }
 
 /// The walls at a given time: those of the scene, with positions and speeds of `now`. A wall that

@@ -289,7 +289,7 @@ void read_outside_forces(const SceneTable& root, Scene<D>& scene) {
     scene.forces.push_back({.first = static_cast<int>(range[0]),
                             .last = static_cast<int>(range[1]),
                             .force = *force,
-                            .course = read_course(table)});
+                            .time_factor = read_time_factor(table)});
     table.finish();
   }
   const auto table = root.table("drag");

@@ -16,7 +16,7 @@ template <int D>
 int material_index(const Scene<D>& scene, const SceneTable& table, std::string_view key);
 
 /// The keys times, factors, frequency and phase of a table. Throws SceneFileError.
-Course read_course(const SceneTable& table);
+TimeFactor read_time_factor(const SceneTable& table);
 
 /// Reads one table of [[walls]], with this index. Throws SceneFileError.
 template <int D>

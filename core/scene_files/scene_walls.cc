@@ -120,14 +120,14 @@ void read_times(const SceneTable& table, Wall<D>& wall) {
 
 }  // namespace
 
-Course read_course(const SceneTable& table) {
-  Course course{.times = table.numbers("times"), .factors = table.numbers("factors")};
-  if (table.has("frequency")) course.frequency = table.positive("frequency");
-  course.phase = table.number("phase", 0);
-  if (table.has("phase") && course.frequency == 0) table.fail("phase", "belongs to a frequency");
-  const char* key = course.frequency > 0 ? "frequency" : course.times.empty() ? "factors" : "times";
-  if (auto e = check_course(course); !e.empty()) table.fail(key, e);
-  return course;
+TimeFactor read_time_factor(const SceneTable& table) {
+  TimeFactor factor{.times = table.numbers("times"), .factors = table.numbers("factors")};
+  if (table.has("frequency")) factor.frequency = table.positive("frequency");
+  factor.phase = table.number("phase", 0);
+  if (table.has("phase") && factor.frequency == 0) table.fail("phase", "belongs to a frequency");
+  const char* key = factor.frequency > 0 ? "frequency" : factor.times.empty() ? "factors" : "times";
+  if (auto e = check_time_factor(factor); !e.empty()) table.fail(key, e);
+  return factor;
 }
 
 template <int D>
@@ -154,10 +154,10 @@ Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t in
   }
   read_belt(table, wall);
   read_times(table, wall);
-  wall.course = read_course(table);
+  wall.time_factor = read_time_factor(table);
   const bool moves =
       wall.motion != Wall<D>::Motion::kFixed || wall.spin != 0 || !wall.belt.isZero(0);
-  if (!wall.course.constant() && !moves) {
+  if (!wall.time_factor.constant() && !moves) {
     table.fail(table.has("times") ? "times" : "frequency",
                "belongs to a wall that moves, is driven, turns or is a belt");
   }

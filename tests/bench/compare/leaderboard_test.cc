@@ -1,13 +1,11 @@
-#include "bench/compare/leaderboard.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
+#include "bench/compare/leaderboard_report.h"
 #include "core/base/file_error.h"
-#include "core/problem_files/problem_file.h"
 #include "solvers/solve.h"
 #include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
@@ -18,9 +16,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<fs::path> kProblems = {
-    source_folder() / "data/problems/2d_sliding_cylinder.hdf5",
-    source_folder() / "data/problems/2d_triangular_lattice.hdf5"};
+std::vector<ProblemSource> two_problems() {
+  const fs::path folder = source_folder() / "data/problems";
+  return expand_targets({(folder / "2d_sliding_cylinder.hdf5").string(),
+                         (folder / "2d_triangular_lattice.hdf5").string()});
+}
 
 void write_numbers(const fs::path& file, const Vector& s) {
   fs::create_directories(file.parent_path());
@@ -48,17 +48,17 @@ TEST(Leaderboard, NamesFamiliesWithoutSizes) {
 // An exact impulse, one that is 1 % too large, a missing and a broken one.
 TEST(Leaderboard, JudgesWhatIsThereAndSaysWhatIsNot) {
   const TemporaryFolder folder;
-  for (const fs::path& file : kProblems) {
-    const ContactProblem p = read_problem(file).problem;
-    const Vector s = solve("ipm", p, {.tol = 1e-11}).s;
-    const std::string name = file.stem().string() + ".csv";
+  for (const ProblemSource& source : two_problems()) {
+    const Vector s = solve("ipm", source.load().problem, {.tol = 1e-11}).s;
+    const std::string name = source.name + ".csv";
     write_numbers(folder / "exact" / name, s);
     if (name[3] == 's') write_numbers(folder / "rough" / name, 1.01 * s);
     write_numbers(folder / "short" / name, s.head(1));
   }
   std::ofstream(folder / "exact" / "times.csv") << "problem,seconds\n2d_sliding_cylinder,0.25\n";
-  const Leaderboard board = make_leaderboard(
-      {folder / "exact", folder / "rough/", folder / "short"}, kProblems, {.solvers = {"pgs"}});
+  const Leaderboard board =
+      make_leaderboard({folder / "exact", folder / "rough/", folder / "short"}, two_problems(),
+                       {.solvers = {"pgs"}});
   EXPECT_EQ(board.who, (std::vector<std::string>{"exact", "rough", "short", "bipot pgs"}));
   EXPECT_EQ(board.entries.size(), 8u);
   const std::string slide = "2d_sliding_cylinder", rest = "2d_triangular_lattice";
@@ -79,7 +79,7 @@ TEST(Leaderboard, RefusesFoldersThatAreNoContestants) {
   const TemporaryFolder folder;
   fs::create_directories(folder / "empty");
   const auto refused = [&](const std::vector<fs::path>& folders) {
-    return refusal_of([&] { make_leaderboard(folders, kProblems, {}); });
+    return refusal_of([&] { make_leaderboard(folders, two_problems(), {}); });
   };
   EXPECT_TRUE(says(refused({folder / "nowhere"}), "is not a folder"));
   EXPECT_TRUE(says(refused({folder / "empty"}), "no impulse of these problems"));

@@ -77,5 +77,17 @@ TEST(ExponentialTail, FindsTheRateOfDrawnNumbersAndTellsOtherDistributions) {
   EXPECT_GT(fit_exponential_tail(uniform, 0.5).distance, 0.1);
 }
 
+// Of 1 to 10 the nearest rank of q is the ceiling of 10 q; the least value for q = 0.
+TEST(Quantile, IsTheNearestRank) {
+  const std::vector<double> x = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+  EXPECT_EQ(quantile(x, 0), 1);
+  EXPECT_EQ(quantile(x, 0.1), 1);
+  EXPECT_EQ(quantile(x, 0.11), 2);
+  EXPECT_EQ(quantile(x, 0.5), 5);
+  EXPECT_EQ(quantile(x, 0.9), 9);
+  EXPECT_EQ(quantile(x, 1), 10);
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+}
+
 }  // namespace
 }  // namespace bipot

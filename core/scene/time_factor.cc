@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-double Course::at(double time) const {
+double TimeFactor::at(double time) const {
   if (frequency > 0) return std::sin(2 * std::numbers::pi * frequency * time + phase);
   if (times.empty()) return 1;
   const auto next = std::upper_bound(times.begin(), times.end(), time);
@@ -18,21 +18,21 @@ double Course::at(double time) const {
   return factors[k - 1] + part * (factors[k] - factors[k - 1]);
 }
 
-std::string check_course(const Course& course) {
+std::string check_time_factor(const TimeFactor& factor) {
   const auto finite = [](double x) { return std::isfinite(x); };
-  const std::vector<double>& t = course.times;
-  if (t.size() != course.factors.size()) return "as many factors as times are needed";
+  const std::vector<double>& t = factor.times;
+  if (t.size() != factor.factors.size()) return "as many factors as times are needed";
   if (!std::all_of(t.begin(), t.end(), finite) ||
-      !std::all_of(course.factors.begin(), course.factors.end(), finite)) {
+      !std::all_of(factor.factors.begin(), factor.factors.end(), finite)) {
     return "times and factors must be finite";
   }
   if (std::adjacent_find(t.begin(), t.end(), std::greater_equal<>()) != t.end()) {
     return "times must increase";
   }
-  if (!(course.frequency >= 0) || !finite(course.frequency) || !finite(course.phase)) {
+  if (!(factor.frequency >= 0) || !finite(factor.frequency) || !finite(factor.phase)) {
     return "frequency must be a number >= 0, phase a finite one";
   }
-  if (!t.empty() && course.frequency > 0) return "give either times and factors, or a frequency";
+  if (!t.empty() && factor.frequency > 0) return "give either times and factors, or a frequency";
   return {};
 }
 
