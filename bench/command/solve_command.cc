@@ -23,6 +23,7 @@
 #include "core/base/version.h"
 #include "core/files/atomic_file.h"
 #include "core/problem/delassus.h"
+#include "core/problem/equality_rows.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
 #include "core/problem_files/problem_geometry.h"
@@ -85,6 +86,12 @@ Json summary(const SolveFlags& flags, const std::string& solver, const ContactPr
   j["take_off"] = count.take_off;
   j["stick"] = count.stick;
   j["slip"] = count.slip;
+  if (problem.equality && r.s.size() == problem.num_rows()) {
+    const Vector impulses = multipliers(problem, r.s);
+    j["equality_rows"] = impulses.size();
+    j["equality_residual"] = equality_residual(problem, r.s);
+    j["multipliers"] = std::vector<double>(impulses.begin(), impulses.end());
+  }
   if (certificate) j["existence"] = to_json(*certificate);
   if (counts) j["distributed"] = to_json(*counts);
   return j;
@@ -101,6 +108,11 @@ void print_summary(const SolveFlags& flags, const std::string& solver, const Con
   fmt::print("  energy ε {:.3e}, residual η {:.3e}, the paper's (42) {:.3e}, natural map {:.3e}\n",
              r.error.epsilon, r.error.eta, r.error.raw42, r.error.natural_map);
   fmt::print("  open {}, stick {}, slip {}\n", count.take_off, count.stick, count.slip);
+  if (p.equality) {
+    fmt::print("  {}, |G v - b| {:.1e} m/s, largest impulse {:.3e} N s\n",
+               counted(static_cast<int>(p.equality->b.size()), "equality row"),
+               equality_residual(p, r.s), multipliers(p, r.s).cwiseAbs().maxCoeff());
+  }
   if (certificate) fmt::print("  {} [{:.2g} s]\n", to_text(*certificate), certificate->seconds);
   if (counts) fmt::print("{}", to_text(*counts));
 }

@@ -16,6 +16,7 @@
 #include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/problem/delassus.h"
+#include "core/problem/equality_rows.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
 
@@ -184,7 +185,7 @@ void scale_friction(ContactProblem& p) {
 
 /// From physical variables to the symmetric ones.
 void take_restitution(PythonProblem& given, ContactProblem& p, const py::kwargs& options) {
-  given.restitution = restitution_by_row(option(options, "restitution"), p);
+  given.restitution = restitution_by_row(option(options, "restitution", "e"), p);
   p.row_scale = (1 + given.restitution.array()).sqrt();
   const Vector inverse = p.row_scale.cwiseInverse();
   for (int k = 0; k < p.H.outerSize(); ++k) {
@@ -203,15 +204,34 @@ void require_sound(const std::string& defect) {
   if (!defect.empty()) throw std::invalid_argument(defect);
 }
 
+/// b of the equality rows; 0 where it is not given.
+Vector equality_values(const py::object& b, const SparseRows& G) {
+  return b.is_none() ? Vector(Vector::Zero(G.rows())) : to_vector(b, "b");
+}
+
+/// Eliminates the equality rows, if any are given.
+ContactProblem with_joints(ContactProblem p, const py::kwargs& options) {
+  const py::object G = option(options, "G"), b = option(options, "b");
+  if (G.is_none() && !b.is_none()) {
+    throw std::invalid_argument("b is given without G; u at s = 0 is u_free");
+  }
+  if (G.is_none()) return p;
+  if (p.has_delassus()) throw std::invalid_argument("W is given with G: give A and H alone");
+  SparseRows rows = to_rows(G, "G");
+  Vector values = equality_values(b, rows);
+  const py::gil_scoped_release release;
+  return with_equality_rows(std::move(p), std::move(rows), std::move(values));
+}
+
 HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   require_keywords(arguments, options, "Problem(A=, H=, v_free=, mu=) or Problem(W=, u_free=, mu=)",
-                   {"A", "H", "J", "M", "W", "v_free", "u_free", "mu", "dim", "row_scale",
-                    "restitution", "v_before", "u_before", "name", "accept_indefinite"});
+                   {"A", "H", "J", "M", "W", "G", "b", "v_free", "u_free", "mu", "dim", "row_scale",
+                    "restitution", "e", "v_before", "u_before", "name", "accept_indefinite"});
   const py::object A = option(options, "A", "M"), W = option(options, "W");
   const bool wrenches = !option(options, "H", "J").is_none();
   const py::object v_free = option(options, "v_free"), u_free = option(options, "u_free");
   const py::object mu = option(options, "mu"), row_scale = option(options, "row_scale");
-  const bool shocks = !option(options, "restitution").is_none();
+  const bool shocks = !option(options, "restitution", "e").is_none();
   require_a_form(A, wrenches, W, v_free);
   auto made = std::make_shared<PythonProblem>();
   ContactProblem p;
@@ -235,6 +255,7 @@ HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   } else if (options.contains("v_before") || options.contains("u_before")) {
     throw std::invalid_argument("velocities before the impact are given without restitution");
   }
+  p = with_joints(std::move(p), options);
   // As for problems from files: with a general A the operator is W itself, assembled once for all.
   if (p.has_velocities() && !p.has_delassus() && p.num_rows() > 0 && !is_diagonal(p.A)) {
     try {
@@ -259,15 +280,17 @@ HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
 
 HeldProblem update(const PythonProblem& self, const py::args& arguments,
                    const py::kwargs& options) {
-  require_keywords(arguments, options, "update(u_free=, v_free=, mu=)",
-                   {"u_free", "v_free", "mu", "v_before", "u_before"});
+  require_keywords(arguments, options, "update(u_free=, v_free=, mu=, b=)",
+                   {"u_free", "v_free", "mu", "b", "v_before", "u_before"});
   const py::object u_free = option(options, "u_free"), v_free = option(options, "v_free");
-  const py::object mu = option(options, "mu");
+  const py::object mu = option(options, "mu"), b = option(options, "b");
+  const EqualityRows* const rows = self.problem->equality.get();
+  if (rows == nullptr && !b.is_none()) throw std::invalid_argument("b is given without G");
   auto made = std::make_shared<PythonProblem>();
   made->name = self.name;
   made->caution = self.caution;
   made->restitution = self.restitution;
-  ContactProblem p = *self.problem;
+  ContactProblem p = without_equality_rows(*self.problem);
   if (!v_free.is_none()) {
     if (!p.has_velocities()) {
       throw std::invalid_argument("v_free is given without A and H");
@@ -290,13 +313,18 @@ HeldProblem update(const PythonProblem& self, const py::args& arguments,
     if (shocks) scale_friction(p);
   }
   require_sound(validate_vectors(p));
+  if (rows != nullptr) {
+    p = with_equality_rows(std::move(p), rows->G,
+                           b.is_none() ? rows->b : equality_values(b, rows->G));
+  }
   made->problem = std::make_shared<const ContactProblem>(std::move(p));
   return made;
 }
 
 /// All of a problem, for pickle.
 py::tuple parts_of_problem(const PythonProblem& self) {
-  const ContactProblem& p = *self.problem;
+  const ContactProblem& p = without_equality_rows(*self.problem);
+  const EqualityRows* const rows = self.problem->equality.get();
   const auto part = [](const auto& matrix, bool there) {
     return there ? py::object(parts_of(matrix)) : py::object(py::none());
   };
@@ -305,11 +333,13 @@ py::tuple parts_of_problem(const PythonProblem& self) {
   return py::make_tuple(p.dim, part(p.A, p.has_velocities()), part(p.H, p.has_velocities()),
                         part(p.W, p.has_delassus()), copy_of(p.v_free), copy_of(p.u_free),
                         copy_of(p.mu), copy_of(p.row_scale), copy_of(self.restitution), self.name,
-                        copy_of(self.solution), guesses);
+                        copy_of(self.solution), guesses,
+                        rows != nullptr ? py::object(parts_of(rows->G)) : py::object(py::none()),
+                        rows != nullptr ? py::object(copy_of(rows->b)) : py::object(py::none()));
 }
 
 HeldProblem problem_of_parts(const py::tuple& parts) {
-  if (parts.size() != 12) throw std::invalid_argument("not the parts of a Problem");
+  if (parts.size() != 14) throw std::invalid_argument("not the parts of a Problem");
   auto made = std::make_shared<PythonProblem>();
   ContactProblem p{.dim = parts[0].cast<int>()};
   if (!parts[1].is_none()) p.A = from_parts<SparseMatrix>(parts[1], "A");
@@ -325,6 +355,10 @@ HeldProblem problem_of_parts(const py::tuple& parts) {
   made->solution = to_vector(parts[10], "solution");
   for (const py::handle guess : parts[11]) made->guesses.push_back(to_vector(guess, "guesses"));
   if (!p.has_velocities()) made->caution = delassus_defect(p);  // was accepted
+  if (!parts[12].is_none()) {
+    p = with_equality_rows(std::move(p), from_parts<SparseRows>(parts[12], "G"),
+                           to_vector(parts[13], "b"));
+  }
   made->problem = std::make_shared<const ContactProblem>(std::move(p));
   return made;
 }
@@ -407,6 +441,15 @@ py::object bodies(const PythonProblem& self, const py::object& s) {
   return copy_of(body_velocities(p, checked_impulse(p, s)));
 }
 
+/// A property of the equality rows; None without any.
+template <class Get>
+auto equality_property(Get get) {
+  return [get](const HeldProblem& self) -> py::object {
+    if (!self->problem->equality) return py::none();
+    return get(*self->problem->equality, py::cast(self));
+  };
+}
+
 /// A view of one of the vectors; None if it is empty and `optional`.
 auto vector_property(Vector ContactProblem::*field, bool optional) {
   return [field, optional](const HeldProblem& self) -> py::object {
@@ -416,11 +459,12 @@ auto vector_property(Vector ContactProblem::*field, bool optional) {
   };
 }
 
-/// A view of one of the matrices; None without it.
+/// A view of one of the matrices, A and H as they were given; None without it.
 template <class Matrix>
 auto matrix_property(Matrix ContactProblem::*field, bool (ContactProblem::*has)() const) {
   return [field, has](const HeldProblem& self) -> py::object {
-    const ContactProblem& p = *self->problem;
+    const bool bodies = has == &ContactProblem::has_velocities;
+    const ContactProblem& p = bodies ? without_equality_rows(*self->problem) : *self->problem;
     if (!(p.*has)()) return py::none();
     return scipy_view(p.*field, py::cast(self));
   };
@@ -438,7 +482,8 @@ void bind_problem_sizes(ProblemClass& problem) {
           "num_rows", [](const PythonProblem& self) { return self.problem->num_rows(); },
           "m = c d.")
       .def_property_readonly(
-          "num_dofs", [](const PythonProblem& self) { return self.problem->num_dofs(); },
+          "num_dofs",
+          [](const PythonProblem& self) { return without_equality_rows(*self.problem).num_dofs(); },
           "n, degrees of freedom of the bodies; 0 where the problem has W alone.");
 }
 
@@ -456,10 +501,22 @@ void bind_problem_data(ProblemClass& problem) {
           "W", matrix_property(&ContactProblem::W, &ContactProblem::has_delassus),
           "As it was given; None where the problem has bodies alone, see `delassus`.")
       .def_property_readonly(
-          "v_free", vector_property(&ContactProblem::v_free, true),
+          "v_free",
+          [](const HeldProblem& self) -> py::object {
+            const Vector& x = without_equality_rows(*self->problem).v_free;
+            return x.size() == 0 ? py::object(py::none()) : view_of(x, py::cast(self));
+          },
           "(n,) velocities without contact impulses [m/s, rad/s], a view; None without bodies.")
       .def_property_readonly("u_free", vector_property(&ContactProblem::u_free, false),
-                             "(m,) value of u at s = 0 [m/s], read-only view.")
+                             "(m,) value of u at s = 0 [m/s], under G v = b; read-only view.")
+      .def_property_readonly("G", equality_property([](const EqualityRows& rows, py::handle owner) {
+                               return scipy_view(rows.G, owner);
+                             }),
+                             "(p, n) equality rows, csr_matrix of read-only views; None without.")
+      .def_property_readonly("b", equality_property([](const EqualityRows& rows, py::handle owner) {
+                               return py::object(view_of(rows.b, owner));
+                             }),
+                             "(p,) G v = b [m/s], read-only view; None without G.")
       .def_property_readonly("mu", vector_property(&ContactProblem::mu, false),
                              "(c,) friction coefficients [-], read-only view.")
       .def_property_readonly(
@@ -486,10 +543,9 @@ void bind_problem_data(ProblemClass& problem) {
 
 void bind_problem_methods(ProblemClass& problem) {
   problem
-      .def(
-          "update", &update,
-          R"(The same bodies and contacts with other u_free (m,), v_free (n,), mu: a new problem, in
-microseconds. u_free follows v_free where it is not given. With restitution all are physical, and
+      .def("update", &update,
+           R"(The same bodies and contacts with other u_free (m,), v_free (n,), mu, b (p,): a new
+problem, in microseconds; with G it is made anew. u_free follows v_free where it is not given. With restitution all are physical, and
 v_before or u_before comes with v_free or u_free. Raises as the constructor.)")
       .def("__reduce__",
            [](const PythonProblem& self) {
@@ -501,15 +557,17 @@ v_before or u_before comes with v_free or u_free. Raises as the constructor.)")
       .def("delassus", &delassus,
            "W = H^T A^-1 H (m, m) [1/kg], assembled where the problem does not have it.")
       .def("velocity", &velocities, py::arg("s"), "u = W s + u_free (m,) [m/s].")
-      .def("body_velocity", &bodies, py::arg("s"),
-           "v = v_free + A^-1 H s (n,) [m/s, rad/s]. Raises ValueError without bodies.")
+      .def(
+          "body_velocity", &bodies, py::arg("s"),
+          "v = v_free + A^-1 (H s + G^T multipliers) (n,) [m/s, rad/s]. Raises ValueError without bodies.")
       .def("__repr__", [](const PythonProblem& self) {
         const ContactProblem& p = *self.problem;
-        return fmt::format("<bipot.Problem{}: {}, d = {}{}>",
-                           self.name.empty() ? "" : " " + self.name,
-                           counted(p.num_contacts(), "contact"), p.dim,
-                           p.has_velocities() ? fmt::format(", {} degrees of freedom", p.num_dofs())
-                                              : ", given by W");
+        return fmt::format(
+            "<bipot.Problem{}: {}, d = {}{}>", self.name.empty() ? "" : " " + self.name,
+            counted(p.num_contacts(), "contact"), p.dim,
+            p.has_velocities()
+                ? fmt::format(", {} degrees of freedom", without_equality_rows(p).num_dofs())
+                : ", given by W");
       });
 }
 
@@ -526,7 +584,11 @@ stand for H. Matrices are anything of scipy.sparse, or dense arrays; duplicates 
 zeros dropped; integers and float32 become float64. Everything is copied. dim (1, 2 or 3 rows a
 contact) is len(u_free) / len(mu) where it is not given.
 
-restitution: e_n for all contacts, (c,) for each, or (m,) for each row, from 0 to 1, with the
+G (p, n) [-, m] and b (p,) [m/s], 0 where it is left out: equality rows G v = b, bilateral joints
+between the bodies. `Result.v` obeys them, `Result.multipliers` are their impulses. `u_free` and
+`delassus()` of the problem are those under the rows; A, H and v_free are as given.
+
+restitution or e: e_n for all contacts, (c,) for each, or (m,) for each row, from 0 to 1, with the
 velocities before the impact, v_before (n,) or u_before (m,) = H^T v_before; all else as without it.
 u of the solution is then r (u_after + e u_before) / (1 + e) and s is r times the impulse, with
 r = sqrt(1 + e) = `row_scale`: `Result.impulse` and `Result.v` are physical. H, W, u_free and mu of

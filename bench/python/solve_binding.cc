@@ -23,6 +23,7 @@
 #include "bench/python/python_watch.h"
 #include "core/base/version.h"
 #include "core/problem/delassus.h"
+#include "core/problem/equality_rows.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
@@ -362,6 +363,18 @@ original problem. True in a condition if it converged.)");
             return copy_of(body_velocities(*r->problem, r->solve.s));
           },
           "(n,) velocities of the bodies [m/s, rad/s], computed at each call; None without bodies.")
+      .def_property_readonly(
+          "multipliers",
+          [](const HeldResult& r) -> py::object {
+            if (!r->problem->equality) return py::none();
+            return copy_of(multipliers(*r->problem, r->solve.s));
+          },
+          R"((p,) impulses of the equality rows, A v = A v_free + H s + G^T multipliers [N s], computed
+at each call; the smallest where rows depend on each other; None without G.)")
+      .def_property_readonly(
+          "equality_residual",
+          [](const PythonResult& r) { return equality_residual(*r.problem, r.solve.s); },
+          "Largest of |G v - b| [m/s]; 0 without G.")
       .def_property_readonly(
           "status", [](const PythonResult& r) { return std::string(to_string(r.solve.status)); },
           R"("converged", "nothing to do", "iteration limit", "time limit", "interrupted", "stalled",

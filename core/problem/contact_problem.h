@@ -1,10 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "core/base/types.h"
 
 namespace bipot {
+
+struct EqualityRows;  // core/problem/equality_rows.h
 
 /// One step of the frictional contact problem: find s with
 ///
@@ -23,6 +26,9 @@ namespace bipot {
 /// mu_phys r_t / r_n). `row_scale` holds r, so that the criterion can be evaluated in physical
 /// variables; empty means all ones. [ours] The two variables scale alike, hence s·u = (1 + e)
 /// s_phys·u_phys componentwise, and the right-hand side is u_free = diag(1/r) (Hᵀ v_free + E u⁻).
+///
+/// Equality rows are eliminated before: A, H and v_free are then those of the coordinates that the
+/// rows leave.
 struct ContactProblem {
   int dim = 2;       ///< d of a local frame: 1 (frictionless), 2 or 3                       [-]
   SparseMatrix A;    ///< n x n, symmetric positive definite                      [kg | kg m²]
@@ -32,6 +38,8 @@ struct ContactProblem {
   Vector u_free;     ///< m, value of u at s = 0                                         [m/s]
   Vector mu;         ///< one friction coefficient per contact                             [-]
   Vector row_scale;  ///< m or empty, r = sqrt(1 + e)                                      [-]
+  /// The rows that were eliminated, and the problem as given; null: none.
+  std::shared_ptr<const EqualityRows> equality;
 
   int num_contacts() const { return static_cast<int>(mu.size()); }
   int num_rows() const { return static_cast<int>(u_free.size()); }

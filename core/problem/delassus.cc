@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/linear/sparse_factor.h"
 #include "core/problem/coulomb_cone.h"
+#include "core/problem/equality_rows.h"
 
 namespace bipot {
 namespace {
@@ -457,14 +458,18 @@ Vector DelassusOperator::diagonal() const {
 }
 
 Vector body_velocities(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
-  if (!p.has_velocities()) {
+  if (!p.has_velocities() && !p.equality) {
     throw std::invalid_argument("body velocities need a problem with A and H");
   }
-  const Vector wrench = p.H * s;
-  if (is_diagonal(p.A)) return p.v_free + wrench.cwiseQuotient(p.A.diagonal());
-  SparseCholesky factor;
-  if (!factor.factor(p.A)) throw std::runtime_error("the mass matrix A is not positive definite");
-  return p.v_free + factor.solve(wrench);
+  Vector v = p.v_free;
+  if (const Vector wrench = p.H * s; is_diagonal(p.A)) {
+    v += wrench.cwiseQuotient(p.A.diagonal());
+  } else {
+    SparseCholesky factor;
+    if (!factor.factor(p.A)) throw std::runtime_error("the mass matrix A is not positive definite");
+    v += factor.solve(wrench);
+  }
+  return p.equality ? p.equality->velocities(v) : v;
 }
 
 }  // namespace bipot

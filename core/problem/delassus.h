@@ -102,7 +102,8 @@ class DelassusOperator {
 };
 
 /// v = v_free + A⁻¹ H s, the velocities after the step in the problem's own degrees of freedom
-/// (not scaled: row_scale is inside H). Requires has_velocities().
+/// (not scaled: row_scale is inside H), those of the given problem where equality rows were
+/// eliminated. Requires has_velocities().
 Vector body_velocities(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
 
 }  // namespace bipot

@@ -13,6 +13,7 @@
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/problem/delassus.h"
+#include "core/problem/equality_rows.h"
 #include "core/problem_files/problem_form.h"
 
 namespace bipot {
@@ -107,21 +108,24 @@ SparseGroup read_matrix(const Hdf5File& file, const std::string& group) {
   return matrix;
 }
 
-constexpr const char* kEqualityRows =
-    "the file has equality rows (joints, bilateral constraints) beside the contacts; Bipot solves "
-    "contacts alone. A pair of opposite frictionless contacts stands for each row";
+constexpr const char* kLocalEqualityRows =
+    "the local problem has equality rows (joints, bilateral constraints) beside the contacts; they "
+    "are taken in the global form alone (G and b)";
 
-void refuse_constraints(const Hdf5File& file, const std::string& root,
-                        std::initializer_list<const char*> matrices, const char* vector) {
-  for (const char* name : matrices) {
-    const std::string group = root + "/" + name;
-    if (file.exists(group) && file.read_int(group + "/m") > 0 && file.read_int(group + "/n") > 0) {
-      throw FileError(file.path(), group, kEqualityRows);
+bool has_entries(const Hdf5File& file, const std::string& matrix) {
+  return file.exists(matrix) && file.read_int(matrix + "/m") > 0 &&
+         file.read_int(matrix + "/n") > 0;
+}
+
+void refuse_local_constraints(const Hdf5File& file, const std::string& root) {
+  for (const char* name : {"/V", "/R"}) {
+    if (has_entries(file, root + name)) {
+      throw FileError(file.path(), root + name, kLocalEqualityRows);
     }
   }
-  const std::string name = root + "/vectors/" + vector;
+  const std::string name = root + "/vectors/s";
   if (file.exists(name) && file.size(name) > 0) {
-    throw FileError(file.path(), name, kEqualityRows);
+    throw FileError(file.path(), name, kLocalEqualityRows);
   }
 }
 
@@ -137,6 +141,23 @@ void require_shape(const Hdf5File& file, const std::string& group, const SparseG
 
 Vector every_other(const Vector& x) {
   return Eigen::Map<const Vector, 0, Eigen::InnerStride<2>>(x.data(), x.size() / 2);
+}
+
+/// Adds the equality rows of a global problem, if the file has any.
+void add_equality_rows(const Hdf5File& file, const std::string& root, int stored_dofs,
+                       ContactProblem& problem) {
+  const std::string group = root + "/G", vector = root + "/vectors/b";
+  const Vector b = file.exists(vector) ? read_vector(file, vector) : Vector();
+  if (!has_entries(file, group) && b.size() == 0) return;
+  const SparseGroup stored = read_matrix(file, group);
+  require_shape(file, group, stored, stored_dofs, b.size());
+  SparseRows G = SparseRows(stored.build<SparseMatrix>().transpose());
+  G.conservativeResize(G.rows(), problem.num_dofs());  // without those of inert tangents
+  try {
+    problem = with_equality_rows(std::move(problem), std::move(G), -b);
+  } catch (const std::invalid_argument& e) {
+    throw FileError(file.path(), group, e.what());
+  }
 }
 
 /// Inverse of the spacedim-2 form of a frictionless problem, see the header.
@@ -229,21 +250,30 @@ void write_matrix(Hdf5File& file, const std::string& group, Sparse matrix) {
   file.write(group + "/x", std::span<const double>(matrix.valuePtr(), count));
 }
 
+/// Body velocities with those of inert tangents, which stand still.
+Vector stored_velocities(const ContactProblem& p, const Vector& v) {
+  Vector x = Vector::Zero(v.size() + (p.dim == 1 ? p.num_contacts() : 0));
+  x.head(v.size()) = v;
+  return x;
+}
+
 /// Writes guesses in FCLIB's form: number_of_guesses, and a group 1, 2, ... with u, r (and v) for
-/// each. `p`: the problem as in the file, with the inert tangents of a frictionless problem.
-void write_guesses(Hdf5File& file, const ContactProblem& p, bool frictionless,
-                   const std::vector<Vector>& guesses) {
+/// each.
+void write_guesses(Hdf5File& file, const ContactProblem& p, const std::vector<Vector>& guesses) {
   if (guesses.empty()) return;
+  const bool frictionless = p.dim == 1;
   file.write("/guesses/number_of_guesses", static_cast<int>(guesses.size()));
   const DelassusOperator delassus(p);
   for (std::size_t k = 0; k < guesses.size(); ++k) {
     const std::string group = fmt::format("/guesses/{}", k + 1);
-    const Vector r = frictionless ? spread(guesses[k]) : guesses[k];
+    const Vector& r = guesses[k];
     Vector u;
     delassus.velocity(r, u);
-    if (p.has_velocities()) file.write(group + "/v", span(body_velocities(p, r)));
-    file.write(group + "/u", span(u));
-    file.write(group + "/r", span(r));
+    if (p.has_velocities()) {
+      file.write(group + "/v", span(stored_velocities(p, body_velocities(p, r))));
+    }
+    file.write(group + "/u", span(frictionless ? spread(u) : u));
+    file.write(group + "/r", span(frictionless ? spread(r) : r));
   }
 }
 
@@ -263,13 +293,12 @@ Stored read_form(const Hdf5File& file, const std::string& root, int dim, Problem
   Stored stored;
   try {
     if (!out.global) {
-      refuse_constraints(file, root, {"V", "R"}, "s");
+      refuse_local_constraints(file, root);
       const SparseGroup W = read_matrix(file, root + "/W");
       require_shape(file, root + "/W", W, rows, rows);
       out.problem = from_local_form(dim, W.build<SparseRows>(),
                                     read_vector(file, root + "/vectors/q"), std::move(mu));
     } else {
-      refuse_constraints(file, root, {"G"}, "b");
       const SparseGroup M = read_matrix(file, root + "/M");
       const SparseGroup H = read_matrix(file, root + "/H");
       const Vector f = read_vector(file, root + "/vectors/f");
@@ -369,6 +398,7 @@ ProblemFile read_fclib(const std::filesystem::path& path) {
   if (std::string defect = validate(out.problem); !defect.empty()) {
     throw FileError(path, root, defect);
   }
+  if (out.global) add_equality_rows(file, root, stored.dofs, out.problem);
   read_impulses(file, stored, dofs, out);
   return out;
 }
@@ -384,7 +414,8 @@ void write_fclib(const std::filesystem::path& path, const ContactProblem& proble
     throw FileError(path, "/guesses", "refused to write: of another size, or not finite");
   }
   const bool frictionless = problem.dim == 1;
-  const ContactProblem p = frictionless ? with_inert_tangents(problem) : problem;
+  const ContactProblem& given = without_equality_rows(problem);
+  const ContactProblem p = frictionless ? with_inert_tangents(given) : given;
   AtomicFile target(path);
   Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
   const std::string root = p.has_velocities() ? "/fclib_global" : "/fclib_local";
@@ -404,10 +435,16 @@ void write_fclib(const std::filesystem::path& path, const ContactProblem& proble
   file.write(root + "/info/math_info", info.math_info);
   if (frictionless) {
     file.write("/bipot/dim", 1);
-    if (p.has_velocities()) file.write("/bipot/dofs", problem.num_dofs());
+    if (p.has_velocities()) file.write("/bipot/dofs", given.num_dofs());
+  }
+  if (problem.equality) {
+    SparseMatrix G = SparseMatrix(problem.equality->G).transpose();
+    G.conservativeResize(p.num_dofs(), G.cols());
+    write_matrix(file, root + "/G", std::move(G));
+    file.write(root + "/vectors/b", span(-problem.equality->b));
   }
   if (problem.row_scale.size() > 0) file.write("/bipot/row_scale", span(problem.row_scale));
-  write_guesses(file, p, frictionless, guesses);
+  write_guesses(file, problem, guesses);
   file.close();
   target.commit();
 }
@@ -431,7 +468,7 @@ void write_fclib_solution(const std::filesystem::path& path, const Vector& r, co
   if (stored.global && !velocities) velocities = body_velocities(p, r);
   if (velocities) {
     if (!stored.global) throw FileError(path, "/solution/v", "a local problem has no velocities");
-    check("v", *velocities, p.num_dofs());
+    check("v", *velocities, without_equality_rows(p).num_dofs());
   }
   const bool frictionless = p.dim == 1;
   AtomicFile target(path);
@@ -442,10 +479,9 @@ void write_fclib_solution(const std::filesystem::path& path, const Vector& r, co
   Hdf5File file(target.draft(), Hdf5File::Mode::kAppend);
   if (file.exists("/solution")) file.remove("/solution");
   if (velocities) {
-    Vector x = Vector::Zero(p.num_dofs() + (frictionless ? p.num_contacts() : 0));
-    x.head(p.num_dofs()) = *velocities;
-    file.write("/solution/v", span(x));
+    file.write("/solution/v", span(stored_velocities(p, *velocities)));
   }
+  if (p.equality) file.write("/solution/l", span(multipliers(p, r)));
   file.write("/solution/u", span(frictionless ? spread(u) : u));
   file.write("/solution/r", span(frictionless ? spread(r) : r));
   file.close();

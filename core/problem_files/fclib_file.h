@@ -26,18 +26,21 @@ namespace bipot {
 ///   /bipot/dofs       number of degrees of freedom of a global problem with dim = 1, without
 ///                     these.
 ///
-/// Refused, with the reason: bilateral constraints (V, R, s; G, b), inconsistent sizes, missing
+/// Equality rows of a global problem, M v = H r + G λ + f with Gᵀ v + b = 0 in the file's signs, are
+/// eliminated (with_equality_rows()). /solution/l holds λ.
+///
+/// Refused, with the reason: equality rows of a local problem (V, R, s), inconsistent sizes, missing
 /// data, values that are not finite, and whatever validate() refuses. Throws FileError.
 ProblemFile read_fclib(const std::filesystem::path& path);
 
 /// Writes a new file, in global form if A and H are given (W is then not stored), else in local
-/// form. The information becomes /fclib_*/info. The problem must be sound. Each guess (an impulse r
+/// form; with equality rows the problem as it was given, G and b. The information becomes /fclib_*/info. The problem must be sound. Each guess (an impulse r
 /// to start from) is written into /guesses with its u (and v).
 void write_fclib(const std::filesystem::path& path, const ContactProblem& problem,
                  const ProblemInfo& info, const std::vector<Vector>& guesses = {});
 
 /// Writes /solution of an existing problem file and replaces an earlier one. r and u are in the
-/// problem's variables. v: velocities of a global problem, by default computed from r.
+/// problem's variables. v: velocities of a global problem, by default computed from r. l is computed too.
 void write_fclib_solution(const std::filesystem::path& path, const Vector& r, const Vector& u,
                           const std::optional<Vector>& v = std::nullopt);
 

@@ -19,7 +19,7 @@ struct ProblemInfo {
 /// A problem from a file, with the reference solution if the file has one.
 struct ProblemFile {
   ContactProblem problem;
-  bool global = false;          ///< given as (M, H, f, w), else as (W, q)
+  bool global = false;          ///< given as (M, H, f, w, G, b), else as (W, q)
   std::optional<Vector> r, u;   ///< reference solution, the problem's variables      [N s], [m/s]
   std::optional<Vector> v;      ///< body velocities of the reference, global problems only
   std::vector<Vector> guesses;  ///< impulses to start from, the problem's variables     [N s]

@@ -323,7 +323,7 @@ std::string other_kind(const Words& words, int first, int second) {
   // A matrix n x n and what its rows are: storage, n, n.
   if (first < kStorages && second > 0 && second == third && (first != 2 || third >= kStorages)) {
     return "this is a general mechanical problem of Siconos, with equality rows (joints) or rows of "
-           "other laws beside the contacts; Bipot solves contacts alone, without equality rows";
+           "other laws beside the contacts; Bipot takes joints as G and b of FCLIB's global form";
   }
   // The size, then the matrix: n, storage, n, n.
   const bool no_storage = third >= kStorages;

@@ -12,6 +12,7 @@
 #include "core/problem/body_rows.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
+#include "core/problem/equality_rows.h"
 #include "solvers/analysis/case_enumeration.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -252,7 +253,7 @@ class AnswerSearch {
       }
       if (p_.has_velocities()) {
         const Vector v = body_velocities(p_, answer.impulse.s);
-        answer.kinetic = 0.5 * v.dot(p_.A * v);
+        answer.kinetic = 0.5 * v.dot(without_equality_rows(p_).A * v);
       }
       found_.answers.push_back(std::move(answer));
     }
@@ -326,7 +327,7 @@ class AnswerSearch {
   };
   std::optional<Bodies> bodies_of(const Vector& s) const {
     if (!rows_) return std::nullopt;
-    const Vector v = body_velocities(p_, s), x = p_.H * s;
+    const Vector v = body_velocities(p_, s), x = without_equality_rows(p_).H * s;
     Bodies made;
     made.velocity.resize(rows_->translations, rows_->bodies);
     made.resultant.resize(rows_->translations, rows_->bodies);
@@ -366,7 +367,7 @@ class AnswerSearch {
   void measure() {
     std::vector<Answer>& all = found_.answers;
     if (all.empty()) return;
-    rows_ = find_body_rows(p_);
+    rows_ = find_body_rows(without_equality_rows(p_));
     double explained = 0;
     for (Answer& answer : all) {
       answer.from_first = difference(all.front(), answer);

@@ -33,6 +33,11 @@ Case with_known_solution(int dim, int bodies, int contacts, unsigned seed, doubl
   return {std::move(m.problem), std::move(m.u)};
 }
 
+Case with_joints(int dim, double mu) {
+  ManufacturedJoints m = manufactured_joints(dim, 20, 24, 7, mu);
+  return {std::move(m.problem), std::move(m.u)};
+}
+
 Case with_restitution(Case c) {
   // The law is homogeneous in normal and tangential part: any scale of the rows is the symmetric
   // form of some restitution, with the same solution in the problem's variables.
@@ -68,6 +73,9 @@ const std::map<std::string, MakeCase>& cases() {
       {"spatial", [] { return with_known_solution(3, 20, 24, 7, 0.4); }},
       {"spatial_smooth", [] { return with_known_solution(3, 20, 24, 8, 0); }},
       {"spatial_local", [] { return without_bodies(with_known_solution(3, 20, 24, 7, 0.4)); }},
+      {"frictionless_joints", [] { return with_joints(1, 0); }},
+      {"planar_joints", [] { return with_joints(2, 0.4); }},
+      {"spatial_joints", [] { return with_joints(3, 0.4); }},
       {"square_lattice_smooth", [] { return lattice(Lattice::kSquare, 5, 0, 0); }},
       {"square_lattice", [] { return lattice(Lattice::kSquare, 5, 0.3, 0); }},
       {"triangular_lattice", [] { return lattice(Lattice::kTriangular, 5, 0.3, 0); }},

@@ -4,12 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
+#include "core/problem/delassus.h"
+#include "core/problem/equality_rows.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 
 namespace bipot {
@@ -140,57 +144,90 @@ TEST(SquareLattice, WithFrictionEveryDiskIsInEquilibrium) {
   EXPECT_NEAR(walls[0] / (100 * load), 0, 1e-7);
 }
 
-// Four bars of 1 kg and 1 m are pinned to a square, which stands on a corner and slides at 0.5 m/s.
-// By symmetry s_n moves it by V and changes the angle of its bars by a', the friction mu s_n against
-// the motion slows it by U and turns it by w. Both rotations have the inertia 4 (1/12 + 1/4) = 4/3
-// kg m², and the corner the lever r = 1/√2 m. So W is diagonal, 1/4 + r²/(4/3) = 5/8 twice, and
-// s_n = 8/5 g h. The bars at the corner turn by w ± a' = -(mu ± 1) s_n r/(4/3).
-// A pin forbids motion in both directions: two pairs of opposite contacts without friction.
-TEST(FourBars, JointsArePairsOfOppositeContacts) {
-  const double impulse = 1.6 * kG * 1e-3, mu = 0.3, r = std::sqrt(0.5);
-  const Vec2 vertices[] = {{0, -r}, {r, 0}, {0, r}, {-r, 0}};  // bar k ends at k and k + 1
+// The pins as equality rows, and as pairs of opposite contacts without friction, two pairs a pin.
+TEST(FourBars, JointsAreEqualityRowsOrPairsOfOppositeContacts) {
+  const FourBars bars = four_bars();
+  const ContactProblem rows = with_equality_rows(bars.problem, bars.G, Vector::Zero(8));
+  ContactProblem pairs = bars.problem;
+  const Eigen::MatrixXd G = bars.G.toDense();
   Eigen::MatrixXd wrenches = Eigen::MatrixXd::Zero(12, 2 * 17);
-  const auto add = [&](int contact, int bar, int vertex, const Vec2& normal) {
-    const Vec2 arm = vertices[vertex] - 0.5 * (vertices[bar] + vertices[(bar + 1) % 4]);
-    const Vec2 axes[] = {normal, Vec2(-normal[1], normal[0])};
-    for (int k = 0; k < 2; ++k) {
-      wrenches.col(2 * contact + k).segment<3>(3 * bar) =
-          Eigen::Vector3d(axes[k][0], axes[k][1], arm[0] * axes[k][1] - arm[1] * axes[k][0]);
-    }
-  };
-  add(0, 0, 0, Vec2(0, 1));
-  int contact = 0;
-  for (int k = 0; k < 4; ++k) {
-    for (const Vec2& normal : {Vec2(1, 0), Vec2(-1, 0), Vec2(0, 1), Vec2(0, -1)}) {
-      add(++contact, k, k, normal);
-      add(contact, (k + 3) % 4, k, -normal);
-    }
+  wrenches.leftCols(2) = bars.problem.H.toDense();
+  for (int pin = 0; pin < 4; ++pin) {
+    const auto x = G.row(2 * pin).transpose(), y = G.row(2 * pin + 1).transpose();
+    auto columns = wrenches.middleCols<8>(2 + 8 * pin);
+    columns << x, y, -x, -y, y, -x, -y, x;
   }
-  Vector mass(12);
-  ContactProblem p;
-  p.v_free.resize(12);
-  for (int bar = 0; bar < 4; ++bar) {
-    mass.segment<3>(3 * bar) << 1, 1, 1.0 / 12;
-    p.v_free.segment<3>(3 * bar) << 0.5, -kG * 1e-3, 0;
-  }
-  p.A = Eigen::MatrixXd(mass.asDiagonal()).sparseView();
-  p.H = wrenches.sparseView();
-  p.u_free = wrenches.transpose() * p.v_free;
-  p.mu = Vector::Zero(17);
-  p.mu[0] = mu;
+  pairs.H = wrenches.sparseView();
+  pairs.u_free = wrenches.transpose() * pairs.v_free;
+  pairs.mu = Vector::Zero(17);
+  pairs.mu[0] = bars.problem.mu[0];
   for (const SolverEntry& entry : solver_table()) {
-    const SolveResult result = solve(entry, p, {.tol = 1e-10, .time_limit = 20});
-    EXPECT_EQ(result.status, SolveStatus::kConverged) << entry.name << ": " << result.message;
-    EXPECT_NEAR(result.s[0], impulse, 1e-7 * impulse) << entry.name;
-    EXPECT_NEAR(result.s[1], mu * impulse, 1e-7 * impulse) << entry.name;
-    EXPECT_NEAR(result.u[1], -(0.5 - 0.625 * mu * impulse), 1e-8) << entry.name;
-    const Vector v = p.v_free + mass.cwiseInverse().cwiseProduct(wrenches * result.s);
-    EXPECT_NEAR(v[2], -(mu + 1) * impulse * r * 0.75, 1e-7) << entry.name;
-    EXPECT_NEAR(v[11], -(mu - 1) * impulse * r * 0.75, 1e-7) << entry.name;
-    // Both ends of a pin have one velocity.
-    const Vector u = wrenches.transpose() * v;
-    EXPECT_LE(u.tail(32).cwiseAbs().maxCoeff(), 1e-7) << entry.name;
+    for (const ContactProblem* p : {&rows, &std::as_const(pairs)}) {
+      const SolveResult result = solve(entry, *p, {.tol = 1e-10, .time_limit = 20});
+      EXPECT_EQ(result.status, SolveStatus::kConverged) << entry.name << ": " << result.message;
+      EXPECT_LE((result.s.head<2>() - bars.s).norm(), 1e-7 * bars.s.norm()) << entry.name;
+      EXPECT_NEAR(result.u[1], bars.slides_at, 1e-8) << entry.name;
+      const Vector v = body_velocities(*p, result.s);
+      EXPECT_NEAR(v[2], bars.turns_at[0], 1e-7) << entry.name;
+      EXPECT_NEAR(v[11], bars.turns_at[1], 1e-7) << entry.name;
+      // Both ends of a pin have one velocity: exactly with rows.
+      EXPECT_LE((bars.G * v).cwiseAbs().maxCoeff(), p == &rows ? 1e-15 : 1e-7) << entry.name;
+    }
   }
+}
+
+// A point of 1 kg on a plane is led along at 0.3 m/s: it stops falling, and all friction opposes.
+TEST(Guide, LeavesAContactWithoutTangentialMotion) {
+  ContactProblem p{.dim = 2};
+  p.A.resize(2, 2);
+  p.A.setIdentity();
+  p.H = p.A;
+  p.v_free = p.u_free = Vec2(-2, 0);
+  p.mu = Vector::Constant(1, 0.5);
+  const Eigen::MatrixXd G = Eigen::RowVector2d(0, 1);
+  p = with_equality_rows(p, G.sparseView(), Vector::Constant(1, 0.3));
+  for (const SolverEntry& entry : solver_table()) {
+    const SolveResult result = solve(entry, p, {.tol = 1e-10, .time_limit = 5});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << entry.name << ": " << result.message;
+    EXPECT_LE((result.s - Vec2(2, -1)).norm(), 1e-5) << entry.name << ": " << result.s.transpose();
+  }
+}
+
+// A rod of mass m and length l hangs at a pin and leans with its end on a plane without friction,
+// at an angle a. At rest the moments about the pin, s_n l cos a = m g h l/2 cos a, give s_n = m g
+// h/2, and the pin carries the other half. Turning down at w it is stopped by s_n l cos a = m l²/3
+// w. Then the momentum of its middle, m w l/2 (-sin a, -cos a) before, gives the impulse of the pin.
+TEST(Rod, IsCarriedAndStoppedByAPlaneAndAPin) {
+  const double m = 2, l = 3, angle = 0.7, h = 1e-3, w = 0.4;
+  const double c = std::cos(angle), s = std::sin(angle);
+  ContactProblem p{.dim = 2};
+  Vector mass(3);
+  mass << m, m, m * l * l / 12;
+  p.A = Eigen::MatrixXd(mass.asDiagonal()).sparseView();
+  const Vec2 arm = 0.5 * l * Vec2(c, -s);  // from the middle to the end; to the pin: -arm
+  Eigen::MatrixXd H(3, 2), G(2, 3);
+  H << 0, -1, 1, 0, arm[0], arm[1];  // n = (0, 1), t = (-1, 0)
+  G << 1, 0, arm[1], 0, 1, -arm[0];  // velocity of the pin
+  p.H = H.sparseView();
+  p.mu = Vector::Zero(1);
+  const auto answer = [&](const Vec2& v, double spin) {
+    ContactProblem q = p;
+    q.v_free = Eigen::Vector3d(v[0], v[1], spin);
+    q.u_free = H.transpose() * q.v_free;
+    q = with_equality_rows(q, G.sparseView(), Vec2::Zero());
+    const SolveResult result = solve("auto", q, {.tol = 1e-12});
+    EXPECT_TRUE(is_success(result.status)) << result.message;
+    EXPECT_LE(body_velocities(q, result.s).norm(), 1e-12);
+    Vector all(4);
+    all << result.s, multipliers(q, result.s);
+    return all;
+  };
+  const double weight = m * kG * h;
+  EXPECT_LE((answer({0, -kG * h}, 0) - Eigen::Vector4d(weight / 2, 0, 0, weight / 2)).norm(),
+            1e-12 * weight);
+  const double blow = m * l * w / (3 * c);
+  const Eigen::Vector4d stop(blow, 0, m * w * l / 2 * s, m * w * l / 2 * c - blow);
+  EXPECT_LE((answer(w * 0.5 * l * Vec2(-s, -c), -w) - stop).norm(), 1e-12 * blow);
 }
 
 TEST(Ledger, EnergyAndMomentumCloseToRoundOff) {

@@ -3,6 +3,7 @@
 #include "core/base/portable_random.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
+#include "core/problem/equality_rows.h"
 
 namespace bipot {
 namespace {
@@ -71,6 +72,30 @@ Manufactured make(int bodies, int contacts, unsigned seed, double mu) {
 
 Manufactured manufactured_problem(int dim, int bodies, int contacts, unsigned seed, double mu) {
   return dispatch_dim(dim, [&](auto d) { return make<d()>(bodies, contacts, seed, mu); });
+}
+
+ManufacturedJoints manufactured_joints(int dim, int bodies, int contacts, unsigned seed,
+                                       double mu) {
+  Manufactured m = manufactured_problem(dim, bodies, contacts, seed, mu);
+  ContactProblem& p = m.problem;
+  PortableRandom draw(seed + 1000);
+  const int n = p.num_dofs(), rows = n / bodies;
+  const auto drawn = [&](int size) {
+    Vector x(size);
+    for (double& value : x) value = draw.symmetric();
+    return x;
+  };
+  SparseRows G(rows, n);
+  for (int row = 0; row < rows; ++row) {
+    for (int dof = 0; dof < 3 * rows; ++dof) G.insert(row, dof) = draw.symmetric();
+  }
+  G.makeCompressed();
+  ManufacturedJoints out{.s = m.s, .u = m.u, .v = drawn(n), .multipliers = drawn(rows)};
+  const Vector impulse = p.H * out.s + G.transpose() * out.multipliers;
+  p.v_free = out.v - impulse.cwiseQuotient(p.A.diagonal());
+  p.u_free = out.u + p.H.transpose() * (p.v_free - out.v);
+  out.problem = with_equality_rows(p, G, G * out.v);
+  return out;
 }
 
 }  // namespace bipot

@@ -15,4 +15,13 @@ struct Manufactured {
 Manufactured manufactured_problem(int dim, int bodies, int contacts, unsigned seed,
                                   double mu = 0.4);
 
+/// The same contacts and impulses, where random equality rows G v = b join the first three bodies,
+/// as many as a body has degrees of freedom. v and λ are drawn; b, v_free and u_free follow.
+struct ManufacturedJoints {
+  ContactProblem problem;
+  Vector s, u, v, multipliers;
+};
+ManufacturedJoints manufactured_joints(int dim, int bodies, int contacts, unsigned seed,
+                                       double mu = 0.4);
+
 }  // namespace bipot

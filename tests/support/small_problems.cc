@@ -1,5 +1,6 @@
 #include "tests/support/small_problems.h"
 
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -31,6 +32,42 @@ ContactProblem one_contact_problem(int dim, double w_n, double w_t, double mu, d
   p.v_free = p.u_free;
   p.mu = Vector::Constant(1, mu);
   return p;
+}
+
+FourBars four_bars() {
+  constexpr double kWeight = 9.81e-3;  // of a bar, times the step
+  const double mu = 0.3, r = std::sqrt(0.5), impulse = 1.6 * kWeight;
+  FourBars bars;
+  bars.s = impulse * Vec2(1, mu);
+  bars.slides_at = -(0.5 - 0.625 * mu * impulse);
+  bars.turns_at = -0.75 * r * impulse * Vec2(mu + 1, mu - 1);
+  const Vec2 vertices[] = {{0, -r}, {r, 0}, {0, r}, {-r, 0}};  // bar k ends at k and k + 1
+  // The impulse that a bar gets from a unit impulse along the axis at a vertex.
+  const auto wrench = [&](int bar, int vertex, const Vec2& axis) {
+    const Vec2 arm = vertices[vertex] - 0.5 * (vertices[bar] + vertices[(bar + 1) % 4]);
+    return Eigen::Vector3d(axis[0], axis[1], arm[0] * axis[1] - arm[1] * axis[0]);
+  };
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(12, 2), G = Eigen::MatrixXd::Zero(8, 12);
+  H.col(0).head<3>() = wrench(0, 0, Vec2(0, 1));
+  H.col(1).head<3>() = wrench(0, 0, Vec2(-1, 0));
+  Vector mass(12);
+  ContactProblem& p = bars.problem;
+  p.v_free.resize(12);
+  for (int k = 0; k < 4; ++k) {
+    const int other = (k + 3) % 4;
+    for (int x = 0; x < 2; ++x) {
+      G.block<1, 3>(2 * k + x, 3 * k) = wrench(k, k, Vec2::Unit(x)).transpose();
+      G.block<1, 3>(2 * k + x, 3 * other) = -wrench(other, k, Vec2::Unit(x)).transpose();
+    }
+    mass.segment<3>(3 * k) << 1, 1, 1.0 / 12;
+    p.v_free.segment<3>(3 * k) << 0.5, -kWeight, 0;
+  }
+  p.A = Eigen::MatrixXd(mass.asDiagonal()).sparseView();
+  p.H = H.sparseView();
+  p.u_free = H.transpose() * p.v_free;
+  p.mu = Vector::Constant(1, mu);
+  bars.G = SparseRows(G.sparseView());
+  return bars;
 }
 
 ContactProblem local_form(const ContactProblem& problem) {

@@ -14,6 +14,21 @@ namespace bipot {
 ContactProblem one_contact_problem(int dim, double w_n, double w_t, double mu, double b_n,
                                    const Vector& b_t);
 
+/// Four bars of 1 kg and 1 m are pinned to a square, which stands on a corner and slides at 0.5
+/// m/s, for a step of 1 ms. One contact; the pins are the equality rows G v = 0. By symmetry s_n
+/// moves it by V and changes the angle of its bars by a', the friction mu s_n against the motion
+/// slows it by U and turns it by w. Both rotations have the inertia 4 (1/12 + 1/4) = 4/3 kg m², and
+/// the corner the lever r = 1/√2 m. So W is diagonal, 1/4 + r²/(4/3) = 5/8 twice, and s_n = 8/5 g h.
+/// The bars at the corner turn by w ± a' = -(mu ± 1) s_n r/(4/3).
+struct FourBars {
+  ContactProblem problem;  ///< without the pins
+  SparseRows G;            ///< 8 x 12, two rows a pin
+  Vec2 s;                  ///< the answer [N s]
+  double slides_at;        ///< u_t [m/s]
+  Vec2 turns_at;           ///< spins of the first and the last bar [rad/s]
+};
+FourBars four_bars();
+
 /// The same problem without A and H: W alone.
 ContactProblem local_form(const ContactProblem& problem);
 

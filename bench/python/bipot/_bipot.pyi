@@ -20,6 +20,8 @@ class Problem:
         A: Any = None,
         H: Any = None,
         W: Any = None,
+        G: Any = None,
+        b: Any = None,
         v_free: Any = None,
         u_free: Any = None,
         mu: Any = None,
@@ -27,6 +29,7 @@ class Problem:
         M: Any = None,
         J: Any = None,
         restitution: Any = None,
+        e: Any = None,
         v_before: Any = None,
         u_before: Any = None,
         row_scale: Any = None,
@@ -39,6 +42,7 @@ class Problem:
         u_free: Any = None,
         v_free: Any = None,
         mu: Any = None,
+        b: Any = None,
         v_before: Any = None,
         u_before: Any = None,
     ) -> Problem: ...
@@ -50,6 +54,8 @@ class Problem:
     A: Final[sparse.csc_matrix | None]
     H: Final[sparse.csc_matrix | None]
     W: Final[sparse.csr_matrix | None]
+    G: Final[sparse.csr_matrix | None]
+    b: Final[Array | None]
     v_free: Final[Array | None]
     u_free: Final[Array]
     mu: Final[Array]
@@ -87,6 +93,8 @@ class Result(_Errors, _Counts):
     u: Final[Array]
     impulse: Final[Array]
     v: Final[Array | None]
+    multipliers: Final[Array | None]
+    equality_residual: Final[float]
     status: Final[str]
     converged: Final[bool]
     message: Final[str]

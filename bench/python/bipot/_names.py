@@ -25,7 +25,7 @@ _SYNONYMS = {
     "J": "jacobian Jc jac j",
     "W": "delassus G w",
     "H": "h wrench",
-    "u_free": "b q u0 bias free_velocity",
+    "u_free": "q u0 bias free_velocity",
     "v_free": "v v0 v_star velocity",
     "v_before": "v_minus velocity_before",
     "u_before": "u_minus",

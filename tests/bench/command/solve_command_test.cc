@@ -8,9 +8,13 @@
 #include <string>
 
 #include "core/criterion/contact_error.h"
+#include "core/files/hdf5_file.h"
+#include "core/problem/equality_rows.h"
+#include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/refusal.h"
+#include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 
 namespace bipot {
@@ -34,6 +38,43 @@ TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
   EXPECT_LE(error.guarded(), 1e-9);
   EXPECT_NEAR(j["epsilon"].get<double>(), error.epsilon, 1e-14);
   EXPECT_EQ(content(path("history.csv")).substr(0, 26), "iteration,seconds,epsilon,");
+}
+
+TEST_F(Command, EqualityRowsAreSolvedReportedJudgedAndCompared) {
+  // small_problems.h derives the answer.
+  const FourBars bars = four_bars();
+  const std::string problem = path("bars.hdf5");
+  write_fclib(problem, with_equality_rows(bars.problem, bars.G, Vector::Zero(8)), {});
+  const json j =
+      json_of("solve " + problem + " --tol 1e-10 --certify --json - --solution " + problem);
+  EXPECT_EQ(j["status"], "converged");
+  EXPECT_EQ(j["existence"]["verdict"], "exists");
+  EXPECT_EQ(j["equality_rows"], 8);
+  EXPECT_LE(j["equality_residual"].get<double>(), 1e-15);
+  const ProblemFile file = read_problem(problem);
+  EXPECT_LE((*file.r - bars.s).norm(), 1e-9 * bars.s.norm());
+  EXPECT_NEAR((*file.v)[2], bars.turns_at[0], 1e-10);
+  const Vector impulses = multipliers(file.problem, *file.r);
+  for (int k = 0; k < 8; ++k) EXPECT_EQ(j["multipliers"][to_size(k)], impulses[k]);
+  EXPECT_TRUE(says(bipot("solve " + problem).out, "  8 equality rows, |G v - b| "));
+  EXPECT_EQ(code_of("judge " + problem + " --tol 1e-9"), 0);
+  EXPECT_EQ(code_of("solve " + problem + " --several 4"), 0);
+  const json table = json_of("compare " + problem + " --solvers pgs,ipm --tols 1e-8 --json -");
+  ASSERT_EQ(table["rows"].size(), 2u);
+  for (const json& row : table["rows"]) EXPECT_EQ(row["status"], "converged");
+
+  Eigen::MatrixXd twice(16, 12);
+  twice << bars.G.toDense(), bars.G.toDense();
+  write_fclib(problem, with_equality_rows(bars.problem, twice.sparseView(), Vector::Zero(16)), {});
+  {
+    Hdf5File spoilt(problem, Hdf5File::Mode::kAppend);
+    std::vector<double> b(16, 0.0);
+    b[3] = 1;
+    spoilt.remove("/fclib_global/vectors/b");
+    spoilt.write("/fclib_global/vectors/b", b);
+  }
+  EXPECT_TRUE(says(json_of("solve " + problem + " --json -", 2)["message"],
+                   "of G contradicts other rows: b["));
 }
 
 TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {

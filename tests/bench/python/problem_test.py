@@ -1,5 +1,6 @@
 """Problems: what is taken, what is refused, what comes back."""
 
+import pickle
 import re
 
 import numpy as np
@@ -262,7 +263,7 @@ def test_wrong_types_are_refused_by_name():
     )
     message = refusal(TypeError, W=W, ufree=b, mu=[1])
     assert "unknown option 'ufree'; did you mean 'u_free'?" in message
-    for name, meant in (("friction", "mu"), ("jacobian", "J"), ("mass_matrix", "A"), ("b", "u_free")):
+    for name, meant in (("friction", "mu"), ("jacobian", "J"), ("mass_matrix", "A")):
         message = refusal(TypeError, **{"W": W, "u_free": b, "mu": [1], name: 1})
         assert message.startswith(f"unknown option '{name}'; did you mean '{meant}'?")
     with pytest.raises(TypeError, match="expected keywords: Problem"):
@@ -459,3 +460,64 @@ def test_w_is_compared_with_a_and_h():
         bipot.Problem(
             A=[[2.0, 0], [0, 2.0]], H=[[1.0, 0], [0, 1.0]], W=[[0.7, 0], [0, 0.5]],
             v_free=[-1.0, 0], mu=[0.5])
+
+
+def pendulum(**changes):
+    """A rod of 2 kg and 3 m at a pin leans on a plane at rest, for a step of 1 ms: s_n = m g h / 2,
+    and the pin carries as much (as Rod.* in tests/solvers/analytic_test.cc)."""
+    x, y = 1.5 * np.cos(0.7), -1.5 * np.sin(0.7)
+    arguments = dict(
+        A=np.diag([2, 2, 1.5]), H=[[0, -1], [1, 0], [x, y]], v_free=[0, -9.81e-3, 0], mu=[0],
+        G=[[1, 0, y], [0, 1, -x]],
+    )
+    return bipot.Problem(**{**arguments, **changes})
+
+
+def test_equality_rows_are_obeyed_and_their_impulses_given():
+    p = pendulum()
+    r = bipot.solve(p, tol=1e-12)
+    assert r and r.s == pytest.approx([9.81e-3, 0], abs=1e-12)
+    assert r.v == pytest.approx(np.zeros(3), abs=1e-14)
+    assert r.multipliers == pytest.approx([0, 9.81e-3], abs=1e-12)
+    assert r.equality_residual < 1e-15
+    assert p.num_dofs == 3 and p.A.shape == (3, 3) and (p.b == 0).all() and p.G.shape == (2, 3)
+    assert p.u_free == pytest.approx(p.velocity([0, 0]))
+    assert bipot.judge(p, r.s).within(1e-10)
+    assert bipot.compare(p, solvers=["pgs", "ipm"], tols=[1e-8])["status"] == ["converged"] * 2
+
+
+def test_equality_rows_stay_with_the_problem(tmp_path):
+    p = pendulum(b=[0.1, 0.2])
+    moving = bipot.solve(p, tol=1e-12)
+    assert p.G @ moving.v == pytest.approx([0.1, 0.2])
+    bipot.write(p, tmp_path / "p.hdf5", s=moving.s)
+    for same_one in [bipot.read(tmp_path / "p.hdf5"), pickle.loads(pickle.dumps(p)), pendulum().update(b=[0.1, 0.2])]:
+        again = bipot.solve(same_one, tol=1e-12)
+        assert again.v == pytest.approx(moving.v, abs=1e-12)
+        assert again.multipliers == pytest.approx(moving.multipliers, abs=1e-12)
+    heavier = bipot.solve(p.update(v_free=[0, -2 * 9.81e-3, 0], b=[0, 0]), tol=1e-12)
+    assert heavier.s[0] == pytest.approx(2 * 9.81e-3)
+
+
+def test_equality_rows_with_restitution_leave_the_plane_as_newton_says():
+    # It turns down at 0.4 rad/s and comes back with half of that: (1 + e) times the stopping blow.
+    x, y = 1.5 * np.cos(0.7), -1.5 * np.sin(0.7)
+    before = -0.4 * np.array([-y, x, 1])
+    r = bipot.solve(pendulum(v_free=before, v_before=before, restitution=0.5), tol=1e-12)
+    assert r.v == pytest.approx(-0.5 * before)
+    assert r.impulse[0] == pytest.approx(1.5 * 2 * 3 * 0.4 / (3 * np.cos(0.7)))
+
+
+def test_equality_rows_that_do_not_fit_are_refused():
+    for changes, words in [
+        ({"G": [[1, 0]]}, "G is 1 x 2 and b has size 1, expected p x 3 and p"),
+        ({"b": [1]}, "G is 2 x 3 and b has size 1"),
+        ({"G": None, "b": [1]}, "b is given without G; u at s = 0 is u_free"),
+        ({"W": np.eye(2)}, "W is given with G"),
+        ({"G": [[0, 1, 0], [0, 2, 0]], "b": [0, 1]}, "of G contradicts other rows"),
+        ({"G": np.eye(3)}, "contact 0: the equality rows leave no motion along its normal"),
+    ]:
+        with pytest.raises(ValueError, match=re.escape(words)):
+            pendulum(**changes)
+    with pytest.raises(ValueError, match="b is given without G"):
+        one_contact(-1, 0).update(b=[1])

@@ -1,4 +1,4 @@
-"""The tutorial's blocks, one after the other, and what it says that they print; the lines of the README."""
+"""The blocks of the tutorial, the robotics page and the README, and what they say that they print."""
 
 import contextlib
 import io
@@ -28,6 +28,13 @@ def test_the_tutorial_runs_and_prints_what_it_says():
     assert printed[2].split("\n")[0] == re.search(r"It says `(.*?)`", TEXT).group(1)
     assert "apgd: converged" in printed[3]
     assert "projected_gradient" in printed[5]
+
+
+def test_the_robotics_page_prints_what_it_says():
+    text = (DATA / "manual" / "how_to" / "robotics_matrices.md").read_text()
+    said = re.findall(r"^(?:show|print)\(.*\) +# (.*)$", text, re.M)
+    assert len(said) == 6
+    assert "".join(output_of_blocks(text)).split() == " ".join(said).split()
 
 
 def test_the_lines_of_the_readme_run():

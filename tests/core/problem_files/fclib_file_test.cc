@@ -11,6 +11,7 @@
 #include "core/criterion/contact_error.h"
 #include "core/files/hdf5_file.h"
 #include "core/problem/delassus.h"
+#include "core/problem/equality_rows.h"
 #include "core/problem_files/problem_file.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/refusal.h"
@@ -93,6 +94,37 @@ TEST_P(RoundTrip, GlobalProblemsComeBackToRounding) {
   ASSERT_TRUE(file.v.has_value());
   EXPECT_LT((*file.v - body_velocities(p, m.s)).norm(), 1e-14 * file.v->norm());
   EXPECT_LT(contact_error(file.problem, *file.r).guarded(), 1e-12);
+}
+
+TEST_P(RoundTrip, EqualityRowsComeBackWithVelocitiesAndMultipliers) {
+  const TemporaryFolder folder;
+  const ManufacturedJoints m = manufactured_joints(GetParam(), 9, 14, 3);
+  const EqualityRows& rows = *m.problem.equality;
+  write_fclib(folder / "p.hdf5", m.problem, kInfo, {m.s});
+  write_fclib_solution(folder / "p.hdf5", m.s, m.u);
+  const ProblemFile file = read_problem(folder / "p.hdf5");
+  ASSERT_TRUE(file.problem.equality);
+  EXPECT_EQ(MatrixXd(file.problem.equality->G), MatrixXd(rows.G));
+  EXPECT_EQ(file.problem.equality->b, rows.b);
+  EXPECT_EQ(MatrixXd(file.problem.equality->given.H), MatrixXd(rows.given.H));
+  EXPECT_LT((file.problem.u_free - m.problem.u_free).norm(), 1e-13 * m.u.norm());
+  EXPECT_LT(contact_error(file.problem, *file.r).guarded(), 1e-11);
+  EXPECT_EQ(*file.r, m.s);
+  EXPECT_EQ(file.guesses.at(0), m.s);
+  EXPECT_LT((*file.v - m.v).norm(), 1e-12 * m.v.norm());
+  // In the file's signs: Gᵀ v + b = 0, M v = H r + G λ + f.
+  const Hdf5File raw(folder / "p.hdf5", Mode::kRead);
+  const auto vector = [&](const std::string& name) {
+    const std::vector<double> x = raw.read_doubles(name);
+    return Vector(Eigen::Map<const Vector>(x.data(), static_cast<Eigen::Index>(x.size())));
+  };
+  const int n = rows.given.num_dofs();
+  const Vector v = vector("/solution/v").head(n), l = vector("/solution/l");
+  EXPECT_LT((rows.G * v + vector("/fclib_global/vectors/b")).norm(), 1e-12 * m.v.norm());
+  EXPECT_LT((l - m.multipliers).norm(), 1e-10 * l.norm());
+  const Vector impulse = rows.given.A * v - rows.given.H * m.s - rows.G.transpose() * l;
+  EXPECT_LT((impulse - vector("/fclib_global/vectors/f").head(n)).norm(), 1e-10 * m.v.norm());
+  EXPECT_EQ(raw.read_int("/fclib_global/G/n"), l.size());
 }
 
 TEST_P(RoundTrip, TheRowScaleOfRestitutionIsKept) {
@@ -273,7 +305,7 @@ TEST_F(Storage, OtherDefectsAreRefusedWithTheReason) {
         f.write("/fclib_local/V/m", 4);
         f.write("/fclib_local/V/n", 1);
       },
-      "/fclib_local/V: the file has equality rows");
+      "/fclib_local/V: the local problem has equality rows");
   expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/s", one); }, "equality rows");
   // Constraint groups of size nought constrain nothing.
   write(-2, p, i, x);
@@ -301,7 +333,7 @@ TEST(FclibFile, GlobalProblemsAreRefusedWithTheReason) {
   const std::vector<double> one = {1};
   expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/f", one); }, "/M: is 12 x 12");
   expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/w", one); }, "size of w is 1");
-  expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/b", one); }, "equality rows");
+  expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/b", one); }, "/G: missing");
   expect([](Hdf5File& f) { f.write("/fclib_global/H/n", 7); }, "/H: is 12 x 7, expected 12 x 8");
   expect([](Hdf5File& f) { f.write("/fclib_global/M/x", std::vector<double>(12, -1.0)); },
          "A(0, 0) = -1 is not positive");
