@@ -5,6 +5,7 @@
 
 #include "core/base/large_pages.h"
 #include "core/base/parallel.h"
+#include "core/motion/joint_rows.h"
 #include "core/problem/delassus.h"
 #include "core/scene/wall_motion.h"
 
@@ -50,10 +51,11 @@ void number_clusters(std::span<const Body<D>> disks, std::size_t clusters, DofMa
 }
 
 template <int D>
-DofMap number_dofs(bool friction, std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
-                   std::span<const Contact<D>> contacts, const PeriodicCell* cell,
-                   std::size_t clusters) {
-  DofMap dofs{.per_disk = friction || clusters > 0 ? D + kSpins<D> : D};
+DofMap number_dofs(const Scene<D>& scene, std::span<const Body<D>> disks,
+                   std::span<const Wall<D>> walls, std::span<const Contact<D>> contacts,
+                   const PeriodicCell* cell, std::size_t clusters) {
+  const bool turn = scene.has_friction() || clusters > 0 || !scene.joints.empty();
+  DofMap dofs{.per_disk = turn ? D + kSpins<D> : D};
   dofs.disk.assign(disks.size(), -1);
   dofs.wall.assign(walls.size(), -1);
   for (const Contact<D>& c : contacts) {
@@ -64,6 +66,10 @@ DofMap number_dofs(bool friction, std::span<const Body<D>> disks, std::span<cons
     } else if (walls[to_size(w)].motion == Wall<D>::Motion::kDriven) {
       dofs.wall[to_size(w)] = 0;
     }
+  }
+  for (const typename Scene<D>::Joint& joint : scene.joints) {
+    dofs.disk[to_size(joint.i)] = 0;
+    if (joint.j >= 0) dofs.disk[to_size(joint.j)] = 0;
   }
   if (clusters > 0) {
     number_clusters<D>(disks, clusters, dofs);
@@ -370,7 +376,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
   const int num_contacts = static_cast<int>(contacts.size());
 
   AssembledStep step{
-      .dofs = number_dofs<D>(friction, disks, walls, contacts, cell.cell, clusters.bodies.size())};
+      .dofs = number_dofs<D>(scene, disks, walls, contacts, cell.cell, clusters.bodies.size())};
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
   p.dim = d;
@@ -428,7 +434,9 @@ AssembledStep assemble_step(const Scene<D>& scene,
     ColumnWriter columns(p.H, d * begin, start[to_size(begin)]);
     for (int c = begin; c < end; ++c) write_contact(input, contacts[to_size(c)], c, columns, step);
   });
+  if (!scene.joints.empty()) add_ropes<D>(scene, disks, clusters, step);
   if (!cohesion.empty()) add_cohesion(scene, cohesion, step);
+  if (!scene.joints.empty()) add_pins<D>(scene, disks, clusters, step);
   if (explicit_delassus) p.W = assemble_delassus(p.A, p.H, d);
   return step;
 }

@@ -45,6 +45,8 @@ struct AssembledStep {
   /// Cohesion h c in normal rows, m values in the problem's variables; empty without cohesion. The
   /// problem's impulses are the physical ones and this. [N s]
   Vector pull;
+  /// n, velocities before the step in the degrees of freedom; empty without pins and ropes.
+  Vector v_before;
 };
 
 /// Assembles A, H, u_free, mu (and W on request) of one step of size h. Input: the bodies'
@@ -73,6 +75,8 @@ struct AssembledStep {
 /// midpoint. On the way bodies go straight and the normal turns: u⁺ + δ and u⁻ - δ in place of u⁺
 /// and u⁻. Then bodies that slide or roll on each other keep their gap and their energy to the
 /// second order in h. δ: data/manual/explanation/accuracy.md. [ours]
+///
+/// Pins and ropes of the scene: core/motion/joint_rows.h. The contacts of ropes come last.
 ///
 /// If no pair of the scene's materials has friction, the contact dimension is 1 (no tangential
 /// rows, no rotations). Only bodies in contact enter. Driven walls have a degree of freedom; other

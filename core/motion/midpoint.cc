@@ -6,6 +6,7 @@
 #include "core/motion/body_forces.h"
 #include "core/motion/cohesion.h"
 #include "core/scene/cluster_motion.h"
+#include "core/scene/joints.h"
 #include "core/scene/periodic_detection.h"
 #include "core/scene/wall_motion.h"
 
@@ -143,6 +144,7 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
     mid.contacts = detect_contacts<D>(mid.bodies, mid.walls, scene.detection_distance(), threads);
   }
 
+  leave_out_pinned(scene, mid.contacts);
   free_bodies(scene, state.time + 0.5 * h, mid);
   if (scene.predict_gaps) keep_those_who_may_meet(scene, mid);
   if constexpr (D == 2) free_clusters(mid, h);

@@ -3,7 +3,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/motion/joint_rows.h"
 #include "core/problem/coulomb_cone.h"
+#include "core/problem/equality_rows.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
@@ -80,8 +82,9 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
   const std::size_t num_disks = disks.size();
   StepOutcome<D> outcome;
   outcome.contacts.resize(mid.contacts.size());
-  Vector u = p.num_rows() > 0 ? Vector(p.H.transpose() * (v - p.v_free)) : Vector();
-  u += p.u_free;
+  const ContactProblem& given = without_equality_rows(p);  // in which v is
+  Vector u = p.num_rows() > 0 ? Vector(given.H.transpose() * (v - given.v_free)) : Vector();
+  u += given.u_free;
   if (assembled.shift.size() > 0) u -= assembled.shift;
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
     const Contact<D>& contact = mid.contacts[c];
@@ -155,6 +158,7 @@ StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
   if constexpr (D == 2) {
     for (const Cluster& c : mid.clusters.bodies) outcome.external += h * c.mass * mid.gravity;
   }
+  if (assembled.v_before.size() > 0) add_joint_outcome<D>(assembled, s, v, outcome);
   if (count_walls) add_driving_forces<D>(h, mid.walls, after.walls, outcome);
   for (int k = 0; k < 3; ++k) {
     const double force = stress_force(mid.cell, k);

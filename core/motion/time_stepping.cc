@@ -105,6 +105,7 @@ struct TimeStepper<D>::Inside {
   }
   bool counts_walls() const { return neighbours == nullptr || neighbours->counts_walls(); }
 
+  void assemble(const State<D>& start, const Midpoint<D>& mid);
   Vector solve_contacts(const State<D>& state, std::span<const Contact<D>> contacts,
                         StepReport<D>& report);
   State<D> move(const State<D>& start, Midpoint<D>& mid, const Vector& s, Vector& v);
@@ -117,6 +118,15 @@ struct TimeStepper<D>::Inside {
                     State<D>& next, StepReport<D>& report);
   StepReport<D> advance(State<D>& state);
 };
+
+template <int D>
+void TimeStepper<D>::Inside::assemble(const State<D>& start, const Midpoint<D>& mid) {
+  try {
+    assembled = assemble_step(scene, mid, explicit_delassus, threads);
+  } catch (const std::invalid_argument& e) {  // pins that couple too many bodies
+    throw StepFailure(StepFailure::Kind::kInvalidInput, start, e.what());
+  }
+}
 
 /// The impulses of the step, in the problem's variables.
 template <int D>
@@ -147,7 +157,7 @@ State<D> TimeStepper<D>::Inside::move(const State<D>& start, Midpoint<D>& mid, c
                                       Vector& v) {
   if (neighbours != nullptr) return neighbours->move(mid, v);
   const ContactProblem& p = assembled.problem;
-  if (p.num_dofs() > 0) v = body_velocities(p, s);
+  if (p.num_dofs() > 0 || p.equality) v = body_velocities(p, s);
   place_bodies(scene, start, mid);
   return update_bodies(mid, assembled.dofs, v, scene.step);
 }
@@ -322,7 +332,7 @@ StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
   Midpoint<D> mid =
       neighbours != nullptr ? neighbours->midpoint() : make_midpoint(scene, start, threads, &kept);
   report.detection_seconds = watch.lap();
-  if (neighbours == nullptr) assembled = assemble_step(scene, mid, explicit_delassus, threads);
+  if (neighbours == nullptr) assemble(start, mid);
   const AssembledStep& step = neighbours != nullptr ? neighbours->assemble(mid) : assembled;
   report.assembly_seconds = watch.lap();
   // A tenth of a run's memory where the solver takes the most; neighbours name bodies of mid-step.

@@ -20,6 +20,7 @@
 #include "core/files/atomic_file.h"
 #include "core/motion/periodic_state.h"
 #include "core/pictures/colour_map.h"
+#include "core/scene/joints.h"
 #include "core/scene/scene_box.h"
 
 namespace bipot {
@@ -328,6 +329,23 @@ class Picture {
     for (const Vec2& shift : image_shifts(state_.cell)) {
       draw_image(c, shift);
       draw_joints(c, shift);
+    }
+    draw_pins_and_ropes(c);
+  }
+
+  /// A pin from centre to centre through its point, a rope between its ends.
+  void draw_pins_and_ropes(cairo_t* c) const {
+    for (const Scene<2>::Joint& joint : scene_.joints) {
+      const auto [from, to] = joint_points<2>(joint, state_.bodies);
+      stroke_line(c, map_(from), map_(to), 1.5, kText, CAIRO_LINE_CAP_ROUND);
+      if (joint.is_rope()) continue;
+      for (const int i : {joint.i, joint.j}) {
+        if (i < 0) continue;
+        stroke_line(c, map_(state_.bodies[to_size(i)].x), map_(from), 1.5, kText,
+                    CAIRO_LINE_CAP_ROUND);
+      }
+      cairo_arc(c, map_(from)[0], map_(from)[1], 2.5, 0, 2 * std::numbers::pi);
+      cairo_fill(c);
     }
   }
 

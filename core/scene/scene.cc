@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/scene/cluster_motion.h"
+#include "core/scene/joints.h"
 
 namespace bipot {
 namespace {
@@ -397,6 +398,7 @@ std::string validate(const Scene<D>& scene) {
   if (auto e = check_cohesion(scene); !e.empty()) return e;
   if (auto e = check_outside_forces(scene); !e.empty()) return e;
   if (auto e = check_clusters(scene); !e.empty()) return e;
+  if (auto e = check_joints(scene); !e.empty()) return e;
   const SpringDashpotChoice& dem = scene.dem;
   const auto at_least_zero = [](double x) { return x >= 0 && std::isfinite(x); };
   if (!at_least_zero(dem.stiffness) || !at_least_zero(dem.substep) || !(dem.overlap > 0) ||

@@ -215,6 +215,16 @@ struct OutputChoice {
 /// A whole scene file, ready to run, in D dimensions. SI units.
 template <int D>
 struct Scene {
+  /// A pin holds a point of body i at a point of body j or of the ground. A rope holds two such
+  /// points within its length: it only pulls.
+  struct Joint {
+    int i = -1, j = -1;            ///< bodies; j = -1: the ground
+    Vec<D> at_i = Vec<D>::Zero();  ///< from the centre of i, before anything turned [m]
+    Vec<D> at_j = Vec<D>::Zero();  ///< likewise; on the ground: its place           [m]
+    double length = 0;             ///< of a rope, > 0; 0: a pin                     [m]
+
+    bool is_rope() const { return length > 0; }
+  };
   std::string title;
   std::string source;               ///< file name, or "generated"
   Vec<D> gravity = Vec<D>::Zero();  ///< before it turns        [m/s²]
@@ -223,7 +233,8 @@ struct Scene {
   Drag<D> drag;
   PeriodicCell cell;  ///< periodic scenes
   std::vector<Body<D>> bodies;
-  Clusters clusters;  ///< disks that are joined rigidly; 2D only
+  Clusters clusters;          ///< disks that are joined rigidly; 2D only
+  std::vector<Joint> joints;  ///< pins and ropes (core/scene/joints.h)
   std::vector<Wall<D>> walls;
   std::vector<Outlet<D>> outlets;      ///< where bodies leave
   std::vector<Inlet<D>> inlets;        ///< where bodies come in

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/scene/contact_detection.h"
+#include "core/scene/joints.h"
 #include "core/scene/periodic_detection.h"
 #include "core/scene/wall_motion.h"
 
@@ -76,10 +77,11 @@ std::string length_text(double metres) {
 template <int D>
 std::vector<StartOverlap<D>> start_overlaps(const Scene<D>& scene, int threads) {
   const std::vector<Wall<D>> walls = walls_at(scene.walls, scene.walls, 0.5 * scene.step);
-  const std::vector<Contact<D>> contacts =
+  std::vector<Contact<D>> contacts =
       scene.cell.periodic()
           ? detect_periodic_contacts<D>(scene.bodies, walls, scene.cell, 0, threads)
           : detect_contacts<D>(scene.bodies, walls, 0, threads);
+  leave_out_pinned(scene, contacts);
   const double touching = scene.model == Model::kSpringDashpot ? kSpringsTouch : kTouching;
   std::vector<StartOverlap<D>> overlaps;
   for (const Contact<D>& c : contacts) {

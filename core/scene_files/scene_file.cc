@@ -311,6 +311,10 @@ void rotate(Scene<2>& scene, double degrees) {
     cluster.v = turn * cluster.v;
   }
   for (Vec2& arm : scene.clusters.arms) arm = turn * arm;
+  for (Scene<2>::Joint& joint : scene.joints) {
+    joint.at_i = turn * joint.at_i;
+    joint.at_j = turn * joint.at_j;
+  }
   for (Outlet<2>& outlet : scene.outlets) {
     outlet.point = turn * outlet.point;
     outlet.normal = turn * outlet.normal;
@@ -376,6 +380,7 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
     table.finish();
   }
   read_bodies(root, scene);
+  read_joints(root, scene);
   read_gates(root, D == 2 && root.has("rotate_degrees"), scene);
   if constexpr (D == 2) {
     read_cell_and_turn(root, scene);

@@ -22,7 +22,7 @@ const std::vector<TableKeys>& all_tables() {
       {"", {"title",  "dim",    "gravity", "rotate_degrees", "materials",   "model", "contact",
             "time",   "solver", "dem",     "output",         "observables", "tilt",  "start",
             "cell",   "pairs",  "disks",   "clusters",       "spheres",     "walls", "outlets",
-            "inlets", "forces", "drag"}},
+            "inlets", "forces", "drag",    "pins",           "ropes"}},
       {"contact",
        {"mu", "e_n", "e_t", "cohesion", "cohesion_range", "heal", "distance", "overlaps"}},
       {"pairs", {"between", "mu", "e_n", "e_t", "cohesion"}},
@@ -48,6 +48,8 @@ const std::vector<TableKeys>& all_tables() {
                  "times",  "factors",   "frequency", "phase"}},
       {"forces", {"bodies", "force", "times", "factors", "frequency", "phase"}},
       {"drag", {"coefficient", "velocity"}},
+      {"pins", {"bodies", "point"}},
+      {"ropes", {"bodies", "from", "to", "length"}},
       {"solver", {"name", "tol", "stop", "max_iterations", "warm_start", "plan", "parameters"}},
       {"output", {"every", "ledger_every", "picture", "stress_picture", "page", "track"}},
       {"start", {"overlaps"}},
@@ -168,6 +170,10 @@ const std::vector<Synonym>& all_synonyms() {
       {"frequency", {"every"}},
       {"damping", {"e_n"}},
       {"periodic", {"cell"}},
+      {"joints", {"pins"}},
+      {"hinges", {"pins"}},
+      {"cables", {"ropes"}},
+      {"strings", {"ropes"}},
       {"period", {"cell", "width"}},
   };
   return synonyms;

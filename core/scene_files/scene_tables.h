@@ -41,6 +41,11 @@ std::vector<Sphere> read_spheres(const SceneTable& table, const Scene<3>& scene)
 template <int D>
 void read_gates(const SceneTable& root, bool turned, Scene<D>& scene);
 
+/// Reads the tables [[pins]] and [[ropes]] of a scene, whose bodies must have been read and not been
+/// turned. Throws SceneFileError.
+template <int D>
+void read_joints(const SceneTable& root, Scene<D>& scene);
+
 /// The table [observables]; empty without it. Throws SceneFileError.
 std::optional<ObservableChoice<2>> read_observables(const SceneTable& root);
 

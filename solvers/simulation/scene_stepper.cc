@@ -28,6 +28,7 @@ std::string needs_whole_state(const Scene<D>& scene,
   if (options.on_tunnel == OnTunnel::kSmallerStep) return "--on-tunnel smaller-step";
   if (scene.model == Model::kSpringDashpot) return "the model dem";
   if (!scene.clusters.empty()) return "the scene has clusters";
+  if (!scene.joints.empty()) return "the scene has pins or ropes";
   if (scene.has_gates()) return "the scene has inlets or outlets";
   if (scene.cell.periodic()) return "the scene is periodic";
   if (scene.observables) return "the scene measures observables";

@@ -66,6 +66,16 @@ radius = 0.08
 corner = [0.05, 0.37]
 wall = "plate"
 )"},
+    {"pins, a rope that tightens, and a bar on a drum", R"(
+contact = {mu = 0.3}
+walls = [{center = [0.7, -0.8], radius = 0.5, spin = 3}, {point = [0, -3], normal = [0, 1]}]
+clusters = [{parts = [[0, 0, 0.1], [0.3, 0, 0.1], [0.6, 0, 0.1]], position = [0.2, -0.19], mass = 3}]
+disks = [{position = [0, 0], radius = 0.1, mass = 1}, {position = [0, 0.4], radius = 0.1, mass = 1},
+  {arrangement = "rectangular", columns = 3, rows = 2, radius = 0.1, mass = 1, corner = [2, -3]}]
+pins = [{bodies = [0], point = [-0.2, 0]}, {bodies = [0, 8], point = [0.1, -0.1]}]
+ropes = [{bodies = [0, 1], length = 0.41}]
+time = {step = 2e-3, steps = 40}
+)"},
     {"clusters that fall through a hole, on a box that tilts, and others that come in", R"(
 contact = {mu = 0.3}
 tilt = {degrees_per_second = 200}

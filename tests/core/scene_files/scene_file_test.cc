@@ -55,6 +55,39 @@ TEST(SceneFile, DefaultsOfTheLeastScene) {
   EXPECT_TRUE(s.output.track.empty());
 }
 
+TEST(SceneFile, PinsAndRopesAreHeldByTheirBodies) {
+  // The second disk stands at (4, 2); points are kept relative to the bodies.
+  const std::string two = kTime + kDisk + "[[disks]]\nposition = [4, 2]\nradius = 0.5\nmass = 3\n";
+  const Scene<2> s =
+      parse(two +
+            "[[ropes]]\nbodies = [0, 1]\n[[ropes]]\nbodies = [1]\nfrom = [4, 3]\n"
+            "to = [4, 5]\nlength = 2.5\n[[pins]]\nbodies = [0, 1]\npoint = [2, 2]\n");
+  ASSERT_EQ(s.joints.size(), 3u);
+  EXPECT_FALSE(s.joints[0].is_rope());
+  EXPECT_EQ(s.joints[0].at_i, Vec2(1, 0));
+  EXPECT_EQ(s.joints[0].at_j, Vec2(-2, 0));
+  EXPECT_EQ(s.joints[1].length, 3);
+  EXPECT_EQ(s.joints[2].j, -1);
+  EXPECT_EQ(s.joints[2].at_i, Vec2(0, 1));
+  EXPECT_EQ(s.joints[2].at_j, Vec2(4, 5));
+  EXPECT_EQ(s.joints[2].length, 2.5);
+
+  expect_refused(two + "[[pins]]\nbodies = [0, 2]\npoint = [2, 2]\n",
+                 {"'bodies'", "one or two numbers of disks, from 0 to 1"});
+  expect_refused(two + "[[pins]]\nbodies = [0, 1]\n", {"'point': is missing"});
+  expect_refused(two + "[[pins]]\nbodies = [0, 0]\npoint = [2, 2]\n",
+                 {"pins[0]: disk 0 and 0 are one body"});
+  expect_refused(two + "[[ropes]]\nbodies = [0]\n", {"'to': is missing: the point of the ground"});
+  expect_refused(two + "[[ropes]]\nbodies = [0, 1]\nlength = 2\n",
+                 {"ropes[0]: its length is 2 m, its ends are 3 m apart"});
+  expect_refused(two + "[[ropes]]\nbodies = [0]\nto = [1, 2]\n", {"its ends are at one place"});
+  expect_refused("model = 'dem'\n" + two + "[[ropes]]\nbodies = [0, 1]\n",
+                 {"pins and ropes do not go with the model \"dem\""});
+  expect_refused("cell = {width = 20}\n" + two + "[[ropes]]\nbodies = [0, 1]\n",
+                 {"do not go with a periodic cell"});
+  expect_refused("joints = []\n" + two, {"did you mean 'pins'"});
+}
+
 TEST(SceneFile, TopLevelKeys) {
   const Scene<2> s = parse("title = 'A title'\ngravity = [1.5, -2]\n" + kTime);
   EXPECT_EQ(s.title, "A title");

@@ -1,0 +1,197 @@
+#include "core/motion/joint_rows.h"
+
+#include <array>
+#include <utility>
+
+#include "core/problem/equality_rows.h"
+#include "core/scene/joints.h"
+
+namespace bipot {
+namespace {
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+double torque_arm(const Vec2& arm, const Vec2& axis) { return arm[0] * axis[1] - arm[1] * axis[0]; }
+Vec3 torque_arm(const Vec3& arm, const Vec3& axis) { return arm.cross(axis); }
+Vec2 swept(double spin, const Vec2& arm) { return spin * Vec2(-arm[1], arm[0]); }
+Vec3 swept(const Vec3& spin, const Vec3& arm) { return spin.cross(arm); }
+
+/// One end of a joint at mid-step, with the velocities before the step.
+template <int D>
+struct End {
+  int dof = -1;                         // of its body; -1: the ground
+  Vec<D> point = Vec<D>::Zero();        // [m]
+  Vec<D> arm = Vec<D>::Zero();          // from the centre of mass [m]
+  Vec<D> v = Vec<D>::Zero();            // of the point [m/s]
+  Vec<D> centripetal = Vec<D>::Zero();  // acceleration by turning [m/s²]
+
+  End(int body, const Vec<D>& at, std::span<const std::type_identity_t<Body<D>>> bodies,
+      const ClusterInput& clusters, const DofMap& dofs)
+      : point(at) {
+    if (body < 0) return;
+    const Body<D>& b = bodies[to_size(body)];
+    dof = dofs.disk[to_size(body)];
+    Vec<D> centre = b.x;
+    Vec<D> of_centre = b.v;
+    if constexpr (D == 2) {
+      if (b.cluster >= 0) {
+        centre = clusters.bodies[to_size(b.cluster)].x;
+        of_centre = clusters.bodies[to_size(b.cluster)].v;
+      }
+    }
+    arm = point - centre;
+    v = of_centre + swept(b.spin, arm);
+    centripetal = swept(b.spin, swept(b.spin, arm));
+  }
+
+  /// Entries of the velocity of the point along the axis: a line of G or a column of H.
+  template <class Add>
+  void entries(const Vec<D>& axis, double sign, const Add& add) const {
+    if (dof < 0) return;
+    for (int k = 0; k < D; ++k) add(dof + k, sign * axis[k]);
+    if constexpr (D == 2) {
+      add(dof + D, sign * torque_arm(arm, axis));
+    } else {
+      const Vec3 turn = torque_arm(arm, axis);
+      for (int k = 0; k < 3; ++k) add(dof + D + k, sign * turn[k]);
+    }
+  }
+};
+
+template <int D>
+std::pair<End<D>, End<D>> ends_of(const typename Scene<D>::Joint& joint,
+                                  std::span<const std::type_identity_t<Body<D>>> bodies,
+                                  const ClusterInput& clusters, const DofMap& dofs) {
+  const auto [from, to] = joint_points<D>(joint, bodies);
+  return {End<D>(joint.i, from, bodies, clusters, dofs),
+          End<D>(joint.j, to, bodies, clusters, dofs)};
+}
+
+/// Columns of H after the others.
+void append_columns(SparseMatrix& H, const Triplets& entries, Eigen::Index columns) {
+  Triplets all = entries;
+  for (int k = 0; k < H.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator it(H, k); it; ++it) {
+      all.emplace_back(static_cast<int>(it.row()), k, it.value());
+    }
+  }
+  SparseMatrix wider(H.rows(), H.cols() + columns);
+  wider.setFromTriplets(all.begin(), all.end());
+  H = std::move(wider);
+}
+
+void append(Vector& x, const std::vector<double>& values) {
+  const Eigen::Index before = x.size();
+  x.conservativeResize(before + static_cast<Eigen::Index>(values.size()));
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    x[before + static_cast<Eigen::Index>(k)] = values[k];
+  }
+}
+
+}  // namespace
+
+template <int D>
+void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D>>> bodies,
+               const ClusterInput& clusters, AssembledStep& step) {
+  ContactProblem& p = step.problem;
+  const double h = scene.step;
+  Triplets entries;
+  std::vector<double> free;
+  for (const typename Scene<D>::Joint& joint : scene.joints) {
+    if (!joint.is_rope()) continue;
+    const auto [from, to] = ends_of<D>(joint, bodies, clusters, step.dofs);
+    const Vec<D> apart = from.point - to.point, w = from.v - to.v;
+    const double distance = apart.norm();
+    if (distance < 0.5 * joint.length) continue;  // slack, and without a direction at 0
+    const Vec<D> n = -apart / distance;
+    const double along = n.dot(w);
+    const double bend =
+        n.dot(from.centripetal - to.centripetal) - (w.squaredNorm() - along * along) / distance;
+    const auto frame = contact_frame<D>(n);
+    for (int row = 0; row < p.dim; ++row) {
+      const int column = p.num_rows() + static_cast<int>(free.size());
+      double u = row > 0 ? 0.0 : (joint.length - distance) / h + 0.5 * h * bend;
+      const auto add = [&](int dof, double value) {
+        entries.emplace_back(dof, column, value);
+        u += value * p.v_free[dof];
+      };
+      from.entries(frame[to_size(row)], 1, add);
+      to.entries(frame[to_size(row)], -1, add);
+      free.push_back(u);
+    }
+  }
+  if (free.empty()) return;
+  const std::size_t ropes = free.size() / to_size(p.dim);
+  append_columns(p.H, entries, static_cast<Eigen::Index>(free.size()));
+  append(p.u_free, free);
+  append(p.mu, std::vector<double>(ropes, 0.0));
+  if (p.row_scale.size() > 0) append(p.row_scale, std::vector<double>(free.size(), 1.0));
+  if (step.shift.size() > 0) append(step.shift, std::vector<double>(free.size(), 0.0));
+}
+
+template <int D>
+void add_pins(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D>>> bodies,
+              const ClusterInput& clusters, AssembledStep& step) {
+  ContactProblem& p = step.problem;
+  const double h = scene.step;
+  step.v_before = p.v_free;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const int dof = step.dofs.disk[i];
+    if (dof < 0) continue;
+    const Body<D>& b = bodies[i];
+    Vec<D> v = b.v;
+    if constexpr (D == 2) {
+      if (b.cluster >= 0) v = clusters.bodies[to_size(b.cluster)].v;
+    }
+    step.v_before.template segment<D>(dof) = v;  // spins have no other cause of change
+  }
+  Triplets entries;
+  std::vector<double> values;
+  for (const typename Scene<D>::Joint& joint : scene.joints) {
+    if (joint.is_rope()) continue;
+    const auto [from, to] = ends_of<D>(joint, bodies, clusters, step.dofs);
+    const Vec<D> b = -(from.point - to.point) / h - 0.5 * h * (from.centripetal - to.centripetal);
+    for (int k = 0; k < D; ++k) {
+      const int row = static_cast<int>(values.size());
+      const auto add = [&](int dof, double value) { entries.emplace_back(row, dof, value); };
+      from.entries(Vec<D>::Unit(k), 1, add);
+      to.entries(Vec<D>::Unit(k), -1, add);
+      values.push_back(b[k]);
+    }
+  }
+  if (values.empty()) return;
+  SparseRows G(static_cast<Eigen::Index>(values.size()), p.H.rows());
+  G.setFromTriplets(entries.begin(), entries.end());
+  Vector b;
+  append(b, values);
+  p = with_equality_rows(std::move(p), std::move(G), std::move(b), true);
+}
+
+template <int D>
+void add_joint_outcome(const AssembledStep& step, const Vector& s, const Vector& v,
+                       StepOutcome<D>& outcome) {
+  const ContactProblem& p = without_equality_rows(step.problem);
+  const Eigen::Index contacts = step.u_before.size();  // rows without those of ropes
+  const Vector impulse = p.A * (v - p.v_free) - p.H.leftCols(contacts) * s.head(contacts);
+  outcome.shock_loss -= 0.5 * impulse.dot(v + step.v_before);
+  std::vector<bool> added(to_size(impulse.size()), false);  // disks of a cluster share theirs
+  for (const int dof : step.dofs.disk) {
+    if (dof < 0 || added[to_size(dof)]) continue;
+    added[to_size(dof)] = true;
+    outcome.external += impulse.segment<D>(dof);
+  }
+}
+
+template void add_ropes(const Scene<2>&, std::span<const Disk>, const ClusterInput&,
+                        AssembledStep&);
+template void add_ropes(const Scene<3>&, std::span<const Sphere>, const ClusterInput&,
+                        AssembledStep&);
+template void add_pins(const Scene<2>&, std::span<const Disk>, const ClusterInput&, AssembledStep&);
+template void add_pins(const Scene<3>&, std::span<const Sphere>, const ClusterInput&,
+                       AssembledStep&);
+template void add_joint_outcome(const AssembledStep&, const Vector&, const Vector&,
+                                StepOutcome<2>&);
+template void add_joint_outcome(const AssembledStep&, const Vector&, const Vector&,
+                                StepOutcome<3>&);
+
+}  // namespace bipot

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <span>
+#include <type_traits>
+
+#include "core/motion/assembly.h"
+#include "core/motion/step_outcome.h"
+
+namespace bipot {
+
+// Pins and ropes in the problem of a step. The next midpoint lies h v⁺ after this one. To the
+// second order in h, its gap c of a pin (or g of a rope: its length less the distance of its ends)
+// is
+//
+//     c + h G v⁺ + h²/2 γ,      γ = dG/dt v⁻, the acceleration of the points by turning.
+//
+// So a pin is the rows G v⁺ = -c/h - hγ/2, and a rope a contact without friction with u_n + g/h +
+// hγ/2 >= 0. At midpoints the gap is of the third order in h, whatever the number of steps: nothing
+// adds up. A state lies between two midpoints: there a point that runs at v on a circle of radius l
+// is h² v²/(8 l) inside it. This is one Newton step of SHAKE (Ryckaert, Ciccotti, Berendsen, J.
+// Comput. Phys. 23, 1977). [ours]
+
+/// Adds the ropes to the problem, as its last contacts; for bodies at mid-step.
+template <int D>
+void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D>>> bodies,
+               const ClusterInput& clusters, AssembledStep& step);
+
+/// Puts the pins into the problem, as equality rows; for bodies at mid-step. Where pins contradict
+/// each other, the nearest velocities are taken. A contact that pins leave no motion has no effect.
+template <int D>
+void add_pins(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D>>> bodies,
+              const ClusterInput& clusters, AssembledStep& step);
+
+/// Adds what the joints did in a step: s, v as of step_outcome(). What they dissipate, by shocks
+/// and to rounding of the above, is a shock loss.
+template <int D>
+void add_joint_outcome(const AssembledStep& step, const Vector& s, const Vector& v,
+                       StepOutcome<D>& outcome);
+
+}  // namespace bipot
