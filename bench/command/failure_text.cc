@@ -67,7 +67,7 @@ std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
   double mu = 0;
   for (const ContactLaw& law : scene.laws) mu = std::max(mu, law.mu);
   const double ratio = mass_ratio(scene), path = way(scene, state);
-  const bool differ = coefficients_differ(scene);
+  const bool differ = scene.impact == ContactLaw::Impact::kNewton && coefficients_differ(scene);
   const bool exists = c.verdict == Existence::kExists || c.verdict == Existence::kExistsNearby;
   std::vector<Cause> list = {
       {c.verdict == Existence::kNone,
@@ -252,9 +252,9 @@ std::string EnergyGrowth::warning(const Scene<D>& scene) const {
       steps_, steps_ == 1 ? "" : "s", step_, largest_, energy_,
       scene.project_overlaps
           ? "Lifting bodies out of overlaps is booked there: data/manual/explanation/method.md §4"
-      : coefficients_differ(scene)
-          ? "Newton's impact law may do so where e_n, e_t or those of materials differ: data/manual/explanation/method.md "
-            "§3"
+      : scene.impact != ContactLaw::Impact::kFremond && coefficients_differ(scene)
+          ? "Newton's and Poisson's laws may do so where e_n, e_t or those of materials differ, "
+            "[contact] impact = \"fremond\" does not: data/manual/explanation/method.md §3"
           : "No coefficients differ: it is the error of steps that were not solved");
 }
 

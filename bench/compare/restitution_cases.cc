@@ -18,6 +18,69 @@ Scene<2> corner(double e_n, double e_t, const Vec2& v) {
   return scene;
 }
 
+constexpr const char* kLawNames[] = {"newton", "poisson", "fremond"};  // as ContactLaw::Impact
+
+/// Five equal disks that touch in the middle of the step, in which the first one strikes the others.
+Scene<2> struck_disks(ContactLaw::Impact impact) {
+  Scene<2> scene = empty_scene(0, 1, 0);
+  scene.impact = impact;
+  scene.gravity.setZero();
+  scene.step = 1e-3;
+  for (int k = 0; k < 5; ++k) scene.bodies.push_back(round_body<2>(Vec2(k, 0), 0.5, 1));
+  scene.bodies[0].v = Vec2(1, 0);
+  scene.bodies[0].x[0] = -0.5 * scene.step;
+  return scene;
+}
+
+/// A lattice of disks of two materials flies into the corner of its box.
+Scene<2> mixed_disks(ContactLaw::Impact impact, double mu) {
+  Scene<2> scene = make_family_scene("triangular", 4, {});
+  scene.impact = impact;
+  scene.gravity.setZero();
+  scene.materials = {"elastic", "dull"};
+  scene.laws = {{.mu = mu, .e_n = 1}, {.mu = mu}, {.mu = mu}, {.mu = mu, .e_n = 0.5}};
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    scene.bodies[k].material = static_cast<int>(k % 2);
+    scene.bodies[k].v = Vec2(-2, -3);
+  }
+  return scene;
+}
+
+void add_impact_laws(std::vector<ExtremeCase>& cases) {
+  for (const auto impact :
+       {ContactLaw::Impact::kNewton, ContactLaw::Impact::kPoisson, ContactLaw::Impact::kFremond}) {
+    const std::string law = kLawNames[static_cast<int>(impact)];
+    cases.push_back({.name = "row_" + law,
+                     .what = "a row of five equal disks that touch is struck at its end, e_n = 1, "
+                             "impact = \"" +
+                             law + '"',
+                     .known = "one coefficient, no friction: the three laws agree and keep the "
+                              "energy; the disks leave with -0.6 and four times 0.4",
+                     .scene = [=] { return struck_disks(impact); },
+                     .steps = 2,
+                     .must_dissipate = true,
+                     .must_conserve = true});
+  }
+  for (const auto impact :
+       {ContactLaw::Impact::kNewton, ContactLaw::Impact::kPoisson, ContactLaw::Impact::kFremond}) {
+    const bool newton = impact == ContactLaw::Impact::kNewton;
+    const double mu = impact == ContactLaw::Impact::kPoisson ? 0 : 0.5;
+    const std::string law = kLawNames[static_cast<int>(impact)];
+    cases.push_back(
+        {.name = "mixed_e_" + law,
+         .what = fmt::format("14 disks of two materials, e_n = 1, 0 and 0.5, mu = {:g}, fly into a "
+                             "corner, 10 steps, impact = \"{}\"",
+                             mu, law),
+         .known = newton   ? "the coefficients differ: Newton's law may create energy"
+                  : mu > 0 ? "friction and restitution act on mean velocities: the contacts create "
+                             "no energy"
+                           : "no friction: Poisson's law creates no energy, whatever e_n",
+         .scene = [=] { return mixed_disks(impact, mu); },
+         .steps = 10,
+         .must_dissipate = !newton});
+  }
+}
+
 }  // namespace
 
 void add_restitution_cases(std::vector<ExtremeCase>& cases) {
@@ -69,6 +132,7 @@ void add_restitution_cases(std::vector<ExtremeCase>& cases) {
            },
        .steps = 10,
        .must_dissipate = true});
+  add_impact_laws(cases);
 }
 
 }  // namespace bipot

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -129,6 +130,57 @@ Experiment thrown() {
   return e;
 }
 
+/// Thrown at v0 with the back spin w0: friction μ m g takes both. m v + c m a w is conserved, so that
+/// it rolls at (v0 - c a w0)/(1 + c), back if a w0 > v0/c. It turns round at v0²/(2 μ g), which a
+/// time step misses by μ g h²/8 at most.
+template <int D>
+Experiment back_spin() {
+  constexpr double kBackMu = 0.3, kBackSpin = 4, kStep = 2e-3;
+  const double c = share<D>();
+  const std::string name = body_name<D>();
+  Experiment e;
+  e.rows = {exact_row(name + "_back_spin",
+                      fmt::format("speed of a {} thrown at v0 with the back spin a ω = 4 v0, once "
+                                  "it rolls, over v0",
+                                  name),
+                      D == 2 ? "(2 − 4)/3" : "(5 − 2 × 4)/7", (1 - c * kBackSpin) / (1 + c)),
+            exact_row(name + "_turns_round", "its farthest place [m]", "v0²/(2 μ g)",
+                      1 / (2 * kBackMu * kGravity)),
+            exact_row(name + "_comes_back",
+                      fmt::format("least back spin a ω over v0 at which a {} comes back", name),
+                      D == 2 ? "2" : "5/2", 1 / c)};
+  e.rows[1].allowed = 1e-4;
+  e.rows[1].allowed_why = "time step: (μ g h/2 v0)²";
+  e.rows[2].allowed = 1e-3;
+  e.rows[2].allowed_why = "bisection 1e-4";
+  e.tols = e.quick_tols = decades(-1, 8);
+  e.run = [](Experiment::Trial& trial) {
+    double farthest = 0;
+    const auto rolls_at = [&](double spin) {
+      Scene<D> scene = on_floor<D>(0, kBackMu, kStep, trial);
+      scene.bodies[0].v[0] = 1;
+      if constexpr (D == 2) {
+        scene.bodies[0].spin = spin;
+      } else {
+        scene.bodies[0].spin[1] = -spin;
+      }
+      farthest = 0;
+      // It rolls from (v0 + a w0)/(μ g (1 + 1/c)) on, at most 0.57 s.
+      scene.num_steps = 300;
+      const auto end = run_from_start<D>(scene, trial, [&](const SceneStep<D>& step) {
+        farthest = std::max(farthest, step.state.bodies[0].x[0]);
+        return true;
+      });
+      return end.bodies[0].v[0];
+    };
+    const double speed = rolls_at(kBackSpin), place = farthest;
+    trial.seen = {{speed}, {place}, find_threshold(1.5, 3.5, [&](double spin) {
+                    return rolls_at(spin) < 0;
+                  })};
+  };
+  return e;
+}
+
 Experiment belt() {
   Experiment e;
   e.rows = {exact_row("disk_on_belt",
@@ -173,9 +225,9 @@ Experiment braking() {
 }  // namespace
 
 std::vector<Experiment> slope_experiments() {
-  return {rolling<2>(), threshold<2>(false), rolling<3>(), threshold<3>(false),
-          thrown<2>(),  thrown<3>(),         belt(),       threshold<2>(true),
-          braking()};
+  return {rolling<2>(), threshold<2>(false), rolling<3>(),  threshold<3>(false),
+          thrown<2>(),  thrown<3>(),         belt(),        threshold<2>(true),
+          braking(),    back_spin<2>(),      back_spin<3>()};
 }
 
 }  // namespace bipot

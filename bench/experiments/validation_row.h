@@ -117,6 +117,8 @@ Experiment::Result run_experiment(
 std::vector<Experiment> slope_experiments();          ///< one body on a floor, by hand
 std::vector<Experiment> standing_experiments();       ///< three disks, four spheres, a hollow
 std::vector<Experiment> impact_experiments();         ///< bouncing, swinging
+std::vector<Experiment> collision_experiments();      ///< oblique, spinning, in rows
+std::vector<Experiment> mfix_experiments();           ///< DEM-01 to DEM-05
 std::vector<Experiment> cohesion_experiments();       ///< hanging, struck
 std::vector<Experiment> chain_experiments();          ///< few sweeps look elastic
 std::vector<Experiment> indeterminacy_experiments();  ///< admissible forces

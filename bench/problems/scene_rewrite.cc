@@ -191,6 +191,7 @@ std::string difference(const Scene<D>& a, const Scene<D>& b) {
   if (a.project_overlaps != b.project_overlaps || a.predict_gaps != b.predict_gaps) {
     return "overlaps";
   }
+  if (a.impact != b.impact) return "law of impact";
   if (a.materials != b.materials || a.laws.size() != b.laws.size()) return "materials";
   for (std::size_t i = 0; i < a.laws.size(); ++i) {
     if (a.laws[i].mu != b.laws[i].mu || a.laws[i].e_n != b.laws[i].e_n ||

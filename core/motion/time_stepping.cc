@@ -13,6 +13,7 @@
 
 #include "core/base/release.h"
 #include "core/base/stopwatch.h"
+#include "core/motion/impact_law.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/neighbours.h"
 #include "core/motion/outside_changes.h"
@@ -28,6 +29,8 @@
 
 namespace bipot {
 namespace {
+
+using Impact = ContactLaw::Impact;
 
 /// Numbers of different meaning that are added up over all processes in one reduction.
 class SumList {
@@ -83,10 +86,17 @@ StepFailure::StepFailure(Kind k, int steps_before, double time_before, const std
 template <int D>
 ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool explicit_delassus) {
   if (scene.has_gates()) {
-    const State<D> start = with_changed_population(scene, state);
-    return assemble_step(scene, make_midpoint(scene, start), explicit_delassus).problem;
+    Scene<D> open = scene;
+    open.outlets.clear();
+    open.inlets.clear();
+    return step_problem(open, with_changed_population(scene, state), explicit_delassus);
   }
-  return assemble_step(scene, make_midpoint(scene, state), explicit_delassus).problem;
+  const Midpoint<D> mid = make_midpoint(scene, state);
+  if (scene.impact == Impact::kNewton) return assemble_step(scene, mid, explicit_delassus).problem;
+  AssembledStep step = assemble_step(with_step_laws(scene), mid, explicit_delassus);
+  if (scene.impact == Impact::kPoisson) return compression_problem(state, mid, step);
+  add_mean_restitution(scene, state, mid, step);
+  return step.problem;
 }
 
 template <int D>
@@ -98,16 +108,22 @@ struct TimeStepper<D>::Inside {
   Neighbours<D>* neighbours = nullptr;  // none: the state lies on this process alone
   bool refuse_passages = false;
   KeptContacts<D> kept;
-  AssembledStep assembled;  // without neighbours
+  AssembledStep assembled;              // without neighbours
+  std::optional<Scene<D>> step_laws;    // with_step_laws(), but for Newton's law
+  std::optional<ContactProblem> phase;  // of Poisson's law: solved last
 
   const ContactProblem& problem() const {
     return neighbours != nullptr ? neighbours->problem() : assembled.problem;
   }
+  const Scene<D>& laws() const { return step_laws ? *step_laws : scene; }
   bool counts_walls() const { return neighbours == nullptr || neighbours->counts_walls(); }
 
   void assemble(const State<D>& start, const Midpoint<D>& mid);
+  Vector start_of(const State<D>& state, std::span<const Contact<D>> contacts) const;
   Vector solve_contacts(const State<D>& state, std::span<const Contact<D>> contacts,
                         StepReport<D>& report);
+  Vector solve_phase(const State<D>& state, Vector s0, StepReport<D>& report);
+  Vector solve_phases(const State<D>& state, const Midpoint<D>& mid, StepReport<D>& report);
   State<D> move(const State<D>& start, Midpoint<D>& mid, const Vector& s, Vector& v);
   void check_motion(const State<D>& start, const State<D>& next, StepReport<D>& report);
   void measure_overlaps(const State<D>& start, const Midpoint<D>& mid,
@@ -121,18 +137,19 @@ struct TimeStepper<D>::Inside {
 
 template <int D>
 void TimeStepper<D>::Inside::assemble(const State<D>& start, const Midpoint<D>& mid) {
+  if (scene.impact != Impact::kNewton && !step_laws) step_laws = with_step_laws(scene);
   try {
-    assembled = assemble_step(scene, mid, explicit_delassus, threads);
+    assembled = assemble_step(laws(), mid, explicit_delassus, threads);
   } catch (const std::invalid_argument& e) {  // pins that couple too many bodies
     throw StepFailure(StepFailure::Kind::kInvalidInput, start, e.what());
   }
+  if (scene.impact == Impact::kFremond) add_mean_restitution(scene, start, mid, assembled);
 }
 
-/// The impulses of the step, in the problem's variables.
+/// From where the solver starts, in the problem's variables; empty: from nowhere.
 template <int D>
-Vector TimeStepper<D>::Inside::solve_contacts(const State<D>& state,
-                                              std::span<const Contact<D>> contacts,
-                                              StepReport<D>& report) {
+Vector TimeStepper<D>::Inside::start_of(const State<D>& state,
+                                        std::span<const Contact<D>> contacts) const {
   const ContactProblem& p = problem();
   Vector s0;
   if (scene.solver.warm_start && neighbours != nullptr) {
@@ -143,11 +160,57 @@ Vector TimeStepper<D>::Inside::solve_contacts(const State<D>& state,
     s0 = warm_start<D>(state.contacts, contacts, p);
   }
   if (s0.size() > 0 && assembled.pull.size() > 0) s0 += assembled.pull;
+  return s0;
+}
+
+/// The impulses of the step, in the problem's variables.
+template <int D>
+Vector TimeStepper<D>::Inside::solve_contacts(const State<D>& state,
+                                              std::span<const Contact<D>> contacts,
+                                              StepReport<D>& report) {
+  const ContactProblem& p = problem();
+  Vector s0 = start_of(state, contacts);
   StepSolution solution = neighbours != nullptr ? neighbours->solve(s0) : solver(p, std::move(s0));
   bool usable = solution.s.size() == p.num_rows() && solution.s.allFinite();
   if (neighbours != nullptr)
     usable = neighbours->all(usable || solution.refused || solution.cut_short);
   return take_solution(std::move(solution), usable, state, report);
+}
+
+template <int D>
+Vector TimeStepper<D>::Inside::solve_phase(const State<D>& state, Vector s0,
+                                           StepReport<D>& report) {
+  StepSolution solution = solver(*phase, std::move(s0));
+  const bool usable = solution.s.size() == phase->num_rows() && solution.s.allFinite();
+  return take_solution(std::move(solution), usable, state, report);
+}
+
+/// The impulses of both phases of Poisson's law. The report has the larger error, and the message
+/// of the first phase that was not solved.
+template <int D>
+Vector TimeStepper<D>::Inside::solve_phases(const State<D>& state, const Midpoint<D>& mid,
+                                            StepReport<D>& report) {
+  const ContactProblem& p = assembled.problem;
+  StepReport<D> first;
+  Vector compression = Vector::Zero(p.num_rows());
+  const bool two = has_compression(assembled, scene.solver.tol);
+  if (two) {
+    phase = compression_problem(state, mid, assembled);
+    compression = solve_phase(state, Vector(), first);
+  }
+  const Vector returned = returned_impulses(scene, state, mid, p, compression);
+  phase = expansion_problem(p, compression, returned, explicit_delassus);
+  Vector s0 = start_of(state, mid.contacts);
+  if (s0.size() > 0) s0.conservativeResizeLike(Vector::Zero(phase->num_rows()));
+  const Vector expansion = solve_phase(state, std::move(s0), report);
+  report.iterations += first.iterations;
+  if (two && !(first.error.guarded() <= report.error.guarded())) report.error = first.error;
+  if (!first.converged) {
+    report.converged = false;
+    report.unsolvable = report.unsolvable || first.unsolvable;
+    report.message = "compression: " + first.message;
+  }
+  return impulses_of_phases(p, compression, returned, expansion);
 }
 
 /// The state after the step, but for its time, its books and its contacts; v as of
@@ -337,7 +400,8 @@ StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
   report.assembly_seconds = watch.lap();
   // A tenth of a run's memory where the solver takes the most; neighbours name bodies of mid-step.
   if (neighbours == nullptr) release(mid.bodies);
-  const Vector s = solve_contacts(start, mid.contacts, report);
+  const Vector s = scene.impact == Impact::kPoisson ? solve_phases(start, mid, report)
+                                                    : solve_contacts(start, mid.contacts, report);
   report.solve_seconds = watch.lap();
 
   Vector v;
@@ -347,8 +411,8 @@ StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
   check_motion(start, next, report);
   measure_overlaps(start, mid, neighbours != nullptr ? mid.bodies : next.bodies, report);
   StepOutcome<D> outcome =
-      step_outcome<D>(scene, mid, neighbours != nullptr ? mid.bodies : next.bodies, problem(), step,
-                      s, v, next, counts_walls());
+      step_outcome<D>(laws(), mid, neighbours != nullptr ? mid.bodies : next.bodies, problem(),
+                      step, s, v, next, counts_walls());
   if (!counts_walls()) mid.walls.clear();
   const OutsideChanges<D> changes =
       outside_changes(scene, start, mid.walls, mid.gravity, next, next.time);
@@ -398,7 +462,7 @@ void TimeStepper<D>::refuse_passages() {
 
 template <int D>
 const ContactProblem& TimeStepper<D>::problem() const {
-  return inside_->problem();
+  return inside_->phase ? *inside_->phase : inside_->problem();
 }
 
 template class TimeStepper<2>;

@@ -95,8 +95,8 @@ struct StepReport {
   }
 };
 
-/// The contact problem of the step that would come next; bodies that are to leave or come in before
-/// have.
+/// The contact problem of the step that would come next, with Poisson's law of its first phase;
+/// bodies that are to leave or come in before have.
 template <int D>
 ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool explicit_delassus);
 
@@ -149,7 +149,8 @@ class TimeStepper {
   /// From now on a step with passages (core/motion/passage.h) is not taken: StepFailure.
   void refuse_passages();
 
-  /// The contact problem of the last step, of this process's contacts.
+  /// The contact problem of the last step, of this process's contacts; with Poisson's law that of
+  /// the phase that was solved last.
   const ContactProblem& problem() const;
 
  private:

@@ -197,6 +197,30 @@ std::string check_accuracy(const Scene<D>& scene) {
   return {};
 }
 
+/// Checks the entries that another law of impact than Newton's excludes.
+template <int D>
+std::string check_impact(const Scene<D>& scene) {
+  if (scene.impact == ContactLaw::Impact::kNewton) return {};
+  const bool poisson = scene.impact == ContactLaw::Impact::kPoisson;
+  const auto refused = [&](const char* with, const char* why) {
+    return fmt::format("impact = \"{}\" does not go with {}: {}", poisson ? "poisson" : "fremond",
+                       with, why);
+  };
+  if (scene.model == Model::kSpringDashpot) {
+    return refused("the model \"dem\"", "its dashpots make the restitution");
+  }
+  if (scene.accuracy > 0) return refused("accuracy", "its contacts turn by Newton's law");
+  if (scene.predict_gaps) return refused("overlaps = \"predict\"", "that needs e_n = 0");
+  if (scene.has_cohesion()) return refused("cohesion", "a pull is no impact");
+  if (!scene.joints.empty()) return refused("pins and ropes", "they have no such law");
+  for (const ContactLaw& law : scene.laws) {
+    if (law.e_t == 0) continue;
+    return refused("e_t", poisson ? "only normal impulses are returned"
+                                  : "friction opposes the mean of the velocities before and after");
+  }
+  return {};
+}
+
 /// Checks cohesion, and the entries that it excludes.
 template <int D>
 std::string check_cohesion(const Scene<D>& scene) {
@@ -396,6 +420,7 @@ std::string validate(const Scene<D>& scene) {
   if (auto e = check_periodic(scene); !e.empty()) return e;
   if (auto e = check_gates(scene); !e.empty()) return e;
   if (auto e = check_cohesion(scene); !e.empty()) return e;
+  if (auto e = check_impact(scene); !e.empty()) return e;
   if (auto e = check_outside_forces(scene); !e.empty()) return e;
   if (auto e = check_clusters(scene); !e.empty()) return e;
   if (auto e = check_joints(scene); !e.empty()) return e;

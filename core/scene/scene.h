@@ -31,6 +31,10 @@ std::string check_time_factor(const TimeFactor& factor);
 
 /// Coulomb friction, Moreau's restitution coefficients and cohesion of one pair of materials.
 struct ContactLaw {
+  /// How contacts that meet at the same time share an impact, for all pairs of a scene
+  /// (core/motion/impact_law.h).
+  enum class Impact { kNewton, kPoisson, kFremond };
+
   double mu = 0;        ///< friction coefficient, >= 0                    [-]
   double e_n = 0;       ///< normal restitution in [0, 1]                  [-]
   double e_t = 0;       ///< tangential restitution in [0, 1]              [-]
@@ -249,7 +253,8 @@ struct Scene {
   /// Radii by which an impact, or a radius of way, may misplace a body: steps are cut into parts
   /// accordingly (solvers/simulation/accurate_step.h). 0: they are not.
   double accuracy = 0;
-  double contact_distance = 0;    ///< eta of data/manual/explanation/method.md §4 [m]
+  double contact_distance = 0;  ///< eta of data/manual/explanation/method.md §4 [m]
+  ContactLaw::Impact impact = ContactLaw::Impact::kNewton;
   bool project_overlaps = false;  ///< after every step: core/motion/projection.h
   bool predict_gaps = false;      ///< pairs that may meet before the next detection take part
   double cohesion_range = 0;      ///< largest gap over which cohesion acts, if > 0          [m]

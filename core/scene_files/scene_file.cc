@@ -54,6 +54,10 @@ void read_materials(const SceneTable& root, Scene<D>& scene) {
     const std::string overlaps = table->one_of("overlaps", "keep", {"keep", "project", "predict"});
     scene.project_overlaps = overlaps == "project";
     scene.predict_gaps = overlaps == "predict";
+    const std::string impact = table->one_of("impact", "newton", {"newton", "poisson", "fremond"});
+    scene.impact = impact == "poisson"   ? ContactLaw::Impact::kPoisson
+                   : impact == "fremond" ? ContactLaw::Impact::kFremond
+                                         : ContactLaw::Impact::kNewton;
     scene.cohesion_range = table->number("cohesion_range", 0);
     scene.heal = table->boolean("heal", true);
     table->finish();

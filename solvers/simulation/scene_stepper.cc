@@ -34,6 +34,7 @@ std::string needs_whole_state(const Scene<D>& scene,
   if (scene.observables) return "the scene measures observables";
   if (!scene.forces.empty() || scene.drag.coefficient > 0) return "the scene has forces or drag";
   if (scene.has_cohesion()) return "the scene has cohesion";
+  if (scene.impact != ContactLaw::Impact::kNewton) return "the scene's law of impact";
   if (scene.travel > 0) return "the scene cuts its steps by travel";
   if (scene.accuracy > 0) return "the scene cuts its steps by accuracy";
   if (scene.predict_gaps) return "the scene predicts gaps";

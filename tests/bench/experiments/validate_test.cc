@@ -135,7 +135,7 @@ TEST(Validate, EveryRowSaysWhatItIs) {
       EXPECT_TRUE(std::is_sorted(tols->rbegin(), tols->rend())) << e.rows[0].claim.name;
     }
   }
-  EXPECT_GE(names.size(), 20u);
+  EXPECT_GE(names.size(), 70u);
 }
 
 /// Rows whose answer is known by hand hold at the tightest tolerance; with an expected value that
@@ -164,7 +164,8 @@ TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
 
 INSTANTIATE_TEST_SUITE_P(Validate, ExactRows,
                          testing::Values(&slope_experiments, &standing_experiments,
-                                         &impact_experiments, &cohesion_experiments,
+                                         &impact_experiments, &collision_experiments,
+                                         &mfix_experiments, &cohesion_experiments,
                                          &chain_experiments, &indeterminacy_experiments));
 
 // A solver that may not iterate reaches no tolerance, and no row holds by luck.
