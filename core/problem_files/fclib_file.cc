@@ -108,25 +108,9 @@ SparseGroup read_matrix(const Hdf5File& file, const std::string& group) {
   return matrix;
 }
 
-constexpr const char* kLocalEqualityRows =
-    "the local problem has equality rows (joints, bilateral constraints) beside the contacts; they "
-    "are taken in the global form alone (G and b)";
-
 bool has_entries(const Hdf5File& file, const std::string& matrix) {
   return file.exists(matrix) && file.read_int(matrix + "/m") > 0 &&
          file.read_int(matrix + "/n") > 0;
-}
-
-void refuse_local_constraints(const Hdf5File& file, const std::string& root) {
-  for (const char* name : {"/V", "/R"}) {
-    if (has_entries(file, root + name)) {
-      throw FileError(file.path(), root + name, kLocalEqualityRows);
-    }
-  }
-  const std::string name = root + "/vectors/s";
-  if (file.exists(name) && file.size(name) > 0) {
-    throw FileError(file.path(), name, kLocalEqualityRows);
-  }
 }
 
 /// Checks sizes before the matrix is built: a wrong size could exhaust the memory.
@@ -293,11 +277,20 @@ Stored read_form(const Hdf5File& file, const std::string& root, int dim, Problem
   Stored stored;
   try {
     if (!out.global) {
-      refuse_local_constraints(file, root);
       const SparseGroup W = read_matrix(file, root + "/W");
       require_shape(file, root + "/W", W, rows, rows);
-      out.problem = from_local_form(dim, W.build<SparseRows>(),
-                                    read_vector(file, root + "/vectors/q"), std::move(mu));
+      Vector q = read_vector(file, root + "/vectors/q");
+      const std::string name = root + "/vectors/s";
+      const Vector s = file.exists(name) ? read_vector(file, name) : Vector();
+      if (s.size() > 0 || has_entries(file, root + "/V") || has_entries(file, root + "/R")) {
+        const SparseGroup V = read_matrix(file, root + "/V"), R = read_matrix(file, root + "/R");
+        require_shape(file, root + "/V", V, rows, s.size());
+        require_shape(file, root + "/R", R, s.size(), s.size());
+        out.problem = from_local_form(dim, W.build<SparseRows>(), q, std::move(mu),
+                                      V.build<SparseRows>(), R.build<SparseMatrix>(), s);
+      } else {
+        out.problem = from_local_form(dim, W.build<SparseRows>(), std::move(q), std::move(mu));
+      }
     } else {
       const SparseGroup M = read_matrix(file, root + "/M");
       const SparseGroup H = read_matrix(file, root + "/H");

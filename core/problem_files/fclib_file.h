@@ -27,10 +27,11 @@ namespace bipot {
 ///                     these.
 ///
 /// Equality rows of a global problem, M v = H r + G λ + f with Gᵀ v + b = 0 in the file's signs, are
-/// eliminated (with_equality_rows()). /solution/l holds λ.
+/// eliminated (with_equality_rows()). /solution/l holds λ. Those of a local problem (V, R, s) are
+/// eliminated for good (problem_form.h): it is then one of W and q alone.
 ///
-/// Refused, with the reason: equality rows of a local problem (V, R, s), inconsistent sizes, missing
-/// data, values that are not finite, and whatever validate() refuses. Throws FileError.
+/// Refused, with the reason: inconsistent sizes, missing data, values that are not finite, and
+/// whatever validate() refuses. Throws FileError.
 ProblemFile read_fclib(const std::filesystem::path& path);
 
 /// Writes a new file, in global form if A and H are given (W is then not stored), else in local

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "core/linear/sparse_factor.h"
 #include "core/problem/delassus.h"
@@ -48,6 +51,70 @@ ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu
   ContactProblem p{.dim = dim, .W = W, .u_free = std::move(q), .mu = std::move(mu)};
   drop_zeros(p.W);
   return checked(std::move(p));
+}
+
+ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Vector mu,
+                               const SparseRows& V, const SparseMatrix& R, const Vector& s) {
+  using Eigen::MatrixXd;
+  constexpr int kMostRows = 5000;
+  constexpr double kDependent = 1e-8, kContradicts = 1e-6;
+  const Eigen::Index rows = s.size();
+  require_size("number of rows of V", V.rows(), W.rows());
+  require_size("number of columns of V", V.cols(), rows);
+  require_size("number of rows of R", R.rows(), rows);
+  require_size("number of columns of R", R.cols(), rows);
+  require_size("size of q", q.size(), W.rows());
+  if (rows > kMostRows) {
+    throw std::invalid_argument(
+        fmt::format("{} equality rows; at most {} can be eliminated", rows, kMostRows));
+  }
+  Vector scale(rows);  // to a unit diagonal of R
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const double diagonal = R.coeff(k, k);
+    if (!(diagonal > 0) || !std::isfinite(diagonal)) {
+      throw std::invalid_argument(fmt::format("R({0}, {0}) = {1} is not positive", k, diagonal));
+    }
+    scale[k] = 1 / std::sqrt(diagonal);
+  }
+  std::vector<int> touched;  // rows of contacts
+  for (int i = 0; i < V.rows(); ++i) {
+    if (SparseRows::InnerIterator(V, i)) touched.push_back(i);
+  }
+  // The right-hand sides Vᵀ of these, and s.
+  MatrixXd sides(rows, static_cast<Eigen::Index>(touched.size()) + 1);
+  for (std::size_t k = 0; k < touched.size(); ++k) {
+    sides.col(static_cast<Eigen::Index>(k)) = Vector(V.row(touched[k]).transpose());
+  }
+  sides.rightCols(1) = s;
+  sides = scale.asDiagonal() * sides;
+  const MatrixXd unit = scale.asDiagonal() * MatrixXd(R) * scale.asDiagonal();
+  if (!unit.allFinite() || !sides.allFinite()) {
+    throw std::invalid_argument("V, R or s has an entry that is not finite");
+  }
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> qr;
+  qr.setThreshold(kDependent);
+  qr.compute(unit);
+  const MatrixXd solved = qr.solve(sides);
+  const MatrixXd miss = unit * solved - sides;
+  Eigen::Index row = 0, column = 0;
+  if (miss.cwiseAbs().maxCoeff(&row, &column) > kContradicts * sides.cwiseAbs().maxCoeff()) {
+    throw std::invalid_argument(
+        fmt::format("equality row {} of V, R and s contradicts other rows", row));
+  }
+  const MatrixXd change = sides.transpose() * solved;  // the last column: of q
+  const Eigen::Index count = change.rows() - 1;
+  std::vector<Eigen::Triplet<double>> entries;
+  Vector q_left = q;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    q_left[touched[to_size(k)]] -= change(k, count);
+    for (Eigen::Index l = 0; l < count; ++l) {
+      const double value = 0.5 * (change(k, l) + change(l, k));
+      if (value != 0) entries.emplace_back(touched[to_size(k)], touched[to_size(l)], -value);
+    }
+  }
+  SparseRows correction(W.rows(), W.cols());
+  correction.setFromTriplets(entries.begin(), entries.end());
+  return from_local_form(dim, SparseRows(W + correction), std::move(q_left), std::move(mu));
 }
 
 ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatrix& H,

@@ -8,6 +8,13 @@ namespace bipot {
 /// rounding has made it unsymmetric. Throws std::invalid_argument for an unsound problem.
 ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu);
 
+/// The local form with equality rows, u = W r + V λ + q, 0 = Vᵀ r + R λ + s, from which λ is
+/// eliminated: W - V R⁻¹ Vᵀ and q - V R⁻¹ s. R may be singular where rows depend on each other
+/// (pivots below 1e-8 of a unit diagonal). Throws std::invalid_argument likewise, and for rows that
+/// contradict others or more than 5000 of them: R is dense here.
+ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Vector mu,
+                               const SparseRows& V, const SparseMatrix& R, const Vector& s);
+
 /// The global form M v = H r + f, u = Hᵀ v + w. Hence A = M, v_free = M⁻¹ f, u_free = Hᵀ v_free +
 /// w. For a diagonal M, W stays empty (two passes through H are cheaper); else it is assembled.
 /// Throws std::invalid_argument for an unsound problem.

@@ -134,6 +134,7 @@ class Words {
 struct TextMatrix {
   int rows = 0, columns = 0;
   Triplets entries;
+  std::vector<int> extents;  // of block rows, from 0; sparse blocks only
 
   template <class Sparse>
   Sparse build() const {
@@ -176,6 +177,7 @@ void read_blocks(Words& words, TextMatrix& matrix) {
   words.require_plausible(double(block_rows) + block_columns, "block rows and columns");
   const std::vector<int> row_extents = read_extents(words, block_rows, matrix.rows);
   const std::vector<int> column_extents = read_extents(words, block_columns, matrix.columns);
+  matrix.extents = row_extents;
   const int num_starts = words.integer("number of row starts", 1);
   const int num_columns = words.integer("number of block column indices");
   if (num_starts - 1 > block_rows || num_columns < blocks) {
@@ -315,16 +317,87 @@ Vector read_vector(Words& words, Eigen::Index size, std::string_view what) {
   return vector;
 }
 
-/// What a file is whose first two numbers begin no problem with friction; empty: it may be one. The
-/// numbers of a problem with friction are d, contacts, storage, rows, columns.
-std::string other_kind(const Words& words, int first, int second) {
-  constexpr int kStorages = 3;
-  const auto [third, fourth] = words.next_two();
-  // A matrix n x n and what its rows are: storage, n, n.
-  if (first < kStorages && second > 0 && second == third && (first != 2 || third >= kStorages)) {
-    return "this is a general mechanical problem of Siconos, with equality rows (joints) or rows of "
-           "other laws beside the contacts; Bipot takes joints as G and b of FCLIB's global form";
+constexpr int kStorages = 3;
+
+/// True if the first two numbers begin a matrix n x n, storage, n, n: a general mechanical problem.
+/// The numbers of a problem with friction are d, contacts, storage, rows, columns.
+bool begins_mechanical(const Words& words, int first, int second) {
+  const int third = words.next_two()[0];
+  return first < kStorages && second > 0 && second == third && (first != 2 || third >= kStorages);
+}
+
+/// The rows of `of` in which contacts, or else equality rows, meet those of `with`. `place`: of each
+/// row among its kind.
+template <class Sparse>
+Sparse part_of(const TextMatrix& of, const std::vector<int>& place, const std::vector<bool>& equal,
+               bool rows_equal, bool columns_equal, Eigen::Index rows, Eigen::Index columns) {
+  Triplets entries;
+  for (const auto& entry : of.entries) {
+    const std::size_t i = to_size(entry.row()), j = to_size(entry.col());
+    if (equal[i] != rows_equal || equal[j] != columns_equal) continue;
+    entries.emplace_back(place[i], place[j], entry.value());
   }
+  Sparse part(rows, columns);
+  part.setFromTriplets(entries.begin(), entries.end());
+  return part;
+}
+
+/// M, q, and for each block row of M the type of its sub-problem, with mu for a contact.
+ProblemFile read_mechanical(const std::filesystem::path& path) {
+  enum Type { kEquality = 2, kContactInSpace = 4 };
+  Words words(path);
+  const TextMatrix M = read_matrix(words);
+  if (M.rows != M.columns) words.fail(fmt::format("the matrix is {} x {}", M.rows, M.columns));
+  if (M.extents.empty()) {
+    words.fail(
+        "a general mechanical problem needs its matrix in blocks (storage 1), one for each "
+        "sub-problem");
+  }
+  const Vector q = read_vector(words, M.rows, "q");
+  std::vector<int> place;  // of each row among those of its kind
+  std::vector<bool> equal;
+  std::vector<double> mu;
+  int equalities = 0;
+  for (std::size_t k = 0; k + 1 < M.extents.size(); ++k) {
+    const int type = words.integer("type of a sub-problem");
+    const int size = M.extents[k + 1] - M.extents[k];
+    if (type != kEquality && !(type == kContactInSpace && size == 3)) {
+      words.fail(
+          fmt::format("sub-problem {} is of type {} and size {}; taken are equality rows "
+                      "(joints, type 2) and contacts in space (type 4, size 3)",
+                      k, type, size));
+    }
+    const bool joint = type == kEquality;
+    int next = joint ? equalities : 3 * static_cast<int>(mu.size());
+    if (!joint) mu.push_back(words.number("mu"));
+    for (int row = 0; row < size; ++row) {
+      place.push_back(next++);
+      equal.push_back(joint);
+    }
+    if (joint) equalities = next;
+  }
+  const Eigen::Index contacts = 3 * static_cast<Eigen::Index>(mu.size());
+  Vector q_contacts(contacts), s(equalities);
+  for (int row = 0; row < M.rows; ++row) {
+    (equal[to_size(row)] ? s : q_contacts)[place[to_size(row)]] = q[row];
+  }
+  const auto part = [&]<class Sparse>(Sparse, bool rows, bool columns) {
+    return part_of<Sparse>(M, place, equal, rows, columns, rows ? equalities : contacts,
+                           columns ? equalities : contacts);
+  };
+  ProblemFile file;
+  file.info.title = path.filename().string();
+  file.info.description = "Siconos Numerics, GenericMechanicalProblem (text)";
+  file.problem =
+      from_local_form(3, part(SparseRows(), false, false), q_contacts,
+                      Eigen::Map<const Vector>(mu.data(), static_cast<Eigen::Index>(mu.size())),
+                      part(SparseRows(), false, true), part(SparseMatrix(), true, true), s);
+  return file;
+}
+
+/// What a file is whose first two numbers begin no problem with friction; empty: it may be one.
+std::string other_kind(const Words& words, int first, int second) {
+  const auto [third, fourth] = words.next_two();
   // The size, then the matrix: n, storage, n, n.
   const bool no_storage = third >= kStorages;
   if (first > 0 && second < kStorages && third == first && fourth == first &&
@@ -344,8 +417,15 @@ std::string other_kind(const Words& words, int first, int second) {
 
 ProblemFile read_siconos_text(const std::filesystem::path& path) {
   Words words(path);
-  const int dim = words.integer("contact dimension", 1);
+  const int dim = words.integer("contact dimension");
   const int contacts = words.integer("number of contacts");
+  if (begins_mechanical(words, dim, contacts)) {
+    try {
+      return read_mechanical(path);
+    } catch (const std::invalid_argument& e) {
+      throw FileError(path, "", e.what());
+    }
+  }
   if (const std::string other = other_kind(words, dim, contacts); !other.empty()) {
     words.fail(other);
   }

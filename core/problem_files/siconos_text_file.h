@@ -8,6 +8,8 @@ namespace bipot {
 
 /// Reads a problem in the text format of Siconos Numerics (.dat): FrictionContactProblem (d, number
 /// of contacts, W, q, mu) or GlobalFrictionContactProblem (d, number of contacts, M, H, f, w, mu).
+/// Or GenericMechanicalProblem: M in blocks, q, and for each block row its type, 2 for equality rows
+/// (joints), which are eliminated, or 4 for a contact in space, and mu; no other types.
 /// The file does not name its kind. After its first matrix a local problem has exactly (d + 1) nc
 /// numbers left, in older versions one more (a flag); a global problem always has more.
 ///

@@ -305,8 +305,8 @@ TEST_F(Storage, OtherDefectsAreRefusedWithTheReason) {
         f.write("/fclib_local/V/m", 4);
         f.write("/fclib_local/V/n", 1);
       },
-      "/fclib_local/V: the local problem has equality rows");
-  expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/s", one); }, "equality rows");
+      "/fclib_local/V/nz: missing");
+  expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/s", one); }, "/fclib_local/V: missing");
   // Constraint groups of size nought constrain nothing.
   write(-2, p, i, x);
   {
@@ -337,6 +337,59 @@ TEST(FclibFile, GlobalProblemsAreRefusedWithTheReason) {
   expect([](Hdf5File& f) { f.write("/fclib_global/H/n", 7); }, "/H: is 12 x 7, expected 12 x 8");
   expect([](Hdf5File& f) { f.write("/fclib_global/M/x", std::vector<double>(12, -1.0)); },
          "A(0, 0) = -1 is not positive");
+}
+
+// With G A⁻¹ Gᵀ, Hᵀ A⁻¹ Gᵀ and G v_free - b the local form of a problem with joints is known. The
+// rows stand there twice, so that R is singular.
+TEST(FclibFile, EqualityRowsOfALocalProblemAreEliminated) {
+  const TemporaryFolder folder;
+  for (const int dim : {2, 3}) {
+    const ManufacturedJoints m = manufactured_joints(dim, 9, 14, 3);
+    const EqualityRows& rows = *m.problem.equality;
+    const ContactProblem& given = rows.given;
+    MatrixXd G(2 * rows.G.rows(), rows.G.cols());
+    G << MatrixXd(rows.G), MatrixXd(rows.G);
+    const Vector inverse = given.A.diagonal().cwiseInverse();
+    const MatrixXd V = MatrixXd(given.H).transpose() * inverse.asDiagonal() * G.transpose();
+    const MatrixXd R = G * inverse.asDiagonal() * G.transpose();
+    Vector s = G * given.v_free;
+    s.head(rows.b.size()) -= rows.b;
+    s.tail(rows.b.size()) -= rows.b;
+    ContactProblem local{.dim = dim, .u_free = given.u_free, .mu = given.mu};
+    local.W = assemble_delassus(given.A, given.H, dim);
+    const auto write = [&](const Vector& values) {
+      write_fclib(folder / "l.hdf5", local, kInfo);
+      Hdf5File file(folder / "l.hdf5", Mode::kAppend);
+      for (const auto& [name, matrix] : {std::pair{"V", V}, std::pair{"R", R}}) {
+        const std::string group = std::string("/fclib_local/") + name;
+        std::vector<int> i, p;
+        std::vector<double> x;
+        for (int row = 0; row < matrix.rows(); ++row) {
+          for (int column = 0; column < matrix.cols(); ++column) {
+            i.push_back(row);
+            p.push_back(column);
+            x.push_back(matrix(row, column));
+          }
+        }
+        file.write(group + "/m", static_cast<int>(matrix.rows()));
+        file.write(group + "/n", static_cast<int>(matrix.cols()));
+        file.write(group + "/nz", static_cast<int>(x.size()));
+        file.write(group + "/i", i);
+        file.write(group + "/p", p);
+        file.write(group + "/x", x);
+      }
+      file.write("/fclib_local/vectors/s", std::vector<double>(values.begin(), values.end()));
+    };
+    write(s);
+    const ContactProblem p = read_problem(folder / "l.hdf5").problem;
+    EXPECT_LT(contact_error(p, m.s).guarded(), 1e-11);
+    Vector u;
+    DelassusOperator(p).velocity(m.s, u);
+    EXPECT_LT((u - m.u).norm(), 1e-12 * m.u.norm());
+    s[0] += 1;
+    write(s);
+    EXPECT_TRUE(says(refusal(folder / "l.hdf5"), "contradicts other rows"));
+  }
 }
 
 TEST(FclibFile, AGeneralMassMatrixIsSolvedWithAndItsDelassusOperatorAssembled) {

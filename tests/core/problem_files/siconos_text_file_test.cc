@@ -113,6 +113,22 @@ TEST_F(SiconosText, GlobalProblemsAreToldFromLocalOnes) {
   }
 }
 
+TEST_F(SiconosText, JointsOfAMechanicalProblemAreEliminated) {
+  // R = 2, V = (1/2, 0, 0), s = 1, W = 1, q = (-1, 1/2, 0): λ = -(s_n/2 + 1)/2, W_nn = 1 - 1/8, q_n =
+  // -1 - 1/4. The joint stands before the contact.
+  const std::string text =
+      "1\n4\n4\n4\n2\n2\n1 4\n1 4\n3\n4\n0 2 4\n0 1 0 1\n0\n2\n1\n0.5 0 0\n2\n0.5 0 0\n3\n"
+      "1 0 0 0 1 0 0 0 1\n1 -1 0.5 0\n";
+  const ProblemFile file = read(text + "2\n4\n0.2\n");
+  EXPECT_FALSE(file.global);
+  EXPECT_EQ(file.problem.dim, 3);
+  EXPECT_LE((file.problem.u_free - Eigen::Vector3d(-1.25, 0.5, 0)).norm(), 1e-15);
+  EXPECT_NEAR(file.problem.W.coeff(0, 0), 0.875, 1e-15);
+  EXPECT_EQ(file.problem.W.coeff(1, 1), 1);
+  EXPECT_EQ(file.problem.mu[0], 0.2);
+  expect_refusal(text + "2\n3\n", "sub-problem 1 is of type 3 and size 3");
+}
+
 TEST_F(SiconosText, AProblemWithoutContactsIsRead) {
   const ProblemFile file = read("2\n0\n0\n2\n2\n2\t2\n2 0\n0 4\n0\n2\n0\n2\t0\n1 2\n");
   EXPECT_EQ(file.problem.num_contacts(), 0);
@@ -126,7 +142,10 @@ TEST_F(SiconosText, DefectsAreRefusedWithLineAndReason) {
   // Another kind of problem: n, storage, n, n; and storage, n, n, blocks with joints.
   expect_refusal("4\n0\n4\n4\n4\t4\n", "linear complementarity problem (LCP) of 4 rows");
   expect_refusal("3\n1\n3\n3\n", "linear complementarity problem (LCP) of 3 rows");
-  expect_refusal("1\n4\n4\n4\n2\n2\n1 4\n1 4\n", "equality rows (joints)");
+  // A mechanical problem with a relay; with its matrix dense.
+  expect_refusal("1\n1\n1\n1\n1\n1\n1\n1\n2\n1\n0 1\n0\n0\n2\n0.5\n9\n",
+                 "sub-problem 0 is of type 9 and size 1; taken are equality rows (joints, type 2)");
+  expect_refusal("0\n1\n1\n1\t1\n2\n0\n2\n", "needs its matrix in blocks (storage 1)");
   expect_refusal("2\n-1\n", "number of contacts = -1 is too small");
   expect_refusal("2\n1\n7\n2\n2\n", "line 5: matrix storage 7");
   expect_refusal("2\n1\n0\n2\n2\n2\t2\n1 0\n0 x\n", "line 8: matrix entry: 'x' is not a number");
