@@ -200,6 +200,7 @@ const char* no_springs(const Trade::Scene& scene) {
   const auto* plane = std::get_if<Scene<2>>(&scene.scene);
   if (plane == nullptr) return "springs and dashpots take disks only";
   if (!plane->clusters.empty()) return "springs and dashpots have no clusters";
+  if (!plane->joints.empty()) return "springs and dashpots have no pins and ropes";
   if (plane->has_cohesion()) return "springs and dashpots have no cohesion";
   if (!plane->forces.empty() || plane->drag.coefficient > 0) {
     return "springs and dashpots have no forces on bodies and no drag";

@@ -56,7 +56,7 @@ ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu
 ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Vector mu,
                                const SparseRows& V, const SparseMatrix& R, const Vector& s) {
   using Eigen::MatrixXd;
-  constexpr int kMostRows = 5000;
+  constexpr std::size_t kMostRows = 5000;
   constexpr double kDependent = 1e-8, kContradicts = 1e-6;
   const Eigen::Index rows = s.size();
   require_size("number of rows of V", V.rows(), W.rows());
@@ -64,7 +64,7 @@ ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Ve
   require_size("number of rows of R", R.rows(), rows);
   require_size("number of columns of R", R.cols(), rows);
   require_size("size of q", q.size(), W.rows());
-  if (rows > kMostRows) {
+  if (to_size(rows) > kMostRows) {
     throw std::invalid_argument(
         fmt::format("{} equality rows; at most {} can be eliminated", rows, kMostRows));
   }
@@ -79,6 +79,11 @@ ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Ve
   std::vector<int> touched;  // rows of contacts
   for (int i = 0; i < V.rows(); ++i) {
     if (SparseRows::InnerIterator(V, i)) touched.push_back(i);
+  }
+  if (touched.size() > kMostRows) {
+    throw std::invalid_argument(
+        fmt::format("equality rows touch {} rows of contacts; at most {} are possible",
+                    touched.size(), kMostRows));
   }
   // The right-hand sides Vᵀ of these, and s.
   MatrixXd sides(rows, static_cast<Eigen::Index>(touched.size()) + 1);

@@ -11,7 +11,8 @@ ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu
 /// The local form with equality rows, u = W r + V λ + q, 0 = Vᵀ r + R λ + s, from which λ is
 /// eliminated: W - V R⁻¹ Vᵀ and q - V R⁻¹ s. R may be singular where rows depend on each other
 /// (pivots below 1e-8 of a unit diagonal). Throws std::invalid_argument likewise, and for rows that
-/// contradict others or more than 5000 of them: R is dense here.
+/// contradict others, and for more than 5000 of them or of rows of contacts that they touch: these
+/// are dense.
 ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Vector mu,
                                const SparseRows& V, const SparseMatrix& R, const Vector& s);
 
