@@ -85,9 +85,6 @@ TEST(SceneFile, PinsAndRopesAreHeldByTheirBodies) {
                  {"pins and ropes do not go with the model \"dem\""});
   expect_refused("cell = {width = 20}\n" + two + "[[ropes]]\nbodies = [0, 1]\n",
                  {"do not go with a periodic cell"});
-  expect_refused(
-      "contact = {impact = 'poisson', e_n = 0.5}\n" + two + "[[ropes]]\nbodies = [0, 1]\n",
-      {"do not go with another impact than"});
   expect_refused("joints = []\n" + two, {"did you mean 'pins'"});
 }
 
