@@ -204,6 +204,23 @@ State<2> struck_row(const std::vector<double>& masses, double gap, Experiment::T
   return run_from_start<2>(scene, trial);
 }
 
+/// Three equal disks that touch, e_n = 0 at the first contact and 1 at the second, by Poisson's law.
+/// Compression gives 1/3 to all, with impulses 2/3 and 1/3. The second is returned: 1/3, 0, 2/3. The
+/// first two would close, and go on with 1/6.
+State<2> squeezed_row(Experiment::Trial& trial) {
+  Scene<2> scene = experiment_scene<2>({}, kImpactStep, trial);
+  scene.impact = ContactLaw::Impact::kPoisson;
+  scene.contact_distance = 1e-9;
+  scene.materials = {"dull", "elastic"};
+  scene.laws = {{}, {}, {}, {.e_n = 1}};
+  for (int k = 0; k < 3; ++k) {
+    scene.bodies.push_back(round_body<2>(Vec2(k, 0), 0.5, 1));
+    scene.bodies.back().material = k > 0 ? 1 : 0;
+  }
+  scene.bodies[0].v = Vec2(1, 0);
+  return after_impact<2>(scene, trial);
+}
+
 /// Touching: all contacts but the first stay closed, v_1 = … = V, V - v_0 = 1 and v_0 + 4 V = 1.
 /// With gaps: one impact after the other, the first of 2 m_i/(m_i + m_j) of the speed.
 Experiment cradle() {
@@ -215,14 +232,20 @@ Experiment cradle() {
       collision_row("cradle_with_gaps", "speed of the last of five disks with gaps, e = 1",
                     "equal masses change velocities", "1", 1),
       collision_row("row_with_gaps", "speed of the last of three disks, masses 1, 2 and 4",
-                    "momentum and energy of each impact", "2/(1 + 2) × 4/(2 + 4) = 4/9", 4.0 / 9)};
+                    "momentum and energy of each impact", "2/(1 + 2) × 4/(2 + 4) = 4/9", 4.0 / 9),
+      collision_row("row_squeezed",
+                    "speed of the last of three disks that touch, e_n = 0 and 1, by Poisson's "
+                    "law",
+                    "Glocker, Multibody Syst. Dyn. 32 (2014); collision_experiments.cc",
+                    "1/3 + 1/3", 2.0 / 3)};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     const std::vector<double> equal(5, 1.0);
     constexpr double kGap = 0.02;  // twenty steps
     trial.seen = {{struck_row(equal, 0, trial).bodies[0].v[0]},
                   {struck_row(equal, kGap, trial).bodies[4].v[0]},
-                  {struck_row({1, 2, 4}, kGap, trial).bodies[2].v[0]}};
+                  {struck_row({1, 2, 4}, kGap, trial).bodies[2].v[0]},
+                  {squeezed_row(trial).bodies[2].v[0]}};
   };
   return e;
 }

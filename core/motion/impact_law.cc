@@ -54,6 +54,21 @@ double diagonal_entry(const ContactProblem& p, int row) {
   return w;
 }
 
+// Closing speeds below this share of the speeds that they are differences of are rounding.
+constexpr double kClosingRounding = 1e-12;
+
+/// Takes closing speeds that are rounding of the velocities `v` out of the data. Between bodies that
+/// go on together nothing else may be left, and no solver can meet a tolerance on it.
+void drop_rounding(const Vector& v, ContactProblem& p) {
+  for (int row = 0; row < p.num_rows(); row += p.dim) {
+    double speed = 0;
+    for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
+      speed += std::abs(it.value() * v[it.row()]);
+    }
+    if (std::abs(p.u_free[row]) <= kClosingRounding * speed) p.u_free[row] = 0;
+  }
+}
+
 /// The problem after impulses s as well.
 void act(const Vector& s, ContactProblem& p) {
   if (p.num_rows() == 0) return;
@@ -133,6 +148,7 @@ ContactProblem compression_problem(const State<D>& start, const Midpoint<D>& mid
   ContactProblem p = step.problem;
   p.v_free = velocities_before(start, mid, step.dofs);
   p.u_free = step.u_before;
+  drop_rounding(p.v_free, p);
   return p;
 }
 
@@ -153,6 +169,7 @@ ContactProblem expansion_problem(const ContactProblem& step, const Vector& compr
                                  const Vector& returned, bool explicit_delassus) {
   ContactProblem p = step;
   act(given_impulses(step, compression, returned), p);
+  drop_rounding(step.v_free.cwiseAbs() + p.v_free.cwiseAbs(), p);
   const std::vector<int> contacts = rubbing(step, returned);
   if (contacts.empty()) return p;
 
