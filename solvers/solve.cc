@@ -184,15 +184,7 @@ std::string refusal(const SolverEntry& entry, const ContactProblem& p, const Sol
   } catch (const std::invalid_argument& e) {
     return fmt::format("solver {}: {}", entry.name, e.what());
   }
-  if (p.dim > entry.max_dim) {
-    return fmt::format("solver {} handles contact dimensions up to {}, the problem has {}",
-                       entry.name, entry.max_dim, p.dim);
-  }
-  if (p.num_contacts() > entry.max_contacts) {
-    return fmt::format("solver {} handles at most {} contacts, the problem has {}", entry.name,
-                       entry.max_contacts, p.num_contacts());
-  }
-  return {};
+  return beyond_solver(entry, p);
 }
 
 SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const SolverOptions& options,

@@ -123,12 +123,16 @@ struct SolverEntry {
   bool needs_delassus = false;  ///< W must be present; solve() assembles it if it is missing
   int max_dim = 3;              ///< largest contact dimension
   int max_contacts = std::numeric_limits<int>::max();  ///< beyond it: kInvalidInput, saying so
+  bool rolls = false;                                  ///< takes rolling friction
   /// The iterates do not depend on `tol`, which only decides their end. A solve to a loose
   /// tolerance is then the beginning of one to a tight tolerance, for any stop test.
   bool path_ignores_tolerance = false;
   /// For these parameters; null: kNo.
   Parallel (*parallel)(const Parameters&) = nullptr;
 };
+
+/// Empty if the solver takes problems of this kind and size, else why not, as "solver X ...".
+std::string beyond_solver(const SolverEntry& entry, const ContactProblem& problem);
 
 /// A solver as a function from problem and options to its result: SolverEntry::run for solvers
 /// whose iterates are not judged.

@@ -63,7 +63,7 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
   cell.message = r.message;
   cell.iterations = r.iterations;
   if (r.status == SolveStatus::kInvalidInput) {
-    const bool beyond = problem.dim > entry.max_dim || problem.num_contacts() > entry.max_contacts;
+    const bool beyond = !beyond_solver(entry, problem).empty();
     const bool may_be = of.expect == ExtremeCase::Expect::kOpen;
     cell.end = beyond   ? ExtremeCell::kNotForIt
                : may_be ? ExtremeCell::kRefused

@@ -267,6 +267,9 @@ SettingStudy study_settings(const std::vector<ProblemSource>& sources,
       problem = source.load();
       const std::string defect = validate(problem->problem);
       if (!defect.empty()) throw std::invalid_argument(defect);
+      if (problem->problem.rolls()) {
+        throw std::invalid_argument("popular settings know no rolling friction");
+      }
     } catch (const std::exception& e) {
       study.defects.push_back(fmt::format("{}: {}", source.name, e.what()));
       continue;

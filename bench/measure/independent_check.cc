@@ -88,7 +88,7 @@ Quad normal_diagonal(const ContactProblem& p, int row, bool by_bodies) {
 
 IndependentCheck independent_check(const ContactProblem& p, const Vector& given) {
   IndependentCheck check;
-  if (given.size() != p.num_rows() || !given.allFinite()) return check;
+  if (given.size() != p.num_rows() || !given.allFinite() || p.rolls()) return check;
   const bool by_bodies = p.has_velocities() && is_diagonal(p.A);
   if (!by_bodies && !p.has_delassus()) return check;
   const int d = p.dim;

@@ -114,7 +114,7 @@ bool learn_answer(const ContactProblem& problem, const Vector& s, double time_li
   for (const char* name : {"homotopy", "newton", "ipm"}) {
     if (is_new() || (interrupted && interrupted())) break;
     const SolverEntry* entry = find_solver(name);
-    if (entry == nullptr || problem.dim > entry->max_dim) continue;
+    if (entry == nullptr || !beyond_solver(*entry, problem).empty()) continue;
     CpuLimit limit(time_limit);
     SolverOptions options{.tol = ReferenceSolution::kTarget,
                           .time_limit = CpuLimit::kWallFactor * time_limit,

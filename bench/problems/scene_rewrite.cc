@@ -195,7 +195,8 @@ std::string difference(const Scene<D>& a, const Scene<D>& b) {
   if (a.materials != b.materials || a.laws.size() != b.laws.size()) return "materials";
   for (std::size_t i = 0; i < a.laws.size(); ++i) {
     if (a.laws[i].mu != b.laws[i].mu || a.laws[i].e_n != b.laws[i].e_n ||
-        a.laws[i].e_t != b.laws[i].e_t) {
+        a.laws[i].e_t != b.laws[i].e_t || a.laws[i].mu_r != b.laws[i].mu_r ||
+        a.laws[i].mu_spin != b.laws[i].mu_spin) {
       return "contact laws";
     }
   }

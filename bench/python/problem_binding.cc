@@ -28,12 +28,13 @@ using HeldProblem = std::shared_ptr<PythonProblem>;
 using ProblemClass = py::class_<PythonProblem, HeldProblem>;
 
 /// d from the sizes if it is not given; with it, mu may be one number for all contacts.
-int infer_dim(const py::object& given, Eigen::Index rows, Vector& mu, bool one_mu) {
+int infer_dim(const py::object& given, Eigen::Index rows, Vector& mu, bool one_mu, bool rolls) {
   if (!given.is_none()) {
     if (PyIndex_Check(given.ptr()) == 0) throw py::type_error("dim: expected 1, 2 or 3");
     const int dim = py::int_(given).cast<int>();
-    if (dim < 1 || dim > 3) {
-      throw std::invalid_argument(fmt::format("dim = {}, expected 1, 2 or 3", dim));
+    if ((dim < 1 || dim > 3) && !(rolls && dim == 6)) {
+      throw std::invalid_argument(
+          fmt::format("dim = {}, expected {}", dim, rolls ? "3 or 6 with mu_r" : "1, 2 or 3"));
     }
     if (!one_mu) return dim;
     if (rows % dim != 0) {
@@ -51,6 +52,7 @@ int infer_dim(const py::object& given, Eigen::Index rows, Vector& mu, bool one_m
   if (contacts == 0) {
     throw std::invalid_argument("dim cannot be inferred without contacts: give dim");
   }
+  if (rolls && rows % contacts == 0 && rows / contacts == 6) return 6;
   if (rows % contacts != 0 || rows / contacts < 1 || rows / contacts > 3) {
     throw std::invalid_argument(
         fmt::format("u_free has size {}, expected {}, {} or {}: 1, 2 or 3 rows for each of the {} "
@@ -176,11 +178,19 @@ Vector symmetric_velocity(const PythonProblem& given, const ContactProblem& p,
   return (p.u_free + given.restitution.cwiseProduct(u)).cwiseQuotient(p.row_scale);
 }
 
-/// From physical friction to that of the symmetric variables.
-void scale_friction(ContactProblem& p) {
-  for (Eigen::Index c = 0; p.dim > 1 && c < p.mu.size(); ++c) {
-    p.mu[c] *= p.row_scale[c * p.dim + 1] / p.row_scale[c * p.dim];
+/// From physical friction to that of the symmetric variables. `row`: the first that it bounds.
+void scale_friction(const ContactProblem& p, int row, Vector& coefficients) {
+  for (Eigen::Index c = 0; p.dim > 1 && c < coefficients.size(); ++c) {
+    coefficients[c] *= p.row_scale[c * p.dim + row] / p.row_scale[c * p.dim];
   }
+}
+
+/// A coefficient of rolling: one number, or one for each contact.
+Vector rolling_coefficient(const py::object& given, const char* name, Eigen::Index contacts) {
+  if (given.is_none()) return {};
+  Vector values = to_numbers(given, name);
+  if (is_one_number(given)) values = Vector::Constant(contacts, values[0]);
+  return values;
 }
 
 /// From physical variables to the symmetric ones.
@@ -197,7 +207,9 @@ void take_restitution(PythonProblem& given, ContactProblem& p, const py::kwargs&
     }
   }
   p.u_free = symmetric_velocity(given, p, options);
-  scale_friction(p);
+  scale_friction(p, 1, p.mu);
+  scale_friction(p, p.plain_dim(), p.mu_r);
+  scale_friction(p, p.dim - 1, p.mu_spin);
 }
 
 void require_sound(const std::string& defect) {
@@ -225,8 +237,10 @@ ContactProblem with_joints(ContactProblem p, const py::kwargs& options) {
 
 HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   require_keywords(arguments, options, "Problem(A=, H=, v_free=, mu=) or Problem(W=, u_free=, mu=)",
-                   {"A", "H", "J", "M", "W", "G", "b", "v_free", "u_free", "mu", "dim", "row_scale",
-                    "restitution", "e", "v_before", "u_before", "name", "accept_indefinite"});
+                   {"A",    "H",        "J",        "M",         "W",
+                    "G",    "b",        "v_free",   "u_free",    "mu",
+                    "mu_r", "mu_spin",  "dim",      "row_scale", "restitution",
+                    "e",    "v_before", "u_before", "name",      "accept_indefinite"});
   const py::object A = option(options, "A", "M"), W = option(options, "W");
   const bool wrenches = !option(options, "H", "J").is_none();
   const py::object v_free = option(options, "v_free"), u_free = option(options, "u_free");
@@ -245,7 +259,11 @@ HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   p.u_free =
       u_free.is_none() ? at_contacts(*made, p, p.v_free, "v_free") : to_vector(u_free, "u_free");
   p.mu = to_numbers(mu, "mu");
-  p.dim = infer_dim(option(options, "dim"), p.u_free.size(), p.mu, is_one_number(mu));
+  const py::object mu_r = option(options, "mu_r");
+  p.dim =
+      infer_dim(option(options, "dim"), p.u_free.size(), p.mu, is_one_number(mu), !mu_r.is_none());
+  p.mu_r = rolling_coefficient(mu_r, "mu_r", p.mu.size());
+  p.mu_spin = rolling_coefficient(option(options, "mu_spin"), "mu_spin", p.mu.size());
   if (!row_scale.is_none()) p.row_scale = to_vector(row_scale, "row_scale");
   require_sound(validate(p));
   if (shocks) {
@@ -310,7 +328,7 @@ HeldProblem update(const PythonProblem& self, const py::args& arguments,
     p.mu = to_numbers(mu, "mu");
     if (is_one_number(mu)) p.mu = Vector::Constant(self.problem->num_contacts(), p.mu[0]);
     require_size("mu", p.mu.size(), self.problem->num_contacts());
-    if (shocks) scale_friction(p);
+    if (shocks) scale_friction(p, 1, p.mu);
   }
   require_sound(validate_vectors(p));
   if (rows != nullptr) {
@@ -335,11 +353,12 @@ py::tuple parts_of_problem(const PythonProblem& self) {
                         copy_of(p.mu), copy_of(p.row_scale), copy_of(self.restitution), self.name,
                         copy_of(self.solution), guesses,
                         rows != nullptr ? py::object(parts_of(rows->G)) : py::object(py::none()),
-                        rows != nullptr ? py::object(copy_of(rows->b)) : py::object(py::none()));
+                        rows != nullptr ? py::object(copy_of(rows->b)) : py::object(py::none()),
+                        copy_of(p.mu_r), copy_of(p.mu_spin));
 }
 
 HeldProblem problem_of_parts(const py::tuple& parts) {
-  if (parts.size() != 14) throw std::invalid_argument("not the parts of a Problem");
+  if (parts.size() != 16) throw std::invalid_argument("not the parts of a Problem");
   auto made = std::make_shared<PythonProblem>();
   ContactProblem p{.dim = parts[0].cast<int>()};
   if (!parts[1].is_none()) p.A = from_parts<SparseMatrix>(parts[1], "A");
@@ -349,6 +368,8 @@ HeldProblem problem_of_parts(const py::tuple& parts) {
   p.u_free = to_vector(parts[5], "u_free");
   p.mu = to_vector(parts[6], "mu");
   p.row_scale = to_vector(parts[7], "row_scale");
+  p.mu_r = to_vector(parts[14], "mu_r");
+  p.mu_spin = to_vector(parts[15], "mu_spin");
   require_sound(validate(p));
   made->restitution = to_vector(parts[8], "restitution");
   made->name = parts[9].cast<std::string>();
@@ -519,6 +540,10 @@ void bind_problem_data(ProblemClass& problem) {
                              "(p,) G v = b [m/s], read-only view; None without G.")
       .def_property_readonly("mu", vector_property(&ContactProblem::mu, false),
                              "(c,) friction coefficients [-], read-only view.")
+      .def_property_readonly("mu_r", vector_property(&ContactProblem::mu_r, true),
+                             "(c,) rolling friction [m], read-only view; None without it.")
+      .def_property_readonly("mu_spin", vector_property(&ContactProblem::mu_spin, true),
+                             "(c,) the same about normals [m], read-only view; None in the plane.")
       .def_property_readonly(
           "row_scale", vector_property(&ContactProblem::row_scale, true),
           "(m,) sqrt(1 + e) of each row [-], read-only view; None without restitution.")
@@ -587,6 +612,10 @@ contact) is len(u_free) / len(mu) where it is not given.
 G (p, n) [-, m] and b (p,) [m/s], 0 where it is left out: equality rows G v = b, bilateral joints
 between the bodies. `Result.v` obeys them, `Result.multipliers` are their impulses. `u_free` and
 `delassus()` of the problem are those under the rows; A, H and v_free are as given.
+
+mu_r, one number or (c,) [m], is rolling friction: contacts then have 3 rows in the plane (normal,
+tangent, moment), and in space 6 (two tangents, two moments about them, one about the normal), with
+mu_spin [m] for the last.
 
 restitution or e: e_n for all contacts, (c,) for each, or (m,) for each row, from 0 to 1, with the
 velocities before the impact, v_before (n,) or u_before (m,) = H^T v_before; all else as without it.

@@ -155,7 +155,7 @@ class ProblemMeasurement {
 
 bool can_run(const std::string& variant, const ContactProblem& p) {
   const SolverEntry& entry = require_solver(variant.substr(0, variant.find(' ')));
-  return p.dim <= entry.max_dim && p.num_contacts() <= entry.max_contacts;
+  return beyond_solver(entry, p).empty();
 }
 
 }  // namespace

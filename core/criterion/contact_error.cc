@@ -120,18 +120,19 @@ ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s
 }
 
 /// s <- its projection on the cones of the contacts [begin, end).
-template <int D, bool kScaled>
+template <ContactRows D, bool kScaled>
 void ContactErrorEvaluator::project(int begin, int end) {
-  for (int c = begin; c < end; ++c) project_physically<D, kScaled>(problem_, c, s_);
+  for (int c = begin; c < end; ++c) {
+    project_physically<D, kScaled>(problem_, c, prepared_->weights.arm_of(c), s_);
+  }
 }
 
-template <int D, bool kScaled>
+template <ContactRows D, bool kScaled>
 PieceSums ContactErrorEvaluator::sums(int begin, int end) const {
-  const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
   PieceSums e;
   for (int c = begin; c < end; ++c) {
     const ContactTerms<double> terms =
-        add_error_terms<D, kScaled>(problem_, c, s_, u_, w_nn[c], rho_nn[c], rho_nat[c], e);
+        add_error_terms<D, kScaled>(problem_, c, s_, u_, prepared_->weights, e);
     if (terms.violation > e.worst_gap) {
       e.worst_gap = terms.violation;
       e.worst_epsilon = c;
@@ -145,22 +146,22 @@ PieceSums ContactErrorEvaluator::sums(int begin, int end) const {
 }
 
 ContactArrays ContactErrorEvaluator::arrays() const {
-  const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
+  const auto& [w_nn, rho_nn, rho_nat, arm] = prepared_->weights;
   const double* const row_scale =
       problem_.row_scale.size() == 0 ? nullptr : problem_.row_scale.data();
   return {s_.data(),          u_.data(),   problem_.u_free.data(), row_scale,
           problem_.mu.data(), w_nn.data(), rho_nn.data(),          rho_nat.data()};
 }
 
-template <int D, bool kScaled>
+template <ContactRows D, bool kScaled>
 ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) {
   // Each step works on a piece while it is in the cache: large problems wait for memory.
   const int contacts = problem_.num_contacts();
   run_pieces(threads_, contacts, [&](int begin, int end) {
     s_.segment(begin * D, (end - begin) * D) = s.segment(begin * D, (end - begin) * D);
-    if constexpr (D == 2) {
+    if constexpr (D == 2 && !D.rolls) {
       project_on_plane_cones(arrays(), begin, end, s_.data());
-    } else if constexpr (D == 3) {
+    } else if constexpr (D == 3 && !D.rolls) {
       project_on_space_cones(arrays(), begin, end, s_.data());
     } else {
       project<D, kScaled>(begin, end);
@@ -176,9 +177,9 @@ ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) 
   run_pieces(threads_, contacts, [&](int begin, int end) {
     if (packed) delassus_->contact_velocity(begin, end, u_);
     PieceSums& piece = pieces[to_size(begin / kPieceItems)];
-    if constexpr (D == 2) {
+    if constexpr (D == 2 && !D.rolls) {
       piece = sum_plane_errors(arrays(), begin, end);
-    } else if constexpr (D == 3) {
+    } else if constexpr (D == 3 && !D.rolls) {
       piece = sum_space_errors(arrays(), begin, end);
     } else {
       piece = sums<D, kScaled>(begin, end);
@@ -211,16 +212,16 @@ ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const
 
 ContactCount count_contacts(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
   ContactCount count;
-  dispatch_dim(p.dim, [&](auto d) {
-    constexpr int D = d();
+  dispatch_rows(p, [&](auto d) {
+    constexpr ContactRows D = d();
     for (int c = 0; c < p.num_contacts(); ++c) {
       const Local<D> x = local<D>(s, c);
       if (x[0] <= 0) {
         ++count.take_off;
-      } else if (D == 1 || tangential_norm<D>(x) < kConeEdge * p.mu[c] * x[0]) {
-        ++count.stick;
-      } else {
+      } else if (on_edge<D>(x, friction_of<D>(p, c))) {
         ++count.slip;
+      } else {
+        ++count.stick;
       }
     }
   });

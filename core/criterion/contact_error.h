@@ -4,6 +4,7 @@
 
 #include "core/base/types.h"
 #include "core/problem/contact_problem.h"
+#include "core/problem/coulomb_cone.h"
 
 namespace bipot {
 
@@ -20,7 +21,9 @@ namespace bipot {
 ///
 /// and ε = (G + V) / max(D, θ E). The term in ( )₊ is >= 0 on the cone except for rounding. A
 /// numerator 0 gives 0; a positive one over 0 gives infinity. All are dimensionless, and NaN where
-/// undefined.
+/// undefined. With rolling friction mu |u_t| stands for mu |u_t| + mu_r |w| + mu_spin |w_spin|, and
+/// s_t·u_t has the moments too. Rolling rows are taken in the units of the others by a length of
+/// each contact (rolling_arms()).
 struct ContactError {
   double epsilon = kNaN;  ///< (G + V) / max(D, theta E): guarded form of (42)
   double eta = kNaN;      ///< natural map in energy, same denominator
@@ -133,11 +136,11 @@ class ContactErrorEvaluator {
 
  private:
   struct Prepared;
-  template <int D, bool kScaled>
+  template <ContactRows D, bool kScaled>
   ContactError evaluate(const Eigen::Ref<const Vector>& s);
-  template <int D, bool kScaled>
+  template <ContactRows D, bool kScaled>
   void project(int begin, int end);
-  template <int D, bool kScaled>
+  template <ContactRows D, bool kScaled>
   PieceSums sums(int begin, int end) const;
   ContactArrays arrays() const;
 
@@ -153,7 +156,7 @@ class ContactErrorEvaluator {
 /// One evaluation.
 ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
 
-/// Number of contacts that take off (s_n = 0), stick (inside the cone) and slip (on its edge).
+/// Number of contacts that take off (s_n = 0), stick (inside the cone) and slip or roll (on its edge).
 struct ContactCount {
   int take_off = 0, stick = 0, slip = 0;
 };

@@ -31,6 +31,9 @@ template <class Real, int D>
   if constexpr (D == 1) return a[0] * b[0];
   if constexpr (D == 2) return a[0] * b[0] + a[1] * b[1];
   if constexpr (D == 3) return a[0] * b[0] + (a[1] * b[1] + a[2] * b[2]);
+  if constexpr (D == 6) {
+    return a[0] * b[0] + (a[1] * b[1] + a[2] * b[2]) + (a[3] * b[3] + a[4] * b[4]) + a[5] * b[5];
+  }
 }
 
 /// Physical friction coefficient, mu = mu_phys r_t / r_n; r: row_scale of the contact.
@@ -40,12 +43,48 @@ template <class Real, int D>
   if constexpr (D == 1) return mu;
   if constexpr (D > 1) return mu * r[0] / r[1];
 }
+template <class Real, int D>
+inline RollingFriction<Real> physical_friction(const RollingFriction<Real>& friction,
+                                               const FrameVector<Real, D>& r) {
+  constexpr int kRoll = 1 + ContactRows(D, true).tangents();
+  return {friction.slide * r[0] / r[1], friction.roll * r[0] / r[kRoll],
+          friction.spin * r[0] / r[D - 1]};
+}
+
+/// Rolling rows in the units of the others, by a length (rolling_arms()): impulses over it,
+/// velocities times it, coefficients over it. Contacts without rolling stay as they are.
+template <ContactRows K, class Real>
+[[gnu::always_inline]] inline FrameVector<Real, K> times_arm(FrameVector<Real, K> x,
+                                                             const Real& arm) {
+  if constexpr (K.rolls) {
+    for (int k = 1 + K.tangents(); k < K; ++k) x[k] = x[k] * arm;
+  }
+  return x;
+}
+template <class Real>
+[[gnu::always_inline]] inline Real over_arm(const Real& mu, const Real&) {
+  return mu;
+}
+template <class Real>
+inline RollingFriction<Real> over_arm(const RollingFriction<Real>& friction, const Real& arm) {
+  return {friction.slide, friction.roll / arm, friction.spin / arm};
+}
+
+/// The friction of a contact in another number type.
+template <class Real>
+inline Real as_number(double mu) {
+  return Real(mu);
+}
+template <class Real>
+inline RollingFriction<Real> as_number(const RollingFriction<double>& friction) {
+  return {Real(friction.slide), Real(friction.roll), Real(friction.spin)};
+}
 
 /// The projection of s on the cone, taken in physical variables: both variables have the same edge
 /// of the cone, but different nearest points.
-template <bool kScaled, class Real, int D>
+template <bool kScaled, class Real, int D, class Friction>
 [[gnu::always_inline]] inline FrameVector<Real, D> physical_projection(
-    const FrameVector<Real, D>& s, const FrameVector<Real, D>& r, const Real& mu) {
+    const FrameVector<Real, D>& s, const FrameVector<Real, D>& r, const Friction& mu) {
   if constexpr (kScaled) {
     FrameVector<Real, D> on_cone = onto_cone<D>(s / r, physical_friction(mu, r));
     each_component<D>([&](int k) { on_cone[k] = on_cone[k] * r[k]; });
@@ -55,38 +94,60 @@ template <bool kScaled, class Real, int D>
   }
 }
 
-/// Calls f(d, scaled) with integral constants: dimension, and whether the problem has a row_scale.
+/// Calls f(rows, scaled) with integral constants: ContactRows, and whether the problem has a
+/// row_scale.
 template <class F>
 decltype(auto) dispatch_form(const ContactProblem& p, F&& f) {
-  return dispatch_dim(p.dim, [&](auto d) {
+  return dispatch_rows(p, [&](auto d) {
     return p.row_scale.size() != 0 ? f(d, std::true_type{}) : f(d, std::false_type{});
   });
 }
 
-/// One contact in physical variables, s on the cone.
-template <class Real, int D>
+/// |u_t|; with rolling friction the sum of the speeds times their coefficients.
+template <int D, class V, class Real>
+[[gnu::always_inline]] inline auto slip_of(const V& u, const Real&) {
+  return tangential_norm<D>(u);
+}
+template <int D, class V, class Real>
+inline Real slip_of(const V& u, const RollingFriction<Real>& friction) {
+  return friction_speed<D>(u, friction);
+}
+/// What friction dissipates, mu s_n |u_t|, for that slip.
+template <class Real>
+[[gnu::always_inline]] inline Real friction_power(const Real& mu, const Real& s_n,
+                                                  const Real& slip) {
+  return mu * s_n * slip;
+}
+template <class Real>
+inline Real friction_power(const RollingFriction<Real>&, const Real& s_n, const Real& slip) {
+  return s_n * slip;
+}
+
+/// One contact in physical variables, rolling rows times their arm; s on the cone.
+template <class Real, int D, class Friction = Real>
 struct PhysicalContact {
   FrameVector<Real, D> s, u;
-  Real slip;              ///< |u_t|
-  Real mu, w_nn, rho_nn;  ///< rho_nn = 1 / w_nn
-  Real moved;             ///< its term of sᵀ W s
+  Real slip;  ///< slip_of()
+  Friction mu;
+  Real w_nn, rho_nn;  ///< rho_nn = 1 / w_nn
+  Real moved;         ///< its term of sᵀ W s
 };
 
 /// From s, u = W s + b and b in the problem's variables, with physical w_nn and rho_nn. r is read
-/// only if kScaled.
-template <bool kScaled, class Real, int D>
-[[gnu::always_inline]] inline PhysicalContact<Real, D> physical_contact(
+/// only if kScaled. Rolling rows are times their arm already.
+template <bool kScaled, class Real, int D, class Friction>
+[[gnu::always_inline]] inline PhysicalContact<Real, D, Friction> physical_contact(
     const FrameVector<Real, D>& s, const FrameVector<Real, D>& u, const FrameVector<Real, D>& b,
-    const FrameVector<Real, D>& r, const Real& mu, const Real& w_nn, const Real& rho_nn) {
+    const FrameVector<Real, D>& r, const Friction& mu, const Real& w_nn, const Real& rho_nn) {
   // sᵀ W s is the same in both variables: (r s)ᵀ (W / r r) (r s).
   const Real moved = dot(s, u - b);
-  PhysicalContact<Real, D> c{s, u, {}, mu, w_nn, rho_nn, moved};
+  PhysicalContact<Real, D, Friction> c{s, u, {}, mu, w_nn, rho_nn, moved};
   if constexpr (kScaled) {
     c.s = s / r;
     c.u = u / r;
     c.mu = physical_friction(mu, r);
   }
-  c.slip = tangential_norm<D>(c.u);
+  c.slip = slip_of<D>(c.u, c.mu);
   return c;
 }
 
@@ -100,33 +161,37 @@ template <class Real>
 /// The terms of D, G and V.
 template <class Real>
 struct LawTerms {
-  Real friction;     ///< mu s_n |u_t|
-  Real excess;       ///< (mu s_n |u_t| + s_t·u_t)₊
+  Real friction;     ///< mu s_n |u_t|, and the like of rolling
+  Real excess;       ///< (mu s_n |u_t| + s_t·u_t)₊, rolling included
   Real normal;       ///< s_n |u_n|
   Real penetration;  ///< ½ (u_n⁻)² / W_nn
 };
 
-template <class Real, int D>
-[[gnu::always_inline]] inline LawTerms<Real> law_terms(const PhysicalContact<Real, D>& c) {
-  const Real friction = c.mu * c.s[0] * c.slip;
+template <class Real, int D, class Friction>
+[[gnu::always_inline]] inline LawTerms<Real> law_terms(
+    const PhysicalContact<Real, D, Friction>& c) {
+  const Real friction = friction_power(c.mu, c.s[0], c.slip);
   Real excess = friction;
   if constexpr (D > 1) excess = excess + c.s[1] * c.u[1];
   if constexpr (D > 2) excess = excess + c.s[2] * c.u[2];
+  if constexpr (D > 3) {
+    for (int k = 3; k < D; ++k) excess = excess + c.s[k] * c.u[k];
+  }
   return {friction, positive_part(excess), c.s[0] * absolute(c.u[0]),
           approach_energy(c.rho_nn, c.u[0])};
 }
 
 /// True if s_n = 0 and u_n >= 0, which is the law exactly: a projection would leave rounding. A
 /// single comparison, s_n + u_n⁻ = 0, since g++ splits a conjunction of masks into lanes.
-template <class Real, int D>
-[[gnu::always_inline]] inline auto takes_off(const PhysicalContact<Real, D>& c) {
+template <class Real, int D, class Friction>
+[[gnu::always_inline]] inline auto takes_off(const PhysicalContact<Real, D, Friction>& c) {
   return c.s[0] + positive_part(Real(-c.u[0])) == 0;
 }
 
 /// N = s - P_K(s - rho û).
-template <class Real, int D>
-[[gnu::always_inline]] inline FrameVector<Real, D> natural_map(const PhysicalContact<Real, D>& c,
-                                                               const Real& rho) {
+template <class Real, int D, class Friction>
+[[gnu::always_inline]] inline FrameVector<Real, D> natural_map(
+    const PhysicalContact<Real, D, Friction>& c, const Real& rho) {
   FrameVector<Real, D> step = c.u;
   step[0] = modified_normal(c.u[0], c.slip, c.mu);
   each_component<D>([&](int k) { step[k] = c.s[k] - rho * step[k]; });
@@ -147,10 +212,9 @@ struct ContactTerms {
 };
 
 /// Adds the contact to the sums of epsilon and eta, except the free one.
-template <class Real, int D>
-[[gnu::always_inline]] inline ContactTerms<Real> add_law_terms(const PhysicalContact<Real, D>& c,
-                                                               const LawTerms<Real>& law,
-                                                               ErrorSumsOf<Real>& e) {
+template <class Real, int D, class Friction>
+[[gnu::always_inline]] inline ContactTerms<Real> add_law_terms(
+    const PhysicalContact<Real, D, Friction>& c, const LawTerms<Real>& law, ErrorSumsOf<Real>& e) {
   const Real gap = law.excess + law.normal;
   e.friction += law.friction;
   e.gap += gap;
@@ -166,8 +230,8 @@ template <class Real, int D>
 }
 
 /// Adds the contact to the sums of raw42 and natural_map.
-template <class Real, int D>
-[[gnu::always_inline]] inline void add_reported_terms(const PhysicalContact<Real, D>& c,
+template <class Real, int D, class Friction>
+[[gnu::always_inline]] inline void add_reported_terms(const PhysicalContact<Real, D, Friction>& c,
                                                       const LawTerms<Real>& law,
                                                       const Real& rho_nat, ErrorSumsOf<Real>& e) {
   e.gap_clipped += law.excess + c.s[0] * positive_part(c.u[0]);

@@ -3,7 +3,8 @@
 #include <vector>
 
 #include "core/base/parallel.h"
-#include "core/criterion/contact_terms.h"
+#include "core/criterion/error_terms.h"
+#include "core/problem/delassus.h"
 
 namespace bipot {
 namespace {
@@ -82,14 +83,18 @@ FrameVector<Real, D> wide(const Eigen::Ref<const Vector>& x, int c) {
 }
 
 /// s on the cones, in the problem's variables.
-template <int D, bool kScaled, class Real>
+template <ContactRows D, bool kScaled, class Real>
 std::vector<Real> projected(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
-                            int threads) {
+                            const Vector& arms, int threads) {
   std::vector<Real> x(to_size(s.size()));
   run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
     for (int c = begin; c < end; ++c) {
-      const auto on_cone = physical_projection<kScaled>(
-          wide<Real, D>(s, c), wide<Real, D>(p.row_scale, c), Real(p.mu[c]));
+      const Real arm = D.rolls ? arms[c] : 1;
+      const auto on_cone = times_arm<D>(
+          physical_projection<kScaled>(times_arm<D>(wide<Real, D>(s, c), Real(1 / arm)),
+                                       wide<Real, D>(p.row_scale, c),
+                                       over_arm(as_number<Real>(friction_of<D>(p, c)), arm)),
+          arm);
       for (int k = 0; k < D; ++k) x[to_size(c * D + k)] = on_cone[k];
     }
   });
@@ -97,8 +102,8 @@ std::vector<Real> projected(const ContactProblem& p, const Eigen::Ref<const Vect
 }
 
 /// Sums over the contacts begin .. end - 1. x on the cones; `product` gives rows of W x.
-template <int D, bool kScaled, class Real, class Product>
-ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x,
+template <ContactRows D, bool kScaled, class Real, class Product>
+ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x, const Vector& arms,
                           const Product& product, int begin, int end) {
   ErrorSumsOf<Real> sums;
   for (int c = begin; c < end; ++c) {
@@ -117,7 +122,10 @@ ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x,
       free = free / r[0];
     }
     const Real rho_nn = 1 / w_nn;
-    const auto contact = physical_contact<kScaled>(s, u, b, r, Real(p.mu[c]), w_nn, rho_nn);
+    const Real arm = D.rolls ? arms[c] : 1;
+    const auto contact = physical_contact<kScaled>(
+        times_arm<D>(s, Real(1 / arm)), times_arm<D>(u, arm), times_arm<D>(b, arm), r,
+        over_arm(as_number<Real>(friction_of<D>(p, c)), arm), w_nn, rho_nn);
     add_law_terms(contact, law_terms(contact), sums);
     sums.free_energy += approach_energy(rho_nn, free);
   }
@@ -125,13 +133,13 @@ ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x,
 }
 
 /// Sums over all contacts, in pieces.
-template <int D, bool kScaled, class Real, class Product>
-ErrorSums sums_of(const ContactProblem& p, const std::vector<Real>& x, const Product& product,
-                  int threads) {
+template <ContactRows D, bool kScaled, class Real, class Product>
+ErrorSums sums_of(const ContactProblem& p, const std::vector<Real>& x, const Vector& arms,
+                  const Product& product, int threads) {
   std::vector<ErrorSumsOf<Real>> pieces(
       to_size((p.num_contacts() + kPieceItems - 1) / kPieceItems));
   run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
-    pieces[to_size(begin / kPieceItems)] = sums_of<D, kScaled>(p, x, product, begin, end);
+    pieces[to_size(begin / kPieceItems)] = sums_of<D, kScaled>(p, x, arms, product, begin, end);
   });
   ErrorSumsOf<Real> all;
   for (const ErrorSumsOf<Real>& piece : pieces) all += piece;
@@ -145,12 +153,13 @@ double guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
   const bool by_bodies = p.has_velocities() && is_diagonal(p.A);
   if (!by_bodies && !p.has_delassus()) return kNaN;
   return dispatch_form(p, [&](auto d, auto scaled) {
-    constexpr int D = d();
+    constexpr ContactRows D = d();
     constexpr bool kScaled = scaled();
-    const std::vector<Real> x = projected<D, kScaled, Real>(p, s, threads);
-    const ErrorSums sums = by_bodies
-                               ? sums_of<D, kScaled>(p, x, BodyProduct<Real>(p, x), threads)
-                               : sums_of<D, kScaled>(p, x, DelassusProduct<Real>(p, x), threads);
+    const Vector arms = D.rolls ? rolling_arms(p, DelassusOperator(p).diagonal()) : Vector();
+    const std::vector<Real> x = projected<D, kScaled, Real>(p, s, arms, threads);
+    const ErrorSums sums =
+        by_bodies ? sums_of<D, kScaled>(p, x, arms, BodyProduct<Real>(p, x), threads)
+                  : sums_of<D, kScaled>(p, x, arms, DelassusProduct<Real>(p, x), threads);
     return error_of(sums, share).guarded();
   });
 }

@@ -14,25 +14,30 @@
 namespace bipot {
 namespace {
 
-/// One contact as judged by the criterion, and its impulse as given, in physical variables.
-template <int D>
+/// One contact as judged by the criterion, and its impulse as given, in physical variables, rolling
+/// rows times their arm.
+template <ContactRows D>
 struct GivenContact {
-  PhysicalContact<double, D> judged;
+  PhysicalContact<double, D, FrictionOf<D>> judged;
   FrameVector<double, D> given;
+  double arm;
 
   /// given - P_K(given).
   FrameVector<double, D> off_cone() const { return given - onto_cone<D>(given, judged.mu); }
 };
 
-template <int D>
-GivenContact<D> given_contact(const ContactProblem& p, const Vector& diagonal, const Vector& given,
-                              const ImpulseVerdict& verdict, int c) {
+template <ContactRows D>
+GivenContact<D> given_contact(const ContactProblem& p, const ErrorWeights& weights,
+                              const Vector& given, const ImpulseVerdict& verdict, int c) {
   FrameVector<double, D> r;
   for (int k = 0; k < D; ++k) r[k] = physical_row_scale(p, c * D + k);
-  const double w_nn = r[0] * r[0] * diagonal[c * D];
-  return {physical_contact<true>(frame_vector<D>(verdict.s, c), frame_vector<D>(verdict.u, c),
-                                 frame_vector<D>(p.u_free, c), r, p.mu[c], w_nn, 1 / w_nn),
-          frame_vector<D>(given, c) / r};
+  const double arm = weights.arm_of(c);
+  return {physical_contact<true>(times_arm<D>(frame_vector<D>(verdict.s, c), 1 / arm),
+                                 times_arm<D>(frame_vector<D>(verdict.u, c), arm),
+                                 times_arm<D>(frame_vector<D>(p.u_free, c), arm), r,
+                                 over_arm(friction_of<D>(p, c), arm), weights.w_nn[c],
+                                 weights.rho_nn[c]),
+          times_arm<D>(frame_vector<D>(given, c), 1 / arm) / r, arm};
 }
 
 /// Energies of one contact: its parts of G + V and of the sum under eta², and the distance of the
@@ -41,60 +46,80 @@ struct ContactEnergies {
   double law = 0, natural = 0, cone = 0;
 };
 
-template <int D>
+template <ContactRows D>
 ContactEnergies contact_energies(const GivenContact<D>& x) {
   ErrorSums sums;
   const ContactTerms<double> terms = add_law_terms(x.judged, law_terms(x.judged), sums);
   return {terms.violation, sums.natural, natural_energy(x.judged.w_nn, x.off_cone())};
 }
 
-template <int D>
+/// The fault of one bounded part of an impulse that exceeds its bound as given, and of one that does
+/// not dissipate as it should.
+struct PartFaults {
+  ContactFault::Kind beyond, inside, not_opposed;
+};
+constexpr PartFaults kSliding{ContactFault::Kind::kOutsideCone, ContactFault::Kind::kSlidesInside,
+                              ContactFault::Kind::kNotOpposed};
+constexpr PartFaults kRolling{ContactFault::Kind::kBeyondRolling, ContactFault::Kind::kRollsInside,
+                              ContactFault::Kind::kRollsAlong};
+
+template <ContactRows D>
 std::vector<ContactFault> find_faults(const GivenContact<D>& x) {
   using Kind = ContactFault::Kind;
   std::vector<ContactFault> faults;
   const auto add = [&faults](Kind kind, double size, double energy) {
     if (energy > 0) faults.push_back({kind, size, energy});
   };
-  const auto& [s, u, slip, mu, w_nn, rho_nn, moved] = x.judged;
-  const double off_cone = natural_energy(w_nn, x.off_cone());
-  if (x.given[0] < 0) {
-    add(Kind::kPulls, x.given[0], off_cone);
-  } else {
-    add(Kind::kOutsideCone, tangential_norm<D>(x.given) - mu * x.given[0], off_cone);
-  }
+  const auto& s = x.judged.s;
+  const auto& u = x.judged.u;
+  const double off_cone = natural_energy(x.judged.w_nn, x.off_cone());
   const LawTerms<double> law = law_terms(x.judged);
+  if (x.given[0] < 0) add(Kind::kPulls, x.given[0], off_cone);
   if (u[0] < 0) {
     add(Kind::kPenetrates, u[0], law.penetration + law.normal);
   } else {
     add(Kind::kActsAcrossGap, u[0], law.normal);
   }
-  if constexpr (D > 1) {
-    const bool inside = tangential_norm<D>(s) < kConeEdge * mu * s[0];
-    add(inside ? Kind::kSlidesInside : Kind::kNotOpposed, slip, law.excess);
-  }
+  each_bounded<D>(x.judged.mu, [&](auto first, auto count, double bound) {
+    const bool rolling = first() > D.tangents();
+    const PartFaults& faulty = rolling ? kRolling : kSliding;
+    const double arm = rolling ? x.arm : 1;
+    const double outside = part_norm<first(), count()>(x.given) - bound * x.given[0];
+    if (x.given[0] >= 0 && outside > 0) add(faulty.beyond, arm * outside, off_cone);
+    const double speed = part_norm<first(), count()>(u);
+    double excess = D.rolls ? bound * s[0] * speed : law.excess;
+    for (int k = 0; D.rolls && k < count(); ++k) excess += s[first() + k] * u[first() + k];
+    const bool inside = part_norm<first(), count()>(s) < kConeEdge * bound * s[0];
+    add(inside ? faulty.inside : faulty.not_opposed, speed / arm, excess);
+  });
   std::stable_sort(faults.begin(), faults.end(), [](const ContactFault& a, const ContactFault& b) {
     return a.energy > b.energy;
   });
   return faults;
 }
 
-template <int D>
-Vector to_vector(const FrameVector<double, D>& x) {
-  return Eigen::Map<const Local<D>>(x.component);
+/// The physical components, from those with rolling rows times their arm.
+template <ContactRows D>
+Vector to_vector(const FrameVector<double, D>& x, double over) {
+  return Eigen::Map<const Local<D>>(times_arm<D>(x, 1 / over).component);
 }
 
 /// The stop test of Siconos: û and the projection in the problem's variables, rho = 1.
-template <int D>
+template <ContactRows D>
 double siconos_map(const ContactProblem& p, const Eigen::Ref<const Vector>& s, const Vector& u) {
   double sum = 0;
   for (int c = 0; c < p.num_contacts(); ++c) {
     const Local<D> x = local<D>(s, c);
-    const Local<D> hat = de_saxce_velocity<D>(local<D>(u, c), p.mu[c]);
-    sum += (x - project_coulomb_cone<D>(x - hat, p.mu[c])).squaredNorm();
+    const auto friction = friction_of<D>(p, c);
+    const Local<D> hat = de_saxce_velocity<D>(local<D>(u, c), friction);
+    sum += (x - project_coulomb_cone<D>(x - hat, friction)).squaredNorm();
   }
   const double scale = std::max({p.u_free.norm(), s.norm(), u.norm()});
   return sum == 0 ? 0 : std::sqrt(sum) / scale;
 }
+
+double slide_of(double mu) { return mu; }
+double slide_of(const RollingFriction<double>& friction) { return friction.slide; }
 
 void check_impulse(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
   if (s.size() != p.num_rows()) {
@@ -108,14 +133,14 @@ void check_impulse(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
   }
 }
 
-template <int D>
-void judge_contacts(const ContactProblem& p, const Vector& given, const Vector& diagonal,
+template <ContactRows D>
+void judge_contacts(const ContactProblem& p, const Vector& given, const ErrorWeights& weights,
                     std::size_t worst, ImpulseVerdict& verdict) {
   const int contacts = p.num_contacts();
   std::vector<double> rank(to_size(contacts));
   double off_cone = 0;
   for (int c = 0; c < contacts; ++c) {
-    const GivenContact<D> x = given_contact<D>(p, diagonal, given, verdict, c);
+    const GivenContact<D> x = given_contact<D>(p, weights, given, verdict, c);
     const ContactEnergies e = contact_energies(x);
     const bool by_natural = verdict.error.eta > verdict.error.epsilon;
     rank[to_size(c)] = (by_natural ? e.natural : e.law) + e.cone;
@@ -142,11 +167,12 @@ void judge_contacts(const ContactProblem& p, const Vector& given, const Vector& 
     return rank[to_size(a)] != rank[to_size(b)] ? rank[to_size(a)] > rank[to_size(b)] : a < b;
   });
   for (auto it = order.begin(); it != end && rank[to_size(*it)] > 0; ++it) {
-    const GivenContact<D> x = given_contact<D>(p, diagonal, given, verdict, *it);
+    const GivenContact<D> x = given_contact<D>(p, weights, given, verdict, *it);
     verdict.worst.push_back({.contact = *it,
-                             .mu = x.judged.mu,
-                             .s = to_vector(x.given),
-                             .u = to_vector(x.judged.u),
+                             .mu = slide_of(x.judged.mu),
+                             .tangents = D.tangents(),
+                             .s = to_vector<D>(x.given, 1 / x.arm),
+                             .u = to_vector<D>(x.judged.u, x.arm),
                              .share = rank[to_size(*it)] / total,
                              .faults = find_faults(x)});
   }
@@ -168,6 +194,12 @@ std::string_view to_string(ContactFault::Kind kind) {
       return "slides inside the cone";
     case ContactFault::Kind::kNotOpposed:
       return "friction does not oppose";
+    case ContactFault::Kind::kBeyondRolling:
+      return "beyond the bound of rolling friction";
+    case ContactFault::Kind::kRollsInside:
+      return "rolls inside that bound";
+    case ContactFault::Kind::kRollsAlong:
+      return "rolling friction does not oppose";
   }
   return "unknown fault";
 }
@@ -177,7 +209,7 @@ std::string sentence(const JudgedContact& c) {
   std::string text = fmt::format("contact {}", c.contact);
   // Smaller faults than a hundredth of the contact's largest one are left out.
   constexpr double kWorthSaying = 1e-2;
-  const double s_t = c.s.size() > 1 ? c.s.tail(c.s.size() - 1).norm() : 0;
+  const double s_t = c.tangents > 0 ? c.s.segment(1, c.tangents).norm() : 0;
   bool first = true;
   for (const ContactFault& f : c.faults) {
     if (f.energy < kWorthSaying * c.faults.front().energy) break;
@@ -204,6 +236,15 @@ std::string sentence(const JudgedContact& c) {
       case Kind::kNotOpposed:
         text += fmt::format("slides at {:.1e} m/s, which s_t does not oppose", f.size);
         break;
+      case Kind::kBeyondRolling:
+        text += fmt::format("its moment is {:.1e} N m s beyond rolling friction", f.size);
+        break;
+      case Kind::kRollsInside:
+        text += fmt::format("rolls at {:.1e} rad/s inside the bound of rolling friction", f.size);
+        break;
+      case Kind::kRollsAlong:
+        text += fmt::format("rolls at {:.1e} rad/s, which its moment does not oppose", f.size);
+        break;
     }
   }
   return text;
@@ -224,10 +265,10 @@ ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vecto
   verdict.count = count_contacts(problem, verdict.s);
   Vector u_given(problem.num_rows());
   evaluate.delassus().velocity(s, u_given);
-  const Vector diagonal = evaluate.delassus().diagonal();
-  dispatch_dim(problem.dim, [&](auto d) {
+  const ErrorWeights weights = error_weights(problem, evaluate.delassus().diagonal());
+  dispatch_rows(problem, [&](auto d) {
     verdict.siconos_map = siconos_map<d()>(problem, s, u_given);
-    judge_contacts<d()>(problem, s, diagonal, to_size(std::max(0, worst)), verdict);
+    judge_contacts<d()>(problem, s, weights, to_size(std::max(0, worst)), verdict);
   });
   return verdict;
 }

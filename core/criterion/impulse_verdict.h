@@ -15,10 +15,13 @@ struct ContactFault {
   enum class Kind {
     kPulls,          ///< s_n < 0 as given; size s_n                                       [N s]
     kOutsideCone,    ///< |s_t| > mu s_n as given; size |s_t| - mu s_n                     [N s]
+    kBeyondRolling,  ///< |m| > mu_r s_n as given; size |m| - mu_r s_n, or of the spin   [N m s]
     kPenetrates,     ///< u_n < 0; size u_n                                                [m/s]
     kActsAcrossGap,  ///< s_n > 0 although u_n > 0; size u_n                                  [m/s]
     kSlidesInside,   ///< |u_t| > 0 although |s_t| < mu s_n; size |u_t|                       [m/s]
-    kNotOpposed      ///< on the cone's edge, but s_t does not oppose u_t; size |u_t|      [m/s]
+    kNotOpposed,     ///< on the cone's edge, but s_t does not oppose u_t; size |u_t|      [m/s]
+    kRollsInside,    ///< |w| > 0 although |m| < mu_r s_n; size |w|, or of the spin      [rad/s]
+    kRollsAlong      ///< at that bound, but m does not oppose w; size |w|               [rad/s]
   };
   Kind kind;
   double size = 0;
@@ -30,8 +33,9 @@ std::string_view to_string(ContactFault::Kind kind);
 struct JudgedContact {
   int contact = -1;
   double mu = 0;     ///< physical friction coefficient                                     [-]
-  Vector s;          ///< d, impulse as given                                             [N s]
-  Vector u;          ///< d, velocity from the impulses, see ImpulseVerdict          [m/s]
+  int tangents = 0;  ///< components of s and u after the normal that slide
+  Vector s;          ///< d, impulse as given                                  [N s | N m s]
+  Vector u;          ///< d, velocity from the impulses, see ImpulseVerdict    [m/s | rad/s]
   double share = 0;  ///< of all contacts' energy in the criterion (and off the cone), 0 to 1 [-]
   std::vector<ContactFault> faults;  ///< from the largest energy down
 };

@@ -77,18 +77,37 @@ Rounded tangential_norm(const FrameVector<Rounded, D>& x) {
 }
 
 /// A projection lengthens no difference. The error of each component is at most the norm of the
-/// errors of tau, plus some twelve roundings of its own, those of mu included.
-template <int D>
-FrameVector<Rounded, D> onto_cone(const FrameVector<Rounded, D>& tau, const Rounded& mu) {
-  constexpr double kRoundings = 12;
+/// errors of tau, plus some roundings of its own, those of mu included.
+template <int D, class Friction>
+FrameVector<Rounded, D> rounded_projection(const FrameVector<Rounded, D>& tau,
+                                           const Friction& friction, double roundings) {
   FrameVector<double, D> values;
   for (int k = 0; k < D; ++k) values[k] = tau[k].value;
-  values = onto_cone<D>(values, mu.value);
+  values = onto_cone<D>(values, friction);
   const Rounded norm = norm_of(tau, 0);
-  const double error = norm.error + kRoundings * Rounded::kUnit * norm.value;
+  const double error = norm.error + roundings * Rounded::kUnit * norm.value;
   FrameVector<Rounded, D> s;
   for (int k = 0; k < D; ++k) s[k] = {values[k], error};
   return s;
+}
+
+template <int D>
+FrameVector<Rounded, D> onto_cone(const FrameVector<Rounded, D>& tau, const Rounded& mu) {
+  return rounded_projection(tau, mu.value, 12);
+}
+template <int D>
+FrameVector<Rounded, D> onto_cone(const FrameVector<Rounded, D>& tau,
+                                  const RollingFriction<Rounded>& friction) {
+  return rounded_projection(
+      tau, RollingFriction<double>{friction.slide.value, friction.roll.value, friction.spin.value},
+      40);
+}
+template <int kFirst, int kCount, int D>
+Rounded part_norm(const FrameVector<Rounded, D>& x) {
+  if constexpr (kCount == 1) return absolute(x[kFirst]);
+  FrameVector<Rounded, kCount> part;
+  for (int k = 0; k < kCount; ++k) part[k] = x[kFirst + k];
+  return norm_of(part, 0);
 }
 
 /// The square of a norm; therefore the error is stored as that of the norm of the errors.

@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "core/base/parallel.h"
-#include "core/criterion/contact_terms.h"
+#include "core/criterion/error_terms.h"
+#include "core/problem/delassus.h"
 
 namespace bipot {
 namespace {
@@ -16,8 +17,8 @@ constexpr double kOfAProduct = 16;
 // The packed form of disks or spheres may differ from H by 16 epsilons = 32 roundings an entry. An
 // arm counts twice in a product.
 constexpr double kOfPacking = 100;
-// Roundings of a component of s by its projection.
-constexpr double kOfAnImpulse = 10;
+// Roundings of a component of s by its projection: of one bound, and of the three of rolling.
+constexpr double kOfAnImpulse = 10, kOfARollingImpulse = 30;
 // Roundings of a diagonal entry of W beside those of its sum.
 constexpr double kOfAWeight = 20;
 // Roundings of the sums over contacts and of the figures beside those of the additions.
@@ -124,10 +125,11 @@ double unit_of(Precision precision) {
 }
 
 /// Sums over the contacts begin .. end - 1, in double precision.
-template <int D, bool kScaled, class Rows>
+template <ContactRows D, bool kScaled, class Rows>
 RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& given,
-                    const Rows& rows, int begin, int end) {
+                    const Vector& arms, const Rows& rows, int begin, int end) {
   constexpr double unit = Rounded::kUnit;
+  constexpr double of_impulse = D.rolls ? kOfARollingImpulse : kOfAnImpulse;
   RoundedSums sums;
   for (int c = begin; c < end; ++c) {
     FrameVector<Rounded, D> s, u, b, r;
@@ -135,7 +137,7 @@ RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& giv
     for (int k = 0; k < D; ++k) {
       const int row = c * D + k;
       const RoundedRow made = rows(row);
-      s[k] = {given[row], kOfAnImpulse * unit * std::abs(given[row])};
+      s[k] = {given[row], of_impulse * unit * std::abs(given[row])};
       u[k] = {made.u, unit * (made.error + 4 * std::abs(made.u))};
       b[k] = p.u_free[row];
       if constexpr (kScaled) r[k] = p.row_scale[row];
@@ -143,7 +145,10 @@ RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& giv
     }
     if constexpr (kScaled) w_nn = r[0] * r[0] * w_nn;
     const Rounded rho_nn = 1 / w_nn;
-    const auto contact = physical_contact<kScaled>(s, u, b, r, Rounded(p.mu[c]), w_nn, rho_nn);
+    const Rounded arm = D.rolls ? arms[c] : 1.0;
+    const auto contact = physical_contact<kScaled>(
+        times_arm<D>(s, 1 / arm), times_arm<D>(u, arm), times_arm<D>(b, arm), r,
+        over_arm(as_number<Rounded>(friction_of<D>(p, c)), arm), w_nn, rho_nn);
     add_law_terms(contact, law_terms(contact), sums);
     sums.free_energy += approach_energy(rho_nn, kScaled ? b[0] / r[0] : b[0]);
   }
@@ -155,9 +160,10 @@ template <class Rows>
 RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s, const Rows& rows,
                     int threads) {
   std::vector<RoundedSums> pieces(to_size((p.num_contacts() + kPieceItems - 1) / kPieceItems));
+  const Vector arms = p.rolls() ? rolling_arms(p, DelassusOperator(p).diagonal()) : Vector();
   dispatch_form(p, [&](auto d, auto scaled) {
     run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
-      pieces[to_size(begin / kPieceItems)] = sums_of<d(), scaled()>(p, s, rows, begin, end);
+      pieces[to_size(begin / kPieceItems)] = sums_of<d(), scaled()>(p, s, arms, rows, begin, end);
     });
   });
   RoundedSums sums;

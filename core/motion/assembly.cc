@@ -161,7 +161,9 @@ void add_spin(ColumnWriter& columns, int row, double arm, const Vec3& n, const V
 template <int D>
 int entries_of(const Contact<D>& contact, std::span<const Body<D>> disks, const DofMap& dofs,
                int d) {
-  int of_disk = D + (d - 1) * (D + kSpins<D>);
+  const int turning = std::max(0, d - D);  // rows of rolling
+  d -= turning;
+  int of_disk = D + (d - 1) * (D + kSpins<D>)+turning * kSpins<D>;
   const int w = wall_of<D>(contact, disks);
   const int of_cell = d * sides_of(contact, dofs);
   // In a cluster the normal force turns the body as well.
@@ -246,6 +248,46 @@ Vec<D> half_turn(const StepInput<D>& in, const Contact<D>& contact,
   return 0.5 * in.scene.step * change;
 }
 
+/// Angular velocity of a wall: circles alone turn.
+double spin_of(const Wall<2>& wall) { return wall.is_circle() ? wall.spin : 0.0; }
+Vec3 spin_of(const Wall<3>& wall) {
+  return wall.is_circle() ? Vec3(wall.spin * wall.normal) : Vec3(Vec3::Zero());
+}
+
+/// The moment's axis in row D, D + 1 ... of a contact: e3 in the plane, then in space the tangents
+/// and the normal.
+double rolling_axis(const std::array<Vec2, 2>& /*frame*/, int /*k*/) { return 1; }
+Vec3 rolling_axis(const std::array<Vec3, 3>& frame, int k) { return frame[to_size((k + 1) % 3)]; }
+
+double along(double a, double b) { return a * b; }
+double along(const Vec3& a, const Vec3& b) { return a.dot(b); }
+void add_axis(ColumnWriter& columns, int row, double axis) { columns.add(row, axis); }
+void add_axis(ColumnWriter& columns, int row, const Vec3& axis) {
+  for (int k = 0; k < 3; ++k) columns.add(row + k, axis[k]);
+}
+
+/// The rows of rolling: the spin of body i less that of j, or of the wall. `k`, `l`: first degrees
+/// of freedom of the bodies, l < 0 at a wall.
+template <int D>
+void write_rolling(const Spin<D>& turning, const ContactLaw& law,
+                   const std::array<Vec<D>, to_size(D)>& frame, int c, int k, int l,
+                   ColumnWriter& columns, AssembledStep& step) {
+  ContactProblem& p = step.problem;
+  const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
+  p.mu_r[c] = law.mu_r * r_t / r_n;
+  if (D == 3) p.mu_spin[c] = law.mu_spin * r_t / r_n;
+  for (int row = D; row < p.dim; ++row) {
+    const Spin<D> axis = rolling_axis(frame, row - D);
+    const double before = along(axis, turning);
+    step.u_before[c * p.dim + row] = before;
+    p.u_free[c * p.dim + row] = (1 + law.e_t) * before / r_t;  // only contacts exert torques
+    if (p.row_scale.size() > 0) p.row_scale[c * p.dim + row] = r_t;
+    add_axis(columns, k + D, Spin<D>(axis / r_t));
+    if (l >= 0) add_axis(columns, l + D, Spin<D>(-axis / r_t));
+    columns.close();
+  }
+}
+
 /// The columns and rows of contact c.
 template <int D>
 void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, ColumnWriter& columns,
@@ -282,7 +324,7 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   const bool turns_a = a.cluster >= 0, turns_b = with_disk && b->cluster >= 0;
   Vec<D> turn = Vec<D>::Zero();
   if (in.scene.accuracy > 0) turn = half_turn<D>(in, contact, frame, a, b, wall);
-  for (int row = 0; row < d; ++row) {
+  for (int row = 0; row < std::min(d, D); ++row) {
     const Vec<D>& axis = frame[to_size(row)];
     const double e = row == 0 ? law.e_n : law.e_t;
     const double r = row == 0 ? r_n : r_t;
@@ -327,6 +369,9 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
     }
     columns.close();
   }
+  if (!p.rolls()) return;
+  const Spin<D> turning = a.spin - (with_disk ? b->spin : spin_of(*wall));
+  write_rolling<D>(turning, law, frame, c, k, with_disk ? l : -1, columns, step);
 }
 
 /// Cohesion as forces on the bodies: they change v_free and u_free. `forces`: of each contact [N].
@@ -372,7 +417,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
                             std::span<const double> cohesion) {
   if (cell.cell != nullptr && !cell.cell->deforms()) cell = {};  // its images stand still
   const bool friction = scene.has_friction();
-  const int d = friction ? D : 1;
+  const int d = scene.contact_rows();
   const int num_contacts = static_cast<int>(contacts.size());
 
   AssembledStep step{
@@ -414,6 +459,8 @@ AssembledStep assemble_step(const Scene<D>& scene,
   bool any_restitution = false;
   for (const ContactLaw& law : scene.laws) any_restitution |= law.e_n != 0 || law.e_t != 0;
   p.mu = large_vector(num_contacts);
+  if (d > D) p.mu_r.resize(num_contacts);
+  if (d == 6) p.mu_spin.resize(num_contacts);
   p.u_free = large_vector(d * num_contacts);
   step.u_before = large_vector(d * num_contacts);
   if (scene.predict_gaps || scene.accuracy > 0 || !cohesion.empty())

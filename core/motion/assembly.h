@@ -78,6 +78,9 @@ struct AssembledStep {
 ///
 /// Pins and ropes of the scene: core/motion/joint_rows.h. The contacts of ropes come last.
 ///
+/// With rolling friction follow the rows ω_i - ω_j (a wall's spin in place of ω_j): one in the plane;
+/// along t1, t2 and n in 3D.
+///
 /// If no pair of the scene's materials has friction, the contact dimension is 1 (no tangential
 /// rows, no rotations). Only bodies in contact enter. Driven walls have a degree of freedom; other
 /// moving walls enter the right-hand side. Restitution applies to every candidate alike. [ours,

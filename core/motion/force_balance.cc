@@ -69,10 +69,10 @@ ForceBalance<D> force_balance(const Scene<D>& scene, const State<D>& state) {
     const std::size_t j = static_cast<std::size_t>(c.contact.j);
     // The lever from the centre of i to the contact is -a n, that from the centre of j +a n.
     force[i] += f;
-    moment[i] -= state.bodies[i].radius * turned / scene.step;
+    moment[i] -= (state.bodies[i].radius * turned - c.moment) / scene.step;
     if (j < disks) {
       force[j] -= f;
-      moment[j] -= state.bodies[j].radius * turned / scene.step;
+      moment[j] -= (state.bodies[j].radius * turned + c.moment) / scene.step;
     } else {
       balance.wall[j - disks] += f;
       balance.walls += f;

@@ -115,8 +115,10 @@ void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<
         entries.emplace_back(dof, column, value);
         u += value * p.v_free[dof];
       };
-      from.entries(frame[to_size(row)], 1, add);
-      to.entries(frame[to_size(row)], -1, add);
+      if (row < D) {  // no rolling in a rope
+        from.entries(frame[to_size(row)], 1, add);
+        to.entries(frame[to_size(row)], -1, add);
+      }
       free.push_back(u);
     }
   }
@@ -125,6 +127,8 @@ void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<
   append_columns(p.H, entries, static_cast<Eigen::Index>(free.size()));
   append(p.u_free, free);
   append(p.mu, std::vector<double>(ropes, 0.0));
+  if (p.dim > D) append(p.mu_r, std::vector<double>(ropes, 0.0));
+  if (p.dim == 6) append(p.mu_spin, std::vector<double>(ropes, 0.0));
   if (p.row_scale.size() > 0) append(p.row_scale, std::vector<double>(free.size(), 1.0));
   if (step.shift.size() > 0) append(step.shift, std::vector<double>(free.size(), 0.0));
 }

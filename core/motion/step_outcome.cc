@@ -1,5 +1,6 @@
 #include "core/motion/step_outcome.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,10 +15,10 @@ namespace {
 /// Normal and tangential values of one contact; the tangential ones are 0 without friction.
 template <int D>
 struct ContactValues {
-  std::array<double, to_size(D)> s{};        // physical impulse and cohesion
-  std::array<double, to_size(D)> u_after{};  // relative velocity after the step
-  std::array<double, to_size(D)>
-      mean{};  // mean of the relative velocities before and after the step
+  using Rows = std::array<double, to_size(3 * (D - 1))>;  // with those of rolling
+  Rows s{};                                               // physical impulse and cohesion
+  Rows u_after{};                                         // relative velocity after the step
+  Rows mean{};  // mean of the relative velocities before and after the step
 };
 
 /// u: Moreau's mean velocities in the problem's variables. Physical u⁺ = (1 + e) u - e u⁻ (36).
@@ -40,13 +41,30 @@ ContactValues<D> contact_values(const ContactProblem& p, const AssembledStep& as
 
 /// The tangential part of the values of a contact.
 template <int D>
-Tangent<D> tangential(const std::array<double, to_size(D)>& values,
+Tangent<D> tangential(const typename ContactValues<D>::Rows& values,
                       const std::array<Vec<D>, to_size(D)>& frame) {
   if constexpr (D == 2) {
     return values[1];
   } else {
     return values[1] * frame[1] + values[2] * frame[2];
   }
+}
+
+/// The moment of the values of a contact: its rows of rolling.
+template <int D>
+Spin<D> moment_of(const typename ContactValues<D>::Rows& values,
+                  const std::array<Vec<D>, to_size(D)>& frame) {
+  if constexpr (D == 2) {
+    return values[2];
+  } else {
+    return values[3] * frame[1] + values[4] * frame[2] + values[5] * frame[0];
+  }
+}
+double turning_work(const Wall<2>& wall, double moment) {
+  return wall.is_circle() ? moment * wall.spin : 0.0;
+}
+double turning_work(const Wall<3>& wall, const Vec3& moment) {
+  return wall.is_circle() ? wall.spin * wall.normal.dot(moment) : 0.0;
 }
 
 /// Adds the effect of a wall's impulse on a disk to the external sums.
@@ -108,11 +126,14 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
                            .u_n = values.u_after[0],
                            .u_t = tangential<D>(values.u_after, frame),
                            .status = contact_status(values.s[0], magnitude(s_t), law.mu),
-                           .bonded = !cohesive || pull > 0};
+                           .bonded = !cohesive || pull > 0,
+                           .moment = moment_of<D>(values.s, frame)};
     if (values.s[0] > 0) ++outcome.active;
     outcome.shock_loss -= values.s[0] * values.mean[0];
     outcome.cohesion_loss += pull * values.mean[0];
-    for (std::size_t k = 1; k < D; ++k) outcome.friction_loss -= values.s[k] * values.mean[k];
+    for (std::size_t k = 1; k < to_size(std::max(p.dim, D)); ++k) {
+      outcome.friction_loss -= values.s[k] * values.mean[k];
+    }
     if (contact.with_image() && mid.cell.deforms()) {
       const Vec<D> impulse = s_n * contact.n + tangent_vector(contact.n, s_t);
       outcome.wall_work +=
@@ -121,6 +142,7 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
     if (wall == nullptr) continue;
     add_wall_impulse<D>(*wall, contact.n, s_n * contact.n + tangent_vector(contact.n, s_t),
                         outcome);
+    if (p.rolls()) outcome.wall_work += turning_work(*wall, outcome.contacts[c].moment);
   }
   return outcome;
 }

@@ -21,7 +21,7 @@ struct StepOutcome {
   std::vector<ContactOutcome<D>> contacts;  ///< one for each candidate, in their order
   int active = 0;                           ///< contacts that push or are held
   double wall_work = 0;                     ///< by walls and sides of a periodic cell     [J]
-  double friction_loss = 0;                 ///< dissipated by tangential impulses         [J]
+  double friction_loss = 0;                 ///< dissipated by tangential impulses, moments [J]
   double shock_loss = 0;                    ///< dissipated by normal impulses, but cohesion [J]
   double cohesion_loss = 0;                 ///< taken by cohesion                         [J]
   Vec<D> external = Vec<D>::Zero();  ///< impulse on disks and driven walls from all else [N s]

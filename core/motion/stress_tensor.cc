@@ -292,7 +292,8 @@ std::vector<Spin<D>> contact_moments(const State<D>& state) {
     for (const int body : {o.contact.i, o.contact.j}) {
       if (body >= num_disks) continue;
       const auto k = static_cast<std::size_t>(body);
-      moments[k] -= state.bodies[k].radius * turned;
+      const double side = body == o.contact.i ? 1 : -1;
+      moments[k] -= state.bodies[k].radius * turned - side * o.moment;
     }
   }
   return moments;

@@ -22,10 +22,15 @@ Vector warm_start(const std::vector<ContactOutcome<D>>& before,
     if (p.dim == 1) continue;
     if constexpr (D == 2) {
       s0[row + 1] = old->s_t * (scaled ? p.row_scale[row + 1] : 1.0);
+      if (p.rolls()) s0[row + 2] = old->moment * (scaled ? p.row_scale[row + 2] : 1.0);
     } else {
       const auto frame = contact_frame<D>(contacts[c].n);
       for (int k = 1; k < D; ++k) {
         s0[row + k] = frame[to_size(k)].dot(old->s_t) * (scaled ? p.row_scale[row + k] : 1.0);
+      }
+      for (int k = D; k < p.dim; ++k) {
+        const Vec3& axis = frame[to_size((k - D + 1) % D)];
+        s0[row + k] = axis.dot(old->moment) * (scaled ? p.row_scale[row + k] : 1.0);
       }
     }
   }

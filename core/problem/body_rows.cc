@@ -33,9 +33,10 @@ bool has_unit_normals(const ContactProblem& p, const BodyRows& rows) {
 
 std::optional<BodyRows> find_body_rows(const ContactProblem& p) {
   if (!p.has_velocities()) return std::nullopt;
+  const int d = p.plain_dim();
   // Clusters turn even without friction, unlike single disks.
-  for (const int per_body : p.dim == 1 ? std::vector{2, 3} : std::vector{p.dim == 2 ? 3 : 6}) {
-    BodyRows rows{.per_body = per_body, .translations = p.dim == 1 ? 2 : p.dim};
+  for (const int per_body : d == 1 ? std::vector{2, 3} : std::vector{d == 2 ? 3 : 6}) {
+    BodyRows rows{.per_body = per_body, .translations = d == 1 ? 2 : d};
     // A few rows of walls could also be rows of another body: their number is searched.
     constexpr int kMaxWalls = 24;
     for (rows.walls = p.num_dofs() % rows.per_body; rows.walls <= std::min(kMaxWalls, p.num_dofs());

@@ -12,7 +12,7 @@ struct BodyRows {
   int bodies = 0, per_body = 0, translations = 0, walls = 0;
 };
 
-/// Rows for each body: 2 for d = 1 (x, y; 3 with clusters), 3 for d = 2 (x, y, spin), 6 for d = 3.
+/// Rows for each body, by plain_dim(): 2 for d = 1 (x, y; 3 with clusters), 3 for d = 2 (x, y, spin), 6 for d = 3.
 /// Empty if the columns of the normals do not have unit forces in these places: H is then of
 /// another kind.
 std::optional<BodyRows> find_body_rows(const ContactProblem& problem);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 namespace bipot {
 namespace {
@@ -29,6 +30,20 @@ std::string check_finite_entries(const char* field, const Sparse& matrix) {
     }
   }
   return {};
+}
+
+std::string check_dimension(const ContactProblem& p) {
+  if (!p.rolls() && p.mu_spin.size() > 0) return "mu_spin is given without mu_r";
+  if (p.num_contacts() == 0 && p.dim == 6) return {};  // of a scene with rolling friction
+  if (!p.rolls() && (p.dim < 1 || p.dim > 3)) {
+    return fmt::format("dim = {}, expected 1, 2 or 3", p.dim);
+  }
+  if (!p.rolls()) return {};
+  if (p.dim != 3 && p.dim != 6) {
+    return fmt::format("dim = {}, expected 3 or 6 rows a contact with rolling friction", p.dim);
+  }
+  if (auto e = check_size("mu_r", p.mu_r.size(), p.mu.size()); !e.empty()) return e;
+  return check_size("mu_spin", p.mu_spin.size(), p.dim == 6 ? p.mu.size() : 0);
 }
 
 std::string check_mass_matrix(const SparseMatrix& A) {
@@ -91,7 +106,7 @@ bool is_diagonal(const SparseMatrix& A) {
 }
 
 std::string validate_vectors(const ContactProblem& p) {
-  if (p.dim < 1 || p.dim > 3) return fmt::format("dim = {}, expected 1, 2 or 3", p.dim);
+  if (auto e = check_dimension(p); !e.empty()) return e;
   const Eigen::Index rows = static_cast<Eigen::Index>(p.dim) * p.mu.size();
   if (auto e = check_size("u_free", p.u_free.size(), rows); !e.empty()) return e;
   if (p.has_velocities()) {
@@ -99,9 +114,12 @@ std::string validate_vectors(const ContactProblem& p) {
     if (auto e = check_finite("v_free", p.v_free); !e.empty()) return e;
   }
   if (auto e = check_finite("u_free", p.u_free); !e.empty()) return e;
-  if (auto e = check_finite("mu", p.mu); !e.empty()) return e;
-  for (Eigen::Index c = 0; c < p.mu.size(); ++c) {
-    if (p.mu[c] < 0) return fmt::format("mu[{}] = {} is negative", c, p.mu[c]);
+  for (const auto& [field, values] :
+       {std::pair{"mu", &p.mu}, std::pair{"mu_r", &p.mu_r}, std::pair{"mu_spin", &p.mu_spin}}) {
+    if (auto e = check_finite(field, *values); !e.empty()) return e;
+    for (Eigen::Index c = 0; c < values->size(); ++c) {
+      if ((*values)[c] < 0) return fmt::format("{}[{}] = {} is negative", field, c, (*values)[c]);
+    }
   }
   if (p.row_scale.size() != 0) {
     if (auto e = check_size("row_scale", p.row_scale.size(), rows); !e.empty()) return e;
@@ -111,10 +129,15 @@ std::string validate_vectors(const ContactProblem& p) {
         return fmt::format("row_scale[{}] = {} is not positive", i, p.row_scale[i]);
       }
     }
-    for (int c = 0; c < p.num_contacts() && p.dim == 3; ++c) {
-      if (p.row_scale[c * 3 + 1] != p.row_scale[c * 3 + 2]) {
+    for (int c = 0; c < p.num_contacts() && p.plain_dim() == 3; ++c) {
+      const Vector r = p.row_scale.segment(c * p.dim, p.dim);
+      if (r[1] != r[2]) {
         return fmt::format("row_scale of contact {} differs between its tangents: {} and {}", c,
-                           p.row_scale[c * 3 + 1], p.row_scale[c * 3 + 2]);
+                           r[1], r[2]);
+      }
+      if (p.rolls() && r[3] != r[4]) {
+        return fmt::format("row_scale of contact {} differs between its rolling rows: {} and {}", c,
+                           r[3], r[4]);
       }
     }
   }

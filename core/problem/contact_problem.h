@@ -29,14 +29,21 @@ struct EqualityRows;  // core/problem/equality_rows.h
 ///
 /// Equality rows are eliminated before: A, H and v_free are then those of the coordinates that the
 /// rows leave.
+///
+/// Rolling friction: a contact then has more rows, velocities of rolling [rad/s] with moments [N m s]
+/// as their impulses. In the plane d = 3: n, t, m. In space d = 6: n, t1, t2, m1, m2 about the
+/// tangents, and m_spin about the normal. K = {|s_t| <= mu s_n, |m| <= mu_r s_n, |m_spin| <= mu_spin
+/// s_n}, and û_n = u_n + mu |u_t| + mu_r |w| + mu_spin |w_spin|.
 struct ContactProblem {
-  int dim = 2;       ///< d of a local frame: 1 (frictionless), 2 or 3                       [-]
+  int dim = 2;       ///< d, rows of a contact: 1 (frictionless), 2 or 3; rolling: 3 or 6    [-]
   SparseMatrix A;    ///< n x n, symmetric positive definite                      [kg | kg m²]
   SparseMatrix H;    ///< n x m, wrench map                                            [- | m]
   SparseRows W;      ///< m x m, Delassus operator, may be singular                     [1/kg]
   Vector v_free;     ///< n, velocities without contact impulses                 [m/s | rad/s]
   Vector u_free;     ///< m, value of u at s = 0                                         [m/s]
   Vector mu;         ///< one friction coefficient per contact                             [-]
+  Vector mu_r;       ///< rolling friction, one per contact; empty: none                   [m]
+  Vector mu_spin;    ///< the same about the normal, in space only                         [m]
   Vector row_scale;  ///< m or empty, r = sqrt(1 + e)                                      [-]
   /// The rows that were eliminated, and the problem as given; null: none.
   std::shared_ptr<const EqualityRows> equality;
@@ -44,6 +51,9 @@ struct ContactProblem {
   int num_contacts() const { return static_cast<int>(mu.size()); }
   int num_rows() const { return static_cast<int>(u_free.size()); }
   int num_dofs() const { return static_cast<int>(H.rows()); }
+  bool rolls() const { return mu_r.size() > 0; }
+  /// d without the rows of rolling.
+  int plain_dim() const { return !rolls() ? dim : (dim == 6 ? 3 : 2); }
   bool has_velocities() const { return H.cols() > 0 && H.rows() > 0; }
   bool has_delassus() const { return W.rows() > 0; }
 };
@@ -53,8 +63,8 @@ bool is_diagonal(const SparseMatrix& A);
 
 /// Empty for a sound problem, otherwise one sentence that names the field, the index and the value
 /// (or both sizes). Refused are wrong sizes, non-finite values, a non-positive diagonal of A, W_nn
-/// <= 0, negative mu, and non-positive row_scale. Refused too are tangents of a contact with
-/// different row_scale, unsymmetric A, and W that is not compressed. W is taken as it is:
+/// <= 0, negative friction, and non-positive row_scale. Refused too are tangents of a contact with
+/// different row_scale (rolling rows likewise), unsymmetric A, and W that is not compressed. W is taken as it is:
 /// see delassus_defect().
 std::string validate(const ContactProblem& problem);
 

@@ -164,7 +164,7 @@ SparseRows assemble_general(const SparseMatrix& A, const SparseMatrix& H) {
 
 SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int dim) {
   if (!is_diagonal(A)) return assemble_general(A, H);
-  return dispatch_dim(dim, [&](auto d) { return assemble_diagonal<d()>(A, H); });
+  return dispatch_count(dim, [&](auto d) { return assemble_diagonal<d()>(A, H); });
 }
 
 template <int D>

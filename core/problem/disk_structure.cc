@@ -125,7 +125,7 @@ class Reader {
 }  // namespace
 
 std::optional<DiskStructure> disk_structure(const ContactProblem& p) {
-  if (!p.has_velocities() || p.dim > 2) return {};
+  if (!p.has_velocities() || p.dim > 2 || p.rolls()) return {};
   return p.dim == 1 ? Reader<1>(p).read() : Reader<2>(p).read();
 }
 

@@ -34,7 +34,7 @@ struct DiskStructure {
 /// The structure of the problem's (A, H); empty if they do not have it to rounding. A must be
 /// diagonal with equal masses in x and y. Body k must own the degrees of freedom (2k, 2k+1) for dim
 /// 1, and (3k, 3k+1, 3k+2) for dim 2. Every contact must obey the formulas above with one arm for
-/// each body. Not disks are: driven walls, other bodies, and dim = 3.
+/// each body. Not disks are: driven walls, other bodies, dim = 3, and rolling friction.
 std::optional<DiskStructure> disk_structure(const ContactProblem& problem);
 
 }  // namespace bipot

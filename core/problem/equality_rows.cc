@@ -265,7 +265,11 @@ ContactProblem with_equality_rows(ContactProblem given, SparseRows G, Vector b, 
       wrenches.emplace_back(coordinates++, contact * old.dim + row, 1.0);
     }
   }
-  ContactProblem p{.dim = old.dim, .mu = old.mu, .row_scale = old.row_scale};
+  ContactProblem p{.dim = old.dim,
+                   .mu = old.mu,
+                   .mu_r = old.mu_r,
+                   .mu_spin = old.mu_spin,
+                   .row_scale = old.row_scale};
   Triplets masses;
   for (const int dof : rows->free) {
     for (SparseMatrix::InnerIterator it(old.A, dof); it; ++it) {

@@ -122,7 +122,7 @@ class SphereReader {
 }  // namespace
 
 std::optional<SphereStructure> sphere_structure(const ContactProblem& p) {
-  if (!p.has_velocities() || p.dim != 3) return {};
+  if (!p.has_velocities() || p.dim != 3 || p.rolls()) return {};
   return SphereReader(p).read();
 }
 

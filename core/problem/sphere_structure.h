@@ -34,7 +34,7 @@ struct SphereStructure {
 /// must have dim = 3 and a diagonal A with one mass and one moment of inertia for each body. Body k
 /// must own the degrees of freedom from 6k on: three translations, three rotations. Every contact
 /// must obey the formulas above with one arm for each body. Not spheres are: driven walls,
-/// clusters.
+/// clusters, and rolling friction.
 std::optional<SphereStructure> sphere_structure(const ContactProblem& problem);
 
 }  // namespace bipot

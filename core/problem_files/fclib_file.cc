@@ -270,9 +270,14 @@ struct Stored {
   int dofs = 0;  // global form only
 };
 
+/// True for the groups of problems with rolling friction.
+bool is_rolling(const std::string& root) { return root.starts_with("/bipot"); }
+
 /// Reads the problem in the form that out.global says, with the file's spacedim.
 Stored read_form(const Hdf5File& file, const std::string& root, int dim, ProblemFile& out) {
-  Vector mu = read_vector(file, root + "/vectors/mu");
+  Vector mu = read_vector(file, root + "/vectors/mu"), mu_r, mu_spin;
+  if (is_rolling(root)) mu_r = read_vector(file, root + "/vectors/mu_r");
+  if (is_rolling(root) && dim == 6) mu_spin = read_vector(file, root + "/vectors/mu_spin");
   const Eigen::Index rows = dim * mu.size();
   Stored stored;
   try {
@@ -283,13 +288,17 @@ Stored read_form(const Hdf5File& file, const std::string& root, int dim, Problem
       const std::string name = root + "/vectors/s";
       const Vector s = file.exists(name) ? read_vector(file, name) : Vector();
       if (s.size() > 0 || has_entries(file, root + "/V") || has_entries(file, root + "/R")) {
+        if (is_rolling(root)) {
+          throw std::invalid_argument("equality rows are not taken with rolling friction");
+        }
         const SparseGroup V = read_matrix(file, root + "/V"), R = read_matrix(file, root + "/R");
         require_shape(file, root + "/V", V, rows, s.size());
         require_shape(file, root + "/R", R, s.size(), s.size());
         out.problem = from_local_form(dim, W.build<SparseRows>(), q, std::move(mu),
                                       V.build<SparseRows>(), R.build<SparseMatrix>(), s);
       } else {
-        out.problem = from_local_form(dim, W.build<SparseRows>(), std::move(q), std::move(mu));
+        out.problem = from_local_form(dim, W.build<SparseRows>(), std::move(q), std::move(mu),
+                                      std::move(mu_r), std::move(mu_spin));
       }
     } else {
       const SparseGroup M = read_matrix(file, root + "/M");
@@ -299,7 +308,8 @@ Stored read_form(const Hdf5File& file, const std::string& root, int dim, Problem
       require_shape(file, root + "/H", H, f.size(), rows);
       stored.dofs = M.rows;
       out.problem = from_global_form(dim, M.build<SparseMatrix>(), H.build<SparseMatrix>(), f,
-                                     read_vector(file, root + "/vectors/w"), std::move(mu));
+                                     read_vector(file, root + "/vectors/w"), std::move(mu),
+                                     std::move(mu_r), std::move(mu_spin));
     }
   } catch (const std::invalid_argument& e) {
     throw FileError(file.path(), root, e.what());
@@ -368,17 +378,23 @@ void read_impulses(const Hdf5File& file, const Stored& stored, int dofs, Problem
 ProblemFile read_fclib(const std::filesystem::path& path) {
   const Hdf5File file(path, Hdf5File::Mode::kRead);
   ProblemFile out;
-  const bool local = file.exists("/fclib_local");
-  out.global = file.exists("/fclib_global");
-  if (local == out.global) {
-    throw FileError(path, "",
-                    local ? "both /fclib_local and /fclib_global are present"
-                          : "neither /fclib_local nor /fclib_global is present: not a problem");
+  std::vector<std::string> roots;
+  for (const char* name : {"/fclib_local", "/fclib_global", "/bipot_local", "/bipot_global"}) {
+    if (file.exists(name)) roots.emplace_back(name);
   }
-  const std::string root = local ? "/fclib_local" : "/fclib_global";
+  if (roots.size() != 1) {
+    throw FileError(path, "",
+                    roots.empty()
+                        ? "neither /fclib_local nor /fclib_global is present: not a problem"
+                        : fmt::format("both {} and {} are present", roots[0], roots[1]));
+  }
+  const std::string& root = roots.front();
+  out.global = root.ends_with("global");
   const int dim = file.read_int(root + "/spacedim");
-  if (dim != 2 && dim != 3) {
-    throw FileError(path, root + "/spacedim", fmt::format("{} is neither 2 nor 3", dim));
+  const int plane = is_rolling(root) ? 3 : 2, space = is_rolling(root) ? 6 : 3;
+  if (dim != plane && dim != space) {
+    throw FileError(path, root + "/spacedim",
+                    fmt::format("{} is neither {} nor {}", dim, plane, space));
   }
   out.info.title = read_optional_string(file, root + "/info/title");
   out.info.description = read_optional_string(file, root + "/info/description");
@@ -411,7 +427,8 @@ void write_fclib(const std::filesystem::path& path, const ContactProblem& proble
   const ContactProblem p = frictionless ? with_inert_tangents(given) : given;
   AtomicFile target(path);
   Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
-  const std::string root = p.has_velocities() ? "/fclib_global" : "/fclib_local";
+  const std::string root =
+      std::string(p.rolls() ? "/bipot" : "/fclib") + (p.has_velocities() ? "_global" : "_local");
   file.write(root + "/spacedim", p.dim);
   if (p.has_velocities()) {
     write_matrix(file, root + "/M", p.A);
@@ -423,6 +440,8 @@ void write_fclib(const std::filesystem::path& path, const ContactProblem& proble
     file.write(root + "/vectors/q", span(p.u_free));
   }
   file.write(root + "/vectors/mu", span(p.mu));
+  if (p.rolls()) file.write(root + "/vectors/mu_r", span(p.mu_r));
+  if (p.mu_spin.size() > 0) file.write(root + "/vectors/mu_spin", span(p.mu_spin));
   file.write(root + "/info/title", info.title);
   file.write(root + "/info/description", info.description);
   file.write(root + "/info/math_info", info.math_info);

@@ -30,6 +30,10 @@ namespace bipot {
 /// eliminated (with_equality_rows()). /solution/l holds λ. Those of a local problem (V, R, s) are
 /// eliminated for good (problem_form.h): it is then one of W and q alone.
 ///
+/// A problem with rolling friction is not of FCLIB's kind. It stands in /bipot_local or
+/// /bipot_global, which other readers refuse, with spacedim 3 (plane) or 6 (space) as the rows of a
+/// contact, and with vectors/mu_r, and vectors/mu_spin in space.
+///
 /// Refused, with the reason: inconsistent sizes, missing data, values that are not finite, and
 /// whatever validate() refuses. Throws FileError.
 ProblemFile read_fclib(const std::filesystem::path& path);

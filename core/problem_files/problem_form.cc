@@ -25,12 +25,12 @@ void require_size(const char* field, Eigen::Index got, Eigen::Index want) {
   throw std::invalid_argument(fmt::format("{} is {}, expected {}", field, got, want));
 }
 
-void require_dim(int dim) {
-  if (dim == 2 || dim == 3) return;
-  throw std::invalid_argument(
-      fmt::format("contact dimension {} is neither 2 nor 3 (other contact laws, such as rolling "
-                  "friction, are not supported)",
-                  dim));
+/// validate() checks the dimension of problems with rolling friction.
+void require_dim(int dim, const Vector& mu_r) {
+  if (dim == 2 || dim == 3 || mu_r.size() > 0) return;
+  throw std::invalid_argument(fmt::format(
+      "contact dimension {} is neither 2 nor 3 (formats of other codes hold no rolling friction)",
+      dim));
 }
 
 ContactProblem checked(ContactProblem problem) {
@@ -42,13 +42,19 @@ ContactProblem checked(ContactProblem problem) {
 
 }  // namespace
 
-ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu) {
-  require_dim(dim);
+ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu, Vector mu_r,
+                               Vector mu_spin) {
+  require_dim(dim, mu_r);
   const Eigen::Index rows = dim * mu.size();
   require_size("number of rows of W", W.rows(), rows);
   require_size("number of columns of W", W.cols(), rows);
   require_size("size of q", q.size(), rows);
-  ContactProblem p{.dim = dim, .W = W, .u_free = std::move(q), .mu = std::move(mu)};
+  ContactProblem p{.dim = dim,
+                   .W = W,
+                   .u_free = std::move(q),
+                   .mu = std::move(mu),
+                   .mu_r = std::move(mu_r),
+                   .mu_spin = std::move(mu_spin)};
   drop_zeros(p.W);
   return checked(std::move(p));
 }
@@ -123,14 +129,20 @@ ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Ve
 }
 
 ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatrix& H,
-                                const Vector& f, const Vector& w, Vector mu) {
-  require_dim(dim);
+                                const Vector& f, const Vector& w, Vector mu, Vector mu_r,
+                                Vector mu_spin) {
+  require_dim(dim, mu_r);
   require_size("number of columns of M", M.cols(), M.rows());
   require_size("number of rows of H", H.rows(), M.rows());
   require_size("number of columns of H", H.cols(), dim * mu.size());
   require_size("size of f", f.size(), M.rows());
   require_size("size of w", w.size(), H.cols());
-  ContactProblem p{.dim = dim, .A = M, .H = H, .mu = std::move(mu)};
+  ContactProblem p{.dim = dim,
+                   .A = M,
+                   .H = H,
+                   .mu = std::move(mu),
+                   .mu_r = std::move(mu_r),
+                   .mu_spin = std::move(mu_spin)};
   drop_zeros(p.A);
   drop_zeros(p.H);
   // Validates the matrices first: a factorisation would hide their errors.

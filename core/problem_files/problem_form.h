@@ -4,9 +4,10 @@
 
 namespace bipot {
 
-/// The local form W r + q of other codes. Explicit zeros are dropped. W remains as it is, even if
+/// The local form W r + q of other codes, with rolling friction if mu_r is not empty. Explicit zeros are dropped. W remains as it is, even if
 /// rounding has made it unsymmetric. Throws std::invalid_argument for an unsound problem.
-ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu);
+ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu, Vector mu_r = {},
+                               Vector mu_spin = {});
 
 /// The local form with equality rows, u = W r + V λ + q, 0 = Vᵀ r + R λ + s, from which λ is
 /// eliminated: W - V R⁻¹ Vᵀ and q - V R⁻¹ s. R may be singular where rows depend on each other
@@ -20,6 +21,7 @@ ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Ve
 /// w. For a diagonal M, W stays empty (two passes through H are cheaper); else it is assembled.
 /// Throws std::invalid_argument for an unsound problem.
 ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatrix& H,
-                                const Vector& f, const Vector& w, Vector mu);
+                                const Vector& f, const Vector& w, Vector mu, Vector mu_r = {},
+                                Vector mu_spin = {});
 
 }  // namespace bipot

@@ -96,6 +96,7 @@ constexpr Description kDatasets[] = {
     {"/contacts/force", "force on body i, (s_n n + s_t t) over the time step; on j the opposite"},
     {"/contacts/point", "point of contact on the surface of body i"},
     {"/contacts/bonded", "1: cohesion acted in the step"},
+    {"/contacts/moment", "moment of rolling friction on body i, over the step; on j the opposite"},
     {"/contacts/spring", "elongation of the tangential spring"},
     {"/contacts/image_x", "periods in x from j to its image in the contact"},
     {"/contacts/image_y", "periods in y from j to its image in the contact"},

@@ -203,6 +203,10 @@ void write_frame_file(const std::filesystem::path& path, const Scene<D>& scene,
     write_doubles(file, "/contacts/spring", "m", contacts,
                   [](const Outcome& c) { return c.spring; });
   }
+  if (scene.has_rolling()) {
+    write_turns(file, "/contacts/moment", "N m s", contacts,
+                [](const Outcome& c) { return c.moment; });
+  }
   const double h = scene.step;
   write_doubles(file, "/contacts/force_n", "N", contacts,
                 [&](const Outcome& c) { return c.s_n / h; });

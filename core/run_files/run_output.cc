@@ -314,6 +314,13 @@ void RunWriter<D>::write_run_file() const {
   write_law("mu", &ContactLaw::mu);
   write_law("e_n", &ContactLaw::e_n);
   write_law("e_t", &ContactLaw::e_t);
+  if (scene_.has_rolling()) {
+    for (const auto& [name, member] :
+         {std::pair{"mu_r", &ContactLaw::mu_r}, std::pair{"mu_spin", &ContactLaw::mu_spin}}) {
+      write_law(name, member);
+      file.write_attribute(std::string("/materials/") + name, "unit", "m");
+    }
+  }
   if (scene_.has_cohesion()) {
     write_law("cohesion", &ContactLaw::cohesion);
     file.write_attribute("/materials/cohesion", "unit", "N");

@@ -192,6 +192,10 @@ std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t d
   // Only scenes with cohesion write bonds; elsewhere every contact may become one.
   const auto bonded = file.exists("/contacts/bonded") ? read_sized_ints(file, "/contacts/bonded", c)
                                                       : std::vector<int>(c, 1);
+  // Only scenes with rolling friction write moments.
+  const auto moment = file.exists("/contacts/moment")
+                          ? read_sized(file, "/contacts/moment", to_size(kSpins<D>) * c)
+                          : std::vector<double>(to_size(kSpins<D>) * c, 0.0);
   // Only periodic scenes write images.
   const bool images = file.exists("/contacts/image_x");
   const auto image_x = images ? read_sized_ints(file, "/contacts/image_x", c) : std::vector<int>(c);
@@ -222,7 +226,8 @@ std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t d
                    .u_t = tangential(u_t, k),
                    .status = checked_enum<ContactStatus>(file, "/contacts/status", status[k], 2),
                    .bonded = bonded[k] != 0,
-                   .spring = spring[k]};
+                   .spring = spring[k],
+                   .moment = tangential(moment, k)};
   }
   return contacts;
 }

@@ -325,7 +325,13 @@ bool Scene<D>::has_friction() const {
   for (const ContactLaw& law : laws) {
     if (law.mu > 0) return true;
   }
-  return false;
+  return has_rolling();
+}
+
+template <int D>
+bool Scene<D>::has_rolling() const {
+  return std::any_of(laws.begin(), laws.end(),
+                     [](const ContactLaw& law) { return law.mu_r > 0 || law.mu_spin > 0; });
 }
 
 template <int D>
@@ -409,6 +415,11 @@ std::string validate(const Scene<D>& scene) {
                          scene.materials[k / scene.materials.size()],
                          scene.materials[k % scene.materials.size()], law.mu, law.e_n, law.e_t);
     }
+    if (!(law.mu_r >= 0) || !std::isfinite(law.mu_r) || !(law.mu_spin >= 0) ||
+        !std::isfinite(law.mu_spin)) {
+      return fmt::format("mu_r = {} m and mu_spin = {} m, expected >= 0", law.mu_r, law.mu_spin);
+    }
+    if (D == 2 && law.mu_spin > 0) return "mu_spin is for spheres: disks do not turn about normals";
   }
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     if (auto e = check_body(scene.bodies[i], i, materials); !e.empty()) return e;
@@ -416,6 +427,9 @@ std::string validate(const Scene<D>& scene) {
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     if (auto e = check_wall(scene.walls[i], i, materials); !e.empty()) return e;
+  }
+  if (scene.has_rolling() && scene.model == Model::kSpringDashpot) {
+    return "rolling friction does not go with the model \"dem\"";
   }
   if (auto e = check_periodic(scene); !e.empty()) return e;
   if (auto e = check_gates(scene); !e.empty()) return e;

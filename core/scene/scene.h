@@ -29,7 +29,8 @@ struct TimeFactor {
 /// Empty for a sound factor, else one sentence.
 std::string check_time_factor(const TimeFactor& factor);
 
-/// Coulomb friction, Moreau's restitution coefficients and cohesion of one pair of materials.
+/// Coulomb and rolling friction, Moreau's restitution coefficients and cohesion of one pair of
+/// materials. The rows of rolling have the restitution e_t.
 struct ContactLaw {
   /// How contacts that meet at the same time share an impact, for all pairs of a scene
   /// (core/motion/impact_law.h).
@@ -39,6 +40,8 @@ struct ContactLaw {
   double e_n = 0;       ///< normal restitution in [0, 1]                  [-]
   double e_t = 0;       ///< tangential restitution in [0, 1]              [-]
   double cohesion = 0;  ///< largest tension, >= 0: s_n/h >= -cohesion [N]
+  double mu_r = 0;      ///< rolling friction, >= 0: moment <= mu_r s_n     [m]
+  double mu_spin = 0;   ///< the same about the normal; in 3D only          [m]
 };
 
 /// A round body: a disk in 2D, a sphere in 3D.
@@ -277,8 +280,12 @@ struct Scene {
   double detection_distance() const { return std::max(contact_distance, cohesion_range); }
   /// True if bodies may come or go: their number and numbering change (core/motion/population.h).
   bool has_gates() const { return !outlets.empty() || !inlets.empty(); }
-  /// True if some pair of materials has friction: the contact dimension is then D, else 1.
+  /// True if some pair of materials has friction, rolling included: contacts have tangents.
   bool has_friction() const;
+  /// True if some pair of materials has rolling friction.
+  bool has_rolling() const;
+  /// Rows of a contact.
+  int contact_rows() const { return has_rolling() ? 3 * (D - 1) : (has_friction() ? D : 1); }
 };
 
 /// Gravity at a time; a step takes that at its middle. [m/s²]

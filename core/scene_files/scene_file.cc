@@ -34,8 +34,13 @@ ContactLaw read_law(const SceneTable& table, const ContactLaw& base) {
   law.e_n = table.number("e_n", base.e_n);
   law.e_t = table.number("e_t", base.e_t);
   law.cohesion = table.number("cohesion", base.cohesion);
+  law.mu_r = table.number("mu_r", base.mu_r);
+  law.mu_spin = table.number("mu_spin", base.mu_spin);
   if (law.mu < 0) table.fail("mu", fmt::format("mu = {}, expected a number >= 0", law.mu));
-  if (law.cohesion < 0) table.fail("cohesion", "expected a number >= 0");
+  for (const auto& [key, value] : {std::pair{"cohesion", law.cohesion}, std::pair{"mu_r", law.mu_r},
+                                   std::pair{"mu_spin", law.mu_spin}}) {
+    if (value < 0) table.fail(key, "expected a number >= 0");
+  }
   for (const auto& [key, e] : {std::pair{"e_n", law.e_n}, std::pair{"e_t", law.e_t}}) {
     if (e < 0 || e > 1) table.fail(key, fmt::format("{} = {}, expected 0 to 1", key, e));
   }

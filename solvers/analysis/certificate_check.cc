@@ -3,6 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/problem/coulomb_cone.h"
+
 namespace bipot {
 namespace {
 
@@ -79,18 +81,24 @@ double opening_margin(const ContactProblem& p, const Vector& y, double weight) {
   if (!y.allFinite() || !(weight >= 0) || !std::isfinite(weight)) return -1;
   Extended margin = 1;
   for (int c = 0; c < p.num_contacts(); ++c) {
-    const Extended mu = p.dim == 1 ? 0 : static_cast<Extended>(p.mu[c]);
     const Sum normal = row_of(p, static_cast<Eigen::Index>(c) * p.dim, y, weight);
-    Extended slip2 = 0, slip_terms2 = 0;
     Eigen::Index terms = normal.terms;
-    for (int k = 1; k < p.dim; ++k) {
-      const Sum tangent = row_of(p, static_cast<Eigen::Index>(c) * p.dim + k, y, weight);
-      slip2 += tangent.value * tangent.value;
-      slip_terms2 += tangent.absolute * tangent.absolute;
-      terms += tangent.terms;
-    }
-    const Extended opening = normal.value - mu * std::sqrt(slip2);
-    const Extended size = normal.absolute + mu * std::sqrt(slip_terms2);
+    Extended opening = normal.value, size = normal.absolute;
+    dispatch_rows(p, [&](auto rows) {
+      constexpr ContactRows K = rows();
+      each_bounded<K>(friction_of<K>(p, c), [&](auto first, auto count, double bound) {
+        const auto mu = static_cast<Extended>(bound);
+        Extended slip2 = 0, slip_terms2 = 0;
+        for (int k = first(); k < first() + count(); ++k) {
+          const Sum tangent = row_of(p, static_cast<Eigen::Index>(c) * p.dim + k, y, weight);
+          slip2 += tangent.value * tangent.value;
+          slip_terms2 += tangent.absolute * tangent.absolute;
+          terms += tangent.terms;
+        }
+        opening -= mu * std::sqrt(slip2);
+        size += mu * std::sqrt(slip_terms2);
+      });
+    });
     if (!(size > 0) || !std::isfinite(static_cast<double>(size))) return -1;
     margin = std::min(margin, opening / size - rounding(terms));
   }

@@ -8,7 +8,8 @@ namespace bipot {
 /// and the certificate alone. They share no code with the search.
 
 /// Margin by which the motion `y` and the share `weight` >= 0 of the data open all contacts. With B
-/// = Hᵀ (or W if H is not given), u = B y + weight u_free and a_c = u_n - mu |u_t|,
+/// = Hᵀ (or W if H is not given), u = B y + weight u_free and a_c = u_n - mu |u_t| (and less the
+/// like of rolling),
 ///
 ///     margin = min over contacts of (a_c - r_c) / t_c.
 ///

@@ -4,10 +4,12 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/base/stopwatch.h"
 #include "core/linear/sparse_factor.h"
+#include "core/problem/coulomb_cone.h"
 #include "solvers/analysis/case_exclusion.h"
 #include "solvers/analysis/certificate_check.h"
 #include "solvers/analysis/linear_programme.h"
@@ -21,18 +23,37 @@ constexpr double kZero = 1e-9;
 constexpr double kRounding = 1e-12;  // relative change of the data that still counts as rounding
 constexpr double kLeastSpeed = 1e6;  // of a motion that a self-stress leaves possible
 
-/// The edges of a contact's cone (in 3D: of one with kEdges edges around it), normal part 1.
-std::vector<std::vector<double>> edges_of(int dim, double mu) {
-  if (dim == 1) return {{1}};
-  if (dim == 2 && mu == 0) return {{1, 0}};
-  if (dim == 2) return {{1, mu}, {1, -mu}};
-  if (mu == 0) return {{1, 0, 0}};
-  std::vector<std::vector<double>> edges;
+/// The ends of a part of `count` rows that friction bounds by mu (two rows: of a polygon around the
+/// circle).
+std::vector<std::vector<double>> ends_of(int count, double mu) {
+  if (mu == 0) return {std::vector<double>(to_size(count), 0.0)};
+  if (count == 1) return {{mu}, {-mu}};
+  std::vector<std::vector<double>> ends;
   const double wide = mu / std::cos(std::numbers::pi / kEdges);
   for (int k = 0; k < kEdges; ++k) {
     const double angle = 2 * std::numbers::pi * k / kEdges;
-    edges.push_back({1, wide * std::cos(angle), wide * std::sin(angle)});
+    ends.push_back({wide * std::cos(angle), wide * std::sin(angle)});
   }
+  return ends;
+}
+
+/// The edges of a contact's cone (in 3D: of one around it), normal part 1: every choice of an end in
+/// each part. Without friction if `normals_only`.
+std::vector<std::vector<double>> edges_of(const ContactProblem& p, int contact, bool normals_only) {
+  std::vector<std::vector<double>> edges{{1}};
+  dispatch_rows(p, [&](auto rows) {
+    constexpr ContactRows K = rows();
+    each_bounded<K>(friction_of<K>(p, contact), [&](auto, auto count, double bound) {
+      std::vector<std::vector<double>> more;
+      for (const auto& edge : edges) {
+        for (const auto& end : ends_of(count(), normals_only ? 0.0 : bound)) {
+          more.push_back(edge);
+          more.back().insert(more.back().end(), end.begin(), end.end());
+        }
+      }
+      edges = std::move(more);
+    });
+  });
   return edges;
 }
 
@@ -63,10 +84,10 @@ class Search {
   std::string try_programmes(ExistenceCertificate& found) const {
     std::string why = try_opening(found);
     if (found.verdict != Existence::kUndecided) return {};
-    if (p_.dim <= 2 && try_undoing(found)) return {};
+    if (p_.plain_dim() <= 2 && try_undoing(found)) return {};
     if (const std::string more = try_obstruction(found); !more.empty()) why = more;
     if (found.verdict != Existence::kUndecided) return {};
-    if (p_.dim <= 2) {
+    if (p_.plain_dim() <= 2) {
       if (const std::string more = try_reachable(found); !more.empty()) why = more;
     }
     return why;
@@ -118,7 +139,7 @@ class Search {
     int column = 0;
     Vector sum = Vector::Zero(wrench_.rows());
     for (int c = 0; c < p_.num_contacts(); ++c) {
-      for (const auto& edge : edges_of(p_.dim, normals_only ? 0.0 : p_.mu[c])) {
+      for (const auto& edge : edges_of(p_, c, normals_only)) {
         double norm2 = 0, w = 0;
         std::vector<Eigen::Index> touched;
         for (int k = 0; k < p_.dim; ++k) {

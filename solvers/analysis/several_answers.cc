@@ -95,7 +95,7 @@ class AnswerSearch {
 
   bool usable(std::string_view name) const {
     const SolverEntry* entry = find_solver(name);
-    return entry != nullptr && p_.dim <= entry->max_dim && p_.num_contacts() <= entry->max_contacts;
+    return entry != nullptr && beyond_solver(*entry, p_).empty();
   }
 
   SolveResult attempt(std::string_view solver, const Vector& s0, int iterations,
@@ -451,6 +451,10 @@ SeveralAnswers find_several_answers(const ContactProblem& problem,
                                     const SeveralAnswers::Options& options) {
   SeveralAnswers refused{.status = SolveStatus::kInvalidInput};
   if (refused.message = validate(problem); !refused.message.empty()) return refused;
+  if (problem.rolls()) {
+    refused.message = "several answers are not sought with rolling friction";
+    return refused;
+  }
   if (options.starts < 1) {
     refused.message = fmt::format("starts = {}, expected at least 1", options.starts);
     return refused;

@@ -82,7 +82,7 @@ class Planner {
   void add(const AutoPlan::Row& row, double times) {
     const SolverEntry* solver = find_solver(row.solver);
     if (solver == nullptr || problem_.dim > solver->max_dim ||
-        problem_.contacts > solver->max_contacts) {
+        problem_.contacts > solver->max_contacts || (problem_.rolls && !solver->rolls)) {
       return;
     }
     const int most = row.most.of(problem_.contacts, times);
@@ -139,9 +139,9 @@ ProblemTraits traits_of(const ContactProblem& p, const DelassusOperator& delassu
   marks |= disks ? kDisks : kNoDisks;
   marks |= vectors ? kVectors : kNoVectors;
   marks |= p.has_velocities() ? kBodies : kWAlone;
-  marks |= p.dim <= 2 ? kInPlane : kInSpace;
+  marks |= p.plain_dim() <= 2 ? kInPlane : kInSpace;
   if (ratio_of_diagonal(p, delassus) > kUnequalRatio) marks |= kUnequal;
-  return {.contacts = n, .dim = p.dim, .tol = tol, .marks = marks};
+  return {.contacts = n, .dim = p.plain_dim(), .tol = tol, .marks = marks, .rolls = p.rolls()};
 }
 
 std::vector<AutoStage> plan_stages(const AutoPlan& plan, const ProblemTraits& problem) {

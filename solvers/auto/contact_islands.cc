@@ -35,7 +35,9 @@ class DisjointSets {
 };
 
 /// Rows of a contact with possible impulses.
-int live_rows(const ContactProblem& p, int contact) { return p.mu[contact] > 0 ? p.dim : 1; }
+int live_rows(const ContactProblem& p, int contact) {
+  return p.mu[contact] > 0 || p.rolls() ? p.dim : 1;
+}
 
 /// Contacts first, then degrees of freedom.
 DisjointSets through_bodies(const ContactProblem& p) {

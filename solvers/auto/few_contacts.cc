@@ -23,6 +23,7 @@ FewContacts::FewContacts(const ContactProblem& problem, const DelassusOperator& 
 }
 
 int FewContacts::operator()(std::span<const int> contacts, Vector& s) {
+  if (problem_.rolls()) return 0;
   return dispatch_dim(problem_.dim, [&](auto d) {
     return contacts.size() == 1 ? single<d()>(contacts[0], s) : sweeps<d()>(contacts, s);
   });

@@ -1,6 +1,7 @@
 #include "solvers/auto/island_problem.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace bipot {
 
@@ -28,12 +29,19 @@ IslandProblem IslandCutter::operator()(std::span<const int> contacts) {
   IslandProblem island;
   ContactProblem& p = island.problem;
   const bool frictionless =
+      !whole_.rolls() &&
       std::all_of(contacts.begin(), contacts.end(), [&](int c) { return whole_.mu[c] == 0; });
   p.dim = frictionless ? 1 : whole_.dim;
   p.mu.resize(static_cast<Eigen::Index>(contacts.size()));
+  for (auto [part, all] :
+       {std::pair{&p.mu_r, &whole_.mu_r}, std::pair{&p.mu_spin, &whole_.mu_spin}}) {
+    if (all->size() > 0) part->resize(p.mu.size());
+  }
   island.rows.reserve(contacts.size() * to_size(p.dim));
   Eigen::Index number = 0;
   for (const int c : contacts) {
+    if (p.rolls()) p.mu_r[number] = whole_.mu_r[c];
+    if (p.mu_spin.size() > 0) p.mu_spin[number] = whole_.mu_spin[c];
     p.mu[number++] = whole_.mu[c];
     for (int k = 0; k < p.dim; ++k) island.rows.push_back(c * whole_.dim + k);
   }

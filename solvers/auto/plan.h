@@ -36,6 +36,7 @@ struct ProblemTraits {
   int contacts = 0, dim = 0;
   double tol = 0;
   unsigned marks = 0;  ///< of PlanMark
+  bool rolls = false;  ///< rolling friction: stages of solvers that take it alone serve
 };
 
 /// Holds for `above` < N <= `up_to` contacts, tolerances from `tol_from` and below `tol_below`, and

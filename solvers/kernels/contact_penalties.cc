@@ -16,46 +16,49 @@ constexpr double kInside = 0.8, kOnEdge = 0.999;
 
 }  // namespace
 
-template <int D>
-ContactPenalties<D>::ContactPenalties(Vector mu, double rho)
-    : mu_(std::move(mu)),
+template <ContactRows D>
+ContactPenalties<D>::ContactPenalties(std::vector<FrictionOf<D>> friction, double rho)
+    : friction_(std::move(friction)),
       rho_(rho),
-      state_(to_size(mu_.size())),
+      state_(friction_.size()),
       metric_(state_.size(), rho * Block::Identity()),
       inverse_(state_.size(), 1 / rho * Block::Identity()) {}
 
-template <int D>
+template <ContactRows D>
 void ContactPenalties<D>::scale(double factor) {
   rho_ *= factor;
   for (Block& block : metric_) block *= factor;
   for (Block& block : inverse_) block /= factor;
 }
 
-template <int D>
+template <ContactRows D>
 void ContactPenalties<D>::observe(const Vector& z) {
-  for (int c = 0; c < static_cast<int>(mu_.size()); ++c) {
+  for (int c = 0; c < static_cast<int>(friction_.size()); ++c) {
     State& state = state_[to_size(c)];
     Status now = Status::kStick;
     if (!(z[c * D] > 0)) {
       now = Status::kTakeOff;
-    } else if constexpr (D > 1) {
-      const double slip = tangential_norm<D>(Local<D>(z.segment<D>(c * D)));
-      const double edge = mu_[c] * z[c * D];
-      if (slip >= kOnEdge * edge) {
-        // In 3D the sign would depend on the choice of tangents, and it is not needed.
-        now = D == 2 && z[c * D + 1] < 0 ? Status::kSlipBack : Status::kSlip;
-      } else if (slip >= kInside * edge) {
-        now = Status::kNearEdge;
-      }
+    } else {
+      const Local<D> x = z.segment<D>(c * D);
+      each_bounded<D>(friction_[to_size(c)], [&](auto first, auto count, double bound) {
+        const double slip = part_norm<first(), count()>(x);
+        const double edge = bound * x[0];
+        if (slip >= kOnEdge * edge) {
+          // In 3D the sign would depend on the choice of tangents, and it is not needed.
+          now = D == 2 && x[1] < 0 ? Status::kSlipBack : Status::kSlip;
+        } else if (slip >= kInside * edge && now == Status::kStick) {
+          now = Status::kNearEdge;
+        }
+      });
     }
     if (now != state.status) state.changed = true;
     state.status = now;
   }
 }
 
-template <int D>
+template <ContactRows D>
 void ContactPenalties<D>::adapt(Vector& y) {
-  for (int c = 0; c < static_cast<int>(mu_.size()); ++c) {
+  for (int c = 0; c < static_cast<int>(friction_.size()); ++c) {
     State& state = state_[to_size(c)];
     const double before = state.along;
     const bool slips = state.status == Status::kSlip || state.status == Status::kSlipBack;
@@ -76,20 +79,20 @@ void ContactPenalties<D>::adapt(Vector& y) {
   }
 }
 
-template <int D>
+template <ContactRows D>
 void ContactPenalties<D>::equalise(Vector& y) {
   for (State& state : state_) state = {};
   adapt(y);
 }
 
-template <int D>
+template <ContactRows D>
 void ContactPenalties<D>::set_metric(int contact) {
   const State& state = state_[to_size(contact)];
   Block metric = Block::Identity(), inverse = Block::Identity();
   if constexpr (D == 2) {
     if (state.across != 1) {
       const double side = state.status == Status::kSlip ? 1 : -1;
-      const Local<2> normal = Local<2>(-mu_[contact], side).normalized();
+      const Local<2> normal = Local<2>(-friction_[to_size(contact)], side).normalized();
       metric += (state.across - 1) * normal * normal.transpose();
       inverse += (1 / state.across - 1) * normal * normal.transpose();
     }
@@ -99,8 +102,9 @@ void ContactPenalties<D>::set_metric(int contact) {
 }
 
 /// The cone in 2D: r itself, or the nearest point of one of the two edges.
-template <int D>
-Local<D> ContactPenalties<D>::project_across(const Block& metric, double mu, const Local<D>& r) {
+template <ContactRows D>
+Local<D> ContactPenalties<D>::project_across(const Block& metric, const FrictionOf<D>& mu,
+                                             const Local<D>& r) {
   if constexpr (D == 2) {
     if (std::abs(r[1]) <= mu * r[0]) return r;
     const Local<2> push = metric * r;
@@ -126,5 +130,7 @@ Local<D> ContactPenalties<D>::project_across(const Block& metric, double mu, con
 template class ContactPenalties<1>;
 template class ContactPenalties<2>;
 template class ContactPenalties<3>;
+template class ContactPenalties<ContactRows(3, true)>;
+template class ContactPenalties<ContactRows(6, true)>;
 
 }  // namespace bipot

@@ -19,12 +19,13 @@ namespace bipot {
 /// their status get rho again. Penalties per constraint: Stellato et al. 2020 (OSQP, for equalities
 /// known beforehand). [ours] They follow the statuses of the iterates, and act across the edge of
 /// the cone.
-template <int D>
+template <ContactRows D>
 class ContactPenalties {
  public:
-  using Block = Eigen::Matrix<double, D, D>;
+  using Block = Eigen::Matrix<double, D.count, D.count>;
 
-  ContactPenalties(Vector mu, double rho);
+  /// `friction`: of each contact, in equilibrated variables.
+  ContactPenalties(std::vector<FrictionOf<D>> friction, double rho);
 
   double rho() const { return rho_; }
   /// Multiplies all of them.
@@ -38,7 +39,7 @@ class ContactPenalties {
   /// The point of the cone nearest to r in the metric.
   Local<D> project(int contact, const Local<D>& r) const {
     const State& state = state_[to_size(contact)];
-    const double mu = mu_[contact];
+    const FrictionOf<D>& mu = friction_[to_size(contact)];
     if constexpr (D == 2) {
       if (state.across != 1) return project_across(metric_[to_size(contact)], mu, r);
     }
@@ -61,10 +62,10 @@ class ContactPenalties {
     double across = 1;    ///< across the edge, over along
   };
 
-  static Local<D> project_across(const Block& metric, double mu, const Local<D>& r);
+  static Local<D> project_across(const Block& metric, const FrictionOf<D>& mu, const Local<D>& r);
   void set_metric(int contact);
 
-  Vector mu_;
+  std::vector<FrictionOf<D>> friction_;
   double rho_;
   std::vector<State> state_;
   std::vector<Block> metric_, inverse_;

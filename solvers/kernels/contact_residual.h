@@ -19,66 +19,70 @@ struct LocalResidual {
 
 /// Alart and Curnier (1991), standard form:
 ///     f_n = s_n - max(0, s_n - u_n),
-///     f_t = s_t - proj(s_t - u_t, disk of radius mu max(0, s_n - u_n)).
-/// On the edges of its cases the Jacobian is that of sticking, or of take-off.
-template <int D>
-LocalResidual<D> alart_curnier(const Local<D>& s, const Local<D>& u, double mu) {
+///     f_t = s_t - proj(s_t - u_t, disk of radius mu max(0, s_n - u_n)),
+/// and likewise for rolling and spin. On the edges of its cases the Jacobian is that of sticking, or of take-off.
+template <ContactRows D>
+LocalResidual<D> alart_curnier(const Local<D>& s, const Local<D>& u, FrictionOf<D> mu) {
   LocalResidual<D> r;
   const double normal = s[0] - u[0];
   const bool closed = normal > 0;
   r.f[0] = closed ? u[0] : s[0];
   (closed ? r.Q : r.P)(0, 0) = 1;
-  if constexpr (D > 1) {
-    using Tangent = Eigen::Matrix<double, D - 1, 1>;
-    using Square = Eigen::Matrix<double, D - 1, D - 1>;
-    const Tangent st = s.template tail<D - 1>(), ut = u.template tail<D - 1>();
+  each_bounded<D>(mu, [&](auto first, auto count, double bound) {
+    constexpr int kFirst = first(), kCount = count();
+    using Tangent = Eigen::Matrix<double, kCount, 1>;
+    using Square = Eigen::Matrix<double, kCount, kCount>;
+    const Tangent st = s.template segment<kCount>(kFirst), ut = u.template segment<kCount>(kFirst);
     const Tangent tau = st - ut;
-    const double radius = closed ? mu * normal : 0.0;
+    const double radius = closed ? bound * normal : 0.0;
     const double length = tau.norm();
-    auto f = r.f.template tail<D - 1>();
+    auto f = r.f.template segment<kCount>(kFirst);
     if (length <= radius && closed) {  // stick
       f = ut;
-      r.Q.template bottomRightCorner<D - 1, D - 1>().setIdentity();
+      r.Q.template block<kCount, kCount>(kFirst, kFirst).setIdentity();
     } else if (!closed || radius == 0) {  // no friction
       f = st;
-      r.P.template bottomRightCorner<D - 1, D - 1>().setIdentity();
+      r.P.template block<kCount, kCount>(kFirst, kFirst).setIdentity();
     } else {  // slip
       const Tangent direction = tau / length;
       f = st - radius * direction;
       const Square turn =
           (radius / length) * (Square::Identity() - direction * direction.transpose());
-      r.P.template bottomRightCorner<D - 1, D - 1>() = Square::Identity() - turn;
-      r.Q.template bottomRightCorner<D - 1, D - 1>() = turn;
-      r.P.template bottomLeftCorner<D - 1, 1>() = -mu * direction;
-      r.Q.template bottomLeftCorner<D - 1, 1>() = mu * direction;
+      r.P.template block<kCount, kCount>(kFirst, kFirst) = Square::Identity() - turn;
+      r.Q.template block<kCount, kCount>(kFirst, kFirst) = turn;
+      r.P.template block<kCount, 1>(kFirst, 0) = -bound * direction;
+      r.Q.template block<kCount, 1>(kFirst, 0) = bound * direction;
     }
-  }
+  });
   return r;
 }
 
 /// Projection of Alart and Curnier at z, s_n on the half-line and then s_t on the disk of radius
-/// mu s_n, and a generalised Jacobian of it.
-template <int D>
-Local<D> split_projection(const Local<D>& z, double mu, Eigen::Matrix<double, D, D>& jacobian) {
+/// mu s_n (rolling and spin likewise), and a generalised Jacobian of it.
+template <ContactRows D>
+Local<D> split_projection(const Local<D>& z, const FrictionOf<D>& mu,
+                          Eigen::Matrix<double, D.count, D.count>& jacobian) {
   Local<D> s = Local<D>::Zero();
   jacobian.setZero();
   if (z[0] <= 0) return s;
   s[0] = z[0];
   jacobian(0, 0) = 1;
-  if constexpr (D > 1) {
-    const double norm = tangential_norm<D>(z);
-    const double radius = mu * z[0];
+  each_bounded<D>(mu, [&](auto first, auto count, double bound) {
+    constexpr int kFirst = first(), kCount = count();
+    using Square = Eigen::Matrix<double, kCount, kCount>;
+    const double norm = part_norm<kFirst, kCount>(z);
+    const double radius = bound * z[0];
     if (norm <= radius) {
-      s = z;
-      jacobian.setIdentity();
+      s.template segment<kCount>(kFirst) = z.template segment<kCount>(kFirst);
+      jacobian.template block<kCount, kCount>(kFirst, kFirst).setIdentity();
     } else {
-      const Eigen::Matrix<double, D - 1, 1> t = z.template tail<D - 1>() / norm;
-      s.template tail<D - 1>() = radius * t;
-      jacobian.template bottomLeftCorner<D - 1, 1>() = mu * t;
-      jacobian.template bottomRightCorner<D - 1, D - 1>() =
-          radius / norm * (Eigen::Matrix<double, D - 1, D - 1>::Identity() - t * t.transpose());
+      const Eigen::Matrix<double, kCount, 1> t = z.template segment<kCount>(kFirst) / norm;
+      s.template segment<kCount>(kFirst) = radius * t;
+      jacobian.template block<kCount, 1>(kFirst, 0) = bound * t;
+      jacobian.template block<kCount, kCount>(kFirst, kFirst) =
+          radius / norm * (Square::Identity() - t * t.transpose());
     }
-  }
+  });
   return s;
 }
 

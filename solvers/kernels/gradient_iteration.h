@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "core/problem/coulomb_cone.h"
@@ -20,11 +21,17 @@ namespace bipot {
 
 /// x⁺ of one contact from the extrapolated impulse y and its velocity w. `held`: sigma of the map
 /// kFollowed, the radius of kHeldDisk.
-template <int D, GradientMap kMap>
-inline Local<D> corrected(const Local<D>& y, Local<D> w, double mu, double held, double rho) {
+template <int D, GradientMap kMap, class Friction>
+inline Local<D> corrected(const Local<D>& y, Local<D> w, const Friction& mu, double held,
+                          double rho) {
   if constexpr (kMap == GradientMap::kFollowed) {
     w[0] += held;
     return project_coulomb_cone<D>(y - rho * w, mu);
+  } else if constexpr (!std::is_same_v<Friction, double>) {
+    Local<D> x = y - rho * w;
+    x[0] = std::max(x[0], 0.0);
+    cut_off_parts<D>(x, mu);
+    return x;
   } else {
     Local<D> x = y - rho * w;
     x[0] = std::max(x[0], 0.0);
@@ -42,7 +49,7 @@ inline Local<D> corrected(const Local<D>& y, Local<D> w, double mu, double held,
 /// The iteration through the Delassus operator, for any problem. (Disks on one process:
 /// tiled_gradient.h.) `Space` includes the contacts of other processes: velocity(s, u) is u = W s +
 /// u_free, a Sum has += and add_dot(a, b, sum), and total() adds the Sums over all processes.
-template <int D, class Space>
+template <ContactRows D, class Space>
 class GradientIteration final : public GradientKernel {
  public:
   GradientIteration(const ContactProblem& p, Space& space, const ContactScaling& scaling)
@@ -62,8 +69,8 @@ class GradientIteration final : public GradientKernel {
   }
   void follow(double kappa) override {
     for (int c = 0; c < p_.num_contacts(); ++c) {
-      const double slip = tangential_norm<D>(Local<D>(w_.segment<D>(c * D)));
-      held_[c] += kappa * (scaling_.mu[c] * slip - held_[c]);
+      const Local<D> w = w_.segment<D>(c * D);
+      held_[c] += kappa * (friction_speed<D>(w, friction_of<D>(scaling_, c)) - held_[c]);
     }
   }
   /// Radii of the map kHeldDisk: those of the friction disks at x. Returns the norms of their
@@ -85,7 +92,7 @@ class GradientIteration final : public GradientKernel {
     for (int c = 0; c < p_.num_contacts(); ++c) {
       const Local<D> x = x_.segment<D>(c * D);
       const Local<D> w = w_.segment<D>(c * D);
-      sum += (x - corrected<D, kMap>(x, w, scaling_.mu[c], held_[c], 1)).squaredNorm();
+      sum += (x - corrected<D, kMap>(x, w, friction_of<D>(scaling_, c), held_[c], 1)).squaredNorm();
     }
     return sum / 2;
   }
@@ -120,7 +127,7 @@ class GradientIteration final : public GradientKernel {
     for (int c = 0; c < p_.num_contacts(); ++c) {
       const Local<D> y = y_.segment<D>(c * D);
       const Local<D> w = w_y_.segment<D>(c * D);
-      const Local<D> x = corrected<D, kMap>(y, w, scaling_.mu[c], held_[c], rho);
+      const Local<D> x = corrected<D, kMap>(y, w, friction_of<D>(scaling_, c), held_[c], rho);
       const Local<D> change = x - before_.segment<D>(c * D);
       turn += (y - x).dot(change);
       change2 += change.squaredNorm();

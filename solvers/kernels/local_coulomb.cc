@@ -9,10 +9,20 @@ namespace {
 
 constexpr double kAccepted = 1e-9;  // relative natural map of an accepted solution
 constexpr int kNewtonLimit = 100;
+constexpr int kRoundLimit = 1000;
+constexpr double kSettled = 1e-15;  // relative natural map from which rounds are over
 
-template <int D>
+template <ContactRows D>
 Local<D> velocity(const LocalProblem<D>& p, const Local<D>& s) {
   return p.w * s + p.q;
+}
+
+/// 1 over the largest eigenvalue of the symmetric part of the block of two rows from `first` on.
+double step_of_two(const Eigen::MatrixXd& w, int first) {
+  const double a = w(first, first), b = w(first + 1, first + 1);
+  const double coupling = 0.5 * (w(first, first + 1) + w(first + 1, first));
+  const double half = 0.5 * (a - b);
+  return 1 / (0.5 * (a + b) + std::sqrt(half * half + coupling * coupling));
 }
 
 template <int D>
@@ -23,8 +33,32 @@ void cut_off_tangential(Local<D>& s, double mu) {
   }
 }
 
+/// The step of each row.
+template <ContactRows D>
+Local<D> steps_of(const LocalProblem<D>& p) {
+  Local<D> steps = Local<D>::Constant(p.step_tangential);
+  steps[0] = p.step_normal;
+  if constexpr (D.rolls) {
+    for (int k = 1 + D.tangents(); k < D; ++k) steps[k] = k == 5 ? p.step_spin : p.step_rolling;
+  }
+  return steps;
+}
+
+/// Natural map with separate steps, relative to s and to the impulse that would stop q, as energies.
+template <ContactRows D>
+double relative_map(const LocalProblem<D>& p, const Local<D>& s, const Local<D>& next) {
+  const Local<D> steps = steps_of<D>(p);
+  double change = 0, size = 0;
+  for (int k = 0; k < D; ++k) {
+    if (!(steps[k] > 0)) continue;
+    change += (next[k] - s[k]) * (next[k] - s[k]) / steps[k];
+    size += s[k] * s[k] / steps[k] + steps[k] * p.q[k] * p.q[k];
+  }
+  return std::sqrt(change / size);
+}
+
 /// Natural map with separate steps, relative to s and to the impulse that would stop q.
-template <int D>
+template <ContactRows D>
 bool accepted(const LocalProblem<D>& p, const Local<D>& s) {
   const Local<D> next = improve_local<D>(p, s, velocity<D>(p, s), 1.0, 1);
   const double size = s.norm() + p.step_normal * p.q.norm();
@@ -97,32 +131,48 @@ bool solve_slip(const LocalProblem<3>& p, Local<3>& s) {
 
 }  // namespace
 
-template <int D>
-LocalProblem<D> local_problem(const Eigen::MatrixXd& w, double mu) {
+template <ContactRows D>
+LocalProblem<D> local_problem(const Eigen::MatrixXd& w, const FrictionOf<D>& mu) {
   LocalProblem<D> p;
   p.w = w;
   p.q.setZero();
   p.mu = mu;
   p.step_normal = 1 / w(0, 0);
   double largest = 0;
-  if constexpr (D == 2) {
+  if constexpr (D.tangents() == 1) {
     largest = w(1, 1);
-  } else if constexpr (D == 3) {
+  } else if constexpr (D.tangents() == 2) {
     const double mean = 0.5 * (w(1, 1) + w(2, 2)), half = 0.5 * (w(1, 1) - w(2, 2));
     const double coupling = 0.5 * (w(1, 2) + w(2, 1));
     largest = mean + std::sqrt(half * half + coupling * coupling);
   }
   p.step_tangential = largest > 1e-12 * w(0, 0) ? 1 / largest : p.step_normal;
+  if constexpr (D.rolls && D == 3) p.step_rolling = 1 / w(2, 2);
+  if constexpr (D.rolls && D == 6) {
+    p.step_rolling = step_of_two(w, 3);
+    p.step_spin = 1 / w(5, 5);
+  }
+  for (double* step : {&p.step_rolling, &p.step_spin}) {
+    if (!std::isfinite(*step)) *step = 0;
+  }
   return p;
 }
 
-template <int D>
+template <ContactRows D>
 Local<D> improve_local(const LocalProblem<D>& p, Local<D> s, Local<D> u, double omega,
                        int iterations) {
   for (int k = 0; k < iterations; ++k) {
     const Local<D> before = s;
     s[0] = positive_part(s[0] - omega * p.step_normal * u[0]);
-    if constexpr (D > 1) {
+    if constexpr (D.rolls) {
+      const Local<D> steps = steps_of<D>(p);
+      each_bounded<D>(p.mu, [&](auto first, auto count, double bound) {
+        const Local<D> at = u + p.w * (s - before);
+        for (int a = first(); a < first() + count(); ++a) s[a] -= omega * steps[a] * at[a];
+        const double norm = part_norm<first(), count()>(s), radius = bound * s[0];
+        if (norm > radius) s.template segment<count()>(first()) *= radius / norm;
+      });
+    } else if constexpr (D > 1) {
       const double change = s[0] - before[0];
       for (int a = 1; a < D; ++a) {
         s[a] -= omega * p.step_tangential * (u[a] + p.w(a, 0) * change);
@@ -134,7 +184,7 @@ Local<D> improve_local(const LocalProblem<D>& p, Local<D> s, Local<D> u, double 
   return s;
 }
 
-template <int D>
+template <ContactRows D>
 bool solve_local(const LocalProblem<D>& p, Local<D>& s) {
   if (p.q[0] >= 0) {
     s.setZero();
@@ -142,6 +192,17 @@ bool solve_local(const LocalProblem<D>& p, Local<D>& s) {
   }
   if constexpr (D == 1) {
     s[0] = -p.q[0] * p.step_normal;
+    return true;
+  } else if constexpr (D.rolls) {
+    Local<D> now = s;
+    double map = 1;
+    for (int k = 0; k < kRoundLimit && map > kSettled; ++k) {
+      const Local<D> next = improve_local<D>(p, now, velocity<D>(p, now), 1.0, 1);
+      map = relative_map<D>(p, now, next);
+      now = next;
+    }
+    if (!(map <= kAccepted)) return false;
+    s = now;
     return true;
   } else {
     const Local<D> stick = -(p.w.partialPivLu().solve(p.q));
@@ -154,14 +215,17 @@ bool solve_local(const LocalProblem<D>& p, Local<D>& s) {
   }
 }
 
-template LocalProblem<1> local_problem<1>(const Eigen::MatrixXd&, double);
-template LocalProblem<2> local_problem<2>(const Eigen::MatrixXd&, double);
-template LocalProblem<3> local_problem<3>(const Eigen::MatrixXd&, double);
-template Local<1> improve_local<1>(const LocalProblem<1>&, Local<1>, Local<1>, double, int);
-template Local<2> improve_local<2>(const LocalProblem<2>&, Local<2>, Local<2>, double, int);
-template Local<3> improve_local<3>(const LocalProblem<3>&, Local<3>, Local<3>, double, int);
-template bool solve_local<1>(const LocalProblem<1>&, Local<1>&);
-template bool solve_local<2>(const LocalProblem<2>&, Local<2>&);
-template bool solve_local<3>(const LocalProblem<3>&, Local<3>&);
+#define BIPOT_LOCAL(rows)                                                                       \
+  template LocalProblem<rows> local_problem<rows>(const Eigen::MatrixXd&,                       \
+                                                  const FrictionOf<rows>&);                     \
+  template Local<rows> improve_local<rows>(const LocalProblem<rows>&, Local<rows>, Local<rows>, \
+                                           double, int);                                        \
+  template bool solve_local<rows>(const LocalProblem<rows>&, Local<rows>&);
+BIPOT_LOCAL(1)
+BIPOT_LOCAL(2)
+BIPOT_LOCAL(3)
+BIPOT_LOCAL((ContactRows{3, true}))
+BIPOT_LOCAL((ContactRows{6, true}))
+#undef BIPOT_LOCAL
 
 }  // namespace bipot

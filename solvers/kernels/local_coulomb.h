@@ -9,24 +9,27 @@ template <int D>
 using LocalBlock = Eigen::Matrix<double, D, D, Eigen::DontAlign>;
 
 /// The problem of a single contact, u = w s + q with the law (18) between u and s.
-template <int D>
+template <ContactRows D>
 struct LocalProblem {
   LocalBlock<D> w;             ///< w(0, 0) > 0                                        [1/kg]
   Local<D> q;                  ///< velocity at s = 0                                   [m/s]
-  double mu = 0;               ///<                                                       [-]
+  FrictionOf<D> mu{};          ///< coefficients
   double step_normal = 0;      ///< 1/W_nn                                               [kg]
   double step_tangential = 0;  ///< 1/lambda_max(W_tt), 1/W_nn where W_tt vanishes   [kg]
+  double step_rolling = 0;     ///< the same of the rolling rows, 0 where it vanishes      [kg m²]
+  double step_spin = 0;        ///< likewise
 };
 
 /// Local problem of a diagonal block of W; q is not set.
-template <int D>
-LocalProblem<D> local_problem(const Eigen::MatrixXd& w, double mu);
+template <ContactRows D>
+LocalProblem<D> local_problem(const Eigen::MatrixXd& w, const FrictionOf<D>& mu);
 
 /// Improves s by `iterations` rounds of two half steps. First s_n <- max(0, s_n - omega u_n/W_nn),
 /// with u_t updated. Then s_t <- s_t - omega u_t/lambda_max(W_tt), cut off at mu s_n. Each half
 /// minimises (or majorises and minimises) along its coordinates. One round with omega = 1 is exact
-/// for a diagonal block with equal tangents. `u` is the velocity at s.
-template <int D>
+/// for a diagonal block with equal tangents. Rolling and spin are two steps more. `u` is the velocity
+/// at s.
+template <ContactRows D>
 Local<D> improve_local(const LocalProblem<D>& problem, Local<D> s, Local<D> u, double omega,
                        int iterations);
 
@@ -39,8 +42,9 @@ Local<D> improve_local(const LocalProblem<D>& problem, Local<D> s, Local<D> u, d
 /// root is bracketed by λ = 0 (stick has failed) and a bound on λ. It is found by Newton's method
 /// on 1/|x| - 1/(mu s_n), with bisection as safeguard. [ours]; Bonnefon and Daviet (INRIA 2011)
 /// solve the same equations as a quartic. Returns false, s unchanged, if the result violates the
-/// law by more than 1e-9 relative (a block far from positive semidefinite).
-template <int D>
+/// law by more than 1e-9 relative (a block far from positive semidefinite). With rolling friction
+/// rounds of improve_local() lead to the solution, at most 1000.
+template <ContactRows D>
 bool solve_local(const LocalProblem<D>& problem, Local<D>& s);
 
 }  // namespace bipot

@@ -16,7 +16,7 @@ struct LocalSettings {
 };
 
 /// Local problems of all contacts and the update of one of them.
-template <int D>
+template <ContactRows D>
 class LocalUpdates {
  public:
   LocalUpdates(const ContactProblem& p, const DelassusOperator& delassus,
@@ -24,7 +24,7 @@ class LocalUpdates {
       : settings_(settings) {
     problems_.reserve(to_size(p.num_contacts()));
     for (int c = 0; c < p.num_contacts(); ++c) {
-      problems_.push_back(local_problem<D>(delassus.diagonal_block(c), p.mu[c]));
+      problems_.push_back(local_problem<D>(delassus.diagonal_block(c), friction_of<D>(p, c)));
     }
   }
 
@@ -53,7 +53,7 @@ class LocalUpdates {
 
 /// Calls f(sweep, visit) with the fastest sweep for the structure of the problem, at the impulse s
 /// = 0. visit(c) updates contact c.
-template <int D, class F>
+template <ContactRows D, class F>
 void with_local_updates(const ContactProblem& p, const DelassusOperator& delassus,
                         const LocalSettings& settings, bool explicit_delassus, F&& f) {
   if constexpr (D < 3) {

@@ -7,7 +7,7 @@ namespace bipot {
 PredictorSteps paper_steps(ContactSpace& space) {
   const ContactProblem& p = space.problem();
   const Vector diagonal = space.diagonal();
-  PredictorSteps steps{physical_scaling(p), Vector(p.num_contacts())};
+  PredictorSteps steps{physical_scaling(p, diagonal), Vector(p.num_contacts())};
   for (int c = 0; c < p.num_contacts(); ++c) steps.rho[c] = 1 / diagonal[c * p.dim];
   return steps;
 }

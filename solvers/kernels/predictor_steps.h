@@ -35,7 +35,7 @@ PredictorSteps stable_steps(ContactSpace& space, bool jacobi);
 Parallel jacobi_in_parallel(const Parameters& parameters);
 
 /// Predictor-corrector (41) of every contact, in scaled variables.
-template <int D>
+template <ContactRows D>
 struct BipotentialCorrector {
   const PredictorSteps& steps;
 
@@ -44,8 +44,9 @@ struct BipotentialCorrector {
     const Local<D> to_x = scaling.impulse.segment<D>(c * D);
     const Local<D> x = s.cwiseProduct(to_x);
     const Local<D> w = u.cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
-    const Local<D> tau = x - steps.rho[c] * de_saxce_velocity<D>(w, scaling.mu[c]);
-    return project_coulomb_cone<D>(tau, scaling.mu[c]).cwiseQuotient(to_x);
+    const auto friction = friction_of<D>(scaling, c);
+    const Local<D> tau = x - steps.rho[c] * de_saxce_velocity<D>(w, friction);
+    return project_coulomb_cone<D>(tau, friction).cwiseQuotient(to_x);
   }
 };
 

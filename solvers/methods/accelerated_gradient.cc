@@ -36,7 +36,7 @@ bool with_tiled_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
 }
 
 /// The same with the iteration through the operator.
-template <int D, class F>
+template <ContactRows D, class F>
 void with_any_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
   DistributedSpace* const parts = run.space().parts();
   if (parts != nullptr && parts->exact()) {
@@ -62,9 +62,12 @@ void solve_accelerated_gradient(SolveRun& run) {
   const auto iterate = [&](GradientKernel& kernel) {
     iterate_gradient(kernel, schedule, hold, lambda, step, run);
   };
-  dispatch_dim(run.problem().dim, [&](auto d) {
-    if (with_tiled_kernel<d()>(run, scaling, iterate)) return;
-    with_any_kernel<d()>(run, scaling, iterate);
+  dispatch_rows(run.problem(), [&](auto d) {
+    constexpr ContactRows D = d();
+    if constexpr (!D.rolls) {
+      if (with_tiled_kernel<D>(run, scaling, iterate)) return;
+    }
+    with_any_kernel<D>(run, scaling, iterate);
   });
 }
 

@@ -25,7 +25,7 @@ constexpr double kOmegaOfMany = 1.6;
 /// Disks along a side of a packing with this number of contacts.
 double side_of(const ContactProblem& p) {
   const double disks = p.num_contacts() / 3.0;
-  return p.dim == 3 ? std::cbrt(disks) : std::sqrt(disks);
+  return p.plain_dim() == 3 ? std::cbrt(disks) : std::sqrt(disks);
 }
 
 /// Two sweeps allow a larger omega than one, more than two a smaller one.
@@ -230,17 +230,19 @@ void solve_accelerated_ssor(SolveRun& run) {
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
   const Turns turns(omega, delassus.is_packed(), sweeps, parameters.integer("most_sweeps"), side);
   run.judge_half_as_often(delassus.is_packed() && p.num_contacts() >= kStreamed);
-  dispatch_dim(p.dim, [&](auto d) {
-    constexpr int D = d();
-    if (const auto& bodies = delassus.bodies<D>()) {
-      SymmetricSweep<D> kernel(p, *bodies, scaling, omega, sweeps, execution);
-      if constexpr (D == 2) {
-        const int least = parameters.integer("stresses_from");
-        iterate(kernel, turns, Stresses(kernel, *bodies, least, execution), run);
-      } else {
-        iterate(kernel, turns, NoStresses(), run);
+  dispatch_rows(p, [&](auto d) {
+    constexpr ContactRows D = d();
+    if constexpr (!D.rolls) {
+      if (const auto& bodies = delassus.bodies<D>()) {
+        SymmetricSweep<D> kernel(p, *bodies, scaling, omega, sweeps, execution);
+        if constexpr (D == 2) {
+          const int least = parameters.integer("stresses_from");
+          iterate(kernel, turns, Stresses(kernel, *bodies, least, execution), run);
+        } else {
+          iterate(kernel, turns, NoStresses(), run);
+        }
+        return;
       }
-      return;
     }
     with_local_updates<D>(p, delassus, {.omega = omega}, false,
                           [&](auto& sweep, const auto& visit) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/linear/frontal_cholesky.h"
 #include "core/problem/coulomb_cone.h"
@@ -37,7 +38,7 @@ constexpr double kRaisedBy = 300, kLastRaises = 5;
 constexpr double kOverRelaxation = 1.6;
 
 /// x = (W + M)⁻¹ r in the scaled variables, M the penalties.
-template <int D>
+template <ContactRows D>
 class Resolvent {
  public:
   Resolvent(const ContactProblem& p, const Vector& scale) : rows_(p.num_rows()) {
@@ -109,7 +110,7 @@ class Resolvent {
 };
 
 /// False if no penalty makes the matrix positive definite, or the time is over.
-template <int D>
+template <ContactRows D>
 bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vector& y,
                     SolveRun& run) {
   if (!run.out_of_time() && !resolvent.analyse(penalties)) return false;
@@ -148,17 +149,19 @@ class Stages {
   int mark_iteration_ = 0;
 };
 
-template <int D>
+template <ContactRows D>
 void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, Vector s0,
              double rho, SolveRun& run) {
   Resolvent<D> resolvent(p, scaling.velocity);
-  ContactPenalties<D> penalties(scaling.mu, rho);
+  std::vector<FrictionOf<D>> friction;
+  for (int c = 0; c < p.num_contacts(); ++c) friction.push_back(friction_of<D>(scaling, c));
+  ContactPenalties<D> penalties(std::move(friction), rho);
   Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size());
   // Start of the multiplier: minus de Saxcé's velocity at s0, unless that is 0.
   for (int c = 0; c < p.num_contacts(); ++c) {
     const Local<D> w =
         velocity0.segment<D>(c * D).cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
-    y.segment<D>(c * D) = -de_saxce_velocity<D>(w, scaling.mu[c]) / rho;
+    y.segment<D>(c * D) = -de_saxce_velocity<D>(w, friction_of<D>(scaling, c)) / rho;
   }
   if (s0.isZero(0)) y.setZero();
   for (Vector* start : {&velocity0, &s0, &scaling.impulse}) start->resize(0);
@@ -187,7 +190,7 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
     for (int c = 0; c < p.num_contacts(); ++c) {
       const Local<D> multiplier = penalties.times(c, y.segment<D>(c * D));
       Local<D> r = penalties.times(c, z.segment<D>(c * D)) - multiplier;
-      if constexpr (D > 1) r[0] -= scaling.mu[c] * tangential_norm<D>(multiplier);
+      if constexpr (D > 1) r[0] -= friction_speed<D>(multiplier, friction_of<D>(scaling, c));
       rhs.segment<D>(c * D) =
           r - scaling.velocity.segment<D>(c * D).cwiseProduct(p.u_free.segment<D>(c * D));
     }
@@ -245,7 +248,7 @@ void solve_admm(SolveRun& run) {
   Vector s0 = run.start();
   Vector velocity(p.num_rows());
   delassus.velocity(s0, velocity);
-  dispatch_dim(p.dim, [&](auto d) {
+  dispatch_rows(p, [&](auto d) {
     iterate<d()>(p, std::move(scaling), std::move(velocity), std::move(s0),
                  parameters.number("rho"), run);
   });

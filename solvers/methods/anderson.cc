@@ -9,7 +9,7 @@
 namespace bipot {
 namespace {
 
-template <int D>
+template <ContactRows D>
 void accelerate_sweeps(SolveRun& run, const ContactScaling& scaling, int columns) {
   const int contacts = run.problem().num_contacts();
   with_sweep_of<D>(run, {}, false, [&](auto& sweep, auto visit, auto meet) {
@@ -24,7 +24,7 @@ void accelerate_sweeps(SolveRun& run, const ContactScaling& scaling, int columns
   });
 }
 
-template <int D>
+template <ContactRows D>
 void accelerate_gradient(SolveRun& run, const ContactScaling& scaling, int columns) {
   const double rho = 1 / (kSpectralMargin * spectral_estimate(run.space(), scaling.velocity));
   Vector u(run.problem().num_rows());
@@ -36,10 +36,7 @@ void accelerate_gradient(SolveRun& run, const ContactScaling& scaling, int colum
       Local<D> x = s.segment<D>(c * D).cwiseProduct(to_x);
       x -= rho * u.segment<D>(c * D).cwiseQuotient(to_x);
       x[0] = positive_part(x[0]);
-      if constexpr (D > 1) {
-        const double norm = tangential_norm<D>(x), radius = scaling.mu[c] * x[0];
-        if (norm > radius) x.template tail<D - 1>() *= radius / norm;
-      }
+      cut_off_parts<D>(x, friction_of<D>(scaling, c));
       s.segment<D>(c * D) = x.cwiseQuotient(to_x);
     }
   });
@@ -55,7 +52,7 @@ void solve_anderson(SolveRun& run) {
   const int columns = run.parameters().integer("memory");
   const bool sweeps = run.parameters().choice("map") == "sweep";
   const ContactScaling scaling = equilibrated_scaling(run.problem(), run.space().diagonal());
-  dispatch_dim(run.problem().dim, [&](auto d) {
+  dispatch_rows(run.problem(), [&](auto d) {
     if (sweeps) {
       accelerate_sweeps<d()>(run, scaling, columns);
     } else {

@@ -7,7 +7,7 @@
 namespace bipot {
 namespace {
 
-template <int D>
+template <ContactRows D>
 struct TwoCorrectors {
   const PredictorSteps& steps;
 
@@ -18,10 +18,7 @@ struct TwoCorrectors {
     Local<D> x =
         s.cwiseProduct(to_x) - rho * u.cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
     x[0] = positive_part(x[0]);
-    if constexpr (D > 1) {
-      const double norm = tangential_norm<D>(x), radius = scaling.mu[c] * x[0];
-      if (norm > radius) x.template tail<D - 1>() *= radius / norm;
-    }
+    cut_off_parts<D>(x, friction_of<D>(scaling, c));
     return x.cwiseQuotient(to_x);
   }
 };
@@ -34,7 +31,7 @@ void solve_classical(SolveRun& run) {
                                    ? paper_steps(run.space())
                                    : stable_steps(run.space(), jacobi);
   run.end_setup();
-  dispatch_dim(run.problem().dim, [&](auto d) {
+  dispatch_rows(run.problem(), [&](auto d) {
     const TwoCorrectors<d()> update{steps};
     if (jacobi) {
       iterate_jacobi<d()>(run, steps.first(), update);

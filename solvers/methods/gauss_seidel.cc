@@ -74,7 +74,7 @@ void sweep_vectors(SolveRun& run, double omega, bool tiled) {
   }
 }
 
-template <int D>
+template <ContactRows D>
 void sweep_contacts(SolveRun& run, bool explicit_delassus, SweepOrder& order,
                     const LocalSettings& settings) {
   with_sweep_of<D>(run, settings, explicit_delassus, [&](auto& sweep, auto visit, auto meet) {
@@ -110,12 +110,15 @@ void solve_gauss_seidel(SolveRun& run) {
   const bool one_round = settings.omega == 1 || (!settings.exact && settings.local_iterations == 1);
   const bool given = parameters.choice("order") == "forward" && one_round &&
                      run.problem().dim == 3 && run.space().parts() == nullptr;
-  dispatch_dim(run.problem().dim, [&](auto d) {
-    if ((tiled || given) && run.delassus().is_packed() && !explicit_delassus) {
-      sweep_vectors<d()>(run, settings.omega, tiled);
-      return;
+  dispatch_rows(run.problem(), [&](auto d) {
+    constexpr ContactRows D = d();
+    if constexpr (!D.rolls) {
+      if ((tiled || given) && run.delassus().is_packed() && !explicit_delassus) {
+        sweep_vectors<D>(run, settings.omega, tiled);
+        return;
+      }
     }
-    sweep_contacts<d()>(run, explicit_delassus, order, settings);
+    sweep_contacts<D>(run, explicit_delassus, order, settings);
   });
 }
 

@@ -40,48 +40,55 @@ struct Complementarity {
 };
 
 /// The law in equilibrated impulses x = impulse ∘ s, over the largest free velocity. Blocks of z:
-/// normal, b+, b-, l, each with one entry for each contact. With large friction, normal impulses
-/// are small beside the tangential ones: z_n is max(1, mu) x_n.
+/// normal, then b+, b-, l of the tangents, and the same of rolling, each with one entry for each
+/// contact. With large friction, normal impulses are small beside the tangential ones: z_n is
+/// max(1, mu) x_n.
 Complementarity stewart_trinkle(const ContactProblem& p, const ContactScaling& scaling,
                                 double unit) {
   const int c = p.num_contacts(), d = p.dim;
-  const int blocks = d == 1 ? 1 : 4;
+  const int blocks = 1 + 3 * (d - 1);
+  // Block b+ of the rows k of the contacts, k > 0; b- is the next one, l the one after.
+  const auto plus = [&](int k) { return (3 * k - 2) * c; };
   Complementarity out{Dense::Zero(blocks * c, blocks * c), Vector::Zero(blocks * c),
                       Vector::Ones(c)};
   for (int i = 0; i < p.num_rows(); ++i) {
     const int contact = i / d;
-    const bool tangential = i % d == 1;
+    const int k = i % d;
+    const bool tangential = k > 0;
     const double b = p.u_free[i] * scaling.velocity[i] / unit;
     if (tangential) {
-      out.q[c + contact] = b;
-      out.q[2 * c + contact] = -b;
+      out.q[plus(k) + contact] = b;
+      out.q[plus(k) + c + contact] = -b;
     } else {
       out.q[contact] = b;
     }
     for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
       const int j = static_cast<int>(it.col());
       const int other = j / d;
-      const bool other_tangential = j % d == 1;
+      const int l = j % d;
       const double w = it.value() * scaling.velocity[i] * scaling.velocity[j];
       for (int row_sign = tangential ? -1 : 1; row_sign <= 1; row_sign += 2) {
-        const int row = tangential ? (row_sign > 0 ? c : 2 * c) + contact : contact;
-        if (other_tangential) {
-          out.M(row, c + other) += row_sign * w;
-          out.M(row, 2 * c + other) -= row_sign * w;
+        const int row = tangential ? plus(k) + (row_sign > 0 ? 0 : c) + contact : contact;
+        if (l > 0) {
+          out.M(row, plus(l) + other) += row_sign * w;
+          out.M(row, plus(l) + c + other) -= row_sign * w;
         } else {
           out.M(row, other) += row_sign * w;
         }
       }
     }
   }
-  for (int contact = 0; contact < c && d > 1; ++contact) {
-    const int speed = 3 * c + contact;
-    out.M(c + contact, speed) = 1;
-    out.M(2 * c + contact, speed) = 1;
-    out.M(speed, contact) = scaling.mu[contact];
-    out.M(speed, c + contact) = -1;
-    out.M(speed, 2 * c + contact) = -1;
-    out.normal[contact] = 1 / std::max(1.0, scaling.mu[contact]);
+  for (int k = 1; k < d; ++k) {
+    const Vector& bounds = k == 1 ? scaling.mu : scaling.mu_r;
+    for (int contact = 0; contact < c; ++contact) {
+      const int positive = plus(k) + contact, negative = positive + c, speed = negative + c;
+      out.M(positive, speed) = 1;
+      out.M(negative, speed) = 1;
+      out.M(speed, contact) = bounds[contact];
+      out.M(speed, positive) = -1;
+      out.M(speed, negative) = -1;
+      out.normal[contact] = std::min(out.normal[contact], 1 / std::max(1.0, bounds[contact]));
+    }
   }
   for (int contact = 0; contact < c; ++contact) out.M.col(contact) *= out.normal[contact];
   return out;
@@ -264,7 +271,10 @@ void solve_lemke(SolveRun& run) {
         Vector s(p.num_rows());
         for (int i = 0; i < c; ++i) {
           s[i * d] = lcp.normal[i] * z[i];
-          if (d > 1) s[i * d + 1] = z[c + i] - z[2 * c + i];
+          for (int k = 1; k < d; ++k) {
+            const int positive = (3 * k - 2) * c + i;
+            s[i * d + k] = z[positive] - z[positive + c];
+          }
         }
         s = unit * s.cwiseQuotient(scaling.impulse);
         if (s.allFinite() && run.meets(s)) {

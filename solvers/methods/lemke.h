@@ -16,7 +16,8 @@ inline constexpr int kLemkeMaxContacts = 300;
 ///     0 <= l - u_t          ⟂  b-  >= 0
 ///     0 <= mu s_n - b+ - b-  ⟂  l   >= 0
 ///
-/// (d = 1: the first line alone.) W may be singular. Ties in the ratio test are broken
+/// (d = 1: the first line alone. Rolling friction in the plane: the last three lines once more, for
+/// moments.) W may be singular. Ties in the ratio test are broken
 /// lexicographically, so that pivoting cannot cycle. The basis inverse is dense and rebuilt from
 /// the data at intervals. The final basis is solved again with refinement. The start s0 is not
 /// used: pivoting begins at s = 0. An iteration is one pivot.

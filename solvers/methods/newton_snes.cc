@@ -368,6 +368,9 @@ Settings settings_for(const ContactProblem& p, const Parameters& parameters) {
     throw std::invalid_argument(
         fmt::format("residual snesvi is for dimension 1, the problem has {}", p.dim));
   }
+  if (s.residual == Residual::kFischerBurmeister && p.rolls()) {
+    throw std::invalid_argument("residual fischer-burmeister has no rolling friction");
+  }
   if (form == "mixed" && inequality) {
     throw std::invalid_argument("residual snesvi has the contact form only");
   }

@@ -19,15 +19,21 @@ constexpr int kSetPatience = 500;     // solves without halving the error before
 constexpr double kBoundFalls = 100;   // of kappa, each time
 constexpr double kSetsSolved = 1e-9;  // residual of a regularised problem in space, relative
 
-/// Sets of all contacts, one letter each: o open, k stick, p slip.
-template <int D>
-char set_of(const Local<D>& z, double mu) {
+/// Sets of all contacts, one letter each: o open, k stick, p slip; with rolling friction p, q, r ... by
+/// the parts that slip or roll.
+template <ContactRows D>
+char set_of(const Local<D>& z, const FrictionOf<D>& mu) {
   if (z[0] <= 0) return 'o';
-  return tangential_norm<D>(z) <= mu * z[0] ? 'k' : 'p';
+  int moving = 0, part = 1;
+  each_bounded<D>(mu, [&](auto first, auto count, double bound) {
+    if (!(part_norm<first(), count()>(z) <= bound * z[0])) moving += part;
+    part *= 2;
+  });
+  return moving == 0 ? 'k' : static_cast<char>('p' + moving - 1);
 }
 
 /// The active sets of one regularised problem.
-template <int D>
+template <ContactRows D>
 class ActiveSets {
  public:
   ActiveSets(SolveRun& run, const Vector& weights)
@@ -48,14 +54,16 @@ class ActiveSets {
       const Local<D> weight = weights_.segment<D>(c * D);
       const Local<D> rho = kappa * weight.cwiseInverse();
       const Local<D> z = local<D>(anchor, c) - rho.cwiseProduct(local<D>(u_, c));
-      Eigen::Matrix<double, D, D> jacobian;
-      const Local<D> on_law = split_projection<D>(z, p_.mu[c], jacobian);
+      Eigen::Matrix<double, D.count, D.count> jacobian;
+      const FrictionOf<D> friction = friction_of<D>(p_, c);
+      const Local<D> on_law = split_projection<D>(z, friction, jacobian);
       const Local<D> f = on_law - local<D>(s, c);
       residual_.segment<D>(c * D) = f;
       gap += f.dot(weight.cwiseProduct(f));
       size += on_law.dot(weight.cwiseProduct(on_law));
-      sets_[to_size(c)] = set_of<D>(z, p_.mu[c]);
-      Eigen::Map<Eigen::Matrix<double, D, D, Eigen::RowMajor>> block(&R_[to_size(c * D * D)]);
+      sets_[to_size(c)] = set_of<D>(z, friction);
+      Eigen::Map<Eigen::Matrix<double, D.count, D.count, Eigen::RowMajor>> block(
+          &R_[to_size(c * D * D)]);
       block = jacobian * rho.asDiagonal();
     }
     return std::sqrt(gap / size);
@@ -80,7 +88,7 @@ class ActiveSets {
   Vector u_, residual_, step_;
 };
 
-template <int D>
+template <ContactRows D>
 void iterate_sets(SolveRun& run) {
   const Vector weights = mean_diagonal(run.problem(), run.delassus().diagonal());
   const int cap = run.parameters().integer("set_changes");
@@ -97,13 +105,13 @@ void iterate_sets(SolveRun& run) {
     for (int k = 0; k < cap; ++k) {
       const double residual = active.update(kappa, anchor, out.s);
       const bool same = !seen.empty() && seen.back() == active.sets();
-      if (k > 0 && (D < 3 ? same : residual <= kSetsSolved)) {
+      if (k > 0 && (D.in_plane() ? same : residual <= kSetsSolved)) {
         out.outcome = InnerReport::Outcome::kSolved;
         out.effort = static_cast<double>(k) / cap;
         return out;
       }
       const auto before = std::find(seen.begin(), seen.end(), active.sets());
-      if (D < 3 && before != seen.end()) {
+      if (D.in_plane() && before != seen.end()) {
         out.reason = fmt::format("the sets cycle with period {}", seen.end() - before);
         return out;
       }
@@ -150,7 +158,7 @@ void iterate_sets(SolveRun& run) {
 }  // namespace
 
 void solve_pdas(SolveRun& run) {
-  dispatch_dim(run.problem().dim, [&](auto d) { iterate_sets<d()>(run); });
+  dispatch_rows(run.problem(), [&](auto d) { iterate_sets<d()>(run); });
 }
 
 }  // namespace bipot

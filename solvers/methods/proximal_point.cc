@@ -57,6 +57,8 @@ class RegularisedProblem {
       : p_(p), weights_(weights), diagonal_(Eigen::VectorXi::Constant(p.num_rows(), -1)) {
     sub_.dim = p.dim;
     sub_.mu = p.mu;
+    sub_.mu_r = p.mu_r;
+    sub_.mu_spin = p.mu_spin;
     sub_.row_scale = p.row_scale;
     SparseRows identity(p.num_rows(), p.num_rows());
     identity.setIdentity();
@@ -160,10 +162,8 @@ void solve_proximal_point(SolveRun& run) {
   } catch (const std::invalid_argument& e) {
     return run.end(SolveStatus::kInvalidInput, fmt::format("inner solver {}: {}", name, e.what()));
   }
-  if (p.dim > inner_solver->max_dim || p.num_contacts() > inner_solver->max_contacts) {
-    return run.end(SolveStatus::kInvalidInput,
-                   fmt::format("inner solver {} takes dimensions up to {} and at most {} contacts",
-                               name, inner_solver->max_dim, inner_solver->max_contacts));
+  if (const std::string beyond = beyond_solver(*inner_solver, p); !beyond.empty()) {
+    return run.end(SolveStatus::kInvalidInput, "inner " + beyond);
   }
   inner_options.max_iterations = parameters.integer("inner_iterations");
   inner_options.cancelled = options.cancelled;

@@ -11,7 +11,7 @@ void solve_uzawa(SolveRun& run) {
                                    ? paper_steps(run.space())
                                    : stable_steps(run.space(), jacobi);
   run.end_setup();
-  dispatch_dim(run.problem().dim, [&](auto d) {
+  dispatch_rows(run.problem(), [&](auto d) {
     const BipotentialCorrector<d()> update{steps};
     if (jacobi) {
       iterate_jacobi<d()>(run, steps.first(), update);

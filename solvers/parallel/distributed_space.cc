@@ -187,8 +187,7 @@ ErrorSums DistributedSpace::local_sums(ExactSum* exact) {
       ErrorSums part;
       ErrorSums& to = exact != nullptr ? part : sums;
       const auto add = [&](auto is_scaled) {
-        return add_error_terms<D, is_scaled()>(p, c, s_, u_, weights_.w_nn[c], weights_.rho_nn[c],
-                                               weights_.rho_nat[c], to);
+        return add_error_terms<D, is_scaled()>(p, c, s_, u_, weights_, to);
       };
       const ContactTerms terms = scaled ? add(std::true_type{}) : add(std::false_type{});
       add_free_terms(p, weights_, c, to);
@@ -210,9 +209,9 @@ ContactError DistributedSpace::error(const Eigen::Ref<const Vector>& s, std::spa
   dispatch_dim(p.dim, [&](auto d) {
     for (int c = 0; c < p.num_contacts(); ++c) {
       if (p.row_scale.size() != 0) {
-        project_physically<d(), true>(p, c, s_);
+        project_physically<d(), true>(p, c, 1, s_);
       } else {
-        project_physically<d(), false>(p, c, s_);
+        project_physically<d(), false>(p, c, 1, s_);
       }
     }
   });

@@ -216,6 +216,7 @@ std::string refuse_distributed(const ContactProblem& p) {
   if (!p.has_velocities()) {
     return "the problem has W alone; on several processes it must come with A and H";
   }
+  if (p.rolls()) return "rolling friction is solved on one process only";
   if (!is_diagonal(p.A)) {
     return "A is not diagonal; on several processes every degree of freedom must have its own mass";
   }

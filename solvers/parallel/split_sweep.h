@@ -37,7 +37,7 @@ inline ContactProblem split_masses(const ProblemPiece& piece) {
 
 /// Calls f(sweep, visit, meet) with the sweep of this process: as with_local_updates(), and meet()
 /// reads the velocities of the other processes.
-template <int D, class F>
+template <ContactRows D, class F>
 void with_split_sweep(DistributedSpace& space, const LocalSettings& settings, F&& f) {
   const ContactProblem split = split_masses(space.piece());
   space.group().fail_where_any(
@@ -66,7 +66,7 @@ void with_split_sweep(DistributedSpace& space, const LocalSettings& settings, F&
 }
 
 /// Calls f(sweep, visit, meet) with the fastest sweep that the run's problem allows.
-template <int D, class F>
+template <ContactRows D, class F>
 void with_sweep_of(SolveRun& run, const LocalSettings& settings, bool explicit_delassus, F&& f) {
   if (DistributedSpace* const parts = run.space().parts()) {
     return with_split_sweep<D>(*parts, settings, f);

@@ -71,8 +71,8 @@ void NewtonSystem::residual(const double* z, double* f) const {
     Eigen::Map<Vector>(f + dofs_, rows()) = w;
     return;
   }
-  dispatch_dim(d_, [&](auto d) {
-    constexpr int D = d();
+  dispatch_kind([&](auto d) {
+    constexpr ContactRows D = d();
     for (int c = 0; c < contacts_; ++c) {
       Eigen::Map<Local<D>>(f + dofs_ + c * D) = equation<D>(c, x, w).f;
     }
@@ -83,8 +83,8 @@ void NewtonSystem::jacobian(const double* z, double* values) const {
   const Vector w = velocity(z);
   const Eigen::Map<const Vector> x = scaled_impulse(z);
   if (mixed_) std::copy(fixed_values_.begin(), fixed_values_.end(), values);
-  dispatch_dim(d_, [&](auto d) {
-    constexpr int D = d();
+  dispatch_kind([&](auto d) {
+    constexpr ContactRows D = d();
     for (int c = 0; c < contacts_; ++c) {
       LocalResidual<D> r;
       if (residual_ == Residual::kInequality) {
@@ -108,12 +108,25 @@ Vector NewtonSystem::velocity(const double* z) const {
   return w;
 }
 
-template <int D>
+/// Calls f with the ContactRows of the problem.
+template <class F>
+void NewtonSystem::dispatch_kind(const F& f) const {
+  ContactProblem kind;
+  kind.dim = d_;
+  kind.mu_r = scaling_.mu_r;
+  dispatch_rows(kind, f);
+}
+
+template <ContactRows D>
 LocalResidual<D> NewtonSystem::equation(int c, const Eigen::Map<const Vector>& x,
                                         const Vector& w) const {
   const Local<D> xc = x.segment<D>(c * D), wc = w.segment<D>(c * D);
-  return residual_ == Residual::kAlartCurnier ? alart_curnier<D>(xc, wc, scaling_.mu[c])
-                                              : fischer_burmeister<D>(xc, wc, scaling_.mu[c]);
+  if constexpr (!D.rolls) {
+    if (residual_ == Residual::kFischerBurmeister) {
+      return fischer_burmeister<D>(xc, wc, scaling_.mu[c]);
+    }
+  }
+  return alart_curnier<D>(xc, wc, friction_of<D>(scaling_, c));
 }
 
 /// Row block of contact c: Q G on the coupled columns (G: rows of W' or of H'ᵀ), then P + Q / kappa

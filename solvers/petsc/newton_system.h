@@ -25,7 +25,7 @@ class NewtonSystem {
   enum class Residual { kAlartCurnier, kFischerBurmeister, kInequality };
 
   /// Copies all data that it needs. The mixed form needs A and H, the contact form W. Throws
-  /// std::runtime_error if A is not positive definite.
+  /// std::runtime_error if A is not positive definite. kFischerBurmeister has no rolling friction.
   NewtonSystem(const ContactProblem& problem, const Vector& delassus_diagonal, Residual residual,
                bool mixed);
 
@@ -57,7 +57,9 @@ class NewtonSystem {
  private:
   int rows() const { return contacts_ * d_; }
   Vector velocity(const double* z) const;
-  template <int D>
+  template <class F>
+  void dispatch_kind(const F& f) const;
+  template <ContactRows D>
   LocalResidual<D> equation(int c, const Eigen::Map<const Vector>& x, const Vector& w) const;
   template <int D>
   void fill_contact(int c, const LocalResidual<D>& r, double* values) const;

@@ -33,6 +33,7 @@ void scale_impulses(std::vector<ContactOutcome<D>>& contacts, double factor) {
   for (ContactOutcome<D>& c : contacts) {
     c.s_n *= factor;
     c.s_t *= factor;
+    c.moment *= factor;
   }
 }
 

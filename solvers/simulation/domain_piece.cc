@@ -86,6 +86,8 @@ void exchange(ContactProblem& a, ContactProblem& b) {
   a.v_free.swap(b.v_free);
   a.u_free.swap(b.u_free);
   a.mu.swap(b.mu);
+  a.mu_r.swap(b.mu_r);
+  a.mu_spin.swap(b.mu_spin);
   a.row_scale.swap(b.row_scale);
 }
 

@@ -45,6 +45,9 @@ std::string needs_whole_state(const Scene<D>& scene,
 template <int D>
 SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
     : scene_(scene), options_(std::move(options)) {
+  if (options_.processes != nullptr && scene.has_rolling()) {
+    throw std::invalid_argument("rolling friction runs on one process, not under mpirun");
+  }
   if (!options_.solver && scene.model == Model::kSpringDashpot) {
     if (options_.processes != nullptr) {
       throw std::invalid_argument("the model dem runs on one process, not under mpirun");

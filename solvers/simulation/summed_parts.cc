@@ -25,6 +25,7 @@ std::vector<ContactOutcome<D>> added(const std::vector<ContactOutcome<D>>& first
     if (a != first.end() && key(*a) == key(b)) {
       both.s_n += a->s_n;
       both.s_t += a->s_t;
+      both.moment += a->moment;
       ++a;
     }
     sum.push_back(both);

@@ -44,7 +44,7 @@ void BodyColumns::add(int j, const double* blocks, const FrontalCholesky::Column
     const int row = static_cast<int>(it.row());
     if (to.takes(row)) to[row] += it.value();
   }
-  dispatch_dim(problem_.dim, [&](auto d) { add_contacts<d()>(j, blocks, to); });
+  dispatch_count(problem_.dim, [&](auto d) { add_contacts<d()>(j, blocks, to); });
 }
 
 void BodyColumns::momentum(const Vector& s, Vector& g) const {

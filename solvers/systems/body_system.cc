@@ -141,13 +141,13 @@ const SparseMatrix& BodySystem::assemble(const double* blocks) {
   double* const value = matrix_.valuePtr();
   std::fill(value, value + matrix_.nonZeros(), 0.0);
   for (std::size_t k = 0; k < mass_.size(); ++k) value[mass_slot_[k]] += mass_[k];
-  dispatch_dim(dim_, [&](auto d) { add_contacts<d()>(blocks); });
+  dispatch_count(dim_, [&](auto d) { add_contacts<d()>(blocks); });
   return matrix_;
 }
 
 void BodySystem::momentum(const Vector& s, Vector& g) const {
   g.setZero(size());
-  dispatch_dim(dim_, [&](auto d) {
+  dispatch_count(dim_, [&](auto d) {
     constexpr int D = d();
     for (int c = 0; c < contacts_; ++c) {
       for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
@@ -161,7 +161,7 @@ void BodySystem::momentum(const Vector& s, Vector& g) const {
 
 void BodySystem::velocity(const Vector& v, Vector& u) const {
   u.resize(contacts_ * dim_);
-  dispatch_dim(dim_, [&](auto d) {
+  dispatch_count(dim_, [&](auto d) {
     constexpr int D = d();
     for (int c = 0; c < contacts_; ++c) {
       Local<D> sum = Local<D>::Zero();

@@ -68,7 +68,61 @@ Manufactured make(int bodies, int contacts, unsigned seed, double mu) {
   return out;
 }
 
+template <ContactRows K>
+Manufactured make_rolling(int bodies, int contacts, unsigned seed) {
+  PortableRandom draw(seed);
+  constexpr int kDofs = K == 6 ? 6 : 3;
+  const int n = bodies * kDofs, m = contacts * K;
+  Manufactured out;
+  ContactProblem& p = out.problem;
+  p.dim = K;
+  std::vector<Eigen::Triplet<double>> a, h;
+  for (int k = 0; k < n; ++k) a.emplace_back(k, k, 0.5 + draw.uniform());
+  for (int c = 0; c < contacts; ++c) {
+    const int i = c % bodies, j = c < bodies - 1 ? c + 1 : draw.below(bodies);
+    for (int row = c * K; row < (c + 1) * K; ++row) {
+      for (int k = 0; k < kDofs; ++k) {
+        h.emplace_back(i * kDofs + k, row, draw.symmetric());
+        if (j != i) h.emplace_back(j * kDofs + k, row, draw.symmetric());
+      }
+    }
+  }
+  p.A.resize(n, n);
+  p.A.setFromTriplets(a.begin(), a.end());
+  p.H.resize(n, m);
+  p.H.setFromTriplets(h.begin(), h.end());
+  p.W = assemble_delassus(p.A, p.H, K);
+  p.mu = Vector::Constant(contacts, 0.3);
+  p.mu_r = Vector::Constant(contacts, 0.2);
+  if (K == 6) p.mu_spin = Vector::Constant(contacts, 0.1);
+  out.s = out.u = Vector::Zero(m);
+  for (int c = 0; c < contacts; ++c) {
+    Local<K> s = Local<K>::Zero(), u = Local<K>::Zero();
+    const bool opens = draw.below(4) == 0;
+    (opens ? u : s)[0] = 0.2 + draw.uniform();
+    each_bounded<K>(friction_of<K>(p, c), [&](auto first, auto count, double bound) {
+      Eigen::Matrix<double, count(), 1> direction;
+      for (double& x : direction) x = draw.symmetric();
+      direction /= direction.norm();
+      const bool moves = draw.below(2) == 0;
+      const double speed = 0.1 + draw.uniform(), part = moves ? -1 : 0.7 * draw.uniform();
+      if (opens || moves) u.template segment<count()>(first()) = speed * direction;
+      s.template segment<count()>(first()) = part * bound * s[0] * direction;
+    });
+    out.s.segment<K>(c * K) = s;
+    out.u.segment<K>(c * K) = u;
+  }
+  p.u_free = out.u - Vector(p.W * out.s);
+  p.v_free = Vector::Zero(n);
+  return out;
+}
+
 }  // namespace
+
+Manufactured manufactured_rolling(int rows, int bodies, int contacts, unsigned seed) {
+  if (rows == 6) return make_rolling<ContactRows(6, true)>(bodies, contacts, seed);
+  return make_rolling<ContactRows(3, true)>(bodies, contacts, seed);
+}
 
 Manufactured manufactured_problem(int dim, int bodies, int contacts, unsigned seed, double mu) {
   return dispatch_dim(dim, [&](auto d) { return make<d()>(bodies, contacts, seed, mu); });

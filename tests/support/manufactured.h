@@ -14,6 +14,9 @@ struct Manufactured {
 };
 Manufactured manufactured_problem(int dim, int bodies, int contacts, unsigned seed,
                                   double mu = 0.4);
+/// The same with rolling friction, rows = 3 (plane) or 6 (space). Each part of a contact that pushes
+/// is on its bound with one chance in two.
+Manufactured manufactured_rolling(int rows, int bodies, int contacts, unsigned seed);
 
 /// The same contacts and impulses, where random equality rows G v = b join the first three bodies,
 /// as many as a body has degrees of freedom. v and λ are drawn; b, v_free and u_free follow.

@@ -25,6 +25,8 @@ class Problem:
         v_free: Any = None,
         u_free: Any = None,
         mu: Any = None,
+        mu_r: Any = None,
+        mu_spin: Any = None,
         dim: int | None = None,
         M: Any = None,
         J: Any = None,
@@ -59,6 +61,8 @@ class Problem:
     v_free: Final[Array | None]
     u_free: Final[Array]
     mu: Final[Array]
+    mu_r: Final[Array | None]
+    mu_spin: Final[Array | None]
     row_scale: Final[Array | None]
     solution: Final[Array | None]
     guesses: Final[list[Array]]

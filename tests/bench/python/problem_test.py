@@ -521,3 +521,19 @@ def test_equality_rows_that_do_not_fit_are_refused():
             pendulum(**changes)
     with pytest.raises(ValueError, match="b is given without G"):
         one_contact(-1, 0).update(b=[1])
+def test_rolling_friction_is_taken_kept_and_refused():
+    # One body of mass 2 and inertia 0.5 on a fixed partner below, arm 0.5: s_n = 2 stops it,
+    # m = -mu_r s_n, and s_t = m keeps it from sliding (tests/solvers/rolling_test.cc).
+    H = np.array([[0, -1, 0], [1, 0, 0], [0, -0.5, 1.0]])
+    data = dict(A=np.diag([2, 2, 0.5]), H=H, v_free=[-0.5, -1, 1], mu=[0.5])
+    p = bipot.Problem(mu_r=0.1, **data)
+    r = bipot.solve(p, tol=1e-9)
+    np.testing.assert_allclose(r.s, [2, -0.2, -0.2], atol=1e-7)
+    np.testing.assert_allclose(r.u, [0, 0, 0.8], atol=1e-7)
+    assert p.mu_r.tolist() == [0.1] and p.mu_spin is None and p.dim == 3
+    q = pickle.loads(pickle.dumps(p))
+    assert q.mu_r.tolist() == [0.1]
+    assert bipot.Problem(**data).mu_r is None
+    assert "rolling friction" in bipot.solve(p, "ipm").message
+    assert "mu_r" in refusal(mu_r=-1, **data)
+    assert "mu_spin" in refusal(mu_r=1, mu_spin=1, **data)

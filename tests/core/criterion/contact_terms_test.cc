@@ -37,6 +37,30 @@ ErrorSumsOf<Real> terms_of(unsigned seed, double mu) {
   return sums;
 }
 
+/// The same with rolling friction and an arm.
+template <class Real, ContactRows K>
+ErrorSumsOf<Real> rolling_terms_of(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> any(-1, 1), positive(0.1, 2);
+  FrameVector<double, K> s, u, b, r;
+  for (auto* x : {&s, &u, &b}) each_component<K>([&](int k) { (*x)[k] = any(random); });
+  r[0] = positive(random);
+  for (int k = 1; k < K; ++k) r[k] = 1.25;
+  const Real w_nn = positive(random), rho_nn = 1 / w_nn, arm = positive(random);
+  const RollingFriction<double> given{positive(random), positive(random), positive(random)};
+  const auto friction = over_arm(as_number<Real>(given), arm);
+  const auto on_cone =
+      physical_projection<true>(times_arm<K>(as<Real>(s), Real(1 / arm)), as<Real>(r), friction);
+  const auto contact =
+      physical_contact<true>(on_cone, times_arm<K>(as<Real>(u), arm),
+                             times_arm<K>(as<Real>(b), arm), as<Real>(r), friction, w_nn, rho_nn);
+  ErrorSumsOf<Real> sums;
+  add_law_terms(contact, law_terms(contact), sums);
+  add_reported_terms(contact, law_terms(contact), Real(0.3), sums);
+  sums.free_energy += approach_energy(rho_nn, Real(b[0]));
+  return sums;
+}
+
 template <class Real>
 std::vector<Real> fields(const ErrorSumsOf<Real>& e) {
   return {e.friction, e.gap,         e.gap_clipped, e.penetration, e.moved,
@@ -70,6 +94,28 @@ TEST(ContactTerms, NumberTypesDifferByTheirRounding) {
   expect_bounds_to_hold<1>();
   expect_bounds_to_hold<2>();
   expect_bounds_to_hold<3>();
+}
+
+template <ContactRows K>
+void expect_rolling_bounds_to_hold() {
+  for (unsigned seed = 1; seed <= 1000; ++seed) {
+    const auto exact = fields(rolling_terms_of<Quadruple, K>(seed));
+    const auto computed = fields(rolling_terms_of<double, K>(seed));
+    const auto rounded = fields(rolling_terms_of<Rounded, K>(seed));
+    for (std::size_t k = 0; k < exact.size(); ++k) {
+      EXPECT_EQ(rounded[k].value, computed[k]) << "the same formulas, sum " << k;
+      double error = rounded[k].error;
+      if (k + 1 == exact.size()) error += 2 * std::sqrt(error * rounded[k].value);
+      EXPECT_LE(static_cast<double>(absolute<Quadruple>(computed[k] - exact[k])), error)
+          << "rows " << int{K} << ", seed " << seed << ", sum " << k;
+      EXPECT_LE(rounded[k].error, 1e-10);
+    }
+  }
+}
+
+TEST(ContactTerms, RollingDiffersByItsRounding) {
+  expect_rolling_bounds_to_hold<ContactRows(3, true)>();
+  expect_rolling_bounds_to_hold<ContactRows(6, true)>();
 }
 
 // s = 0 and u_n >= 0 is the law exactly. Within the error of u_n the natural map is bounded

@@ -52,7 +52,7 @@ template <int D, bool kScaled>
 void expect_as_one_by_one(int contacts, int begin, int end) {
   AnyContacts any(contacts, kScaled, static_cast<unsigned>(31 * contacts + begin), D);
   Vector projected = any.s;
-  for (int c = begin; c < end; ++c) project_physically<D, kScaled>(any.p, c, projected);
+  for (int c = begin; c < end; ++c) project_physically<D, kScaled>(any.p, c, 1, projected);
   (D == 2 ? project_on_plane_cones : project_on_space_cones)(any.arrays(), begin, end,
                                                              any.s.data());
   EXPECT_EQ(any.s, projected);  // to the bit, and nothing beside [begin, end)
@@ -61,9 +61,8 @@ void expect_as_one_by_one(int contacts, int begin, int end) {
   PieceSums worst;
   ErrorSums lanes[8];
   for (int c = begin; c < end; ++c) {
-    const ContactTerms terms = add_error_terms<D, kScaled>(
-        any.p, c, any.s, any.u, any.weights.w_nn[c], any.weights.rho_nn[c], any.weights.rho_nat[c],
-        lanes[(c - begin) % 8]);
+    const ContactTerms terms =
+        add_error_terms<D, kScaled>(any.p, c, any.s, any.u, any.weights, lanes[(c - begin) % 8]);
     PieceSums one;
     one.worst_gap = terms.violation;
     one.worst_natural = terms.natural;

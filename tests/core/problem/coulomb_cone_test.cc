@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "core/base/portable_random.h"
 
@@ -146,6 +147,88 @@ TEST(CoulombConeCases, ModifiedVelocityLiesInTheDualConeWhenNothingPenetrates) {
   }
   EXPECT_EQ(de_saxce_velocity<2>({1.0, -2.0}, 0.5), Local<2>(2, -2));
   EXPECT_EQ(de_saxce_velocity<1>(Local<1>(1.0), 0.5), Local<1>(1));
+}
+
+// Rolling friction: |s_t| <= mu s_n, |m| <= mu_r s_n, |m_spin| <= mu_spin s_n.
+
+/// Squared distance of tau from the slice s_n = x of the cone; convex in x.
+template <int D>
+double rolling_slice_distance(const Local<D>& tau, const RollingFriction<double>& f, double x) {
+  const bool space = D == 6;
+  const double parts[3] = {space ? std::hypot(tau[1], tau[2]) : std::abs(tau[1]),
+                           space ? std::hypot(tau[3], tau[4]) : std::abs(tau[2]),
+                           space ? std::abs(tau[5]) : 0.0};
+  const double bounds[3] = {f.slide, f.roll, f.spin};
+  double sum = (tau[0] - x) * (tau[0] - x);
+  for (int k = 0; k < 3; ++k) sum += std::pow(std::max(parts[k] - bounds[k] * x, 0.0), 2);
+  return sum;
+}
+
+/// The set of parts of s that are on their bounds, as bits; -1 at the apex.
+template <int D>
+int region_of(const Local<D>& tau, const Local<D>& s, const RollingFriction<double>& f) {
+  if (s[0] == 0) return -1;
+  int region = 0, bit = 1;
+  each_bounded<D>(f, [&](auto first, auto count, double bound) {
+    if (part_norm<first(), count()>(tau) > bound * s[0]) region |= bit;
+    bit *= 2;
+  });
+  return region;
+}
+
+template <int D>
+void project_on_rolling_cones(int regions) {
+  PortableRandom draw(5);
+  std::set<int> seen;
+  const double ratio = (std::sqrt(5.0) - 1) / 2;
+  for (int trial = 0; trial < 3000; ++trial) {
+    RollingFriction<double> f{draw.decades(-2, 0.7), draw.decades(-2, 0.7), draw.decades(-2, 0.7)};
+    if (trial % 10 == 0) f.slide = 0;
+    if (trial % 10 == 1) f.roll = 0;
+    if (trial % 10 == 2) f.spin = 0;
+    const Local<D> tau = random_local<D>(draw);
+    const Local<D> s = project_coulomb_cone<D>(tau, f);
+    seen.insert(region_of<D>(tau, s, f));
+    each_bounded<D>(f, [&](auto first, auto count, double bound) {
+      EXPECT_LE((part_norm<first(), count()>(s)), bound * s[0] * (1 + 4e-16) + 1e-300);
+    });
+    double low = 0, high = (1 + f.slide + f.roll + f.spin) * tau.norm() + 1;
+    for (int k = 0; k < 200; ++k) {
+      const double a = high - ratio * (high - low), b = low + ratio * (high - low);
+      const bool left =
+          rolling_slice_distance<D>(tau, f, a) <= rolling_slice_distance<D>(tau, f, b);
+      (left ? high : low) = left ? b : a;
+    }
+    EXPECT_NEAR(s[0], 0.5 * (low + high), 1e-6);
+    EXPECT_LE((tau - s).squaredNorm(),
+              rolling_slice_distance<D>(tau, f, 0.5 * (low + high)) * (1 + 1e-12) + 1e-14);
+    // The projection is exact: idempotent, and tau - s is across s and in the polar cone.
+    EXPECT_LE((project_coulomb_cone<D>(s, f) - s).norm(), 1e-15 * s.norm());
+    EXPECT_NEAR((tau - s).dot(s), 0, 1e-13 * (1 + tau.squaredNorm()));
+    EXPECT_LE((tau - s)[0] + friction_speed<D>(Local<D>(tau - s), f), 1e-14 * (1 + tau.norm()));
+    // û of a velocity that does not penetrate is in the dual cone.
+    Local<D> u = random_local<D>(draw);
+    u[0] = std::abs(u[0]);
+    EXPECT_GE(de_saxce_velocity<D>(u, f).dot(s), -1e-13 * (1 + tau.norm()));
+  }
+  EXPECT_EQ(seen.size(), static_cast<std::size_t>(regions)) << "apex, inside, every set of bounds";
+}
+
+TEST(RollingCone, ProjectionIsTheNearestPointInEveryRegionOfThePlane) {
+  project_on_rolling_cones<3>(5);
+}
+TEST(RollingCone, ProjectionIsTheNearestPointInEveryRegionOfSpace) {
+  project_on_rolling_cones<6>(9);
+}
+
+// tau = (1, 3, 5), mu = mu_r = 1. Both bounds: s_n = (1 + 3 + 5)/3 = 3; then |tau_t| = 3 is inside
+// and counts no more: s_n = (1 + 5)/2 = 3, s = (3, 3, 3).
+TEST(RollingCone, APartInsideItsBoundDoesNotPush) {
+  const RollingFriction<double> one{1, 1, 0};
+  EXPECT_TRUE(project_coulomb_cone<3>({1.0, 3.0, 5.0}, one).isApprox(Local<3>(3, 3, 3), 1e-15));
+  EXPECT_TRUE(project_coulomb_cone<3>({1.0, 2.0, 5.0}, one).isApprox(Local<3>(3, 2, 3), 1e-15));
+  EXPECT_EQ(project_coulomb_cone<3>({-8.0, 3.0, 5.0}, one), Local<3>(0, 0, 0)) << "polar edge";
+  EXPECT_EQ(project_coulomb_cone<3>({5.0, 3.0, 5.0}, one), Local<3>(5, 3, 5)) << "edge";
 }
 
 }  // namespace

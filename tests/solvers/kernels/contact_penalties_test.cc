@@ -12,7 +12,7 @@ namespace {
 /// The penalties after z was seen often enough that all metrics are at their ends.
 template <int D>
 ContactPenalties<D> settled(const Vector& mu, const Vector& z, Vector& y, double rho = 0.1) {
-  ContactPenalties<D> penalties(mu, rho);
+  ContactPenalties<D> penalties({mu.begin(), mu.end()}, rho);
   // The first change finds that everything has changed: nothing was known.
   for (int k = 0; k < 8; ++k) {
     penalties.observe(z);
@@ -27,7 +27,7 @@ TEST(ContactPenalties, FollowWhatAContactGoesOnDoing) {
   Vector z(10), y(10);
   z << 0, 0, 2, 0.1, 2, 0.9, 2, 1, 2, -1;
   for (int i = 0; i < 10; ++i) y[i] = 0.3 * i - 1;
-  ContactPenalties<2> fresh(mu, 0.1);
+  ContactPenalties<2> fresh({mu.begin(), mu.end()}, 0.1);
   Vector push(10);
   for (int c = 0; c < 5; ++c) {
     push.segment<2>(2 * c) = fresh.times(c, y.segment<2>(2 * c));
