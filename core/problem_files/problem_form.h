@@ -4,8 +4,8 @@
 
 namespace bipot {
 
-/// The local form W r + q of other codes, with rolling friction if mu_r is not empty. Explicit zeros are dropped. W remains as it is, even if
-/// rounding has made it unsymmetric. Throws std::invalid_argument for an unsound problem.
+/// The local form W r + q of other codes, with rolling friction if mu_r is not empty. Explicit zeros
+/// are dropped. W remains as it is, even if rounding has made it unsymmetric. Throws std::invalid_argument for an unsound problem.
 ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu, Vector mu_r = {},
                                Vector mu_spin = {});
 

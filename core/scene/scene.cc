@@ -212,6 +212,7 @@ std::string check_impact(const Scene<D>& scene) {
   if (scene.accuracy > 0) return refused("accuracy", "its contacts turn by Newton's law");
   if (scene.predict_gaps) return refused("overlaps = \"predict\"", "that needs e_n = 0");
   if (scene.has_cohesion()) return refused("cohesion", "a pull is no impact");
+  if (scene.has_rolling()) return refused("rolling friction", "no moment comes back");
   if (!scene.joints.empty()) return refused("pins and ropes", "they have no such law");
   for (const ContactLaw& law : scene.laws) {
     if (law.e_t == 0) continue;

@@ -288,6 +288,7 @@ TEST(RollingFriction, IsReadAndRefusedWithItsReason) {
   refused("[contact]\nmu_r = -1", "mu_r");
   refused("[contact]\nmu_spin = 1", "mu_spin is for spheres");
   refused("model = \"dem\"\n[contact]\nmu_r = 1", "dem");
+  refused("[contact]\nmu_r = 1\nimpact = \"poisson\"", "rolling friction");
 }
 
 }  // namespace
