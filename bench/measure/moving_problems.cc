@@ -129,7 +129,7 @@ std::vector<TestProblem> problems_of(const Scene<D>& scene, const MovingRunReque
     if (!problem) {  // no contacts: FCLIB has no such problem
       problem.emplace();
       problem->origin = recipe_of(request, step);
-      problem->problem.dim = scene.contact_rows();
+      problem->problem.dim = scene.has_friction() ? D : 1;
     }
     problem->step = scene.step;
     problem->smallest_radius = smallest_radius(scene);

@@ -417,8 +417,9 @@ AssembledStep assemble_step(const Scene<D>& scene,
                             std::span<const double> cohesion) {
   if (cell.cell != nullptr && !cell.cell->deforms()) cell = {};  // its images stand still
   const bool friction = scene.has_friction();
-  const int d = scene.contact_rows();
   const int num_contacts = static_cast<int>(contacts.size());
+  // Without contacts nothing rolls, and a problem has no coefficients that would say so.
+  const int d = num_contacts > 0 ? scene.contact_rows() : (friction ? D : 1);
 
   AssembledStep step{
       .dofs = number_dofs<D>(scene, disks, walls, contacts, cell.cell, clusters.bodies.size())};

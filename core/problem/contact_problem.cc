@@ -34,7 +34,6 @@ std::string check_finite_entries(const char* field, const Sparse& matrix) {
 
 std::string check_dimension(const ContactProblem& p) {
   if (!p.rolls() && p.mu_spin.size() > 0) return "mu_spin is given without mu_r";
-  if (p.num_contacts() == 0 && p.dim == 6) return {};  // of a scene with rolling friction
   if (!p.rolls() && (p.dim < 1 || p.dim > 3)) {
     return fmt::format("dim = {}, expected 1, 2 or 3", p.dim);
   }

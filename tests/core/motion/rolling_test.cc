@@ -259,6 +259,15 @@ TEST(RollingFriction, ARestartContinuesBitForBit) {
   EXPECT_EQ(bits_of_state(again), bits_of_state(whole));
 }
 
+TEST(RollingFriction, AFallWithoutContactsIsAFall) {
+  Scene<3> scene = on_the_flat<3>({.mu = 0.5, .mu_r = 0.1, .mu_spin = 0.1});
+  scene.bodies[0].x[2] = 1;
+  scene.bodies[0].spin = Vec3(1, 2, 3);
+  const State<3> state = rolled(scene, 5);
+  EXPECT_NEAR(state.bodies[0].v[2], -5 * kRollStep * kGravity, 1e-14);
+  EXPECT_EQ(state.bodies[0].spin, Vec3(1, 2, 3));
+}
+
 // The next step starts from the moments of the step before: a body at rest needs no iteration.
 TEST(RollingFriction, AWarmStartHasTheMoments) {
   Scene<2> scene = on_the_flat<2>({.mu = 0.8, .mu_r = 0.2});
