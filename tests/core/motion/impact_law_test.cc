@@ -321,6 +321,56 @@ TEST(ImpactLaw, WhatTheToleranceLeftIsNotCompressed) {
   }
 }
 
+/// The state after one step, whose ledger must close.
+State<2> after_step(Scene<2> scene) {
+  EXPECT_EQ(validate(scene), "");
+  scene.num_steps = 1;
+  return solved_run<2>(scene, [](const State<2>&, const StepReport<2>& r) {
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-12);
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-12);
+  });
+}
+
+// All parts of a moving world take part in both phases, with e = 0.5. A ball of 1 kg hits a driven
+// plate of 2 kg at 1 m/s: v - v_plate = 0.5 and v + 2 v_plate = -1. Two joined disks fall flat on
+// the floor at 1 m/s. A cell shrinks at 1 m/s on a row of disks that fills it: each has the same
+// impulse from both sides and stays, and the side turns round.
+TEST(ImpactLaw, ActsOnDrivenWallsClustersAndCells) {
+  for (const Impact impact : kLaws) {
+    Scene<2> scene = impact_scene<2>(impact, {.mu = 0.3, .e_n = 0.5});
+    const double half = 0.5 * scene.step;
+    scene.bodies = {round_body<2>(Vec2(0, 0.5 + half), 0.5, 1, Vec2(0, -1))};
+    scene.walls = {flat_floor<2>()};
+    scene.walls[0].motion = Wall<2>::Motion::kDriven;
+    scene.walls[0].direction = Vec2(0, 1);
+    scene.walls[0].mass = 2;
+    const State<2> hit = after_step(scene);
+    EXPECT_NEAR(hit.bodies[0].v[1], 0, 1e-10) << name_of(impact);
+    EXPECT_NEAR(hit.walls[0].v[1], -0.5, 1e-10) << name_of(impact);
+
+    const Scene<2> joined = parse_scene(
+        std::string("gravity = [0, 0]\n[contact]\nmu = 0.3\ne_n = 0.5\nimpact = \"") +
+            name_of(impact) +
+            "\"\n[[clusters]]\nparts = [[-0.5, 0, 0.5], [0.5, 0, 0.5]]\nposition = [0, 0.5005]\n"
+            "mass = 3\nvelocity = [0, -1]\n[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n"
+            "[time]\nstep = 1e-3\nsteps = 1\n[solver]\ntol = 1e-13\n",
+        "joined.toml");
+    const State<2> fallen = after_step(joined);
+    EXPECT_NEAR(fallen.clusters.bodies[0].v[1], 0.5, 1e-6) << name_of(impact);
+    EXPECT_NEAR(fallen.clusters.bodies[0].spin, 0, 1e-6) << name_of(impact);
+
+    scene = impact_scene<2>(impact, {.mu = 0.3, .e_n = 0.5});
+    scene.cell.in_x = scene.cell.in_y = true;
+    scene.cell.width = {.motion = CellSide::Motion::kDriven, .length = 3 + half, .speed = -1};
+    scene.cell.width.mass = 5;
+    scene.cell.height.length = 3;
+    for (int k = 0; k < 3; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.5 + k, 1.5), 0.5, 1));
+    const State<2> pressed = after_step(scene);
+    EXPECT_NEAR(pressed.cell.width.speed, 0.5, 1e-10) << name_of(impact);
+    for (const Disk& d : pressed.bodies) EXPECT_NEAR(d.v.norm(), 0, 1e-10) << name_of(impact);
+  }
+}
+
 TEST(ImpactLaw, EverySolverFindsTheSameStep) {
   for (const Impact impact : {Impact::kPoisson, Impact::kFremond}) {
     Scene<2> scene = pile(impact, true);
