@@ -15,18 +15,23 @@ double torque_arm(const Vec2& arm, const Vec2& axis) { return arm[0] * axis[1] -
 Vec3 torque_arm(const Vec3& arm, const Vec3& axis) { return arm.cross(axis); }
 Vec2 swept(double spin, const Vec2& arm) { return spin * Vec2(-arm[1], arm[0]); }
 Vec3 swept(const Vec3& spin, const Vec3& arm) { return spin.cross(arm); }
+Vec2 turned_by(double angle, const Vec2& arm) { return Eigen::Rotation2D<double>(angle) * arm; }
+Vec3 turned_by(const Vec3& angle, const Vec3& arm) {
+  const double size = angle.norm();
+  return size == 0 ? arm : Vec3(Eigen::AngleAxisd(size, angle / size) * arm);
+}
 
 /// One end of a joint at mid-step, with the velocities before the step.
 template <int D>
 struct End {
-  int dof = -1;                         // of its body; -1: the ground
-  Vec<D> point = Vec<D>::Zero();        // [m]
-  Vec<D> arm = Vec<D>::Zero();          // from the centre of mass [m]
-  Vec<D> v = Vec<D>::Zero();            // of the point [m/s]
-  Vec<D> centripetal = Vec<D>::Zero();  // acceleration by turning [m/s²]
+  int dof = -1;                   // of its body; -1: the ground
+  Vec<D> point = Vec<D>::Zero();  // [m]
+  Vec<D> arm = Vec<D>::Zero();    // from the centre of mass [m]
+  Vec<D> v = Vec<D>::Zero();      // of the point [m/s]
+  Vec<D> bend = Vec<D>::Zero();   // its way in a step by turning, but for h v [m]
 
   End(int body, const Vec<D>& at, std::span<const std::type_identity_t<Body<D>>> bodies,
-      const ClusterInput& clusters, const DofMap& dofs)
+      const ClusterInput& clusters, const DofMap& dofs, double h)
       : point(at) {
     if (body < 0) return;
     const Body<D>& b = bodies[to_size(body)];
@@ -41,7 +46,7 @@ struct End {
     }
     arm = point - centre;
     v = of_centre + swept(b.spin, arm);
-    centripetal = swept(b.spin, swept(b.spin, arm));
+    bend = turned_by(h * b.spin, arm) - arm - h * swept(b.spin, arm);
   }
 
   /// Entries of the velocity of the point along the axis: a line of G or a column of H.
@@ -59,12 +64,12 @@ struct End {
 };
 
 template <int D>
-std::pair<End<D>, End<D>> ends_of(const typename Scene<D>::Joint& joint,
+std::pair<End<D>, End<D>> ends_of(const Scene<D>& scene, const typename Scene<D>::Joint& joint,
                                   std::span<const std::type_identity_t<Body<D>>> bodies,
                                   const ClusterInput& clusters, const DofMap& dofs) {
   const auto [from, to] = joint_points<D>(joint, bodies);
-  return {End<D>(joint.i, from, bodies, clusters, dofs),
-          End<D>(joint.j, to, bodies, clusters, dofs)};
+  return {End<D>(joint.i, from, bodies, clusters, dofs, scene.step),
+          End<D>(joint.j, to, bodies, clusters, dofs, scene.step)};
 }
 
 /// Columns of H after the others.
@@ -99,18 +104,19 @@ void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<
   std::vector<double> free;
   for (const typename Scene<D>::Joint& joint : scene.joints) {
     if (!joint.is_rope()) continue;
-    const auto [from, to] = ends_of<D>(joint, bodies, clusters, step.dofs);
+    const auto [from, to] = ends_of<D>(scene, joint, bodies, clusters, step.dofs);
     const Vec<D> apart = from.point - to.point, w = from.v - to.v;
     const double distance = apart.norm();
     if (distance < 0.5 * joint.length) continue;  // slack, and without a direction at 0
     const Vec<D> n = -apart / distance;
-    const double along = n.dot(w);
-    const double bend =
-        n.dot(from.centripetal - to.centripetal) - (w.squaredNorm() - along * along) / distance;
+    // After the midpoint the ends part as they met before it: w reflected at the rope's sphere.
+    const Vec<D> parting = w - 2 * n.dot(w) * n;
+    const Vec<D> then = apart + h * parting + from.bend - to.bend;
+    const double shift = (joint.length - then.norm()) / h - n.dot(parting);
     const auto frame = contact_frame<D>(n);
     for (int row = 0; row < p.dim; ++row) {
       const int column = p.num_rows() + static_cast<int>(free.size());
-      double u = row > 0 ? 0.0 : (joint.length - distance) / h + 0.5 * h * bend;
+      double u = row > 0 ? 0.0 : shift;
       const auto add = [&](int dof, double value) {
         entries.emplace_back(dof, column, value);
         u += value * p.v_free[dof];
@@ -153,8 +159,8 @@ void add_pins(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D
   std::vector<double> values;
   for (const typename Scene<D>::Joint& joint : scene.joints) {
     if (joint.is_rope()) continue;
-    const auto [from, to] = ends_of<D>(joint, bodies, clusters, step.dofs);
-    const Vec<D> b = -(from.point - to.point) / h - 0.5 * h * (from.centripetal - to.centripetal);
+    const auto [from, to] = ends_of<D>(scene, joint, bodies, clusters, step.dofs);
+    const Vec<D> b = -(from.point - to.point + from.bend - to.bend) / h;
     for (int k = 0; k < D; ++k) {
       const int row = static_cast<int>(values.size());
       const auto add = [&](int dof, double value) { entries.emplace_back(row, dof, value); };

@@ -8,17 +8,17 @@
 
 namespace bipot {
 
-// Pins and ropes in the problem of a step. The next midpoint lies h v⁺ after this one. To the
-// second order in h, its gap c of a pin (or g of a rope: its length less the distance of its ends)
-// is
+// Pins and ropes in the problem of a step. The next midpoint lies h v⁺ after this one, and a spin w
+// turns a body by h w on the way. So the gap c of a pin becomes
 //
-//     c + h G v⁺ + h²/2 γ,      γ = dG/dt v⁻, the acceleration of the points by turning.
+//     c + h G v⁺ + (R(h w⁻) - 1 - h w⁻ x) arms
 //
-// So a pin is the rows G v⁺ = -c/h - hγ/2, and a rope a contact without friction with u_n + g/h +
-// hγ/2 >= 0. At midpoints the gap is of the third order in h, whatever the number of steps: nothing
-// adds up. A state lies between two midpoints: there a point that runs at v on a circle of radius l
-// is h² v²/(8 l) inside it. This is one Newton step of SHAKE (Ryckaert, Ciccotti, Berendsen, J.
-// Comput. Phys. 23, 1977). [ours]
+// to the third order in h, and exactly if the body turns evenly. This is 0: rows of G v⁺. For the
+// gap g of a rope, its length less the distance of its ends, the way of the ends is taken likewise:
+// a contact without friction with u_n + (g at the next midpoint)/h >= 0. Then at midpoints the gap
+// is of the third order, whatever the number of steps: nothing adds up. A state lies between two
+// midpoints: there a point that runs at v on a circle of radius l is h² v²/(8 l) inside it. This is
+// one Newton step of SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 1977). [ours]
 
 /// Adds the ropes to the problem, as its last contacts; for bodies at mid-step.
 template <int D>
