@@ -534,6 +534,7 @@ def test_rolling_friction_is_taken_kept_and_refused():
     q = pickle.loads(pickle.dumps(p))
     assert q.mu_r.tolist() == [0.1]
     assert bipot.Problem(**data).mu_r is None
-    assert "rolling friction" in bipot.solve(p, "ipm").message
+    with pytest.raises(ValueError, match="no rolling friction"):
+        bipot.solve(p, solver="ipm")
     assert "mu_r" in refusal(mu_r=-1, **data)
     assert "mu_spin" in refusal(mu_r=1, mu_spin=1, **data)
