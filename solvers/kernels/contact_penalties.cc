@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <utility>
 
 namespace bipot {
@@ -13,6 +15,75 @@ constexpr double kStep = 3;
 // An impulse within this fraction of the cone will not leave it soon; beyond the other it is on the
 // edge.
 constexpr double kInside = 0.8, kOnEdge = 0.999;
+// In space edges turn, and a contact that sticks beside its edge is as stiff as any other.
+constexpr double kInsideRound = 0.99;
+
+/// The edge of the round cone with angle as parameter, e = (1, mu cos, mu sin), that reduces the
+/// norm of r most in the metric M: the largest (e·M r)² / (e·M e).
+class NearestEdge {
+ public:
+  NearestEdge(const Eigen::Matrix3d& metric, double mu, const Local<3>& r)
+      : metric_(metric), push_(metric * r), mu_(mu) {}
+
+  /// False if the multiplier M r lies in the polar cone: the nearest point is the tip.
+  bool exists() const { return push_[0] > -mu_ * tangential_norm<3>(push_); }
+  /// Newton's method for the logarithm of that ratio, from a unit vector of the plane. False if it
+  /// ends elsewhere than in the nearest edge, which is the only one with an outward multiplier.
+  bool find(double cosine, double sine) {
+    for (int k = 0; k < kSteps; ++k) {
+      const Local<3> e(1, mu_ * cosine, mu_ * sine), de(0, -e[2], e[1]), dde(0, -e[1], -e[2]);
+      const Local<3> Me = metric_ * e;
+      const double a = e.dot(push_), b = e.dot(Me);
+      if (!(a > 0)) return false;
+      nearest_ = a / b * e;
+      const double a1 = de.dot(push_) / a, b1 = 2 * de.dot(Me) / b;
+      const double slope = 2 * a1 - b1;
+      const double bend = 2 * (dde.dot(push_) / a - a1 * a1) + b1 * b1 -
+                          2 * (dde.dot(Me) + de.dot(metric_ * de)) / b;
+      if (std::abs(slope) <= kFlat) {
+        return (push_ - metric_ * nearest_).dot(Local<3>(-mu_, cosine, sine)) >= 0;
+      }
+      const double turn =
+          bend < 0 ? std::clamp(-slope / bend, -kTurn, kTurn) : std::copysign(kTurn, slope);
+      const double c = cosine - turn * sine, s = sine + turn * cosine, length = std::hypot(c, s);
+      cosine = c / length;
+      sine = s / length;
+    }
+    return false;
+  }
+  const Local<3>& nearest() const { return nearest_; }
+
+ private:
+  static constexpr int kSteps = 30;
+  static constexpr double kTurn = 0.5, kFlat = 1e-13;
+  Eigen::Matrix3d metric_;
+  Local<3> push_, nearest_ = Local<3>::Zero();
+  double mu_;
+};
+
+/// The point of the round cone nearest to r in the metric.
+Local<3> project_round_cone(const Eigen::Matrix3d& metric, double mu, const Local<3>& r) {
+  const double slip = tangential_norm<3>(r);
+  if (slip <= mu * r[0]) return r;
+  NearestEdge edge(metric, mu, r);
+  if (!edge.exists()) return Local<3>::Zero();
+  if (slip > 0 && edge.find(r[1] / slip, r[2] / slip)) return edge.nearest();
+  // From the edges in turn; the nearest found is a point of the cone in any case.
+  constexpr int kStarts = 16;
+  Local<3> best = Local<3>::Zero();
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kStarts; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kStarts;
+    if (edge.find(std::cos(angle), std::sin(angle))) return edge.nearest();
+    const Local<3> gap = edge.nearest() - r;
+    const double distance = gap.dot(metric * gap);
+    if (distance < least) {
+      least = distance;
+      best = edge.nearest();
+    }
+  }
+  return best;
+}
 
 }  // namespace
 
@@ -41,15 +112,22 @@ void ContactPenalties<D>::observe(const Vector& z) {
     } else {
       const Local<D> x = z.segment<D>(c * D);
       each_bounded<D>(friction_[to_size(c)], [&](auto first, auto count, double bound) {
-        const double slip = part_norm<first(), count()>(x);
-        const double edge = bound * x[0];
+        const double slip = part_norm<first(), count()>(x), edge = bound * x[0];
         if (slip >= kOnEdge * edge) {
-          // In 3D the sign would depend on the choice of tangents, and it is not needed.
-          now = D == 2 && x[1] < 0 ? Status::kSlipBack : Status::kSlip;
-        } else if (slip >= kInside * edge && now == Status::kStick) {
+          now = Status::kSlip;
+        } else if (slip >= (kRound ? kInsideRound : kInside) * edge && now == Status::kStick) {
           now = Status::kNearEdge;
         }
       });
+      if constexpr (kHasEdge) {
+        Local<D> friction = x;
+        friction[0] = 0;
+        if (friction.isZero(0)) friction[1] = 1;  // mu = 0: any direction
+        friction.normalize();
+        // On the other side of the cone it is another edge.
+        if (now == Status::kSlip && !(friction.dot(state.edge) > 0)) state.changed = true;
+        if (now == Status::kSlip) state.edge = friction;
+      }
     }
     if (now != state.status) state.changed = true;
     state.status = now;
@@ -61,7 +139,6 @@ void ContactPenalties<D>::adapt(Vector& y) {
   for (int c = 0; c < static_cast<int>(friction_.size()); ++c) {
     State& state = state_[to_size(c)];
     const double before = state.along;
-    const bool slips = state.status == Status::kSlip || state.status == Status::kSlipBack;
     if (state.changed) {
       state.along = 1;
     } else if (state.status == Status::kStick) {
@@ -71,7 +148,8 @@ void ContactPenalties<D>::adapt(Vector& y) {
     } else {
       state.along = before < 1 ? std::min(before * kStep, 1.0) : std::max(before / kStep, 1.0);
     }
-    state.across = D == 2 && slips && !state.changed ? std::min(state.across * kStep, kAcross) : 1;
+    const bool slips = kHasEdge && state.status == Status::kSlip && !state.changed;
+    state.across = slips ? std::min(state.across * kStep, kAcross) : 1;
     state.changed = false;
     const Local<D> push = times(c, y.segment<D>(c * D));
     set_metric(c);
@@ -89,19 +167,26 @@ template <ContactRows D>
 void ContactPenalties<D>::set_metric(int contact) {
   const State& state = state_[to_size(contact)];
   Block metric = Block::Identity(), inverse = Block::Identity();
-  if constexpr (D == 2) {
+  if constexpr (kHasEdge) {
     if (state.across != 1) {
-      const double side = state.status == Status::kSlip ? 1 : -1;
-      const Local<2> normal = Local<2>(-friction_[to_size(contact)], side).normalized();
-      metric += (state.across - 1) * normal * normal.transpose();
-      inverse += (1 / state.across - 1) * normal * normal.transpose();
+      // The matrix and its inverse have the factor along a direction of unit length.
+      const auto stretch = [&](const Local<D>& direction, double factor) {
+        metric += (factor - 1) * direction * direction.transpose();
+        inverse += (1 / factor - 1) * direction * direction.transpose();
+      };
+      Local<D> normal = state.edge;
+      normal[0] = -friction_[to_size(contact)];
+      stretch(normal.normalized(), state.across);
+      if constexpr (kRound) {
+        stretch(Local<3>(0, -state.edge[2], state.edge[1]), std::sqrt(state.across));
+      }
     }
   }
   metric_[to_size(contact)] = rho_ * state.along * metric;
   inverse_[to_size(contact)] = 1 / (rho_ * state.along) * inverse;
 }
 
-/// The cone in 2D: r itself, or the nearest point of one of the two edges.
+/// d = 2: r itself, or the nearest point of one of the two edges.
 template <ContactRows D>
 Local<D> ContactPenalties<D>::project_across(const Block& metric, const FrictionOf<D>& mu,
                                              const Local<D>& r) {
@@ -122,6 +207,8 @@ Local<D> ContactPenalties<D>::project_across(const Block& metric, const Friction
       }
     }
     return nearest;
+  } else if constexpr (kRound) {
+    return project_round_cone(metric, mu, r);
   } else {
     return project_coulomb_cone<D>(r, mu);
   }

@@ -12,7 +12,8 @@ namespace bipot {
 ///
 ///     stick     the impulse is unknown, the velocity is 0:         smaller by up to kStick
 ///     take-off  the impulse is 0:                                  larger by up to kTakeOff
-///     slip      as for take-off across the edge of the cone, d = 2 alone:  larger by up to kAcross
+///     slip      as for take-off across the edge of the cone:      larger by up to kAcross
+///               d = 3: around the cone the impulse follows the velocity: larger by its root
 ///
 /// A mode of W with eigenvalue lambda is damped by rho / (lambda + rho) if the contacts stick, and
 /// by lambda / (lambda + rho) if they are open. No single rho suits both. Contacts that change
@@ -40,7 +41,7 @@ class ContactPenalties {
   Local<D> project(int contact, const Local<D>& r) const {
     const State& state = state_[to_size(contact)];
     const FrictionOf<D>& mu = friction_[to_size(contact)];
-    if constexpr (D == 2) {
+    if constexpr (kHasEdge) {
       if (state.across != 1) return project_across(metric_[to_size(contact)], mu, r);
     }
     return project_coulomb_cone<D>(r, mu);
@@ -54,12 +55,15 @@ class ContactPenalties {
   void equalise(Vector& y);
 
  private:
-  enum class Status : unsigned char { kUnknown, kTakeOff, kStick, kNearEdge, kSlip, kSlipBack };
+  /// Coulomb's cone has an edge that penalties can follow; round in space.
+  static constexpr bool kHasEdge = !D.rolls && D > 1, kRound = !D.rolls && D == 3;
+  enum class Status : unsigned char { kUnknown, kTakeOff, kStick, kNearEdge, kSlip };
   struct State {
     Status status = Status::kUnknown;
-    bool changed = true;  ///< since the last adapt()
-    double along = 1;     ///< of the whole metric, over rho
-    double across = 1;    ///< across the edge, over along
+    bool changed = true;               ///< since the last adapt()
+    double along = 1;                  ///< of the whole metric, over rho
+    double across = 1;                 ///< across the edge, over along
+    Local<D> edge = Local<D>::Zero();  ///< unit tangent of the friction, in slip
   };
 
   static Local<D> project_across(const Block& metric, const FrictionOf<D>& mu, const Local<D>& r);

@@ -94,17 +94,49 @@ TEST(ContactPenalties, ProjectInTheirMetric) {
   EXPECT_GT(std::min({inside, zero, edge}), 100);
 }
 
-TEST(ContactPenalties, InSpaceAndWithoutFrictionMetricsAreMultiplesOfTheIdentity) {
-  Vector y3 = Vector::Ones(6), z3(6);
-  z3 << 1, 0.3, 0.4, 1, 0, 0;  // on the edge for mu = 0.5; sticks
-  const auto space = settled<3>(Vector::Constant(2, 0.5), z3, y3);
-  EXPECT_TRUE(space.metric(0).isApprox(0.1 * Eigen::Matrix3d::Identity()));
+/// In space the edge e, the normal of the cone n and their third direction have factors of their
+/// own: 1, 100 and its root.
+TEST(ContactPenalties, FollowTheEdgeInSpace) {
+  Vector y = Vector::Ones(9), z(9);
+  z << 1, 0.3, 0.4, 1, 0, 0, 1, 0.297, 0.396;  // on the edge for mu = 0.5; two that stick
+  const auto space = settled<3>(Vector::Constant(3, 0.5), z, y);
+  const Eigen::Vector3d edge(1, 0.3, 0.4), normal(-0.5, 0.6, 0.8), around(0, -0.8, 0.6);
+  EXPECT_TRUE((space.metric(0) * edge).isApprox(0.1 * edge));
+  EXPECT_TRUE((space.metric(0) * normal).isApprox(10 * normal));
+  EXPECT_TRUE((space.metric(0) * around).isApprox(around));
+  EXPECT_TRUE((space.metric(0) * space.inverse(0)).isApprox(Eigen::Matrix3d::Identity(), 1e-13));
   EXPECT_TRUE(space.metric(1).isApprox(0.001 * Eigen::Matrix3d::Identity()));
+  EXPECT_TRUE(space.metric(2).isApprox(0.1 * Eigen::Matrix3d::Identity()));  // near the edge
   const Local<3> r(0.2, 1, -1);
-  EXPECT_EQ(space.project(0, r), project_coulomb_cone<3>(r, 0.5));
-  Vector y1 = Vector::Ones(2), z1(2);
-  z1 << 1, 0;
-  const auto smooth = settled<1>(Vector::Zero(2), z1, y1);
+  EXPECT_EQ(space.project(1, r), project_coulomb_cone<3>(r, 0.5));
+}
+
+/// As for the plane; the largest product of M (r - z) with the rays of the cone is at the ray in
+/// the direction of its tangential part.
+TEST(ContactPenalties, ProjectOnTheRoundCone) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> draw(-1, 1);
+  int inside = 0, zero = 0, edge = 0;
+  for (const double mu : {0.1, 0.4, 2.0}) {
+    Vector z(3), y = Vector::Zero(3);
+    z << 1, 0.6 * mu, -0.8 * mu;
+    const ContactPenalties<3> penalties = settled<3>(Vector::Constant(1, mu), z, y, 1);
+    for (int k = 0; k < 3000; ++k) {
+      const Local<3> r(draw(random), draw(random), draw(random)), p = penalties.project(0, r);
+      const Local<3> left = penalties.times(0, Local<3>(r - p));
+      EXPECT_LE(tangential_norm<3>(p), mu * p[0] * (1 + 1e-14) + 1e-16);
+      EXPECT_LE(left[0] + mu * tangential_norm<3>(left), 1e-10) << r.transpose();
+      EXPECT_NEAR(left.dot(p), 0, 1e-10);
+      ++(p == r ? inside : p.isZero(0) ? zero : edge);
+    }
+  }
+  EXPECT_GT(std::min({inside, zero, edge}), 100);
+}
+
+TEST(ContactPenalties, WithoutFrictionMetricsAreMultiplesOfTheIdentity) {
+  Vector y = Vector::Ones(2), z(2);
+  z << 1, 0;
+  const auto smooth = settled<1>(Vector::Zero(2), z, y);
   EXPECT_NEAR(smooth.metric(0)(0, 0), 0.001, 1e-15);
   EXPECT_NEAR(smooth.metric(1)(0, 0), 10, 1e-12);
 }
