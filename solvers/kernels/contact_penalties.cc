@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -18,8 +17,9 @@ constexpr double kInside = 0.8, kOnEdge = 0.999;
 // In space edges turn, and a contact that sticks beside its edge is as stiff as any other.
 constexpr double kInsideRound = 0.99;
 
-/// The edge of the round cone with angle as parameter, e = (1, mu cos, mu sin), that reduces the
-/// norm of r most in the metric M: the largest (e·M r)² / (e·M e).
+/// The multiple of an edge e = (1, mu cos, mu sin) of the round cone that is nearest to r in the
+/// metric M. It is a / b e with a = e·M r > 0 and b = e·M e, and reduces the square of the norm of r
+/// by a² / b: Newton's method for the largest logarithm of it, each step an ascent.
 class NearestEdge {
  public:
   NearestEdge(const Eigen::Matrix3d& metric, double mu, const Local<3>& r)
@@ -27,62 +27,80 @@ class NearestEdge {
 
   /// False if the multiplier M r lies in the polar cone: the nearest point is the tip.
   bool exists() const { return push_[0] > -mu_ * tangential_norm<3>(push_); }
-  /// Newton's method for the logarithm of that ratio, from a unit vector of the plane. False if it
-  /// ends elsewhere than in the nearest edge, which is the only one with an outward multiplier.
-  bool find(double cosine, double sine) {
-    for (int k = 0; k < kSteps; ++k) {
-      const Local<3> e(1, mu_ * cosine, mu_ * sine), de(0, -e[2], e[1]), dde(0, -e[1], -e[2]);
-      const Local<3> Me = metric_ * e;
-      const double a = e.dot(push_), b = e.dot(Me);
-      if (!(a > 0)) return false;
-      nearest_ = a / b * e;
-      const double a1 = de.dot(push_) / a, b1 = 2 * de.dot(Me) / b;
-      const double slope = 2 * a1 - b1;
-      const double bend = 2 * (dde.dot(push_) / a - a1 * a1) + b1 * b1 -
-                          2 * (dde.dot(Me) + de.dot(metric_ * de)) / b;
-      if (std::abs(slope) <= kFlat) {
-        return (push_ - metric_ * nearest_).dot(Local<3>(-mu_, cosine, sine)) >= 0;
-      }
-      const double turn =
-          bend < 0 ? std::clamp(-slope / bend, -kTurn, kTurn) : std::copysign(kTurn, slope);
-      const double c = cosine - turn * sine, s = sine + turn * cosine, length = std::hypot(c, s);
-      cosine = c / length;
-      sine = s / length;
-    }
-    return false;
+  /// Where an edge points to, and how much it reduces the norm; 0 if no multiple of it does.
+  struct Edge {
+    double cosine = 1, sine = 0;
+    Local<3> direction = Local<3>::Zero(), stretched = direction;  ///< e, M e
+    double a = 0, b = 1;
+
+    double gain() const { return a > 0 ? a * a / b : 0; }
+  };
+  Edge edge(double cosine, double sine) const {
+    Edge made{cosine, sine, Local<3>(1, mu_ * cosine, mu_ * sine)};
+    made.stretched = metric_ * made.direction;
+    made.a = made.direction.dot(push_);
+    made.b = made.direction.dot(made.stretched);
+    return made;
   }
-  const Local<3>& nearest() const { return nearest_; }
+  /// The edge with the largest a, > 0 if exists().
+  Edge first() const {
+    const double length = tangential_norm<3>(push_);
+    return length > 0 ? edge(push_[1] / length, push_[2] / length) : edge(1, 0);
+  }
+  Edge climb(Edge at) const {
+    for (int k = 0; k < kSteps; ++k) {
+      const Local<3> turned(0, -at.direction[2], at.direction[1]);
+      const Local<3> twice(0, -at.direction[1], -at.direction[2]);
+      const double a1 = turned.dot(push_) / at.a, b1 = 2 * turned.dot(at.stretched) / at.b;
+      const double slope = 2 * a1 - b1;
+      if (std::abs(slope) <= kFlat * (std::abs(2 * a1) + std::abs(b1))) break;
+      const double bend = 2 * (twice.dot(push_) / at.a - a1 * a1) + b1 * b1 -
+                          2 * (twice.dot(at.stretched) + turned.dot(metric_ * turned)) / at.b;
+      double turn =
+          bend < 0 ? std::clamp(-slope / bend, -kTurn, kTurn) : std::copysign(kTurn, slope);
+      Edge next = rotated(at, turn);
+      while (!(next.gain() > at.gain()) && std::abs(turn) > kFlat) {
+        turn *= 0.25;
+        next = rotated(at, turn);
+      }
+      if (!(next.gain() > at.gain())) break;
+      at = next;
+    }
+    return at;
+  }
 
  private:
-  static constexpr int kSteps = 30;
-  static constexpr double kTurn = 0.5, kFlat = 1e-13;
+  static constexpr int kSteps = 100;
+  static constexpr double kTurn = 0.5, kFlat = 1e-14;
+  Edge rotated(const Edge& at, double turn) const {
+    const double c = at.cosine - turn * at.sine, s = at.sine + turn * at.cosine;
+    const double length = std::hypot(c, s);
+    return edge(c / length, s / length);
+  }
+
   Eigen::Matrix3d metric_;
-  Local<3> push_, nearest_ = Local<3>::Zero();
+  Local<3> push_;
   double mu_;
 };
 
-/// The point of the round cone nearest to r in the metric.
+/// The point of the round cone nearest to r in the metric. Of all edges the nearest alone has a
+/// multiplier M (r - z) that points outward.
 Local<3> project_round_cone(const Eigen::Matrix3d& metric, double mu, const Local<3>& r) {
-  const double slip = tangential_norm<3>(r);
-  if (slip <= mu * r[0]) return r;
-  NearestEdge edge(metric, mu, r);
-  if (!edge.exists()) return Local<3>::Zero();
-  if (slip > 0 && edge.find(r[1] / slip, r[2] / slip)) return edge.nearest();
-  // From the edges in turn; the nearest found is a point of the cone in any case.
-  constexpr int kStarts = 16;
-  Local<3> best = Local<3>::Zero();
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < kStarts; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kStarts;
-    if (edge.find(std::cos(angle), std::sin(angle))) return edge.nearest();
-    const Local<3> gap = edge.nearest() - r;
-    const double distance = gap.dot(metric * gap);
-    if (distance < least) {
-      least = distance;
-      best = edge.nearest();
+  if (tangential_norm<3>(r) <= mu * r[0]) return r;
+  const NearestEdge nearest(metric, mu, r);
+  if (!nearest.exists()) return Local<3>::Zero();
+  NearestEdge::Edge best = nearest.climb(nearest.first());
+  const Local<3> multiplier = metric * r - best.a / best.b * best.stretched;
+  if (!(multiplier.dot(Local<3>(-mu, best.cosine, best.sine)) >= 0)) {
+    constexpr int kStarts = 32;
+    for (int k = 0; k < kStarts; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kStarts;
+      const NearestEdge::Edge other = nearest.edge(std::cos(angle), std::sin(angle));
+      if (other.gain() > best.gain()) best = other;
     }
+    best = nearest.climb(best);
   }
-  return best;
+  return best.a / best.b * best.direction;
 }
 
 }  // namespace

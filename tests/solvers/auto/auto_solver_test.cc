@@ -444,24 +444,21 @@ TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
   EXPECT_EQ(warm[2].solver->name, "pgs");
 }
 
-/// Spheres that land: `assor` mostly arrives in 500 to 2700 iterations. Where it does not,
-/// splitting, a held term of de Saxce or `pgs` does. So these have their time before `ipm`.
-TEST(AutoSolver, SpheresBeginWithSweeps) {
-  std::vector<std::string_view> order;
-  for (const AutoStage& stage : serving(shipped_file("3d_sphere_pyramid_4.hdf5"), false, 1e-2)) {
-    if (stage.solver->name == "ipm") break;
-    order.push_back(stage.solver->name);
-    if (stage.solver->name == "assor") {
-      EXPECT_GE(stage.max_iterations, 2700);
+/// Spheres that land, to a loose tolerance: splitting with several first penalties follows a few
+/// sweeps, then factors, and long sweeps last. To 1e-3 long sweeps come first.
+TEST(AutoSolver, SpheresBeginWithSweepsAndSplitting) {
+  const auto names = [](double tol) {
+    std::vector<std::string_view> order;
+    for (const AutoStage& stage : serving(shipped_file("3d_sphere_pyramid_4.hdf5"), false, tol)) {
+      if (order.empty() || order.back() != stage.solver->name) order.push_back(stage.solver->name);
+      if (stage.solver->name == "pgs") break;
     }
-  }
-  const auto place = [&](std::string_view name) {
-    return std::find(order.begin(), order.end(), name) - order.begin();
+    return order;
   };
-  EXPECT_LT(place("assor"), place("admm"));
-  EXPECT_LT(place("admm"), place("apgd"));
-  EXPECT_LT(place("apgd"), place("pgs"));
-  EXPECT_LT(place("pgs"), std::ssize(order));
+  using Names = std::vector<std::string_view>;
+  EXPECT_EQ(names(1e-2), (Names{"anderson", "assor", "admm", "ipm", "assor", "apgd", "pgs"}));
+  EXPECT_EQ(names(1e-3), (Names{"anderson", "assor", "admm", "apgd", "pgs"}));
+  EXPECT_EQ(names(1e-6), (Names{"anderson", "assor", "pgs"}));
 }
 
 TEST(AutoSolver, PathsSeeTheCallersCancel) {
