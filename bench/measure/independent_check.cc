@@ -1,5 +1,6 @@
 #include "bench/measure/independent_check.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -29,17 +30,43 @@ Quad length(const Quad* x, int size) {
   return root(sum);
 }
 
-/// The nearest point of the cone |x_t| <= mu x_n: x itself, the apex, or the foot on the edge.
-void to_cone(Quad* x, int dim, Quad mu) {
-  const Quad slip = length(x + 1, dim - 1);
-  if (x[0] >= 0 && slip <= mu * x[0]) return;
-  const Quad along = (x[0] + mu * slip) / (1 + mu * mu);
-  if (!(along > 0)) {
-    for (int k = 0; k < dim; ++k) x[k] = 0;
-    return;
+/// Rows of a contact whose length friction bounds by a coefficient times the normal impulse.
+struct BoundedRows {
+  int first, count;
+  Quad coefficient;
+};
+
+/// The rows of contact c that friction bounds, in the problem's variables.
+std::vector<BoundedRows> bounded_rows(const ContactProblem& p, int c) {
+  if (p.dim == 1) return {};
+  if (!p.rolls()) return {{1, p.dim - 1, static_cast<Quad>(p.mu[c])}};
+  const Quad slide = static_cast<Quad>(p.mu[c]), roll = static_cast<Quad>(p.mu_r[c]);
+  if (p.dim == 3) return {{1, 1, slide}, {2, 1, roll}};
+  return {{1, 2, slide}, {3, 2, roll}, {5, 1, static_cast<Quad>(p.mu_spin[c])}};
+}
+
+/// The nearest point of the cone: its normal part x is the root of x - y_n - Σ μ (|y| - μ x)₊ or,
+/// if that is negative, 0. The function rises and is concave: Newton's steps from 0 rise to the
+/// root, and each leaves out the bounds that it has passed.
+void to_cone(Quad* y, const std::vector<BoundedRows>& bounds) {
+  Quad normal = 0;
+  for (std::size_t step = 0; step <= bounds.size(); ++step) {
+    Quad sum = y[0], slope = 1;
+    for (const auto& [first, count, mu] : bounds) {
+      const Quad size = length(y + first, count);
+      if (size <= mu * normal) continue;
+      sum += mu * size;
+      slope += mu * mu;
+    }
+    normal = sum / slope;
+    if (!(normal > 0)) break;
   }
-  x[0] = along;
-  for (int k = 1; k < dim; ++k) x[k] *= mu * along / slip;
+  y[0] = normal > 0 ? normal : 0;
+  for (const auto& [first, count, mu] : bounds) {
+    const Quad size = length(y + first, count), most = mu * y[0];
+    if (size <= most) continue;
+    for (int k = first; k < first + count; ++k) y[k] *= most / size;
+  }
 }
 
 Quad quotient(Quad numerator, Quad denominator) {
@@ -73,8 +100,8 @@ Values product(const ContactProblem& p, const Values& s, bool by_bodies) {
   return result;
 }
 
-/// W(c, c) of a normal row, in the problem's variables.
-Quad normal_diagonal(const ContactProblem& p, int row, bool by_bodies) {
+/// A diagonal entry of W, in the problem's variables.
+Quad diagonal(const ContactProblem& p, int row, bool by_bodies) {
   if (!by_bodies) return static_cast<Quad>(p.W.coeff(row, row));
   Quad sum = 0;
   for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
@@ -84,52 +111,82 @@ Quad normal_diagonal(const ContactProblem& p, int row, bool by_bodies) {
   return sum;
 }
 
+/// The length of contact c that turns rolling rows into sliding ones: a force at this distance has
+/// their moment. With it the physical mobility W_nn is the mean one of the rolling rows. Where
+/// these cannot move: the larger coefficient, or 1.
+Quad lever(const ContactProblem& p, int c, const Values& r, bool by_bodies) {
+  const auto mobility = [&](int row) {
+    return diagonal(p, row, by_bodies) * r[to_size(row)] * r[to_size(row)];
+  };
+  const int begin = c * p.dim, plain = p.dim == 6 ? 3 : 2;
+  Quad rolling = 0;
+  for (int k = plain; k < p.dim; ++k) rolling += mobility(begin + k);
+  if (rolling > 0) return root((p.dim - plain) * mobility(begin) / rolling);
+  const double most = p.dim == 6 ? std::max(p.mu_r[c], p.mu_spin[c]) : p.mu_r[c];
+  return most > 0 ? static_cast<Quad>(most) : 1;
+}
+
 }  // namespace
 
 IndependentCheck independent_check(const ContactProblem& p, const Vector& given) {
   IndependentCheck check;
-  if (given.size() != p.num_rows() || !given.allFinite() || p.rolls()) return check;
+  if (given.size() != p.num_rows() || !given.allFinite()) return check;
   const bool by_bodies = p.has_velocities() && is_diagonal(p.A);
   if (!by_bodies && !p.has_delassus()) return check;
   const int d = p.dim;
   const std::size_t rows = to_size(p.num_rows());
-  Values r(rows, 1), s(rows), mu(to_size(p.num_contacts()), 0);
+  // Physical impulses s / r and velocities u / r. Rolling rows: moments over the lever, and angular
+  // velocities times it.
+  Values r(rows, 1), levers(rows, 1), s(rows);
   for (std::size_t i = 0; i < rows; ++i) {
-    const Eigen::Index k = static_cast<Eigen::Index>(i);
-    if (p.row_scale.size() > 0) r[i] = static_cast<Quad>(p.row_scale[k]);
-    s[i] = static_cast<Quad>(given[k]) / r[i];
+    if (p.row_scale.size() > 0) r[i] = static_cast<Quad>(p.row_scale[static_cast<Eigen::Index>(i)]);
   }
+  std::vector<std::vector<BoundedRows>> bounds(to_size(p.num_contacts()));
   for (int c = 0; c < p.num_contacts(); ++c) {
     const std::size_t n = to_size(c * d);
-    if (d > 1) mu[to_size(c)] = static_cast<Quad>(p.mu[c]) * r[n] / r[n + 1];
-    to_cone(&s[n], d, mu[to_size(c)]);
+    if (p.rolls()) {
+      const Quad arm = lever(p, c, r, by_bodies);
+      for (int k = d == 6 ? 3 : 2; k < d; ++k) levers[n + to_size(k)] = arm;
+    }
+    bounds[to_size(c)] = bounded_rows(p, c);
+    for (BoundedRows& bound : bounds[to_size(c)]) {
+      const std::size_t row = n + to_size(bound.first);
+      bound.coefficient *= r[n] / (r[row] * levers[row]);
+    }
+    for (std::size_t i = n; i < n + to_size(d); ++i) {
+      s[i] = static_cast<Quad>(given[static_cast<Eigen::Index>(i)]) / (r[i] * levers[i]);
+    }
+    to_cone(&s[n], bounds[to_size(c)]);
   }
-  // The product in the problem's variables, then everything in physical ones: u = u' / r.
+  // The product in the problem's variables, then everything in those of s.
   Values scaled(rows), u(rows), b(rows);
-  for (std::size_t i = 0; i < rows; ++i) scaled[i] = s[i] * r[i];
+  for (std::size_t i = 0; i < rows; ++i) scaled[i] = s[i] * r[i] * levers[i];
   const Values moved = product(p, scaled, by_bodies);
   Quad energy = 0, free_energy = 0, dissipation = 0, gap = 0, approach = 0, map = 0;
   for (std::size_t i = 0; i < rows; ++i) {
-    b[i] = static_cast<Quad>(p.u_free[static_cast<Eigen::Index>(i)]) / r[i];
-    u[i] = moved[i] / r[i] + b[i];
+    b[i] = static_cast<Quad>(p.u_free[static_cast<Eigen::Index>(i)]) / r[i] * levers[i];
+    u[i] = moved[i] / r[i] * levers[i] + b[i];
     energy += scaled[i] * moved[i] / 2;
   }
   for (int c = 0; c < p.num_contacts(); ++c) {
     const std::size_t n = to_size(c * d);
-    const Quad m = mu[to_size(c)], rho = 1 / (normal_diagonal(p, c * d, by_bodies) * r[n] * r[n]);
-    const Quad slip = length(&u[n + (d > 1 ? 1 : 0)], d - 1);
-    Quad power = 0;
-    for (int k = 1; k < d; ++k) power += s[n + to_size(k)] * u[n + to_size(k)];
-    const Quad friction = m * s[n] * slip;
+    const std::vector<BoundedRows>& bounded = bounds[to_size(c)];
+    const Quad rho = 1 / (diagonal(p, c * d, by_bodies) * r[n] * r[n]);
+    Quad speed = 0, power = 0;
+    for (const auto& [first, count, mu] : bounded) {
+      speed += mu * length(&u[n + to_size(first)], count);
+    }
+    for (std::size_t i = n + 1; i < n + to_size(d); ++i) power += s[i] * u[i];
+    const Quad friction = s[n] * speed;
     dissipation += friction;
     gap += std::max(friction + power, Quad{0}) + s[n] * magnitude(u[n]);
     if (u[n] < 0) approach += rho * u[n] * u[n] / 2;
     if (b[n] < 0) free_energy += rho * b[n] * b[n] / 2;
-    Quad foot[3] = {0, 0, 0};
+    Quad foot[6];
     for (int k = 0; k < d; ++k) {
-      foot[k] = s[n + to_size(k)] - rho * (u[n + to_size(k)] + (k == 0 ? m * slip : 0));
+      foot[k] = s[n + to_size(k)] - rho * (u[n + to_size(k)] + (k == 0 ? speed : 0));
     }
-    to_cone(foot, d, m);
+    to_cone(foot, bounded);
     for (int k = 0; k < d; ++k) {
       const Quad miss = s[n + to_size(k)] - foot[k];
       map += miss * miss / (2 * rho);
@@ -145,7 +202,7 @@ IndependentCheck independent_check(const ContactProblem& p, const Vector& given)
   check.u.resize(p.num_rows());
   for (std::size_t i = 0; i < rows; ++i) {
     check.s[static_cast<Eigen::Index>(i)] = static_cast<double>(scaled[i]);
-    check.u[static_cast<Eigen::Index>(i)] = static_cast<double>(u[i] * r[i]);
+    check.u[static_cast<Eigen::Index>(i)] = static_cast<double>(u[i] * r[i] / levers[i]);
   }
   return check;
 }

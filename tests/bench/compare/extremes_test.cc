@@ -14,6 +14,7 @@
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_sets.h"
 #include "bench/measure/independent_check.h"
+#include "core/criterion/contact_error.h"
 #include "core/criterion/extended_error.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -41,6 +42,48 @@ TEST(IndependentCheck, AgreesWithTheNaiveImplementation) {
       EXPECT_GT(check.guarded, 1e-3);
     }
   }
+}
+
+TEST(IndependentCheck, JudgesRollingAsTheCriterionDoes) {
+  for (const int rows : {3, 6}) {
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      for (const bool restitution : {false, true}) {
+        Manufactured m = manufactured_rolling(rows, 6, 9, seed);
+        ContactProblem& p = m.problem;
+        if (restitution) {
+          p.row_scale = Vector::Constant(p.num_rows(), 1.2);
+          for (int c = 0; c < p.num_contacts(); ++c) p.row_scale[c * rows] = 1.3;
+        }
+        if (seed % 2 == 0) p.W = SparseRows();
+        // Off the law by about a tenth, also outside of the cones.
+        Vector s = m.s;
+        for (Eigen::Index i = 0; i < s.size(); ++i) s[i] += 0.1 * std::sin(7.0 * double(i) + seed);
+        const IndependentCheck check = independent_check(p, s);
+        const ContactError error = contact_error(p, s);
+        EXPECT_NEAR(check.epsilon, error.epsilon, 1e-10 * error.epsilon) << rows << " rows";
+        EXPECT_NEAR(check.eta, error.eta, 1e-10 * error.eta) << rows << " rows";
+        EXPECT_GT(check.guarded, 1e-3);
+        // Other scales are another problem, which m.s does not solve.
+        if (restitution) continue;
+        EXPECT_LT(independent_check(p, m.s).guarded, 1e-12) << rows << " rows";
+      }
+    }
+  }
+}
+
+// A contact of 1 kg and 1 kg m² with s_n = 1, mu_r = 0.2 and the moment m = 0.3. The lever is
+// sqrt(W_nn / W_mm) = 1. The nearest point of the cone has s_n = (1 + 0.2 0.3) / (1 + 0.2²).
+TEST(IndependentCheck, MovesAMomentBeyondItsBoundToTheNearestPointOfTheCone) {
+  const ContactProblem p{.dim = 3,
+                         .W = SparseRows(Eigen::MatrixXd::Identity(3, 3).sparseView()),
+                         .u_free = Eigen::Vector3d(-1, 0, 0),
+                         .mu = Vector::Constant(1, 0.5),
+                         .mu_r = Vector::Constant(1, 0.2)};
+  const IndependentCheck check = independent_check(p, Eigen::Vector3d(1, 0, 0.3));
+  EXPECT_NEAR(check.s[0], 1.06 / 1.04, 1e-15);
+  EXPECT_EQ(check.s[1], 0);
+  EXPECT_NEAR(check.s[2], 0.2 * 1.06 / 1.04, 1e-15);
+  EXPECT_GT(check.guarded, 0.1);
 }
 
 TEST(IndependentCheck, TheExtendedErrorThatJudgesLargeFrictionAgrees) {
