@@ -55,7 +55,7 @@ class PlaneView {
 
   fit() {
     const {width, height} = this.size(), [x0, y0, x1, y1] = this.box;
-    const edge = 26;
+    const edge = Math.min(26, width / 4, height / 4);
     this.moved = false;
     this.middle = [(x0 + x1) / 2, (y0 + y1) / 2];
     this.scale = Math.min((width - 2 * edge) / (x1 - x0 || 1e-9), (height - 2 * edge) / (y1 - y0 || 1e-9));

@@ -22,6 +22,8 @@ class Player {
     this.due = true;
     requestAnimationFrame(() => {
       this.due = false;
+      const {width, height} = this.view.size();
+      if (!width || !height) return;  // a window opened behind others: its size comes later
       this.view.draw(this.frame, this.look);
       this.showScale();
     });

@@ -166,6 +166,25 @@ def check_page(page, name, steps):
     expect(not page.errors, f"{name}: the console is silent {page.errors[:3] or ''}")
 
 
+def check_small_stages(page, name):
+    """Stages as narrow as in a window opened behind others, which gets its size later."""
+    page.show(1280, 900, False)
+    page.open(FOLDER / name / "index.html")
+    page.wait("window.bipotPlayer !== undefined")
+    page.frames_drawn()
+    shown = page.value("bipotPlayer.view.lengthScale()")
+    for width in ("2px", "42px", ""):
+        page.value(f"document.getElementById('stage').style.width = '{width}'")
+        page.frames_drawn()
+        page.value("document.getElementById('fit').click()")
+        page.frames_drawn()
+        scale = page.value("bipotPlayer.view.lengthScale()")
+        if width == "42px":
+            expect(0 < scale < shown, f"{name}: a narrow stage has a small scale")
+    expect(scale == shown, f"{name}: the old size brings back the old scale")
+    expect(not page.errors, f"{name}: small stages draw without errors {page.errors[:1] or ''}")
+
+
 def check_watched_run(page):
     """A page of a run that goes on gets its frames without a reload, and learns of the end."""
     run = subprocess.Popen([BIPOT, "run", "drum", "--steps", "100000", "--watch", "--port", "0", "--quiet",
@@ -276,6 +295,7 @@ def main():
         for name, steps in SCENES.items():
             subprocess.run([BIPOT, "run", name, "--steps", str(steps), "--out", FOLDER / name, "--quiet"], check=False)
             check_page(page, name, steps)
+            check_small_stages(page, name)
         check_watched_run(page)
         measure_frames(page)
     finally:
