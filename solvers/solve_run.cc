@@ -137,13 +137,13 @@ bool SolveRun::stop(int iteration, const Eigen::Ref<const Vector>& s, double ste
     best_s_ = space_.impulse();
     best_error_ = last_.guarded();
   }
-  StopVerdict verdict = stop_verdict(options_, {.iteration = iteration,
-                                                .error = last_,
-                                                .best_error = best_error_,
-                                                .free_energy = free_energy_,
-                                                .change = change,
-                                                .moving = moving,
-                                                .met = met});
+  JudgedIterate::Verdict verdict = stop_verdict(options_, {.iteration = iteration,
+                                                           .error = last_,
+                                                           .best_error = best_error_,
+                                                           .free_energy = free_energy_,
+                                                           .change = change,
+                                                           .moving = moving,
+                                                           .met = met});
   if (verdict.status == SolveStatus::kNotRun && at_floor(iteration)) {
     verdict = {SolveStatus::kStalled, fmt::format("stalled at iteration {}", iteration)};
   }
@@ -162,7 +162,8 @@ void SolveRun::end(SolveStatus status, std::string message) {
 }
 
 bool SolveRun::end_if_out_of_time(int iteration) {
-  StopVerdict verdict = out_of_time_verdict(options_, cancelled(), late(), iteration, best_error_);
+  JudgedIterate::Verdict verdict =
+      out_of_time_verdict(options_, cancelled(), late(), iteration, best_error_);
   if (verdict.status == SolveStatus::kNotRun) return false;
   end(verdict.status, std::move(verdict.message));
   return true;

@@ -13,7 +13,7 @@ double divergence_reference(int iteration, const ContactError& error, double fre
   return iteration == 0 && far_off && std::isfinite(error.energy) ? error.energy : free_energy;
 }
 
-StopVerdict stop_verdict(const SolverOptions& options, const JudgedIterate& it) {
+JudgedIterate::Verdict stop_verdict(const SolverOptions& options, const JudgedIterate& it) {
   // Consecutive iterates that differ by less than this, relative, count as equal.
   constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
   if (it.met) {
@@ -46,8 +46,8 @@ bool at_rounding_floor(const ContactProblem& problem, const SolverOptions& optio
   return floor > kFar * options.tol && error.guarded() <= floor;
 }
 
-StopVerdict out_of_time_verdict(const SolverOptions& options, bool cancelled, bool late,
-                                int iteration, double best_error) {
+JudgedIterate::Verdict out_of_time_verdict(const SolverOptions& options, bool cancelled, bool late,
+                                           int iteration, double best_error) {
   if (cancelled) {
     return {
         SolveStatus::kInterrupted,

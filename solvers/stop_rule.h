@@ -30,6 +30,10 @@ inline int next_judged(int iteration, int portion = kJudgedPortion, int roots = 
 
 /// A judged iterate.
 struct JudgedIterate {
+  struct Verdict {
+    SolveStatus status = SolveStatus::kNotRun;  ///< kNotRun: go on
+    std::string message;
+  };
   int iteration = 0;
   ContactError error;
   double best_error = 0;   ///< guarded, up to here
@@ -40,13 +44,8 @@ struct JudgedIterate {
   bool met = false;     ///< the stop test
 };
 
-struct StopVerdict {
-  SolveStatus status = SolveStatus::kNotRun;  ///< kNotRun: go on
-  std::string message;
-};
-
 /// All but the clock and the caller's stop.
-StopVerdict stop_verdict(const SolverOptions& options, const JudgedIterate& iterate);
+JudgedIterate::Verdict stop_verdict(const SolverOptions& options, const JudgedIterate& iterate);
 
 /// True if the impulse, of this error, is as exact as doubles allow, and that is far from the
 /// tolerance: further iterations would only move its last digits. For the guarded test.
@@ -54,7 +53,7 @@ bool at_rounding_floor(const ContactProblem& problem, const SolverOptions& optio
                        const Eigen::Ref<const Vector>& s, const ContactError& error);
 
 /// Verdict if the caller asked for the end, or the time is over.
-StopVerdict out_of_time_verdict(const SolverOptions& options, bool cancelled, bool late,
-                                int iteration, double best_error);
+JudgedIterate::Verdict out_of_time_verdict(const SolverOptions& options, bool cancelled, bool late,
+                                           int iteration, double best_error);
 
 }  // namespace bipot

@@ -120,14 +120,14 @@ ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s
 }
 
 /// s <- its projection on the cones of the contacts [begin, end).
-template <ContactRows D, bool kScaled>
+template <auto D, bool kScaled>
 void ContactErrorEvaluator::project(int begin, int end) {
   for (int c = begin; c < end; ++c) {
     project_physically<D, kScaled>(problem_, c, prepared_->weights.arm_of(c), s_);
   }
 }
 
-template <ContactRows D, bool kScaled>
+template <auto D, bool kScaled>
 PieceSums ContactErrorEvaluator::sums(int begin, int end) const {
   PieceSums e;
   for (int c = begin; c < end; ++c) {
@@ -153,7 +153,7 @@ ContactArrays ContactErrorEvaluator::arrays() const {
           problem_.mu.data(), w_nn.data(), rho_nn.data(),          rho_nat.data()};
 }
 
-template <ContactRows D, bool kScaled>
+template <auto D, bool kScaled>
 ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) {
   // Each step works on a piece while it is in the cache: large problems wait for memory.
   const int contacts = problem_.num_contacts();

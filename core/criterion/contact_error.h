@@ -4,7 +4,6 @@
 
 #include "core/base/types.h"
 #include "core/problem/contact_problem.h"
-#include "core/problem/coulomb_cone.h"
 
 namespace bipot {
 
@@ -136,11 +135,12 @@ class ContactErrorEvaluator {
 
  private:
   struct Prepared;
-  template <ContactRows D, bool kScaled>
+  // D: ContactRows, whose header is not installed.
+  template <auto D, bool kScaled>
   ContactError evaluate(const Eigen::Ref<const Vector>& s);
-  template <ContactRows D, bool kScaled>
+  template <auto D, bool kScaled>
   void project(int begin, int end);
-  template <ContactRows D, bool kScaled>
+  template <auto D, bool kScaled>
   PieceSums sums(int begin, int end) const;
   ContactArrays arrays() const;
 
