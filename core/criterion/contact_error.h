@@ -156,7 +156,8 @@ class ContactErrorEvaluator {
 /// One evaluation.
 ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
 
-/// Number of contacts that take off (s_n = 0), stick (inside the cone) and slip or roll (on its edge).
+/// Number of contacts that take off (s_n = 0), stick (inside the cone) and slip or roll (on its
+/// edge).
 struct ContactCount {
   int take_off = 0, stick = 0, slip = 0;
 };

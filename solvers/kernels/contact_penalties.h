@@ -12,8 +12,8 @@ namespace bipot {
 ///
 ///     stick     the impulse is unknown, the velocity is 0:         smaller by up to kStick
 ///     take-off  the impulse is 0:                                  larger by up to kTakeOff
-///     slip      as for take-off across the edge of the cone:      larger by up to kAcross
-///               d = 3: around the cone the impulse follows the velocity: larger by its root
+///     slip      as for take-off across the edge of the cone:       larger by up to kAcross
+///               around the cone (d = 3) the impulse follows u_t:   larger by its root
 ///
 /// A mode of W with eigenvalue lambda is damped by rho / (lambda + rho) if the contacts stick, and
 /// by lambda / (lambda + rho) if they are open. No single rho suits both. Contacts that change
