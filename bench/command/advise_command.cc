@@ -5,11 +5,13 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
+#include "bench/command/tune_run.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/scene_rewrite.h"
 #include "bench/report/json_output.h"
@@ -33,11 +35,13 @@ struct AdviseFlags : OutputFlags {
   double time_limit = 60;
   std::optional<double> window;
   int samples = 6;
-  bool keep_step = false, force_overwrite = false, all = false;
+  bool keep_step = false, force_overwrite = false, all = false, tune = false;
   std::string write;
 };
 
 namespace fs = std::filesystem;
+
+constexpr int kLeastRows = 6;  // solves behind a class of a tuned plan
 
 int exit_code_of(Advice::Status status) {
   if (status == Advice::Status::kInterrupted) return kExitInterrupted;
@@ -106,6 +110,9 @@ CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
   command.option("--write FILE", flags.write,
                  "Write a copy of the scene with the advice in it; comments and layout stay");
   command.flag("--force", flags.force_overwrite, "--write may overwrite a file");
+  command.flag("--tune", flags.tune,
+               "Then measure solvers on the scene's steps at the advised tolerance, and write a "
+               "plan for auto: plan.toml beside the scene file");
   command.flag("--all", flags.all, "Print what was tried too, with its errors and costs");
   add_output_flags(command, flags, "Folder for advice.html, .csv and .json");
   command.footer(
@@ -155,6 +162,15 @@ int run_advise(const AdviseFlags& flags) {
   if (!flags.write.empty() && advice.choice >= 0) {
     write_scene(flags, text, path.string(), advice);
     if (!quiet) fmt::print("advice written into {}\n", flags.write);
+  }
+  if (flags.tune && advice.choice >= 0 && advice.status != Advice::Status::kInterrupted) {
+    const std::vector<std::string> targets{flags.scene};
+    MeasureOptions measure{.variants = tuned_variants(flags.solvers),
+                           .tols = {advice.trials[to_size(advice.choice)].tol}};
+    const fs::path plan = default_plan_file(targets);
+    const int tuned = tune_targets(targets, {}, std::move(measure), kLeastRows, plan, quiet);
+    if (tuned != kExitConverged) return tuned;
+    if (!quiet) fmt::print("bipot run {} --plan {}\n", flags.scene, plan.string());
   }
   return exit_code_of(advice.status);
 }

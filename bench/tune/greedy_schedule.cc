@@ -58,6 +58,7 @@ std::vector<ScheduledStage> greedy_schedule(std::span<const TunedInstance* const
       }
     }
     if (best_rate == 0) break;
+    if (!schedule.empty() && schedule.back().variant == best.variant) schedule.pop_back();
     schedule.push_back(best);
     done[best.variant] = best.budget;
     std::erase_if(left, [&](const TunedInstance* instance) {

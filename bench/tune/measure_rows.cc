@@ -29,12 +29,13 @@ constexpr struct {
 } kVariants[] = {{"uzawa", "", 1},
                  {"classical", "", 1},
                  {"pgs", "", 1},
-                 {"pgs", "omega=1.5", 1},
                  {"apgd", "", 0.5},
+                 {"apgd", "map=followed hold=64", 0.5},
                  {"assor", "", 0.4},
                  {"anderson", "", 0.5},
                  {"assor", "sweeps=4 most_sweeps=4", 0.4},
                  {"admm", "", 0.4},
+                 {"admm", "rho=0.01", 0.4},
                  {"homotopy", "", 1},
                  {"homotopy", "start_tol=1", 1}};
 

@@ -16,7 +16,7 @@ constexpr int kParts = 10;  // of the cross-validation
 /// The rows of one instance together.
 struct Measured {
   ClassifiedInstance instance;
-  std::string scene;
+  std::string scene, problem;
   TunedInstance::Outcome present;  // of auto
 };
 
@@ -31,6 +31,7 @@ std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
       measured.instance.traits = row.traits;
       measured.instance.measured.outcomes.resize(variants.size());
       measured.scene = row.scene;
+      measured.problem = row.problem;
       made.push_back(std::move(measured));
     }
     Measured& to = made[at->second];
@@ -86,15 +87,6 @@ void add_ratio(std::span<const TunedClass> classes, const Measured& m,
   if (solved) ratios.push_back(seconds / instance.best);
 }
 
-std::vector<ClassifiedInstance> without(const std::vector<Measured>& all,
-                                        const std::set<std::string>& scenes) {
-  std::vector<ClassifiedInstance> kept;
-  for (const Measured& m : all) {
-    if (!scenes.contains(m.scene)) kept.push_back(m.instance);
-  }
-  return kept;
-}
-
 std::string condition_lines(const PlanConditions& c) {
   std::string text;
   const auto bound = [](double x) { return std::isfinite(x) ? fmt::format("{:g}", x) : "inf"; };
@@ -115,11 +107,16 @@ TunedPlan tune_plan(std::span<const MeasuredRow> rows, std::span<const TunedVari
   const std::vector<Measured> all = instances_of(rows, variants);
   TunedPlan plan;
   plan.variants.assign(variants.begin(), variants.end());
-  plan.classes = class_tree(without(all, {}), least_rows);
+  std::vector<ClassifiedInstance> instances;
+  for (const Measured& m : all) instances.push_back(m.instance);
+  plan.classes = class_tree(instances, least_rows);
   const int count = static_cast<int>(all.size());
 
+  const bool one_scene = std::all_of(
+      all.begin(), all.end(), [&](const Measured& m) { return m.scene == all.front().scene; });
+  const auto part_of = [&](const Measured& m) { return one_scene ? m.problem : m.scene; };
   std::set<std::string> names;
-  for (const Measured& m : all) names.insert(m.scene);
+  for (const Measured& m : all) names.insert(part_of(m));
   const std::vector<std::string> scenes(names.begin(), names.end());
   std::vector<double> ratios;
   const int parts = std::min(kParts, static_cast<int>(scenes.size()));
@@ -128,12 +125,17 @@ TunedPlan tune_plan(std::span<const MeasuredRow> rows, std::span<const TunedVari
     for (std::size_t k = to_size(part); k < scenes.size(); k += to_size(parts)) {
       left_out.insert(scenes[k]);
     }
-    const std::vector<TunedClass> classes = class_tree(without(all, left_out), least_rows);
+    std::vector<ClassifiedInstance> kept;
     for (const Measured& m : all) {
-      if (left_out.contains(m.scene)) add_ratio(classes, m, ratios);
+      if (!left_out.contains(part_of(m))) kept.push_back(m.instance);
+    }
+    const std::vector<TunedClass> classes = class_tree(kept, least_rows);
+    for (const Measured& m : all) {
+      if (left_out.contains(part_of(m))) add_ratio(classes, m, ratios);
     }
   }
-  plan.regret.push_back(regret_row("tuned, scenes left out", ratios, count));
+  plan.regret.push_back(
+      regret_row(one_scene ? "tuned, problems left out" : "tuned, scenes left out", ratios, count));
   ratios.clear();
   for (const Measured& m : all) add_ratio(plan.classes, m, ratios);
   plan.regret.push_back(regret_row("tuned, all scenes", ratios, count));

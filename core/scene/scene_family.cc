@@ -17,7 +17,7 @@ constexpr double kRadius = 0.5;
 }  // namespace
 
 std::vector<std::string> family_names() {
-  return {"square", "triangular", "diluted", "pyramid", "random"};
+  return {"square", "triangular", "diluted", "trapezoid", "pyramid", "random"};
 }
 
 Scene<2> make_family_scene(const std::string& family, int side, const FamilyOptions& options) {
@@ -34,11 +34,12 @@ Scene<2> make_family_scene(const std::string& family, int side, const FamilyOpti
 
   const Vec2 corner = Vec2::Zero();
   double width = 2 * kRadius * side;
-  bool box = true;
+  bool left_wall = true, right_wall = true;
   if (family == "square") {
     scene.bodies = rectangular_lattice(side, side, kRadius, corner);
-  } else if (family == "triangular") {
+  } else if (family == "triangular" || family == "trapezoid") {
     scene.bodies = triangular_lattice(side, side, kRadius, corner);
+    right_wall = family == "triangular";
   } else if (family == "diluted") {
     // Every disk keeps its place.
     PortableRandom random(options.seed);
@@ -47,7 +48,7 @@ Scene<2> make_family_scene(const std::string& family, int side, const FamilyOpti
     }
   } else if (family == "pyramid") {
     scene.bodies = pyramid(side, kRadius, corner);
-    box = false;
+    left_wall = right_wall = false;
   } else if (family == "random") {
     width = 2.2 * kRadius * side;
     scene.bodies = random_filling(side * side, {{0.4, 0.25}, {0.5, 0.5}, {0.6, 0.25}}, width, 0.02,
@@ -58,8 +59,8 @@ Scene<2> make_family_scene(const std::string& family, int side, const FamilyOpti
   PortableRandom random(options.seed);
   for (Disk& d : scene.bodies) give_mass(d, std::pow(options.mass_ratio, random.uniform()));
   scene.walls.push_back(half_space<2>(corner, Vec2(0, 1), "floor"));
-  if (box) {
-    scene.walls.push_back(half_space<2>(corner, Vec2(1, 0), "left"));
+  if (left_wall) scene.walls.push_back(half_space<2>(corner, Vec2(1, 0), "left"));
+  if (right_wall) {
     scene.walls.push_back(half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right"));
   }
   return scene;

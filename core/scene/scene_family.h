@@ -19,7 +19,8 @@ struct FamilyOptions {
 };
 
 /// "square": side x side disks in a box. "triangular": rows of side and side - 1 in a box.
-/// "diluted": the same without a tenth of the disks, drawn by the seed: an irregular contact
+/// "trapezoid": that without its right wall.
+/// "diluted": "triangular" without a tenth of the disks, drawn by the seed: an irregular contact
 /// network. "pyramid": side rows on a floor. "random": side x side disks of three radii (0.4, 0.5,
 /// 0.6 m), loose, in a box. Throws std::invalid_argument for another name.
 Scene<2> make_family_scene(const std::string& family, int side, const FamilyOptions& options = {});

@@ -32,6 +32,9 @@ constexpr struct {
               {"plane", kInPlane},    {"space", kInSpace},   {"parallel", kInParallel}};
 
 constexpr std::string_view kStarts[] = {"own", "caller", "last", "best"};
+constexpr const char* kStartsExpected =
+    "from: expected own, caller, last or best, or a factor and one of them, as \"0.98 last\", or "
+    "a list of such";
 
 using Names = std::vector<std::string>;
 
@@ -173,9 +176,37 @@ class PlanReader {
     std::vector<AutoPlan::Row> rows;
     for (const toml::node& node : *stages->as_array()) {
       if (!node.is_table()) fail(node, "expected a stage, as {solver = \"pgs\", most = 500}");
-      rows.push_back(row_of(*node.as_table()));
+      add_rows(*node.as_table(), rows);
     }
     return rows;
+  }
+
+  /// One row for each start, and after each the list `then`.
+  void add_rows(const toml::table& table, std::vector<AutoPlan::Row>& rows) const {
+    const AutoPlan::Row row = row_of(table);
+    const toml::array* starts = table.get_as<toml::array>("from");
+    const std::size_t count = starts == nullptr ? 1 : starts->size();
+    if (count == 0) fail(*starts, kStartsExpected);
+    for (std::size_t k = 0; k < count; ++k) {
+      rows.push_back(row);
+      if (const toml::node* from = starts == nullptr ? table.get("from") : starts->get(k)) {
+        set_start(*from, rows.back());
+      }
+      if (!table.contains("then")) continue;
+      AutoPlan::Row list;
+      list.conditions = row.conditions;
+      list.list = list_at(table, "then");
+      rows.push_back(std::move(list));
+    }
+  }
+
+  std::string list_at(const toml::table& table, std::string_view key) const {
+    std::string name = text_at(table, key);
+    const bool known = std::find(list_names_.begin(), list_names_.end(), name) != list_names_.end();
+    if (!known && name != kShippedList) {
+      fail(*table.get(key), unknown_name_message("list", name, list_names_));
+    }
+    return name;
   }
 
   AutoPlan::Row row_of(const toml::table& table) const {
@@ -183,20 +214,14 @@ class PlanReader {
     row.conditions = conditions_of(table);
     if (table.contains("list")) {
       check_keys(table, {"list", "repeat", "growth", "contacts", "tol", "when"});
-      row.list = text_at(table, "list");
+      row.list = list_at(table, "list");
       row.repeat = integer_at(table, "repeat", 1, 1);
       row.growth = number_at(table, "growth", 1, 1);
-      const bool known =
-          std::find(list_names_.begin(), list_names_.end(), row.list) != list_names_.end();
-      if (!known && row.list != kShippedList) {
-        fail(*table.get("list"), unknown_name_message("list", row.list, list_names_));
-      }
       return row;
     }
-    check_keys(table, {"solver", "with", "from", "least", "most", "near", "contacts", "tol", "when",
-                       "error", "whole", "why"});
+    check_keys(table, {"solver", "with", "from", "then", "least", "most", "near", "contacts", "tol",
+                       "when", "error", "whole", "why"});
     set_solver(table, row);
-    set_start(table, row);
     row.most = count_at(table, "most", {kInfinity, 0, 0});
     row.least = count_at(table, "least", row.most);
     row.near = count_at(table, "near", row.most);
@@ -230,10 +255,9 @@ class PlanReader {
     }
   }
 
-  void set_start(const toml::table& table, AutoPlan::Row& row) const {
-    Names words = words_of(text_at(table, "from"));
-    if (words.empty()) return;
-    const std::string name = words.back();
+  void set_start(const toml::node& from, AutoPlan::Row& row) const {
+    const Names words = words_of(text_of(from));
+    const std::string name = words.empty() ? "" : words.back();
     const auto* start = std::find(std::begin(kStarts), std::end(kStarts), name);
     bool number = true;
     if (words.size() == 2) {
@@ -242,9 +266,7 @@ class PlanReader {
       number = error == std::errc() && end == last && std::isfinite(row.of_start);
     }
     if (start == std::end(kStarts) || words.size() > 2 || !number) {
-      fail(*table.get("from"),
-           "from: expected own, caller, last or best, or a factor and one of "
-           "them, as \"0.98 last\"");
+      fail(from, kStartsExpected);
     }
     row.start = static_cast<AutoPlan::Row::Start>(start - std::begin(kStarts));
   }

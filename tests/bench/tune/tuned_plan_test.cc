@@ -79,5 +79,14 @@ TEST(TunedPlan, AnUnknownSceneCostsThePlanAndThePresentOne) {
   EXPECT_EQ(plan.regret[4].solved, 30);
 }
 
+/// Of one scene, problems are left out: every one is like the others.
+TEST(TunedPlan, OneSceneIsCheckedByItsProblems) {
+  std::vector<MeasuredRow> rows = rows_of_scenes();
+  for (MeasuredRow& row : rows) row.scene = "s";
+  const TunedPlan plan = tune_plan(rows, kVariants, 10);
+  EXPECT_EQ(plan.regret[0].name, "tuned, problems left out");
+  EXPECT_DOUBLE_EQ(plan.regret[0].worst, 1);
+}
+
 }  // namespace
 }  // namespace bipot

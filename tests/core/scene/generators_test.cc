@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/scene/contact_detection.h"
+#include "core/scene/scene_family.h"
 
 namespace bipot {
 namespace {
@@ -41,6 +42,16 @@ void expect_in_corner(const std::vector<Disk>& disks, const Vec2& corner) {
   Vec2 low(1e300, 1e300);
   for (const Disk& d : disks) low = low.cwiseMin(d.x - Vec2(d.radius, d.radius));
   EXPECT_NEAR((low - corner).norm(), 0, 1e-14);
+}
+
+/// 10 rows of 20 and 10 of 19: 370 contacts in rows, 2 * 19 * 19 between them, 20 with the floor,
+/// 10 with the left wall.
+TEST(Generators, TheTrapezoidIsFreeOnTheRight) {
+  const Scene<2> scene = make_family_scene("trapezoid", 20, {.tilt_degrees = 10});
+  EXPECT_EQ(scene.bodies.size(), 390u);
+  EXPECT_EQ(scene.walls.size(), 2u);
+  EXPECT_EQ(detect_contacts(scene.bodies, scene.walls, scene.contact_distance).size(), 1122u);
+  EXPECT_GT(scene.gravity.x(), 0);
 }
 
 TEST(Generators, RectangularLatticeTouchesItsFourNeighbours) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -48,6 +49,9 @@ TEST(Plan, FaultsAreToldByLine) {
       {with_stage("{solver = \"pgs\", with = \"omega=9\"}"), "4", "omega"},
       {with_stage("{solver = \"pgs\", from = \"first\"}"), "4", "expected own, caller"},
       {with_stage("{solver = \"pgs\", from = \"a best\"}"), "4", "expected own, caller"},
+      {with_stage("{solver = \"pgs\", from = []}"), "4", "expected own, caller"},
+      {with_stage("{solver = \"pgs\", from = [\"best\", 1]}"), "4", "expected a text"},
+      {with_stage("{solver = \"pgs\", then = \"few\"}"), "4", "unknown list 'few'"},
       {with_stage("{solver = \"pgs\", most = -1}"), "4", "at least 0"},
       {with_stage("{solver = \"pgs\", most = [1]}"), "4", "[factor, power]"},
       {with_stage("{solver = \"pgs\", whole = \"yes\"}"), "4", "expected first or only"},
@@ -116,6 +120,33 @@ TEST(Plan, BudgetsGrowWithContactsAndRepetitions) {
   EXPECT_TRUE(stages[3].before_cutting && stages[3].on_whole_only);
   EXPECT_EQ(stages[4].max_iterations, AutoStage::kUnlimited);
   EXPECT_EQ(stages[4].min_iterations, AutoStage::kUnlimited);
+}
+
+TEST(Plan, AStageFromSeveralStartsRunsOnceFromEachWithAListAfterIt) {
+  const AutoPlan plan = parse_plan(
+      "[list.after]\nstages = [{solver = \"apgd\", from = \"last\"}]\n"
+      "[[class]]\nname = \"all\"\nstages = [\n"
+      "  {solver = \"pgs\", from = [\"0.5 caller\", \"best\"], then = \"after\", when = \"cold\"}]\n",
+      "plan.toml");
+  ProblemTraits problem{.contacts = 100, .dim = 2, .tol = 1e-3, .marks = kCold};
+  const std::vector<AutoStage> stages = plan_stages(plan, problem);
+  using Start = AutoPlan::Row::Start;
+  const struct {
+    const char* solver;
+    Start start;
+    double factor;
+  } kExpected[] = {{"pgs", Start::kCaller, 0.5},
+                   {"apgd", Start::kLast, 1},
+                   {"pgs", Start::kBest, 1},
+                   {"apgd", Start::kLast, 1}};
+  ASSERT_EQ(stages.size(), std::size(kExpected));
+  for (std::size_t k = 0; k < stages.size(); ++k) {
+    EXPECT_EQ(stages[k].solver->name, kExpected[k].solver);
+    EXPECT_EQ(stages[k].start, kExpected[k].start);
+    EXPECT_EQ(stages[k].of_start, kExpected[k].factor);
+  }
+  problem.marks = kWarm;
+  EXPECT_TRUE(plan_stages(plan, problem).empty());
 }
 
 /// The list 'shipped', and a plan without a class for the problem, go on as the shipped plan does.
