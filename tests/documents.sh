@@ -9,6 +9,7 @@ import re
 import sys
 
 MOST_WORDS, MOST_WORDS_OF_README, MOST_WORDS_OF_SENTENCE, SHOWN = 26000, 1000, 25, 20
+STUDY, MOST_WORDS_OF_STUDY = pathlib.Path("data/study"), 4500  # a paper, counted by itself
 UNWANTED = ["../shared", "throwaway", "this tree", "today's"]
 ABBREVIATIONS = ("Fig.", "Figs.", "Eq.", "e.g.", "i.e.", "al.", "vs.", "cf.", "No.", "p.", "pp.")
 
@@ -103,6 +104,9 @@ for page in pages:
         if places:
             faults.append(f"{page}: “{word}” in line {', '.join(places)}")
 words = {page: len(text.split()) for page, text in text_of.items()}
+study = sum(words.pop(page) for page in pages if STUDY in page.parents)
+if study > MOST_WORDS_OF_STUDY:
+    faults.append(f"{STUDY}: {study} words, more than {MOST_WORDS_OF_STUDY}")
 if sum(words.values()) > MOST_WORDS:
     longest = sorted(words, key=words.get, reverse=True)[:SHOWN]
     faults.append(f"all documents: {sum(words.values())} words, more than {MOST_WORDS}; the longest:\n" +

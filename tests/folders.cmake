@@ -42,7 +42,8 @@ set(folders
   "bench/compare = bench/measure"
   "bench/tune = bench/measure"
   "bench/experiments = bench/measure"
-  "bench/command = bench/compare bench/experiments bench/page bench/tradeoff bench/tune"
+  "bench/study = bench/experiments bench/tradeoff"
+  "bench/command = bench/compare bench/page bench/study bench/tune"
   "bench/programs = bench/command"
   "bench/python = bench/compare bench/tradeoff"
   "tests = bench/programs bench/python")

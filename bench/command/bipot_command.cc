@@ -107,7 +107,8 @@ int run_command_line(int argc, const char* const* argv) {
       solve_command(line),    judge_command(line), leaderboard_command(line),
       compare_command(line),  tune_command(line),  advise_command(line),
       paper_command(line),    trade_command(line), extremes_command(line),
-      validate_command(line), list_command(line),  new_command(line),
+      validate_command(line), study_command(line), list_command(line),
+      new_command(line),
   };
   const std::string json = json_destination(argc, argv);
   const auto refuse = [&](const std::string& message, ExitCode code) {

@@ -48,6 +48,8 @@ ProgramCommand paper_command(CommandLine& line);
 ProgramCommand run_command(CommandLine& line);
 /// Solves one problem file; --out DIR puts summary.json, history.csv and solution.hdf5 there.
 ProgramCommand solve_command(CommandLine& line);
+/// Measures what exactness observables need, and draws it: 0 if all was measured.
+ProgramCommand study_command(CommandLine& line);
 /// Runs whole simulations and writes their analysis: 0 if all were run.
 ProgramCommand trade_command(CommandLine& line);
 /// Measures, computes a plan for `auto` and writes it.

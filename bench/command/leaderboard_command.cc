@@ -23,6 +23,7 @@ struct LeaderboardFlags : OutputFlags {
   std::vector<std::string> problems = {(data_folder() / "problems").string()};
   std::vector<std::string> solvers = {"auto"};
   double tol = 1e-6, time_limit = 10;
+  bool no_solvers = false;
 };
 
 CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
@@ -38,6 +39,7 @@ CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
       "Problem files, folders of them, or other targets of compare (the shipped problems)");
   command.option("--solvers NAMES", flags.solvers, "Solvers of this program that take part")
       .show_default();
+  command.flag("--no-solvers", flags.no_solvers, "None of them does");
   command.option("--tol NUMBER", flags.tol, "Their tolerance").positive().show_default();
   command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one of their solves")
       .positive()
@@ -55,7 +57,9 @@ int run_leaderboard(const LeaderboardFlags& flags) {
   long done = 0;
   const Leaderboard board =
       make_leaderboard({flags.folders.begin(), flags.folders.end()}, problems,
-                       {.solvers = flags.solvers, .tol = flags.tol, .time_limit = flags.time_limit},
+                       {.solvers = flags.no_solvers ? std::vector<std::string>() : flags.solvers,
+                        .tol = flags.tol,
+                        .time_limit = flags.time_limit},
                        [&](const std::string& problem) { progress.update(++done, problem); });
   const Document summary = leaderboard_document(board, provenance("leaderboard", typed_command()));
   Document page = summary, entries;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "bench/measure/independent_check.h"
 #include "bench/measure/limited_solve.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/report/csv_text.h"
@@ -61,6 +62,7 @@ void judge_into(const ContactProblem& p, const Vector& s, Leaderboard::Entry& en
   entry.epsilon = verdict.error.epsilon;
   entry.eta = verdict.error.eta;
   entry.cone = verdict.cone;
+  entry.quadruple = independent_check(p, s).guarded;
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ struct Leaderboard {
     int contacts = 0;
     std::string defect;  ///< why there is no verdict: no file, or one that cannot be read
     double guarded = kNaN, epsilon = kNaN, eta = kNaN, cone = kNaN;  ///< ImpulseVerdict's
+    double quadruple = kNaN;  ///< max(ε, η) by independent_check()
     double seconds = kNaN;                                           ///< as submitted
     /// guarded <= tol.
     bool solves(double tol) const { return guarded <= tol; }

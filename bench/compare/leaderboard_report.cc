@@ -138,13 +138,14 @@ Table leaderboard_rows(const Leaderboard& board) {
                           {.key = "epsilon", .name = "ε", .show = error_label},
                           {.key = "eta", .name = "η", .show = error_label},
                           {.key = "cone", .name = "off the cone", .show = error_label},
+                          {.key = "quadruple", .name = "in quadruple", .show = error_label},
                           {.key = "seconds", .name = "time", .show = seconds_label},
                           {.key = "defect", .name = "no verdict"}},
               .key = "rows",
               .sortable = true};
   for (const Leaderboard::Entry& e : board.entries) {
     table.add({e.problem, family_of(e.problem), e.contacts, e.who, e.guarded, e.epsilon, e.eta,
-               e.cone, e.seconds, e.defect});
+               e.cone, e.quadruple, e.seconds, e.defect});
   }
   return table;
 }

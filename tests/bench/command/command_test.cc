@@ -12,6 +12,7 @@
 
 #include "bench/command/blas_kernels.h"
 #include "core/criterion/contact_error.h"
+#include "core/files/input_file.h"
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/refusal.h"
@@ -519,6 +520,16 @@ TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
   // One of the set, on its own.
   ASSERT_EQ(code_of("extremes --random-problems 1 --first 4 --dump-problem " + path("4.hdf5")), 0);
   EXPECT_EQ(code_of("solve " + path("4.hdf5") + " -q"), 0);
+}
+
+TEST_F(Command, StudyDrawsItsRowsAgain) {
+  ASSERT_EQ(code_of("study --quick --only answers -q --out " + path("out")), 0);
+  expect_files("out", {"index.html", "rows.csv", "answers_speed.svg"});
+  const std::string drawn = read_text_file(folder_ / "out" / "answers_speed.svg");
+  ASSERT_EQ(code_of("study --draw -q --rows " + path("out/rows.csv") + " --out " + path("again")),
+            0);
+  EXPECT_EQ(read_text_file(folder_ / "again" / "answers_speed.svg"), drawn);
+  EXPECT_EQ(code_of("study --only no_such_part"), 2);
 }
 
 TEST_F(Command, ValidateLeavesAPageAndAnExitCode) {

@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/command/command_options.h"
+#include "bench/command/commands.h"
+#include "bench/command/exit_code.h"
+#include "bench/command/progress_bar.h"
+#include "bench/report/json_output.h"
+#include "bench/study/study.h"
+#include "core/base/interrupt.h"
+#include "core/files/atomic_file.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StudyFlags : OutputFlags {
+  StudyFlags() { out = "out/study"; }
+
+  std::vector<std::string> only;
+  std::string rows;
+  bool quick = false, draw = false;
+};
+
+CommandDeclaration add_study(CommandLine& line, StudyFlags& flags) {
+  CommandDeclaration command = line.add_command(
+      "study", "How exact must a contact solver be? Measures, and draws data/study anew");
+  std::string names;
+  std::vector<std::string> parts;
+  for (const Study::Part& part : Study::parts()) {
+    names += (names.empty() ? "" : ", ") + part.name;
+    parts.push_back(part.name);
+  }
+  command.option("--only PARTS", flags.only, "Parts, separated by commas, of " + names)
+      .one_of(parts);
+  command.flag("--quick", flags.quick, "Small scenes, few seeds: minutes instead of an hour");
+  command.option("--rows FILE", flags.rows,
+                 "CSV of the measurements, added to; those that are there are kept (DIR/rows.csv)");
+  command.flag("--draw", flags.draw, "Measures nothing: figures and tables of the rows there are");
+  add_output_flags(command, flags,
+                   "Folder for index.html, figures, their data and rows.csv (out/study)");
+  command.footer(
+      "A stopped measurement goes on from its rows.\n"
+      "Examples:\n"
+      "  bipot study --quick\n"
+      "  bipot study --only depth --out out/depth\n"
+      "  bipot study --rows data/study/rows.csv --draw");
+  return command;
+}
+
+int run_study(const StudyFlags& flags) {
+  flags.prepare(true);
+  const fs::path folder = flags.out;
+  const fs::path rows = flags.rows.empty() ? folder / "rows.csv" : fs::path(flags.rows);
+  std::vector<Study::Part> parts;
+  for (const Study::Part& part : Study::parts()) {
+    if (flags.only.empty() ||
+        std::find(flags.only.begin(), flags.only.end(), part.name) != flags.only.end()) {
+      parts.push_back(part);
+    }
+  }
+  bool complete = true;
+  if (!flags.draw) {
+    std::vector<Study::Job> jobs;
+    for (const Study::Part& part : parts) {
+      for (Study::Job& job : part.jobs(flags.quick)) jobs.push_back(std::move(job));
+    }
+    const InterruptGuard interrupt;
+    ProgressBar progress(static_cast<long>(jobs.size()), flags.silent());
+    complete = Study::measure(
+        rows, jobs, &InterruptGuard::requested,
+        [&](long done, long, const std::string& what) { progress.update(done, what); });
+  }
+  const Study::Measured measured = Study::read(rows);
+  Document page;
+  page.title = "How exact must a contact solver be?";
+  page.made = provenance("study", typed_command());
+  page.contents = true;
+  for (const Study::Part& part : parts) {
+    const bool any = std::any_of(measured.begin(), measured.end(),
+                                 [&](const auto& entry) { return entry.first.part == part.name; });
+    if (!any) continue;
+    page.heading(part.title, part.name);
+    page.append(part.report(measured));
+  }
+  write_figures(folder, page);
+  write_text_file(folder / "index.html", to_html(page));
+  if (!flags.json.empty()) write_json(to_json(page), flags.json);
+  if (!flags.silent()) fmt::print("{}{}\n", to_text(page), (folder / "index.html").string());
+  return complete ? kExitConverged : kExitInterrupted;
+}
+
+}  // namespace
+
+ProgramCommand study_command(CommandLine& line) {
+  return make_command(line, &add_study, &run_study);
+}
+
+}  // namespace bipot

@@ -1,0 +1,268 @@
+// Error of the observables over step and tolerance, and rigid contacts against springs.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/report/labels.h"
+#include "bench/study/study_parts.h"
+
+namespace bipot {
+namespace {
+
+const std::string kPlane = "plane", kSprings = "springs", kPlaneMethod = "apgd";
+constexpr double kFinestFactor = 0.125, kFinestTol = 1e-5;  // of the reference
+
+Study::Job rigid_job(const std::string& part, const std::string& label, const Study::Sample& sample,
+                     double tol, double factor) {
+  return {{part, label, sample.size, sample.seed, kPlaneMethod, tol, factor},
+          [=](const Study::Stopped& stopped) {
+            return Study::run(sample,
+                              {.solver = kPlaneMethod,
+                               .tol = tol,
+                               .step_factor = factor,
+                               .parameters = {{"islands", "off"}}},
+                              stopped);
+          }};
+}
+
+std::vector<Study::Job> plane_jobs(bool quick) {
+  std::vector<Study::Job> jobs;
+  const std::vector<double> factors =
+      quick ? std::vector<double>{2, 1} : std::vector<double>{4, 2, 1, 0.5};
+  const std::vector<double> tols =
+      quick ? std::vector<double>{1, 1e-2} : std::vector<double>{10, 1, 1e-1, 1e-2, 1e-3};
+  for (int seed = 1; seed <= (quick ? 3 : 6); ++seed) {
+    for (const char* scene : {"pour", "collapse", "shear", "drum"}) {
+      const Study::Sample sample{.scene = scene, .size = quick ? 36 : 64, .seed = seed};
+      jobs.push_back(rigid_job(kPlane, scene, sample, kFinestTol, quick ? 0.5 : kFinestFactor));
+      for (const double factor : factors) {
+        for (const double tol : tols) jobs.push_back(rigid_job(kPlane, scene, sample, tol, factor));
+      }
+    }
+  }
+  return jobs;
+}
+
+/// Median relative error of a case's observables against the reference, and their median bar.
+struct OverallError {
+  double error = kNaN, bar = kNaN, cpu = kNaN;
+  int seeds = 0;
+};
+OverallError overall_error(const Study::Measured& measured, const Study::Case& of,
+                           const Study::Case& reference) {
+  std::vector<double> errors, bars;
+  OverallError overall;
+  for (const std::string& quantity : classed_quantities(measured, of.part, of.scene)) {
+    const PairedError e = paired_error(measured, of, reference, quantity);
+    if (!std::isfinite(e.bar)) continue;
+    errors.push_back(e.error);
+    bars.push_back(e.bar);
+    overall.seeds = std::max(overall.seeds, e.seeds);
+  }
+  overall.error = median(errors);
+  overall.bar = median(bars);
+  overall.cpu = over_seeds(by_seed(measured, of, "cpu")).mean;
+  return overall;
+}
+
+/// The case of the shortest step and tightest tolerance of a scene.
+Study::Case finest(const Study::Measured& measured, const std::string& part,
+                   const std::string& scene) {
+  const auto here = [&](const Study::Case& c) {
+    return c.part == part && c.scene == scene && c.method == kPlaneMethod;
+  };
+  Study::Case best;
+  for (const auto& [of, values] : measured) {
+    if (!here(of)) continue;
+    if (best.part.empty() || std::pair(of.x, of.tol) < std::pair(best.x, best.tol)) best = of;
+  }
+  best.seed = 0;
+  return best;
+}
+
+Document plane_report(const Study::Measured& measured) {
+  Document part;
+  Table table{.columns = {{"scene", "scene"},
+                          {"step_factor", "step over the scene's", &compact_label},
+                          {"tol", "ε", &tolerance_label},
+                          {"error", "median error", &share_label},
+                          {"bar", "median bar", &share_label},
+                          {"overlap", "largest overlap", &share_label},
+                          {"cpu", "CPU", &seconds_label},
+                          {"seeds", "seeds that ended", &count_label}},
+              .key = "plane",
+              .sortable = true};
+  Table ridge{.columns = {{"scene", "scene"},
+                          {"step_factor", "step over the scene's", &compact_label},
+                          {"tol", "ε that is enough", &tolerance_label},
+                          {"error", "error there", &share_label},
+                          {"bar", "bar", &share_label},
+                          {"saved", "time saved against the tightest", &ratio_label}},
+              .key = "ridge",
+              .note =
+                  "Enough: the median error is at most that of the tightest tolerance and its "
+                  "bar."};
+  for (const std::string& scene : distinct(measured, kPlane, &Study::Case::scene)) {
+    const Study::Case reference = finest(measured, kPlane, scene);
+    Chart chart{.title = scene,
+                .x = {.label = "tolerance ε", .kind = Chart::Axis::Kind::kLog},
+                .y = {.label = "median relative error", .kind = Chart::Axis::Kind::kLog}};
+    auto factors = distinct<double>(measured, kPlane, &Study::Case::x,
+                                    [&](const Study::Case& c) { return c.scene == scene; });
+    std::reverse(factors.begin(), factors.end());
+    int style = 0;
+    for (const double factor : factors) {
+      if (factor == reference.x) continue;
+      Chart::Series line{fmt::format("{:g} h", factor), style++, {}};
+      std::vector<std::pair<double, OverallError>> at;
+      for (const double tol : distinct(measured, kPlane, &Study::Case::tol)) {
+        Study::Case of = reference;
+        of.x = factor;
+        of.tol = tol;
+        const OverallError e = overall_error(measured, of, reference);
+        if (e.seeds < 2) continue;
+        at.emplace_back(tol, e);
+        table.add({scene, factor, tol, e.error, e.bar,
+                   over_seeds(by_seed(measured, of, "overlap")).mean, e.cpu, e.seeds});
+        line.points.push_back({tol, e.error});
+      }
+      chart.series.push_back(std::move(line));
+      for (std::size_t k = at.size(); k-- > 0;) {
+        if (at[k].second.error > at[0].second.error + at[0].second.bar) continue;
+        ridge.add({scene, factor, at[k].first, at[k].second.error, at[k].second.bar,
+                   at[0].second.cpu / at[k].second.cpu});
+        break;
+      }
+    }
+    part.add(Figure{.chart = std::move(chart),
+                    .file = "plane_" + scene + ".svg",
+                    .caption = fmt::format("{}: median relative error of the observables over "
+                                           "tolerance, for steps of several lengths.",
+                                           scene)});
+  }
+  part.add(std::move(ridge));
+  Document details;
+  details.add(std::move(table));
+  part.fold("The whole plane", std::move(details));
+  return part;
+}
+
+std::string springs_label(const Study::Sample& sample) {
+  return fmt::format("{}_{:g}", sample.scene, sample.drive);
+}
+
+std::vector<Study::Job> springs_jobs(bool quick) {
+  std::vector<Study::Job> jobs;
+  const std::vector<double> speeds =
+      quick ? std::vector<double>{1} : std::vector<double>{0.3, 1, 4};
+  for (int seed = 1; seed <= (quick ? 3 : 6); ++seed) {
+    std::vector<Study::Sample> samples;
+    for (const double speed : speeds) {
+      samples.push_back({.scene = "drum", .size = quick ? 36 : 64, .seed = seed, .drive = speed});
+    }
+    if (!quick) samples.push_back({.scene = "pour", .size = 64, .seed = seed});
+    for (const Study::Sample& sample : samples) {
+      const std::string label = springs_label(sample);
+      jobs.push_back(rigid_job(kSprings, label, sample, kFinestTol, quick ? 0.5 : 0.25));
+      for (const double factor : {4.0, 2.0, 1.0}) {
+        for (const double tol : {1e-1, 1e-2}) {
+          jobs.push_back(rigid_job(kSprings, label, sample, tol, factor));
+        }
+      }
+      for (const double overlap : {3e-2, 1e-2, 3e-3, 1e-3}) {
+        if (quick && overlap < 1e-2) continue;
+        jobs.push_back({{kSprings, label, sample.size, seed, "springs", overlap, 1},
+                        [=](const Study::Stopped& stopped) {
+                          return Study::run(sample,
+                                            {.model = Model::kSpringDashpot, .overlap = overlap},
+                                            stopped);
+                        }});
+      }
+    }
+  }
+  return jobs;
+}
+
+Document springs_report(const Study::Measured& measured) {
+  Document part;
+  Table table{.columns = {{"scene", "scene and speed"},
+                          {"method", "contacts"},
+                          {"tol", "ε, or overlap aimed at", &tolerance_label},
+                          {"step_factor", "step", &compact_label},
+                          {"error", "median error", &share_label},
+                          {"bar", "bar", &share_label},
+                          {"overlap", "largest overlap", &share_label},
+                          {"cpu", "CPU", &seconds_label}},
+              .key = "springs",
+              .sortable = true};
+  Table cheapest{.columns = {{"scene", "scene and speed"},
+                             {"inertial_number", "I", &compact_label},
+                             {"error", "error wanted", &share_label},
+                             {"rigid", "rigid", &seconds_label},
+                             {"springs", "springs", &seconds_label},
+                             {"ratio", "springs over rigid", &ratio_label},
+                             {"note", "rigid setting"}},
+                 .key = "cheapest"};
+  for (const std::string& scene : distinct(measured, kSprings, &Study::Case::scene)) {
+    const Study::Case reference = finest(measured, kSprings, scene);
+    Chart chart{.title = scene,
+                .x = {.label = "CPU seconds of a run", .kind = Chart::Axis::Kind::kLog},
+                .y = {.label = "median relative error", .kind = Chart::Axis::Kind::kLog}};
+    Chart::Series rigid{"rigid", 0, {}, Chart::Series::Kind::kPoints};
+    Chart::Series soft{"springs", 1, {}, Chart::Series::Kind::kPoints};
+    std::vector<std::pair<Study::Case, OverallError>> all;
+    std::vector<Study::Case> seen;
+    for (const auto& [key, values] : measured) {
+      Study::Case of = key;
+      of.seed = 0;
+      if (of.part != kSprings || of.scene != scene || of == reference) continue;
+      if (std::find(seen.begin(), seen.end(), of) != seen.end()) continue;
+      seen.push_back(of);
+      const OverallError e = overall_error(measured, of, reference);
+      if (e.seeds < 2) continue;
+      all.emplace_back(of, e);
+      const bool springs = of.method == "springs";
+      (springs ? soft : rigid).points.push_back({e.cpu, e.error});
+      table.add({scene, of.method, of.tol, springs ? Table::Cell() : Table::Cell(of.x), e.error,
+                 e.bar, over_seeds(by_seed(measured, of, "overlap")).mean, e.cpu});
+    }
+    chart.series = {rigid, soft};
+    part.add(Figure{.chart = std::move(chart),
+                    .file = "springs_" + scene + ".svg",
+                    .caption = fmt::format("{}: error against cost of runs with rigid contacts and "
+                                           "with springs.",
+                                           scene)});
+    const double inertial = over_seeds(by_seed(measured, reference, "inertial_number")).mean;
+    for (const double wanted : {0.1, 0.05, 0.02, 0.01}) {
+      double best[2] = {kInfinity, kInfinity};
+      std::string note;
+      for (const auto& [of, e] : all) {
+        const bool springs = of.method == "springs";
+        if (e.error > wanted || e.cpu >= best[springs]) continue;
+        best[springs] = e.cpu;
+        if (!springs) note = fmt::format("ε = {}, {:g} h", tolerance_label(of.tol), of.x);
+      }
+      cheapest.add({scene, inertial, wanted, best[0], best[1], best[1] / best[0], note});
+    }
+  }
+  part.add(std::move(cheapest));
+  Document details;
+  details.add(std::move(table));
+  part.fold("Every setting", std::move(details));
+  return part;
+}
+
+}  // namespace
+
+Study::Part plane_part() {
+  return {kPlane, "The plane of step and tolerance", &plane_jobs, &plane_report};
+}
+
+Study::Part springs_part() {
+  return {kSprings, "Rigid contacts against springs at equal error", &springs_jobs,
+          &springs_report};
+}
+
+}  // namespace bipot

@@ -1,0 +1,126 @@
+#include "bench/study/study.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "bench/study/study_parts.h"
+#include "core/files/atomic_file.h"
+#include "core/files/input_file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+const Study::Stopped kNever = [] { return false; };
+
+Study::Job job(int seed, int& runs, double value = 0) {
+  return {{"thresholds", "pour", 9, seed, "apgd", 0.1, 0.5}, [&runs, value](const Study::Stopped&) {
+            ++runs;
+            return Study::Values{{"height", value}, {"with, comma", 1.0 / 3}};
+          }};
+}
+
+TEST(Study, GoesOnFromTheMeasurementsThatAreComplete) {
+  const TemporaryFolder folder;
+  const auto rows = folder.path() / "rows.csv";
+  int runs = 0;
+  const auto silent = [](long, long, const std::string&) {};
+  ASSERT_TRUE(Study::measure(rows, {job(1, runs, 2.5), job(2, runs)}, kNever, silent));
+  EXPECT_EQ(runs, 2);
+  const Study::Measured measured = Study::read(rows);
+  ASSERT_EQ(measured.size(), 2u);
+  const Study::Values& first = measured.begin()->second;
+  EXPECT_EQ(first.at("height"), 2.5);
+  EXPECT_NEAR(first.at("with, comma"), 1.0 / 3, 1e-9);
+  EXPECT_GE(first.at("cpu"), 0);
+
+  // The last measurement loses its last row, as if the program had been killed there.
+  std::string text = read_text_file(rows);
+  text.resize(text.rfind("\"thresholds\""));
+  write_text_file(rows, text);
+  EXPECT_EQ(Study::read(rows).size(), 1u);
+  ASSERT_TRUE(Study::measure(rows, {job(1, runs), job(2, runs), job(3, runs)}, kNever, silent));
+  EXPECT_EQ(runs, 4);  // 2 again, and 3
+  EXPECT_EQ(Study::read(rows).size(), 3u);
+
+  // One that is stopped leaves no rows.
+  EXPECT_FALSE(Study::measure(
+      rows, {job(4, runs)}, [] { return true; }, silent));
+  EXPECT_EQ(Study::read(rows).size(), 3u);
+}
+
+// Differences -1, 0, 1, 2 over the reference's mean 4: mean 0.5; their standard deviation is
+// sqrt(5/3), and Student's t with 3 degrees of freedom 3.182.
+TEST(Study, ErrorsArePairedBySeed) {
+  Study::Measured measured;
+  Study::Case exact{"thresholds", "pour", 9, 0, "apgd", 1e-6, 0}, rough = exact;
+  rough.tol = 1;
+  const double at[] = {1, 3, 5, 7};
+  for (int seed = 1; seed <= 4; ++seed) {
+    exact.seed = rough.seed = seed;
+    measured[exact]["height"] = at[seed - 1];
+    measured[rough]["height"] = at[seed - 1] + seed - 2;
+  }
+  rough.seed = 9;  // without a partner
+  measured[rough]["height"] = 100;
+  Study::Case other = exact;
+  other.scene = "shear";
+  measured[other]["height"] = 1000;
+  const PairedError e = paired_error(measured, rough, exact, "height");
+  EXPECT_NEAR(e.error, 0.5 / 4, 1e-12);
+  EXPECT_NEAR(e.bar, 3.18245 * std::sqrt(5.0 / 3 / 4) / 4, 1e-5);
+}
+
+TEST(Study, EveryPartHasJobsOfItsOwnNameAndDrawsWhatThereIs) {
+  for (const Study::Part& part : Study::parts()) {
+    const std::vector<Study::Job> all = part.jobs(false), quick = part.jobs(true);
+    EXPECT_GT(all.size(), quick.size()) << part.name;
+    std::set<Study::Case> cases;
+    for (const Study::Job& j : all) {
+      EXPECT_EQ(j.of.part, part.name);
+      EXPECT_TRUE(cases.insert(j.of).second) << part.name << " measures a case twice";
+    }
+    EXPECT_NO_THROW(to_text(part.report({}))) << part.name;
+  }
+}
+
+// Disks in a box at rest: the height is that of a dense filling, the floor and the walls carry the
+// weight, and friction is within its bound. A run at a loose tolerance has larger overlaps.
+TEST(Study, QuantitiesOfAPourAreThoseOfAPackingAtRest) {
+  const Study::Sample sample{.scene = "pour", .size = 25};
+  const Study::Values tight = Study::run(sample, {.solver = "apgd", .tol = 1e-4}, kNever);
+  // The area of the disks over the width of 5 at a fraction from 0.7 to 0.9, halved.
+  EXPECT_GT(tight.at("height"), 0.5 * 25 * 0.257 * std::numbers::pi / 5 / 0.9);
+  EXPECT_LT(tight.at("height"), 0.5 * 25 * 0.257 * std::numbers::pi / 5 / 0.65);
+  EXPECT_LT(std::abs(tight.at("wall_share")), 1);
+  EXPECT_GE(tight.at("sliding_share"), 0);
+  EXPECT_LT(tight.at("sliding_share"), 1);
+  const Study::Values loose = Study::run(sample, {.solver = "apgd", .tol = 10}, kNever);
+  EXPECT_GT(loose.at("overlap"), tight.at("overlap"));
+}
+
+// Closed form of a column of grains: the first step from rest loads the floor with the weight
+// where the walls have no friction, and the sweeps grow with the height.
+TEST(Study, ColumnsWithoutFrictionStandOnTheirFloor) {
+  std::map<double, double> sweeps;
+  for (const Study::Part& part : Study::parts()) {
+    if (part.name != "depth") continue;
+    for (const Study::Job& j : part.jobs(true)) {
+      if (j.of.scene != "crystalline:mu_wall=0" || j.of.method != "pgs" || j.of.tol != 1e-4)
+        continue;
+      const Study::Values values = j.run(kNever);
+      EXPECT_NEAR(values.at("floor_share"), 1, 1e-2);
+      EXPECT_EQ(values.at("unsolved"), 0);
+      sweeps[j.of.x] = values.at("iterations");
+    }
+  }
+  ASSERT_EQ(sweeps.size(), 3u);
+  // N²: four times the height, sixteen times the sweeps, less the criterion's cadence.
+  EXPECT_GT(sweeps[4], 8 * sweeps[1]);
+}
+
+}  // namespace
+}  // namespace bipot
