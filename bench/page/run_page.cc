@@ -24,6 +24,7 @@
 #include "core/files/hdf5_file.h"
 #include "core/run_files/film.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/wall_pieces.h"
 #include "core/scene_files/scene_file.h"
 
 namespace bipot {
@@ -41,7 +42,7 @@ Json numbers(const Eigen::Matrix<double, N, 1>& x) {
 template <int D>
 Json walls_json(const std::vector<Wall<D>>& walls, const std::vector<std::string>& materials) {
   Json list = Json::array();
-  constexpr const char* kShapes[] = {"plane", "segment", "hollow", "solid"};
+  constexpr const char* kShapes[] = {"plane", "segment", "hollow", "solid", "mesh", "cone"};
   for (const Wall<D>& wall : walls) {
     const std::size_t material = to_size(wall.material);
     list.push_back({{"name", wall.name},
@@ -50,6 +51,16 @@ Json walls_json(const std::vector<Wall<D>>& walls, const std::vector<std::string
                     {"radius", wall.radius},
                     {"spin", wall.spin},
                     {"material", material < materials.size() ? materials[material] : ""}});
+    if constexpr (D == 3) {
+      if (!wall.is_surface()) continue;
+      std::vector<float> corners;  // relative to the point a, which moves
+      for (const WallPiece& piece : wall_pieces({&wall, 1}, {})) {
+        for (const Vec3& corner : piece.corners) {
+          for (const double x : Vec3(corner - wall.a)) corners.push_back(static_cast<float>(x));
+        }
+      }
+      list.back()["pieces"] = corners;
+    }
   }
   return list;
 }

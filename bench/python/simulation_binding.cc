@@ -115,6 +115,10 @@ std::string name_of(typename Wall<D>::Shape shape) {
       return D == 2 ? "hollow circle" : "hollow cylinder";
     case Shape::kSolidCircle:
       return D == 2 ? "solid circle" : "solid cylinder";
+    case Shape::kMesh:
+      return "triangles";
+    case Shape::kCone:
+      return "cone";
   }
   return "";
 }
@@ -129,7 +133,7 @@ py::list walls_of(const State<D>& state) {
   py::list walls;
   for (const Wall<D>& wall : state.walls) {
     using Shape = typename Wall<D>::Shape;
-    const bool segment = wall.shape == Shape::kSegment;
+    const bool segment = wall.shape == Shape::kSegment || wall.shape == Shape::kCone;
     const bool directed = wall.shape == Shape::kHalfPlane || (D == 3 && wall.is_circle());
     py::dict row;
     row["name"] = wall.name;

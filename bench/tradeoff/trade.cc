@@ -31,7 +31,7 @@ void perturb(Scene<D>& scene, int replica) {
   if (replica == 0 || scene.bodies.empty()) return;
   double mass = 0, force = 0;
   for (const Body<D>& d : scene.bodies) mass += d.mass;
-  for (const Cluster& c : scene.clusters.bodies) mass += c.mass;
+  for (const Cluster<D>& c : scene.clusters.bodies) mass += c.mass;
   for (const Wall<D>& w : scene.walls) {
     if (w.motion == Wall<D>::Motion::kDriven) force += std::abs(w.force);
   }
@@ -45,10 +45,8 @@ void perturb(Scene<D>& scene, int replica) {
   for (Body<D>& d : scene.bodies) {
     if (d.cluster < 0) push(d.v);
   }
-  if constexpr (D == 2) {
-    for (Cluster& c : scene.clusters.bodies) push(c.v);
-    place_members(scene.clusters, scene.bodies);
-  }
+  for (Cluster<D>& c : scene.clusters.bodies) push(c.v);
+  place_members(scene.clusters, scene.bodies);
 }
 
 /// Steps of Trade::Options::shorten.

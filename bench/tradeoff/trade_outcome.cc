@@ -252,7 +252,7 @@ void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report
   const std::size_t n = state.bodies.size();
   double load = 0, worst = 0, impulses = 0, speed2 = 0;
   std::size_t bodies = state.clusters.bodies.size();
-  for (const Cluster& c : state.clusters.bodies) speed2 += c.v.squaredNorm();
+  for (const Cluster<D>& c : state.clusters.bodies) speed2 += c.v.squaredNorm();
   for (const Body<D>& d : state.bodies) {
     if (d.cluster >= 0) continue;
     speed2 += d.v.squaredNorm();

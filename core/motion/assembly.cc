@@ -7,6 +7,7 @@
 #include "core/base/parallel.h"
 #include "core/motion/joint_rows.h"
 #include "core/problem/delassus.h"
+#include "core/scene/cluster_motion.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
@@ -20,7 +21,7 @@ struct StepInput {
   std::span<const Vec<D>> disk_v_free;
   std::span<const double> wall_v_free;
   CellInput cell;  // of cells that deform only
-  ClusterInput clusters;
+  ClusterInput<D> clusters;
   int dim;
   bool cohesive;
 };
@@ -174,16 +175,19 @@ int entries_of(const Contact<D>& contact, std::span<const Body<D>> disks, const 
   return of_disk + of_cell + (dofs.wall[to_size(w)] >= 0 ? d : 0);
 }
 
-/// Velocity along the axis of a disk's centre, if its cluster turns about its centre of mass with
-/// spin 1: (e3 x c)·axis.
-template <int D>
-double lever(const ClusterInput& clusters, const Body<D>& disk, const Vec<D>& axis) {
-  if constexpr (D == 3) {
-    return 0.0;
-  } else {
-    const Vec2 c = disk.x - clusters.bodies[to_size(disk.cluster)].x;
-    return c[0] * axis[1] - c[1] * axis[0];
-  }
+/// The entries of a row at the spin of a cluster, from `row` on. They are (arm n + c) x axis, with c
+/// from the centre of mass to the body, over r; `side` -1: with the other sign.
+void add_lever(const ClusterInput<2>& clusters, const Disk& disk, double arm, const Vec2& /*n*/,
+               const Vec2& axis, double side, double r, int row, ColumnWriter& columns) {
+  const Vec2 c = disk.x - clusters.bodies[to_size(disk.cluster)].x;
+  columns.add(row, (arm + side * arm_times(c, axis)) / r);
+}
+void add_lever(const ClusterInput<3>& clusters, const Sphere& sphere, double arm, const Vec3& n,
+               const Vec3& axis, double side, double r, int row, ColumnWriter& columns) {
+  const Cluster<3>& cluster = clusters.bodies[to_size(sphere.cluster)];
+  const Vec3 c = sphere.x - cluster.x;
+  const Vec3 turn = in_own_axes(cluster, Vec3(arm * n.cross(axis) + side * c.cross(axis)));
+  for (int k = 0; k < 3; ++k) columns.add(row + k, turn[k] / r);
 }
 
 /// 1 over the distance between the centres of a contact: its normal turns by the way across n over
@@ -207,10 +211,10 @@ double bend_of(const Contact<D>& contact, const Body<D>& body, const Body<D>* ot
 
 /// Acceleration of a disk's centre by the turning of its cluster.
 template <int D>
-Vec<D> pull_of(const ClusterInput& clusters, const Body<D>& disk) {
+Vec<D> pull_of(const ClusterInput<D>& clusters, const Body<D>& disk) {
   if constexpr (D == 2) {
     if (disk.cluster >= 0) {
-      const Cluster& cluster = clusters.bodies[to_size(disk.cluster)];
+      const Cluster<D>& cluster = clusters.bodies[to_size(disk.cluster)];
       return -cluster.spin * cluster.spin * (disk.x - cluster.x);
     }
   }
@@ -269,7 +273,8 @@ void add_axis(ColumnWriter& columns, int row, const Vec3& axis) {
 /// The rows of rolling: the spin of body i less that of j, or of the wall. `k`, `l`: first degrees
 /// of freedom of the bodies, l < 0 at a wall.
 template <int D>
-void write_rolling(const Spin<D>& turning, const ContactLaw& law,
+void write_rolling(const ClusterInput<D>& clusters, const Body<D>& a, const Body<D>* b,
+                   const Spin<D>& turning, const ContactLaw& law,
                    const std::array<Vec<D>, to_size(D)>& frame, int c, int k, int l,
                    ColumnWriter& columns, AssembledStep& step) {
   ContactProblem& p = step.problem;
@@ -282,8 +287,11 @@ void write_rolling(const Spin<D>& turning, const ContactLaw& law,
     step.u_before[c * p.dim + row] = before;
     p.u_free[c * p.dim + row] = (1 + law.e_t) * before / r_t;  // only contacts exert torques
     if (p.row_scale.size() > 0) p.row_scale[c * p.dim + row] = r_t;
-    add_axis(columns, k + D, Spin<D>(axis / r_t));
-    if (l >= 0) add_axis(columns, l + D, Spin<D>(-axis / r_t));
+    const auto along_own = [&](const Body<D>& body, const Spin<D>& x) {
+      return body.cluster < 0 ? x : in_own_axes(clusters.bodies[to_size(body.cluster)], x);
+    };
+    add_axis(columns, k + D, along_own(a, Spin<D>(axis / r_t)));
+    if (l >= 0) add_axis(columns, l + D, along_own(*b, Spin<D>(-axis / r_t)));
     columns.close();
   }
 }
@@ -347,14 +355,14 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
 
     for (int x = 0; x < D; ++x) columns.add(k + x, axis[x] / r);
     if (turns_a) {
-      columns.add(k + D, (arm_a + lever<D>(in.clusters, a, axis)) / r);
+      add_lever(in.clusters, a, arm_a, contact.n, axis, 1, r, k + D, columns);
     } else if (row > 0) {
       add_spin(columns, k + D, arm_a / r, contact.n, axis);
     }
     if (with_disk) {
       for (int x = 0; x < D; ++x) columns.add(l + x, -axis[x] / r);
       if (turns_b) {
-        columns.add(l + D, (arm_b - lever<D>(in.clusters, *b, axis)) / r);
+        add_lever(in.clusters, *b, arm_b, contact.n, axis, -1, r, l + D, columns);
       } else if (row > 0) {
         add_spin(columns, l + D, arm_b / r, contact.n, axis);
       }
@@ -371,7 +379,7 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   }
   if (!p.rolls()) return;
   const Spin<D> turning = a.spin - (with_disk ? b->spin : spin_of(*wall));
-  write_rolling<D>(turning, law, frame, c, k, with_disk ? l : -1, columns, step);
+  write_rolling<D>(in.clusters, a, b, turning, law, frame, c, k, with_disk ? l : -1, columns, step);
 }
 
 /// Cohesion as forces on the bodies: they change v_free and u_free. `forces`: of each contact [N].
@@ -391,16 +399,19 @@ void add_cohesion(const Scene<D>& scene, std::span<const double> forces, Assembl
 }
 
 /// Sets masses and free velocities of the clusters in contact.
-void fill_clusters(std::span<const Disk> disks, const ClusterInput& clusters, const DofMap& dofs,
-                   Vector& mass, Vector& v_free) {
+template <int D>
+void fill_clusters(std::span<const std::type_identity_t<Body<D>>> disks,
+                   const ClusterInput<D>& clusters, const DofMap& dofs, Vector& mass,
+                   Vector& v_free) {
   if (clusters.bodies.empty()) return;
   for (std::size_t i = 0; i < disks.size(); ++i) {
     const int k = dofs.disk[i];
     if (k < 0 || disks[i].cluster < 0) continue;
     const std::size_t c = to_size(disks[i].cluster);
-    const Cluster& cluster = clusters.bodies[c];
-    mass.segment<3>(k) << cluster.mass, cluster.mass, cluster.inertia;
-    v_free.segment<3>(k) << clusters.v_free[c], cluster.spin;
+    mass.segment<D>(k).setConstant(clusters.bodies[c].mass);
+    v_free.segment<D>(k) = clusters.v_free[c];
+    mass.segment<kSpins<D>>(k + D) << clusters.bodies[c].inertia;
+    v_free.segment<kSpins<D>>(k + D) << own_spin(clusters.bodies[c]);
   }
 }
 
@@ -413,7 +424,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
                             std::span<const std::type_identity_t<Contact<D>>> contacts,
                             std::span<const std::type_identity_t<Vec<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads, CellInput cell, ClusterInput clusters,
+                            int threads, CellInput cell, ClusterInput<D> clusters,
                             std::span<const double> cohesion) {
   if (cell.cell != nullptr && !cell.cell->deforms()) cell = {};  // its images stand still
   const bool friction = scene.has_friction();
@@ -444,7 +455,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
       }
     }
   }
-  if constexpr (D == 2) fill_clusters(disks, clusters, dofs, mass, p.v_free);
+  fill_clusters<D>(disks, clusters, dofs, mass, p.v_free);
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (dofs.wall[w] < 0) continue;
     mass[dofs.wall[w]] = walls[w].mass;
@@ -492,10 +503,10 @@ AssembledStep assemble_step(const Scene<D>& scene,
 template AssembledStep assemble_step<2>(const Scene<2>&, std::span<const Disk>,
                                         std::span<const Wall<2>>, std::span<const Contact<2>>,
                                         std::span<const Vec2>, std::span<const double>, bool, int,
-                                        CellInput, ClusterInput, std::span<const double>);
+                                        CellInput, ClusterInput<2>, std::span<const double>);
 template AssembledStep assemble_step<3>(const Scene<3>&, std::span<const Sphere>,
                                         std::span<const Wall<3>>, std::span<const Contact<3>>,
                                         std::span<const Vec3>, std::span<const double>, bool, int,
-                                        CellInput, ClusterInput, std::span<const double>);
+                                        CellInput, ClusterInput<3>, std::span<const double>);
 
 }  // namespace bipot

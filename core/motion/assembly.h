@@ -29,9 +29,10 @@ struct CellInput {
 };
 
 /// Clusters at mid-step; empty in most scenes.
+template <int D>
 struct ClusterInput {
-  std::span<const Cluster> bodies;
-  std::span<const Vec2> v_free;  ///< of their centres of mass                             [m/s]
+  std::span<const Cluster<D>> bodies;
+  std::span<const Vec<D>> v_free;  ///< of their centres of mass                             [m/s]
 };
 
 /// The problem of a step, and the map back to the bodies.
@@ -62,7 +63,9 @@ struct AssembledStep {
 /// like a driven wall, and comes after these.
 ///
 /// In a cluster the vector c from its centre of mass to the centre of the disk adds (e3 x c)·n w to
-/// u_n and (e3 x c)·t w to u_t, in the three degrees of freedom of the cluster.
+/// u_n and (e3 x c)·t w to u_t, in the three degrees of freedom of the cluster. In 3D it adds (w x
+/// c)·n and (w x c)·t. The components of w are those along the principal axes of the cluster: so A
+/// is diagonal.
 ///
 /// With the scene's predict_gaps the normal row of a contact with a gap g > 0 reads u_n + g/h >= 0.
 /// At the midpoint of the next step, h later, it is then closed without overlap (Stewart and
@@ -92,7 +95,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
                             std::span<const std::type_identity_t<Contact<D>>> contacts,
                             std::span<const std::type_identity_t<Vec<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads = 1, CellInput cell = {}, ClusterInput clusters = {},
+                            int threads = 1, CellInput cell = {}, ClusterInput<D> clusters = {},
                             std::span<const double> cohesion = {});
 
 }  // namespace bipot

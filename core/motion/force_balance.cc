@@ -10,25 +10,27 @@ namespace bipot {
 namespace {
 
 /// Adds the forces on the disks of each cluster. The lever of a disk is its arm at mid-step, the
-/// length scale the radius of a disk of the same area.
-void balance_clusters(const Scene<2>& scene, const State<2>& state, const std::vector<Vec2>& force,
-                      const std::vector<double>& moment, ForceBalance<2>& balance) {
+/// length scale the radius of a disk of the same area, or sphere of the same volume.
+template <int D>
+void balance_clusters(const Scene<D>& scene, const State<D>& state,
+                      const std::vector<Vec<D>>& force, const std::vector<Spin<D>>& moment,
+                      ForceBalance<D>& balance) {
   for (std::size_t c = 0; c < state.clusters.bodies.size(); ++c) {
-    Cluster cluster = state.clusters.bodies[c];
+    Cluster<D> cluster = state.clusters.bodies[c];
     drift(cluster, -0.5 * scene.step);
-    Vec2 sum = cluster.mass * scene.gravity;
-    double turned = 0;
+    Vec<D> sum = cluster.mass * scene.gravity;
+    Spin<D> turned = no_turn<D>();
     for (std::size_t i = 0; i < state.bodies.size(); ++i) {
       if (state.bodies[i].cluster != static_cast<int>(c)) continue;
-      const Vec2 arm = turned_arm(cluster, state.clusters.arms[i]);
       sum += force[i];
-      turned += moment[i] + arm[0] * force[i][1] - arm[1] * force[i][0];
+      turned += moment[i] + arm_times(turned_arm(cluster, state.clusters.arms[i]), force[i]);
     }
     const double weight = cluster.mass * scene.gravity.norm();
-    const double size = std::sqrt(cluster.area / std::numbers::pi);
+    const double size = D == 2 ? std::sqrt(cluster.size / std::numbers::pi)
+                               : std::cbrt(0.75 * cluster.size / std::numbers::pi);
     balance.weight += weight;
     balance.force = std::max(balance.force, sum.norm() / weight);
-    balance.moment = std::max(balance.moment, std::abs(turned) / (weight * size));
+    balance.moment = std::max(balance.moment, magnitude(turned) / (weight * size));
   }
 }
 
@@ -78,9 +80,7 @@ ForceBalance<D> force_balance(const Scene<D>& scene, const State<D>& state) {
       balance.walls += f;
     }
   }
-  if constexpr (D == 2) {
-    if (!state.clusters.empty()) balance_clusters(scene, state, force, moment, balance);
-  }
+  balance_clusters<D>(scene, state, force, moment, balance);
   for (std::size_t i = 0; i < disks; ++i) {
     if (state.bodies[i].wall >= 0 || state.bodies[i].cluster >= 0) continue;  // held by others
     const double weight = state.bodies[i].mass * scene.gravity.norm();

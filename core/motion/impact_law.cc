@@ -6,6 +6,7 @@
 
 #include "core/motion/closing_pairs.h"
 #include "core/problem/delassus.h"
+#include "core/scene/cluster_motion.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
@@ -21,12 +22,11 @@ Vector velocities_before(const State<D>& start, const Midpoint<D>& mid, const Do
     const int k = dofs.disk[i];
     if (k < 0) continue;
     const Body<D>& body = start.bodies[i];
-    if constexpr (D == 2) {
-      if (body.cluster >= 0) {
-        const Cluster& cluster = mid.clusters.bodies[to_size(body.cluster)];
-        v.segment<3>(k) << cluster.v, cluster.spin;
-        continue;
-      }
+    if (body.cluster >= 0) {
+      const Cluster<D>& cluster = mid.clusters.bodies[to_size(body.cluster)];
+      v.segment<D>(k) = cluster.v;
+      v.segment<kSpins<D>>(k + D) << own_spin(cluster);
+      continue;
     }
     v.segment<D>(k) = body.v;
     if (dofs.per_disk == D) continue;

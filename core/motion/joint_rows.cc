@@ -11,10 +11,6 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-double torque_arm(const Vec2& arm, const Vec2& axis) { return arm[0] * axis[1] - arm[1] * axis[0]; }
-Vec3 torque_arm(const Vec3& arm, const Vec3& axis) { return arm.cross(axis); }
-Vec2 swept(double spin, const Vec2& arm) { return spin * Vec2(-arm[1], arm[0]); }
-Vec3 swept(const Vec3& spin, const Vec3& arm) { return spin.cross(arm); }
 Vec2 turned_by(double angle, const Vec2& arm) { return Eigen::Rotation2D<double>(angle) * arm; }
 Vec3 turned_by(const Vec3& angle, const Vec3& arm) {
   const double size = angle.norm();
@@ -31,18 +27,16 @@ struct End {
   Vec<D> bend = Vec<D>::Zero();   // its way in a step by turning, but for h v [m]
 
   End(int body, const Vec<D>& at, std::span<const std::type_identity_t<Body<D>>> bodies,
-      const ClusterInput& clusters, const DofMap& dofs, double h)
+      const ClusterInput<D>& clusters, const DofMap& dofs, double h)
       : point(at) {
     if (body < 0) return;
     const Body<D>& b = bodies[to_size(body)];
     dof = dofs.disk[to_size(body)];
     Vec<D> centre = b.x;
     Vec<D> of_centre = b.v;
-    if constexpr (D == 2) {
-      if (b.cluster >= 0) {
-        centre = clusters.bodies[to_size(b.cluster)].x;
-        of_centre = clusters.bodies[to_size(b.cluster)].v;
-      }
+    if (b.cluster >= 0) {
+      centre = clusters.bodies[to_size(b.cluster)].x;
+      of_centre = clusters.bodies[to_size(b.cluster)].v;
     }
     arm = point - centre;
     v = of_centre + swept(b.spin, arm);
@@ -55,9 +49,9 @@ struct End {
     if (dof < 0) return;
     for (int k = 0; k < D; ++k) add(dof + k, sign * axis[k]);
     if constexpr (D == 2) {
-      add(dof + D, sign * torque_arm(arm, axis));
+      add(dof + D, sign * arm_times(arm, axis));
     } else {
-      const Vec3 turn = torque_arm(arm, axis);
+      const Vec3 turn = arm_times(arm, axis);
       for (int k = 0; k < 3; ++k) add(dof + D + k, sign * turn[k]);
     }
   }
@@ -66,7 +60,7 @@ struct End {
 template <int D>
 std::pair<End<D>, End<D>> ends_of(const Scene<D>& scene, const typename Scene<D>::Joint& joint,
                                   std::span<const std::type_identity_t<Body<D>>> bodies,
-                                  const ClusterInput& clusters, const DofMap& dofs) {
+                                  const ClusterInput<D>& clusters, const DofMap& dofs) {
   const auto [from, to] = joint_points<D>(joint, bodies);
   return {End<D>(joint.i, from, bodies, clusters, dofs, scene.step),
           End<D>(joint.j, to, bodies, clusters, dofs, scene.step)};
@@ -97,7 +91,7 @@ void append(Vector& x, const std::vector<double>& values) {
 
 template <int D>
 void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D>>> bodies,
-               const ClusterInput& clusters, AssembledStep& step) {
+               const ClusterInput<D>& clusters, AssembledStep& step) {
   ContactProblem& p = step.problem;
   const double h = scene.step;
   Triplets entries;
@@ -141,7 +135,7 @@ void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<
 
 template <int D>
 void add_pins(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D>>> bodies,
-              const ClusterInput& clusters, AssembledStep& step) {
+              const ClusterInput<D>& clusters, AssembledStep& step) {
   ContactProblem& p = step.problem;
   const double h = scene.step;
   step.v_before = p.v_free;
@@ -150,9 +144,7 @@ void add_pins(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D
     if (dof < 0) continue;
     const Body<D>& b = bodies[i];
     Vec<D> v = b.v;
-    if constexpr (D == 2) {
-      if (b.cluster >= 0) v = clusters.bodies[to_size(b.cluster)].v;
-    }
+    if (b.cluster >= 0) v = clusters.bodies[to_size(b.cluster)].v;
     step.v_before.template segment<D>(dof) = v;  // spins have no other cause of change
   }
   Triplets entries;
@@ -192,12 +184,13 @@ void add_joint_outcome(const AssembledStep& step, const Vector& s, const Vector&
   }
 }
 
-template void add_ropes(const Scene<2>&, std::span<const Disk>, const ClusterInput&,
+template void add_ropes(const Scene<2>&, std::span<const Disk>, const ClusterInput<2>&,
                         AssembledStep&);
-template void add_ropes(const Scene<3>&, std::span<const Sphere>, const ClusterInput&,
+template void add_ropes(const Scene<3>&, std::span<const Sphere>, const ClusterInput<3>&,
                         AssembledStep&);
-template void add_pins(const Scene<2>&, std::span<const Disk>, const ClusterInput&, AssembledStep&);
-template void add_pins(const Scene<3>&, std::span<const Sphere>, const ClusterInput&,
+template void add_pins(const Scene<2>&, std::span<const Disk>, const ClusterInput<2>&,
+                       AssembledStep&);
+template void add_pins(const Scene<3>&, std::span<const Sphere>, const ClusterInput<3>&,
                        AssembledStep&);
 template void add_joint_outcome(const AssembledStep&, const Vector&, const Vector&,
                                 StepOutcome<2>&);

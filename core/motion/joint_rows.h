@@ -23,13 +23,13 @@ namespace bipot {
 /// Adds the ropes to the problem, as its last contacts; for bodies at mid-step.
 template <int D>
 void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D>>> bodies,
-               const ClusterInput& clusters, AssembledStep& step);
+               const ClusterInput<D>& clusters, AssembledStep& step);
 
 /// Puts the pins into the problem, as equality rows; for bodies at mid-step. Where pins contradict
 /// each other, the nearest velocities are taken. A contact that pins leave no motion has no effect.
 template <int D>
 void add_pins(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D>>> bodies,
-              const ClusterInput& clusters, AssembledStep& step);
+              const ClusterInput<D>& clusters, AssembledStep& step);
 
 /// Adds what the joints did in a step: s, v as of step_outcome(). What they dissipate, by shocks
 /// and to rounding of the above, is a shock loss.

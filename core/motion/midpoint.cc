@@ -14,18 +14,19 @@ namespace bipot {
 
 namespace {
 
-/// Sets the velocities without contact impulses of the clusters and their disks: gravity exerts no
+/// Sets the velocities without contact impulses of the clusters and their bodies: gravity exerts no
 /// torque.
-void free_clusters(Midpoint<2>& mid, double h) {
+template <int D>
+void free_clusters(Midpoint<D>& mid, double h) {
   if (mid.clusters.empty()) return;
-  for (const Cluster& cluster : mid.clusters.bodies) {
+  for (const Cluster<D>& cluster : mid.clusters.bodies) {
     mid.cluster_v_free.emplace_back(cluster.v + h * mid.gravity);
   }
   for (std::size_t i = 0; i < mid.bodies.size(); ++i) {
-    const Disk& d = mid.bodies[i];
+    const Body<D>& d = mid.bodies[i];
     if (d.cluster < 0) continue;
-    const Vec2 arm = d.x - mid.clusters.bodies[to_size(d.cluster)].x;
-    mid.disk_v_free[i] = mid.cluster_v_free[to_size(d.cluster)] + d.spin * Vec2(-arm[1], arm[0]);
+    const Vec<D> arm = d.x - mid.clusters.bodies[to_size(d.cluster)].x;
+    mid.disk_v_free[i] = mid.cluster_v_free[to_size(d.cluster)] + swept(d.spin, arm);
   }
 }
 
@@ -99,7 +100,7 @@ void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid
   }
   if (!state.clusters.empty()) {
     mid.clusters = state.clusters;
-    for (Cluster& cluster : mid.clusters.bodies) drift(cluster, 0.5 * h);
+    for (Cluster<D>& cluster : mid.clusters.bodies) drift(cluster, 0.5 * h);
     place_members(mid.clusters, mid.bodies);
   }
   for (Wall<D>& w : mid.walls) {
@@ -113,7 +114,7 @@ Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state) {
   Midpoint<D> mid;
   place_bodies(scene, state, mid);
   free_bodies(scene, state.time + 0.5 * scene.step, mid);
-  if constexpr (D == 2) free_clusters(mid, scene.step);
+  free_clusters(mid, scene.step);
   return mid;
 }
 
@@ -147,7 +148,7 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
   leave_out_pinned(scene, mid.contacts);
   free_bodies(scene, state.time + 0.5 * h, mid);
   if (scene.predict_gaps) keep_those_who_may_meet(scene, mid);
-  if constexpr (D == 2) free_clusters(mid, h);
+  free_clusters(mid, h);
   mid.cohesion = cohesive_forces<D>(scene, mid.bodies, mid.walls, mid.contacts, state);
   return mid;
 }

@@ -13,17 +13,17 @@ namespace bipot {
 /// A step before its contact problem: everything at the midpoint q_m = q + h/2 v (38).
 template <int D>
 struct Midpoint {
-  std::vector<Body<D>> bodies;        ///< positions at the mid-point, velocities before the step
-  Clusters clusters;                  ///< likewise
-  std::vector<Vec2> cluster_v_free;   ///< of their centres of mass, without contacts        [m/s]
-  std::vector<Wall<D>> walls;         ///< likewise, as they are at that time (wall_motion.h)
-  PeriodicCell cell;                  ///< likewise
-  double side_v_free[3] = {0, 0, 0};  ///< of a cell's driven sides, without contacts        [m/s]
-  std::vector<Contact<D>> contacts;   ///< candidates at the mid-point, sorted by (i, j)
-  std::vector<Vec<D>> disk_v_free;    ///< v + h g, without contact impulses                 [m/s]
-  std::vector<double> wall_v_free;    ///< of driven walls: along their direction, else 0    [m/s]
-  std::vector<double> cohesion;       ///< of each contact; empty in scenes without        [N]
-  Vec<D> gravity = Vec<D>::Zero();    ///< of the step: that of its middle                  [m/s²]
+  std::vector<Body<D>> bodies;         ///< positions at the mid-point, velocities before the step
+  Clusters<D> clusters;                ///< likewise
+  std::vector<Vec<D>> cluster_v_free;  ///< of their centres of mass, without contacts        [m/s]
+  std::vector<Wall<D>> walls;          ///< likewise, as they are at that time (wall_motion.h)
+  PeriodicCell cell;                   ///< likewise
+  double side_v_free[3] = {0, 0, 0};   ///< of a cell's driven sides, without contacts        [m/s]
+  std::vector<Contact<D>> contacts;    ///< candidates at the mid-point, sorted by (i, j)
+  std::vector<Vec<D>> disk_v_free;     ///< v + h g, without contact impulses                 [m/s]
+  std::vector<double> wall_v_free;     ///< of driven walls: along their direction, else 0    [m/s]
+  std::vector<double> cohesion;        ///< of each contact; empty in scenes without        [N]
+  Vec<D> gravity = Vec<D>::Zero();     ///< of the step: that of its middle                  [m/s²]
 };
 
 /// Sets bodies, walls and clusters again, for a midpoint whose `bodies` were released.

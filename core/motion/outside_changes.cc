@@ -34,11 +34,9 @@ OutsideChanges<D> outside_changes(const Scene<D>& scene, const State<D>& before,
     changes.work -=
         after.bodies[i].mass * (at_start.dot(before.bodies[i].x) + at_end.dot(after.bodies[i].x));
   }
-  if constexpr (D == 2) {
-    for (std::size_t c = 0; c < after.clusters.bodies.size(); ++c) {
-      const Cluster &from = before.clusters.bodies[c], &to = after.clusters.bodies[c];
-      changes.work -= to.mass * (at_start.dot(from.x) + at_end.dot(to.x));
-    }
+  for (std::size_t c = 0; c < after.clusters.bodies.size(); ++c) {
+    const Cluster<D>&from = before.clusters.bodies[c], &to = after.clusters.bodies[c];
+    changes.work -= to.mass * (at_start.dot(from.x) + at_end.dot(to.x));
   }
   return changes;
 }

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/motion/population.h"
+#include "core/scene/triangle_mesh.h"
 
 namespace bipot {
 namespace {
@@ -41,6 +42,24 @@ bool crosses(const Vec2& p, const Vec2& q, const Vec2& along) {
   return share >= 0 && share <= 1;
 }
 
+/// The same for a cone, whose point a is 0: |x - z axis| = r(z) is quadratic along the way.
+bool crosses_cone(const Vec3& p, const Vec3& q, const Wall<3>& wall) {
+  const double length = (wall.b - wall.a).norm();
+  const Vec3 axis = (wall.b - wall.a) / length, way = q - p;
+  const double z = p.dot(axis), dz = way.dot(axis), slope = (wall.radius_b - wall.radius) / length;
+  const double r = wall.radius + slope * z, dr = slope * dz;
+  const Vec3 at = p - z * axis, d = way - dz * axis;
+  const double a = d.squaredNorm() - dr * dr, b = at.dot(d) - r * dr, c = at.squaredNorm() - r * r;
+  const double root2 = b * b - a * c;
+  if (root2 < 0 || (a == 0 && b == 0)) return false;
+  const double sum = -(b + std::copysign(std::sqrt(root2), b));
+  for (const double t : {a != 0 ? sum / a : kInfinity, sum != 0 ? c / sum : kInfinity}) {
+    const double height = z + t * dz;
+    if (t > 0 && t <= 1 && height >= 0 && height <= length) return true;
+  }
+  return false;
+}
+
 /// Whether a body at these places, against the wall, went through it.
 template <int D>
 bool through_wall(const Vec<D>& before, const Vec<D>& from, const Vec<D>& mid, const Vec<D>& to,
@@ -65,6 +84,12 @@ bool through_wall(const Vec<D>& before, const Vec<D>& from, const Vec<D>& mid, c
       if constexpr (D == 2) {
         return crosses(from, mid, wall.b - wall.a) || crosses(mid, to, wall.b - wall.a);
       }
+      break;
+    case Shape::kMesh:
+      if constexpr (D == 3) return wall.mesh->crossed(from, mid) || wall.mesh->crossed(mid, to);
+      break;
+    case Shape::kCone:
+      if constexpr (D == 3) return crosses_cone(from, mid, wall) || crosses_cone(mid, to, wall);
   }
   return false;
 }
@@ -72,8 +97,8 @@ bool through_wall(const Vec<D>& before, const Vec<D>& from, const Vec<D>& mid, c
 /// Walls that a body can pass from both sides.
 template <int D>
 bool has_far_side(const Wall<D>& wall) {
-  return wall.present &&
-         (wall.shape == Wall<D>::Shape::kSegment || wall.shape == Wall<D>::Shape::kSolidCircle);
+  return wall.present && (wall.shape == Wall<D>::Shape::kSegment || wall.is_surface() ||
+                          wall.shape == Wall<D>::Shape::kSolidCircle);
 }
 
 template <int D>

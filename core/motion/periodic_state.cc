@@ -11,11 +11,11 @@ State<D> wrapped_state(const State<D>& state) {
   if (!cell.periodic()) return inside;
   // A cluster stays whole: its disks follow its centre of mass.
   std::vector<CellNumber> of_cluster, numbers;
-  for (Cluster& c : inside.clusters.bodies) {
-    of_cluster.push_back(cell_number(cell, c.x));
+  for (Cluster<D>& c : inside.clusters.bodies) {
+    of_cluster.push_back(cell_number(cell, c.x.template head<2>()));
     const auto [kx, ky] = of_cluster.back();
-    c.x -= cell.shift(kx, ky);
-    if (cell.deforms()) c.v -= cell.shift_velocity(kx, ky);
+    c.x -= in_dimensions<D>(cell.shift(kx, ky));
+    if (cell.deforms()) c.v -= in_dimensions<D>(cell.shift_velocity(kx, ky));
   }
   for (Body<D>& d : inside.bodies) {
     numbers.push_back(d.cluster >= 0 ? of_cluster[to_size(d.cluster)]

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/base/portable_random.h"
+#include "core/scene/cluster_motion.h"
 #include "core/scene/contact_detection.h"
 
 namespace bipot {
@@ -15,16 +16,14 @@ namespace {
 /// Number of places tried for a body before it waits for the next step.
 constexpr int kTries = 200;
 
-double spin_energy(const Disk& d) { return 0.5 * d.inertia * d.spin * d.spin; }
-double spin_energy(const Sphere& s) { return 0.5 * s.inertia * s.spin.squaredNorm(); }
-
-template <int D>
-void book(const Body<D>& body, const Vec<D>& gravity, GateFlow<D>& flow) {
+/// `body`: a Body or a Cluster.
+template <int D, class B>
+void book(const B& body, const Vec<D>& gravity, GateFlow<D>& flow) {
   ++flow.count;
   flow.mass += body.mass;
   flow.last_mass += body.mass;
-  flow.energy +=
-      0.5 * body.mass * body.v.squaredNorm() + spin_energy(body) - body.mass * gravity.dot(body.x);
+  flow.energy += 0.5 * body.mass * body.v.squaredNorm() + turning_energy(body) -
+                 body.mass * gravity.dot(body.x);
   flow.momentum += body.mass * body.v;
 }
 
@@ -108,11 +107,6 @@ int number_due(const Inlet<D>& inlet, double time) {
   return static_cast<int>(std::min(due, most));
 }
 
-/// A cluster as one body for the accounts.
-Disk as_body(const Cluster& c) {
-  return {.x = c.x, .v = c.v, .spin = c.spin, .mass = c.mass, .inertia = c.inertia};
-}
-
 /// The outlet that takes a body at a place with a velocity; the number of outlets if none does.
 template <int D>
 std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x, const Vec<D>& v) {
@@ -128,14 +122,15 @@ std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x, co
 }
 
 /// Removes clusters by their centres of mass. Returns new indices of the clusters, -1: removed.
-std::vector<int> let_clusters_out(const Scene<2>& scene, const Vec2& gravity, State<2>& state) {
-  std::vector<Cluster>& clusters = state.clusters.bodies;
+template <int D>
+std::vector<int> let_clusters_out(const Scene<D>& scene, const Vec<D>& gravity, State<D>& state) {
+  std::vector<Cluster<D>>& clusters = state.clusters.bodies;
   std::vector<int> new_number(clusters.size(), -1);
   int kept = 0;
   for (std::size_t c = 0; c < clusters.size(); ++c) {
     const std::size_t outlet = outlet_at(scene, state, clusters[c].x, clusters[c].v);
     if (outlet < scene.outlets.size()) {
-      book<2>(as_body(clusters[c]), gravity, state.population.outlets[outlet]);
+      book<D>(clusters[c], gravity, state.population.outlets[outlet]);
       continue;
     }
     new_number[c] = kept;
@@ -148,9 +143,8 @@ std::vector<int> let_clusters_out(const Scene<2>& scene, const Vec2& gravity, St
 template <int D>
 void let_out(const Scene<D>& scene, const Vec<D>& gravity, State<D>& state,
              std::vector<int>& new_index) {
-  std::vector<int> new_cluster;
-  if constexpr (D == 2) new_cluster = let_clusters_out(scene, gravity, state);
-  std::vector<Vec2>& arms = state.clusters.arms;
+  const std::vector<int> new_cluster = let_clusters_out(scene, gravity, state);
+  std::vector<Vec<D>>& arms = state.clusters.arms;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     Body<D> body = state.bodies[i];
@@ -194,7 +188,7 @@ void let_in(const Scene<D>& scene, const Vec<D>& gravity, State<D>& state) {
       book<D>(body, gravity, flow);
       near.push_back(body);
       state.bodies.push_back(body);
-      if (!state.clusters.arms.empty()) state.clusters.arms.push_back(Vec2::Zero());
+      if (!state.clusters.arms.empty()) state.clusters.arms.push_back(Vec<D>::Zero());
       state.population.numbers.push_back(number++);
     }
   }

@@ -5,16 +5,17 @@
 #include <cmath>
 
 #include "core/motion/population.h"
+#include "core/scene/cluster_motion.h"
+#include "core/scene/triangle_mesh.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
 namespace {
 
-double turning_energy(const Disk& d) { return 0.5 * d.inertia * d.spin * d.spin; }
-double turning_energy(const Sphere& s) { return 0.5 * s.inertia * s.spin.squaredNorm(); }
-
-double arm_times(const Vec2& x, const Vec2& p) { return x[0] * p[1] - x[1] * p[0]; }
-Vec3 arm_times(const Vec3& x, const Vec3& p) { return x.cross(p); }
+bool same_mesh(const Wall<2>&, const Wall<2>&) { return true; }
+bool same_mesh(const Wall<3>& a, const Wall<3>& b) {
+  return !a.mesh || !b.mesh || a.mesh->triangles == b.mesh->triangles;
+}
 
 }  // namespace
 
@@ -44,12 +45,10 @@ StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>
     sums.potential -= d.mass * gravity.dot(d.x);
     sums.momentum += d.mass * d.v;
   }
-  if constexpr (D == 2) {
-    for (const Cluster& c : state.clusters.bodies) {
-      sums.kinetic += 0.5 * c.mass * c.v.squaredNorm() + 0.5 * c.inertia * c.spin * c.spin;
-      sums.potential -= c.mass * gravity.dot(c.x);
-      sums.momentum += c.mass * c.v;
-    }
+  for (const Cluster<D>& c : state.clusters.bodies) {
+    sums.kinetic += 0.5 * c.mass * c.v.squaredNorm() + turning_energy(c);
+    sums.potential -= c.mass * gravity.dot(c.x);
+    sums.momentum += c.mass * c.v;
   }
   if (!count_walls) return sums;
   for (const Wall<D>& w : state.walls) {
@@ -66,10 +65,8 @@ Spin<D> angular_momentum(const State<D>& state) {
   for (const Body<D>& d : state.bodies) {
     sum += arm_times(d.x, Vec<D>(d.mass * d.v)) + d.inertia * d.spin;
   }
-  if constexpr (D == 2) {
-    for (const Cluster& c : state.clusters.bodies) {
-      sum += arm_times(c.x, Vec2(c.mass * c.v)) + c.inertia * c.spin;
-    }
+  for (const Cluster<D>& c : state.clusters.bodies) {
+    sum += arm_times(c.x, Vec<D>(c.mass * c.v)) + own_momentum(c);
   }
   return sum;
 }
@@ -101,7 +98,7 @@ std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
     if (a.wall != b.wall) return differs("wall", a.wall, b.wall);
     if ((a.cluster < 0) != (b.cluster < 0)) return differs("cluster", a.cluster, b.cluster);
   }
-  const std::vector<Cluster>&joined = state.clusters.bodies, &planned = scene.clusters.bodies;
+  const std::vector<Cluster<D>>&joined = state.clusters.bodies, &planned = scene.clusters.bodies;
   if (!scene.has_gates() && joined.size() != planned.size()) {
     return fmt::format("it has {} clusters, the scene has {}", joined.size(), planned.size());
   }
@@ -115,6 +112,8 @@ std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
     const char* field = a.shape != b.shape                               ? "shape"
                         : a.motion != b.motion && !has_schedule(b)       ? "motion"
                         : a.radius != b.radius                           ? "radius"
+                        : a.radius_b != b.radius_b                       ? "radius"
+                        : !same_mesh(a, b)                               ? "triangles"
                         : a.across != b.across                           ? "velocity"
                         : a.material != b.material                       ? "material"
                         : a.mass != b.mass                               ? "mass"

@@ -34,7 +34,7 @@ struct State {
   double time = 0;  ///< [s]
   int step = 0;     ///< steps done
   std::vector<Body<D>> bodies;
-  Clusters clusters;  ///< disks that are joined rigidly; 2D only
+  Clusters<D> clusters;  ///< bodies that are joined rigidly
   std::vector<Wall<D>> walls;
   PeriodicCell cell;                        ///< of periodic scenes
   Population<D> population;                 ///< of scenes with outlets or inlets

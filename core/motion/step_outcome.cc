@@ -177,9 +177,7 @@ StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
   const double h = scene.step;
   StepOutcome<D> outcome = contact_outcomes<D>(scene, mid, disks, p, assembled, s, v);
   for (const Body<D>& d : after.bodies) outcome.external += h * d.mass * mid.gravity;
-  if constexpr (D == 2) {
-    for (const Cluster& c : mid.clusters.bodies) outcome.external += h * c.mass * mid.gravity;
-  }
+  for (const Cluster<D>& c : mid.clusters.bodies) outcome.external += h * c.mass * mid.gravity;
   if (assembled.v_before.size() > 0) add_joint_outcome<D>(assembled, s, v, outcome);
   if (count_walls) add_driving_forces<D>(h, mid.walls, after.walls, outcome);
   for (int k = 0; k < 3; ++k) {

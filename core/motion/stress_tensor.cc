@@ -110,29 +110,33 @@ const std::vector<Body<D>>& without_deformation(const State<D>& state,
 /// Adds the terms of contacts of clusters, whose branches end in the centre of mass, not in that of
 /// the disk. A force f on a disk at c from it adds -f ⊗ c to the contact part, and its moment c × f
 /// to the spin part. `add(disk, contact, spin)`. [N m]
-template <class Add>
-void add_levers(const State<2>& state, double step, const Add& add) {
+template <int D, class Add>
+void add_levers(const State<D>& state, double step, const Add& add) {
   const int num_disks = static_cast<int>(state.bodies.size());
-  for (const ContactOutcome<2>& o : state.contacts) {
-    const Vec2 f = (o.s_n * o.contact.n + tangent_vector(o.contact.n, o.s_t)) / step;
+  for (const ContactOutcome<D>& o : state.contacts) {
+    const Vec<D> f = (o.s_n * o.contact.n + tangent_vector(o.contact.n, o.s_t)) / step;
     for (const auto& [body, force] :
-         {std::pair<int, Vec2>(o.contact.i, f), std::pair<int, Vec2>(o.contact.j, -f)}) {
+         {std::pair<int, Vec<D>>(o.contact.i, f), std::pair<int, Vec<D>>(o.contact.j, -f)}) {
       if (body >= num_disks || state.bodies[to_size(body)].cluster < 0) continue;
-      Cluster cluster = state.clusters.bodies[to_size(state.bodies[to_size(body)].cluster)];
+      Cluster<D> cluster = state.clusters.bodies[to_size(state.bodies[to_size(body)].cluster)];
       drift(cluster, -0.5 * step);  // to mid-step
-      const Vec2 c = turned_arm(cluster, state.clusters.arms[to_size(body)]);
-      add(to_size(body), Mat2(-force * c.transpose()),
-          cross_matrix(0.5 * (c[0] * force[1] - c[1] * force[0])));
+      const Vec<D> c = turned_arm(cluster, state.clusters.arms[to_size(body)]);
+      add(to_size(body), Mat<D>(-force * c.transpose()), cross_matrix(0.5 * arm_times(c, force)));
     }
   }
 }
 
 /// The clusters as bodies with mass and motion only, relative to the deformation of the cell.
-std::vector<Disk> clusters_as_disks(const State<2>& state) {
-  std::vector<Disk> disks;
-  for (const Cluster& c : state.clusters.bodies) {
-    disks.push_back({.x = c.x, .v = c.v, .mass = c.mass});
-    if (state.cell.deforms()) disks.back().v -= homogeneous_velocity(state.cell, c.x);
+template <int D>
+std::vector<Body<D>> clusters_as_disks(const State<D>& state) {
+  std::vector<Body<D>> disks;
+  for (const Cluster<D>& c : state.clusters.bodies) {
+    Body<D>& disk = disks.emplace_back();
+    disk.x = c.x;
+    disk.v = c.v;
+    disk.mass = c.mass;
+    if (!state.cell.deforms()) continue;
+    disk.v -= in_dimensions<D>(homogeneous_velocity(state.cell, c.x.template head<2>()));
   }
   return disks;
 }
@@ -140,15 +144,11 @@ std::vector<Disk> clusters_as_disks(const State<2>& state) {
 /// The disks as in without_deformation(), and the clusters after them.
 template <int D>
 const std::vector<Body<D>>& with_clusters(const State<D>& state, std::vector<Body<D>>& disks) {
-  if constexpr (D == 2) {
-    if (!state.clusters.empty()) {
-      disks = without_deformation(state, disks);
-      const std::vector<Disk> joined = clusters_as_disks(state);
-      disks.insert(disks.end(), joined.begin(), joined.end());
-      return disks;
-    }
-  }
-  return without_deformation(state, disks);
+  if (state.clusters.empty()) return without_deformation(state, disks);
+  disks = without_deformation(state, disks);
+  const std::vector<Body<D>> joined = clusters_as_disks(state);
+  disks.insert(disks.end(), joined.begin(), joined.end());
+  return disks;
 }
 
 template <class Spin>
@@ -165,16 +165,17 @@ void divide(MeanStress<D>& stress, double area) {
 }
 
 /// Gives each disk of a cluster the mean stress of the whole cluster over the area of its union.
-void gather_clusters(const State<2>& state, double step, const Vec2& mean,
-                     std::vector<MeanStress<2>>& stresses) {
-  add_levers(state, step, [&](std::size_t disk, const Mat2& contact, const Mat2& spin) {
+template <int D>
+void gather_clusters(const State<D>& state, double step, const Vec<D>& mean,
+                     std::vector<MeanStress<D>>& stresses) {
+  add_levers(state, step, [&](std::size_t disk, const Mat<D>& contact, const Mat<D>& spin) {
     stresses[disk].contact += contact;
     stresses[disk].spin += spin;
   });
-  std::vector<MeanStress<2>> of_cluster(state.clusters.bodies.size());
-  const std::vector<Disk> bodies = clusters_as_disks(state);
+  std::vector<MeanStress<D>> of_cluster(state.clusters.bodies.size());
+  const std::vector<Body<D>> bodies = clusters_as_disks(state);
   for (std::size_t c = 0; c < bodies.size(); ++c) {
-    of_cluster[c].kinetic = kinetic_part<2>(bodies[c], mean);
+    of_cluster[c].kinetic = kinetic_part<D>(bodies[c], mean);
   }
   for (std::size_t k = 0; k < stresses.size(); ++k) {
     const int cluster = state.bodies[k].cluster;
@@ -183,7 +184,7 @@ void gather_clusters(const State<2>& state, double step, const Vec2& mean,
     of_cluster[to_size(cluster)].spin += stresses[k].spin;
   }
   for (std::size_t c = 0; c < bodies.size(); ++c) {
-    divide(of_cluster[c], state.clusters.bodies[c].area);
+    divide(of_cluster[c], state.clusters.bodies[c].size);
   }
   for (std::size_t k = 0; k < stresses.size(); ++k) {
     const int cluster = state.bodies[k].cluster;
@@ -194,18 +195,19 @@ void gather_clusters(const State<2>& state, double step, const Vec2& mean,
 /// Changes links that end in clusters: branches then lead to the centres of mass, with the tensors
 /// that follow. Moments of the contacts on clusters are added to those of the clusters. `arms`:
 /// from the centre of mass of its cluster to each disk at mid-step.
-void end_in_clusters(const State<2>& state, std::vector<Link<2>>& links,
-                     const std::vector<Vec2>& arms) {
-  for (Link<2>& link : links) {
+template <int D>
+void end_in_clusters(const State<D>& state, std::vector<Link<D>>& links,
+                     const std::vector<Vec<D>>& arms) {
+  for (Link<D>& link : links) {
     const int joined[2] = {state.bodies[to_size(link.i)].cluster,
                            link.j < 0 ? -1 : state.bodies[to_size(link.j)].cluster};
     if (joined[0] >= 0) {
-      const Vec2& c = arms[to_size(link.i)];
+      const Vec<D>& c = arms[to_size(link.i)];
       link.from -= c;
       link.lever -= link.force * c.transpose();
     }
     if (joined[1] >= 0) {
-      const Vec2& c = arms[to_size(link.j)];
+      const Vec<D>& c = arms[to_size(link.j)];
       link.to -= c;
       link.lever += link.force * c.transpose();
     }
@@ -213,11 +215,12 @@ void end_in_clusters(const State<2>& state, std::vector<Link<2>>& links,
 }
 
 /// The arms of end_in_clusters(), zero for disks in no cluster.
-std::vector<Vec2> arms_at_middle(const State<2>& state, double step) {
-  std::vector<Vec2> arms(state.bodies.size(), Vec2::Zero());
+template <int D>
+std::vector<Vec<D>> arms_at_middle(const State<D>& state, double step) {
+  std::vector<Vec<D>> arms(state.bodies.size(), Vec<D>::Zero());
   for (std::size_t k = 0; k < arms.size(); ++k) {
     if (state.bodies[k].cluster < 0) continue;
-    Cluster cluster = state.clusters.bodies[to_size(state.bodies[k].cluster)];
+    Cluster<D> cluster = state.clusters.bodies[to_size(state.bodies[k].cluster)];
     drift(cluster, -0.5 * step);
     arms[k] = turned_arm(cluster, state.clusters.arms[k]);
   }
@@ -240,25 +243,25 @@ std::vector<Centre<D>> centres(const State<D>& state, double step,
     list.push_back({state.bodies[k], moments[k]});
     list.back().body.x = middle(state.bodies[k], step);
   }
-  if constexpr (D == 2) {
-    if (state.clusters.empty()) return list;
-    const std::size_t first = list.size();
-    for (const Cluster& c : state.clusters.bodies) {
-      list.push_back({Disk{.x = c.x - 0.5 * step * c.v, .v = c.v, .mass = c.mass}});
-    }
-    for (std::size_t k = 0; k < state.bodies.size(); ++k) {
-      const int c = state.bodies[k].cluster;
-      if (c >= 0) list[first + to_size(c)].moment += moments[k];
-    }
-    const std::vector<Vec2> arms = arms_at_middle(state, step);
-    for (const Link<2>& link : collect_links(state, step)) {
-      for (const auto& [disk, sign] : {std::pair(link.i, 1.0), std::pair(link.j, -1.0)}) {
-        const int c = disk < 0 ? -1 : state.bodies[to_size(disk)].cluster;
-        if (c < 0) continue;
-        const Vec2& arm = arms[to_size(disk)];
-        const Vec2 force = sign * link.force;
-        list[first + to_size(c)].moment += step * (arm[0] * force[1] - arm[1] * force[0]);
-      }
+  if (state.clusters.empty()) return list;
+  const std::size_t first = list.size();
+  for (const Cluster<D>& c : state.clusters.bodies) {
+    Body<D>& body = list.emplace_back().body;
+    body.x = c.x - 0.5 * step * c.v;
+    body.v = c.v;
+    body.mass = c.mass;
+  }
+  for (std::size_t k = 0; k < state.bodies.size(); ++k) {
+    const int c = state.bodies[k].cluster;
+    if (c >= 0) list[first + to_size(c)].moment += moments[k];
+  }
+  const std::vector<Vec<D>> arms = arms_at_middle(state, step);
+  for (const Link<D>& link : collect_links(state, step)) {
+    for (const auto& [disk, sign] : {std::pair(link.i, 1.0), std::pair(link.j, -1.0)}) {
+      const int c = disk < 0 ? -1 : state.bodies[to_size(disk)].cluster;
+      if (c < 0) continue;
+      const Vec<D> force = sign * link.force;
+      list[first + to_size(c)].moment += step * arm_times(arms[to_size(disk)], force);
     }
   }
   return list;
@@ -318,13 +321,11 @@ MeanStress<D> sample_stress(const State<D>& state, double step, double area,
   const Vec<D> mean = mean_velocity<D>(disks);
   for (const Body<D>& d : disks) stress.kinetic += kinetic_part(d, mean);
   for (std::size_t k = 0; k < state.bodies.size(); ++k) stress.spin += spin_part(moments[k], step);
-  if constexpr (D == 2) {
-    if (!state.clusters.empty()) {
-      add_levers(state, step, [&](std::size_t, const Mat2& contact, const Mat2& spin) {
-        stress.contact += contact;
-        stress.spin += spin;
-      });
-    }
+  if (!state.clusters.empty()) {
+    add_levers(state, step, [&](std::size_t, const Mat<D>& contact, const Mat<D>& spin) {
+      stress.contact += contact;
+      stress.spin += spin;
+    });
   }
   divide(stress, area);
   return stress;
@@ -336,9 +337,7 @@ MeanStress<D> window_stress(const State<D>& state, double step, const Box<D>& wi
   MeanStress<D> stress;
   const std::vector<Vec2> shifts = image_shifts(state.cell);
   std::vector<Link<D>> links = collect_links(state, step);
-  if constexpr (D == 2) {
-    if (!state.clusters.empty()) end_in_clusters(state, links, arms_at_middle(state, step));
-  }
+  if (!state.clusters.empty()) end_in_clusters(state, links, arms_at_middle(state, step));
   for (const Link<D>& link : links) {
     for (const Vec2& image : shifts) {
       const Vec<D> shift = in_dimensions<D>(image);
@@ -379,9 +378,7 @@ std::vector<MeanStress<D>> disk_stresses(const State<D>& state, double step,
     stresses[k].kinetic = kinetic_part(disks[k], mean);
     stresses[k].spin = spin_part(moments[k], step);
   }
-  if constexpr (D == 2) {
-    if (!state.clusters.empty()) gather_clusters(state, step, mean, stresses);
-  }
+  if (!state.clusters.empty()) gather_clusters(state, step, mean, stresses);
   for (std::size_t k = 0; k < stresses.size(); ++k) {
     const Body<D>& d = state.bodies[k];
     if (d.cluster < 0) divide(stresses[k], extent(d));

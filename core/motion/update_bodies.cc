@@ -11,9 +11,10 @@ namespace {
 void set_spin(Disk& d, const Vector& v, int row) { d.spin = v[row]; }
 void set_spin(Sphere& s, const Vector& v, int row) { s.spin = v.segment<3>(row); }
 
-/// Updates clusters and their disks.
-void move_clusters(const Midpoint<2>& mid, const DofMap& dofs, const Vector& v, double h,
-                   State<2>& next) {
+/// Updates clusters and their bodies.
+template <int D>
+void move_clusters(const Midpoint<D>& mid, const DofMap& dofs, const Vector& v, double h,
+                   State<D>& next) {
   if (mid.clusters.empty()) return;
   next.clusters = mid.clusters;
   for (std::size_t c = 0; c < next.clusters.bodies.size(); ++c) {
@@ -22,11 +23,11 @@ void move_clusters(const Midpoint<2>& mid, const DofMap& dofs, const Vector& v, 
   for (std::size_t i = 0; i < next.bodies.size(); ++i) {
     const int k = dofs.disk[i];
     if (k < 0 || next.bodies[i].cluster < 0) continue;
-    Cluster& cluster = next.clusters.bodies[to_size(next.bodies[i].cluster)];
-    cluster.v = v.segment<2>(k);
-    cluster.spin = v[k + 2];
+    Cluster<D>& cluster = next.clusters.bodies[to_size(next.bodies[i].cluster)];
+    cluster.v = v.segment<D>(k);
+    set_own_spin(cluster, v, k + D);
   }
-  for (Cluster& cluster : next.clusters.bodies) drift(cluster, 0.5 * h);
+  for (Cluster<D>& cluster : next.clusters.bodies) drift(cluster, 0.5 * h);
   place_members(next.clusters, next.bodies);
 }
 
@@ -45,7 +46,7 @@ State<D> update_bodies(Midpoint<D>& mid, const DofMap& dofs, const Vector& v, do
     if (k >= 0 && dofs.per_disk > D) set_spin(d, v, k + D);
     drift(d, 0.5 * h);
   }
-  if constexpr (D == 2) move_clusters(mid, dofs, v, h, next);
+  move_clusters(mid, dofs, v, h, next);
   for (std::size_t w = 0; w < next.walls.size(); ++w) {
     Wall<D>& wall = next.walls[w];
     if (wall.motion == Wall<D>::Motion::kDriven) {

@@ -15,22 +15,31 @@ Vector warm_start(const std::vector<ContactOutcome<D>>& before,
     };
     while (old != before.end() && less(*old)) ++old;
     if (old == before.end()) break;
-    if (old->contact.i != contacts[c].i || old->contact.j != contacts[c].j) continue;
+    const auto is_pair = [&](const ContactOutcome<D>& o) {
+      return o.contact.i == contacts[c].i && o.contact.j == contacts[c].j;
+    };
+    if (!is_pair(*old)) continue;
+    // Of several contacts of one pair, that with the nearest normal.
+    const auto towards = [&](const ContactOutcome<D>& o) { return o.contact.n.dot(contacts[c].n); };
+    auto best = old;
+    for (auto other = old + 1; other != before.end() && is_pair(*other); ++other) {
+      if (towards(*other) > towards(*best)) best = other;
+    }
     const int row = static_cast<int>(c) * p.dim;
     const bool scaled = p.row_scale.size() != 0;
-    s0[row] = old->s_n * (scaled ? p.row_scale[row] : 1.0);
+    s0[row] = best->s_n * (scaled ? p.row_scale[row] : 1.0);
     if (p.dim == 1) continue;
     if constexpr (D == 2) {
-      s0[row + 1] = old->s_t * (scaled ? p.row_scale[row + 1] : 1.0);
-      if (p.rolls()) s0[row + 2] = old->moment * (scaled ? p.row_scale[row + 2] : 1.0);
+      s0[row + 1] = best->s_t * (scaled ? p.row_scale[row + 1] : 1.0);
+      if (p.rolls()) s0[row + 2] = best->moment * (scaled ? p.row_scale[row + 2] : 1.0);
     } else {
       const auto frame = contact_frame<D>(contacts[c].n);
       for (int k = 1; k < D; ++k) {
-        s0[row + k] = frame[to_size(k)].dot(old->s_t) * (scaled ? p.row_scale[row + k] : 1.0);
+        s0[row + k] = frame[to_size(k)].dot(best->s_t) * (scaled ? p.row_scale[row + k] : 1.0);
       }
       for (int k = D; k < p.dim; ++k) {
         const Vec3& axis = frame[to_size((k - D + 1) % D)];
-        s0[row + k] = axis.dot(old->moment) * (scaled ? p.row_scale[row + k] : 1.0);
+        s0[row + k] = axis.dot(best->moment) * (scaled ? p.row_scale[row + k] : 1.0);
       }
     }
   }

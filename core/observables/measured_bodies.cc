@@ -1,9 +1,9 @@
 #include "core/observables/measured_bodies.h"
 
 #include <numbers>
-#include <stdexcept>
 
 #include "core/observables/cut_bodies.h"
+#include "core/scene/sphere_union.h"
 
 namespace bipot {
 namespace {
@@ -26,9 +26,9 @@ MeasuredBodies<D> measured_bodies(const State<D>& state) {
       body = static_cast<int>(bodies.list.size());
       if (d.cluster < 0) {
         bodies.list.push_back({d.x, d.v, d.spin, d.mass, whole(d), {}});
-      } else if constexpr (D == 2) {
-        const Cluster& c = state.clusters.bodies[to_size(d.cluster)];
-        bodies.list.push_back({c.x, c.v, c.spin, c.mass, c.area, {}});
+      } else {
+        const Cluster<D>& c = state.clusters.bodies[to_size(d.cluster)];
+        bodies.list.push_back({c.x, c.v, c.spin, c.mass, c.size, {}});
       }
     }
     bodies.of_disk[i] = body;
@@ -49,7 +49,17 @@ double part_in_box(const State<D>& state, const MeasuredBody<D>& body, const Vec
     }
     return union_area_in(circles, low, high);
   } else {
-    throw std::logic_error("there are clusters of disks alone");
+    Vec3 from = Vec3::Constant(kInfinity), to = -from;
+    std::vector<Sphere> spheres;
+    for (const std::size_t i : body.parts) {
+      Sphere& s = spheres.emplace_back(state.bodies[i]);
+      s.x += shift;
+      from = from.cwiseMin(s.x - Vec3::Constant(s.radius));
+      to = to.cwiseMax(s.x + Vec3::Constant(s.radius));
+    }
+    const bool inside = (from.array() >= low.array()).all() && (to.array() <= high.array()).all();
+    const bool outside = (from.array() >= high.array()).any() || (to.array() <= low.array()).any();
+    return inside ? body.size : outside ? 0 : union_volume_in(spheres, low, high);
   }
 }
 

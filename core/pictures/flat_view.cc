@@ -7,6 +7,7 @@
 
 #include "core/motion/periodic_state.h"
 #include "core/scene/scene_box.h"
+#include "core/scene/wall_pieces.h"
 
 namespace bipot {
 namespace {
@@ -30,12 +31,36 @@ View view_of(const Vec3& gravity) {
   return view;
 }
 
+/// Adds the lines in which a surface cuts the plane at this depth, or at its own middle.
+void add_cut(const Wall<3>& w, const View& view, std::optional<double> at, FlatView& flat) {
+  const std::vector<WallPiece> pieces = wall_pieces({&w, 1}, {});
+  double low = kInfinity, high = -kInfinity;
+  for (const WallPiece& piece : pieces) {
+    for (const Vec3& corner : piece.corners) {
+      low = std::min(low, view.away.dot(corner));
+      high = std::max(high, view.away.dot(corner));
+    }
+  }
+  const double depth = at.value_or(0.5 * (low + high));
+  for (const WallPiece& piece : pieces) {
+    std::vector<Vec2> ends;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec3 &a = piece.corners[k], &b = piece.corners[(k + 1) % 4];
+      const double from = view.away.dot(a) - depth, to = view.away.dot(b) - depth;
+      if ((from < 0) == (to < 0)) continue;
+      ends.push_back(view(a + from / (from - to) * (b - a)));
+    }
+    if (ends.size() < 2 || ends[0] == ends[1]) continue;
+    Wall<2> wall{.name = w.name, .shape = Wall<2>::Shape::kSegment, .a = ends[0], .b = ends[1]};
+    flat.state.walls.push_back(wall);
+  }
+}
+
 /// Adds the walls that a plane picture can show. Half-spaces are shown if seen edge-on. A cylinder
 /// is a circle if seen along its axis. A hollow one seen from the side is the two lines that bound
 /// the content at distance `off` from its axis.
 void add_wall(const Wall<3>& w, const View& view, double off, FlatView& flat) {
   Wall<2> wall{.name = w.name, .a = view(w.a)};
-  if (!w.present) return;
   const double away = std::abs(w.normal.dot(view.away));
   if (w.shape == Wall<3>::Shape::kHalfPlane) {
     if (away > 1e-9) return;
@@ -71,7 +96,12 @@ FlatView frame_of(const Scene<3>& scene, const State<3>& state, const View& view
   flat.state.step = state.step;
   flat.state.time = state.time;
   for (const Wall<3>& w : state.walls) {
-    add_wall(w, view, depth ? *depth - view.away.dot(w.a) : 0, flat);
+    if (!w.present) continue;
+    if (w.is_surface()) {
+      add_cut(w, view, depth, flat);
+    } else {
+      add_wall(w, view, depth ? *depth - view.away.dot(w.a) : 0, flat);
+    }
   }
   flat.scene.walls = flat.state.walls;
   // The picture is periodic along x if it shows x to the right. Depth is not periodic.

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,20 +11,40 @@
 namespace bipot {
 namespace {
 
-struct ClusterNumber {
+/// A dataset of the clusters: rows of `width` numbers, which `at` finds in one of them. Four are a
+/// quaternion, which the file begins with w.
+template <int D>
+struct ClusterEntry {
   const char *name, *unit;
-  double Cluster::*member;
+  int width;
+  double* (*at)(Cluster<D>&);
 };
-constexpr ClusterNumber kClusterNumbers[] = {{"angle", "rad", &Cluster::angle},
-                                             {"spin", "rad/s", &Cluster::spin},
-                                             {"mass", "kg", &Cluster::mass},
-                                             {"inertia", "kg m2", &Cluster::inertia},
-                                             {"area", "m2", &Cluster::area}};
-struct ClusterVector {
-  const char *name, *unit;
-  Vec2 Cluster::*member;
-};
-constexpr ClusterVector kClusterVectors[] = {{"x", "m", &Cluster::x}, {"v", "m/s", &Cluster::v}};
+constexpr ClusterEntry<2> kEntries2[] = {
+    {"angle", "rad", 1, [](Cluster<2>& c) { return &c.angle; }},
+    {"spin", "rad/s", 1, [](Cluster<2>& c) { return &c.spin; }},
+    {"mass", "kg", 1, [](Cluster<2>& c) { return &c.mass; }},
+    {"inertia", "kg m2", 1, [](Cluster<2>& c) { return &c.inertia; }},
+    {"area", "m2", 1, [](Cluster<2>& c) { return &c.size; }},
+    {"x", "m", 2, [](Cluster<2>& c) { return c.x.data(); }},
+    {"v", "m/s", 2, [](Cluster<2>& c) { return c.v.data(); }}};
+constexpr ClusterEntry<3> kEntries3[] = {
+    {"orientation", "1", 4, [](Cluster<3>& c) { return c.orientation.coeffs().data(); }},
+    {"spin", "rad/s", 3, [](Cluster<3>& c) { return c.spin.data(); }},
+    {"mass", "kg", 1, [](Cluster<3>& c) { return &c.mass; }},
+    {"inertia", "kg m2", 3, [](Cluster<3>& c) { return c.inertia.data(); }},
+    {"axes", "1", 4, [](Cluster<3>& c) { return c.axes.coeffs().data(); }},
+    {"volume", "m3", 1, [](Cluster<3>& c) { return &c.size; }},
+    {"x", "m", 3, [](Cluster<3>& c) { return c.x.data(); }},
+    {"v", "m/s", 3, [](Cluster<3>& c) { return c.v.data(); }}};
+
+template <int D>
+std::span<const ClusterEntry<D>> cluster_entries() {
+  if constexpr (D == 2) {
+    return kEntries2;
+  } else {
+    return kEntries3;
+  }
+}
 
 std::vector<double> cluster_column(const Hdf5File& file, const std::string& name,
                                    std::size_t size) {
@@ -34,33 +56,33 @@ std::vector<double> cluster_column(const Hdf5File& file, const std::string& name
 
 }  // namespace
 
-void write_clusters(Hdf5File& frame, const State<2>& state) {
-  for (const auto& [name, unit, member] : kClusterNumbers) {
-    std::vector<double> column;
-    for (const Cluster& c : state.clusters.bodies) column.push_back(c.*member);
-    const std::string dataset = std::string("/clusters/") + name;
-    frame.write(dataset, column);
-    frame.write_attribute(dataset, "unit", unit);
-  }
-  for (const auto& [name, unit, member] : kClusterVectors) {
+template <int D>
+void write_clusters(Hdf5File& frame, const State<D>& state) {
+  for (const auto& [name, unit, width, at] : cluster_entries<D>()) {
     std::vector<double> rows;
-    for (const Cluster& c : state.clusters.bodies) {
-      rows.insert(rows.end(), {(c.*member)[0], (c.*member)[1]});
+    for (Cluster<D> c : state.clusters.bodies) {
+      if (width == 4) std::rotate(at(c), at(c) + 3, at(c) + 4);
+      rows.insert(rows.end(), at(c), at(c) + width);
     }
     const std::string dataset = std::string("/clusters/") + name;
-    frame.write_rows(dataset, rows, 2);
+    if (width == 1) {
+      frame.write(dataset, rows);
+    } else {
+      frame.write_rows(dataset, rows, to_size(width));
+    }
     frame.write_attribute(dataset, "unit", unit);
   }
   std::vector<int> cluster;
   std::vector<double> arms;
-  for (const Disk& d : state.bodies) cluster.push_back(d.cluster);
-  for (const Vec2& arm : state.clusters.arms) arms.insert(arms.end(), {arm[0], arm[1]});
+  for (const Body<D>& d : state.bodies) cluster.push_back(d.cluster);
+  for (const Vec<D>& arm : state.clusters.arms) arms.insert(arms.end(), arm.begin(), arm.end());
   frame.write("/bodies/cluster", cluster);
-  frame.write_rows("/bodies/arm", arms, 2);
+  frame.write_rows("/bodies/arm", arms, D);
   frame.write_attribute("/bodies/arm", "unit", "m");
 }
 
-void read_clusters(const Hdf5File& frame, State<2>& state) {
+template <int D>
+void read_clusters(const Hdf5File& frame, State<D>& state) {
   const std::string bodies_at = bodies_group(frame);
   if (!frame.exists(bodies_at + "cluster")) return;
   const std::vector<int> cluster = frame.read_ints(bodies_at + "cluster");
@@ -71,25 +93,30 @@ void read_clusters(const Hdf5File& frame, State<2>& state) {
                     fmt::format("has {} elements, expected {}", cluster.size(), disks));
   }
   state.clusters.bodies.assign(count, {});
-  for (const auto& [name, unit, member] : kClusterNumbers) {
-    const auto column = cluster_column(frame, std::string("/clusters/") + name, count);
-    for (std::size_t k = 0; k < count; ++k) state.clusters.bodies[k].*member = column[k];
-  }
-  for (const auto& [name, unit, member] : kClusterVectors) {
-    const auto rows = cluster_column(frame, std::string("/clusters/") + name, 2 * count);
+  for (const auto& [name, unit, width, at] : cluster_entries<D>()) {
+    const auto rows =
+        cluster_column(frame, std::string("/clusters/") + name, to_size(width) * count);
     for (std::size_t k = 0; k < count; ++k) {
-      state.clusters.bodies[k].*member = Vec2(rows[2 * k], rows[2 * k + 1]);
+      double* const to = at(state.clusters.bodies[k]);
+      std::copy_n(rows.data() + to_size(width) * k, width, to);
+      if (width == 4) std::rotate(to, to + 1, to + 4);
     }
   }
-  const auto arms = cluster_column(frame, bodies_at + "arm", 2 * disks);
+  const auto arms = cluster_column(frame, bodies_at + "arm", D * disks);
   for (std::size_t i = 0; i < disks; ++i) {
     if (cluster[i] < -1 || cluster[i] >= static_cast<int>(count)) {
-      throw FileError(frame.path(), bodies_at + "cluster",
-                      fmt::format("disk {} is in cluster {} of {}", i, cluster[i], count));
+      throw FileError(
+          frame.path(), bodies_at + "cluster",
+          fmt::format("{} {} is in cluster {} of {}", kBodyName<D>, i, cluster[i], count));
     }
     state.bodies[i].cluster = cluster[i];
-    state.clusters.arms.emplace_back(arms[2 * i], arms[2 * i + 1]);
+    state.clusters.arms.emplace_back(Eigen::Map<const Vec<D>>(arms.data() + D * i));
   }
 }
+
+template void write_clusters(Hdf5File&, const State<2>&);
+template void write_clusters(Hdf5File&, const State<3>&);
+template void read_clusters(const Hdf5File&, State<2>&);
+template void read_clusters(const Hdf5File&, State<3>&);
 
 }  // namespace bipot

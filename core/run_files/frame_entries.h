@@ -18,13 +18,15 @@ void write_cell_definition(Hdf5File& file, const PeriodicCell& cell);
 template <int D>
 void write_cell(Hdf5File& frame, const State<D>& inside);
 
-/// Writes the clusters of a state and their disks: /clusters/*, /disks/cluster, /disks/arm of a
+/// Writes the clusters of a state and their bodies: /clusters/*, /bodies/cluster, /bodies/arm of a
 /// frame. Throws FileError.
-void write_clusters(Hdf5File& frame, const State<2>& state);
+template <int D>
+void write_clusters(Hdf5File& frame, const State<D>& state);
 
-/// Reads them into a state that has its disks; nothing if the frame has no clusters. Throws
+/// Reads them into a state that has its bodies; nothing if the frame has no clusters. Throws
 /// FileError.
-void read_clusters(const Hdf5File& frame, State<2>& state);
+template <int D>
+void read_clusters(const Hdf5File& frame, State<D>& state);
 
 /// Writes the additional entries of a frame in scenes with outlets or inlets. They are number,
 /// radius, mass, inertia, material and wall of each body, and what has gone through each gate.

@@ -154,9 +154,7 @@ void write_frame_file(const std::filesystem::path& path, const Scene<D>& scene,
   write_turns(file, "/bodies/spin", "rad/s", disks, [](const Body<D>& d) { return d.spin; });
 
   if (scene.has_gates()) write_population(file, state);
-  if constexpr (D == 2) {
-    if (!scene.clusters.empty()) write_clusters(file, state);
-  }
+  if (!scene.clusters.empty()) write_clusters(file, state);
 
   State<D> inside;
   if (state.cell.periodic()) {

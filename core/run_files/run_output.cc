@@ -21,6 +21,7 @@
 #include "core/run_files/hdf5_columns.h"
 #include "core/run_files/run_layout.h"
 #include "core/scene/scene_box.h"
+#include "core/scene/triangle_mesh.h"
 #include "core/scene/wall_motion.h"
 #include "core/scene/wall_pieces.h"
 
@@ -30,6 +31,24 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kIndexShare = 32;  // see RunWriter
+
+/// Writes the triangles of all meshes, and how many each wall has.
+void write_triangles(Hdf5File& file, const std::vector<Wall<3>>& walls) {
+  std::vector<int> counts;
+  std::vector<double> corners;
+  for (const Wall<3>& w : walls) {
+    counts.push_back(w.mesh ? static_cast<int>(w.mesh->triangles.size()) : 0);
+    if (!w.mesh) continue;
+    for (const auto& triangle : w.mesh->triangles) {
+      for (const Vec3& corner : triangle)
+        corners.insert(corners.end(), corner.begin(), corner.end());
+    }
+  }
+  if (corners.empty()) return;
+  file.write("/walls/triangles", counts);
+  file.write_rows("/walls/triangle", corners, 9);
+  file.write_attribute("/walls/triangle", "unit", "m");
+}
 
 /// Writes the constant entries of the walls. Circles and walls moved across a force add datasets.
 template <int D>
@@ -47,7 +66,11 @@ void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
   write_vectors(file, "/walls/direction", "1", walls, [](const Wall<D>& w) { return w.direction; });
   write_doubles(file, "/walls/force", "N", walls, [](const Wall<D>& w) { return w.force; });
   write_doubles(file, "/walls/mass", "kg", walls, [](const Wall<D>& w) { return w.mass; });
-  if (any([](const Wall<D>& w) { return w.is_circle(); })) {
+  if (any([](const Wall<D>& w) { return w.shape == Wall<D>::Shape::kCone; })) {
+    write_doubles(file, "/walls/radius_b", "m", walls, [](const Wall<D>& w) { return w.radius_b; });
+  }
+  if constexpr (D == 3) write_triangles(file, walls);
+  if (any([](const Wall<D>& w) { return w.is_circle() || w.is_surface(); })) {
     write_doubles(file, "/walls/radius", "m", walls, [](const Wall<D>& w) { return w.radius; });
     write_doubles(file, "/walls/spin", "rad/s", walls, [](const Wall<D>& w) { return w.spin; });
   }
@@ -87,6 +110,7 @@ XdmfIndex make_index(const Scene<3>& scene) {
   const std::size_t lines = scene.cell.in_y ? 12 : scene.cell.in_x ? 8 : 0;
   XdmfIndex index = XdmfIndex::in_space(scene.bodies.size(), num_wall_pieces(scene.walls), lines);
   if (scene.has_gates()) index.let_bodies_change();
+  if (!scene.clusters.empty()) index.let_disks_be_joined();
   return index;
 }
 

@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "core/files/hdf5_file.h"
 #include "core/run_files/frame_entries.h"
+#include "core/scene/triangle_mesh.h"
 
 namespace bipot {
 namespace {
@@ -99,6 +103,33 @@ std::vector<Body<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame,
   return disks;
 }
 
+/// Reads the triangles of all meshes.
+void read_triangles(const Hdf5File& fixed, std::vector<Wall<3>>& walls) {
+  const std::string numbers = "/walls/triangles";
+  const bool any = std::any_of(walls.begin(), walls.end(),
+                               [](const Wall<3>& w) { return w.shape == Wall<3>::Shape::kMesh; });
+  if (!any) return;
+  const auto counts = read_sized_ints(fixed, numbers, walls.size());
+  const int sum = std::accumulate(counts.begin(), counts.end(), 0);
+  if (sum < 0) throw FileError(fixed.path(), numbers, "has negative entries");
+  const auto corners = read_sized(fixed, "/walls/triangle", 9 * to_size(sum));
+  const double* at = corners.data();
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (walls[w].shape != Wall<3>::Shape::kMesh) continue;
+    if (counts[w] < 1 || counts[w] > (corners.data() + corners.size() - at) / 9) {
+      throw FileError(fixed.path(), numbers, fmt::format("has {} for wall {}", counts[w], w));
+    }
+    std::vector<Wall<3>::Mesh::Triangle> triangles(to_size(counts[w]));
+    for (auto& triangle : triangles) {
+      for (Vec3& corner : triangle) {
+        corner = Eigen::Map<const Vec3>(at);
+        at += 3;
+      }
+    }
+    walls[w].mesh = std::make_shared<const Wall<3>::Mesh>(std::move(triangles));
+  }
+}
+
 template <int D>
 std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   const std::vector<std::string> names = fixed.read_strings("/walls/name");
@@ -118,6 +149,7 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
     return file.exists(name) ? read_sized(file, name, size) : std::vector<double>(size, 0.0);
   };
   const auto radius = optional(fixed, "/walls/radius", count);
+  const auto radius_b = optional(fixed, "/walls/radius_b", count);
   const auto spin = optional(fixed, "/walls/spin", count);
   const auto across = optional(fixed, "/walls/across", D * count);
   const auto belt = optional(fixed, "/walls/belt", D * count);
@@ -130,7 +162,8 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
     const auto at = [&](const std::vector<double>& y) { return row_of<D>(y, k); };
     walls[k] = {
         .name = names[k],
-        .shape = checked_enum<typename Wall<D>::Shape>(fixed, "/walls/shape", shape[k], 3),
+        .shape =
+            checked_enum<typename Wall<D>::Shape>(fixed, "/walls/shape", shape[k], D == 2 ? 3 : 5),
         .motion = checked_enum<typename Wall<D>::Motion>(fixed, "/walls/motion", motion_now[k], 2),
         .a = at(a),
         .b = at(b),
@@ -141,11 +174,13 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
         .mass = wall_mass[k],
         .material = wall_material[k],
         .radius = radius[k],
+        .radius_b = radius_b[k],
         .spin = spin[k],
         .across = at(across),
         .belt = at(belt),
         .present = present[k] != 0};
   }
+  if constexpr (D == 3) read_triangles(fixed, walls);
   return walls;
 }
 
@@ -269,7 +304,7 @@ State<D> read_state(const fs::path& run, int step) {
   state.shock_loss = file.read_double("/shock_loss");
   if (file.exists("/cohesion_loss")) state.cohesion_loss = file.read_double("/cohesion_loss");
   state.bodies = read_disks<D>(fixed, file, state.population);
-  if constexpr (D == 2) read_clusters(file, state);
+  read_clusters(file, state);
   state.walls = read_walls<D>(fixed, file);
   state.cell = read_state_cell(fixed, file);
   state.contacts = read_contacts<D>(file, state.bodies.size(), state.walls.size());

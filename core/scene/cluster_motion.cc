@@ -2,51 +2,129 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include "core/scene/disk_union.h"
+#include "core/scene/sphere_union.h"
 
 namespace bipot {
 
-Vec2 turned_arm(const Cluster& cluster, const Vec2& arm) {
+namespace {
+
+/// Newton's method for the mean angular momentum of the mid-point rule; in the principal axes.
+Vec3 mean_momentum(const Vec3& start, const Vec3& inertia, double h) {
+  const auto cross = [](const Vec3& x) {
+    return (Mat<3>() << 0, -x[2], x[1], x[2], 0, -x[0], -x[1], x[0], 0).finished();
+  };
+  Vec3 mean = start;
+  for (int k = 0; k < 20; ++k) {
+    const Vec3 spin = mean.cwiseQuotient(inertia);
+    const Vec3 residual = mean - start - 0.5 * h * mean.cross(spin);
+    const Mat<3> slope =
+        Mat<3>::Identity() -
+        0.5 * h * (cross(mean) * inertia.cwiseInverse().asDiagonal() - cross(spin));
+    const Vec3 change = slope.inverse() * residual;
+    mean -= change;
+    if (!(change.norm() > 1e-16 * mean.norm())) break;
+  }
+  return mean;
+}
+
+/// Sets position, rotation and motion of one member.
+void place(const Cluster<2>& cluster, const Vec2& at, Disk& d) {
+  const Vec2 arm = turned_arm(cluster, at);
+  d.x = cluster.x + arm;
+  d.v = cluster.v + swept(cluster.spin, arm);
+  d.angle = cluster.angle;
+  d.spin = cluster.spin;
+}
+void place(const Cluster<3>& cluster, const Vec3& at, Sphere& s) {
+  const Vec3 arm = turned_arm(cluster, at);
+  s.x = cluster.x + arm;
+  s.v = cluster.v + swept(cluster.spin, arm);
+  s.orientation = cluster.orientation;
+  s.spin = cluster.spin;
+}
+
+template <int D>
+[[noreturn]] void refuse_one_centre() {
+  throw std::invalid_argument(
+      fmt::format("two {}s of a cluster have the same centre", kBodyName<D>));
+}
+
+bool positive(double x) { return std::isfinite(x) && x > 0; }
+bool positive(const Vec3& x) { return x.allFinite() && x.minCoeff() > 0; }
+bool finite_turn(const Cluster<2>& c) { return std::isfinite(c.angle + c.spin); }
+bool finite_turn(const Cluster<3>& c) {
+  return c.orientation.coeffs().allFinite() && c.spin.allFinite();
+}
+std::string inertia_text(double x) { return fmt::format("{}", x); }
+std::string inertia_text(const Vec3& x) { return fmt::format("({}, {}, {})", x[0], x[1], x[2]); }
+
+}  // namespace
+
+Vec2 turned_arm(const Cluster<2>& cluster, const Vec2& arm) {
   if (cluster.angle == 0) return arm;
   return Eigen::Rotation2D<double>(cluster.angle) * arm;
 }
 
+double turning_energy(const Cluster<3>& cluster) {
+  const Vec3 spin = own_spin(cluster);
+  return 0.5 * spin.dot(cluster.inertia.cwiseProduct(spin));
+}
+
+Vec3 own_momentum(const Cluster<3>& cluster) {
+  return cluster.orientation *
+         (cluster.axes * Vec3(cluster.inertia.cwiseProduct(own_spin(cluster))));
+}
+
+void drift(Cluster<3>& cluster, double h) {
+  cluster.x += h * cluster.v;
+  if (cluster.spin == Vec3::Zero()) return;
+  Eigen::Quaterniond own = cluster.orientation * cluster.axes;
+  const Vec3& inertia = cluster.inertia;
+  Vec3 momentum = inertia.cwiseProduct(own.conjugate() * cluster.spin);
+  constexpr double kLargestTurn = 0.25;
+  const double turn = std::abs(h) * momentum.norm() / inertia.minCoeff();
+  const double parts = std::max(1.0, std::ceil(turn / kLargestTurn));
+  const double step = h / parts;
+  for (double part = 0; part < parts; ++part) {
+    const Vec3 mean = mean_momentum(momentum, inertia, step);
+    const Vec3 half = 0.5 * step * mean.cwiseQuotient(inertia);
+    momentum = 2 * mean - momentum;
+    own = (own * Eigen::Quaterniond(1, half[0], half[1], half[2])).normalized();
+  }
+  cluster.orientation = (own * cluster.axes.conjugate()).normalized();
+  cluster.spin = cluster.orientation * (cluster.axes * Vec3(momentum.cwiseQuotient(inertia)));
+}
+
 template <int D>
-void place_members(const Clusters& clusters, std::vector<Body<D>>& disks) {
-  if constexpr (D == 2) {
-    if (clusters.empty()) return;
-    for (std::size_t i = 0; i < disks.size(); ++i) {
-      Disk& d = disks[i];
-      if (d.cluster < 0) continue;
-      const Cluster& cluster = clusters.bodies[to_size(d.cluster)];
-      const Vec2 arm = turned_arm(cluster, clusters.arms[i]);
-      d.x = cluster.x + arm;
-      d.v = cluster_velocity(cluster, arm);
-      d.angle = cluster.angle;
-      d.spin = cluster.spin;
-    }
+void place_members(const Clusters<D>& clusters, std::vector<Body<D>>& bodies) {
+  if (clusters.empty()) return;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const int c = bodies[i].cluster;
+    if (c >= 0) place(clusters.bodies[to_size(c)], clusters.arms[i], bodies[i]);
   }
 }
 
-void join_disks(Scene<2>& scene, std::size_t count, const ClusterMass& given) {
+void join_disks(Scene<2>& scene, std::size_t count, const Clusters<2>::Mass& given) {
   const std::size_t first = scene.bodies.size() - count;
   std::vector<Circle> circles;
   for (std::size_t i = first; i < scene.bodies.size(); ++i) {
     for (const Circle& other : circles) {
       if (other.centre == scene.bodies[i].x) {
-        throw std::invalid_argument("two disks of a cluster have the same centre");
+        refuse_one_centre<2>();
       }
     }
     circles.push_back({scene.bodies[i].x, scene.bodies[i].radius});
   }
   const UnionMoments moments = union_moments(circles);
-  Cluster body{.x = moments.centre,
-               .mass = given.mass > 0 ? given.mass : given.density * moments.area,
-               .area = moments.area};
+  Cluster<2> body{.x = moments.centre,
+                  .mass = given.mass > 0 ? given.mass : given.density * moments.area,
+                  .size = moments.area};
   body.inertia = given.inertia > 0 ? given.inertia : body.mass * moments.polar / moments.area;
   if (count == 1) {
     Disk& disk = scene.bodies.back();
@@ -63,6 +141,40 @@ void join_disks(Scene<2>& scene, std::size_t count, const ClusterMass& given) {
     scene.clusters.arms[i] = scene.bodies[i].x - body.x;
   }
   scene.clusters.bodies.push_back(body);
+}
+
+Cluster<3> joined(std::span<const Sphere> spheres, const Clusters<3>::Mass& given) {
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (spheres[i].x == spheres[j].x) refuse_one_centre<3>();
+    }
+  }
+  Cluster<3> body = union_of_spheres(spheres);
+  const double density = given.mass > 0 ? given.mass / body.size : given.density;
+  body.mass = given.mass > 0 ? given.mass : density * body.size;
+  body.inertia *= density;
+  if (given.inertia != Vec3::Zero()) {
+    body.inertia = given.inertia;
+    body.axes = Eigen::Quaterniond::Identity();
+  }
+  return body;
+}
+
+void add_cluster(Scene<3>& scene, Cluster<3> cluster, std::span<const Sphere> spheres,
+                 const Vec3& x, const Eigen::Quaterniond& turn) {
+  const Vec3 centre = cluster.x;
+  cluster.x = x;
+  cluster.axes = (turn * cluster.axes).normalized();
+  scene.clusters.arms.resize(scene.bodies.size(), Vec3::Zero());
+  for (Sphere sphere : spheres) {
+    const Vec3 arm = turn * (sphere.x - centre);
+    sphere.cluster = static_cast<int>(scene.clusters.bodies.size());
+    sphere.mass = sphere.inertia = 0;
+    place(cluster, arm, sphere);
+    scene.bodies.push_back(sphere);
+    scene.clusters.arms.push_back(arm);
+  }
+  scene.clusters.bodies.push_back(cluster);
 }
 
 template <int D>
@@ -89,28 +201,30 @@ std::string check_cluster_lengths(const std::vector<Body<D>>& disks, const Perio
 
 template <int D>
 std::string check_clusters(const Scene<D>& scene) {
-  const Clusters& clusters = scene.clusters;
+  const Clusters<D>& clusters = scene.clusters;
   const int count = static_cast<int>(clusters.bodies.size());
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const Body<D>& d = scene.bodies[i];
     if (d.cluster < 0) continue;
-    if (D == 3) return fmt::format("sphere {}: there are clusters of disks alone", i);
-    if (d.cluster >= count) return fmt::format("disk {}: there is no cluster {}", i, d.cluster);
-    if (d.wall >= 0) return fmt::format("disk {} is in a cluster and glued to a wall", i);
+    if (d.cluster >= count) {
+      return fmt::format("{} {}: there is no cluster {}", kBodyName<D>, i, d.cluster);
+    }
+    if (d.wall >= 0)
+      return fmt::format("{} {} is in a cluster and glued to a wall", kBodyName<D>, i);
   }
   if (count == 0) return {};
   if (clusters.arms.size() != scene.bodies.size()) {
-    return fmt::format("{} arms of clusters for {} disks", clusters.arms.size(),
-                       scene.bodies.size());
+    return fmt::format("{} arms of clusters for {} {}s", clusters.arms.size(), scene.bodies.size(),
+                       kBodyName<D>);
   }
   for (int k = 0; k < count; ++k) {
-    const Cluster& c = clusters.bodies[to_size(k)];
-    const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
-    if (!positive(c.mass) || !positive(c.inertia) || !positive(c.area)) {
-      return fmt::format("cluster {}: mass = {} kg, inertia = {} kg m², area = {} m² (all > 0)", k,
-                         c.mass, c.inertia, c.area);
+    const Cluster<D>& c = clusters.bodies[to_size(k)];
+    if (!positive(c.mass) || !positive(c.inertia) || !positive(c.size)) {
+      return fmt::format("cluster {}: mass = {} kg, inertia = {} kg m², {} = {} {} (all > 0)", k,
+                         c.mass, inertia_text(c.inertia), D == 2 ? "area" : "volume", c.size,
+                         D == 2 ? "m²" : "m³");
     }
-    if (!c.x.allFinite() || !c.v.allFinite() || !std::isfinite(c.angle + c.spin)) {
+    if (!c.x.allFinite() || !c.v.allFinite() || !finite_turn(c)) {
       return fmt::format("cluster {}: its place or motion is not finite", k);
     }
   }
@@ -124,13 +238,17 @@ std::string check_clusters(const Scene<D>& scene) {
   if (scene.start == StartChoice::kPushApart) {
     return "clusters do not go with [start] overlaps = \"push apart\"";
   }
+  if (D == 3 && scene.accuracy > 0) return "clusters of spheres do not go with accuracy";
+  if (D == 3 && !scene.joints.empty()) {
+    return "clusters of spheres do not go with pins and ropes";
+  }
   if (scene.project_overlaps) return "clusters do not go with overlaps = \"project\"";
   if (scene.predict_gaps) return "clusters do not go with overlaps = \"predict\"";
   return {};
 }
 
-template void place_members(const Clusters&, std::vector<Disk>&);
-template void place_members(const Clusters&, std::vector<Sphere>&);
+template void place_members(const Clusters<2>&, std::vector<Disk>&);
+template void place_members(const Clusters<3>&, std::vector<Sphere>&);
 template std::string check_cluster_lengths<2>(const std::vector<Disk>&, const PeriodicCell&,
                                               double);
 template std::string check_cluster_lengths<3>(const std::vector<Sphere>&, const PeriodicCell&,

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "core/base/parallel.h"
+#include "core/scene/triangle_mesh.h"
 
 namespace bipot {
 namespace {
@@ -153,6 +154,39 @@ void test_half_plane(const Body<D>& disk, int i, const Wall<D>& wall, int j, dou
   if (gap <= eta && disk.wall < 0) out.push_back({i, j, wall.normal, gap});
 }
 
+/// A cone touches at one point: that of the half-plane through its axis and the centre.
+void test_cone(const Sphere& sphere, int i, const Wall<3>& wall, int j, double eta,
+               std::vector<Contact<3>>& out) {
+  const double length = (wall.b - wall.a).norm();
+  const Vec3 axis = (wall.b - wall.a) / length, from = sphere.x - wall.a;
+  const Vec3 across = from - from.dot(axis) * axis;
+  const double away = across.norm();
+  const Vec2 start(0, wall.radius), along(length, wall.radius_b - wall.radius);
+  const Vec2 place(from.dot(axis), away);
+  const double t = std::clamp((place - start).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  const Vec2 off = place - (start + t * along);
+  const double distance = off.norm();
+  if (distance - sphere.radius > eta) return;
+  const bool on_axis = away == 0 && wall.radius + t * along[1] > 0;
+  if (distance == 0 || on_axis) {
+    throw std::invalid_argument(fmt::format(
+        "the centre of sphere {} lies on the {} of wall '{}', which it touches: their contact has no "
+        "normal",
+        i, distance == 0 ? "surface" : "axis", wall.name));
+  }
+  Vec3 normal = off[0] * axis;
+  if (away > 0) normal += off[1] / away * across;
+  out.push_back({i, j, normal / distance, distance - sphere.radius});
+}
+
+/// Contacts with the surfaces that only 3D has.
+void test_surface(const Disk&, int, const Wall<2>&, int, double, std::vector<Contact<2>>&) {}
+void test_surface(const Sphere& sphere, int i, const Wall<3>& wall, int j, double eta,
+                  std::vector<Contact<3>>& out) {
+  if (wall.shape == Wall<3>::Shape::kCone) return test_cone(sphere, i, wall, j, eta, out);
+  wall.mesh->find_contacts(sphere, sphere.x - wall.a, i, j, eta, out);
+}
+
 using Entries = std::vector<CellEntry>;
 
 Entries::const_iterator first_from(const Entries& entries, std::uint64_t key) {
@@ -248,7 +282,10 @@ std::vector<Contact<D>> sorted(const std::vector<Contact<D>>& contacts, int num_
   for (const Contact<D>& c : contacts) out[to_size(next[to_size(c.i)]++)] = c;
   for (int i = 0; i < num_disks; ++i) {
     std::sort(out.begin() + start[to_size(i)], out.begin() + start[to_size(i) + 1],
-              [](const Contact<D>& a, const Contact<D>& b) { return a.j < b.j; });
+              [](const Contact<D>& a, const Contact<D>& b) {
+                if (a.j != b.j) return a.j < b.j;
+                return std::lexicographical_compare(a.n.begin(), a.n.end(), b.n.begin(), b.n.end());
+              });
   }
   return out;
 }
@@ -312,6 +349,7 @@ void find_wall_contact(const Body<D>& disk, int i, const Wall<D>& wall, int j, d
     out.push_back({i, j, d / distance, gap});
     return;
   }
+  if (wall.is_surface()) return test_surface(disk, i, wall, j, eta, out);
   const Vec<D> along = wall.b - wall.a;
   const double t = std::clamp((disk.x - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
   const Vec<D> d = disk.x - (wall.a + t * along);
@@ -379,6 +417,7 @@ void KeptContacts<D>::keep(std::span<const Body<D>> disks, std::span<const Wall<
   skin_ = kSkin * smallest;
   pairs_.clear();
   for (const Contact<D>& c : all_contacts(disks, walls, eta + skin_, threads)) {
+    if (!pairs_.empty() && pairs_.back().i == c.i && pairs_.back().j == c.j) continue;
     pairs_.push_back({c.i, c.j});
   }
   disks_.reserve(disks.size());

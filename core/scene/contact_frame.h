@@ -42,6 +42,14 @@ inline double magnitude(const Vec3& x) { return x.norm(); }
 inline double turning(const Vec2& /*n*/, double along) { return along; }
 inline Vec3 turning(const Vec3& n, const Vec3& vector) { return n.cross(vector); }
 
+/// Velocity of a point at the arm of a body that turns.
+inline Vec2 swept(double spin, const Vec2& arm) { return spin * Vec2(-arm[1], arm[0]); }
+inline Vec3 swept(const Vec3& spin, const Vec3& arm) { return spin.cross(arm); }
+
+/// arm × x: the moment of a force at an arm.
+inline double arm_times(const Vec2& arm, const Vec2& x) { return arm[0] * x[1] - arm[1] * x[0]; }
+inline Vec3 arm_times(const Vec3& arm, const Vec3& x) { return arm.cross(x); }
+
 /// Zero of a Spin or Tangent.
 template <int D>
 Spin<D> no_turn() {

@@ -13,7 +13,8 @@ namespace {
 template <int D>
 bool presses(const Wall<D>& wall) {
   constexpr double kStraight = 1e-9;
-  if (wall.motion != Wall<D>::Motion::kDriven || wall.is_circle()) return false;
+  if (wall.motion != Wall<D>::Motion::kDriven || wall.is_circle() || wall.is_surface())
+    return false;
   if (!wall.time_factor.constant()) return false;  // its force changes
   if (wall.shape == Wall<D>::Shape::kHalfPlane) {
     return wall.direction.dot(wall.normal) > 1 - kStraight;
@@ -42,7 +43,7 @@ std::string unbalanced_walls(const Scene<D>& scene) {
   if (scene.has_gates() || scene.tilt.rate != 0) return {};
   double mass = 0;
   for (const Body<D>& body : scene.bodies) mass += body.mass;
-  for (const Cluster& cluster : scene.clusters.bodies) mass += cluster.mass;
+  for (const Cluster<D>& cluster : scene.clusters.bodies) mass += cluster.mass;
   std::string text;
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     for (std::size_t j = i + 1; j < scene.walls.size(); ++j) {

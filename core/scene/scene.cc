@@ -79,6 +79,15 @@ std::string check_wall(const Wall<D>& w, std::size_t i, int materials) {
     if constexpr (D == 3) {
       if (auto e = check_unit("axis", i, w.normal); !e.empty()) return e;
     }
+  } else if (w.shape == Wall<D>::Shape::kCone) {
+    const auto radius = [](double x) { return x >= 0 && std::isfinite(x); };
+    if (!w.b.allFinite() || w.a == w.b || !radius(w.radius) || !radius(w.radius_b) ||
+        w.radius + w.radius_b == 0) {
+      return fmt::format("wall {}: a cone needs two different ends and radii >= 0, not {} and {} m",
+                         i, w.radius, w.radius_b);
+    }
+  } else if (w.shape == Wall<D>::Shape::kMesh && w.mesh == nullptr) {
+    return fmt::format("wall {}: it has no triangles", i);
   } else if (auto e = check_unit("normal", i, w.normal); !e.empty()) {
     return e;
   }
@@ -141,6 +150,9 @@ std::string check_periodic(const Scene<D>& scene) {
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
     const Wall<D>& wall = scene.walls[w];
     const bool plane = wall.shape == Wall<D>::Shape::kHalfPlane;
+    if (wall.is_surface()) {
+      return fmt::format("wall {}: a periodic scene has no place for triangles and cones", w);
+    }
     const bool across = wall.normal[0] != 0 || (cell.in_y && wall.normal[1] != 0);
     if (plane && across) {
       return fmt::format(
@@ -186,6 +198,9 @@ std::string check_accuracy(const Scene<D>& scene) {
   }
   if (scene.project_overlaps) {
     return refused("overlaps = \"project\"", "it takes out the overlaps that measure the accuracy");
+  }
+  for (const Wall<D>& wall : scene.walls) {
+    if (wall.is_surface()) return refused("triangles and cones", "they may be touched twice");
   }
   const double most = 1e-2 * x * smallest_radius(scene);
   if (scene.contact_distance > most) {
@@ -238,6 +253,11 @@ std::string check_cohesion(const Scene<D>& scene) {
     return "cohesion_range and heal = false need cohesion > 0";
   }
   if (scene.model == Model::kSpringDashpot) return "cohesion does not go with the model \"dem\"";
+  const bool surface = std::any_of(scene.walls.begin(), scene.walls.end(),
+                                   [](const Wall<D>& wall) { return wall.is_surface(); });
+  if (!scene.heal && surface) {
+    return "heal = false does not go with walls of triangles and cones: they may be touched twice";
+  }
   if (scene.cohesion_range < 2 * scene.accuracy * smallest_radius(scene)) {
     return fmt::format(
         "cohesion with accuracy = {:g} needs a cohesion_range of at least {:.3g} m, two accuracies "

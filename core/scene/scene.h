@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -79,7 +80,7 @@ struct Body<3> {
   double inertia = 0;        ///< > 0; 2/5 m a² for a homogeneous sphere [kg m²]
   int material = 0;          ///< index into Scene::materials
   int wall = -1;             ///< as for a disk
-  int cluster = -1;          ///< 3D has none: -1
+  int cluster = -1;          ///< as for a disk
 };
 using Sphere = Body<3>;
 
@@ -87,24 +88,51 @@ using Sphere = Body<3>;
 template <int D>
 inline constexpr const char* kBodyName = D == 2 ? "disk" : "sphere";
 
-/// Disks that are joined rigidly: one body with three degrees of freedom at its centre of mass.
-struct Cluster {
+/// Disks or spheres that are joined rigidly: one body, with its degrees of freedom at its centre of
+/// mass.
+template <int D>
+struct Cluster;
+
+template <>
+struct Cluster<2> {
   Vec2 x = Vec2::Zero();  ///< centre of mass                         [m]
   double angle = 0;       ///< rotation since the start               [rad]
   Vec2 v = Vec2::Zero();  ///< velocity of the centre of mass         [m/s]
   double spin = 0;        ///< angular velocity, counter-clockwise    [rad/s]
   double mass = 0;        ///< > 0                                    [kg]
   double inertia = 0;     ///< > 0, about the centre of mass          [kg m²]
-  double area = 0;        ///< > 0, of the union of its disks         [m²]
+  double size = 0;        ///< > 0, area of the union of its disks    [m²]
 };
 
-/// The clusters of a scene or a state. A disk of a cluster (Body::cluster) has no mass of its own.
+template <>
+struct Cluster<3> {
+  Vec3 x = Vec3::Zero();  ///< centre of mass                                 [m]
+  /// Unit; rotation since the start.
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+  Vec3 v = Vec3::Zero();        ///< velocity of the centre of mass                 [m/s]
+  Vec3 spin = Vec3::Zero();     ///< angular velocity, in the axes of space         [rad/s]
+  double mass = 0;              ///< > 0                                            [kg]
+  Vec3 inertia = Vec3::Zero();  ///< > 0, principal moments about the centre of mass [kg m²]
+  /// Unit; turns the axes of space to those of `inertia`, before anything turned.
+  Eigen::Quaterniond axes = Eigen::Quaterniond::Identity();
+  double size = 0;  ///< > 0, volume of the union of its spheres                     [m³]
+};
+
+/// The clusters of a scene or a state. A body of a cluster (Body::cluster) has no mass of its own.
 /// Its position and velocity follow from its cluster (core/scene/cluster_motion.h).
+template <int D>
 struct Clusters {
-  std::vector<Cluster> bodies;
-  std::vector<Vec2>
-      arms;  ///< of each disk of the scene: from the centre of mass of its cluster to its
-             ///< own, before anything turned; empty without clusters [m]
+  std::vector<Cluster<D>> bodies;
+  /// Of each body of the scene: from the centre of mass of its cluster to its own, before anything
+  /// turned; empty without clusters [m]
+  std::vector<Vec<D>> arms;
+
+  /// Mass of a cluster as it is given.
+  struct Mass {
+    double mass = 0;              ///< > 0, or 0: by density                                 [kg]
+    double density = 0;           ///< of the union, where no mass is given               [kg/m³]
+    Spin<D> inertia = Spin<D>();  ///< about the centre of mass; 0: homogeneous          [kg m²]
+  };
 
   bool empty() const { return bodies.empty(); }
 };
@@ -119,29 +147,34 @@ void drift(Sphere& sphere, double h);
 /// A wall: a half-plane, a segment or a circle. Behind a half-plane's line through a with outward
 /// normal `normal` all is solid. A segment from a to b is solid from both sides, ends included. A
 /// circle about a is solid outside (hollow: a drum) or inside. In 3D a half-plane is a half-space,
-/// and a circle an infinite cylinder about the line through a along `normal`. Walls translate; only
-/// circles turn, about their centre or axis. State of a wall at a given time:
+/// and a circle an infinite cylinder about the line through a along `normal`. In 3D there are
+/// triangles and cones too: surfaces that are solid from both sides, edges included. Walls
+/// translate; only circles turn, about their centre or axis. State of a wall at a given time:
 /// core/scene/wall_motion.h.
 template <int D>
 struct Wall {
-  enum class Shape { kHalfPlane, kSegment, kHollowCircle, kSolidCircle };
+  enum class Shape { kHalfPlane, kSegment, kHollowCircle, kSolidCircle, kMesh, kCone };
   enum class Motion {
     kFixed,
     kMoving,  ///< prescribed velocity
     kDriven   ///< prescribed force along `direction`; mass and one degree of freedom of its own
   };
+  struct Mesh;  ///< of triangles: core/scene/triangle_mesh.h
   std::string name;
   Shape shape = Shape::kHalfPlane;
   Motion motion = Motion::kFixed;
-  Vec<D> a = Vec<D>::Zero(), b = Vec<D>::Zero();  ///< b: segments only     [m]
+  Vec<D> a = Vec<D>::Zero(), b = Vec<D>::Zero();  ///< b: segments, cones   [m]
   Vec<D> normal = Vec<D>::Unit(D - 1);            ///< unit; half-planes, in 3D also cylinders: axis
   Vec<D> v = Vec<D>::Zero();                      ///< current velocity     [m/s]
   Vec<D> direction = Vec<D>::Zero();              ///< unit; driven walls only
   double force = 0;                               ///< along direction      [N]
   double mass = 0;                                ///< driven walls only    [kg]
   int material = 0;
-  double radius = 0;  ///< circles only, > 0                                      [m]
-  double spin = 0;    ///< circles only: counter-clockwise, in 3D about `normal`    [rad/s]
+  double radius = 0;    ///< circles, > 0; cones: at a, >= 0                        [m]
+  double radius_b = 0;  ///< cones: at b, >= 0                                      [m]
+  /// Meshes: the triangles, relative to a.
+  std::shared_ptr<const Mesh> mesh;
+  double spin = 0;  ///< circles only: counter-clockwise, in 3D about `normal`    [rad/s]
   Vec<D> across =
       Vec<D>::Zero();  ///< driven walls only: prescribed velocity, normal to direction [m/s]
   /// Half-planes and segments: velocity of the surface along the wall, relative to v: a belt. [m/s]
@@ -153,6 +186,8 @@ struct Wall {
   bool present = true;         ///< in a state: false once it has been removed
 
   bool is_circle() const { return shape == Shape::kHollowCircle || shape == Shape::kSolidCircle; }
+  /// A surface in 3D that ends, and may touch a sphere at several points.
+  bool is_surface() const { return shape == Shape::kMesh || shape == Shape::kCone; }
 };
 
 /// A force on each of some bodies.
@@ -240,7 +275,7 @@ struct Scene {
   Drag<D> drag;
   PeriodicCell cell;  ///< periodic scenes
   std::vector<Body<D>> bodies;
-  Clusters clusters;          ///< disks that are joined rigidly; 2D only
+  Clusters<D> clusters;       ///< bodies that are joined rigidly
   std::vector<Joint> joints;  ///< pins and ropes (core/scene/joints.h)
   std::vector<Wall<D>> walls;
   std::vector<Outlet<D>> outlets;      ///< where bodies leave

@@ -40,9 +40,7 @@ void find_in_outlets(const Scene<D>& scene, std::vector<StartOverlap<D>>& overla
       const Body<D>& body = scene.bodies[i];
       if (body.wall >= 0) continue;
       Vec<D> x = body.x;
-      if constexpr (D == 2) {
-        if (body.cluster >= 0) x = scene.clusters.bodies[to_size(body.cluster)].x;
-      }
+      if (body.cluster >= 0) x = scene.clusters.bodies[to_size(body.cluster)].x;
       if (scene.cell.periodic()) {
         const CellNumber cell = cell_number(scene.cell, Vec2(x.template head<2>()));
         x -= in_dimensions<D>(scene.cell.shift(cell.kx, cell.ky));

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/scene/contact_frame.h"
+#include "core/scene/triangle_mesh.h"
 
 namespace bipot {
 namespace {
@@ -46,7 +47,11 @@ std::array<Vec3, 4> plane_corners(const Wall<3>& wall, const Box<3>& box) {
 
 std::size_t num_wall_pieces(std::span<const Wall<3>> walls) {
   std::size_t pieces = 0;
-  for (const Wall<3>& w : walls) pieces += w.is_circle() ? to_size(kPrismSides) : 1;
+  for (const Wall<3>& w : walls) {
+    pieces += w.shape == Wall<3>::Shape::kMesh  ? w.mesh->triangles.size()
+              : w.is_circle() || w.is_surface() ? to_size(kPrismSides)
+                                                : 1;
+  }
   return pieces;
 }
 
@@ -55,17 +60,30 @@ std::vector<WallPiece> wall_pieces(std::span<const Wall<3>> walls, const Box<3>&
   for (std::size_t k = 0; k < walls.size(); ++k) {
     const Wall<3>& wall = walls[k];
     const int index = static_cast<int>(k);
-    if (!wall.is_circle()) {
+    if (wall.shape == Wall<3>::Shape::kMesh) {
+      const double size = wall.present ? 1 : 0;
+      for (const auto& [p, q, r] : wall.mesh->triangles) {
+        pieces.push_back(
+            {index, {wall.a + size * p, wall.a + size * q, wall.a + size * r, wall.a + size * r}});
+      }
+      continue;
+    }
+    if (!wall.is_circle() && !wall.is_surface()) {
       pieces.push_back({index, wall.present ? plane_corners(wall, box)
                                             : std::array{wall.a, wall.a, wall.a, wall.a}});
       continue;
     }
-    const auto frame = contact_frame<3>(wall.normal);
-    const Reach length = reach_along(box, wall.a, wall.normal);
-    const double radius = wall.present ? wall.radius : 0;
+    const bool cone = wall.is_surface();
+    const Vec3 axis = cone ? Vec3((wall.b - wall.a).normalized()) : wall.normal;
+    const auto frame = contact_frame<3>(axis);
+    const Reach length =
+        cone ? Reach{0, (wall.b - wall.a).norm()} : reach_along(box, wall.a, wall.normal);
     const auto edge = [&](int side, double at) {
       const double angle = 2 * std::numbers::pi * side / kPrismSides;
-      return Vec3(wall.a + at * wall.normal +
+      const double radius = !wall.present               ? 0
+                            : cone && at == length.last ? wall.radius_b
+                                                        : wall.radius;
+      return Vec3(wall.a + at * axis +
                   radius * (std::cos(angle) * frame[1] + std::sin(angle) * frame[2]));
     };
     for (int side = 0; side < kPrismSides; ++side) {

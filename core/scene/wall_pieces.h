@@ -19,7 +19,8 @@ struct WallPiece {
 };
 
 /// One piece for each half-space: the plane within the box. kPrismSides pieces for each cylinder,
-/// as long as the box. Absent walls keep theirs, as points.
+/// as long as the box, and for each cone. A triangle has its last corner twice. Absent walls keep
+/// theirs, as points.
 std::vector<WallPiece> wall_pieces(std::span<const Wall<3>> walls, const Box<3>& box);
 
 /// Number of pieces of these walls.

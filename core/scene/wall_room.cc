@@ -81,6 +81,11 @@ bool WallRoom<D>::holds(const Vec<D>& x, double radius) const {
 template <int D>
 WallRoom<D> room_within(std::vector<Wall<D>> walls) {
   if (walls.empty()) throw std::invalid_argument("no wall has this name");
+  for (const Wall<D>& wall : walls) {
+    if (!wall.is_surface()) continue;
+    throw std::invalid_argument(
+        fmt::format("'{}' bounds no filling: give corner, width and height", wall.name));
+  }
   const bool outside = std::all_of(walls.begin(), walls.end(), [](const Wall<D>& wall) {
     return wall.shape == Wall<D>::Shape::kSolidCircle;
   });

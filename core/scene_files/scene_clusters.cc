@@ -5,6 +5,7 @@
 #include "core/scene/cluster_motion.h"
 #include "core/scene/disk_union.h"
 #include "core/scene/generators.h"
+#include "core/scene/sphere_generators.h"
 #include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_groups.h"
 #include "core/scene_files/scene_tables.h"
@@ -112,14 +113,126 @@ void read_cluster_group(const SceneTable& table, Scene<2>& scene) {
   }
 }
 
+std::vector<Sphere> read_balls(const SceneTable& table, int material) {
+  if (!table.has("parts")) table.fail("parts", "is missing");
+  std::vector<Sphere> parts;
+  for (const std::vector<double>& row : table.rows("parts", 4)) {
+    if (!(row[3] > 0)) {
+      table.fail("parts", "expected rows [x, y, z, radius] with a positive radius");
+    }
+    Sphere& sphere = parts.emplace_back();
+    sphere.x = Vec3(row[0], row[1], row[2]);
+    sphere.radius = row[3];
+    sphere.material = material;
+  }
+  if (parts.empty()) table.fail("parts", "is empty");
+  return parts;
+}
+
+/// Uniform among all rotations (Shoemake, Graphics Gems III, 1992).
+Eigen::Quaterniond random_turn(PortableRandom& random) {
+  const double u = random.uniform(), a = 2 * std::numbers::pi * random.uniform(),
+               b = 2 * std::numbers::pi * random.uniform();
+  return {std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a),
+          std::sqrt(1 - u) * std::cos(a), std::sqrt(u) * std::sin(b)};
+}
+
+/// Calls add(x, turn) for the centre of mass and the rotation of each cluster.
+template <class Add>
+void place_in_space(const SceneTable& table, const Scene<3>& scene, double reach,
+                    const Vec3& centre, const Add& add) {
+  const Vec3 axis = table.maybe_vec<3>("axis").value_or(Vec3::UnitZ());
+  if (!(axis.norm() > 0)) table.fail("axis", "must not be zero");
+  const Eigen::Quaterniond turn(
+      Eigen::AngleAxisd(table.number("degrees", 0) * std::numbers::pi / 180, axis.normalized()));
+  const std::string arrangement =
+      table.one_of("arrangement", "single", {"single", "cubic", "random"});
+  if (arrangement == "single") {
+    const auto position = table.maybe_vec<3>("position");
+    if (!position) table.fail("position", "is missing");
+    add(*position + turn * centre, turn);
+    return;
+  }
+  if (arrangement == "cubic") {
+    const Vec3 corner = table.maybe_vec<3>("corner").value_or(Vec3::Zero());
+    const int columns = table.natural("columns"), rows = table.natural("rows"),
+              layers = table.natural("layers");
+    require_possible(table, "layers", static_cast<double>(columns) * rows * layers, "clusters");
+    for (const Sphere& cell : cubic_lattice(columns, rows, layers, reach, corner)) {
+      add(cell.x, turn);
+    }
+    return;
+  }
+  for (const char* key : {"degrees", "axis"}) {
+    if (table.has(key)) table.fail(key, "the clusters of a random group turn at random");
+  }
+  const int seed = table.integer("seed", 1);
+  if (seed < 0) table.fail("seed", "expected a non-negative integer");
+  const int count = table.natural("count");
+  require_possible(table, "count", count, "clusters");
+  const FillingPlace<3> place = read_filling_place(table, scene);
+  PortableRandom random(static_cast<std::uint64_t>(seed));
+  try {
+    for (const Sphere& cell :
+         random_spheres(count, {{reach, 1}}, place.base, table.number("spacing", 0.1),
+                        static_cast<std::uint64_t>(seed), place.corner, place.bounds)) {
+      add(cell.x, random_turn(random));
+    }
+  } catch (const std::invalid_argument& e) {
+    table.fail("arrangement", e.what());
+  }
+}
+
+void read_cluster_group(const SceneTable& table, Scene<3>& scene) {
+  const std::vector<Sphere> parts = read_balls(table, material_index(scene, table, "material"));
+  const GroupMass group = read_group_mass(table, parts.size() == 1);
+  Clusters<3>::Mass given{group.mass.value_or(0), group.density.value_or(0), Vec3::Zero()};
+  if (parts.size() > 1) {
+    given.inertia = table.maybe_vec<3>("inertia").value_or(Vec3::Zero());
+    if (table.has("inertia") && !(given.inertia.minCoeff() > 0)) {
+      table.fail("inertia", "expected three positive numbers");
+    }
+  }
+  Cluster<3> body;
+  try {
+    body = joined(parts, given);
+  } catch (const std::invalid_argument& e) {
+    table.fail("parts", e.what());
+  }
+  body.v = table.maybe_vec<3>("velocity").value_or(Vec3::Zero());
+  body.spin = table.maybe_vec<3>("spin").value_or(Vec3::Zero());
+  double reach = 0;
+  for (const Sphere& part : parts) {
+    reach = std::max(reach, (part.x - body.x).norm() + part.radius);
+  }
+  place_in_space(table, scene, reach, body.x, [&](const Vec3& x, const Eigen::Quaterniond& turn) {
+    if (parts.size() > 1) {
+      add_cluster(scene, body, parts, x, turn);
+      return;
+    }
+    Sphere sphere = parts[0];  // stays a sphere
+    sphere.x = x;
+    sphere.v = body.v;
+    sphere.spin = body.spin;
+    sphere.mass = body.mass;
+    sphere.inertia = group.inertia.value_or(body.inertia[0]);
+    scene.bodies.push_back(sphere);
+  });
+  if (!scene.clusters.empty()) scene.clusters.arms.resize(scene.bodies.size(), Vec3::Zero());
+}
+
 }  // namespace
 
-void read_clusters(const SceneTable& root, Scene<2>& scene) {
+template <int D>
+void read_clusters(const SceneTable& root, Scene<D>& scene) {
   for (const SceneTable& table : root.tables("clusters")) {
     read_cluster_group(table, scene);
     table.finish();
   }
   place_members(scene.clusters, scene.bodies);
 }
+
+template void read_clusters(const SceneTable&, Scene<2>&);
+template void read_clusters(const SceneTable&, Scene<3>&);
 
 }  // namespace bipot

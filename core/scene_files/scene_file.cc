@@ -315,7 +315,7 @@ void rotate(Scene<2>& scene, double degrees) {
     d.x = turn * d.x;
     d.v = turn * d.v;
   }
-  for (Cluster& cluster : scene.clusters.bodies) {
+  for (Cluster<2>& cluster : scene.clusters.bodies) {
     cluster.x = turn * cluster.x;
     cluster.v = turn * cluster.v;
   }
@@ -365,6 +365,7 @@ void read_bodies(const SceneTable& root, Scene<3>& scene) {
     table.finish();
     scene.bodies.insert(scene.bodies.end(), spheres.begin(), spheres.end());
   }
+  read_clusters(root, scene);
 }
 
 void read_cell_and_turn(const SceneTable& root, Scene<2>& scene) {

@@ -90,9 +90,9 @@ std::vector<PositionRow> read_named_positions(const SceneTable& table, int dim) 
   return rows;
 }
 
-GroupMass read_group_mass(const SceneTable& table) {
-  GroupMass group{table.maybe_number("mass"), table.maybe_number("density"),
-                  table.maybe_number("inertia")};
+GroupMass read_group_mass(const SceneTable& table, bool with_inertia) {
+  GroupMass group{table.maybe_number("mass"), table.maybe_number("density")};
+  if (with_inertia) group.inertia = table.maybe_number("inertia");
   if (group.density.has_value() == group.mass.has_value()) {
     table.fail("mass", "give either mass [kg] or density [kg/m³]");
   }

@@ -33,7 +33,7 @@ struct GroupMass {
   std::optional<double> inertia;  ///< of each body, instead of that of a homogeneous one  [kg m²]
 };
 
-/// `mass` or `density`, one of them, and `inertia`. Throws SceneFileError.
-GroupMass read_group_mass(const SceneTable& table);
+/// `mass` or `density`, one of them, and `inertia` where it is a number. Throws SceneFileError.
+GroupMass read_group_mass(const SceneTable& table, bool with_inertia = true);
 
 }  // namespace bipot

@@ -28,9 +28,10 @@ PeriodicCell read_cell(const SceneTable& root);
 /// The same in 3D: width along x, depth along y, both fixed.
 PeriodicCell read_cell_in_space(const SceneTable& root);
 
-/// Reads the tables [[clusters]] of a scene and appends their disks. Materials and other disks must
+/// Reads the tables [[clusters]] of a scene and appends their bodies. Materials and other bodies must
 /// have been read. Throws SceneFileError.
-void read_clusters(const SceneTable& root, Scene<2>& scene);
+template <int D>
+void read_clusters(const SceneTable& root, Scene<D>& scene);
 
 /// One table of [[spheres]]: a sphere or an arrangement. Throws SceneFileError.
 std::vector<Sphere> read_spheres(const SceneTable& table, const Scene<3>& scene);

@@ -1,4 +1,6 @@
+#include "core/scene/triangle_mesh.h"
 #include "core/scene_files/scene_tables.h"
+#include "core/scene_files/stl_file.h"
 
 namespace bipot {
 namespace {
@@ -30,10 +32,72 @@ void read_shape(const SceneTable& table, Wall<2>& wall) {
   }
 }
 
-/// Half-space or cylinder.
+/// A flat convex polygon as triangles about its first corner.
+void read_polygon(const SceneTable& table, Wall<3>& wall) {
+  std::vector<Vec3> corners;
+  for (const auto& row : table.rows("corners", 3)) corners.emplace_back(row.data());
+  if (corners.size() < 3) table.fail("corners", "expected three or more");
+  wall.shape = Wall<3>::Shape::kMesh;
+  wall.a = corners[0];
+  for (Vec3& corner : corners) corner -= wall.a;
+  std::vector<Wall<3>::Mesh::Triangle> triangles;
+  const Vec3 first = corners[1].cross(corners[2]);
+  for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
+    triangles.push_back({corners[0], corners[k], corners[k + 1]});
+  }
+  double size = 0;
+  for (const Vec3& corner : corners) size = std::max(size, corner.norm());
+  if (!(first.norm() > 1e-12 * size * size)) table.fail("corners", "the first three lie on a line");
+  wall.normal = first.normalized();
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Vec3 side = corners[(k + 1) % corners.size()] - corners[k];
+    const Vec3 next = corners[(k + 2) % corners.size()] - corners[k];
+    if (std::abs(wall.normal.dot(corners[k])) > 1e-9 * size) {
+      table.fail("corners", "do not lie in one plane");
+    }
+    if (!(wall.normal.dot(side.cross(next)) > 0)) {
+      table.fail("corners", "do not run round a convex polygon");
+    }
+  }
+  wall.mesh = std::make_shared<const Wall<3>::Mesh>(std::move(triangles));
+}
+
+/// The triangles of an STL file, scaled and then moved.
+void read_mesh_file(const SceneTable& table, Wall<3>& wall) {
+  auto triangles = read_stl(table.folder() / table.word("file", ""));
+  const double scale = table.has("scale") ? table.positive("scale") : 1.0;
+  for (auto& triangle : triangles) {
+    for (Vec3& corner : triangle) corner *= scale;
+  }
+  wall.shape = Wall<3>::Shape::kMesh;
+  wall.a = table.maybe_vec<3>("position").value_or(Vec3::Zero());
+  wall.mesh = std::make_shared<const Wall<3>::Mesh>(std::move(triangles));
+}
+
+void read_cone(const SceneTable& table, Wall<3>& wall) {
+  const std::vector<double> radii = table.numbers("radii");
+  wall.shape = Wall<3>::Shape::kCone;
+  wall.a = *table.maybe_vec<3>("from");
+  wall.b = *table.maybe_vec<3>("to");
+  if (radii.size() != 2 || !(std::min(radii[0], radii[1]) >= 0) || !(radii[0] + radii[1] > 0)) {
+    table.fail("radii", "a cone needs two, at its ends, >= 0 and not both 0");
+  }
+  if (wall.a == wall.b) table.fail("to", "is the same point as from");
+  wall.radius = radii[0];
+  wall.radius_b = radii[1];
+}
+
+/// Half-space, cylinder, cone, polygon or triangles of a file.
 void read_shape(const SceneTable& table, Wall<3>& wall) {
   const auto point = table.maybe_vec<3>("point"), normal = table.maybe_vec<3>("normal");
   const auto center = table.maybe_vec<3>("center");
+  const bool cone = table.has("from") && table.has("to");
+  const int surfaces = table.has("corners") + table.has("file") + cone;
+  if (surfaces == 1 && !point && !normal && !center) {
+    if (cone) return read_cone(table, wall);
+    return table.has("file") ? read_mesh_file(table, wall) : read_polygon(table, wall);
+  }
+  if (surfaces > 0) table.fail("point", "give one shape: there are keys of several");
   if (point && normal && !center) {
     wall.a = *point;
     if (!(normal->norm() > 0)) table.fail("normal", "must not be zero");
@@ -49,8 +113,10 @@ void read_shape(const SceneTable& table, Wall<3>& wall) {
     wall.radius = table.positive("radius");
     wall.spin = table.number("spin", 0);
   } else {
-    table.fail("point",
-               "give point and normal (a half-space), or center, axis and radius (a cylinder)");
+    table.fail(
+        "point",
+        "give point and normal (a half-space), center, axis and radius (a cylinder), from, to "
+        "and radii (a cone), corners (a polygon), or file (triangles)");
   }
 }
 
@@ -65,7 +131,7 @@ void read_drive(const SceneTable& table, Wall<D>& wall) {
   wall.mass = *mass;
   if (!direction && wall.shape != Wall<D>::Shape::kHalfPlane) {
     table.fail("direction", D == 2 ? "is missing for a driven segment or circle"
-                                   : "is missing for a driven cylinder");
+                                   : "is missing for this driven wall");
   }
   const Vec<D> axis = direction ? *direction : wall.normal;
   if (!(axis.norm() > 0)) table.fail("direction", "must not be zero");
@@ -90,7 +156,10 @@ void read_belt(const SceneTable& table, Wall<D>& wall) {
   const auto surface = table.maybe_vec<D>("surface_velocity");
   if (!surface) return;
   Vec<D> through = Vec<D>::Zero();  // the part along the normal
-  if (wall.shape == Wall<D>::Shape::kHalfPlane) {
+  if (wall.shape == Wall<D>::Shape::kCone || table.has("file")) {
+    table.fail("surface_velocity", "belongs to flat walls");
+  }
+  if (wall.shape != Wall<D>::Shape::kSegment) {
     through = surface->dot(wall.normal) * wall.normal;
   } else if (const Vec<D> side = wall.b - wall.a; side.norm() > 0) {
     through = *surface - surface->dot(side) / side.squaredNorm() * side;

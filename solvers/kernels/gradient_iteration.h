@@ -20,7 +20,7 @@ namespace bipot {
 // in parallel.
 
 /// x⁺ of one contact from the extrapolated impulse y and its velocity w. `held`: sigma of the map
-/// kFollowed, the radius of kHeldDisk.
+/// kFollowed, the radius of kHeldDisk; with rolling friction the s_n from which its radii follow.
 template <int D, GradientMap kMap, class Friction>
 inline Local<D> corrected(const Local<D>& y, Local<D> w, const Friction& mu, double held,
                           double rho) {
@@ -29,8 +29,10 @@ inline Local<D> corrected(const Local<D>& y, Local<D> w, const Friction& mu, dou
     return project_coulomb_cone<D>(y - rho * w, mu);
   } else if constexpr (!std::is_same_v<Friction, double>) {
     Local<D> x = y - rho * w;
-    x[0] = std::max(x[0], 0.0);
+    const double normal = std::max(x[0], 0.0);
+    x[0] = kMap == GradientMap::kHeldDisk ? held : normal;
     cut_off_parts<D>(x, mu);
+    x[0] = normal;
     return x;
   } else {
     Local<D> x = y - rho * w;
@@ -74,11 +76,11 @@ class GradientIteration final : public GradientKernel {
     }
   }
   /// Radii of the map kHeldDisk: those of the friction disks at x. Returns the norms of their
-  /// change and of the radii.
+  /// change and of the radii; with rolling friction those of s_n.
   std::pair<double, double> hold_disks() {
     double change2 = 0, size2 = 0;
     for (int c = 0; c < p_.num_contacts(); ++c) {
-      const double radius = scaling_.mu[c] * std::max(x_[c * D], 0.0);
+      const double radius = (D.rolls ? 1 : scaling_.mu[c]) * std::max(x_[c * D], 0.0);
       change2 += (radius - held_[c]) * (radius - held_[c]);
       size2 += radius * radius;
       held_[c] = radius;

@@ -17,22 +17,28 @@ constexpr int kAssociatedSteps = 8;  // of the gradient, between two looks at th
 constexpr double kFarther = 1e-3;  // error of the associated law over that of Coulomb's, at the end
 
 /// The number of closed contacts that slide, and how quickly they open.
-template <int D>
+template <ContactRows D>
 std::string opening(const ContactProblem& p, const Vector& s, const Vector& u) {
   int sliding = 0;
   double fastest = 0;
   for (int c = 0; c < p.num_contacts(); ++c) {
-    const double radius = p.mu[c] * s[c * D];
-    if (!(radius > 0) || tangential_norm<D>(local<D>(s, c)) < kConeEdge * radius) continue;
+    const Local<D> own = local<D>(s, c);
+    bool slides = false;
+    each_bounded<D>(friction_of<D>(p, c), [&](auto first, auto count, double bound) {
+      const double radius = bound * own[0];
+      slides |= radius > 0 && part_norm<first(), count()>(own) >= kConeEdge * radius;
+    });
+    if (!slides) continue;
     ++sliding;
     const double r = p.row_scale.size() > 0 ? p.row_scale[c * D] : 1;
     fastest = std::max(fastest, u[c * D] / r);
   }
-  return fmt::format("{} of {} contacts slide, and open with mu |u_t| up to {:.3g} m/s", sliding,
-                     p.num_contacts(), fastest);
+  return fmt::format("{} of {} contacts {} up to {:.3g} m/s", sliding, p.num_contacts(),
+                     D.rolls ? "slide or roll, and open with" : "slide, and open with mu |u_t|",
+                     fastest);
 }
 
-template <int D>
+template <ContactRows D>
 void iterate_associated(SolveRun& run, const ContactScaling& scaling) {
   const ContactProblem& p = run.problem();
   SpaceSums sums{run.space()};
@@ -75,7 +81,7 @@ void iterate_associated(SolveRun& run, const ContactScaling& scaling) {
 
 void solve_convex(SolveRun& run) {
   const ContactScaling scaling = equilibrated_scaling(run.problem(), run.space().diagonal());
-  dispatch_dim(run.problem().dim, [&](auto d) { iterate_associated<d()>(run, scaling); });
+  dispatch_rows(run.problem(), [&](auto d) { iterate_associated<d()>(run, scaling); });
 }
 
 }  // namespace bipot

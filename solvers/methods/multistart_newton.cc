@@ -41,19 +41,23 @@ constexpr double kWild = 1e16;
 constexpr double kRankTolerance = 1e-14;
 
 /// The equations of the class comment in the unknowns y_t = x_t and y_n = max(1, mu) x_n. At most a
-/// hundred contacts: the contact dimension stays a variable, and one text serves all three.
+/// hundred contacts: the contact dimension stays a variable, and one text serves all.
 class StatusNewton {
  public:
   StatusNewton(const ContactProblem& p, const ContactScaling& scaling, double unit)
       : dim_(p.dim),
-        statuses_(to_size(p.num_contacts()), Status::kStick),
+        statuses_(to_size(p.num_contacts()), kStick),
         W_(Eigen::MatrixXd::Zero(p.num_rows(), p.num_rows())),
         b_(p.u_free.cwiseProduct(scaling.velocity) / unit),
-        radius_(p.dim == 1 ? Vector::Zero(p.num_contacts()) : scaling.mu),
         impulse_(unit * scaling.impulse.cwiseInverse()) {
+    const int tangents = p.plain_dim() - 1;
+    if (tangents > 0) parts_.push_back({1, tangents, scaling.mu});
+    if (p.rolls()) parts_.push_back({1 + tangents, tangents, scaling.mu_r});
+    if (p.dim == 6) parts_.push_back({5, 1, scaling.mu_spin});
     for (int c = 0; c < p.num_contacts(); ++c) {
-      const double count = std::max(1.0, radius_[c]);
-      radius_[c] /= count;
+      double count = 1;
+      for (const Part& part : parts_) count = std::max(count, part.bound[c]);
+      for (Part& part : parts_) part.bound[c] /= count;
       impulse_[c * dim_] /= count;
     }
     for (int i = 0; i < p.num_rows(); ++i) {
@@ -72,7 +76,7 @@ class StatusNewton {
     w_.noalias() = W_ * y + b_;
     int contradictions = 0;
     for (std::size_t c = 0; c < statuses_.size(); ++c) {
-      const Status wanted = status_at(static_cast<int>(c), y);
+      const int wanted = status_at(static_cast<int>(c), y);
       if (wanted == statuses_[c]) continue;
       ++contradictions;
       if (share >= 1 || random.uniform() < share) statuses_[c] = wanted;
@@ -85,7 +89,7 @@ class StatusNewton {
     closed_.clear();
     for (std::size_t c = 0; c < statuses_.size(); ++c) {
       for (int row = static_cast<int>(c) * dim_, k = 0; k < dim_; ++k, ++row) {
-        if (statuses_[c] == Status::kOpen) {
+        if (statuses_[c] == kOpen) {
           y[row] = 0;
         } else {
           closed_.push_back(row);
@@ -96,10 +100,10 @@ class StatusNewton {
     w_.noalias() = W_ * y + b_;
     residual_ = w_(closed_);
     jacobian_ = W_(closed_, closed_);
-    if (dim_ > 1) {
-      for (int at = 0; at < static_cast<int>(closed_.size()); at += dim_) {
-        const int contact = closed_[to_size(at)] / dim_;
-        if (statuses_[to_size(contact)] == Status::kSlip) slip(contact, at, y);
+    for (int at = 0; at < static_cast<int>(closed_.size()); at += dim_) {
+      const int contact = closed_[to_size(at)] / dim_;
+      for (std::size_t k = 0; k < parts_.size(); ++k) {
+        if ((statuses_[to_size(contact)] >> k & 1) != 0) slip(parts_[k], contact, at, y);
       }
     }
     for (Eigen::Index i = 0; i < residual_.size(); ++i) {
@@ -114,23 +118,34 @@ class StatusNewton {
   }
 
  private:
-  enum class Status : char { kOpen, kStick, kSlip };
+  /// Rows of a contact that friction bounds by bound × y_n: tangents, rolling, spin.
+  struct Part {
+    int first, count;
+    Vector bound;  // of each contact
+  };
+  // Status of a contact: open, or a bit for each part that slips; none: it sticks.
+  static constexpr int kOpen = -8, kStick = 0;  // kOpen has no bit of a part
 
-  Vector tangential(int n, const Vector& y) const {
-    return y.segment(n + 1, dim_ - 1) - w_.segment(n + 1, dim_ - 1);
+  Vector tangential(const Part& part, int n, const Vector& y) const {
+    return y.segment(n + part.first, part.count) - w_.segment(n + part.first, part.count);
   }
 
-  Status status_at(int contact, const Vector& y) const {
+  int status_at(int contact, const Vector& y) const {
     const int n = contact * dim_;
-    if (y[n] - w_[n] <= 0) return Status::kOpen;
-    if (dim_ > 1 && !(tangential(n, y).norm() <= radius_[contact] * y[n])) return Status::kSlip;
-    return Status::kStick;
+    if (y[n] - w_[n] <= 0) return kOpen;
+    int slipping = kStick;
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      const bool sticks = tangential(parts_[k], n, y).norm() <= parts_[k].bound[contact] * y[n];
+      if (!sticks) slipping |= 1 << k;
+    }
+    return slipping;
   }
 
-  /// y_t - r y_n e(y_t - w_t), whose direction turns by (I - e eᵀ)/norm; its rows start at `at`.
-  void slip(int contact, int at, const Vector& y) {
-    const int n = contact * dim_, tangents = dim_ - 1;
-    Vector e = tangential(n, y);
+  /// y_t - r y_n e(y_t - w_t), whose direction turns by (I - e eᵀ)/norm; the contact's rows start at
+  /// `at`.
+  void slip(const Part& part, int contact, int at, const Vector& y) {
+    const int n = contact * dim_, tangents = part.count, first = part.first;
+    Vector e = tangential(part, n, y);
     double norm = e.norm();
     if (norm > 0) {
       e /= norm;
@@ -138,25 +153,26 @@ class StatusNewton {
       e = Vector::Unit(tangents, 0);
       norm = 1;
     }
-    const double length = radius_[contact] * y[n];
-    const Eigen::MatrixXd rows = jacobian_.middleRows(at + 1, tangents);
+    const double length = part.bound[contact] * y[n];
+    const Eigen::MatrixXd rows = jacobian_.middleRows(at + first, tangents);
     for (int i = 0; i < tangents; ++i) {
-      residual_[at + 1 + i] = y[n + 1 + i] - length * e[i];
-      auto row = jacobian_.row(at + 1 + i);
+      residual_[at + first + i] = y[n + first + i] - length * e[i];
+      auto row = jacobian_.row(at + first + i);
       row.setZero();
       for (int j = 0; j < tangents; ++j) {
         const double identity = i == j ? 1 : 0, turn = (length / norm) * (identity - e[i] * e[j]);
         row += turn * rows.row(j);
-        row[at + 1 + j] += identity - turn;
+        row[at + first + j] += identity - turn;
       }
-      row[at] -= radius_[contact] * e[i];
+      row[at] -= part.bound[contact] * e[i];
     }
   }
 
   int dim_;
-  std::vector<Status> statuses_;
+  std::vector<int> statuses_;
+  std::vector<Part> parts_;
   Eigen::MatrixXd W_;
-  Vector b_, radius_, impulse_;
+  Vector b_, impulse_;
   Vector w_, residual_;
   std::vector<int> closed_;  // rows of closed contacts
   Eigen::MatrixXd jacobian_;

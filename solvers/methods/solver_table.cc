@@ -111,7 +111,8 @@ const SolverEntry kSolvers[] = {
      .run = &solve_multistart_newton,
      .parameters = kMultistartNewtonParameters,
      .needs_delassus = true,
-     .max_contacts = kMultistartMaxContacts},
+     .max_contacts = kMultistartMaxContacts,
+     .rolls = true},
     {.name = "homotopy",
      .summary = "exact piecewise linear path through opening, stick and slip (Eaves 1976)",
      .run = &solve_homotopy,
@@ -132,7 +133,8 @@ const SolverEntry kSolvers[] = {
     {.name = "tresca",
      .summary = "fixed point on the bounds of friction (Haslinger 1983; Chen, Ly and Wojtan 2024)",
      .run = &solve_tresca,
-     .parameters = kTrescaParameters},
+     .parameters = kTrescaParameters,
+     .rolls = true},
 #ifdef BIPOT_WITH_SICONOS
     {.name = "siconos:nsgs",
      .summary = "Siconos Numerics: nonsmooth Gauss-Seidel",
@@ -167,7 +169,8 @@ const SolverEntry kOtherLaws[] = {
     {.name = "convex",
      .summary = "another law, for contrast: associated friction, which opens (Anitescu 2006)",
      .run = &solve_convex,
-     .parameters = {}},
+     .parameters = {},
+     .rolls = true},
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 constexpr int kHeldSteps = 8;  // of the gradient, between two looks at the problem with held bounds
 constexpr double kBoundsStand = 1e-15;  // relative change of bounds that stand
 
-template <int D>
+template <ContactRows D>
 void iterate_bounds(SolveRun& run, const ContactScaling& scaling) {
   SpaceSums sums{run.space()};
   GradientIteration<D, SpaceSums> kernel(run.problem(), sums, scaling);
@@ -59,7 +59,7 @@ void iterate_bounds(SolveRun& run, const ContactScaling& scaling) {
 
 void solve_tresca(SolveRun& run) {
   const ContactScaling scaling = equilibrated_scaling(run.problem(), run.space().diagonal());
-  dispatch_dim(run.problem().dim, [&](auto d) { iterate_bounds<d()>(run, scaling); });
+  dispatch_rows(run.problem(), [&](auto d) { iterate_bounds<d()>(run, scaling); });
 }
 
 }  // namespace bipot

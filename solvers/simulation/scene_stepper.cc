@@ -29,6 +29,9 @@ std::string needs_whole_state(const Scene<D>& scene,
   if (scene.model == Model::kSpringDashpot) return "the model dem";
   if (!scene.clusters.empty()) return "the scene has clusters";
   if (!scene.joints.empty()) return "the scene has pins or ropes";
+  const bool surface = std::any_of(scene.walls.begin(), scene.walls.end(),
+                                   [](const Wall<D>& wall) { return wall.is_surface(); });
+  if (surface) return "the scene has triangles or cones";
   if (scene.has_gates()) return "the scene has inlets or outlets";
   if (scene.cell.periodic()) return "the scene is periodic";
   if (scene.observables) return "the scene measures observables";

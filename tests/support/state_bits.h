@@ -54,8 +54,11 @@ std::string bits_of_state(const State<D>& state) {
                                  state.cohesion_loss) +
                      bits_of_bodies(state);
   for (const int number : state.population.numbers) text += fmt::format("\nnumber {}", number);
-  for (const auto& c : state.clusters.bodies)
-    text += "\ncluster " + bits_of_all(c.x, c.angle, c.spin);
+  for (const auto& c : state.clusters.bodies) {
+    text += "\ncluster " + bits_of_all(c.x, c.v, c.spin);
+    if constexpr (D == 2) text += bits_of(c.angle);
+    if constexpr (D == 3) text += bits_of(c.orientation.coeffs());
+  }
   for (const Wall<D>& w : state.walls) {
     text += fmt::format("\nwall '{}' {} {} {} {} ", w.name, static_cast<int>(w.shape),
                         static_cast<int>(w.motion), w.material, w.present) +

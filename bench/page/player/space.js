@@ -362,7 +362,7 @@ class SpaceView {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, this.rimPoints, count);
   }
 
-  /** Planes as faint faces within the box, cylinders, openings and cells as outlines. */
+  /** Planes and surfaces as faint faces, cylinders, openings and cells as outlines. */
   drawWalls(frame, look, colours, camera) {
     const {gl, run} = this, faces = [], lines = [];
     const ink = rgbOf(colours.wall), widen = 0.04 * this.reach;
@@ -372,6 +372,14 @@ class SpaceView {
       const place = frame.walls.slice(7 * w, 7 * w + 7);
       if (!place[6]) return;
       const a = place.slice(0, 3);
+      if (wall.pieces) {
+        for (let k = 0; k < wall.pieces.length; k += 12) {
+          const corners = [0, 3, 6, 9].map(m => add3(a, wall.pieces.slice(k + m, k + m + 3), 1));
+          for (const m of [0, 1, 2, 0, 2, 3]) faces.push(...corners[m], ...ink, 0.06);
+          corners.forEach((corner, m) => line(corner, corners[(m + 1) % 4], ink, 0.3));
+        }
+        return;
+      }
       if (wall.radius > 0 && wall.shape !== 'plane') {
         this.cylinder(wall, a, frame.time, lower, upper, line);
         return;

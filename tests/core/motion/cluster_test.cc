@@ -46,7 +46,7 @@ TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
   scene.step = 1e-2;
   add_cluster(scene, {{Vec2(0, 0), 0.1}, {Vec2(0.25, 0), 0.2}}, 100, Vec2(1, 3), 7);
   ASSERT_EQ(validate(scene), "");
-  const Cluster begin = scene.clusters.bodies[0];
+  const Cluster<2> begin = scene.clusters.bodies[0];
   State<2> state = initial_state(scene);
   const double energy = kinetic_energy(state) + potential_energy(state, scene.gravity);
   TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), {}), false);
@@ -107,7 +107,7 @@ TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
     const int k = step.dofs.disk[i];
     if (k < 0) continue;
     const int c = mid.bodies[i].cluster;
-    const Cluster body = c >= 0 ? mid.clusters.bodies[to_size(c)] : Cluster{};
+    const Cluster<2> body = c >= 0 ? mid.clusters.bodies[to_size(c)] : Cluster<2>{};
     v.segment<3>(k) << (c >= 0 ? body.v : mid.bodies[i].v), mid.bodies[i].spin;
     EXPECT_EQ(p.A.coeff(k, k), c >= 0 ? body.mass : mid.bodies[i].mass);
     EXPECT_EQ(p.A.coeff(k + 2, k + 2), c >= 0 ? body.inertia : mid.bodies[i].inertia);
@@ -172,7 +172,7 @@ TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
         if (d.cluster < 0) add(d.mass, d.x, d.v, before.bodies[i].v);
       }
       for (std::size_t c = 0; c < state.clusters.bodies.size(); ++c) {
-        const Cluster& b = state.clusters.bodies[c];
+        const Cluster<2>& b = state.clusters.bodies[c];
         add(b.mass, b.x, b.v, before.clusters.bodies[c].v);
       }
       const auto moments = contact_moments(state);
@@ -240,7 +240,7 @@ TEST(Cluster, ThreeDisksStandOnTwoFeetWithTheForcesOfALever) {
   // Feet at ±0.3, centre of mass at x: the right foot carries (x + 0.3)/0.6 of the weight.
   Scene<2> scene = stool(0.3, 0.35, 0.2);
   scene.gravity = Vec2(0, -kGravity);
-  const Cluster& body = scene.clusters.bodies[0];
+  const Cluster<2>& body = scene.clusters.bodies[0];
   EXPECT_GT(body.x[0], 0.02);
   const double weight = body.mass * kGravity;
   const State<2> end = solved_run(scene);
@@ -270,7 +270,7 @@ TEST(Cluster, OneDiskJoinedToNothingIsThatDisk) {
                              .spin = d.spin,
                              .mass = d.mass,
                              .inertia = d.inertia,
-                             .area = std::numbers::pi * 0.04}};
+                             .size = std::numbers::pi * 0.04}};
   inside.clusters.arms = {Vec2::Zero()};
   inside.bodies[0].mass = inside.bodies[0].inertia = 0;
   inside.bodies[0].cluster = 0;
@@ -393,7 +393,7 @@ Scene<2> sheared_clusters(int copies, bool far_away) {
 }
 
 /// The velocity beyond that of the cell.
-Vec2 homogeneous_free(const State<2>& state, const Cluster& c) {
+Vec2 homogeneous_free(const State<2>& state, const Cluster<2>& c) {
   return c.v - homogeneous_velocity(state.cell, c.x);
 }
 
@@ -418,7 +418,7 @@ TEST(Cluster, InAPeriodicCellImagesAreAsGoodAsTheirs) {
   EXPECT_GT(loaded, 15);
   const State<2> twice = run_to_end(sheared_clusters(2, false), ignored);
   const State<2> far = run_to_end(sheared_clusters(1, true), ignored);
-  const auto expect_same = [&](const Cluster& a, const Cluster& b, const State<2>& other) {
+  const auto expect_same = [&](const Cluster<2>& a, const Cluster<2>& b, const State<2>& other) {
     EXPECT_LT((homogeneous_free(end, a) - homogeneous_free(other, b)).norm(), 1e-7);
     EXPECT_NEAR(a.spin, b.spin, 1e-6);
     EXPECT_NEAR(a.angle, b.angle, 1e-7);

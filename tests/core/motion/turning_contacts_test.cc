@@ -137,10 +137,10 @@ TEST(TurningContacts, ARodSlidesOnItsEnd) {
   scene.walls = {flat_floor<2>()};
   const Vec2 arm = c * Vec2(std::cos(start), std::sin(start)), centre(0, kRadius + arm[1]);
   scene.bodies = {round_body<2>(centre - arm, kRadius, 1), round_body<2>(centre + arm, kRadius, 1)};
-  Cluster rod;
+  Cluster<2> rod;
   rod.x = centre;
   rod.mass = mass;
-  rod.area = 1;
+  rod.size = 1;
   rod.inertia = inertia;
   scene.clusters.bodies = {rod};
   scene.clusters.arms = {-arm, arm};

@@ -134,13 +134,38 @@ velocity = [3, 1]
 )"},
 };
 
-State<2> run_on(const Scene<2>& scene, State<2> state, int until, RunWriter<2>* writer) {
+/// The same in space.
+const NamedScene kRestartInSpace[] = {
+    {"clumps in a shaken funnel over a tray of triangles, and spheres that come in", R"(
+dim = 3
+contact = {mu = 0.4}
+walls = [{from = [0, 0, 0], to = [0, 0, 1], radii = [0.15, 1], velocity = [0.5, 0, 0], frequency = 20},
+  {corners = [[-1, -1, -0.4], [1, -1, -0.4], [1, 1, -0.4], [-1, 1, -0.4]]}]
+outlets = [{point = [0, 0, -0.35], normal = [0, 0, 1]}]
+inlets = [{lower = [-0.5, -0.5, 1.3], upper = [0.5, 0.5, 1.6], rate = 100, radii = [0.1], mass = 0.5}]
+time = {step = 2e-3, steps = 40}
+[[clusters]]
+arrangement = "random"
+parts = [[0, 0, 0, 0.08], [0.1, 0, 0.02, 0.07], [0.05, 0.06, 0, 0.05]]
+count = 30
+width = 0.6
+corner = [-0.3, -0.3, 0.2]
+density = 100
+velocity = [0, 0, -6]
+spin = [1, -5, 3]
+[start]
+overlaps = "allow"
+)"},
+};
+
+template <int D>
+State<D> run_on(const Scene<D>& scene, State<D> state, int until, RunWriter<D>* writer) {
   const SolverEntry* entry = find_solver("pgs");
   SolverOptions options;
   options.tol = 1e-5;  // books and bits do not depend on it
-  TimeStepper<2> stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  TimeStepper<D> stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
   while (state.step < until) {
-    const StepReport<2> report = stepper.advance(state);
+    const StepReport<D> report = stepper.advance(state);
     EXPECT_TRUE(report.converged) << report.message;
     EXPECT_LT(std::abs(report.energy.imbalance), 1e-11) << report.step;
     EXPECT_LT(report.momentum_imbalance.norm(), 1e-11) << report.step;
@@ -149,24 +174,28 @@ State<2> run_on(const Scene<2>& scene, State<2> state, int until, RunWriter<2>* 
   return state;
 }
 
-TEST(SceneRestart, GoesOnBitForBit) {
-  for (const NamedScene& named : kRestartScenes) {
-    SCOPED_TRACE(named.name);
-    const TemporaryFolder folder;
-    const Scene<2> scene = parse_scene(named.text, "test.toml");
-    State<2> end;
-    {
-      RunWriter<2> writer(folder / "out", scene, named.text);
-      end = run_on(scene, initial_state(scene), 40, &writer);
-      writer.close();
-    }
-    for (const int step : {4, 17, 29}) {
-      const State<2> read = read_state(folder / "out", step);
-      EXPECT_EQ(restart_mismatch(scene, read), "");
-      EXPECT_EQ(bits_of_state(run_on(scene, read, 40, nullptr)), bits_of_state(end));
-      EXPECT_GT(end.contacts.size(), 3u);
-    }
+template <int D>
+void expect_same_bits(const NamedScene& named) {
+  SCOPED_TRACE(named.name);
+  const TemporaryFolder folder;
+  const auto scene = std::get<Scene<D>>(parse_any_scene(named.text, "test.toml"));
+  State<D> end;
+  {
+    RunWriter<D> writer(folder / "out", scene, named.text);
+    end = run_on<D>(scene, initial_state(scene), 40, &writer);
+    writer.close();
   }
+  for (const int step : {4, 17, 29}) {
+    const State<D> read = read_state<D>(folder / "out", step);
+    EXPECT_EQ(restart_mismatch(scene, read), "");
+    EXPECT_EQ(bits_of_state(run_on<D>(scene, read, 40, nullptr)), bits_of_state(end));
+    EXPECT_GT(end.contacts.size(), 3u);
+  }
+}
+
+TEST(SceneRestart, GoesOnBitForBit) {
+  for (const NamedScene& named : kRestartScenes) expect_same_bits<2>(named);
+  for (const NamedScene& named : kRestartInSpace) expect_same_bits<3>(named);
 }
 
 }  // namespace

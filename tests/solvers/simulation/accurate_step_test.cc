@@ -342,10 +342,10 @@ TEST(AccurateStep, ClustersAndCylindersCollide) {
   scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
   scene.bodies = {round_body<2>(Vec2(0.11, -kRadius), kRadius, 1, Vec2(-1, 0)),
                   round_body<2>(Vec2(0.11, kRadius), kRadius, 1, Vec2(-1, 0))};
-  Cluster both;
+  Cluster<2> both;
   both.x = Vec2(0.11, 0);
   both.v = Vec2(-1, 0);
-  both.mass = both.area = 1;
+  both.mass = both.size = 1;
   both.inertia = 1e-4;
   scene.clusters.bodies = {both};
   scene.clusters.arms = {Vec2(0, -kRadius), Vec2(0, kRadius)};
