@@ -139,6 +139,25 @@ std::vector<Study::Job> depth_jobs(bool quick) {
   const int width = quick ? 4 : 6;
   const std::vector<double> heights = column_heights(quick);
   std::vector<Study::Job> jobs;
+  for (int seed = 1; seed <= (quick ? 2 : 4); ++seed) {
+    for (const double mu : {0.0, 0.1, 0.3, 0.5}) {
+      const auto column = std::make_shared<Column>();
+      const std::vector<double> sinking =
+          quick ? std::vector<double>{1, 2} : std::vector<double>{1, 2, 3, 5, 7, 10};
+      for (const double height : sinking) {
+        for (const double tol : {1e-1, 1e-2}) {
+          jobs.push_back({{kDepth, fmt::format("random:mu_wall={}", mu), width, seed, kSinkMethod,
+                           tol, height},
+                          [=, tallest = sinking.back()](const Study::Stopped& stopped) {
+                            if (column->disks.empty()) {
+                              *column = random_column(width, tallest, mu, seed, stopped);
+                            }
+                            return sink_column(cut_column(*column, height, mu), tol, stopped);
+                          }});
+        }
+      }
+    }
+  }
   for (int seed = 0; seed <= (quick ? 2 : 4); ++seed) {  // 0: crystalline
     for (const double mu : {0.0, 0.1, 0.3, 0.5}) {
       const auto column = std::make_shared<Column>();
@@ -158,25 +177,6 @@ std::vector<Study::Job> depth_jobs(bool quick) {
                    return solve_column(cut_column(*column, height, mu), method, tol, stopped);
                  }});
           }
-        }
-      }
-    }
-  }
-  for (int seed = 1; seed <= (quick ? 2 : 4); ++seed) {
-    for (const double mu : {0.0, 0.1, 0.3, 0.5}) {
-      const auto column = std::make_shared<Column>();
-      const std::vector<double> sinking =
-          quick ? std::vector<double>{1, 2} : std::vector<double>{1, 2, 3, 5, 7, 10};
-      for (const double height : sinking) {
-        for (const double tol : {1e-1, 1e-2}) {
-          jobs.push_back({{kDepth, fmt::format("random:mu_wall={}", mu), width, seed, kSinkMethod,
-                           tol, height},
-                          [=, tallest = sinking.back()](const Study::Stopped& stopped) {
-                            if (column->disks.empty()) {
-                              *column = random_column(width, tallest, mu, seed, stopped);
-                            }
-                            return sink_column(cut_column(*column, height, mu), tol, stopped);
-                          }});
         }
       }
     }

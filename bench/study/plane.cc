@@ -155,8 +155,7 @@ std::string springs_label(const Study::Sample& sample) {
 
 std::vector<Study::Job> springs_jobs(bool quick) {
   std::vector<Study::Job> jobs;
-  const std::vector<double> speeds =
-      quick ? std::vector<double>{1} : std::vector<double>{0.3, 1, 4};
+  const std::vector<double> speeds = quick ? std::vector<double>{1} : std::vector<double>{1, 3, 9};
   for (int seed = 1; seed <= (quick ? 3 : 6); ++seed) {
     std::vector<Study::Sample> samples;
     for (const double speed : speeds) {
@@ -165,7 +164,7 @@ std::vector<Study::Job> springs_jobs(bool quick) {
     if (!quick) samples.push_back({.scene = "pour", .size = 64, .seed = seed});
     for (const Study::Sample& sample : samples) {
       const std::string label = springs_label(sample);
-      jobs.push_back(rigid_job(kSprings, label, sample, kFinestTol, quick ? 0.5 : 0.25));
+      jobs.push_back(rigid_job(kSprings, label, sample, 1e-4, 0.5));
       for (const double factor : {4.0, 2.0, 1.0}) {
         for (const double tol : {1e-1, 1e-2}) {
           jobs.push_back(rigid_job(kSprings, label, sample, tol, factor));

@@ -198,6 +198,7 @@ Document thresholds_report(const Study::Measured& measured) {
   Chart sizes{.title = "Error of the mean observable",
               .x = {.label = "tolerance ε of every step", .kind = Chart::Axis::Kind::kLog},
               .y = {.label = "median relative error", .kind = Chart::Axis::Kind::kLog}};
+  shares.width = sizes.width = 520;
   int style = 0;
   for (const std::string& name : kStudyClasses) {
     Chart::Series right{name, style, {}}, error{name, style, {}};
