@@ -13,6 +13,7 @@ MADE = {
     "moving_wall.py": ["moving_wall.svg"],
     "delassus_spectrum.py": ["spectrum.svg"],
     "friction_sweep.py": ["base_load.svg"],
+    "submit_solver.py": ["index.html"],
 }
 
 
