@@ -82,16 +82,13 @@ inline RollingFriction<Real> as_number(const RollingFriction<double>& friction) 
 
 /// The projection of s on the cone, taken in physical variables: both variables have the same edge
 /// of the cone, but different nearest points.
-template <bool kScaled, class Real, int D, class Friction>
+template <class Real, int D, class Friction>
 [[gnu::always_inline]] inline FrameVector<Real, D> physical_projection(
-    const FrameVector<Real, D>& s, const FrameVector<Real, D>& r, const Friction& mu) {
-  if constexpr (kScaled) {
-    FrameVector<Real, D> on_cone = onto_cone<D>(s / r, physical_friction(mu, r));
-    each_component<D>([&](int k) { on_cone[k] = on_cone[k] * r[k]; });
-    return on_cone;
-  } else {
-    return onto_cone<D>(s, mu);
-  }
+    bool scaled, const FrameVector<Real, D>& s, const FrameVector<Real, D>& r, const Friction& mu) {
+  if (!scaled) return onto_cone<D>(s, mu);
+  FrameVector<Real, D> on_cone = onto_cone<D>(s / r, physical_friction(mu, r));
+  each_component<D>([&](int k) { on_cone[k] = on_cone[k] * r[k]; });
+  return on_cone;
 }
 
 /// Calls f(rows, scaled) with integral constants: ContactRows, and whether the problem has a
@@ -134,15 +131,16 @@ struct PhysicalContact {
 };
 
 /// From s, u = W s + b and b in the problem's variables, with physical w_nn and rho_nn. r is read
-/// only if kScaled. Rolling rows are times their arm already.
-template <bool kScaled, class Real, int D, class Friction>
+/// only if scaled. Rolling rows are times their arm already.
+template <class Real, int D, class Friction>
 [[gnu::always_inline]] inline PhysicalContact<Real, D, Friction> physical_contact(
-    const FrameVector<Real, D>& s, const FrameVector<Real, D>& u, const FrameVector<Real, D>& b,
-    const FrameVector<Real, D>& r, const Friction& mu, const Real& w_nn, const Real& rho_nn) {
+    bool scaled, const FrameVector<Real, D>& s, const FrameVector<Real, D>& u,
+    const FrameVector<Real, D>& b, const FrameVector<Real, D>& r, const Friction& mu,
+    const Real& w_nn, const Real& rho_nn) {
   // sᵀ W s is the same in both variables: (r s)ᵀ (W / r r) (r s).
   const Real moved = dot(s, u - b);
   PhysicalContact<Real, D, Friction> c{s, u, {}, mu, w_nn, rho_nn, moved};
-  if constexpr (kScaled) {
+  if (scaled) {
     c.s = s / r;
     c.u = u / r;
     c.mu = physical_friction(mu, r);

@@ -96,8 +96,8 @@ inline void project_physically(const ContactProblem& p, int c, double arm, Vecto
   FrameVector<double, D> r;
   if constexpr (kScaled) r = frame_vector<D>(p.row_scale, c);
   const auto on_cone =
-      times_arm<D>(physical_projection<kScaled>(times_arm<D>(frame_vector<D>(s, c), 1 / arm), r,
-                                                over_arm(friction_of<D>(p, c), arm)),
+      times_arm<D>(physical_projection(kScaled, times_arm<D>(frame_vector<D>(s, c), 1 / arm), r,
+                                       over_arm(friction_of<D>(p, c), arm)),
                    arm);
   each_component<D>([&](int k) { s[c * D + k] = on_cone[k]; });
 }
@@ -111,10 +111,10 @@ inline ContactTerms<double> add_error_terms(const ContactProblem& p, int c, cons
   FrameVector<double, D> r;
   if constexpr (kScaled) r = frame_vector<D>(p.row_scale, c);
   const double arm = weights.arm_of(c);
-  const auto contact = physical_contact<kScaled>(
-      times_arm<D>(frame_vector<D>(s, c), 1 / arm), times_arm<D>(frame_vector<D>(u, c), arm),
-      times_arm<D>(frame_vector<D>(p.u_free, c), arm), r, over_arm(friction_of<D>(p, c), arm),
-      weights.w_nn[c], weights.rho_nn[c]);
+  const auto contact = physical_contact(
+      kScaled, times_arm<D>(frame_vector<D>(s, c), 1 / arm),
+      times_arm<D>(frame_vector<D>(u, c), arm), times_arm<D>(frame_vector<D>(p.u_free, c), arm), r,
+      over_arm(friction_of<D>(p, c), arm), weights.w_nn[c], weights.rho_nn[c]);
   const LawTerms<double> law = law_terms(contact);
   add_reported_terms(contact, law, weights.rho_nat[c], e);
   return add_law_terms(contact, law, e);

@@ -1,5 +1,6 @@
 #include "core/criterion/extended_error.h"
 
+#include <functional>
 #include <vector>
 
 #include "core/base/parallel.h"
@@ -83,28 +84,34 @@ FrameVector<Real, D> wide(const Eigen::Ref<const Vector>& x, int c) {
 }
 
 /// s on the cones, in the problem's variables.
-template <ContactRows D, bool kScaled, class Real>
+template <ContactRows D, class Real>
 std::vector<Real> projected(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
                             const Vector& arms, int threads) {
+  const bool scaled = p.row_scale.size() != 0;
   std::vector<Real> x(to_size(s.size()));
   run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
     for (int c = begin; c < end; ++c) {
       const Real arm = D.rolls ? arms[c] : 1;
-      const auto on_cone = times_arm<D>(
-          physical_projection<kScaled>(times_arm<D>(wide<Real, D>(s, c), Real(1 / arm)),
-                                       wide<Real, D>(p.row_scale, c),
-                                       over_arm(as_number<Real>(friction_of<D>(p, c)), arm)),
-          arm);
+      const auto on_cone =
+          times_arm<D>(physical_projection(scaled, times_arm<D>(wide<Real, D>(s, c), Real(1 / arm)),
+                                           wide<Real, D>(p.row_scale, c),
+                                           over_arm(as_number<Real>(friction_of<D>(p, c)), arm)),
+                       arm);
       for (int k = 0; k < D; ++k) x[to_size(c * D + k)] = on_cone[k];
     }
   });
   return x;
 }
 
-/// Sums over the contacts begin .. end - 1. x on the cones; `product` gives rows of W x.
-template <ContactRows D, bool kScaled, class Real, class Product>
+/// Gives a row of W x. It is called through a pointer: the terms are then compiled once.
+template <class Real>
+using WideProduct = std::function<WideRow<Real>(Eigen::Index row, bool diagonal)>;
+
+/// Sums over the contacts begin .. end - 1. x on the cones.
+template <ContactRows D, class Real>
 ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x, const Vector& arms,
-                          const Product& product, int begin, int end) {
+                          const WideProduct<Real>& product, int begin, int end) {
+  const bool scaled = p.row_scale.size() != 0;
   ErrorSumsOf<Real> sums;
   for (int c = begin; c < end; ++c) {
     const FrameVector<Real, D> b = wide<Real, D>(p.u_free, c), r = wide<Real, D>(p.row_scale, c);
@@ -117,14 +124,14 @@ ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x, c
       u[k] = made.moved + b[k];
       if (k == 0) w_nn = made.diagonal;
     }
-    if constexpr (kScaled) {
+    if (scaled) {
       w_nn = r[0] * r[0] * w_nn;
       free = free / r[0];
     }
     const Real rho_nn = 1 / w_nn;
     const Real arm = D.rolls ? arms[c] : 1;
-    const auto contact = physical_contact<kScaled>(
-        times_arm<D>(s, Real(1 / arm)), times_arm<D>(u, arm), times_arm<D>(b, arm), r,
+    const auto contact = physical_contact(
+        scaled, times_arm<D>(s, Real(1 / arm)), times_arm<D>(u, arm), times_arm<D>(b, arm), r,
         over_arm(as_number<Real>(friction_of<D>(p, c)), arm), w_nn, rho_nn);
     add_law_terms(contact, law_terms(contact), sums);
     sums.free_energy += approach_energy(rho_nn, free);
@@ -133,13 +140,13 @@ ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x, c
 }
 
 /// Sums over all contacts, in pieces.
-template <ContactRows D, bool kScaled, class Real, class Product>
+template <ContactRows D, class Real>
 ErrorSums sums_of(const ContactProblem& p, const std::vector<Real>& x, const Vector& arms,
-                  const Product& product, int threads) {
+                  const WideProduct<Real>& product, int threads) {
   std::vector<ErrorSumsOf<Real>> pieces(
       to_size((p.num_contacts() + kPieceItems - 1) / kPieceItems));
   run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
-    pieces[to_size(begin / kPieceItems)] = sums_of<D, kScaled>(p, x, arms, product, begin, end);
+    pieces[to_size(begin / kPieceItems)] = sums_of<D>(p, x, arms, product, begin, end);
   });
   ErrorSumsOf<Real> all;
   for (const ErrorSumsOf<Real>& piece : pieces) all += piece;
@@ -152,15 +159,13 @@ double guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
   // Bodies come first, because an assembled W is rounded, and friction multiplies this rounding.
   const bool by_bodies = p.has_velocities() && is_diagonal(p.A);
   if (!by_bodies && !p.has_delassus()) return kNaN;
-  return dispatch_form(p, [&](auto d, auto scaled) {
+  return dispatch_rows(p, [&](auto d) {
     constexpr ContactRows D = d();
-    constexpr bool kScaled = scaled();
     const Vector arms = D.rolls ? rolling_arms(p, DelassusOperator(p).diagonal()) : Vector();
-    const std::vector<Real> x = projected<D, kScaled, Real>(p, s, arms, threads);
-    const ErrorSums sums =
-        by_bodies ? sums_of<D, kScaled>(p, x, arms, BodyProduct<Real>(p, x), threads)
-                  : sums_of<D, kScaled>(p, x, arms, DelassusProduct<Real>(p, x), threads);
-    return error_of(sums, share).guarded();
+    const std::vector<Real> x = projected<D, Real>(p, s, arms, threads);
+    const WideProduct<Real> product =
+        by_bodies ? WideProduct<Real>(BodyProduct<Real>(p, x)) : DelassusProduct<Real>(p, x);
+    return error_of(sums_of<D>(p, x, arms, product, threads), share).guarded();
   });
 }
 

@@ -32,11 +32,10 @@ GivenContact<D> given_contact(const ContactProblem& p, const ErrorWeights& weigh
   FrameVector<double, D> r;
   for (int k = 0; k < D; ++k) r[k] = physical_row_scale(p, c * D + k);
   const double arm = weights.arm_of(c);
-  return {physical_contact<true>(times_arm<D>(frame_vector<D>(verdict.s, c), 1 / arm),
-                                 times_arm<D>(frame_vector<D>(verdict.u, c), arm),
-                                 times_arm<D>(frame_vector<D>(p.u_free, c), arm), r,
-                                 over_arm(friction_of<D>(p, c), arm), weights.w_nn[c],
-                                 weights.rho_nn[c]),
+  return {physical_contact(true, times_arm<D>(frame_vector<D>(verdict.s, c), 1 / arm),
+                           times_arm<D>(frame_vector<D>(verdict.u, c), arm),
+                           times_arm<D>(frame_vector<D>(p.u_free, c), arm), r,
+                           over_arm(friction_of<D>(p, c), arm), weights.w_nn[c], weights.rho_nn[c]),
           times_arm<D>(frame_vector<D>(given, c), 1 / arm) / r, arm};
 }
 

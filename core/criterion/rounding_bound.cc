@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "core/base/parallel.h"
@@ -32,6 +33,9 @@ struct RoundedRow {
   double w = 0;             // diagonal of W
   double entries = 0;       // number of summands of w
 };
+
+/// Gives a row of u. It is called through a pointer: the terms are then compiled once.
+using RoundedRows = std::function<RoundedRow(Eigen::Index row)>;
 
 /// Rows through the bodies.
 class RoundedBodyRows {
@@ -125,9 +129,10 @@ double unit_of(Precision precision) {
 }
 
 /// Sums over the contacts begin .. end - 1, in double precision.
-template <ContactRows D, bool kScaled, class Rows>
+template <ContactRows D>
 RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& given,
-                    const Vector& arms, const Rows& rows, int begin, int end) {
+                    const Vector& arms, const RoundedRows& rows, int begin, int end) {
+  const bool scaled = p.row_scale.size() != 0;
   constexpr double unit = Rounded::kUnit;
   constexpr double of_impulse = D.rolls ? kOfARollingImpulse : kOfAnImpulse;
   RoundedSums sums;
@@ -140,30 +145,29 @@ RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& giv
       s[k] = {given[row], of_impulse * unit * std::abs(given[row])};
       u[k] = {made.u, unit * (made.error + 4 * std::abs(made.u))};
       b[k] = p.u_free[row];
-      if constexpr (kScaled) r[k] = p.row_scale[row];
+      if (scaled) r[k] = p.row_scale[row];
       if (k == 0) w_nn = {made.w, unit * (2 * made.entries + kOfAWeight) * made.w};
     }
-    if constexpr (kScaled) w_nn = r[0] * r[0] * w_nn;
+    if (scaled) w_nn = r[0] * r[0] * w_nn;
     const Rounded rho_nn = 1 / w_nn;
     const Rounded arm = D.rolls ? arms[c] : 1.0;
-    const auto contact = physical_contact<kScaled>(
-        times_arm<D>(s, 1 / arm), times_arm<D>(u, arm), times_arm<D>(b, arm), r,
+    const auto contact = physical_contact(
+        scaled, times_arm<D>(s, 1 / arm), times_arm<D>(u, arm), times_arm<D>(b, arm), r,
         over_arm(as_number<Rounded>(friction_of<D>(p, c)), arm), w_nn, rho_nn);
     add_law_terms(contact, law_terms(contact), sums);
-    sums.free_energy += approach_energy(rho_nn, kScaled ? b[0] / r[0] : b[0]);
+    sums.free_energy += approach_energy(rho_nn, scaled ? b[0] / r[0] : b[0]);
   }
   return sums;
 }
 
 /// Sums over all contacts, in pieces.
-template <class Rows>
-RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s, const Rows& rows,
-                    int threads) {
+RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+                    const RoundedRows& rows, int threads) {
   std::vector<RoundedSums> pieces(to_size((p.num_contacts() + kPieceItems - 1) / kPieceItems));
   const Vector arms = p.rolls() ? rolling_arms(p, DelassusOperator(p).diagonal()) : Vector();
-  dispatch_form(p, [&](auto d, auto scaled) {
+  dispatch_rows(p, [&](auto d) {
     run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
-      pieces[to_size(begin / kPieceItems)] = sums_of<d(), scaled()>(p, s, arms, rows, begin, end);
+      pieces[to_size(begin / kPieceItems)] = sums_of<d()>(p, s, arms, rows, begin, end);
     });
   });
   RoundedSums sums;

@@ -136,8 +136,8 @@ struct Kernel {
   [[gnu::always_inline]] static void add(const ContactArrays& p, int first, Sums& e) {
     Frames r;
     if constexpr (kScaled) r = frames_at(p.row_scale);
-    const auto contacts = physical_contact<kScaled>(frames_at(p.s), frames_at(p.u), frames_at(p.b),
-                                                    r, load(p.mu), load(p.w_nn), load(p.rho_nn));
+    const auto contacts = physical_contact(kScaled, frames_at(p.s), frames_at(p.u), frames_at(p.b),
+                                           r, load(p.mu), load(p.w_nn), load(p.rho_nn));
     const LawTerms<Values> law = law_terms(contacts);
     const ContactTerms<Values> terms = add_law_terms(contacts, law, e);
     add_reported_terms(contacts, law, load(p.rho_nat), e);
@@ -211,7 +211,7 @@ struct Kernel {
   [[gnu::always_inline]] static void project_some(const ContactArrays& p, double* s) {
     Frames r;
     if constexpr (kScaled) r = frames_at(p.row_scale);
-    put(physical_projection<kScaled>(frames_at(s), r, load(p.mu)), s);
+    put(physical_projection(kScaled, frames_at(s), r, load(p.mu)), s);
   }
   template <bool kScaled>
   [[gnu::always_inline]] static void project(const ContactArrays& p, int begin, int end,

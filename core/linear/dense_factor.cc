@@ -1,5 +1,6 @@
 #include "core/linear/dense_factor.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -17,6 +18,8 @@ void dgelsy_(const int* m, const int* n, const int* nrhs, double* a, const int* 
              const int* lwork, int* info);
 void dgeqp3_(const int* m, const int* n, double* a, const int* lda, int* jpvt, double* tau,
              double* work, const int* lwork, int* info);
+void dsyev_(const char* jobz, const char* uplo, const int* n, double* a, const int* lda, double* w,
+            double* work, const int* lwork, int* info);
 }
 
 namespace bipot {
@@ -32,6 +35,15 @@ void with_workspace(Routine&& routine) {
   std::vector<double> work(to_size(length));
   if (info == 0) routine(work.data(), &length, &info);
   if (info < 0) throw std::logic_error("LAPACK refuses an argument");
+}
+
+using Orthogonal = Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>;
+
+Orthogonal orthogonal(const Eigen::MatrixXd& A, double threshold) {
+  Orthogonal factor;
+  factor.setThreshold(threshold);
+  factor.compute(A);
+  return factor;
 }
 
 }  // namespace
@@ -97,6 +109,35 @@ int numerical_rank(Eigen::MatrixXd A, double threshold) {
   });
   const Vector sizes = A.diagonal().cwiseAbs();
   return static_cast<int>((sizes.array() > threshold * sizes.maxCoeff()).count());
+}
+
+double smallest_eigenvalue(Eigen::MatrixXd A) {
+  const int n = static_cast<int>(A.rows());
+  Vector values(n);
+  with_workspace([&](double* work, const int* length, int* info) {
+    dsyev_("N", "L", &n, A.data(), &n, values.data(), work, length, info);
+  });
+  return values[0];
+}
+
+std::pair<Vector, Eigen::Index> least_norm_and_rank(const Eigen::MatrixXd& A, const Vector& b,
+                                                    double threshold) {
+  const Orthogonal factor = orthogonal(A, threshold);
+  return {factor.solve(b), factor.rank()};
+}
+
+Eigen::MatrixXd least_norm_columns(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
+                                   double threshold) {
+  return orthogonal(A, threshold).solve(B);
+}
+
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> inverse_and_left_null_space(const Eigen::MatrixXd& A,
+                                                                        double threshold) {
+  const Eigen::Index rows = A.rows();
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(rows, rows);
+  const Orthogonal factor = orthogonal(A, threshold);
+  const Eigen::MatrixXd q = factor.householderQ() * identity;
+  return {factor.solve(identity), q.rightCols(rows - factor.rank())};
 }
 
 }  // namespace bipot

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "core/linear/dense_factor.h"
 #include "core/problem/contact_problem.h"
 #include "core/problem/delassus.h"
 
@@ -60,12 +60,12 @@ double smallest_ritz_value(const SparseRows& s) {
     v = w / beta;
   }
   const auto size = static_cast<Eigen::Index>(diagonal.size());
-  next.resize(diagonal.size());
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(Eigen::Map<const Vector>(diagonal.data(), size),
-                                Eigen::Map<const Vector>(next.data(), size - 1),
-                                Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().minCoeff();
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    lower(k, k) = diagonal[to_size(k)];
+    if (k + 1 < size) lower(k + 1, k) = next[to_size(k)];
+  }
+  return smallest_eigenvalue(lower);
 }
 
 /// The symmetric part of W with the diagonal scaled to 1.
@@ -132,10 +132,7 @@ std::string delassus_defect(const ContactProblem& p) {
   Eigen::MatrixXd dense = s;
   dense.diagonal().array() += shift;
   if (Eigen::LLT<Eigen::MatrixXd>(dense).info() == Eigen::Success) return {};
-  const Eigen::MatrixXd plain = s;
-  return indefinite(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(plain, Eigen::EigenvaluesOnly)
-                        .eigenvalues()
-                        .minCoeff());
+  return indefinite(smallest_eigenvalue(s));
 }
 
 }  // namespace bipot

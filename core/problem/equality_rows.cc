@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
 
+#include "core/linear/dense_factor.h"
 #include "core/problem/delassus.h"
 
 namespace bipot {
@@ -136,10 +136,7 @@ void factor(EqualityRows& rows, EqualityRows::Part& part, const std::vector<int>
   for (Eigen::Index k = 0; k < target.size(); ++k) target[k] = rows.b[part.rows[to_size(k)]];
   target = target.cwiseQuotient(norms);
 
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> qr;
-  qr.setThreshold(kDependent);
-  qr.compute(unit);
-  const MatrixXd inverse = qr.pseudoInverse();
+  const auto [inverse, left] = inverse_and_left_null_space(unit, kDependent);
   const Vector smallest = inverse.transpose() * target;
   const Vector miss = unit.transpose() * smallest - target;
   Eigen::Index worst = 0;
@@ -152,8 +149,7 @@ void factor(EqualityRows& rows, EqualityRows::Part& part, const std::vector<int>
                     "all of them have {2}",
                     row, rows.b[row], rows.b[row] + miss[worst] * norms[worst]));
   }
-  const MatrixXd q = qr.householderQ() * MatrixXd::Identity(unit.rows(), unit.rows());
-  part.basis = mass.matrixU().solve(q.rightCols(unit.rows() - qr.rank()));
+  part.basis = mass.matrixU().solve(left);
   part.particular = mass.matrixU().solve(smallest);
   part.multipliers_map =
       norms.cwiseInverse().asDiagonal() * mass.matrixL().solve(inverse.transpose()).transpose();

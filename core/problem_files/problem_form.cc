@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "core/linear/dense_factor.h"
 #include "core/linear/sparse_factor.h"
 #include "core/problem/delassus.h"
 
@@ -102,10 +102,7 @@ ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Ve
   if (!unit.allFinite() || !sides.allFinite()) {
     throw std::invalid_argument("V, R or s has an entry that is not finite");
   }
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> qr;
-  qr.setThreshold(kDependent);
-  qr.compute(unit);
-  const MatrixXd solved = qr.solve(sides);
+  const MatrixXd solved = least_norm_columns(unit, sides, kDependent);
   const MatrixXd miss = unit * solved - sides;
   Eigen::Index row = 0, column = 0;
   if (miss.cwiseAbs().maxCoeff(&row, &column) > kContradicts * sides.cwiseAbs().maxCoeff()) {

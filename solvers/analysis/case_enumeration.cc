@@ -1,9 +1,9 @@
 #include "solvers/analysis/case_enumeration.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "core/linear/dense_factor.h"
 #include "core/problem/delassus.h"
 
 namespace bipot {
@@ -94,11 +94,8 @@ EnumeratedCases enumerate_cases(const ContactProblem& p, const std::function<boo
       const Eigen::MatrixXd pushed = w * system.basis;
       const Eigen::MatrixXd a = pushed(system.rows, Eigen::all);
       const Vector b = -p.u_free(system.rows);
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
-      factor.setThreshold(kSingular);
-      factor.compute(a);
-      const Vector x = factor.solve(b);
-      singular = factor.rank() < a.cols();
+      const auto [x, rank] = least_norm_and_rank(a, b, kSingular);
+      singular = rank < a.cols();
       if (singular && (a * x - b).norm() > kSlack * free) continue;  // no solution
       s = system.basis * x;
     }

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace bipot {
 namespace {
@@ -184,6 +185,35 @@ Local<D> improve_local(const LocalProblem<D>& p, Local<D> s, Local<D> u, double 
   return s;
 }
 
+/// w⁻¹ x by elimination with row exchanges; not finite if w is singular.
+template <int D>
+Local<D> solved(LocalBlock<D> w, Local<D> x) {
+  for (int k = 0; k < D; ++k) {
+    int pivot = k;
+    for (int i = k + 1; i < D; ++i) {
+      if (std::abs(w(i, k)) > std::abs(w(pivot, k))) pivot = i;
+    }
+    if (w(pivot, k) == 0) continue;
+    for (int j = 0; j < D; ++j) std::swap(w(k, j), w(pivot, j));
+    std::swap(x[k], x[pivot]);
+    for (int i = k + 1; i < D; ++i) {
+      w(i, k) /= w(k, k);
+      for (int j = k + 1; j < D; ++j) w(i, j) -= w(i, k) * w(k, j);
+    }
+  }
+  const auto eliminate = [&](int i, int begin, int end) {
+    double sum = 0;
+    for (int j = begin; j < end; ++j) sum += w(i, j) * x[j];
+    x[i] -= sum;
+  };
+  for (int i = 1; i < D; ++i) eliminate(i, 0, i);
+  for (int i = D - 1; i >= 0; --i) {
+    eliminate(i, i + 1, D);
+    x[i] /= w(i, i);
+  }
+  return x;
+}
+
 template <ContactRows D>
 bool solve_local(const LocalProblem<D>& p, Local<D>& s) {
   if (p.q[0] >= 0) {
@@ -205,7 +235,7 @@ bool solve_local(const LocalProblem<D>& p, Local<D>& s) {
     s = now;
     return true;
   } else {
-    const Local<D> stick = -(p.w.partialPivLu().solve(p.q));
+    const Local<D> stick = -solved<D>(p.w, p.q);
     if (stick.allFinite() && tangential_norm<D>(stick) <= p.mu * stick[0] &&
         accepted<D>(p, stick)) {
       s = stick;

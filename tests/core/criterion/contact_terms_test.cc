@@ -27,9 +27,9 @@ ErrorSumsOf<Real> terms_of(unsigned seed, double mu) {
   r[0] = positive(random);
   for (int k = 1; k < D; ++k) r[k] = k == 1 ? positive(random) : r[1];
   const Real w_nn = positive(random), rho_nn = 1 / w_nn;
-  const auto on_cone = physical_projection<true>(as<Real>(s), as<Real>(r), Real(mu));
-  const auto contact = physical_contact<true>(on_cone, as<Real>(u), as<Real>(b), as<Real>(r),
-                                              Real(mu), w_nn, rho_nn);
+  const auto on_cone = physical_projection(true, as<Real>(s), as<Real>(r), Real(mu));
+  const auto contact = physical_contact(true, on_cone, as<Real>(u), as<Real>(b), as<Real>(r),
+                                        Real(mu), w_nn, rho_nn);
   ErrorSumsOf<Real> sums;
   add_law_terms(contact, law_terms(contact), sums);
   add_reported_terms(contact, law_terms(contact), Real(0.3), sums);
@@ -50,10 +50,10 @@ ErrorSumsOf<Real> rolling_terms_of(unsigned seed) {
   const RollingFriction<double> given{positive(random), positive(random), positive(random)};
   const auto friction = over_arm(as_number<Real>(given), arm);
   const auto on_cone =
-      physical_projection<true>(times_arm<K>(as<Real>(s), Real(1 / arm)), as<Real>(r), friction);
+      physical_projection(true, times_arm<K>(as<Real>(s), Real(1 / arm)), as<Real>(r), friction);
   const auto contact =
-      physical_contact<true>(on_cone, times_arm<K>(as<Real>(u), arm),
-                             times_arm<K>(as<Real>(b), arm), as<Real>(r), friction, w_nn, rho_nn);
+      physical_contact(true, on_cone, times_arm<K>(as<Real>(u), arm),
+                       times_arm<K>(as<Real>(b), arm), as<Real>(r), friction, w_nn, rho_nn);
   ErrorSumsOf<Real> sums;
   add_law_terms(contact, law_terms(contact), sums);
   add_reported_terms(contact, law_terms(contact), Real(0.3), sums);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace bipot {
 namespace {
@@ -49,6 +51,31 @@ TEST(NumericalRank, CountsPivotsAboveTheThreshold) {
   EXPECT_EQ(numerical_rank(A, 1e-12), 3);
   EXPECT_EQ(numerical_rank(Eigen::MatrixXd::Ones(3, 5), 1e-10), 1);
   EXPECT_EQ(numerical_rank(Eigen::MatrixXd::Zero(3, 2), 1e-10), 0);
+}
+
+TEST(SmallestEigenvalue, OfAChainOfSprings) {
+  // 2 on the diagonal, -1 beside it: 2 - 2 cos(pi k / (n + 1)), k = 1 to n. Read below it alone.
+  Eigen::MatrixXd A = 2 * Eigen::MatrixXd::Identity(4, 4);
+  A.diagonal(-1).setConstant(-1);
+  A.diagonal(1).setConstant(7);
+  EXPECT_NEAR(smallest_eigenvalue(A), 2 - 2 * std::cos(std::numbers::pi / 5), 1e-14);
+}
+
+TEST(LeastNorm, DecompositionsOfARowTwice) {
+  // Rows (3, 4) and (6, 8): x of A x = (5, 10) closest to zero is (3, 4) / 5, the rank 1. The
+  // pseudo-inverse is the transpose over 125, the sum of squares; Aᵀ (2, -1) = 0.
+  Eigen::MatrixXd A(2, 2);
+  A << 3, 4, 6, 8;
+  const auto [x, rank] = least_norm_and_rank(A, Vec2(5, 10), 1e-12);
+  EXPECT_LT((x - Vec2(0.6, 0.8)).norm(), 1e-14);
+  EXPECT_EQ(rank, 1);
+  const Eigen::MatrixXd both = Vec2(5, 10) * Eigen::RowVector2d(1, -2);
+  const Eigen::MatrixXd columns = Vec2(0.6, 0.8) * Eigen::RowVector2d(1, -2);
+  EXPECT_LT((least_norm_columns(A, both, 1e-12) - columns).norm(), 1e-14);
+  const auto [inverse, left] = inverse_and_left_null_space(A, 1e-12);
+  EXPECT_LT((inverse - A.transpose() / 125).norm(), 1e-15);
+  ASSERT_EQ(left.cols(), 1);
+  EXPECT_NEAR(std::abs(left.col(0).dot(Vec2(2, -1))), std::sqrt(5.0), 1e-14);
 }
 
 }  // namespace
