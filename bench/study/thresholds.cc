@@ -81,7 +81,7 @@ std::vector<SizePlan> size_plans(bool quick) {
   const std::vector<std::string> three = {"apgd", "pgs", "ipm"};
   if (quick) return {{64, three, {10, 1e-1, 1e-3}}};
   return {{64, three, {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6}},
-          {169, {"apgd", "pgs"}, {1, 1e-1, 1e-2, 1e-4}},
+          {169, {"apgd"}, {1, 1e-1, 1e-2}},
           {441, {"apgd"}, {1, 1e-1, 1e-3}}};
 }
 
