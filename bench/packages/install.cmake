@@ -11,7 +11,8 @@ if(SKBUILD)  # a wheel, whose prefix is the folder of Python packages (pyproject
   set(share ${SKBUILD_DATA_DIR}/share)
 endif()
 install(TARGETS bipot RUNTIME DESTINATION ${bin} COMPONENT program)
-install(DIRECTORY data/ DESTINATION ${share}/bipot COMPONENT program)
+install(DIRECTORY data/ DESTINATION ${share}/bipot COMPONENT program
+  PATTERN collection EXCLUDE PATTERN study EXCLUDE)
 # The command writes its own manual page and the completion of shells, from what it declares.
 set(pages ${CMAKE_BINARY_DIR}/generated_pages)
 file(MAKE_DIRECTORY ${pages})

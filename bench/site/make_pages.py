@@ -23,7 +23,7 @@ PACKAGE = ROOT / "bench" / "python" / "bipot"
 def copy_documents():
     """README, CHANGELOG, data, and every other file that a page links to."""
     shutil.rmtree(PAGES, ignore_errors=True)
-    shutil.copytree(ROOT / "data", PAGES / "data", ignore=shutil.ignore_patterns("fuzz/*/*"))
+    shutil.copytree(ROOT / "data", PAGES / "data", ignore=shutil.ignore_patterns("fuzz/*/*", "[123]d_*.hdf5", "rows.csv"))
     for name in ("README.md", "CHANGELOG.md"):
         shutil.copy(ROOT / name, PAGES / name)
     # mkdocs leaves folders out whose names begin with a dot.
