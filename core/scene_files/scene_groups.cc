@@ -6,6 +6,8 @@
 #include <functional>
 #include <numbers>
 
+#include "core/scene_files/lmgc90_bodies.h"
+
 namespace bipot {
 namespace {
 
@@ -85,7 +87,9 @@ void require_possible(const SceneTable& table, std::string_view key, double coun
 std::vector<PositionRow> read_named_positions(const SceneTable& table, int dim) {
   const std::string name = table.word("file", "");
   if (name.empty()) table.fail("file", "is missing: name a CSV file with x, y and radius");
-  const std::vector<PositionRow> rows = read_positions(table.folder() / name, dim);
+  const std::filesystem::path path = table.folder() / name;
+  const std::vector<PositionRow> rows =
+      path.extension() == ".DAT" ? read_lmgc90_bodies(path, dim) : read_positions(path, dim);
   require_possible(table, "file", static_cast<double>(rows.size()), "bodies");
   return rows;
 }

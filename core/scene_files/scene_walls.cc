@@ -70,13 +70,16 @@ void read_mesh_file(const SceneTable& table, Wall<3>& wall) {
     for (Vec3& corner : triangle) corner *= scale;
   }
   wall.shape = Wall<3>::Shape::kMesh;
-  wall.a = table.maybe_vec<3>("position").value_or(Vec3::Zero());
+  wall.a = table.maybe_vec<3>("point").value_or(Vec3::Zero());
   wall.mesh = std::make_shared<const Wall<3>::Mesh>(std::move(triangles));
 }
 
 void read_cone(const SceneTable& table, Wall<3>& wall) {
   const std::vector<double> radii = table.numbers("radii");
   wall.shape = Wall<3>::Shape::kCone;
+  for (const char* end : {"from", "to"}) {
+    if (!table.has(end)) table.fail(end, "is missing for a cone");
+  }
   wall.a = *table.maybe_vec<3>("from");
   wall.b = *table.maybe_vec<3>("to");
   if (radii.size() != 2 || !(std::min(radii[0], radii[1]) >= 0) || !(radii[0] + radii[1] > 0)) {
@@ -91,11 +94,11 @@ void read_cone(const SceneTable& table, Wall<3>& wall) {
 void read_shape(const SceneTable& table, Wall<3>& wall) {
   const auto point = table.maybe_vec<3>("point"), normal = table.maybe_vec<3>("normal");
   const auto center = table.maybe_vec<3>("center");
-  const bool cone = table.has("from") && table.has("to");
-  const int surfaces = table.has("corners") + table.has("file") + cone;
-  if (surfaces == 1 && !point && !normal && !center) {
+  const bool cone = table.has("radii"), file = table.has("file");
+  const int surfaces = table.has("corners") + file + cone;
+  if (surfaces == 1 && (file || !point) && !normal && !center) {
     if (cone) return read_cone(table, wall);
-    return table.has("file") ? read_mesh_file(table, wall) : read_polygon(table, wall);
+    return file ? read_mesh_file(table, wall) : read_polygon(table, wall);
   }
   if (surfaces > 0) table.fail("point", "give one shape: there are keys of several");
   if (point && normal && !center) {

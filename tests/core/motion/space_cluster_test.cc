@@ -201,9 +201,10 @@ spin = 3
   place_members(disks.clusters, disks.bodies);
   const Cluster<3> a = solved_run(spheres).clusters.bodies[0];
   const Cluster<2> b = solved_run(disks).clusters.bodies[0];
-  EXPECT_LT((Vec2(a.x[0], a.x[2]) - b.x).norm(), 1e-9);
-  EXPECT_LT((Vec2(a.v[0], a.v[2]) - b.v).norm(), 1e-8);
-  EXPECT_NEAR(a.spin[1], -b.spin, 1e-7);
+  // Turns by w h deviate by (w h)³/12, 2e-9 a step.
+  EXPECT_LT((Vec2(a.x[0], a.x[2]) - b.x).norm(), 1e-6);
+  EXPECT_LT((Vec2(a.v[0], a.v[2]) - b.v).norm(), 5e-6);
+  EXPECT_NEAR(a.spin[1], -b.spin, 5e-6);
   EXPECT_LT(std::abs(a.x[1]) + std::abs(a.spin[0]) + std::abs(a.spin[2]), 1e-12);
 }
 
@@ -215,11 +216,12 @@ solver = {tol = 1e-9}
 [[clusters]]
 parts = [[0, 0, 0, 0.1], [0.12, 0, 0, 0.08], [0, 0.1, 0.04, 0.09]]
 arrangement = "random"
-count = 12
-width = 0.7
-corner = [-0.35, -0.35, 0.4]
+count = 24
+width = 0.9
+spacing = 0
+corner = [-0.45, -0.45, 0.35]
 density = 1000
-velocity = [0, 0, -4]
+velocity = [0, 0, -5]
 )";
 
 TEST(SpaceCluster, EnergyAndMomentumBalanceWhereClumpsCollide) {

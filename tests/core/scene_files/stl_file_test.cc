@@ -91,7 +91,7 @@ TEST(StlFile, AWallScalesAndMovesItsTriangles) {
   const TemporaryFolder folder;
   write(folder / "a.stl", kText);
   const auto scene = std::get<Scene<3>>(parse_any_scene(
-      "dim = 3\nwalls = [{file = \"a.stl\", scale = 0.1, position = [1, 2, 3], velocity = [0, 0, 1]}]\n"
+      "dim = 3\nwalls = [{file = \"a.stl\", scale = 0.1, point = [1, 2, 3], velocity = [0, 0, 1]}]\n"
       "time = {step = 0.1, steps = 1}\n",
       (folder / "scene.toml").string()));
   const Wall<3>& wall = scene.walls[0];

@@ -1,0 +1,152 @@
+#include "core/scene_files/lmgc90_bodies.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "core/base/types.h"
+#include "core/files/input_file.h"
+#include "core/scene_files/scene_file.h"
+
+namespace bipot {
+namespace {
+
+using Entries = std::map<std::string, double>;
+
+/// Reads the lines of a file. A record begins with RBDY2 or RBDY3 and ends with $$$$$$. It has lines
+/// `WORD ... key= number ...`, of which the word may be missing.
+class RecordReader {
+ public:
+  RecordReader(const std::filesystem::path& path, int dim)
+      : path_(path), kind_(dim == 2 ? "RBDY2" : "RBDY3"), file_(read_text_file(path)) {}
+
+  struct Record {
+    int number = 0;     // as the file gives it
+    Entries entries;    // before contactors
+    Entries contactor;  // of the last one
+    std::vector<std::string> contactors;
+  };
+  /// False at the end.
+  bool next(Record& record) {
+    bool open = false, contactors = false;
+    record = {};
+    for (std::string text; std::getline(file_, text);) {
+      ++line_;
+      std::istringstream words(text);
+      std::string word;
+      if (!(words >> word) || word[0] == '!') continue;
+      if (word == "$$$$$$") return true;
+      contactors = word == "$tacty" || (contactors && word[0] != '$');
+      if (word.starts_with("RBDY")) {
+        if (word != kind_) refuse(fmt::format("expected {}, got {}", kind_, word));
+        if (!(words >> record.number)) refuse("the body has no number");
+        open = true;
+      } else if (contactors && word[0] != '$' && word.find('=') == std::string::npos) {
+        record.contactors.push_back(word);
+      }
+      read_entries(text, contactors ? record.contactor : record.entries);
+    }
+    if (open) refuse("the last body has no end");
+    return false;
+  }
+  [[noreturn]] void refuse(const std::string& why) const {
+    throw SceneFileError(fmt::format("{}:{}: {}", path_.string(), line_, why));
+  }
+  double entry(const Entries& entries, const std::string& key) const {
+    const auto it = entries.find(key);
+    if (it == entries.end()) refuse(fmt::format("the body has no {}", key));
+    return it->second;
+  }
+
+ private:
+  /// Numbers of Fortran, as 0.5000000D-01.
+  void read_entries(std::string text, Entries& to) const {
+    for (std::size_t at = text.find('='); at != std::string::npos; at = text.find('=', at + 1)) {
+      const std::size_t last = text.find_last_not_of(' ', at - (at > 0 ? 1 : 0));
+      const std::size_t first = text.find_last_of(' ', last);
+      const std::string key = text.substr(first == std::string::npos ? 0 : first + 1, last - first);
+      std::size_t from = text.find_first_not_of(' ', at + 1), end = text.find(' ', from);
+      std::string number = text.substr(std::min(from, text.size()), end - from);
+      std::replace(number.begin(), number.end(), 'D', 'e');
+      if (number.ends_with('\r')) number.pop_back();
+      double value = 0;
+      const auto [rest, error] =
+          std::from_chars(number.data(), number.data() + number.size(), value);
+      if (error != std::errc() || rest != number.data() + number.size() || !std::isfinite(value)) {
+        refuse(fmt::format("{}: '{}' is no finite number", key, number));
+      }
+      to[key] = value;
+    }
+  }
+
+  std::filesystem::path path_;
+  std::string kind_;
+  std::istringstream file_;
+  int line_ = 0;
+};
+
+/// Adds displacement and velocity of a record of DOF.INI. In 3D the spin is that in the frame a, b, c
+/// of the body.
+void add_motion(const RecordReader& file, const Entries& of, int dim, PositionRow& row) {
+  const auto get = [&](const char* name, int k) {
+    return file.entry(of, fmt::format("{}({})", name, k));
+  };
+  for (int k = 0; k < dim; ++k) {
+    row.x[k] += get("X", k + 1);
+    row.v[k] = get("V", k + 1);
+  }
+  if (dim == 2) {
+    row.spin[2] = get("V", 3);
+    return;
+  }
+  const char* const axes[] = {"a", "b", "c"};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < 3; ++k) row.spin[k] += get("V", 4 + axis) * get(axes[axis], k + 1);
+  }
+}
+
+}  // namespace
+
+std::vector<PositionRow> read_lmgc90_bodies(const std::filesystem::path& path, int dim) {
+  const std::string round = dim == 2 ? "DISKx" : "SPHER";
+  RecordReader bodies(path, dim);
+  RecordReader::Record record;
+  std::vector<PositionRow> rows;
+  std::vector<int> row_of;  // of each body in the file, in order; -1: left out
+  while (bodies.next(record)) {
+    row_of.push_back(-1);
+    const auto count = std::count(record.contactors.begin(), record.contactors.end(), round);
+    if (count == 0) continue;
+    if (record.contactors.size() > 1) {
+      bodies.refuse(fmt::format("body {} has {} contactors: give it as a table of [[clusters]]",
+                                row_of.size(), record.contactors.size()));
+    }
+    row_of.back() = static_cast<int>(rows.size());
+    PositionRow& row = rows.emplace_back();
+    for (int k = 0; k < dim; ++k) {
+      row.x[k] = bodies.entry(record.entries, fmt::format("coo{}", k + 1));
+    }
+    row.radius = bodies.entry(record.contactor, "byrd");
+    if (!(row.radius > 0)) bodies.refuse(fmt::format("byrd= {} is not positive", row.radius));
+  }
+  const std::filesystem::path motion = path.parent_path() / "DOF.INI";
+  if (!std::filesystem::exists(motion)) return rows;
+  RecordReader states(motion, dim);
+  while (states.next(record)) {
+    if (record.number < 1 || to_size(record.number) > row_of.size()) {
+      states.refuse(
+          fmt::format("there is no body {} in {}", record.number, path.filename().string()));
+    }
+    const int row = row_of[to_size(record.number - 1)];
+    if (row >= 0) add_motion(states, record.entries, dim, rows[to_size(row)]);
+  }
+  return rows;
+}
+
+}  // namespace bipot

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "core/scene_files/position_file.h"
+
+namespace bipot {
+
+/// The disks (contactor DISKx) or spheres (SPHER) of a file BODIES.DAT of LMGC90. Displacements and
+/// velocities are those of DOF.INI in the same folder, where there is one. Bodies with other contactors
+/// alone, walls mostly, are left out. Throws SceneFileError with the line; also for a body of several
+/// contactors with a disk or sphere among them.
+std::vector<PositionRow> read_lmgc90_bodies(const std::filesystem::path& path, int dim);
+
+}  // namespace bipot

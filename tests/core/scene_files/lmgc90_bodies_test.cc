@@ -1,0 +1,90 @@
+#include "core/scene_files/lmgc90_bodies.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+#include <variant>
+
+#include "core/scene_files/scene_file.h"
+#include "tests/support/refusal.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+std::string disk_record(const std::string& x, const std::string& contactors) {
+  return "$bdyty\n RBDY2      1\n$blmty\n PLAIN      1  behav  plexx  avrd= 0.0000000D+01  gyrd= "
+         "0.0000000D+01\n$nodty\n NO3xx      1                coo1= " +
+         x + "  coo2=-0.2500000D-01  coo3= 0.0000000D+00\n$tacty\n" + contactors + "$$$$$$\n";
+}
+const std::string kDiskLine = " DISKx      1  color  BLEUx  byrd= 0.5000000D-01\n";
+const std::string kWallLine =
+    " JONCx      1  color  DOWNx  axe1= 0.4000000D+01  axe2= 0.1000000D+00\n";
+
+void put_file(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path) << text;
+}
+
+TEST(Lmgc90Bodies, DisksComeWithDisplacementsAndVelocitiesAndWithoutWalls) {
+  const TemporaryFolder folder;
+  put_file(folder / "BODIES.DAT", "! File BODIES\n!\n" + disk_record("0.1000000D+00", kDiskLine) +
+                                      disk_record("0.0000000D+00", kWallLine) +
+                                      disk_record("-3.0000000D-01", kDiskLine));
+  put_file(
+      folder / "DOF.INI",
+      "! DOF\n\n$steps      0                time= 0.0000000D+00\n!---\n$bdyty\n RBDY2      3\n"
+      "$nodty\n NO3xx      1                X(1)= 0.1000000D-01  X(2)= 0.0000000D+00  X(3)= "
+      "0.0000000D+00\n                             V(1)= 0.5000000D+00  V(2)=-0.7500000D+00  "
+      "V(3)= 0.2000000D+02\n$$$$$$\n");
+  const Scene<2> scene = parse_scene(
+      "[[disks]]\narrangement = \"file\"\nfile = \"BODIES.DAT\"\ndensity = 100\n[time]\nstep = 1\n"
+      "steps = 1\n",
+      (folder / "scene.toml").string());
+  ASSERT_EQ(scene.bodies.size(), 2u);
+  EXPECT_EQ(scene.bodies[0].x, Vec2(0.1, -0.025));
+  EXPECT_EQ(scene.bodies[0].radius, 0.05);
+  EXPECT_EQ(scene.bodies[0].v, Vec2(0, 0));
+  EXPECT_EQ(scene.bodies[1].x, Vec2(-0.3 + 0.01, -0.025));
+  EXPECT_EQ(scene.bodies[1].v, Vec2(0.5, -0.75));
+  EXPECT_EQ(scene.bodies[1].spin, 20);
+}
+
+// The spin of a sphere is that along the axes a, b, c of the body: here a = z, b = x, c = y.
+TEST(Lmgc90Bodies, ASphereTurnsInItsOwnFrame) {
+  const TemporaryFolder folder;
+  put_file(
+      folder / "BODIES.DAT",
+      "$bdyty\n RBDY3      1\n$nodty\n NO6xx      1  coo1= 0.1D+01  coo2= 0.2D+01  coo3= "
+      "0.3D+01\n coo4= 0.0D+00  coo5= 0.0D+00  coo6= 0.0D+00\n$tacty\n SPHER      1  color  BLEUx "
+      " byrd= 0.5D+00\n$$$$$$\n");
+  put_file(
+      folder / "DOF.INI",
+      "$bdyty\n RBDY3      1\n$nodty\n NO6xx      1  X(1)= 0.0D+00  X(2)= 0.0D+00  X(3)= "
+      "0.0D+00\n X(4)= 0.0D+00  X(5)= 0.0D+00  X(6)= 0.0D+00\n V(1)= 0.1D+01  V(2)= 0.0D+00  V(3)= "
+      "0.0D+00\n V(4)= 0.1D+01  V(5)= 0.2D+01  V(6)= 0.3D+01\n a(1)= 0.0D+00  a(2)= 0.0D+00  a(3)= "
+      "0.1D+01\n b(1)= 0.1D+01  b(2)= 0.0D+00  b(3)= 0.0D+00\n c(1)= 0.0D+00  c(2)= 0.1D+01  c(3)= "
+      "0.0D+00\n$$$$$$\n");
+  const auto rows = read_lmgc90_bodies(folder / "BODIES.DAT", 3);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].x, Vec3(1, 2, 3));
+  EXPECT_EQ(rows[0].v, Vec3(1, 0, 0));
+  EXPECT_EQ(rows[0].spin, Vec3(2, 3, 1));
+}
+
+TEST(Lmgc90Bodies, WhatItCannotTakeIsRefusedWithTheLine) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& text, int dim) {
+    put_file(folder / "BODIES.DAT", text);
+    return refusal_of<SceneFileError>([&] { read_lmgc90_bodies(folder / "BODIES.DAT", dim); });
+  };
+  const std::string disk = disk_record("0.1D+00", kDiskLine);
+  EXPECT_TRUE(says(refused(disk, 3), ":2: expected RBDY3, got RBDY2"));
+  EXPECT_TRUE(says(refused(disk_record("0.1D+00", kDiskLine + kWallLine), 2),
+                   ":10: body 1 has 2 contactors: give it as a table of [[clusters]]"));
+  EXPECT_TRUE(says(refused(disk_record("0.1X+00", kDiskLine), 2), "is no finite number"));
+  EXPECT_TRUE(says(refused(disk.substr(0, disk.size() - 7), 2), "the last body has no end"));
+}
+
+}  // namespace
+}  // namespace bipot
