@@ -478,7 +478,7 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
   run.space().release_scratch();
   const SolveResult first = run.nested(entry, options, run.whole().share());
   if (first.status == SolveStatus::kNotRun) {
-    if (!parts) settle(options, Vector());
+    settle(options, Vector());  // once more: its evaluation was released
     return run.take(parts->solve_left());
   }
   const bool over = is_success(first.status) || first.status == SolveStatus::kTimeLimit ||

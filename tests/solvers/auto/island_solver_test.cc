@@ -397,6 +397,22 @@ TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
   EXPECT_FALSE(says(rest.message, "half done"));
 }
 
+TEST(Islands, AnAttemptThatIsNotMadeLeavesAllToTheParts) {
+  // As where no stage of a plan serves the whole, from a start that settles all but the largest.
+  const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
+  int attempts = 0;
+  const SolverEntry entry = attempting([&](SolveRun& run) {
+    ++attempts;
+    run.take(SolveResult());
+  });
+  Vector start = solve("auto", p, {.tol = 1e-9}).s;
+  const ContactIslands islands = contact_islands(p);
+  for (const int c : islands.of(islands.count() - 1)) start.segment<2>(2 * c) *= 0.99;
+  const SolveResult result = solve(entry, p, {.tol = 1e-5, .s0 = start});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_EQ(attempts, 1);
+}
+
 /// Sweeps that leave the problem of 14 contacts undone.
 SolveResult all_but_one(const ContactProblem& p, const SolverOptions& options) {
   SolveResult result = solve("pgs", p, {.tol = 1e-3 * options.tol});
