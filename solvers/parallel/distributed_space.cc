@@ -181,8 +181,8 @@ ErrorSums DistributedSpace::local_sums(ExactSum* exact) {
   const bool scaled = p.row_scale.size() != 0;
   worst_ = {};
   ErrorSums sums;
-  dispatch_dim(p.dim, [&](auto d) {
-    constexpr int D = d();
+  dispatch_rows(p, [&](auto d) {
+    constexpr ContactRows D = d();
     for (int c = 0; c < p.num_contacts(); ++c) {
       ErrorSums part;
       ErrorSums& to = exact != nullptr ? part : sums;
@@ -206,12 +206,12 @@ ErrorSums DistributedSpace::local_sums(ExactSum* exact) {
 ContactError DistributedSpace::error(const Eigen::Ref<const Vector>& s, std::span<double> more) {
   const ContactProblem& p = problem();
   s_ = s;
-  dispatch_dim(p.dim, [&](auto d) {
+  dispatch_rows(p, [&](auto d) {
     for (int c = 0; c < p.num_contacts(); ++c) {
       if (p.row_scale.size() != 0) {
-        project_physically<d(), true>(p, c, 1, s_);
+        project_physically<d(), true>(p, c, weights_.arm_of(c), s_);
       } else {
-        project_physically<d(), false>(p, c, 1, s_);
+        project_physically<d(), false>(p, c, weights_.arm_of(c), s_);
       }
     }
   });

@@ -17,7 +17,9 @@ ContactProblem cut_problem(const ContactProblem& whole, const std::vector<int>& 
   const int d = whole.dim;
   p.dim = d;
   const auto rows = static_cast<Eigen::Index>(contacts.size()) * d;
-  p.mu.resize(static_cast<Eigen::Index>(contacts.size()));
+  for (const auto part : {&ContactProblem::mu, &ContactProblem::mu_r, &ContactProblem::mu_spin}) {
+    if ((whole.*part).size() > 0) (p.*part).resize(static_cast<Eigen::Index>(contacts.size()));
+  }
   p.u_free.resize(rows);
   if (whole.row_scale.size() != 0) p.row_scale.resize(rows);
   p.v_free.resize(static_cast<Eigen::Index>(dofs.size()));
@@ -41,7 +43,10 @@ ContactProblem cut_problem(const ContactProblem& whole, const std::vector<int>& 
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     const int from = contacts[c] * d;
     const auto to = static_cast<Eigen::Index>(c) * d;
-    p.mu[static_cast<Eigen::Index>(c)] = whole.mu[contacts[c]];
+    for (const auto part : {&ContactProblem::mu, &ContactProblem::mu_r, &ContactProblem::mu_spin}) {
+      if ((whole.*part).size() == 0) continue;
+      (p.*part)[static_cast<Eigen::Index>(c)] = (whole.*part)[contacts[c]];
+    }
     p.u_free.segment(to, d) = whole.u_free.segment(from, d);
     if (whole.row_scale.size() != 0) p.row_scale.segment(to, d) = whole.row_scale.segment(from, d);
     for (int k = 0; k < d; ++k) {
@@ -216,7 +221,6 @@ std::string refuse_distributed(const ContactProblem& p) {
   if (!p.has_velocities()) {
     return "the problem has W alone; on several processes it must come with A and H";
   }
-  if (p.rolls()) return "rolling friction is solved on one process only";
   if (!is_diagonal(p.A)) {
     return "A is not diagonal; on several processes every degree of freedom must have its own mass";
   }

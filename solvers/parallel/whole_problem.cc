@@ -12,14 +12,16 @@ Buffer to_buffer(const ProblemPiece& piece) {
   const int d = p.dim;
   const bool scaled = p.row_scale.size() != 0;
   Buffer buffer{static_cast<double>(d), static_cast<double>(p.num_dofs()),
-                static_cast<double>(p.num_contacts()), scaled ? 1.0 : 0.0};
+                static_cast<double>(p.num_contacts()), scaled ? 1.0 : 0.0, p.rolls() ? 1.0 : 0.0};
   const Vector mass = p.A.diagonal();
   for (int k = 0; k < p.num_dofs(); ++k) {
     buffer.insert(buffer.end(),
                   {static_cast<double>(piece.dof_number[to_size(k)]), mass[k], p.v_free[k]});
   }
   for (int c = 0; c < p.num_contacts(); ++c) {
-    buffer.insert(buffer.end(), {static_cast<double>(piece.number[to_size(c)]), p.mu[c]});
+    buffer.insert(buffer.end(),
+                  {static_cast<double>(piece.number[to_size(c)]), p.mu[c],
+                   p.mu_r.size() > 0 ? p.mu_r[c] : 0.0, p.mu_spin.size() > 0 ? p.mu_spin[c] : 0.0});
     for (int row = c * d; row < (c + 1) * d; ++row) {
       const int entries = p.H.outerIndexPtr()[row + 1] - p.H.outerIndexPtr()[row];
       buffer.insert(buffer.end(),
@@ -43,6 +45,8 @@ class WholeReader {
     number.assign(buffers_.size(), {});
     ContactProblem p{.dim = dim_};
     p.mu.resize(contacts_);
+    if (rolls_) p.mu_r.resize(contacts_);
+    if (rolls_ && dim_ == 6) p.mu_spin.resize(contacts_);
     p.u_free.resize(contacts_ * dim_);
     if (scaled_) p.row_scale.resize(contacts_ * dim_);
     std::vector<Eigen::Triplet<double>> entries;
@@ -52,6 +56,9 @@ class WholeReader {
         const int c = static_cast<int>(buffers_[r][at++]);
         number[r].push_back(c);
         p.mu[c] = buffers_[r][at++];
+        if (p.mu_r.size() > 0) p.mu_r[c] = buffers_[r][at];
+        if (p.mu_spin.size() > 0) p.mu_spin[c] = buffers_[r][at + 1];
+        at += 2;
         for (int row = c * dim_; row < (c + 1) * dim_; ++row) {
           p.u_free[row] = buffers_[r][at++];
           if (scaled_) p.row_scale[row] = buffers_[r][at];
@@ -72,7 +79,7 @@ class WholeReader {
   }
 
  private:
-  static constexpr std::size_t kHead = 4, kOfDof = 3;
+  static constexpr std::size_t kHead = 5, kOfDof = 3;
 
   void read_heads() {
     for (const Buffer& buffer : buffers_) {
@@ -83,6 +90,7 @@ class WholeReader {
       if (contacts_of_.back() == 0) continue;
       dim_ = static_cast<int>(buffer[0]);
       scaled_ = buffer[3] > 0;
+      rolls_ = buffer[4] > 0;
     }
   }
   /// A body in contacts of several processes has its rows once.
@@ -112,7 +120,7 @@ class WholeReader {
 
   const std::vector<Buffer>& buffers_;
   int dim_ = 2, contacts_ = 0;
-  bool scaled_ = false;
+  bool scaled_ = false, rolls_ = false;
   std::vector<int> dofs_of_, contacts_of_;
   std::vector<std::vector<int>> place_;
   Vector mass_, v_free_;

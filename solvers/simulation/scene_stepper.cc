@@ -37,6 +37,7 @@ std::string needs_whole_state(const Scene<D>& scene,
   if (scene.observables) return "the scene measures observables";
   if (!scene.forces.empty() || scene.drag.coefficient > 0) return "the scene has forces or drag";
   if (scene.has_cohesion()) return "the scene has cohesion";
+  if (scene.has_rolling()) return "the scene has rolling friction";
   if (scene.impact != ContactLaw::Impact::kNewton) return "the scene's law of impact";
   if (scene.travel > 0) return "the scene cuts its steps by travel";
   if (scene.accuracy > 0) return "the scene cuts its steps by accuracy";
@@ -48,9 +49,6 @@ std::string needs_whole_state(const Scene<D>& scene,
 template <int D>
 SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
     : scene_(scene), options_(std::move(options)) {
-  if (options_.processes != nullptr && scene.has_rolling()) {
-    throw std::invalid_argument("rolling friction runs on one process, not under mpirun");
-  }
   if (!options_.solver && scene.model == Model::kSpringDashpot) {
     if (options_.processes != nullptr) {
       throw std::invalid_argument("the model dem runs on one process, not under mpirun");

@@ -60,6 +60,18 @@ TEST(Rolling, OneContactRollsSticksOrOpensAsDerived) {
   }
 }
 
+// The associated law minimises ½ s·W s + u_free·s on the cone: with m = -n/10 and f = m this is
+// 0.255 n² - 1.1 n. So n = 2.2/1.02, and the contact opens with mu_r |w|, w = 1 + m.
+TEST(Rolling, TheAssociatedLawOpensWhereItRolls) {
+  const SolveResult r = solve("convex", one_contact(0, 1, 0.5, 0.1), {.tol = 1e-10});
+  EXPECT_EQ(r.status, SolveStatus::kStalled);
+  EXPECT_NE(r.message.find("1 of 1 contacts slide or roll, and open with up to 0.0784 m/s"),
+            std::string::npos)
+      << r.message;
+  EXPECT_NEAR(r.s[0], 2.2 / 1.02, 1e-8);
+  EXPECT_NEAR(r.u[0], 0.1 * r.u[2], 1e-8);
+}
+
 TEST(Rolling, EverySolverAgreesAndTheOthersRefuse) {
   int able = 0;
   for (const int rows : {3, 6}) {

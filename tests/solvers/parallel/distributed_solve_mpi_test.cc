@@ -17,6 +17,7 @@
 #include "solvers/solve_run.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/manufactured.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
@@ -86,6 +87,25 @@ TEST(DistributedSolve, EverySolverMeetsTheToleranceOfTheWhole) {
       SolverOptions options{.tol = gets_near(solver) ? 1e-6 : 1e-3, .max_iterations = 200000};
       const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group());
       expect_solved(p, out, options.tol, solver);
+    }
+  }
+}
+
+TEST(DistributedSolve, RollingFrictionIsJudgedAndSolvedAsOnOneProcess) {
+  for (const int rows : {3, 6}) {
+    ContactProblem problem = manufactured_rolling(rows, 12, 18, 1).problem;
+    problem.W = SparseRows();
+    for (const std::string& solver : several_solvers()) {
+      if (!require_solver(solver).rolls) continue;
+      if (rows == 6 && solver == "auto") {
+        const DistributedResult refused = distributed_solve(solver, problem, {}, mpi_group());
+        EXPECT_EQ(refused.result.status, SolveStatus::kInvalidInput);
+        EXPECT_TRUE(says(refused.result.message, "name a solver"));
+        continue;
+      }
+      const SolverOptions options{.tol = 1e-4, .max_iterations = 200000};
+      expect_solved({"rows " + std::to_string(rows), problem},
+                    distributed_solve(solver, problem, options, mpi_group()), options.tol, solver);
     }
   }
 }
