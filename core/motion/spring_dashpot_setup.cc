@@ -258,6 +258,11 @@ SpringDashpotSetup spring_dashpot_setup(const Scene<D>& scene) {
     if (d.wall >= 0) throw std::invalid_argument("dem: rough walls are for rigid contacts only");
   }
   for (const Wall<D>& w : scene.walls) {
+    if (w.is_surface()) {
+      throw std::invalid_argument(fmt::format(
+          "dem: wall '{}' has several contacts with a sphere, so this is for rigid contacts only",
+          w.name));
+    }
     if (w.removed == kInfinity) continue;
     throw std::invalid_argument(fmt::format(
         "dem: wall '{}' is removed at {:g} s; the energy of springs at it would not be accounted "
