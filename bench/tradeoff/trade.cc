@@ -95,9 +95,7 @@ Trade::Scene load_target(const std::string& target, const Trade::Options& option
         if (options.shorten && !steps) scene.num_steps = shortened(scene, options);
         made.title = scene.title.empty() ? made.name : scene.title;
         bool free = scene.bodies.size() > 1 || scene.has_gates();
-        if constexpr (D == 2) {
-          free = free && !supported_by_walls(scene, 1e-3 * smallest_radius(scene));
-        }
+        free = free && !supported_by_walls(scene, 1e-3 * smallest_radius(scene));
         made.replicas = free ? std::max(1, options.replicas) : 1;
         made.quantities = OutcomeRecorder<D>(scene).quantities();
         made.step = scene.step;

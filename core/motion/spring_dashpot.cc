@@ -28,10 +28,40 @@ bool before(int i, int j, int other_i, int other_j) {
   return i < other_i || (i == other_i && j < other_j);
 }
 
+// Tangents and turns in the plane and in space.
+bool is_zero(double x) { return x == 0; }
+bool is_zero(const Vec3& x) { return x.isZero(0); }
+double inner(double a, double b) { return a * b; }
+double inner(const Vec3& a, const Vec3& b) { return a.dot(b); }
+double with_length(double x, double length) { return std::copysign(length, x); }
+Vec3 with_length(const Vec3& x, double length) { return length / x.norm() * x; }
+/// Tangential velocity; v: of the centres, rim: Σ radius spin.
+double sliding(const Vec2& n, const Vec2& v, double rim) { return n[0] * v[1] - n[1] * v[0] - rim; }
+Vec3 sliding(const Vec3& n, const Vec3& v, const Vec3& rim) {
+  return v - n.dot(v) * n + n.cross(rim);
+}
+/// A spring follows the normal, which has turned, and keeps its length.
+void lay_into_plane(double& /*spring*/, const Vec2& /*n*/) {}
+void lay_into_plane(Vec3& spring, const Vec3& n) {
+  const Vec3 laid = spring - n.dot(spring) * n;
+  const double length = laid.norm();
+  if (length > 0) spring = spring.norm() / length * laid;
+}
+void turn(double& angle, double by) { angle += by; }
+void turn(Eigen::Quaterniond& orientation, const Vec3& by) {
+  const Eigen::Quaterniond rate(0, by[0], by[1], by[2]);
+  orientation.coeffs() += 0.5 * (rate * orientation).coeffs();
+}
+double turned(const Disk& d) { return d.angle; }
+const Eigen::Quaterniond& turned(const Sphere& s) { return s.orientation; }
+void place_turned(double angle, Disk& d) { d.angle = angle; }
+void place_turned(const Eigen::Quaterniond& by, Sphere& s) { s.orientation = by.normalized(); }
+
 }  // namespace
 
-SpringDashpotStepper::SpringDashpotStepper(const Scene<2>& scene, std::function<bool()> cut_short,
-                                           double most_created)
+template <int D>
+SpringDashpotStepper<D>::SpringDashpotStepper(const Scene<D>& scene,
+                                              std::function<bool()> cut_short, double most_created)
     : scene_(scene),
       setup_(spring_dashpot_setup(scene)),
       cut_short_(std::move(cut_short)),
@@ -39,16 +69,15 @@ SpringDashpotStepper::SpringDashpotStepper(const Scene<2>& scene, std::function<
   skin_ = scene.bodies.empty() ? 0 : kSkin * smallest_radius(scene);
 }
 
-void SpringDashpotStepper::load(const State<2>& state) {
+template <int D>
+void SpringDashpotStepper<D>::load(const State<D>& state) {
   bodies_.resize(state.bodies.size());
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Disk& d = state.bodies[k];
-    bodies_[k] = {.x = d.x[0],
-                  .y = d.x[1],
-                  .angle = d.angle,
-                  .vx = d.v[0],
-                  .vy = d.v[1],
+    const Body<D>& d = state.bodies[k];
+    bodies_[k] = {.x = d.x,
+                  .v = d.v,
                   .spin = d.spin,
+                  .turned = turned(d),
                   .inv_mass = 1 / d.mass,
                   .inv_inertia = 1 / d.inertia,
                   .radius = d.radius};
@@ -60,33 +89,34 @@ void SpringDashpotStepper::load(const State<2>& state) {
   wall_push_.assign(walls_.size(), 0.0);
   // Takes the springs of the state; find_pairs() uses them.
   pairs_.clear();
-  for (const ContactOutcome<2>& c : state.contacts) {
-    if (c.spring == 0) continue;
+  for (const ContactOutcome<D>& c : state.contacts) {
+    if (is_zero(c.spring)) continue;
     pairs_.push_back(make_pair(c.contact.i, c.contact.j));
     pairs_.back().spring = c.spring;
   }
   find_pairs(state);
   work_n_ = work_t_ = wall_work_ = 0;
-  external_ = Vec2::Zero();
+  external_.setZero();
   worst_overlap_ = penetration_ = 0;
   worst_i_ = worst_j_ = -1;
 }
 
-SpringDashpotStepper::Pair SpringDashpotStepper::make_pair(int i, int j) const {
-  const Body& a = bodies_[static_cast<std::size_t>(i)];
+template <int D>
+typename SpringDashpotStepper<D>::Pair SpringDashpotStepper<D>::make_pair(int i, int j) const {
+  const Particle& a = bodies_[static_cast<std::size_t>(i)];
   const int n = static_cast<int>(bodies_.size());
   int material = 0;
   double normal = a.inv_mass, rim = a.inv_mass + a.radius * a.radius * a.inv_inertia;
   if (j < n) {
-    const Body& b = bodies_[static_cast<std::size_t>(j)];
+    const Particle& b = bodies_[static_cast<std::size_t>(j)];
     normal += b.inv_mass;
     rim += b.inv_mass + b.radius * b.radius * b.inv_inertia;
     material = scene_.bodies[static_cast<std::size_t>(j)].material;
   } else {
-    const Wall<2>& w = walls_[static_cast<std::size_t>(j - n)];
+    const Wall<D>& w = walls_[static_cast<std::size_t>(j - n)];
     // A driven wall yields along its direction only. Its mass enters in full, which damps the other
     // direction slightly more.
-    if (w.motion == Wall<2>::Motion::kDriven) {
+    if (w.motion == Wall<D>::Motion::kDriven) {
       normal += 1 / w.mass;
       rim += 1 / w.mass;
     }
@@ -105,18 +135,19 @@ SpringDashpotStepper::Pair SpringDashpotStepper::make_pair(int i, int j) const {
 }
 
 /// Makes a new neighbour list; pairs in use keep their springs.
-void SpringDashpotStepper::find_pairs(const State<2>& state) {
+template <int D>
+void SpringDashpotStepper<D>::find_pairs(const State<D>& state) {
   // Detection needs centres and radii alone.
-  std::vector<Disk> disks = state.bodies;
-  for (std::size_t k = 0; k < disks.size(); ++k) disks[k].x = Vec2(bodies_[k].x, bodies_[k].y);
-  const std::vector<Contact<2>> near = detect_contacts(disks, walls_, skin_);
+  std::vector<Body<D>> bodies = state.bodies;
+  for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k].x = bodies_[k].x;
+  const std::vector<Contact<D>> near = detect_contacts<D>(bodies, walls_, skin_);
   fresh_.clear();
   auto old = pairs_.begin();
   const auto keep_old = [&] {
-    if (old->touched || old->spring != 0) fresh_.push_back(*old);
+    if (old->touched || !is_zero(old->spring)) fresh_.push_back(*old);
     ++old;
   };
-  for (const Contact<2>& c : near) {
+  for (const Contact<D>& c : near) {
     while (old != pairs_.end() && before(old->i, old->j, c.i, c.j)) keep_old();
     if (old != pairs_.end() && old->i == c.i && old->j == c.j) {
       fresh_.push_back(*old++);
@@ -129,62 +160,59 @@ void SpringDashpotStepper::find_pairs(const State<2>& state) {
   path_ = 0;
 }
 
-SpringDashpotStepper::Geometry SpringDashpotStepper::geometry(const Pair& pair) const {
-  const Body& a = bodies_[static_cast<std::size_t>(pair.i)];
+template <int D>
+typename SpringDashpotStepper<D>::Geometry SpringDashpotStepper<D>::geometry(
+    const Pair& pair) const {
+  const Particle& a = bodies_[static_cast<std::size_t>(pair.i)];
   const auto j = static_cast<std::size_t>(pair.j);
-  double dx = 0, dy = 0, reach = a.radius;
+  Vec<D> way;
+  double reach = a.radius;
   if (j < bodies_.size()) {
-    const Body& b = bodies_[j];
-    dx = a.x - b.x;
-    dy = a.y - b.y;
-    reach += b.radius;
+    way = a.x - bodies_[j].x;
+    reach += bodies_[j].radius;
   } else {
-    const Wall<2>& w = walls_[j - bodies_.size()];
-    if (w.shape == Wall<2>::Shape::kHalfPlane) {
-      const double height = w.normal[0] * (a.x - w.a[0]) + w.normal[1] * (a.y - w.a[1]);
-      return {w.normal, height - reach};
-    }
+    const Wall<D>& w = walls_[j - bodies_.size()];
+    way = a.x - w.a;
+    if (w.shape == Wall<D>::Shape::kHalfPlane) return {w.normal, w.normal.dot(way) - reach};
     if (w.is_circle()) {
-      const bool hollow = w.shape == Wall<2>::Shape::kHollowCircle;
-      const Vec2 d = hollow ? Vec2(w.a - Vec2(a.x, a.y)) : Vec2(Vec2(a.x, a.y) - w.a);
-      const double length = d.norm();
-      return {d / length, (hollow ? w.radius - length : length - w.radius) - reach};
+      const bool hollow = w.shape == Wall<D>::Shape::kHollowCircle;
+      if constexpr (D == 3) way -= way.dot(w.normal) * w.normal;
+      if (hollow) way = -way;
+      const double length = way.norm();
+      return {way / length, (hollow ? w.radius - length : length - w.radius) - reach};
     }
-    const Vec2 along = w.b - w.a, from = Vec2(a.x, a.y) - w.a;
-    const double t = std::clamp(from.dot(along) / along.squaredNorm(), 0.0, 1.0);
-    dx = from[0] - t * along[0];
-    dy = from[1] - t * along[1];
+    const Vec<D> along = w.b - w.a;
+    way -= std::clamp(way.dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
   }
-  const double distance2 = dx * dx + dy * dy;
-  const double distance = std::sqrt(distance2);
-  return {Vec2(dx / distance, dy / distance), distance - reach};
+  const double distance = way.norm();
+  return {way / distance, distance - reach};
 }
 
-Vec2 SpringDashpotStepper::relative_velocity(const Pair& pair, const Vec2& n) const {
-  const Body& a = bodies_[static_cast<std::size_t>(pair.i)];
+template <int D>
+typename SpringDashpotStepper<D>::RelativeVelocity SpringDashpotStepper<D>::relative_velocity(
+    const Pair& pair, const Vec<D>& n) const {
+  const Particle& a = bodies_[static_cast<std::size_t>(pair.i)];
   const auto j = static_cast<std::size_t>(pair.j);
-  double vx = a.vx, vy = a.vy, rim = a.radius * a.spin;
+  Vec<D> v = a.v;
+  Spin<D> rim = a.radius * a.spin;
   if (j < bodies_.size()) {
-    const Body& b = bodies_[j];
-    vx -= b.vx;
-    vy -= b.vy;
+    const Particle& b = bodies_[j];
+    v -= b.v;
     rim += b.radius * b.spin;
   } else {
-    const Wall<2>& w = walls_[j - bodies_.size()];
-    const Vec2 v = surface_velocity(w, w.v, n);
-    vx -= v[0];
-    vy -= v[1];
+    const Wall<D>& w = walls_[j - bodies_.size()];
+    v -= surface_velocity(w, w.v, n);
   }
-  return {n[0] * vx + n[1] * vy, n[0] * vy - n[1] * vx - rim};
+  return {n.dot(v), sliding(n, v, rim)};
 }
 
-void SpringDashpotStepper::drift(double dt) {
-  for (Body& b : bodies_) {
-    b.x += dt * b.vx;
-    b.y += dt * b.vy;
-    b.angle += dt * b.spin;
+template <int D>
+void SpringDashpotStepper<D>::drift(double dt) {
+  for (Particle& b : bodies_) {
+    b.x += dt * b.v;
+    turn(b.turned, dt * b.spin);
   }
-  for (Wall<2>& w : walls_) {
+  for (Wall<D>& w : walls_) {
     w.a += dt * w.v;
     w.b += dt * w.v;
   }
@@ -192,38 +220,42 @@ void SpringDashpotStepper::drift(double dt) {
 
 /// Forces at the midpoint. Work is the trapezoidal sum of force times velocity. Therefore the force
 /// of each pair in the previous substep is still needed, and so are pairs that have just separated.
-void SpringDashpotStepper::apply_contacts(double dt) {
+template <int D>
+void SpringDashpotStepper<D>::apply_contacts(double dt) {
   const double k_n = setup_.stiffness, k_t = setup_.tangential_stiffness;
   const std::size_t num_disks = bodies_.size();
   for (Pair& p : pairs_) {
-    Body& a = bodies_[static_cast<std::size_t>(p.i)];
+    Particle& a = bodies_[static_cast<std::size_t>(p.i)];
     const auto j = static_cast<std::size_t>(p.j);
-    if (j < num_disks && p.f_n == 0 && p.spring == 0) {
+    if (j < num_disks && p.f_n == 0 && is_zero(p.spring)) {
       // Most pairs of the list do not touch.
-      const Body& b = bodies_[j];
-      const double dx = a.x - b.x, dy = a.y - b.y, reach = a.radius + b.radius;
-      if (dx * dx + dy * dy >= reach * reach) continue;
+      const Particle& b = bodies_[j];
+      const double reach = a.radius + b.radius;
+      if ((a.x - b.x).squaredNorm() >= reach * reach) continue;
     }
     const Geometry at = geometry(p);
     const double overlap = -at.gap;
     const bool apart = !(overlap > 0);
-    if (apart && p.f_n == 0 && p.spring == 0) continue;
-    const Vec2 u = relative_velocity(p, at.n);
-    double f_n = 0, f_t = 0;
+    if (apart && p.f_n == 0 && is_zero(p.spring)) continue;
+    const RelativeVelocity u = relative_velocity(p, at.n);
+    double f_n = 0;
+    Tangent<D> f_t = no_turn<D>();
     if (apart) {
-      p.spring = 0;
+      p.spring = no_turn<D>();
     } else {
-      f_n = std::max(0.0, k_n * overlap - p.c_n * u[0]);
+      f_n = std::max(0.0, k_n * overlap - p.c_n * u.n);
       if (p.mu > 0) {
-        p.spring += dt * u[1];
+        lay_into_plane(p.spring, at.n);
+        p.spring += dt * u.t;
         const double limit = p.mu * f_n;
-        if (k_t * std::abs(p.spring) > limit) {
+        if (k_t * magnitude(p.spring) > limit) {
           // Slip: the spring keeps the elongation that friction can hold; the dashpot has no
           // effect.
-          f_t = std::copysign(limit, -p.spring);
+          f_t = with_length(-p.spring, limit);
           p.spring = -f_t / k_t;
         } else {
-          f_t = std::clamp(-k_t * p.spring - p.c_t * u[1], -limit, limit);
+          f_t = -k_t * p.spring - p.c_t * u.t;
+          if (magnitude(f_t) > limit) f_t = with_length(f_t, limit);
         }
       }
       p.touched = true;
@@ -237,48 +269,46 @@ void SpringDashpotStepper::apply_contacts(double dt) {
         worst_j_ = p.j;
       }
     }
-    work_n_ += 0.5 * dt * (p.f_n + f_n) * u[0];
-    work_t_ += 0.5 * dt * (p.f_t + f_t) * u[1];
+    work_n_ += 0.5 * dt * (p.f_n + f_n) * u.n;
+    work_t_ += 0.5 * dt * inner(p.f_t + f_t, u.t);
     p.f_n = f_n;
     p.f_t = f_t;
     if (apart) continue;
-    const double fx = f_n * at.n[0] - f_t * at.n[1], fy = f_n * at.n[1] + f_t * at.n[0];
-    a.fx += fx;
-    a.fy += fy;
-    a.torque -= a.radius * f_t;
+    const Vec<D> force = f_n * at.n + tangent_vector(at.n, f_t);
+    const Spin<D> turning_force = turning(at.n, f_t);
+    a.force += force;
+    a.torque -= a.radius * turning_force;
     if (j < num_disks) {
-      Body& b = bodies_[j];
-      b.fx -= fx;
-      b.fy -= fy;
-      b.torque -= b.radius * f_t;
+      Particle& b = bodies_[j];
+      b.force -= force;
+      b.torque -= b.radius * turning_force;
       continue;
     }
-    const Wall<2>& w = walls_[j - num_disks];
-    if (w.motion == Wall<2>::Motion::kDriven) {
+    const Wall<D>& w = walls_[j - num_disks];
+    if (w.motion == Wall<D>::Motion::kDriven) {
       // Forces across the direction act on the guide of the wall.
-      const double along = fx * w.direction[0] + fy * w.direction[1];
+      const double along = force.dot(w.direction);
       wall_push_[j - num_disks] -= along;
-      external_ += dt * (Vec2(fx, fy) - along * w.direction);
+      external_ += dt * (force - along * w.direction);
     } else {
-      external_ += dt * Vec2(fx, fy);
+      external_ += dt * force;
     }
-    const Vec2 v = prescribed_velocity(w, at.n);
-    wall_work_ += dt * (fx * v[0] + fy * v[1]);
+    wall_work_ += dt * force.dot(prescribed_velocity(w, at.n));
   }
 }
 
-void SpringDashpotStepper::kick(double dt) {
-  const double gx = gravity_[0], gy = gravity_[1];
-  for (Body& b : bodies_) {
-    b.vx += dt * (b.fx * b.inv_mass + gx);
-    b.vy += dt * (b.fy * b.inv_mass + gy);
-    b.spin += dt * b.torque * b.inv_inertia;
-    b.fx = b.fy = b.torque = 0;
+template <int D>
+void SpringDashpotStepper<D>::kick(double dt) {
+  for (Particle& b : bodies_) {
+    b.v += dt * (b.inv_mass * b.force + gravity_);
+    b.spin += dt * b.inv_inertia * b.torque;
+    b.force.setZero();
+    b.torque = no_turn<D>();
   }
   for (std::size_t k = 0; k < walls_.size(); ++k) {
-    Wall<2>& w = walls_[k];
-    if (w.motion != Wall<2>::Motion::kDriven) continue;
-    const Vec2 v = w.v + dt * (w.force + wall_push_[k]) / w.mass * w.direction;
+    Wall<D>& w = walls_[k];
+    if (w.motion != Wall<D>::Motion::kDriven) continue;
+    const Vec<D> v = w.v + dt * (w.force + wall_push_[k]) / w.mass * w.direction;
     wall_work_ += dt * w.force * w.direction.dot(0.5 * (w.v + v));
     w.v = v;
     wall_push_[k] = 0;
@@ -286,58 +316,64 @@ void SpringDashpotStepper::kick(double dt) {
 }
 
 /// The last half of the trapezoidal sums.
-void SpringDashpotStepper::close_work(double dt) {
+template <int D>
+void SpringDashpotStepper<D>::close_work(double dt) {
   for (Pair& p : pairs_) {
     if (p.f_n == 0) continue;
-    const Vec2 u = relative_velocity(p, geometry(p).n);
-    work_n_ += 0.5 * dt * p.f_n * u[0];
-    work_t_ += 0.5 * dt * p.f_t * u[1];
+    const RelativeVelocity u = relative_velocity(p, geometry(p).n);
+    work_n_ += 0.5 * dt * p.f_n * u.n;
+    work_t_ += 0.5 * dt * inner(p.f_t, u.t);
   }
 }
 
-SpringDashpotStepper::Elastic SpringDashpotStepper::elastic_energy() const {
+template <int D>
+typename SpringDashpotStepper<D>::Elastic SpringDashpotStepper<D>::elastic_energy() const {
   Elastic energy;
   for (const Pair& p : pairs_) {
     const double overlap = -geometry(p).gap;
     if (overlap > 0) energy.normal += 0.5 * setup_.stiffness * overlap * overlap;
-    energy.tangential += 0.5 * setup_.tangential_stiffness * p.spring * p.spring;
+    energy.tangential += 0.5 * setup_.tangential_stiffness * inner(p.spring, p.spring);
   }
   return energy;
 }
 
 /// Upper bound of the approach of two bodies in a substep.
-double SpringDashpotStepper::path_per_substep(double dt) const {
+template <int D>
+double SpringDashpotStepper<D>::path_per_substep(double dt) const {
   double disk2 = 0, wall2 = 0;
-  for (const Body& b : bodies_) disk2 = std::max(disk2, b.vx * b.vx + b.vy * b.vy);
-  for (const Wall<2>& w : walls_) wall2 = std::max(wall2, w.v.squaredNorm());
+  for (const Particle& b : bodies_) disk2 = std::max(disk2, b.v.squaredNorm());
+  for (const Wall<D>& w : walls_) wall2 = std::max(wall2, w.v.squaredNorm());
   return dt * (std::sqrt(disk2) + std::sqrt(std::max(disk2, wall2)));
 }
 
 /// Bodies and walls as they are now.
-void SpringDashpotStepper::place(State<2>& state) const {
+template <int D>
+void SpringDashpotStepper<D>::place(State<D>& state) const {
   state.walls = walls_;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Body& b = bodies_[k];
-    Disk& d = state.bodies[k];
-    d.x = Vec2(b.x, b.y);
-    d.angle = b.angle;
-    d.v = Vec2(b.vx, b.vy);
+    const Particle& b = bodies_[k];
+    Body<D>& d = state.bodies[k];
+    d.x = b.x;
+    d.v = b.v;
     d.spin = b.spin;
+    place_turned(b.turned, d);
   }
 }
 
 /// "disk 3 and wall 'lid'", the deepest of the step.
-std::string SpringDashpotStepper::overlap_pair() const {
+template <int D>
+std::string SpringDashpotStepper<D>::overlap_pair() const {
   const std::size_t j = to_size(worst_j_);
-  return j < bodies_.size() ? fmt::format("disk {} and disk {}", worst_i_, worst_j_)
-                            : fmt::format("disk {} and wall '{}'", worst_i_,
+  return j < bodies_.size() ? fmt::format("{0} {1} and {0} {2}", kBodyName<D>, worst_i_, worst_j_)
+                            : fmt::format("{} {} and wall '{}'", kBodyName<D>, worst_i_,
                                           scene_.walls[j - bodies_.size()].name);
 }
 
 /// Of the substep that ends now; `before` has the places where it began.
-void SpringDashpotStepper::check_passages(const State<2>& state, State<2> before,
-                                          StepReport<2>& report) const {
-  State<2> after = before;
+template <int D>
+void SpringDashpotStepper<D>::check_passages(const State<D>& state, State<D> before,
+                                             StepReport<D>& report) const {
+  State<D> after = before;
   place(after);
   const std::vector<Passage> passages = find_passages(before, after, setup_.substep);
   if (passages.empty()) return;
@@ -349,13 +385,14 @@ void SpringDashpotStepper::check_passages(const State<2>& state, State<2> before
 }
 
 /// All substeps of a step.
-void SpringDashpotStepper::integrate(const State<2>& state, StepReport<2>& report) {
+template <int D>
+void SpringDashpotStepper<D>::integrate(const State<D>& state, StepReport<D>& report) {
   const double dt = setup_.substep;
   using Kind = StepFailure::Kind;
   const double least = smallest_radius(scene_);
   for (int k = 0; k < setup_.substeps; ++k) {
     const double path = path_per_substep(dt);
-    std::optional<State<2>> before;  // of a substep in which something may be passed
+    std::optional<State<D>> before;  // of a substep in which something may be passed
     if (path > least) place(before.emplace(state));
     drift(0.5 * dt);
     path_ += path;
@@ -388,8 +425,9 @@ void SpringDashpotStepper::integrate(const State<2>& state, StepReport<2>& repor
 }
 
 /// Bodies, walls and contacts after the last substep.
-State<2> SpringDashpotStepper::state_after(const State<2>& state) const {
-  State<2> next;
+template <int D>
+State<D> SpringDashpotStepper<D>::state_after(const State<D>& state) const {
+  State<D> next;
   next.step = state.step + 1;
   next.time = time_after_step(state, scene_.step);
   next.bodies = state.bodies;
@@ -397,32 +435,33 @@ State<2> SpringDashpotStepper::state_after(const State<2>& state) const {
   for (const Pair& p : pairs_) {
     const Geometry at = geometry(p);
     if (!p.touched && at.gap >= 0) continue;
-    const Vec2 u = relative_velocity(p, at.n);
+    const RelativeVelocity u = relative_velocity(p, at.n);
     next.contacts.push_back({.contact = {.i = p.i, .j = p.j, .n = at.n, .gap = at.gap},
                              .s_n = p.s_n,
                              .s_t = p.s_t,
-                             .u_n = u[0],
-                             .u_t = u[1],
-                             .status = contact_status(p.s_n, p.s_t, p.mu),
+                             .u_n = u.n,
+                             .u_t = u.t,
+                             .status = contact_status(p.s_n, magnitude(p.s_t), p.mu),
                              .spring = p.spring});
   }
   return next;
 }
 
 /// Accumulated work of the state after the step, and the balances of energy and momentum.
-void SpringDashpotStepper::close_ledger(const State<2>& state, const Elastic& elastic_before,
-                                        State<2>& next, StepReport<2>& report) {
+template <int D>
+void SpringDashpotStepper<D>::close_ledger(const State<D>& state, const Elastic& elastic_before,
+                                           State<D>& next, StepReport<D>& report) {
   const Elastic elastic_after = elastic_energy();
   const double friction_loss = -work_t_ - (elastic_after.tangential - elastic_before.tangential);
   const double shock_loss = -work_n_ - (elastic_after.normal - elastic_before.normal);
-  const OutsideChanges<2> changes =
+  const OutsideChanges<D> changes =
       outside_changes(scene_, state, walls_before_, gravity_, next, next.time);
   wall_work_ += changes.work;
   external_ += changes.impulse;
   next.wall_work = state.wall_work + wall_work_;
   next.friction_loss = state.friction_loss + friction_loss;
   next.shock_loss = state.shock_loss + shock_loss;
-  const StateSums<2> now = state_sums(next, gravity_at(scene_, next.time)),
+  const StateSums<D> now = state_sums(next, gravity_at(scene_, next.time)),
                      then = state_sums(state, gravity_at(scene_, state.time));
   report.energy = {.kinetic = now.kinetic,
                    .potential = now.potential,
@@ -449,25 +488,26 @@ void SpringDashpotStepper::close_ledger(const State<2>& state, const Elastic& el
                     created / in_play, setup_.substep, setup_.stiffness));
   }
   double mass = 0;
-  for (const Disk& d : next.bodies) mass += d.mass;
+  for (const Body<D>& d : next.bodies) mass += d.mass;
   external_ += scene_.step * mass * gravity_;
-  for (const Wall<2>& w : next.walls) {
-    if (w.motion == Wall<2>::Motion::kDriven) external_ += scene_.step * w.force * w.direction;
+  for (const Wall<D>& w : next.walls) {
+    if (w.motion == Wall<D>::Motion::kDriven) external_ += scene_.step * w.force * w.direction;
   }
   report.momentum = now.momentum;
   report.momentum_imbalance = report.momentum - then.momentum - external_;
 }
 
-StepReport<2> SpringDashpotStepper::advance(State<2>& state) {
-  StepReport<2> report;
+template <int D>
+StepReport<D> SpringDashpotStepper<D>::advance(State<D>& state) {
+  StepReport<D> report;
   const Stopwatch watch;
   load(state);
   report.detection_seconds = watch.seconds();
   const Elastic elastic_before = elastic_energy();
   integrate(state, report);
-  State<2> next = state_after(state);
+  State<D> next = state_after(state);
   close_ledger(state, elastic_before, next, report);
-  for (const ContactOutcome<2>& c : next.contacts) report.active += c.s_n > 0 ? 1 : 0;
+  for (const ContactOutcome<D>& c : next.contacts) report.active += c.s_n > 0 ? 1 : 0;
   report.step = next.step;
   report.time = next.time;
   report.contacts = static_cast<int>(next.contacts.size());
@@ -481,5 +521,8 @@ StepReport<2> SpringDashpotStepper::advance(State<2>& state) {
   state = std::move(next);
   return report;
 }
+
+template class SpringDashpotStepper<2>;
+template class SpringDashpotStepper<3>;
 
 }  // namespace bipot

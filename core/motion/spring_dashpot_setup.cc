@@ -11,18 +11,42 @@
 
 #include "core/base/types.h"
 #include "core/scene/contact_detection.h"
+#include "core/scene/contact_frame.h"
 
 namespace bipot {
 namespace {
 
-/// Extent of the disks along a unit vector.
-double extent(const Scene<2>& scene, const Vec2& axis) {
+/// Extent of the bodies along a unit vector.
+template <int D>
+double extent(const Scene<D>& scene, const Vec<D>& axis) {
   double low = kInfinity, high = -kInfinity;
-  for (const Disk& d : scene.bodies) {
+  for (const Body<D>& d : scene.bodies) {
     low = std::min(low, axis.dot(d.x) - d.radius);
     high = std::max(high, axis.dot(d.x) + d.radius);
   }
   return high - low;
+}
+
+/// Area, or volume in space, of a body; part of it in a dense arrangement.
+template <int D>
+double size_of(const Body<D>& d) {
+  const double square = std::numbers::pi * d.radius * d.radius;
+  return D == 2 ? square : 4.0 / 3 * square * d.radius;
+}
+template <int D>
+constexpr double kDense = D == 2 ? 0.8 : 0.6;
+
+/// The product over the directions across `axis` of f(extent).
+template <int D, class F>
+double over_base(const Scene<D>& scene, const Vec<D>& axis, F&& f) {
+  const auto frame = contact_frame<D>(axis);
+  double product = 1;
+  for (std::size_t k = 1; k < to_size(D); ++k) product *= f(extent<D>(scene, frame[k]));
+  return product;
+}
+template <int D>
+double base(const Scene<D>& scene, const Vec<D>& axis) {
+  return over_base(scene, axis, [](double across) { return across; });
 }
 
 struct Load {
@@ -30,75 +54,87 @@ struct Load {
   double speed = 0;  // [m/s]
 };
 
-/// Largest fall of disks under gravity until they lie densely (0.8 of the area filled).
-double fall(const Scene<2>& scene, const Vec2& up, double width) {
-  double area = 0, lowest = kInfinity;
-  for (const Disk& d : scene.bodies) {
-    area += std::numbers::pi * d.radius * d.radius;
+/// Largest fall of bodies under gravity until they lie densely.
+template <int D>
+double fall(const Scene<D>& scene, const Vec<D>& up, double base) {
+  double all = 0, lowest = kInfinity;
+  for (const Body<D>& d : scene.bodies) {
+    all += size_of(d);
     lowest = std::min(lowest, up.dot(d.x) - d.radius);
   }
   double result = 0, least = kInfinity;
-  for (const Disk& d : scene.bodies) {
+  for (const Body<D>& d : scene.bodies) {
     double height = up.dot(d.x) - d.radius - lowest;
     bool floor = false;
-    for (const Wall<2>& w : scene.walls) {
+    for (const Wall<D>& w : scene.walls) {
       const double slope = w.normal.dot(up);
-      if (w.shape != Wall<2>::Shape::kHalfPlane || slope < 1e-9) continue;
+      if (w.shape != Wall<D>::Shape::kHalfPlane || slope < 1e-9) continue;
       const double above = std::max(0.0, (w.normal.dot(d.x - w.a) - d.radius) / slope);
       height = floor ? std::min(height, above) : above;
       floor = true;
     }
     least = std::min(least, height);
-    const double others = area - std::numbers::pi * d.radius * d.radius;
-    result = std::max(result, height - others / (0.8 * width));
+    result = std::max(result, height - (all - size_of(d)) / (kDense<D> * base));
   }
   return std::max(result, least);
 }
 
 /// Upper estimate of a disk's impact speed: a single disk among half-planes cannot hit one
 /// sideways.
-double impact_speed(const Scene<2>& scene, const Disk& disk) {
+template <int D>
+double impact_speed(const Scene<D>& scene, const Body<D>& disk) {
   if (scene.bodies.size() > 1) return disk.v.norm();
   double speed = 0;
-  for (const Wall<2>& w : scene.walls) {
-    if (w.shape != Wall<2>::Shape::kHalfPlane) return disk.v.norm();
+  for (const Wall<D>& w : scene.walls) {
+    if (w.shape != Wall<D>::Shape::kHalfPlane) return disk.v.norm();
     speed = std::max(speed, -w.normal.dot(disk.v));
   }
   return speed;
 }
 
-Load estimate_load(const Scene<2>& scene, double smallest) {
+template <int D>
+Load estimate_load(const Scene<D>& scene, double smallest) {
   Load load;
-  double mass = 0, diameters = 0, area = 0, disk_speed = 0, wall_speed = 0;
-  for (const Disk& d : scene.bodies) {
+  double mass = 0, diameters = 0, all = 0, disk_speed = 0, wall_speed = 0;
+  for (const Body<D>& d : scene.bodies) {
     mass += d.mass;
     diameters += 2 * d.radius;
-    area += std::numbers::pi * d.radius * d.radius;
+    all += size_of(d);
     disk_speed = std::max(disk_speed, impact_speed(scene, d));
   }
-  for (const Wall<2>& w : scene.walls) wall_speed = std::max(wall_speed, w.v.norm());
+  for (const Wall<D>& w : scene.walls) wall_speed = std::max(wall_speed, w.v.norm());
   const double diameter = diameters / static_cast<double>(scene.bodies.size());
+  const double column = std::pow(diameter, D - 1);
   const bool supported = supported_by_walls(scene, 1e-3 * smallest);
   double speed2 = (disk_speed + wall_speed) * (disk_speed + wall_speed);
   const double g = scene.gravity.norm();
   if (g > 0) {
-    const Vec2 up = -scene.gravity / g;
-    const double width = extent(scene, Vec2(-up[1], up[0]));
-    load.force = mass * g / std::max(1.0, width / diameter);
-    if (!supported) speed2 += 2 * g * fall(scene, up, width);
+    const Vec<D> up = -scene.gravity / g;
+    const double ground = base(scene, up);
+    load.force = mass * g / std::max(1.0, ground / column);
+    if (!supported) speed2 += 2 * g * fall(scene, up, ground);
   }
-  for (const Wall<2>& w : scene.walls) {
-    if (w.motion != Wall<2>::Motion::kDriven || w.force == 0) continue;
-    const double across = extent(scene, Vec2(-w.direction[1], w.direction[0]));
+  for (const Wall<D>& w : scene.walls) {
+    if (w.motion != Wall<D>::Motion::kDriven || w.force == 0) continue;
+    const double across = base(scene, w.direction);
     load.force =
-        std::max(load.force, std::abs(w.force) / std::max(1.0, std::floor(across / diameter)));
-    const double slack = std::max(0.0, extent(scene, w.direction) - area / (0.8 * across));
+        std::max(load.force, std::abs(w.force) / std::max(1.0, std::floor(across / column)));
+    const double slack = std::max(0.0, extent(scene, w.direction) - all / (kDense<D> * across));
     if (!supported) {
       speed2 = std::max(speed2, 2 * std::abs(w.force) * slack / (w.mass + mass));
     }
   }
   load.speed = std::sqrt(speed2);
   return load;
+}
+
+/// Bound of the number of bodies of a radius that touch one. In space they cover caps, which fill
+/// at most pi/√12 of a sphere (L. Fejes Tóth, 1943).
+template <int D>
+double most_around(double radius, double others) {
+  const double sine = others / (radius + others);
+  return D == 2 ? std::numbers::pi / std::asin(sine)
+                : std::numbers::pi / std::sqrt(3.0) / (1 - std::sqrt(1 - sine * sine));
 }
 
 /// Σ over the contacts of one disk, per unit of stiffness and of damping coefficient.
@@ -109,10 +145,13 @@ struct CriticalStep {
   }
 };
 
-double critical_step(const Scene<2>& scene, double k_n, double k_t, double zeta) {
+template <int D>
+double critical_step(const Scene<D>& scene, double k_n, double k_t, double zeta) {
   double smallest = kInfinity, heaviest = 0, least_mobile = kInfinity;
-  const auto mobility = [](const Disk& d) { return 1 / d.mass + d.radius * d.radius / d.inertia; };
-  for (const Disk& d : scene.bodies) {
+  const auto mobility = [](const Body<D>& d) {
+    return 1 / d.mass + d.radius * d.radius / d.inertia;
+  };
+  for (const Body<D>& d : scene.bodies) {
     smallest = std::min(smallest, d.radius);
     heaviest = std::max(heaviest, d.mass);
     least_mobile = std::min(least_mobile, mobility(d));
@@ -127,9 +166,8 @@ double critical_step(const Scene<2>& scene, double k_n, double k_t, double zeta)
   const int others = static_cast<int>(scene.bodies.size()) - 1;
   const int walls = static_cast<int>(scene.walls.size());
   double step = kInfinity;
-  for (const Disk& d : scene.bodies) {
-    const double half_angle = std::asin(smallest / (d.radius + smallest));
-    const int around = static_cast<int>(std::floor(std::numbers::pi / half_angle + 1e-9));
+  for (const Body<D>& d : scene.bodies) {
+    const int around = static_cast<int>(std::floor(most_around<D>(d.radius, smallest) + 1e-9));
     const int disks = std::min(around, others);
     const int at_walls = std::min(walls, around - disks);
     const CriticalStep pair = contact(1 / d.mass, mobility(d), 1 / heaviest, least_mobile);
@@ -138,11 +176,12 @@ double critical_step(const Scene<2>& scene, double k_n, double k_t, double zeta)
                                        2 * disks * pair.chi + at_walls * wall.chi}
                               .step());
   }
-  for (const Wall<2>& w : scene.walls) {
-    if (w.motion != Wall<2>::Motion::kDriven || scene.bodies.empty()) continue;
-    const double across = extent(scene, Vec2(-w.direction[1], w.direction[0]));
-    const double along =
-        std::min(static_cast<double>(scene.bodies.size()), std::floor(across / (2 * smallest)) + 1);
+  for (const Wall<D>& w : scene.walls) {
+    if (w.motion != Wall<D>::Motion::kDriven || scene.bodies.empty()) continue;
+    const double along = std::min(static_cast<double>(scene.bodies.size()),
+                                  over_base(scene, w.direction, [&](double across) {
+                                    return std::floor(across / (2 * smallest)) + 1;
+                                  }));
     CriticalStep c = contact(1 / w.mass, 0, 1 / heaviest, 0);
     // A driven wall moves along one direction only, which includes normal and tangential parts.
     c.kappa = std::max(k_n, k_t) / w.mass;
@@ -153,16 +192,17 @@ double critical_step(const Scene<2>& scene, double k_n, double k_t, double zeta)
 }
 
 /// Half of the shortest period of two bodies in contact.
-double shortest_half_period(const Scene<2>& scene, double k_n, double k_t) {
+template <int D>
+double shortest_half_period(const Scene<D>& scene, double k_n, double k_t) {
   double normal = 0, rim = 0;
-  for (const Disk& d : scene.bodies) {
+  for (const Body<D>& d : scene.bodies) {
     normal = std::max(normal, 1 / d.mass);
     rim = std::max(rim, 1 / d.mass + d.radius * d.radius / d.inertia);
   }
   double other_normal = scene.bodies.size() > 1 ? normal : 0;
   double other_rim = scene.bodies.size() > 1 ? rim : 0;
-  for (const Wall<2>& w : scene.walls) {
-    if (w.motion != Wall<2>::Motion::kDriven) continue;
+  for (const Wall<D>& w : scene.walls) {
+    if (w.motion != Wall<D>::Motion::kDriven) continue;
     other_normal = std::max(other_normal, 1 / w.mass);
     other_rim = std::max(other_rim, 1 / w.mass);
   }
@@ -172,7 +212,8 @@ double shortest_half_period(const Scene<2>& scene, double k_n, double k_t) {
 
 }  // namespace
 
-bool supported_by_walls(const Scene<2>& scene, double touching) {
+template <int D>
+bool supported_by_walls(const Scene<D>& scene, double touching) {
   const std::size_t n = scene.bodies.size();
   std::vector<std::size_t> parent(n + 1);  // the last: all walls together
   std::iota(parent.begin(), parent.end(), std::size_t{0});
@@ -180,7 +221,7 @@ bool supported_by_walls(const Scene<2>& scene, double touching) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
-  for (const Contact<2>& c : detect_contacts(scene.bodies, scene.walls, touching)) {
+  for (const Contact<D>& c : detect_contacts<D>(scene.bodies, scene.walls, touching)) {
     parent[root(static_cast<std::size_t>(c.i))] = root(std::min(static_cast<std::size_t>(c.j), n));
   }
   for (std::size_t i = 0; i < n; ++i) {
@@ -208,14 +249,20 @@ double damping_of_restitution(double e_n) {
   return low;
 }
 
-SpringDashpotSetup spring_dashpot_setup(const Scene<2>& scene) {
+template <int D>
+SpringDashpotSetup spring_dashpot_setup(const Scene<D>& scene) {
   if (scene.cell.periodic()) {
     throw std::invalid_argument("dem: periodic scenes are for rigid contacts only");
   }
-  for (const Disk& d : scene.bodies) {
+  for (const Body<D>& d : scene.bodies) {
     if (d.wall >= 0) throw std::invalid_argument("dem: rough walls are for rigid contacts only");
   }
-  for (const Wall<2>& w : scene.walls) {
+  for (const Wall<D>& w : scene.walls) {
+    if (w.is_surface()) {
+      throw std::invalid_argument(fmt::format(
+          "dem: wall '{}' has several contacts with a sphere, so this is for rigid contacts only",
+          w.name));
+    }
     if (w.removed == kInfinity) continue;
     throw std::invalid_argument(fmt::format(
         "dem: wall '{}' is removed at {:g} s; the energy of springs at it would not be accounted "
@@ -225,7 +272,7 @@ SpringDashpotSetup spring_dashpot_setup(const Scene<2>& scene) {
   const SpringDashpotChoice& choice = scene.dem;
   SpringDashpotSetup setup;
   double smallest = kInfinity, heaviest = 0;
-  for (const Disk& d : scene.bodies) {
+  for (const Body<D>& d : scene.bodies) {
     smallest = std::min(smallest, d.radius);
     heaviest = std::max(heaviest, d.mass);
   }
@@ -294,5 +341,10 @@ SpringDashpotSetup spring_dashpot_setup(const Scene<2>& scene) {
   setup.substep = scene.step / setup.substeps;
   return setup;
 }
+
+template bool supported_by_walls(const Scene<2>&, double);
+template bool supported_by_walls(const Scene<3>&, double);
+template SpringDashpotSetup spring_dashpot_setup(const Scene<2>&);
+template SpringDashpotSetup spring_dashpot_setup(const Scene<3>&);
 
 }  // namespace bipot

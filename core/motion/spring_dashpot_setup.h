@@ -20,15 +20,16 @@ inline constexpr double kMaxDamping = 2;  ///< e = 0.048: almost no energy is re
 
 /// True if a chain of touching bodies (gap <= touching, in m) leads from every disk to a wall:
 /// nothing falls freely.
-bool supported_by_walls(const Scene<2>& scene, double touching);
+template <int D>
+bool supported_by_walls(const Scene<D>& scene, double touching);
 
 /// The parameters of the spring-dashpot model of a scene. They depend on the scene alone, not on
 /// the state: a restarted run continues with the same ones.
 ///
 /// Stiffness, if none is given: the larger of
 ///   F / (o r)          F: mean static force on a contact at the bottom, weight over the number
-///                      of columns (width over the mean diameter), or a driven wall's force over
-///                      the number of disks along it,
+///                      of columns (base over a power of the mean diameter), or a driven wall's
+///                      force over the number of bodies along it,
 ///   m v² / (10 o r)²   v: speed of an impact, the largest initial speed plus that of the fall
 ///                      from the loosest to a dense arrangement; m: the heaviest disk.
 /// Overlaps at rest are then about `o` and those of impacts at most about 10 o of the smallest
@@ -36,7 +37,7 @@ bool supported_by_walls(const Scene<2>& scene, double touching);
 ///
 /// Stable step: the scheme (core/motion/spring_dashpot.h) on M x'' + C x' + K x = 0 with symmetric
 /// K, C is stable if dt² x'Kx + 2 dt x'Cx <= 4 x'Mx for all x. By Gershgorin, disk by disk, with
-/// the largest number z of contacts that fit around it (6 for equal disks):
+/// the largest number z of contacts that fit around it (6 for equal disks, 13 for spheres):
 ///   dt² kappa + 2 dt chi <= 4,
 ///   kappa = Σ_z f max(k_n/m, k_t (1/m + a²/I)),  chi alike with the dashpots,
 /// f = 2 between disks (both ends move), 1 at walls. Slip makes K unsymmetric, and this bound does
@@ -57,6 +58,7 @@ struct SpringDashpotSetup {
 
 /// Throws std::invalid_argument if the scene asks for a substep above the critical one, or if
 /// nothing in it determines the stiffness of its contacts.
-SpringDashpotSetup spring_dashpot_setup(const Scene<2>& scene);
+template <int D>
+SpringDashpotSetup spring_dashpot_setup(const Scene<D>& scene);
 
 }  // namespace bipot

@@ -198,8 +198,7 @@ void write_frame_file(const std::filesystem::path& path, const Scene<D>& scene,
                [](const Outcome& c) { return c.bonded ? 1 : 0; });
   }
   if (scene.model == Model::kSpringDashpot) {
-    write_doubles(file, "/contacts/spring", "m", contacts,
-                  [](const Outcome& c) { return c.spring; });
+    write_turns(file, "/contacts/spring", "m", contacts, [](const Outcome& c) { return c.spring; });
   }
   if (scene.has_rolling()) {
     write_turns(file, "/contacts/moment", "N m s", contacts,

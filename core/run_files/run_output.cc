@@ -83,7 +83,8 @@ void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
 }
 
 /// Writes the parameters of the spring-dashpot model for this scene.
-void write_springs(Hdf5File& file, const Scene<2>& scene) {
+template <int D>
+void write_springs(Hdf5File& file, const Scene<D>& scene) {
   const SpringDashpotSetup setup = spring_dashpot_setup(scene);
   file.write("/dem/stiffness", setup.stiffness);
   file.write_attribute("/dem/stiffness", "unit", "N/m");
@@ -317,9 +318,7 @@ void RunWriter<D>::write_run_file() const {
   file.write_attribute("/contact_distance", "unit", "m");
   const bool dem = scene_.model == Model::kSpringDashpot;
   file.write("/model", dem ? "dem" : "nscd");
-  if constexpr (D == 2) {
-    if (dem) write_springs(file, scene_);
-  }
+  if (dem) write_springs(file, scene_);
   file.write("/solver/name", scene_.solver.name);
   file.write("/solver/tol", scene_.solver.tol);
   file.write("/solver/stop", scene_.solver.stop);

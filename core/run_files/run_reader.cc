@@ -221,16 +221,17 @@ std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t d
   const auto s_t = read_sized(file, "/contacts/s_t", to_size(kSpins<D>) * c);
   const auto u_n = read_sized(file, "/contacts/u_n", c);
   const auto u_t = read_sized(file, "/contacts/u_t", to_size(kSpins<D>) * c);
+  const auto tangents = [&](const char* name) {
+    const std::size_t size = to_size(kSpins<D>) * c;
+    return file.exists(name) ? read_sized(file, name, size) : std::vector<double>(size, 0.0);
+  };
   // Only the spring-dashpot model writes springs.
-  const auto spring = file.exists("/contacts/spring") ? read_sized(file, "/contacts/spring", c)
-                                                      : std::vector<double>(c, 0.0);
+  const auto spring = tangents("/contacts/spring");
   // Only scenes with cohesion write bonds; elsewhere every contact may become one.
   const auto bonded = file.exists("/contacts/bonded") ? read_sized_ints(file, "/contacts/bonded", c)
                                                       : std::vector<int>(c, 1);
   // Only scenes with rolling friction write moments.
-  const auto moment = file.exists("/contacts/moment")
-                          ? read_sized(file, "/contacts/moment", to_size(kSpins<D>) * c)
-                          : std::vector<double>(to_size(kSpins<D>) * c, 0.0);
+  const auto moment = tangents("/contacts/moment");
   // Only periodic scenes write images.
   const bool images = file.exists("/contacts/image_x");
   const auto image_x = images ? read_sized_ints(file, "/contacts/image_x", c) : std::vector<int>(c);
@@ -261,7 +262,7 @@ std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t d
                    .u_t = tangential(u_t, k),
                    .status = checked_enum<ContactStatus>(file, "/contacts/status", status[k], 2),
                    .bonded = bonded[k] != 0,
-                   .spring = spring[k],
+                   .spring = tangential(spring, k),
                    .moment = tangential(moment, k)};
   }
   return contacts;

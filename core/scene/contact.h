@@ -34,8 +34,8 @@ struct ContactOutcome {
   ContactStatus status = ContactStatus::kTakeOff;
   /// Cohesion acted in the step; always true in scenes without cohesion.
   bool bonded = true;
-  double spring = 0;  ///< tangential spring's elongation, spring-dashpot model only  [m]
-  Spin<D> moment = no_turn<D>();  ///< of rolling friction, on disk i                 [N m s]
+  Tangent<D> spring = no_turn<D>();  ///< elongation along the contact, model dem only   [m]
+  Spin<D> moment = no_turn<D>();     ///< of rolling friction, on disk i                 [N m s]
 
   /// It pushes, or cohesion holds it in tension.
   bool loaded() const { return s_n > 0 || (s_n < 0 && status != ContactStatus::kTakeOff); }

@@ -402,9 +402,6 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   read_start(root, scene);
   read_time(root, accuracy, scene);
   read_model(root, scene);
-  if (D == 3 && scene.model == Model::kSpringDashpot) {
-    root.fail("model", "'dem' simulates disks, not spheres");
-  }
   if (scene.has_gates() && scene.model == Model::kSpringDashpot) {
     root.fail("model", "'dem' has no outlets and inlets");
   }

@@ -53,13 +53,9 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
     if (options_.processes != nullptr) {
       throw std::invalid_argument("the model dem runs on one process, not under mpirun");
     }
-    if constexpr (D == 2) {
-      springs_.emplace(scene, [this] { return is_over(); });
-      if (options_.on_tunnel != OnTunnel::kWarn) springs_->refuse_passages();
-      return;
-    } else {
-      throw std::invalid_argument("the model dem simulates disks, not spheres");
-    }
+    springs_.emplace(scene, [this] { return is_over(); });
+    if (options_.on_tunnel != OnTunnel::kWarn) springs_->refuse_passages();
+    return;
   }
   if (!options_.solver) {
     own_ = {.solver = scene.solver.name,
@@ -142,9 +138,7 @@ bool SceneStepper<D>::is_over() const {
 template <int D>
 StepReport<D> SceneStepper<D>::advance(State<D>& state) {
   parts_ = 1;
-  if constexpr (D == 2) {
-    if (springs_) return springs_->advance(state);
-  }
+  if (springs_) return springs_->advance(state);
   if (accurate_) return accurate_->advance(state);
   if (const int halvings = travel_halvings(scene_, state); halvings > 0) {
     SplitStep<D> split = advance_in_equal_parts(scene_, options_, state, halvings);

@@ -11,7 +11,7 @@
 
 namespace bipot {
 
-/// Takes the steps of a scene, one at a time, with either model; spheres have rigid contacts only.
+/// Takes the steps of a scene, one at a time, with either model.
 template <int D>
 class SceneStepper {
  public:
@@ -56,8 +56,8 @@ class SceneStepper {
   const Scene<D>& scene_;
   SceneRunOptions<D> options_;
   Stopwatch watch_;
-  RunSolver own_;                                // the scene's choice of solver
-  std::optional<SpringDashpotStepper> springs_;  // in the plane only
+  RunSolver own_;  // the scene's choice of solver
+  std::optional<SpringDashpotStepper<D>> springs_;
   std::optional<Domain<D>> domain_;
   std::optional<TimeStepper<D>> rigid_;
   std::optional<AccurateStepper<D>> accurate_;  // instead, for a scene with an accuracy

@@ -143,13 +143,6 @@ TEST(SphereRun, OneBallOnARampHasItsVolumeInEachRow) {
   EXPECT_LT(run.output_seconds, 1);
 }
 
-TEST(SphereRun, SpringsAreRefused) {
-  Scene<3> scene = spheres_in_a_drum(1);
-  scene.model = Model::kSpringDashpot;
-  State<3> state = initial_state(scene);
-  EXPECT_THROW(run_scene(scene, state), std::invalid_argument);
-}
-
 // The shipped pile: mu a little above what geometry asks for (Spheres.FourSpheresStand...).
 TEST(SphereRun, TheShippedFourSpheresStand) {
   const auto scene = std::get<Scene<3>>(read_any_scene(find_scene("four_spheres")));

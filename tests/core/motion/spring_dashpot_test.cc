@@ -518,5 +518,118 @@ TEST(SpringDashpot, WhatGoesThroughInASubstepIsSeen) {
   EXPECT_EQ(slower.advance(state).passages, 0);
 }
 
+Scene<3> spheres_with_springs(double mu, double e_n) {
+  Scene<3> scene = one_law<3>({.mu = mu, .e_n = e_n});
+  scene.model = Model::kSpringDashpot;
+  scene.gravity = Vec3(0, 0, -kGravity);
+  scene.step = 1e-4;
+  return scene;
+}
+
+State<3> run(const Scene<3>& scene) {
+  SpringDashpotStepper stepper(scene);
+  State<3> state = initial_state(scene);
+  for (int step = 0; step < scene.num_steps; ++step) {
+    const StepReport<3> report = stepper.advance(state);
+    EXPECT_NEAR(report.momentum_imbalance.norm(), 0, 1e-12);
+  }
+  return state;
+}
+
+TEST(SpringDashpot, SpheresMeetHeadOnAlongAnyDirection) {
+  // As in the plane: 1 and 3 kg, 2 m/s, k = 1e6 N/m.
+  for (const double e : {1.0, 0.5, 0.2}) {
+    for (const Vec3& along : {Vec3(1, 0, 0), Vec3(0.6, 0, -0.8), Vec3(-2, 3, 6).normalized()}) {
+      Scene<3> scene = spheres_with_springs(0.3, e);
+      scene.gravity.setZero();
+      scene.dem.stiffness = 1e6;
+      scene.step = 1e-5;
+      scene.num_steps = 800;
+      scene.bodies = {round_body<3>(Vec3::Zero(), 0.1, 1, Vec3(1.5 * along)),
+                      round_body<3>(Vec3(0.2001 * along), 0.1, 3, Vec3(-0.5 * along))};
+      const State<3> end = run(scene);
+      const double measured = (end.bodies[1].v - end.bodies[0].v).dot(along) / 2;
+      EXPECT_NEAR(measured, e, 0.01);
+      EXPECT_NEAR(end.shock_loss, 0.5 * 0.75 * 4 * (1 - measured * measured), 1e-9);
+      EXPECT_NEAR(end.friction_loss, 0, 1e-15);
+      EXPECT_TRUE(end.contacts.empty());
+    }
+  }
+}
+
+TEST(SpringDashpot, SlidingSphereRollsAtFiveSeventhsOfItsSpeed) {
+  // m v - I w/a keeps its value and I = 2/5 m a²: v0 = v (1 + 2/5). It slides for 2 v0/(7 mu g) =
+  // 0.058 s. Friction takes m v0²/2 (1 - 5/7) = m v0²/7. The axis of the spin is n x v.
+  for (const Vec3& heading : {Vec3(1, 0, 0), Vec3(0.6, -0.8, 0)}) {
+    Scene<3> scene = spheres_with_springs(0.5, 0);
+    scene.walls = {half_space<3>(Vec3::Zero(), Vec3(0, 0, 1))};
+    scene.bodies = {round_body<3>(Vec3(0, 0, 0.01), 0.01, 1, heading)};
+    scene.num_steps = 1500;
+    const State<3> end = run(scene);
+    EXPECT_NEAR((end.bodies[0].v - 5.0 / 7 * heading).norm(), 0, 1e-4);
+    EXPECT_NEAR((0.01 * end.bodies[0].spin - 5.0 / 7 * Vec3(0, 0, 1).cross(heading)).norm(), 0,
+                1e-4);
+    EXPECT_NEAR(end.friction_loss, 1.0 / 7, 1e-4);
+    EXPECT_EQ(end.contacts.at(0).status, ContactStatus::kStick);
+  }
+}
+
+TEST(SpringDashpot, ASphereRollsRoundInAPipeForEver) {
+  // Without gravity a sphere that rolls round inside a pipe of radius R goes on for ever: the
+  // normal turns, and friction does no work. Its way is v t; elastic, so energy is kept.
+  Scene<3> scene = spheres_with_springs(0.8, 1);
+  scene.gravity.setZero();
+  scene.dem.stiffness = 1e6;
+  Wall<3> pipe;
+  pipe.shape = Wall<3>::Shape::kHollowCircle;
+  pipe.normal = Vec3(0, 0, 1);
+  pipe.radius = 0.1;
+  scene.walls = {pipe};
+  const double a = 0.02, v = 1, arm = 0.08;
+  // k d = m v²/(R - a + d): the overlap of the circular way.
+  const double overlap = 2 * v * v / (1e6 * arm);
+  scene.bodies = {
+      round_body<3>(Vec3(arm + overlap, 0, 0), a, 2, Vec3(0, v, 0), Vec3(0, 0, -v / a))};
+  scene.num_steps = 5000;
+  const State<3> end = run(scene);
+  const double angle = v * 0.5 / (arm + overlap);
+  EXPECT_NEAR(
+      (end.bodies[0].x / (arm + overlap) - Vec3(std::cos(angle), std::sin(angle), 0)).norm(), 0,
+      2e-3);
+  EXPECT_NEAR(end.bodies[0].v.norm(), v, 1e-4);
+  EXPECT_NEAR(end.friction_loss, 0, 1e-6);
+}
+
+TEST(SpringDashpot, SpheresHoldTheirPlaceAndGoOnWithTheSameBits) {
+  // Four spheres carry a fifth; a restart from the files is the state itself.
+  Scene<3> scene = spheres_with_springs(0.5, 0.3);
+  scene.step = 1e-3;
+  scene.walls = {half_space<3>(Vec3::Zero(), Vec3(0, 0, 1))};
+  const double r = 0.1, up = r * std::sqrt(2.0);
+  for (const double x : {-r, r}) {
+    for (const double y : {-r, r}) scene.bodies.push_back(round_body<3>(Vec3(x, y, r), r, 1));
+  }
+  scene.bodies.push_back(round_body<3>(Vec3(0, 0, r + up), r, 1));
+  scene.num_steps = 300;
+  SpringDashpotStepper stepper(scene);
+  State<3> state = initial_state(scene);
+  for (int step = 0; step < 200; ++step) stepper.advance(state);
+  const TemporaryFolder folder;
+  RunWriter<3> writer(folder.path() / "run", scene, "text");
+  writer.frame(state);
+  writer.close();
+  State<3> read = read_state<3>(folder.path() / "run");
+  EXPECT_GT(read.contacts.at(0).spring.norm(), 0);
+  for (int step = 0; step < 100; ++step) {
+    stepper.advance(state);
+    SpringDashpotStepper(scene).advance(read);
+  }
+  EXPECT_EQ(bits_of_state(state), bits_of_state(read));
+  // Each floor contact carries 5/4 of a weight; the four upper ones the fifth sphere.
+  double floor = 0;
+  for (const ContactOutcome<3>& c : state.contacts) floor += c.contact.j == 5 ? c.s_n : 0;
+  EXPECT_NEAR(floor / (5 * kGravity * scene.step), 1, 1e-3);
+}
+
 }  // namespace
 }  // namespace bipot

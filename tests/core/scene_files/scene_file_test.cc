@@ -557,7 +557,6 @@ TEST(SceneFile, WhatDoesNotBelongInSpaceIsRefused) {
   refused("dim = 2\n" + kSphere + kTime, "dim = 3");
   refused("dim = 3\n" + kDisk + kTime, "'disks'");
   refused("rotate_degrees = 3\n" + kSphere + kTime, "'rotate_degrees'");
-  refused("model = 'dem'\n" + kSphere + kTime, "not spheres");
   refused(kSphere + "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n" + kTime,
           "expected 3 numbers, got 2");
   refused(kSphere + "[[walls]]\ncenter = [0, 0, 0]\nradius = 1\n" + kTime, "cylinder");
