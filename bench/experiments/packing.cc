@@ -229,8 +229,8 @@ Surface measure_surface(const State<2>& state, double left, double right, int bi
   for (double height : top) surface.height += height / static_cast<double>(top.size());
   for (double height : top) surface.roughness += std::pow(height - surface.height, 2);
   surface.roughness = std::sqrt(surface.roughness / static_cast<double>(top.size()));
-  surface.slope = fit_line(x, top).slope;
-  surface.heap = -fit_line(aside, top).slope;
+  surface.slope = fitted_slope(x, top);
+  surface.heap = -fitted_slope(aside, top);
   return surface;
 }
 

@@ -93,7 +93,7 @@ double decay(const History& h) {
     iterations.push_back(r.iteration);
     logarithms.push_back(std::log(e));
   }
-  return -fit_line(iterations, logarithms).slope;
+  return -fitted_slope(iterations, logarithms);
 }
 
 /// First judged iteration at which the forces of all rows have begun.

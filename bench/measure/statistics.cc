@@ -7,18 +7,13 @@
 #include "core/base/types.h"
 
 namespace bipot {
+namespace {
 
-double student_t(double probability, int degrees_of_freedom) {
-  if (!(degrees_of_freedom >= 1)) return kNaN;
-  // P(|T| > t) = I_{ν/(ν + t²)}(ν/2, 1/2), decreasing in t: bisection on x = ν/(ν + t²).
-  const double nu = degrees_of_freedom;
-  double low = 0, high = 1;
-  for (int k = 0; k < 200; ++k) {
-    const double x = 0.5 * (low + high);
-    (Eigen::numext::betainc(0.5 * nu, 0.5, x) < 1 - probability ? low : high) = x;
-  }
-  return std::sqrt(nu / low - nu);
-}
+/// By least squares.
+struct FittedLine {
+  double slope = kNaN, mean_x = 0, mean_y = 0;
+  double spread = 0;  // Σ (x - mean_x)²
+};
 
 FittedLine fit_line(std::span<const double> x, std::span<const double> y) {
   FittedLine line;
@@ -34,6 +29,24 @@ FittedLine fit_line(std::span<const double> x, std::span<const double> y) {
   }
   line.slope = together / line.spread;
   return line;
+}
+
+}  // namespace
+
+double student_t(double probability, int degrees_of_freedom) {
+  if (!(degrees_of_freedom >= 1)) return kNaN;
+  // P(|T| > t) = I_{ν/(ν + t²)}(ν/2, 1/2), decreasing in t: bisection on x = ν/(ν + t²).
+  const double nu = degrees_of_freedom;
+  double low = 0, high = 1;
+  for (int k = 0; k < 200; ++k) {
+    const double x = 0.5 * (low + high);
+    (Eigen::numext::betainc(0.5 * nu, 0.5, x) < 1 - probability ? low : high) = x;
+  }
+  return std::sqrt(nu / low - nu);
+}
+
+double fitted_slope(std::span<const double> x, std::span<const double> y) {
+  return fit_line(x, y).slope;
 }
 
 PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& y) {

@@ -7,12 +7,8 @@
 
 namespace bipot {
 
-/// A straight line through points by least squares.
-struct FittedLine {
-  double slope = kNaN, mean_x = 0, mean_y = 0;
-  double spread = 0;  ///< Σ (x - mean_x)²
-};
-FittedLine fit_line(std::span<const double> x, std::span<const double> y);
+/// Slope of the straight line through points by least squares.
+double fitted_slope(std::span<const double> x, std::span<const double> y);
 
 /// y = prefactor x^exponent, fitted by least squares in the logarithms.
 struct PowerLaw {

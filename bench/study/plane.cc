@@ -55,7 +55,7 @@ OverallError overall_error(const Study::Measured& measured, const Study::Case& o
   std::vector<double> errors, bars;
   OverallError overall;
   for (const std::string& quantity : classed_quantities(measured, of.part, of.scene)) {
-    const PairedError e = paired_error(measured, of, reference, quantity);
+    const Study::PairedError e = paired_error(measured, of, reference, quantity);
     if (!std::isfinite(e.bar)) continue;
     errors.push_back(e.error);
     bars.push_back(e.bar);

@@ -11,6 +11,7 @@
 
 #include "bench/report/document.h"
 #include "bench/tradeoff/run_setting.h"
+#include "core/base/types.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
@@ -51,6 +52,11 @@ struct Study {
     double spread = 1;  ///< of the radii: 0: all equal
     Scene<2> make() const;
     double averages_from(const Scene<2>& made) const;  ///< begin of time averages             [s]
+  };
+  /// Difference of means over seeds, relative to the reference.
+  struct PairedError {
+    double error = kNaN, bar = kNaN;  ///< |mean difference| and its 95 % bar over |mean reference|
+    int seeds = 0;
   };
   /// The class of a quantity: geometry, stress, forces or kinematics; empty: it has none.
   static std::string class_of(const std::string& quantity);

@@ -23,13 +23,9 @@ std::map<int, double> by_seed(const Study::Measured& measured, Study::Case of,
 MeanValue over_seeds(const std::map<int, double>& values);
 /// The same of the differences a - b of the seeds that both have.
 MeanValue paired_difference(const std::map<int, double>& a, const std::map<int, double>& b);
-/// Means over the seeds of a quantity, and its differences from a reference, relative to that.
-struct PairedError {
-  double error = kNaN, bar = kNaN;  ///< |mean difference| and its 95 % bar over |mean reference|
-  int seeds = 0;
-};
-PairedError paired_error(const Study::Measured& measured, const Study::Case& of,
-                         const Study::Case& reference, const std::string& quantity);
+/// Differences of a quantity from a reference, by means over the seeds.
+Study::PairedError paired_error(const Study::Measured& measured, const Study::Case& of,
+                                const Study::Case& reference, const std::string& quantity);
 /// Distinct values of a member over the cases of a part, increasing.
 template <class Member>
 std::vector<Member> distinct(const Study::Measured& measured, const std::string& part,

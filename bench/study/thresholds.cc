@@ -41,8 +41,8 @@ MeanValue paired_difference(const std::map<int, double>& a, const std::map<int, 
   return over_seeds(differences);
 }
 
-PairedError paired_error(const Study::Measured& measured, const Study::Case& of,
-                         const Study::Case& reference, const std::string& quantity) {
+Study::PairedError paired_error(const Study::Measured& measured, const Study::Case& of,
+                                const Study::Case& reference, const std::string& quantity) {
   const auto values = by_seed(measured, of, quantity);
   const auto exact = by_seed(measured, reference, quantity);
   const MeanValue off = paired_difference(values, exact);
@@ -113,7 +113,7 @@ struct ErrorCurve {
   std::string scene, quantity, method;
   int size = 0;
   std::vector<double> tols;  // falling
-  std::vector<PairedError> errors;
+  std::vector<Study::PairedError> errors;
 
   bool right(std::size_t k) const { return errors[k].error <= kRight + errors[k].bar; }
   bool decisive() const {  // at the tightest tolerance
@@ -144,7 +144,7 @@ std::vector<ErrorCurve> error_curves(const Study::Measured& measured) {
           for (const double tol : tols) {
             const Study::Case of{kThresholds, scene, size, 0, method, tol, 0};
             if (of.method == reference.method && tol == reference.tol) continue;
-            const PairedError e = paired_error(measured, of, reference, quantity);
+            const Study::PairedError e = paired_error(measured, of, reference, quantity);
             if (e.seeds < 2) continue;
             curve.tols.push_back(tol);
             curve.errors.push_back(e);

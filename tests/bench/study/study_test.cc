@@ -69,7 +69,7 @@ TEST(Study, ErrorsArePairedBySeed) {
   Study::Case other = exact;
   other.scene = "shear";
   measured[other]["height"] = 1000;
-  const PairedError e = paired_error(measured, rough, exact, "height");
+  const Study::PairedError e = paired_error(measured, rough, exact, "height");
   EXPECT_NEAR(e.error, 0.5 / 4, 1e-12);
   EXPECT_NEAR(e.bar, 3.18245 * std::sqrt(5.0 / 3 / 4) / 4, 1e-5);
 }
