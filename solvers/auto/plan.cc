@@ -181,7 +181,8 @@ class PlanReader {
     return rows;
   }
 
-  /// One row for each start, and after each the list `then`.
+  /// One row for each start, and after each the list `then`. Multiples of the caller's start differ
+  /// if that is warm.
   void add_rows(const toml::table& table, std::vector<AutoPlan::Row>& rows) const {
     const AutoPlan::Row row = row_of(table);
     const toml::array* starts = table.get_as<toml::array>("from");
@@ -192,9 +193,12 @@ class PlanReader {
       if (const toml::node* from = starts == nullptr ? table.get("from") : starts->get(k)) {
         set_start(*from, rows.back());
       }
+      if (k > 0 && rows.back().start == AutoPlan::Row::Start::kCaller) {
+        rows.back().conditions.marks |= kWarm;
+      }
       if (!table.contains("then")) continue;
       AutoPlan::Row list;
-      list.conditions = row.conditions;
+      list.conditions = rows.back().conditions;
       list.list = list_at(table, "then");
       rows.push_back(std::move(list));
     }
