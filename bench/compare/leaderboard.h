@@ -19,7 +19,7 @@ struct Leaderboard {
     std::string defect;  ///< why there is no verdict: no file, or one that cannot be read
     double guarded = kNaN, epsilon = kNaN, eta = kNaN, cone = kNaN;  ///< ImpulseVerdict's
     double quadruple = kNaN;  ///< max(ε, η) by independent_check()
-    double seconds = kNaN;                                           ///< as submitted
+    double seconds = kNaN;    ///< as submitted
     /// guarded <= tol.
     bool solves(double tol) const { return guarded <= tol; }
   };

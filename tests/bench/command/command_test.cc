@@ -300,10 +300,10 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
   EXPECT_EQ(r["steps"], written["advice"]["steps"]);
   // Without a goal: five lines, the last of which is a command that runs, and a page.
   const Outcome five =
-      bipot("advise " + scene + " --solvers apgd --time-limit 20 --tune --out " + path("advice"));
+      bipot("advise " + scene + " --solvers ipm --time-limit 20 --tune --out " + path("advice"));
   EXPECT_EQ(five.exit_code, 0) << five.out;
   EXPECT_TRUE(says(five.out, "tuned, problems left out")) << five.out;
-  EXPECT_TRUE(says(content(path("plan.toml")), "solver = \"apgd\""));
+  EXPECT_TRUE(says(content(path("plan.toml")), "solver = \"ipm\""));
   EXPECT_TRUE(says(five.out, "--plan " + path("plan.toml")));
   const std::size_t command = five.out.find("bipot run ");
   ASSERT_NE(command, std::string::npos) << five.out;

@@ -44,17 +44,24 @@ TEST(GreedySchedule, WhatTheLimitCutsOffCostsTheLimit) {
   EXPECT_FALSE(solved);
 }
 
-/// A variant is taken up: the second budget costs what is left to it. Instances of 1, 1 and 4 s, 10,
-/// 10 and 40 iterations: the first stage solves two for 1 + 1 + 1/4, the second one for 3/4.
-TEST(GreedySchedule, AVariantIsTakenUpWithALargerBudget) {
+/// Two budgets of one variant, one after the other, are one stage. Instances of 1, 1 and 4 s, 10, 10
+/// and 40 iterations: the smaller budget solves two for 1 + 1 + 1/4, the larger one for 3/4 more.
+TEST(GreedySchedule, OneVariantTwiceIsOneStage) {
   const std::vector<TunedInstance> three{{.outcomes = {{10, 1, true}}, .limit = 9, .best = 1},
                                          {.outcomes = {{10, 1, true}}, .limit = 9, .best = 1},
                                          {.outcomes = {{40, 4, true}}, .limit = 9, .best = 0.5}};
   const std::vector<ScheduledStage> schedule = greedy_schedule(all(three));
-  ASSERT_EQ(schedule.size(), 2u);
-  EXPECT_EQ(schedule[0].budget, 10);
-  EXPECT_EQ(schedule[1].budget, 40);
+  ASSERT_EQ(schedule.size(), 1u);
+  EXPECT_EQ(schedule[0].budget, 40);
   EXPECT_DOUBLE_EQ(seconds_of(schedule, three[2]), 4);
+}
+
+/// A variant that is taken up again costs what is left of its budget: 1 s of 4, 2 s of the other,
+/// then 3 s.
+TEST(GreedySchedule, AVariantIsTakenUpWithALargerBudget) {
+  const TunedInstance instance{.outcomes = {{40, 4, true}, {50, 5, true}}, .limit = 9, .best = 4};
+  const std::vector<ScheduledStage> schedule{{0, 10}, {1, 20}, {0, 40}};
+  EXPECT_DOUBLE_EQ(seconds_of(schedule, instance), 6);
 }
 
 TEST(GreedySchedule, WhatNobodySolvesIsNotScheduled) {

@@ -24,14 +24,14 @@ TEST(MeasureRows, GoesOnFromTheRowsOfAStoppedMeasurement) {
                                made.start = solve("pgs", made.problem, {.max_iterations = 3}).s;
                                return made;
                              }};
-  MeasureOptions options{.variants = tuned_variants({"apgd", "ipm"})};
+  MeasureOptions options{.variants = tuned_variants({"anderson", "ipm"})};
   ASSERT_EQ(options.variants.size(), 2u);
   options.tols = {1e-6, 1e-2};
   options.file = folder / "rows.csv";
   int solves = 0;
   options.on_row = [&](const std::string&, int, int) { ++solves; };
   options.interrupted = [&] { return solves >= 2; };
-  EXPECT_EQ(measure_rows({source}, options).size(), 4u);  // auto and apgd, cold
+  EXPECT_EQ(measure_rows({source}, options).size(), 4u);  // auto and anderson, cold
   options.interrupted = nullptr;
   const std::vector<MeasuredRow> rows = measure_rows({source}, options);
   EXPECT_EQ(loads, 2);

@@ -181,8 +181,7 @@ TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair)
     }
     EXPECT_GE(before, 3 * 1500) << warm;
     EXPECT_LE(before, warm ? 20000 : 5000);
-    EXPECT_GE(multiples.size(), warm ? 4U : 1U);
-    EXPECT_EQ(multiples.count(1), 1U);
+    EXPECT_EQ(multiples.size(), warm ? 4U : 1U);
     EXPECT_GE(kicks.size(), 2U);
     EXPECT_EQ(kicks.count(1), 0U);
     EXPECT_GE(paths, 20000) << warm;
@@ -208,40 +207,29 @@ TEST(AutoSolver, ShortPathsComeBeforeLongOnesAtFairTolerances) {
   }
 }
 
-/// To tight tolerances, cold: up to 8000 contacts a short path from where some splitting ended,
-/// then more of it; a path from where the factorisations ended, beyond from the best impulse; then
-/// some from a little off where the last came nearest.
+/// To tight tolerances beyond 8000 contacts: a path from the best impulse after factorisations, then
+/// some from a little off where the last came nearest. Below, one follows splitting.
 TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
   for (const int side : {40, 60}) {
     const ContactProblem p = lattice_step(Lattice::kTriangular, side, 0.3, 10);
-    const int n = p.num_contacts();
-    ASSERT_EQ(n <= 8000, side == 40) << n;
-    ASSERT_GT(n, 4000);
+    ASSERT_EQ(p.num_contacts() <= 8000, side == 40);
     const std::vector<AutoStage> stages = serving(p, false, 1e-6);
-    const auto is_path = [](const AutoStage& stage) { return stage.solver->name == "homotopy"; };
-    auto first = std::find_if(stages.begin(), stages.end(), is_path);
+    const auto first = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
+      return stage.solver->name == "homotopy";
+    });
     ASSERT_NE(first, stages.begin());
-    if (side == 40) {
-      ASSERT_NE(first, stages.end());
-      EXPECT_EQ(first->start, AutoStage::Start::kBest);
-      EXPECT_LE(first->max_iterations, n);
-      EXPECT_EQ(first[-1].solver->name, "admm");
-      EXPECT_LE(first[-1].max_iterations, 800);
-      first = std::find_if(first + 1, stages.end(), is_path);
-    }
-    ASSERT_GE(stages.end() - first, 4) << side;
-    EXPECT_EQ(first[-1].solver->name, "ipm");
-    EXPECT_EQ(first->start, side == 40 ? AutoStage::Start::kLast : AutoStage::Start::kBest);
+    EXPECT_EQ(first[-1].solver->name, side == 40 ? "admm" : "ipm");
+    EXPECT_EQ(first->start, AutoStage::Start::kBest);
     EXPECT_EQ(first->of_start, 1);
-    EXPECT_GE(first->max_iterations, 10000);
+    const int count = side == 40 ? 1 : 3;
     std::set<double> kicks;
-    for (int k = 1; k <= 3; ++k) {
+    for (int k = 1; k <= count; ++k) {
       EXPECT_EQ(first[k].solver->name, "homotopy");
       EXPECT_EQ(first[k].start, AutoStage::Start::kLast);
       EXPECT_NEAR(first[k].of_start, 1, 0.2);
       kicks.insert(first[k].of_start);
     }
-    EXPECT_EQ(kicks.size(), 3U);
+    EXPECT_EQ(kicks.size(), to_size(count));
     EXPECT_EQ(kicks.count(1), 0U);
   }
 }
@@ -274,23 +262,17 @@ TEST(AutoSolver, GivenWAloneExactAnswersComeSecond) {
 }
 
 /// Where these do not arrive, starts around the best impulse have their turn, then the central path
-/// through its folds, and long chains last.
+/// through its folds.
 TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
   const std::vector<AutoStage> stages = planned(shipped_file("2d_pour300_392.hdf5"), true);
   const auto shaken = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
     return takes(stage, "shake=first");
   });
-  ASSERT_NE(shaken, stages.end());
+  ASSERT_GE(stages.end() - shaken, 2);
   EXPECT_EQ(shaken->solver->name, "homotopy");
   EXPECT_EQ(shaken->start, AutoStage::Start::kBest);
-  ASSERT_GE(stages.end() - shaken, 4);
-  EXPECT_EQ(shaken[1].solver->name, "homotopy");
-  EXPECT_EQ(shaken[1].start, AutoStage::Start::kCaller);
-  EXPECT_TRUE(takes(shaken[1], "seed=2"));
-  EXPECT_EQ(shaken[2].solver->name, "ipm");
-  EXPECT_EQ(shaken[2].max_iterations, 1000);
-  EXPECT_EQ(shaken[3].solver->name, "homotopy");
-  EXPECT_GT(shaken[3].max_iterations, shaken->max_iterations);
+  EXPECT_EQ(shaken[1].solver->name, "ipm");
+  EXPECT_EQ(shaken[1].max_iterations, 1000);
 }
 
 TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
@@ -443,7 +425,7 @@ TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
 }
 
 /// Spheres that land, to a loose tolerance: splitting with several first penalties follows a few
-/// sweeps, then factors, and long sweeps last. To 1e-3 long sweeps come first.
+/// sweeps, then factors, and long sweeps last. To 1e-3 sweeps come before each round of it.
 TEST(AutoSolver, SpheresBeginWithSweepsAndSplitting) {
   const auto names = [](double tol) {
     std::vector<std::string_view> order;
@@ -454,8 +436,9 @@ TEST(AutoSolver, SpheresBeginWithSweepsAndSplitting) {
     return order;
   };
   using Names = std::vector<std::string_view>;
-  EXPECT_EQ(names(1e-2), (Names{"anderson", "assor", "admm", "ipm", "assor", "apgd", "pgs"}));
-  EXPECT_EQ(names(1e-3), (Names{"anderson", "assor", "admm", "apgd", "pgs"}));
+  EXPECT_EQ(names(1e-2), (Names{"anderson", "assor", "admm", "ipm", "pgs"}));
+  EXPECT_EQ(names(1e-3),
+            (Names{"anderson", "assor", "admm", "ipm", "admm", "assor", "admm", "assor", "pgs"}));
   EXPECT_EQ(names(1e-6), (Names{"anderson", "assor", "pgs"}));
 }
 
