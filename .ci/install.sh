@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the packages that are missing (Debian 12): .ci/install.sh [command]
-# Those of packages.txt make the command. Those of test_packages.txt are for tests and Python.
+# Those of packages.txt make the command. Those of test_packages.txt are for tests, packages and Python.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 lists=(packages.txt)
