@@ -84,7 +84,8 @@ std::vector<std::pair<std::string, Study::Sample>> answer_samples(bool quick) {
 std::vector<Study::Job> answers_jobs(bool quick) {
   std::vector<Study::Job> jobs;
   for (int seed = 1; seed <= (quick ? 2 : 10); ++seed) {
-    for (auto [varied, sample] : answer_samples(quick)) {
+    for (const auto& [varied, of_any_seed] : answer_samples(quick)) {
+      Study::Sample sample = of_any_seed;
       sample.seed = seed;
       const double x = varied == "shear:speed"  ? sample.drive
                        : varied.ends_with("mu") ? sample.mu

@@ -102,30 +102,32 @@ void Wall<3>::Mesh::find_contacts(const Sphere& sphere, const Vec3& x, int i, in
     const double distance = (x - point).norm();
     if (distance <= reach) found.push_back({distance, triangle, point});
   });
-  std::sort(found.begin(), found.end(), [](const Nearest& a, const Nearest& b) {
-    return std::tie(a.distance, a.triangle) < std::tie(b.distance, b.triangle);
+  std::sort(found.begin(), found.end(), [](const Nearest& one, const Nearest& other) {
+    return std::tie(one.distance, one.triangle) < std::tie(other.distance, other.triangle);
   });
   const std::size_t first = out.size();
   std::vector<Vec3> points;
   for (std::size_t k = 0; k < found.size(); ++k) {
-    const auto& [distance, triangle, point] = found[k];
+    const Nearest& here = found[k];
     const auto holds = [&](const Nearest& nearer) {
-      return nearer.distance < distance &&
-             (point - nearest_point(triangles[to_size(nearer.triangle)], point)).norm() <= same;
+      return nearer.distance < here.distance &&
+             (here.point - nearest_point(triangles[to_size(nearer.triangle)], here.point)).norm() <=
+                 same;
     };
-    const auto is_same = [&](const Vec3& other) { return (other - point).norm() <= same; };
+    const auto is_same = [&](const Vec3& other) { return (other - here.point).norm() <= same; };
     if (std::any_of(points.begin(), points.end(), is_same)) continue;
     if (std::any_of(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(k), holds)) continue;
-    if (distance == 0) {
+    if (here.distance == 0) {
       throw std::invalid_argument(fmt::format(
           "the centre of sphere {} lies on a wall of triangles: their contact has no normal", i));
     }
-    points.push_back(point);
-    out.push_back({i, j, (x - point) / distance, distance - sphere.radius});
+    points.push_back(here.point);
+    out.push_back({i, j, (x - here.point) / here.distance, here.distance - sphere.radius});
   }
   std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-            [](const auto& a, const auto& b) {
-              return std::lexicographical_compare(a.n.begin(), a.n.end(), b.n.begin(), b.n.end());
+            [](const Contact<3>& one, const Contact<3>& other) {
+              return std::lexicographical_compare(one.n.begin(), one.n.end(), other.n.begin(),
+                                                  other.n.end());
             });
 }
 
@@ -133,13 +135,13 @@ bool Wall<3>::Mesh::crossed(const Vec3& p, const Vec3& q) const {
   bool crosses = false;
   near(0.5 * (p + q), 0.5 * (q - p).norm(), [&](int triangle) {
     if (crosses) return;
-    const auto& [a, b, c] = triangles[to_size(triangle)];
-    const Vec3 n = (b - a).cross(c - a);
-    const double before = n.dot(p - a), after = n.dot(q - a);
+    const auto& [k, l, m] = triangles[to_size(triangle)];
+    const Vec3 n = (l - k).cross(m - k);
+    const double before = n.dot(p - k), after = n.dot(q - k);
     if (before == 0 || before * after > 0) return;
     const Vec3 at = p + before / (before - after) * (q - p);
-    crosses = n.dot((b - a).cross(at - a)) >= 0 && n.dot((c - b).cross(at - b)) >= 0 &&
-              n.dot((a - c).cross(at - c)) >= 0;
+    crosses = n.dot((l - k).cross(at - k)) >= 0 && n.dot((m - l).cross(at - l)) >= 0 &&
+              n.dot((k - m).cross(at - m)) >= 0;
   });
   return crosses;
 }
