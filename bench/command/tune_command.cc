@@ -1,21 +1,10 @@
-#include <fmt/format.h>
-
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
-#include "bench/command/progress_bar.h"
 #include "bench/command/tune_run.h"
-#include "bench/measure/problem_target.h"
-#include "bench/report/document.h"
-#include "bench/report/json_output.h"
-#include "bench/tune/tuned_plan.h"
-#include "core/base/interrupt.h"
-#include "core/files/atomic_file.h"
 
 namespace bipot {
 namespace {
@@ -74,48 +63,6 @@ int run_tune(const TuneFlags& flags) {
 }
 
 }  // namespace
-
-std::filesystem::path default_plan_file(const std::vector<std::string>& targets) {
-  const std::filesystem::path first = targets.size() == 1 ? targets.front() : "";
-  return first.extension() == ".toml" ? first.parent_path() / "plan.toml" : "plan.toml";
-}
-
-int tune_targets(const std::vector<std::string>& targets, const TargetOptions& scenes,
-                 MeasureOptions options, int least_rows, const std::filesystem::path& plan,
-                 bool quiet) {
-  require_writable(plan.string());
-  if (options.file.empty()) {
-    options.file = plan;
-    options.file.replace_extension(".csv");
-  }
-  const std::vector<ProblemSource> sources = expand_targets(targets, scenes);
-  const InterruptGuard interrupt;
-  options.interrupted = &InterruptGuard::requested;
-  const long solves = static_cast<long>(2 * sources.size() * (options.variants.size() + 1));
-  std::vector<MeasuredRow> rows;
-  {
-    ProgressBar progress(solves, quiet);
-    options.on_row = [&](const std::string& what, int done, int) { progress.update(done, what); };
-    rows = measure_rows(sources, options);
-  }
-  if (InterruptGuard::requested()) {
-    fmt::print(stderr, "bipot: stopped; the same command goes on from {}\n", options.file.string());
-    return kExitInterrupted;
-  }
-  const TunedPlan made = tune_plan(rows, options.variants, least_rows);
-  if (made.classes.empty()) {
-    throw std::invalid_argument(options.file.string() + ": no solver solved any of the problems");
-  }
-  const std::string commit = provenance("tune", typed_command()).build.commit;
-  write_text_file(plan.string(),
-                  plan_text(made, fmt::format("# {}\n# {} rows; commit {}\n", typed_command(),
-                                              rows.size(), commit)));
-  if (!quiet) {
-    fmt::print("{}\n{} classes in {}, {} rows in {}\n", regret_text(made), made.classes.size(),
-               plan.string(), rows.size(), options.file.string());
-  }
-  return kExitConverged;
-}
 
 ProgramCommand tune_command(CommandLine& line) { return make_command(line, &add_tune, &run_tune); }
 

@@ -79,7 +79,8 @@ std::vector<WallPiece> wall_pieces(std::span<const Wall<3>> walls, const Box<3>&
     const Reach length =
         cone ? Reach{0, (wall.b - wall.a).norm()} : reach_along(box, wall.a, wall.normal);
     const auto edge = [&](int side, double at) {
-      const double angle = 2 * std::numbers::pi * side / kPrismSides;
+      // The last corner is the first one to the bit: a cut through it meets one of two sides.
+      const double angle = 2 * std::numbers::pi * (side % kPrismSides) / kPrismSides;
       const double radius = !wall.present               ? 0
                             : cone && at == length.last ? wall.radius_b
                                                         : wall.radius;
