@@ -108,7 +108,7 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
 }
 
 int run_settings(const CompareFlags& flags, const std::vector<ProblemSource>& sources) {
-  SettingStudy::Options options{.warm = flags.warm};
+  SettingStudy::Options options{.warm = flags.warm, .overlaps = flags.targets.empty()};
   options.time_limit = flags.time_limit.value_or(flags.quick ? 0.5 : options.time_limit);
   options.reference_time_limit = flags.reference_time_limit.value_or(options.reference_time_limit);
   flags.prepare(true);

@@ -26,8 +26,11 @@ constexpr double kNeverMet = 1e-300;  // of a solver that another test stops
 /// The test of a setting on consecutive iterates, and what is kept of them.
 class SettingWatch {
  public:
-  SettingWatch(const PopularSetting& setting, const ContactProblem& p, double time_limit)
+  /// `to_end`: nothing is asked for after the setting's end.
+  SettingWatch(const PopularSetting& setting, const ContactProblem& p, double time_limit,
+               bool to_end = false)
       : setting_(setting),
+        to_end_(to_end),
         p_(p),
         delassus_(p),
         evaluate_(p),
@@ -60,11 +63,14 @@ class SettingWatch {
       }
       all = all && !std::isnan(reached);
     }
-    done_ = !row_.end.empty() &&
-            (setting_.test == PopularSetting::Test::kNone || all || k >= kLongestRun || limit_());
+    done_ = !row_.end.empty() && (to_end_ || setting_.test == PopularSetting::Test::kNone || all ||
+                                  k >= kLongestRun || limit_());
     return done_;
   }
   bool done() const { return done_; }
+
+  /// The impulse at the end, once finish() was called.
+  const Vector& impulse() const { return s_; }
 
   /// The row, once the solver has ended with `last`.
   SettingStudy::Row finish(const SolveResult& last, const TrueErrorEvaluator* true_error) {
@@ -153,6 +159,7 @@ class SettingWatch {
   }
 
   const PopularSetting& setting_;
+  const bool to_end_;
   const ContactProblem& p_;
   const DelassusOperator delassus_;
   ContactErrorEvaluator evaluate_;
@@ -257,6 +264,21 @@ SettingStudy::Row run_popular(const PopularSetting& setting, const TestProblem& 
   return watch.finish(run_watched(setting, p, s0, watch, options), true_error);
 }
 
+StepSolver popular_step_solver(const PopularSetting& setting,
+                               const SettingStudy::Options& options) {
+  return [&setting, options](const ContactProblem& p, const Vector& s0) {
+    SettingWatch watch(setting, p, options.time_limit, true);
+    const SettingStudy::Row row =
+        watch.finish(run_watched(setting, p, s0, watch, options), nullptr);
+    return StepSolution{
+        .converged = row.end == "test" || setting.test == PopularSetting::Test::kNone,
+        .message = row.end,
+        .s = watch.impulse(),
+        .error = row.error,
+        .iterations = row.iterations};
+  };
+}
+
 SettingStudy study_settings(const std::vector<ProblemSource>& sources,
                             const SettingStudy::Options& options) {
   SettingStudy study;
@@ -291,7 +313,8 @@ SettingStudy study_settings(const std::vector<ProblemSource>& sources,
       study.rows.push_back(std::move(row));
     }
   }
-  study.complete = true;
+  if (options.overlaps) study.overlaps = popular_overlaps(options);
+  study.complete = !interrupted();
   return study;
 }
 

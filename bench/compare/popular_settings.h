@@ -9,6 +9,7 @@
 #include "bench/measure/problem_target.h"
 #include "bench/measure/true_error.h"
 #include "core/criterion/contact_error.h"
+#include "core/motion/time_stepping.h"
 
 namespace bipot {
 
@@ -61,15 +62,27 @@ struct SettingStudy {
     std::array<double, 4> at_tolerance = {kNaN, kNaN, kNaN, kNaN};
   };
 
+  /// Bodies in each other after steps that a setting ended, from a start without overlaps.
+  struct Overlap {
+    static constexpr int kSteps = 100;
+    static constexpr const char* kColumn = "column at rest";   ///< a scene; exact steps give 0
+    static constexpr const char* kExact = "max(ε, η) = 1e-8";  ///< code of the steps by `auto`
+    std::string code, scene;
+    double largest = kNaN, mean = kNaN;  ///< of the pairs that overlap, over the smallest radius
+    std::string end;                     ///< empty, or why there is none
+  };
+
   struct Options {
-    double time_limit = 2;            ///< CPU seconds of one run
+    double time_limit = 2;            ///< CPU seconds of one run, or of one step
     double reference_time_limit = 5;  ///< of one attempt at a reference to 1e-10
     bool warm = false;                ///< from the problem's start, where it has one
+    bool overlaps = true;             ///< are measured
     std::function<bool()> interrupted = {};
     std::function<void(const Row&)> on_row = {};
   };
 
   std::vector<Row> rows;             ///< problem by problem
+  std::vector<Overlap> overlaps;     ///< scene by scene
   std::vector<std::string> defects;  ///< problems that could not be made, and why
   bool complete = false;
 };
@@ -79,6 +92,12 @@ struct SettingStudy {
 SettingStudy::Row run_popular(const PopularSetting& setting, const TestProblem& problem,
                               const TrueErrorEvaluator* true_error,
                               const SettingStudy::Options& options);
+
+/// Ends each step as the setting does, from the impulses of the step before.
+StepSolver popular_step_solver(const PopularSetting& setting, const SettingStudy::Options& options);
+
+/// Of three scenes: disks that fall, a column of 30 rows at rest, spheres that fall.
+std::vector<SettingStudy::Overlap> popular_overlaps(const SettingStudy::Options& options);
 
 SettingStudy study_settings(const std::vector<ProblemSource>& sources,
                             const SettingStudy::Options& options);

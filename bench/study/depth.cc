@@ -18,15 +18,17 @@
 namespace bipot {
 namespace {
 
-const std::string kDepth = "depth", kDepthMethod = "pgs", kSinkMethod = "pgs_warm";
+const std::string kDepth = "depth", kDepthMethod = "pgs", kSinkMethod = "pgs_warm", kFast = "apgd";
 constexpr double kDrawnTol = 1e-2;
 constexpr double kGrainMu = 0.5;
-constexpr int kMostSweeps = 100000, kMostIterations = 20000;  // of pgs, of apgd
+constexpr int kMostSweeps = 400000, kMostIterations = 40000;  // of pgs, of apgd
+constexpr int kMostWarmSweeps = 20000;
 
-/// A column of grains at rest between two walls, as high as the tallest.
+/// A column of grains at rest between two walls.
 struct Column {
   std::vector<Disk> disks;
   double width = 0;
+  double contact_distance = 1e-6;
 };
 
 Scene<2> grains_and_walls(double wall_mu) {
@@ -38,8 +40,10 @@ Scene<2> grains_and_walls(double wall_mu) {
 
 Column crystalline_column(int width, double height) {
   const int rows = 1 + static_cast<int>(height * width / (0.5 * std::numbers::sqrt3));
-  Column column{triangular_lattice(width, rows, 0.5, Vec2::Zero()), static_cast<double>(width)};
+  Column column{triangular_lattice(width, rows, 0.5, Vec2::Zero()), static_cast<double>(width),
+                1e-4};
   for (Disk& d : column.disks) give_mass(d, d.radius * d.radius);
+  std::erase_if(column.disks, [&](const Disk& d) { return d.x[1] > height * width; });
   return column;
 }
 
@@ -54,24 +58,23 @@ Column random_column(int width, double height, double wall_mu, int seed,
   scene.step = 5e-3;
   scene.contact_distance = 1e-6;
   scene.num_steps = static_cast<int>((3 + std::sqrt(2 * top / kGravity)) / scene.step);
-  scene.solver = {.name = "auto", .tol = 1e-3};
+  scene.solver = {.name = "auto", .tol = 1e-2};
   State<2> state = initial_state(scene);
   const SceneRun<2> run = run_scene<2>(scene, state, {.cancelled = stopped});
   if (run.end == SceneRun<2>::End::kFailed) throw *run.failure;
   return {state.bodies, static_cast<double>(width)};
 }
 
-/// The step of the part of a column below a height, from rest, with this friction of the walls.
-Scene<2> cut_column(const Column& column, double height, double wall_mu) {
+/// The step of a column from rest, with this friction of the walls.
+Scene<2> column_scene(const Column& column, double wall_mu) {
   Scene<2> scene = grains_and_walls(wall_mu);
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 5e-3;
-  scene.contact_distance = 1e-4;
+  scene.contact_distance = column.contact_distance;
   scene.walls = {flat_floor<2>(), half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
                  half_space<2>(Vec2(column.width, 0), Vec2(-1, 0), "right")};
   for (int k = 1; k < 3; ++k) scene.walls[to_size(k)].material = 1;
   for (Disk d : column.disks) {
-    if (d.x[1] > height * column.width) continue;
     d.v.setZero();
     d.spin = 0;
     scene.bodies.push_back(d);
@@ -110,7 +113,7 @@ Study::Values sink_column(Scene<2> scene, double tol, const Study::Stopped& stop
   scene.walls[0].motion = Wall<2>::Motion::kMoving;
   scene.walls[0].v = Vec2(0, -0.1);
   scene.contact_distance = 1e-6;
-  scene.solver = {.name = kDepthMethod, .tol = tol, .max_iterations = kMostIterations};
+  scene.solver = {.name = kDepthMethod, .tol = tol, .max_iterations = kMostWarmSweeps};
   State<2> state = initial_state(scene);
   double sweeps = 0, missed = 0, carried = 0, weight = 0;
   for (const Disk& d : scene.bodies) weight += kGravity * d.mass;
@@ -131,51 +134,39 @@ Study::Values sink_column(Scene<2> scene, double tol, const Study::Stopped& stop
           {"floor_share", carried / kCounted}};
 }
 
-std::vector<double> column_heights(bool quick) {
-  return quick ? std::vector<double>{1, 2, 4} : std::vector<double>{1, 2, 3, 5, 7, 10, 14, 20};
-}
-
+/// A crystal is seed 0. Each random column is poured for its own height: the part that is left of a
+/// taller one is not at rest, and its sweeps tell of the way to a new rest.
 std::vector<Study::Job> depth_jobs(bool quick) {
   const int width = quick ? 4 : 6;
-  const std::vector<double> heights = column_heights(quick);
+  using Solves = std::vector<std::pair<std::string, std::vector<double>>>;
   std::vector<Study::Job> jobs;
-  for (int seed = 1; seed <= (quick ? 2 : 4); ++seed) {
+  for (int seed = 0; seed <= (quick ? 2 : 20); ++seed) {
+    const bool crystal = seed == 0;
+    const std::vector<double> heights = quick     ? std::vector<double>{1, 2, 4}
+                                        : crystal ? std::vector<double>{1, 2, 3, 5, 7, 10, 14, 20}
+                                                  : std::vector<double>{1, 2, 5, 10, 20};
+    const Solves solves =
+        crystal
+            ? Solves{{kDepthMethod, {1e-2, 1e-4, 1e-6}}, {kFast, {1e-2, 1e-4}}}
+            : Solves{{kDepthMethod, {1e-1, 1e-2, 1e-4}}, {kFast, {1e-2}}, {kSinkMethod, {1e-1}}};
     for (const double mu : {0.0, 0.1, 0.3, 0.5}) {
-      const auto column = std::make_shared<Column>();
-      const std::vector<double> sinking =
-          quick ? std::vector<double>{1, 2} : std::vector<double>{1, 2, 3, 5, 7, 10};
-      for (const double height : sinking) {
-        for (const double tol : {1e-1, 1e-2}) {
-          jobs.push_back({{kDepth, fmt::format("random:mu_wall={}", mu), width, seed, kSinkMethod,
-                           tol, height},
-                          [=, tallest = sinking.back()](const Study::Stopped& stopped) {
-                            if (column->disks.empty()) {
-                              *column = random_column(width, tallest, mu, seed, stopped);
-                            }
-                            return sink_column(cut_column(*column, height, mu), tol, stopped);
-                          }});
-        }
-      }
-    }
-  }
-  for (int seed = 0; seed <= (quick ? 2 : 4); ++seed) {  // 0: crystalline
-    for (const double mu : {0.0, 0.1, 0.3, 0.5}) {
-      const auto column = std::make_shared<Column>();
       for (const double height : heights) {
-        for (const double tol : {1e-2, 1e-4, 1e-6}) {
-          for (const char* method : {"pgs", "apgd"}) {
-            if (tol < 1e-5 && method != kDepthMethod) continue;
+        const auto column = std::make_shared<Column>();
+        for (const auto& [method, tols] : solves) {
+          for (const double tol : tols) {
             const std::string scene =
-                fmt::format("{}:mu_wall={}", seed == 0 ? "crystalline" : "random", mu);
-            jobs.push_back(
-                {{kDepth, scene, width, seed, method, tol, height},
-                 [=, tallest = heights.back()](const Study::Stopped& stopped) {
-                   if (column->disks.empty()) {
-                     *column = seed == 0 ? crystalline_column(width, tallest)
-                                         : random_column(width, tallest, mu, seed, stopped);
-                   }
-                   return solve_column(cut_column(*column, height, mu), method, tol, stopped);
-                 }});
+                fmt::format("{}:mu_wall={}", crystal ? "crystalline" : "poured", mu);
+            jobs.push_back({{kDepth, scene, width, seed, method, tol, height},
+                            [=, method = method](const Study::Stopped& stopped) {
+                              if (column->disks.empty()) {
+                                *column = crystal ? crystalline_column(width, height)
+                                                  : random_column(width, height, mu, seed, stopped);
+                              }
+                              const Scene<2> at_rest = column_scene(*column, mu);
+                              return method == kSinkMethod
+                                         ? sink_column(at_rest, tol, stopped)
+                                         : solve_column(at_rest, method, tol, stopped);
+                            }});
           }
         }
       }
@@ -203,7 +194,8 @@ Document depth_report(const Study::Measured& measured) {
                           {"at_5", "5 w", &count_label},
                           {"at_10", "10 w", &count_label},
                           {"at_20", "20 w", &count_label},
-                          {"bar_20", "±", &count_label},
+                          {"low_20", "from", &count_label},
+                          {"high_20", "to", &count_label},
                           {"exponent", "exponent from 5 w on", &ratio_label},
                           {"exponent_bar", "±", &ratio_label},
                           {"unsolved", "at the limit", &share_label},
@@ -216,7 +208,7 @@ Document depth_report(const Study::Measured& measured) {
   const auto heights = distinct(measured, kDepth, &Study::Case::x);
   const auto tols = distinct(measured, kDepth, &Study::Case::tol);
   for (const std::string& method : distinct(measured, kDepth, &Study::Case::method)) {
-    for (const char* kind : {"random", "crystalline"}) {
+    for (const char* kind : {"poured", "crystalline"}) {
       for (const double tol : tols) {
         Chart chart{
             .title = fmt::format("{} to {}, {} columns", method, tolerance_label(tol), kind),
@@ -230,47 +222,43 @@ Document depth_report(const Study::Measured& measured) {
           if (!scene.starts_with(kind)) continue;
           Chart::Series line{
               fmt::format("μ of the walls {}", scene.substr(scene.find('=') + 1)), style++, {}};
-          // The exponent of each seed from 5 w on.
-          std::map<int, double> exponents;
-          std::map<int, std::pair<std::vector<double>, std::vector<double>>> points;
-          std::map<double, MeanValue> at;
+          std::vector<double> x5, sweeps5;  // from 5 w on
+          std::map<double, Study::Geometric> at;
           std::map<int, double> lengths;
           double unsolved = 0, solves = 0, floor = kNaN;
           for (const double x : heights) {
             const Study::Case of{kDepth, scene, widths.back(), 0, method, tol, x};
             const auto sweeps = by_seed(measured, of, "iterations");
-            at[x] = over_seeds(sweeps);
-            if (std::isnan(at[x].mean)) continue;
-            line.points.push_back({.x = x,
-                                   .y = at[x].mean,
-                                   .note = {},
-                                   .y_low = at[x].mean - at[x].confidence,
-                                   .y_high = at[x].mean + at[x].confidence});
+            at[x] = geometric_mean(sweeps);
+            if (at[x].seeds == 0) continue;
+            line.points.push_back(
+                {.x = x, .y = at[x].mean, .note = {}, .y_low = at[x].low, .y_high = at[x].high});
             for (const auto& [seed, missed] : by_seed(measured, of, "unsolved")) {
               unsolved += missed;
               ++solves;
             }
             const auto shares = by_seed(measured, of, "floor_share");
             floor = over_seeds(shares).mean;
+            lengths.clear();
             for (const auto& [seed, share] : shares) lengths[seed] = janssen_length(share) * x;
             for (const auto& [seed, count] : sweeps) {
               if (x < 5) continue;
-              points[seed].first.push_back(x);
-              points[seed].second.push_back(count);
+              x5.push_back(x);
+              sweeps5.push_back(count);
             }
           }
-          for (const auto& [seed, xy] : points) {
-            exponents[seed] = fit_power_law(xy.first, xy.second).exponent;
-          }
-          const MeanValue exponent = over_seeds(exponents);
+          const PowerLaw law = fit_power_law(x5, sweeps5);
           if (solves == 0) continue;
           const MeanValue length = over_seeds(lengths);  // of the tallest
           table.add({scene, method, tol, at[1].mean, at[5].mean, at[10].mean, at[20].mean,
-                     at[20].confidence, exponent.mean, exponent.confidence, unsolved / solves,
+                     at[20].low, at[20].high, law.exponent, law.confidence, unsolved / solves,
                      floor, length.mean, length.confidence});
           chart.series.push_back(std::move(line));
         }
-        if (tol != kDrawnTol || (method == kSinkMethod && kind[0] == 'c')) continue;
+        if (tol != (method == kSinkMethod ? 1e-1 : kDrawnTol) ||
+            (method == kSinkMethod && kind[0] == 'c')) {
+          continue;
+        }
         part.add(Figure{.chart = std::move(chart),
                         .file = fmt::format("depth_{}_{}.svg", method, kind),
                         .caption = fmt::format(

@@ -23,7 +23,7 @@ std::string row_lines(const Study::Case& of, const Study::Values& values) {
   std::string lines;
   for (const auto& [quantity, value] : values) {
     if (quantity != kLastQuantity) {
-      lines += fmt::format("{},{},{:.9g}\n", key, csv_text(quantity), value);
+      lines += fmt::format("{},{},{:.6g}\n", key, csv_text(quantity), value);
     }
   }
   return lines +
@@ -44,7 +44,7 @@ Number row_number(const std::string& text, const std::filesystem::path& path) {
 
 const std::vector<Study::Part>& Study::parts() {
   static const std::vector<Part> all = {thresholds_part(), depth_part(), answers_part(),
-                                        ensembles_part(),  plane_part(), springs_part()};
+                                        ensembles_part(),  plane_part(), paths_part()};
   return all;
 }
 

@@ -58,6 +58,11 @@ struct Study {
     double error = kNaN, bar = kNaN;  ///< |mean difference| and its 95 % bar over |mean reference|
     int seeds = 0;
   };
+  /// A geometric mean with its 95 % interval (Student's t of the logarithms).
+  struct Geometric {
+    double mean = kNaN, low = kNaN, high = kNaN;
+    int seeds = 0;
+  };
   /// The class of a quantity: geometry, stress, forces or kinematics; empty: it has none.
   static std::string class_of(const std::string& quantity);
   /// Means of the quantities over the end of a run.

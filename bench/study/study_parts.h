@@ -14,14 +14,16 @@ Study::Part depth_part();       ///< does the number of sweeps saturate with the
 Study::Part answers_part();     ///< how many steps have several exact answers?
 Study::Part ensembles_part();   ///< do statistics depend on the answer that is taken?
 Study::Part plane_part();       ///< error over step and tolerance
-Study::Part springs_part();     ///< rigid contacts against springs at equal error
+Study::Part paths_part();       ///< the same of paths, and rigid contacts against springs
 
 /// Values of a quantity by seed, over the cases that agree with `of` in all but the seed.
 std::map<int, double> by_seed(const Study::Measured& measured, Study::Case of,
                               const std::string& quantity);
 /// Mean and 95 % bar over seeds.
 MeanValue over_seeds(const std::map<int, double>& values);
-/// The same of the differences a - b of the seeds that both have.
+/// The geometric mean over seeds; seeds with a value that is not finite and positive are left out.
+Study::Geometric geometric_mean(const std::map<int, double>& values);
+/// Mean and bar of the differences a - b of the seeds that both have.
 MeanValue paired_difference(const std::map<int, double>& a, const std::map<int, double>& b);
 /// Differences of a quantity from a reference, by means over the seeds.
 Study::PairedError paired_error(const Study::Measured& measured, const Study::Case& of,

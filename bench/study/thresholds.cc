@@ -33,6 +33,16 @@ MeanValue over_seeds(const std::map<int, double>& values) {
   return mean_value(x);
 }
 
+Study::Geometric geometric_mean(const std::map<int, double>& values) {
+  std::map<int, double> logs;
+  for (const auto& [seed, value] : values) {
+    if (value > 0 && std::isfinite(value)) logs[seed] = std::log(value);
+  }
+  const MeanValue mean = over_seeds(logs);
+  return {std::exp(mean.mean), std::exp(mean.mean - mean.confidence),
+          std::exp(mean.mean + mean.confidence), static_cast<int>(logs.size())};
+}
+
 MeanValue paired_difference(const std::map<int, double>& a, const std::map<int, double>& b) {
   std::map<int, double> differences;
   for (const auto& [seed, value] : a) {
@@ -82,7 +92,7 @@ std::vector<SizePlan> size_plans(bool quick) {
   if (quick) return {{64, three, {10, 1e-1, 1e-3}}};
   return {{64, three, {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6}},
           {169, {"apgd"}, {1, 1e-1, 1e-2}},
-          {441, {"apgd"}, {1, 1e-1, 1e-3}}};
+          {441, {"apgd"}, {1, 1e-1, 1e-2}}};
 }
 
 std::vector<Study::Job> threshold_jobs(bool quick) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "bench/compare/settings_report.h"
 #include "bench/measure/peer_map.h"
@@ -110,8 +111,8 @@ TEST(PopularSettings, AStudyHasARowForEachSettingAndProblem) {
                          p.problem.u_free[0] = kNaN;
                          return p;
                        }};
-  const SettingStudy study =
-      study_settings({source("one"), source("two"), broken}, {.time_limit = 5});
+  SettingStudy study =
+      study_settings({source("one"), source("two"), broken}, {.time_limit = 5, .overlaps = false});
   EXPECT_TRUE(study.complete);
   EXPECT_EQ(study.rows.size(), 2 * popular_settings().size());
   ASSERT_EQ(study.defects.size(), 1u);
@@ -120,11 +121,49 @@ TEST(PopularSettings, AStudyHasARowForEachSettingAndProblem) {
     EXPECT_TRUE(std::isfinite(row.error.guarded())) << row.code;
     EXPECT_TRUE(std::isfinite(row.true_error.velocity)) << row.code;
   }
+  EXPECT_TRUE(study.overlaps.empty());
+  study.overlaps = {{.code = SettingStudy::Overlap::kExact, .scene = "one", .largest = 0.0123},
+                    {.code = "Chrono", .scene = "one", .largest = 0.0456},
+                    {.code = SettingStudy::Overlap::kExact, .scene = "two", .largest = 0.0789},
+                    {.code = "Chrono", .scene = "two", .end = "bodies left"}};
   const std::string text = to_text(settings_document(study, Provenance{}));
+  for (const char* seen : {"two: largest", "4.6e-02", "two, Chrono: bodies left"}) {
+    EXPECT_TRUE(says(text, seen)) << seen;
+  }
   for (const PopularSetting& setting : popular_settings()) {
     EXPECT_TRUE(says(text, setting.code));
   }
   EXPECT_TRUE(says(text, "natural map (Siconos)"));
+}
+
+// A step of a run ends where the setting ends on its problem alone.
+TEST(PopularSettings, StepsEndAsTheSettingDoes) {
+  const TestProblem p = lattice_problem();
+  for (const PopularSetting& setting : popular_settings()) {
+    const SettingStudy::Row alone = run_code(setting.code, p);
+    const StepSolution step = popular_step_solver(setting, {.time_limit = 20})(p.problem, Vector());
+    EXPECT_EQ(step.iterations, alone.iterations) << setting.code;
+    EXPECT_EQ(step.error.guarded(), alone.error.guarded()) << setting.code;
+    EXPECT_EQ(contact_error(p.problem, step.s).guarded(), alone.error.guarded()) << setting.code;
+  }
+}
+
+// A lattice at rest need not move: exact steps leave it alone. In the first step, from zero, a sweep
+// carries a load one row further up at best, so eight sweeps leave most of 30 rows in free fall, by
+// g h² = 2.5e-4 m at least, half a thousandth of the radius 0.5 m.
+TEST(PopularSettings, FewSweepsLetAColumnSink) {
+  const auto all = popular_overlaps({});
+  ASSERT_EQ(all.size(), 3 * (1 + popular_settings().size()));
+  std::map<std::string, SettingStudy::Overlap> column;
+  for (const SettingStudy::Overlap& o : all) {
+    EXPECT_EQ(o.end, "") << o.scene << ", " << o.code;
+    EXPECT_LE(o.mean, o.largest);
+    if (o.scene == SettingStudy::Overlap::kColumn) column[o.code] = o;
+  }
+  EXPECT_LT(column.at(SettingStudy::Overlap::kExact).largest, 1e-6);
+  EXPECT_GT(column.at("game engine, 8").largest, 5e-4);
+  EXPECT_LT(column.at("game engine, 30").largest, column.at("game engine, 8").largest);
+  EXPECT_LT(column.at("LMGC90").largest, column.at("game engine, 30").largest);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ TEST(Study, GoesOnFromTheMeasurementsThatAreComplete) {
   ASSERT_EQ(measured.size(), 2u);
   const Study::Values& first = measured.begin()->second;
   EXPECT_EQ(first.at("height"), 2.5);
-  EXPECT_NEAR(first.at("with, comma"), 1.0 / 3, 1e-9);
+  EXPECT_NEAR(first.at("with, comma"), 1.0 / 3, 1e-6);
   EXPECT_GE(first.at("cpu"), 0);
 
   // The last measurement loses its last row, as if the program had been killed there.
@@ -72,6 +72,46 @@ TEST(Study, ErrorsArePairedBySeed) {
   const Study::PairedError e = paired_error(measured, rough, exact, "height");
   EXPECT_NEAR(e.error, 0.5 / 4, 1e-12);
   EXPECT_NEAR(e.bar, 3.18245 * std::sqrt(5.0 / 3 / 4) / 4, 1e-5);
+}
+
+// Logarithms 0, 1, 2: mean 1, standard deviation 1, Student's t with 2 degrees of freedom 4.3027.
+TEST(Study, GeometricMeansHaveTheIntervalOfTheLogarithms) {
+  const Study::Geometric mean =
+      geometric_mean({{1, 1}, {2, std::numbers::e}, {3, std::exp(2.0)}, {4, 0}, {5, kNaN}});
+  EXPECT_EQ(mean.seeds, 3);
+  EXPECT_NEAR(std::log(mean.mean), 1, 1e-12);
+  EXPECT_NEAR(std::log(mean.low), 1 - 4.30265 / std::sqrt(3.0), 1e-4);
+  EXPECT_NEAR(std::log(mean.high), 1 + 4.30265 / std::sqrt(3.0), 1e-4);
+}
+
+// Errors of the same flow: the solver's part falls with the tolerance and the step's part with the
+// step; their sum bounds the whole. Springs end near the rigid reference.
+TEST(Study, PathsTellTheErrorOfTheStepFromTheSolvers) {
+  std::map<std::pair<double, double>, Study::Values> rigid;
+  Study::Values springs;
+  for (const Study::Part& part : Study::parts()) {
+    if (part.name != "paths") continue;
+    for (const Study::Job& j : part.jobs(true)) {
+      if (j.of.scene != "collapse" || j.of.seed != 1) continue;
+      const Study::Values values = j.run(kNever);
+      ASSERT_FALSE(values.contains("failed")) << j.of.method;
+      (j.of.method == "springs" ? springs : rigid[{j.of.x, j.of.tol}]) = values;
+    }
+  }
+  ASSERT_EQ(rigid.size(), 4u);
+  const auto solver_error = [&](double factor, double tol) {
+    return rigid[std::pair(factor, tol)]["solver_error"];
+  };
+  for (const double factor : {2.0, 0.5}) {
+    EXPECT_LT(solver_error(factor, 1e-2), solver_error(factor, 1));
+    for (const double tol : {1.0, 1e-2}) {
+      auto& of = rigid[std::pair(factor, tol)];
+      EXPECT_LE(of["error"], of["solver_error"] + of["step_error"]) << factor << " " << tol;
+    }
+  }
+  const std::pair<double, double> fine{0.5, 1}, coarse{2, 1};
+  EXPECT_LT(rigid[fine]["step_error"], 0.5 * rigid[coarse]["step_error"]);
+  EXPECT_LT(springs.at("error"), 0.1);
 }
 
 TEST(Study, EveryPartHasJobsOfItsOwnNameAndDrawsWhatThereIs) {
