@@ -105,7 +105,7 @@ std::pair<double, double> share_interval(double hits, double of) {
   const double p = hits / of, z2 = kZ * kZ;
   const double middle = (p + z2 / (2 * of)) / (1 + z2 / of);
   const double half = kZ / (1 + z2 / of) * std::sqrt(p * (1 - p) / of + z2 / (4 * of * of));
-  return {middle - half, middle + half};
+  return {std::max(middle - half, 0.0), std::min(middle + half, 1.0)};
 }
 
 Document answers_report(const Study::Measured& measured) {

@@ -14,15 +14,18 @@
 #include "bench/report/labels.h"
 #include "bench/study/study_parts.h"
 #include "core/motion/push_apart.h"
+#include "core/observables/observables.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 
 namespace bipot {
 namespace {
 
-const std::string kPaths = "paths", kRigid = "apgd", kSprings = "springs";
+const std::string kPaths = "paths", kRigid = "apgd", kSprings = "dem";
 const char* const kError = "error";               // from the reference
 const char* const kSolverError = "solver_error";  // from the tightest tolerance at the same step
+const char* const kOwnError = "own_error";        // of springs, from the stiffest
+constexpr double kStiffest = 1e-4;                // overlap aimed at
 constexpr int kHorizon = 16;                      // steps of the scene
 constexpr double kExactFactor = 1.0 / 64, kTightest = 1e-8;  // of the reference
 constexpr double kApproachTol = 1e-3, kPathLimit = 60;       // the latter in CPU seconds
@@ -32,6 +35,7 @@ struct Flow {
   Scene<2> scene;
   State<2> exact;
   std::map<double, State<2>> tight;  ///< by step factor, to the tightest tolerance
+  State<2> stiff;                    ///< with the stiffest springs
 };
 
 /// Where a run leads from the beginning of the scene; without a body: it did not end.
@@ -84,7 +88,15 @@ Study::Values follow_path(Flow& flow, const RunSetting& setting, const Study::St
                        {"overlap", record.penetration},
                        {"unsolved", record.steps - record.steps_converged},
                        {"cpu", record.cpu}};
-  if (setting.dem()) return values;
+  if (setting.dem()) {
+    const RunSetting stiffest{.model = Model::kSpringDashpot, .overlap = kStiffest};
+    if (flow.stiff.bodies.empty()) flow.stiff = follow(flow.scene, stiffest, stopped).first;
+    if (flow.stiff.bodies.empty()) return values;
+    values[kOwnError] = path_error(flow, state, flow.stiff);
+    values["law_error"] = path_error(flow, flow.stiff, flow.exact);
+    values["inertial_number"] = observe(flow.scene, flow.exact, {}).inertial_number();
+    return values;
+  }
   State<2>& tight = flow.tight[setting.step_factor];
   if (tight.bodies.empty()) {
     tight = follow(flow.scene, to_tightest(setting.step_factor), stopped).first;
@@ -167,7 +179,7 @@ void add_ridge(const Study::Measured& measured, const std::string& scene, int si
               .x = {.label = "tolerance ε", .kind = Chart::Axis::Kind::kLog},
               .y = {.label = "error of the paths", .kind = Chart::Axis::Kind::kLog}};
   Chart::Series balance{"ε that balances", 9, {}, Chart::Series::Kind::kLinePoints};
-  std::vector<double> h, step_errors, eps, solver_errors;
+  std::vector<double> h, step_errors, eps, solver_errors, balances;
   int style = 0;
   for (const double factor : factors) {
     std::map<int, std::map<double, double>> by_tol;
@@ -191,6 +203,7 @@ void add_ridge(const Study::Measured& measured, const std::string& scene, int si
       h.push_back(factor);
       step_errors.push_back(e);
       balanced[seed] = balanced_tolerance(by_tol[seed], e);
+      balances.push_back(balanced[seed]);
     }
     const auto solver_at = [&](double tol) {
       return geometric_mean(seen(measured, scene, size, kRigid, tol, factor, kSolverError)).mean;
@@ -205,8 +218,9 @@ void add_ridge(const Study::Measured& measured, const std::string& scene, int si
   }
   if (chart.series.empty()) return;
   chart.series.push_back(std::move(balance));
-  const PowerLaw p = fit_power_law(h, step_errors), q = fit_power_law(eps, solver_errors);
-  orders.add({scene, p.exponent, p.confidence, q.exponent, q.confidence});
+  const PowerLaw p = fit_power_law(h, step_errors), q = fit_power_law(eps, solver_errors),
+                 r = fit_power_law(h, balances);
+  orders.add({scene, p.exponent, p.confidence, q.exponent, q.confidence, r.exponent, r.confidence});
   part.add(Figure{
       .chart = std::move(chart),
       .file = fmt::format("paths_{}.svg", scene),
@@ -218,7 +232,7 @@ void add_ridge(const Study::Measured& measured, const std::string& scene, int si
 struct Choice {
   std::string label;
   bool springs = false;
-  Study::Geometric error;
+  Study::Geometric error;  ///< from the limit of the own law
   std::map<int, double> cpu;
 
   double mean_cpu() const { return geometric_mean(cpu).mean; }
@@ -235,9 +249,12 @@ const Choice* cheapest(const std::vector<Choice>& all, bool springs, double want
 }
 
 void add_springs(const Study::Measured& measured, const std::string& scene, int size,
-                 Document& part, Table& costs, Table& settings) {
+                 Document& part, Table& laws, Table& costs, Table& settings) {
   std::vector<Choice> all;
   std::set<Study::Case> known;
+  Chart::Series unlike{"springs, from the rigid limit", 2, {}, Chart::Series::Kind::kPoints};
+  Study::Geometric law;
+  double inertial = kNaN;
   for (const auto& [key, values] : measured) {
     Study::Case of = key;
     of.seed = 0;
@@ -245,20 +262,26 @@ void add_springs(const Study::Measured& measured, const std::string& scene, int 
       continue;
     }
     const bool springs = of.method == kSprings;
-    const auto error = geometric_mean(by_seed(measured, of, kError));
+    const auto from_rigid = geometric_mean(by_seed(measured, of, kError));
+    const auto error = springs ? geometric_mean(by_seed(measured, of, kOwnError)) : from_rigid;
     if (error.seeds < 2) continue;
     all.push_back({springs ? fmt::format("overlap {}", tolerance_label(of.tol))
                            : fmt::format("ε = {}, {:g} h", tolerance_label(of.tol), of.x),
                    springs, error, by_seed(measured, of, "cpu")});
-    settings.add({scene, of.method, of.tol, of.x, error.mean, error.low, error.high,
-                  over_seeds(by_seed(measured, of, "overlap")).mean, all.back().mean_cpu(),
-                  error.seeds});
+    if (springs) {
+      unlike.points.push_back({.x = all.back().mean_cpu(), .y = from_rigid.mean, .hollow = true});
+      law = geometric_mean(by_seed(measured, of, "law_error"));
+      inertial = over_seeds(by_seed(measured, of, "inertial_number")).mean;
+    }
+    settings.add({scene, of.method, of.tol, of.x, from_rigid.mean, from_rigid.low, from_rigid.high,
+                  springs ? error.mean : kNaN, over_seeds(by_seed(measured, of, "overlap")).mean,
+                  all.back().mean_cpu(), error.seeds});
   }
   Chart chart{.title = scene,
               .x = {.label = "CPU time", .kind = Chart::Axis::Kind::kLogSeconds},
               .y = {.label = "error of the paths", .kind = Chart::Axis::Kind::kLog}};
   Chart::Series rigid{"rigid", 0, {}, Chart::Series::Kind::kPoints};
-  Chart::Series soft{"springs", 1, {}, Chart::Series::Kind::kPoints};
+  Chart::Series soft{"springs, from their own", 1, {}, Chart::Series::Kind::kPoints};
   for (const Choice& c : all) {
     (c.springs ? soft : rigid)
         .points.push_back({.x = c.mean_cpu(),
@@ -268,6 +291,7 @@ void add_springs(const Study::Measured& measured, const std::string& scene, int 
                            .y_high = c.error.high});
   }
   if (soft.points.empty()) return;
+  laws.add({scene, inertial, law.mean, law.low, law.high, law.seeds});
   for (const double wanted : {0.3, 0.1, 0.03, 0.01, 0.003, 0.001}) {
     const Choice* of_rigid = cheapest(all, false, wanted);
     const Choice* of_springs = cheapest(all, true, wanted);
@@ -286,7 +310,7 @@ void add_springs(const Study::Measured& measured, const std::string& scene, int 
                of_springs == nullptr ? kNaN : of_springs->mean_cpu(), ratio.mean, ratio.low,
                ratio.high});
   }
-  chart.series = {std::move(rigid), std::move(soft)};
+  chart.series = {std::move(rigid), std::move(soft), std::move(unlike)};
   part.add(Figure{.chart = std::move(chart),
                   .file = fmt::format("springs_{}.svg", scene),
                   .caption = fmt::format("{}: error of the paths against the cost of following "
@@ -297,7 +321,7 @@ void add_springs(const Study::Measured& measured, const std::string& scene, int 
 Document paths_report(const Study::Measured& measured) {
   Document part;
   Table ridge{.columns = {{"scene", "scene"},
-                          {"step_factor", "step over the scene's", &compact_label},
+                          {"step_factor", "step over the scene's", &ratio_label},
                           {"step_error", "error by the step", &share_label},
                           {"low", "from", &share_label},
                           {"high", "to", &share_label},
@@ -314,8 +338,17 @@ Document paths_report(const Study::Measured& measured) {
                            {"p", "error by the step ~ h^p, p", &ratio_label},
                            {"p_bar", "±", &ratio_label},
                            {"q", "error by the solver ~ ε^q, q", &ratio_label},
-                           {"q_bar", "±", &ratio_label}},
+                           {"q_bar", "±", &ratio_label},
+                           {"r", "ε that balances ~ h^r, r", &ratio_label},
+                           {"r_bar", "±", &ratio_label}},
                .key = "orders"};
+  Table laws{.columns = {{"scene", "scene"},
+                         {"inertial_number", "I", &compact_label},
+                         {"law", "stiff springs from rigid contacts", &share_label},
+                         {"low", "from", &share_label},
+                         {"high", "to", &share_label},
+                         {"seeds", "seeds", &count_label}},
+             .key = "laws_of_contact"};
   Table costs{.columns = {{"scene", "scene"},
                           {"wanted", "error wanted", &share_label},
                           {"rigid", "rigid setting"},
@@ -329,10 +362,11 @@ Document paths_report(const Study::Measured& measured) {
   Table settings{.columns = {{"scene", "scene"},
                              {"method", "contacts"},
                              {"tol", "ε, or overlap aimed at", &tolerance_label},
-                             {"step_factor", "step", &compact_label},
+                             {"step_factor", "step", &ratio_label},
                              {"error", "error of the paths", &share_label},
                              {"low", "from", &share_label},
                              {"high", "to", &share_label},
+                             {"own", "from stiff springs", &share_label},
                              {"overlap", "largest overlap", &share_label},
                              {"cpu", "CPU", &seconds_label},
                              {"seeds", "seeds", &count_label}},
@@ -345,10 +379,11 @@ Document paths_report(const Study::Measured& measured) {
     add_ridge(measured, scene, sizes.back(),
               distinct<double>(measured, kPaths, &Study::Case::x, rigid),
               distinct<double>(measured, kPaths, &Study::Case::tol, rigid), part, ridge, orders);
-    add_springs(measured, scene, sizes.back(), part, costs, settings);
+    add_springs(measured, scene, sizes.back(), part, laws, costs, settings);
   }
   part.add(std::move(orders));
   part.add(std::move(ridge));
+  part.add(std::move(laws));
   part.add(std::move(costs));
   Document details;
   details.add(std::move(settings));

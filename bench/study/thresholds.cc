@@ -91,7 +91,7 @@ std::vector<SizePlan> size_plans(bool quick) {
   const std::vector<std::string> three = {"apgd", "pgs", "ipm"};
   if (quick) return {{64, three, {10, 1e-1, 1e-3}}};
   return {{64, three, {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6}},
-          {169, {"apgd"}, {1, 1e-1, 1e-2}},
+          {169, {"apgd", "pgs"}, {1, 1e-1, 1e-2}},
           {441, {"apgd"}, {1, 1e-1, 1e-2}}};
 }
 
@@ -272,7 +272,13 @@ Document thresholds_report(const Study::Measured& measured) {
                           {"size", "disks", &count_label},
                           {"decided", "curves", &count_label},
                           {"median_threshold", "half are right from", &tolerance_label},
-                          {"tight_threshold", "9 in 10 right from", &tolerance_label}},
+                          {"tight_threshold", "9 in 10 right from", &tolerance_label},
+                          {"right_1", "right at ε = 1", &count_label},
+                          {"of_1", "of", &count_label},
+                          {"right_01", "at 0.1", &count_label},
+                          {"of_01", "of", &count_label},
+                          {"error_01", "median error at 0.1", &share_label},
+                          {"bar_01", "median bar", &share_label}},
               .key = "thresholds"};
   for (const std::string& name : kStudyClasses) {
     for (const int size : distinct(measured, kThresholds, &Study::Case::size)) {
@@ -284,8 +290,11 @@ Document thresholds_report(const Study::Measured& measured) {
       }
       if (thresholds.empty()) continue;
       std::sort(thresholds.begin(), thresholds.end());
+      const ClassError at_1 = class_error(curves, name, 1, size);
+      const ClassError at_01 = class_error(curves, name, 0.1, size);
       worst.add({name, size, static_cast<int>(thresholds.size()), -quantile(thresholds, 0.5),
-                 -quantile(thresholds, 0.9)});
+                 -quantile(thresholds, 0.9), at_1.right, at_1.all, at_01.right, at_01.all,
+                 median(at_01.errors), median(at_01.bars)});
     }
   }
   for (const ErrorCurve& c : curves) {

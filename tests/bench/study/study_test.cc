@@ -95,7 +95,7 @@ TEST(Study, PathsTellTheErrorOfTheStepFromTheSolvers) {
       if (j.of.scene != "collapse" || j.of.seed != 1) continue;
       const Study::Values values = j.run(kNever);
       ASSERT_FALSE(values.contains("failed")) << j.of.method;
-      (j.of.method == "springs" ? springs : rigid[{j.of.x, j.of.tol}]) = values;
+      (j.of.method == "dem" ? springs : rigid[{j.of.x, j.of.tol}]) = values;
     }
   }
   ASSERT_EQ(rigid.size(), 4u);
@@ -112,6 +112,7 @@ TEST(Study, PathsTellTheErrorOfTheStepFromTheSolvers) {
   const std::pair<double, double> fine{0.5, 1}, coarse{2, 1};
   EXPECT_LT(rigid[fine]["step_error"], 0.5 * rigid[coarse]["step_error"]);
   EXPECT_LT(springs.at("error"), 0.1);
+  EXPECT_LE(springs.at("error"), springs.at("own_error") + springs.at("law_error"));
 }
 
 TEST(Study, EveryPartHasJobsOfItsOwnNameAndDrawsWhatThereIs) {
