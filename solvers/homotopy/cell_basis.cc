@@ -7,8 +7,6 @@
 namespace bipot {
 namespace {
 
-// Kinds of columns of a contact.
-constexpr int kColumns = 4;
 // Fronts exchange rows within themselves alone. A factor with larger multipliers is rejected.
 constexpr double kLargestMultiplier = 1e8;
 // Fewer candidates are solved for one by one.
@@ -57,11 +55,15 @@ int CellBasis::key(int contact, Column column) {
   return kColumns * contact + static_cast<int>(column);
 }
 
+int CellBasis::factored_slot(int contact, Column column) const {
+  const Column* const first = &matrix_.columns()[to_size(contact * problem_.dim)];
+  const Column* const end = first + problem_.dim;
+  const Column* const at = std::find(first, end, column);
+  return at == end ? -1 : contact * problem_.dim + static_cast<int>(at - first);
+}
+
 bool CellBasis::is_unknown(const Candidate& c) const {
-  const int other = problem_.dim == 1 ? c.slot : c.slot ^ 1;
-  const std::vector<Column>& factored = matrix_.columns();
-  return factored[to_size(c.slot)] != c.column && factored[to_size(other)] != c.column &&
-         exchanged_.find(key(c.contact, c.column)) < 0;
+  return factored_slot(c.contact, c.column) < 0 && exchanged_.find(key(c.contact, c.column)) < 0;
 }
 
 void CellBasis::prepare(const std::vector<Candidate>& candidates) {
@@ -81,18 +83,17 @@ void CellBasis::prepare(const std::vector<Candidate>& candidates) {
 
 CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
   Entering result{slot, -1, 0, 1};
-  const int d = problem_.dim;
-  if (matrix_.columns()[to_size(slot)] == column) {
+  const int factored = factored_slot(contact, column);
+  if (factored == slot) {
     result.pivot = exchanged_.own_entry(slot);
     return result;
   }
   const int name = key(contact, column);
   result.number = exchanged_.find(name);
   if (result.number < 0) {
-    const int other = d == 1 ? slot : slot ^ 1;
-    if (matrix_.columns()[to_size(other)] == column) {
+    if (factored >= 0) {
       y_.setZero(problem_.num_rows());
-      y_[other] = 1;
+      y_[factored] = 1;
     } else {
       matrix_.for_column(contact, column, [&](int row, double value) { rhs_[row] = value; });
       solve_factored(rhs_, y_);

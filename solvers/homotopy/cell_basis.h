@@ -67,6 +67,8 @@ class CellBasis {
 
  private:
   bool factor_with_exchanges();
+  /// Slot that the column has in the factored B, -1: none.
+  int factored_slot(int contact, Column column) const;
   void solve_factored(const Vector& g, Vector& x);
   static int key(int contact, Column column);
 

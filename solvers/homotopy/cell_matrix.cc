@@ -15,12 +15,13 @@ SparseRows rows_unless_symmetric(const SparseMatrix& W) {
   return same ? SparseRows() : rows;
 }
 
-/// True if the columns 2 i and 2 i + 1 have the same rows, as for an assembled W.
-bool has_pairs(const SparseMatrix& W) {
+/// True if the d columns of each contact have the same rows, as for an assembled W.
+bool has_blocks(const SparseMatrix& W, int d) {
   const int* const row = W.innerIndexPtr();
   const int* const start = W.outerIndexPtr();
-  for (int j = 0; j < W.cols(); j += 2) {
-    if (!std::equal(row + start[j], row + start[j + 1], row + start[j + 1], row + start[j + 2])) {
+  for (int j = 0; j + 1 < W.cols(); ++j) {
+    if ((j + 1) % d != 0 &&
+        !std::equal(row + start[j], row + start[j + 1], row + start[j + 1], row + start[j + 2])) {
       return false;
     }
   }
@@ -31,7 +32,7 @@ bool has_pairs(const SparseMatrix& W) {
 
 CellMatrix::CellMatrix(const LawProblem& problem)
     : problem_(problem),
-      paired_(problem.dim == 2 && has_pairs(problem.W)),
+      alike_(has_blocks(problem.W, problem.dim)),
       rows_(rows_unless_symmetric(problem.W)) {}
 
 CellMatrix::Rows CellMatrix::rows() const {
@@ -48,9 +49,10 @@ void CellMatrix::set(const std::vector<Column>& columns, const Vector& proximal)
 double CellMatrix::diagonal(int slot) const {
   const int d = problem_.dim, contact = slot / d, n = contact * d;
   const Column column = columns_[to_size(slot)];
-  if (!is_impulse(column)) return slot == (column == Column::kOpening ? n : n + 1) ? 1 : 0;
-  return entry(slot, column, contact, problem_.W.coeff(slot, n),
-               d > 1 ? problem_.W.coeff(slot, n + 1) : 0);
+  if (!is_impulse(column)) return slot == n + static_cast<int>(column) ? 1 : 0;
+  double w[3];
+  for (int k = 0; k < d; ++k) w[k] = problem_.W.coeff(slot, n + k);
+  return entry(slot, column, contact, w);
 }
 
 void CellMatrix::add_column(int slot, FrontalLU::Line& to) const {
@@ -60,14 +62,14 @@ void CellMatrix::add_column(int slot, FrontalLU::Line& to) const {
 
 void CellMatrix::add_row(int row, FrontalLU::Line& to) const {
   const int d = problem_.dim, own = row / d;
-  const auto add = [&](int contact, double normal, double tangential) {
+  const auto add = [&](int contact, const double* values) {
     const int n = contact * d;
     for (int slot = n; slot < n + d; ++slot) {
       if (!to.takes(slot)) continue;
       const Column column = columns_[to_size(slot)];
       if (is_impulse(column)) {
-        to.add(slot, entry(row, column, contact, normal, tangential));
-      } else if (row == (column == Column::kOpening ? n : n + 1)) {
+        to.add(slot, entry(row, column, contact, values));
+      } else if (row == n + static_cast<int>(column)) {
         to.add(slot, 1);
       }
     }
@@ -77,14 +79,13 @@ void CellMatrix::add_row(int row, FrontalLU::Line& to) const {
   bool own_seen = false;
   for (int k = w.start[row]; k < end;) {
     const int contact = w.column[k] / d, n = contact * d;
-    double normal = 0, tangential = 0;
-    for (; k < end && w.column[k] < n + d; ++k) {
-      (w.column[k] == n ? normal : tangential) = w.value[k];
-    }
-    add(contact, normal, tangential);
+    double values[3] = {};
+    for (; k < end && w.column[k] < n + d; ++k) values[w.column[k] - n] = w.value[k];
+    add(contact, values);
     own_seen |= contact == own;
   }
-  if (!own_seen) add(own, 0, 0);
+  constexpr double kZero[3] = {};
+  if (!own_seen) add(own, kZero);
 }
 
 void CellMatrix::residual(const std::vector<Column>& columns, const Vector& g, long double weight,
@@ -99,14 +100,12 @@ void CellMatrix::residual(const std::vector<Column>& columns, const Vector& g, l
     const long double value = x[slot];
     const Column column = columns[to_size(slot)];
     const int contact = slot / d, n = contact * d;
-    if (column == Column::kOpening) {
-      sum[n] -= value;
-    } else if (column == Column::kSliding) {
-      sum[n + 1] -= value;
-    } else {
-      impulse[n] += value;
-      if (d > 1) impulse[n + 1] += problem_.tangent(contact, column) * value;
+    if (!is_impulse(column)) {
+      sum[n + static_cast<int>(column)] -= value;
+      continue;
     }
+    impulse[n] += value;
+    for (int k = 1; k < d; ++k) impulse[n + k] += problem_.tangent(contact, column, k) * value;
   }
   out.resize(m);
   const Rows w = rows();

@@ -11,7 +11,7 @@ namespace bipot {
 
 /// The matrix B of a point's cells, computed line by line from W. Each slot has the column
 ///
-///     opening e_n,   sliding e_t,   plus -(W + D)(1, -mu),   minus -(W + D)(1, +mu),
+///     opening e_n,   sliding e_t,   rolling e_m,   a ray -(W + D)(1, ∓mu, ∓mu_r),
 ///
 /// so that U(p) - (W + D) S(p) = B p, with D the diagonal proximal term. Refers to the problem.
 class CellMatrix final : public FrontalLU::MatrixByLines {
@@ -43,10 +43,10 @@ class CellMatrix final : public FrontalLU::MatrixByLines {
     const double* value;
   };
   Rows rows() const;
-  double entry(int row, Column column, int contact, double normal, double tangential) const;
+  double entry(int row, Column column, int contact, const double* w) const;
 
   const LawProblem& problem_;
-  bool paired_;      // d = 2, and both columns of each contact have the same rows
+  bool alike_;       // all columns of each contact have the same rows
   SparseRows rows_;  // W, if it is not symmetric to the last bit
   std::vector<Column> columns_;
   const Vector* proximal_ = nullptr;
@@ -57,55 +57,43 @@ template <class Add>
 void CellMatrix::for_column(int contact, Column column, Add&& add) const {
   const int d = problem_.dim, n = contact * d;
   if (!is_impulse(column)) {
-    add(column == Column::kOpening ? n : n + 1, 1.0);
+    add(n + static_cast<int>(column), 1.0);
     return;
   }
-  SparseMatrix::InnerIterator a(problem_.W, n);
-  if (d == 1) {
-    for (; a; ++a) {
-      add(static_cast<int>(a.row()),
-          entry(static_cast<int>(a.row()), column, contact, a.value(), 0));
-    }
-    return;
-  }
-  if (paired_) {
-    const int* const row = problem_.W.innerIndexPtr() + problem_.W.outerIndexPtr()[n];
-    const double* const normal = problem_.W.valuePtr() + problem_.W.outerIndexPtr()[n];
-    const int count = problem_.W.outerIndexPtr()[n + 1] - problem_.W.outerIndexPtr()[n];
-    for (int k = 0; k < count; ++k) {
-      add(row[k], entry(row[k], column, contact, normal[k], normal[count + k]));
+  const int* const start = problem_.W.outerIndexPtr() + n;
+  const int* const rows = problem_.W.innerIndexPtr();
+  const double* const values = problem_.W.valuePtr();
+  double w[3] = {};
+  if (alike_) {
+    const int count = start[1] - start[0];
+    for (int k = start[0]; k < start[1]; ++k) {
+      for (int j = 0; j < d; ++j) w[j] = values[k + j * count];
+      add(rows[k], entry(rows[k], column, contact, w));
     }
     return;
   }
-  constexpr int kEnd = std::numeric_limits<int>::max();
-  SparseMatrix::InnerIterator b(problem_.W, n + 1);
-  while (a || b) {
-    const int row_a = a ? static_cast<int>(a.row()) : kEnd;
-    const int row_b = b ? static_cast<int>(b.row()) : kEnd;
-    const int row = std::min(row_a, row_b);
-    double normal = 0, tangential = 0;
-    if (row_a == row) {
-      normal = a.value();
-      ++a;
+  int at[3];
+  std::copy_n(start, d, at);
+  for (;;) {
+    int row = std::numeric_limits<int>::max();
+    for (int j = 0; j < d; ++j) {
+      if (at[j] < start[j + 1]) row = std::min(row, rows[at[j]]);
     }
-    if (row_b == row) {
-      tangential = b.value();
-      ++b;
+    if (row == std::numeric_limits<int>::max()) return;
+    for (int j = 0; j < d; ++j) {
+      w[j] = at[j] < start[j + 1] && rows[at[j]] == row ? values[at[j]++] : 0;
     }
-    add(row, entry(row, column, contact, normal, tangential));
+    add(row, entry(row, column, contact, w));
   }
 }
 
-/// Entry of an impulse column, from the entries of W there.
-inline double CellMatrix::entry(int row, Column column, int contact, double normal,
-                                double tangential) const {
-  const int n = contact * problem_.dim;
-  if (problem_.dim == 1) return -normal - (row == n ? (*proximal_)[n] : 0);
-  const double tangent = problem_.tangent(contact, column);
-  double value = -normal - tangent * tangential;
-  if (row == n) value -= (*proximal_)[n];
-  if (row == n + 1) value -= tangent * (*proximal_)[n + 1];
-  return value;
+/// Entry of an impulse column, from the d entries of W there.
+inline double CellMatrix::entry(int row, Column column, int contact, const double* w) const {
+  const int d = problem_.dim, own = row - contact * d;
+  double value = -w[0];
+  for (int k = 1; k < d; ++k) value -= problem_.tangent(contact, column, k) * w[k];
+  if (own < 0 || own >= d) return value;
+  return value - (own == 0 ? 1 : problem_.tangent(contact, column, own)) * (*proximal_)[row];
 }
 
 }  // namespace bipot

@@ -1,6 +1,7 @@
 #include "solvers/homotopy/law_point.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -56,44 +57,77 @@ LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal)
   b /= unit;
   impulse_unit = unit * scaling.velocity;
   mu = dim > 1 ? scaling.mu : Vector(Vector::Zero(p.num_contacts()));
-  for (double& x : mu) {
-    if (x < kNoFriction) x = 0;
+  mu_r = scaling.mu_r;
+  for (Vector* const coefficients : {&mu, &mu_r}) {
+    for (double& x : *coefficients) {
+      if (x < kNoFriction) x = 0;
+    }
   }
 }
 
 void LawPoint::set(const LawProblem& problem, int contact, Cell to) {
-  cell[static_cast<std::size_t>(contact)] = to;
-  const auto first = static_cast<std::size_t>(contact) * static_cast<std::size_t>(problem.dim);
-  column[first] = to == Cell::kTakeOff     ? Column::kOpening
-                  : to == Cell::kSlipMinus ? Column::kMinus
-                                           : Column::kPlus;
-  if (problem.dim > 1) column[first + 1] = to == Cell::kStick ? Column::kMinus : Column::kSliding;
-  for (int k = 0; k < problem.dim; ++k) {
-    const auto slot = first + static_cast<std::size_t>(k);
-    bound[static_cast<Eigen::Index>(slot)] = bound_of(to, column[slot]);
+  cell[to_size(contact)] = to;
+  auto free = static_cast<unsigned>(to);
+  const auto take = [&](Column c) {
+    free &= ~(1U << static_cast<unsigned>(c));
+    return c;
+  };
+  const auto next_ray = [&] {
+    return take(ray(static_cast<unsigned>(std::countr_zero(rays(static_cast<Cell>(free))))));
+  };
+  Column* const first = &column[to_size(contact * problem.dim)];
+  first[0] = has(to, Column::kOpening) ? Column::kOpening : next_ray();
+  if (problem.dim > 1) {
+    // Without sliding a ray on the other side of friction.
+    const unsigned other = sides(first[0]) ^ 1;
+    first[1] = has(to, Column::kSliding) ? Column::kSliding
+               : has(to, ray(other))     ? take(ray(other))
+                                         : take(ray(other ^ 2));
+  }
+  if (problem.dim > 2) first[2] = has(to, Column::kRolling) ? Column::kRolling : next_ray();
+  find_bounds(problem, contact);
+}
+
+void LawPoint::find_bounds(const LawProblem& problem, int contact) {
+  for (int slot = contact * problem.dim; slot < (contact + 1) * problem.dim; ++slot) {
+    const Column c = column[to_size(slot)];
+    const bool friction = (c == Column::kSliding && problem.bound(contact, 1) > 0) ||
+                          (c == Column::kRolling && problem.bound(contact, 2) > 0);
+    bound[slot] = bound_of(cell[to_size(contact)], c, friction);
   }
 }
 
-void LawPoint::find_bounds() {
-  const std::size_t dim = cell.empty() ? 1 : column.size() / cell.size();
-  bound.resize(static_cast<Eigen::Index>(column.size()));
-  for (std::size_t slot = 0; slot < column.size(); ++slot) {
-    bound[static_cast<Eigen::Index>(slot)] = bound_of(cell[slot / dim], column[slot]);
+void LawPoint::find_bounds(const LawProblem& problem) {
+  bound.resize(problem.num_rows());
+  for (int i = 0; i < problem.num_contacts(); ++i) find_bounds(problem, i);
+}
+
+void LawPoint::sort_columns(const LawProblem& problem) {
+  const int d = problem.dim;
+  for (int i = 0; d > 1 && i < problem.num_contacts(); ++i) {
+    std::array<Column, 3> before;
+    std::array<double, 3> parameter;
+    std::copy_n(column.begin() + i * d, d, before.begin());
+    std::copy_n(value.begin() + i * d, d, parameter.begin());
+    set(problem, i, cell[to_size(i)]);
+    for (int k = 0; k < d; ++k) {
+      const auto* const at =
+          std::find(before.begin(), before.begin() + d, column[to_size(i * d + k)]);
+      value[i * d + k] = parameter[to_size(static_cast<int>(at - before.begin()))];
+    }
   }
 }
 
-void LawPoint::sort_columns(int dim) {
-  if (dim == 1) return;
-  for (std::size_t i = 0; i < cell.size(); ++i) {
-    const std::size_t first = 2 * i;
-    const bool sorted = cell[i] == Cell::kStick ? column[first] == Column::kPlus
-                                                : column[first] != Column::kSliding;
-    if (sorted) continue;
-    const auto at = static_cast<Eigen::Index>(first);
-    std::swap(column[first], column[first + 1]);
-    std::swap(bound[at], bound[at + 1]);
-    std::swap(value[at], value[at + 1]);
+Crossing LawPoint::across(const LawProblem& problem, int slot) const {
+  const int d = problem.dim, contact = slot / d;
+  unsigned slip = 0;
+  for (int k = contact * d; k < (contact + 1) * d; ++k) {
+    const Column c = column[to_size(k)];
+    if (c == Column::kOpening || is_impulse(c) || !(value[k] < 0)) continue;
+    const int row = c == Column::kSliding ? 1 : 2;
+    if (problem.bound(contact, row) > 0) slip |= static_cast<unsigned>(row);
   }
+  return cross(cell[to_size(contact)], column[to_size(slot)], slip);
 }
 
 void LawPoint::impulse(const LawProblem& problem, Vector& s) const {
@@ -104,7 +138,9 @@ void LawPoint::impulse(const LawProblem& problem, Vector& s) const {
     const int contact = static_cast<int>(slot) / problem.dim;
     const Eigen::Index row = contact * problem.dim;
     s[row] += value[slot];
-    if (problem.dim > 1) s[row + 1] += problem.tangent(contact, kind) * value[slot];
+    for (int k = 1; k < problem.dim; ++k) {
+      s[row + k] += problem.tangent(contact, kind, k) * value[slot];
+    }
   }
 }
 
@@ -115,6 +151,7 @@ void LawPoint::velocity(const LawProblem& problem, Vector& u) const {
     const Eigen::Index row = slot / problem.dim * problem.dim;
     if (kind == Column::kOpening) u[row] = value[slot];
     if (kind == Column::kSliding) u[row + 1] = value[slot];
+    if (kind == Column::kRolling) u[row + 2] = value[slot];
   }
 }
 
@@ -126,27 +163,53 @@ LawPoint nearest_point(const LawProblem& problem, const Vector& s, const Vector&
   point.bound.resize(problem.num_rows());
   point.value.resize(problem.num_rows());
   for (int i = 0; i < problem.num_contacts(); ++i) {
-    const Eigen::Index n = i * d, t = n + 1;
+    const Eigen::Index n = i * d;
     const double normal = s[n] - u[n];
-    const double tangent = d > 1 ? s[t] - u[t] : 0;
-    const double edge = problem.mu[i] * normal;
     if (normal <= 0) {
       point.set(problem, i, Cell::kTakeOff);
       point.value[n] = -normal;
-      if (d > 1) point.value[t] = u[t];
-    } else if (!problem.friction(i)) {
-      point.set(problem, i, Cell::kSmooth);
-      point.value[n] = normal;
-      if (d > 1) point.value[t] = u[t];
-    } else if (std::abs(tangent) <= edge) {
-      point.set(problem, i, Cell::kStick);
-      const double ratio = tangent / problem.mu[i];
-      point.value[n] = 0.5 * (normal - ratio);
-      point.value[t] = 0.5 * (normal + ratio);
-    } else {
-      point.set(problem, i, tangent < 0 ? Cell::kSlipPlus : Cell::kSlipMinus);
-      point.value[n] = normal;
-      point.value[t] = (std::abs(tangent) - edge) * (tangent < 0 ? 1 : -1);
+      for (int k = 1; k < d; ++k) point.value[n + k] = u[n + k];
+      continue;
+    }
+    // Of each row: the impulse over its bound, the velocity, and whether that is free.
+    double ratio[] = {0, -normal, -normal}, slip[] = {0, 0, 0};
+    bool sticks[] = {false, false, false};
+    unsigned side = 0;
+    for (int k = 1; k < d; ++k) {
+      const double bound = problem.bound(i, k), edge = bound * normal;
+      const double tangent = s[n + k] - u[n + k];
+      if (bound == 0) {
+        slip[k] = u[n + k];
+      } else if (std::abs(tangent) <= edge) {
+        sticks[k] = true;
+        ratio[k] = tangent / bound;
+      } else {
+        slip[k] = (std::abs(tangent) - edge) * (tangent < 0 ? 1 : -1);
+        if (tangent > 0) side |= static_cast<unsigned>(k);
+      }
+    }
+    // The rays between which the impulse lies: from a corner of the cone to the opposite one.
+    const auto bit = [](unsigned sides) { return 1U << static_cast<unsigned>(ray(sides)); };
+    unsigned cell = bit(side);
+    for (unsigned k : {1U, 2U}) cell |= sticks[k] ? bit(side | k) : 0;
+    const bool both = sticks[1] && sticks[2];
+    if (both) cell = bit(0) | bit(3) | bit(ratio[1] >= ratio[2] ? 1 : 2);
+    if (!sticks[1]) cell |= 1U << static_cast<unsigned>(Column::kSliding);
+    if (!sticks[2]) cell |= 1U << static_cast<unsigned>(Column::kRolling);
+    point.set(problem, i, static_cast<Cell>(cell));
+    for (int k = 0; k < d; ++k) {
+      const Column c = point.column[to_size(static_cast<int>(n) + k)];
+      double& value = point.value[n + k];
+      if (c == Column::kSliding || c == Column::kRolling) {
+        value = slip[c == Column::kSliding ? 1 : 2];
+      } else if (both) {
+        const double low = std::min(ratio[1], ratio[2]), high = std::max(ratio[1], ratio[2]);
+        value = 0.5 * (c == ray(0) ? normal - high : c == ray(3) ? normal + low : high - low);
+      } else {
+        const int row = sticks[1] ? 1 : 2;
+        const bool plus = (sides(c) & static_cast<unsigned>(row)) == 0;
+        value = !sticks[row] ? normal : 0.5 * (plus ? normal - ratio[row] : normal + ratio[row]);
+      }
     }
   }
   return point;

@@ -74,7 +74,7 @@ PathFollower::End PathFollower::approach(LawPoint& point) {
   LawPoint ahead = point, candidate;
   for (int k = 0; k < kNewtonSteps && norm > 0; ++k) {
     if (stop_()) return kStopped;
-    point.sort_columns(problem_.dim);
+    point.sort_columns(problem_);
     factored_ = basis_.factor(point, *proximal_);
     if (!factored_) return kSingular;
     ahead = point;
@@ -166,7 +166,7 @@ int PathFollower::refinements() const {
 /// ones of the residual r.
 bool PathFollower::refresh(LawPoint& point, bool move) {
   if (!factored_) {
-    point.sort_columns(problem_.dim);
+    point.sort_columns(problem_);
     if (!basis_.factor(point, *proximal_)) return false;
   }
   factored_ = false;
@@ -210,10 +210,7 @@ PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) c
 void PathFollower::look_ahead(const LawPoint& point, const CellBasis::Candidate& now) {
   nearest_.clear();
   const auto candidate = [&](int slot) {
-    const int d = problem_.dim, contact = slot / d, other = d == 1 ? slot : slot ^ 1;
-    const Crossing crossing = cross(point.cell[to_size(contact)], point.column[to_size(slot)],
-                                    point.value[other], problem_.friction(contact));
-    return CellBasis::Candidate{contact, crossing.enters, slot};
+    return CellBasis::Candidate{slot / problem_.dim, point.across(problem_, slot).enters, slot};
   };
   constexpr std::size_t kMost = kRightSides - 1;
   const auto nearer = [](const Blocking& one, const Blocking& other) {
@@ -247,22 +244,16 @@ void PathFollower::look_ahead(const LawPoint& point, const CellBasis::Candidate&
 
 /// Enters the cell beyond the face where the parameter of `slot` is zero.
 bool PathFollower::pivot(LawPoint& point, int slot) {
-  const int d = problem_.dim, contact = slot / d;
-  const auto at = static_cast<std::size_t>(slot);
-  const int other = d == 1 ? slot : slot ^ 1;
-  Cell& cell = point.cell[static_cast<std::size_t>(contact)];
-  const Crossing crossing =
-      cross(cell, point.column[at], point.value[other], problem_.friction(contact));
+  const int contact = slot / problem_.dim;
+  const Crossing crossing = point.across(problem_, slot);
   const CellBasis::Candidate now{contact, crossing.enters, slot};
   if (basis_.is_unknown(now)) look_ahead(point, now);
   const CellBasis::Entering entering = basis_.entering(contact, crossing.enters, slot);
   if (entering.pivot == 0) return false;
   const double speed = x_[slot] / entering.pivot;
-  cell = crossing.cell;
-  point.column[at] = crossing.enters;
-  for (const int k : {slot, other}) {
-    point.bound[k] = bound_of(cell, point.column[static_cast<std::size_t>(k)]);
-  }
+  point.cell[to_size(contact)] = crossing.cell;
+  point.column[to_size(slot)] = crossing.enters;
+  point.find_bounds(problem_, contact);
   direction_ = crossing.growth * speed < 0 ? 1 : -1;
   ++counts_.pivots;
   const bool small = std::abs(entering.pivot) < kSmallPivot * entering.size;

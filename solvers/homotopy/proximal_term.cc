@@ -35,8 +35,11 @@ void proximal_term(const LawProblem& problem, const LawPoint& point, const Vecto
     const Eigen::Index n = Eigen::Index{i} * d;
     const double own = anchor[n];
     if (mean > 0) term.segment(n, d) *= own * kMost > mean ? std::max(kLeast, mean / own) : kMost;
-    const bool sticks = d == 2 && point.cell[to_size(i)] == Cell::kStick;
-    if (sticks && std::abs(anchor[n + 1]) < kInside * problem.mu[i] * own) {
+    const auto sticks = [&](int k) {
+      return !has(point.cell[to_size(i)], k == 1 ? Column::kSliding : Column::kRolling) &&
+             std::abs(anchor[n + k]) < kInside * problem.bound(i, k) * own;
+    };
+    if (d > 1 && sticks(1) && (d == 2 || sticks(2))) {
       term.segment(n, d) *= kSticking;
     }
   }

@@ -16,7 +16,7 @@ namespace bipot {
 ///
 /// Limits: it jumps away if contacts are undecided. Therefore the number of steps is limited, and a
 /// worse result is discarded.
-template <int D>
+template <ContactRows D>
 class ActiveSet {
  public:
   explicit ActiveSet(InteriorSystem<D>& system);
@@ -31,14 +31,15 @@ class ActiveSet {
   StageEnd operator()(int cap, InteriorRun& run);
 
  private:
-  enum class Status : char { kOpen, kStick, kSlip, kFrictionless };
+  using Jordan = ContactJordan<D>;
+  static constexpr unsigned kOpen = 255;
 
   bool step();
 
   InteriorSystem<D>& system_;
-  std::vector<Status> status_;
+  std::vector<unsigned> status_;  // kOpen, or a bit for each part that slides or rolls
   Vector s_, u_;
-  Vector direction_;       // m, of the friction of sliding contacts, in the tangential rows
+  Vector direction_;       // m, of the friction of sliding parts
   std::vector<double> R_;  // blocks of s = g - R u
   Vector g_, residual_, correction_, next_;
 };
@@ -46,5 +47,7 @@ class ActiveSet {
 extern template class ActiveSet<1>;
 extern template class ActiveSet<2>;
 extern template class ActiveSet<3>;
+extern template class ActiveSet<ContactRows(3, true)>;
+extern template class ActiveSet<ContactRows(6, true)>;
 
 }  // namespace bipot

@@ -29,7 +29,7 @@ double edge_distance(double pull, double radius, double W, double tau) {
 
 }  // namespace
 
-template <int D>
+template <ContactRows D>
 double spring_energy(InteriorSystem<D>& system) {
   const ContactProblem& p = system.problem();
   const Vector& mobility = system.mobility();
@@ -54,7 +54,7 @@ double spring_energy(InteriorSystem<D>& system) {
   return std::isfinite(energy) && energy > 0 ? energy : fallback / p.num_contacts();
 }
 
-template <int D>
+template <ContactRows D>
 double normal_energy(const InteriorSystem<D>& system, const Vector& s) {
   double energy = 0;
   for (int c = 0; c < system.num_contacts(); ++c) {
@@ -63,7 +63,7 @@ double normal_energy(const InteriorSystem<D>& system, const Vector& s) {
   return energy / system.num_contacts();
 }
 
-template <int D>
+template <ContactRows D>
 InteriorState<D> cold_start(const InteriorSystem<D>& system, double energy, double factor) {
   Vector impulse(system.num_contacts());
   for (int c = 0; c < system.num_contacts(); ++c) {
@@ -72,7 +72,7 @@ InteriorState<D> cold_start(const InteriorSystem<D>& system, double energy, doub
   return system.central_state(impulse, Vector::Constant(system.num_contacts(), factor * energy));
 }
 
-template <int D>
+template <ContactRows D>
 InteriorState<D> warm_start(const InteriorSystem<D>& system, const Vector& s0, double tau) {
   using Jordan = ContactJordan<D>;
   constexpr int P = Jordan::P;
@@ -82,28 +82,30 @@ InteriorState<D> warm_start(const InteriorSystem<D>& system, const Vector& s0, d
   Vector u0;
   system.delassus().velocity(s0, u0);
   for (int c = 0; c < system.num_contacts(); ++c) {
-    const bool f = system.friction(c);
-    const double W = system.mobility()[c * D], mu = system.mu(c);
+    const unsigned f = system.parts(c);
+    const double W = system.mobility()[c * D];
+    const FrictionOf<D> mu = system.mu(c);
     const double pull = s0[c * D] - u0[c * D] / W;
     const double root = std::sqrt(pull * pull + 4 * tau / W);
     // The positive root of W s² - W pull s - tau, without cancellation.
     const double normal = pull > 0 ? 0.5 * (pull + root) : 2 * tau / W / (root - pull);
     Local<D> s = Local<D>::Zero();
     s[0] = normal;
+    Local<D> edges;  // at the first row of each part
+    Jordan::each_part(f, mu, [&](auto first, auto count, auto, double bound) {
+      const int row = c * D + first();
+      const double Wt = system.mobility()[row], radius = bound * normal;
+      const Eigen::Matrix<double, count(), 1> along =
+          s0.segment<count()>(row) - u0.segment<count()>(row) / Wt;
+      const double length = along.norm();
+      const double edge = edges[first()] = edge_distance(length, radius, Wt, tau);
+      if (length > 0) s.template segment<count()>(first()) = (radius - edge) / length * along;
+    });
     typename Jordan::Pairs x = Jordan::pairs_of_impulse(s, mu, f);
-    if constexpr (D > 1) {
-      if (f) {
-        const double Wt = system.mobility()[c * D + 1], radius = mu * normal;
-        const Eigen::Matrix<double, D - 1, 1> along =
-            s0.segment<D - 1>(c * D + 1) - u0.segment<D - 1>(c * D + 1) / Wt;
-        const double length = along.norm();
-        const double edge = edge_distance(length, radius, Wt, tau);
-        if (length > 0) s.template tail<D - 1>() = (radius - edge) / length * along;
-        x = Jordan::pairs_of_impulse(s, mu, f);
-        // The difference mu s_n - |s_t| has lost the small edge distance.
-        if constexpr (D == 2) x[s[1] > 0 ? 1 : 2] = edge;
-      }
-    }
+    // The difference mu s_n - |s_t| has lost the small edge distance.
+    Jordan::each_part(f, [&](auto first, auto count, auto pair) {
+      if constexpr (count() == 1) x[pair() + (s[first()] > 0 ? 0 : 1)] = edges[first()];
+    });
     z.X.template segment<P>(c * P) = x;
     z.Y.template segment<P>(c * P) = Jordan::divide(Jordan::identity(tau, f), x, f);
   }
@@ -114,14 +116,28 @@ InteriorState<D> warm_start(const InteriorSystem<D>& system, const Vector& s0, d
 template double spring_energy<1>(InteriorSystem<1>&);
 template double spring_energy<2>(InteriorSystem<2>&);
 template double spring_energy<3>(InteriorSystem<3>&);
+template double spring_energy<ContactRows(3, true)>(InteriorSystem<ContactRows(3, true)>&);
+template double spring_energy<ContactRows(6, true)>(InteriorSystem<ContactRows(6, true)>&);
 template double normal_energy<1>(const InteriorSystem<1>&, const Vector&);
 template double normal_energy<2>(const InteriorSystem<2>&, const Vector&);
 template double normal_energy<3>(const InteriorSystem<3>&, const Vector&);
+template double normal_energy<ContactRows(3, true)>(const InteriorSystem<ContactRows(3, true)>&,
+                                                    const Vector&);
+template double normal_energy<ContactRows(6, true)>(const InteriorSystem<ContactRows(6, true)>&,
+                                                    const Vector&);
 template InteriorState<1> cold_start<1>(const InteriorSystem<1>&, double, double);
 template InteriorState<2> cold_start<2>(const InteriorSystem<2>&, double, double);
 template InteriorState<3> cold_start<3>(const InteriorSystem<3>&, double, double);
+template InteriorState<ContactRows(3, true)> cold_start<ContactRows(3, true)>(
+    const InteriorSystem<ContactRows(3, true)>&, double, double);
+template InteriorState<ContactRows(6, true)> cold_start<ContactRows(6, true)>(
+    const InteriorSystem<ContactRows(6, true)>&, double, double);
 template InteriorState<1> warm_start<1>(const InteriorSystem<1>&, const Vector&, double);
 template InteriorState<2> warm_start<2>(const InteriorSystem<2>&, const Vector&, double);
 template InteriorState<3> warm_start<3>(const InteriorSystem<3>&, const Vector&, double);
+template InteriorState<ContactRows(3, true)> warm_start<ContactRows(3, true)>(
+    const InteriorSystem<ContactRows(3, true)>&, const Vector&, double);
+template InteriorState<ContactRows(6, true)> warm_start<ContactRows(6, true)>(
+    const InteriorSystem<ContactRows(6, true)>&, const Vector&, double);
 
 }  // namespace bipot

@@ -13,16 +13,16 @@ namespace bipot {
 ///   (I + R W) s = -R u_free,   R = diag(kappa / W_nn, 0),   kappa = max(1e4, number of contacts),
 /// so that forces reach across the packing. The energy grows with the weight that a packing
 /// carries. It costs one factorisation.
-template <int D>
+template <ContactRows D>
 double spring_energy(InteriorSystem<D>& system);
 
 /// Mean W_nn s_n² of an impulse s (m), [J].
-template <int D>
+template <ContactRows D>
 double normal_energy(const InteriorSystem<D>& system, const Vector& s);
 
 /// s_n = factor sqrt(energy / W_nn), s_t = 0, all products factor * energy. factor > 0; for large
 /// ones the path is nearly straight.
-template <int D>
+template <ContactRows D>
 InteriorState<D> cold_start(const InteriorSystem<D>& system, double energy, double factor);
 
 /// The state of equal products tau > 0 [J] that solves, contact by contact, the smoothed law with
@@ -32,20 +32,34 @@ InteriorState<D> cold_start(const InteriorSystem<D>& system, double energy, doub
 ///
 /// The multiplier is tau times the gradient of -log det x (contact_jordan.h). Small tau keeps the
 /// force network of s0, though not its error.
-template <int D>
+template <ContactRows D>
 InteriorState<D> warm_start(const InteriorSystem<D>& system, const Vector& s0, double tau);
 
 extern template double spring_energy<1>(InteriorSystem<1>&);
 extern template double spring_energy<2>(InteriorSystem<2>&);
 extern template double spring_energy<3>(InteriorSystem<3>&);
+extern template double spring_energy<ContactRows(3, true)>(InteriorSystem<ContactRows(3, true)>&);
+extern template double spring_energy<ContactRows(6, true)>(InteriorSystem<ContactRows(6, true)>&);
 extern template double normal_energy<1>(const InteriorSystem<1>&, const Vector&);
 extern template double normal_energy<2>(const InteriorSystem<2>&, const Vector&);
 extern template double normal_energy<3>(const InteriorSystem<3>&, const Vector&);
+extern template double normal_energy<ContactRows(3, true)>(
+    const InteriorSystem<ContactRows(3, true)>&, const Vector&);
+extern template double normal_energy<ContactRows(6, true)>(
+    const InteriorSystem<ContactRows(6, true)>&, const Vector&);
 extern template InteriorState<1> cold_start<1>(const InteriorSystem<1>&, double, double);
 extern template InteriorState<2> cold_start<2>(const InteriorSystem<2>&, double, double);
 extern template InteriorState<3> cold_start<3>(const InteriorSystem<3>&, double, double);
+extern template InteriorState<ContactRows(3, true)> cold_start<ContactRows(3, true)>(
+    const InteriorSystem<ContactRows(3, true)>&, double, double);
+extern template InteriorState<ContactRows(6, true)> cold_start<ContactRows(6, true)>(
+    const InteriorSystem<ContactRows(6, true)>&, double, double);
 extern template InteriorState<1> warm_start<1>(const InteriorSystem<1>&, const Vector&, double);
 extern template InteriorState<2> warm_start<2>(const InteriorSystem<2>&, const Vector&, double);
 extern template InteriorState<3> warm_start<3>(const InteriorSystem<3>&, const Vector&, double);
+extern template InteriorState<ContactRows(3, true)> warm_start<ContactRows(3, true)>(
+    const InteriorSystem<ContactRows(3, true)>&, const Vector&, double);
+extern template InteriorState<ContactRows(6, true)> warm_start<ContactRows(6, true)>(
+    const InteriorSystem<ContactRows(6, true)>&, const Vector&, double);
 
 }  // namespace bipot

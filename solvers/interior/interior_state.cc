@@ -11,24 +11,23 @@ constexpr double kRefined = 1e-7;  // correction of a direction after which no o
 
 }  // namespace
 
-template <int D>
+template <ContactRows D>
 InteriorSystem<D>::InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
                                   ShiftedDelassus::Form form, SystemFactor* elsewhere)
     : problem_(problem),
       delassus_(delassus),
       shifted_(problem, form, elsewhere),
-      friction_(to_size(problem.num_contacts())),
+      parts_(to_size(problem.num_contacts())),
       mobility_(mean_diagonal(problem, delassus.diagonal())) {
   for (int c = 0; c < num_contacts(); ++c) {
-    const bool has_friction = D > 1 && problem.mu[c] > 0;
-    friction_[to_size(c)] = has_friction;
-    eigenvalues_ += Jordan::rank(has_friction);
+    parts_[to_size(c)] = static_cast<unsigned char>(Jordan::parts_of(mu(c)));
+    eigenvalues_ += Jordan::rank(parts(c));
   }
   C_.resize(static_cast<std::size_t>(num_contacts()) * D * D);
   R_.resize(C_.size());
 }
 
-template <int D>
+template <ContactRows D>
 InteriorState<D> InteriorSystem<D>::central_state(const Vector& impulse,
                                                   const Vector& energy) const {
   State z;
@@ -37,102 +36,104 @@ InteriorState<D> InteriorSystem<D>::central_state(const Vector& impulse,
   for (int c = 0; c < num_contacts(); ++c) {
     Local<D> s = Local<D>::Zero();
     s[0] = impulse[c];
-    const Pairs x = Jordan::pairs_of_impulse(s, mu(c), friction(c));
+    const Pairs x = Jordan::pairs_of_impulse(s, mu(c), parts(c));
     z.X.template segment<P>(c * P) = x;
     z.Y.template segment<P>(c * P) =
-        Jordan::divide(Jordan::identity(energy[c], friction(c)), x, friction(c));
+        Jordan::divide(Jordan::identity(energy[c], parts(c)), x, parts(c));
   }
   recompute(z);
   return z;
 }
 
-template <int D>
+template <ContactRows D>
 void InteriorSystem<D>::recompute(State& z) const {
   const int contacts = num_contacts();
   z.s.resize(contacts * D);
   for (int c = 0; c < contacts; ++c) {
-    z.s.template segment<D>(c * D) = Jordan::impulse_of_pairs(pairs(z.X, c), friction(c));
+    z.s.template segment<D>(c * D) = Jordan::impulse_of_pairs(pairs(z.X, c), parts(c));
   }
   delassus_.velocity(z.s, z.u);
   z.p.resize(contacts * D);
   for (int c = 0; c < contacts; ++c) {
-    Local<D> p = local<D>(z.u, c) - Jordan::velocity_of_pairs(pairs(z.Y, c), friction(c));
-    if (!friction(c)) {
-      for (int k = 1; k < D; ++k) p[k] = 0;
-    }
+    Local<D> p = local<D>(z.u, c) - Jordan::velocity_of_pairs(pairs(z.Y, c), parts(c));
+    Jordan::clear_smooth_rows(p, parts(c));
     z.p.template segment<D>(c * D) = p;
   }
 }
 
-template <int D>
+template <ContactRows D>
 void InteriorSystem<D>::move(State& z, const PairDirection& d, double t) const {
   z.X += t * d.dX;
   z.Y += t * d.dY;
-  if constexpr (D == 3) {  // the two copies of s_n must not drift apart
-    for (int c = 0; c < num_contacts(); ++c) {
-      if (friction(c)) z.X[c * P + 1] = mu(c) * z.X[c * P];
-    }
+  for (int c = 0; c < num_contacts(); ++c) {
+    Pairs x = pairs(z.X, c);
+    Jordan::join_copies(x, mu(c), parts(c));
+    z.X.template segment<P>(c * P) = x;
   }
   recompute(z);
 }
 
-template <int D>
+template <ContactRows D>
 Vector InteriorSystem<D>::products(const Vector& X, const Vector& Y) const {
   Vector z(X.size());
   for (int c = 0; c < num_contacts(); ++c) {
-    z.segment<P>(c * P) = Jordan::product(pairs(X, c), pairs(Y, c), friction(c));
+    z.segment<P>(c * P) = Jordan::product(pairs(X, c), pairs(Y, c), parts(c));
   }
   return z;
 }
 
-template <int D>
+template <ContactRows D>
 double InteriorSystem<D>::mean_product(const Vector& products) const {
   double sum = 0;
-  for (int c = 0; c < num_contacts(); ++c) sum += Jordan::trace(pairs(products, c), friction(c));
+  for (int c = 0; c < num_contacts(); ++c) sum += Jordan::trace(pairs(products, c), parts(c));
   return sum / eigenvalues_;
 }
 
-template <int D>
+template <ContactRows D>
 double InteriorSystem<D>::smallest_product(const Vector& products) const {
   double smallest = std::numeric_limits<double>::infinity();
   for (int c = 0; c < num_contacts(); ++c) {
-    smallest = std::min(smallest, Jordan::eigenvalues(pairs(products, c), friction(c)).minCoeff());
+    smallest = std::min(smallest, Jordan::eigenvalues(pairs(products, c), parts(c)).minCoeff());
   }
   return smallest;
 }
 
-template <int D>
+template <ContactRows D>
 double InteriorSystem<D>::residual_energy(const State& z) const {
   double sum = 0;
   for (int c = 0; c < num_contacts(); ++c) {
     const Local<D> p = local<D>(z.p, c);
-    sum += (std::abs(p[0]) + mu(c) * tangential_norm<D>(p)) * z.s[c * D];
+    sum += (std::abs(p[0]) + friction_speed<D>(p, mu(c))) * z.s[c * D];
   }
   return sum / num_contacts();
 }
 
-template <int D>
+template <ContactRows D>
 double InteriorSystem<D>::longest_step(const State& z, const PairDirection& d) const {
   double t = std::numeric_limits<double>::infinity();
   for (int c = 0; c < num_contacts(); ++c) {
-    t = std::min(t, Jordan::longest_step(pairs(z.X, c), pairs(d.dX, c), friction(c)));
-    t = std::min(t, Jordan::longest_step(pairs(z.Y, c), pairs(d.dY, c), friction(c)));
+    t = std::min(t, Jordan::longest_step(pairs(z.X, c), pairs(d.dX, c), parts(c)));
+    t = std::min(t, Jordan::longest_step(pairs(z.Y, c), pairs(d.dY, c), parts(c)));
   }
   return t;
 }
 
-template <int D>
+template <ContactRows D>
 bool InteriorSystem<D>::linearise(const State& z, double delta) {
   using Block = Eigen::Matrix<double, D, D, Eigen::RowMajor>;
   for (int c = 0; c < num_contacts(); ++c) {
-    const bool f = friction(c);
+    const unsigned f = parts(c);
     const Pairs x = pairs(z.X, c), y = pairs(z.Y, c);
     Eigen::Map<Block> C(&C_[static_cast<std::size_t>(c) * D * D]);
     Eigen::Map<Block> R(&R_[static_cast<std::size_t>(c) * D * D]);
     C.setZero();
-    R.setZero();
-    const int rows = f ? D : 1;  // NOLINT(bugprone-branch-clone): equal where D = 1
-    for (int k = 0; k < rows; ++k) {
+    Local<D> active = Local<D>::Ones();
+    Jordan::clear_smooth_rows(active, f);
+    for (int k = 0; k < D; ++k) {
+      if (active[k] == 0) {
+        C(k, k) = 1;  // until it is inverted
+        continue;
+      }
       Local<D> unit = Local<D>::Zero();
       unit[k] = 1;
       const Pairs dx = Jordan::pairs_of_impulse(unit, mu(c), f);
@@ -140,10 +141,9 @@ bool InteriorSystem<D>::linearise(const State& z, double delta) {
       C.col(k) = Jordan::velocity_of_pairs(dy, f);
       C(k, k) += delta * mobility_[c * D + k];
     }
-    if (f) {
-      R = Block(C).inverse();
-    } else {
-      R(0, 0) = 1 / C(0, 0);
+    R = Block(C).inverse();
+    for (int k = 0; k < D; ++k) {
+      if (active[k] == 0) C(k, k) = R(k, k) = 0;
     }
   }
   return shifted_.factor(R_);
@@ -151,7 +151,7 @@ bool InteriorSystem<D>::linearise(const State& z, double delta) {
 
 /// True if the last correction was small at every contact, relative to its impulse or to its
 /// change. The next one would be small relative to this one.
-template <int D>
+template <ContactRows D>
 bool InteriorSystem<D>::refined(const State& z, const Vector& ds) const {
   for (int c = 0; c < num_contacts(); ++c) {
     const double size = std::max(z.s[c * D], local<D>(ds, c).template lpNorm<Eigen::Infinity>());
@@ -162,7 +162,7 @@ bool InteriorSystem<D>::refined(const State& z, const Vector& ds) const {
   return true;
 }
 
-template <int D>
+template <ContactRows D>
 void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector& p,
                                   PairDirection& out, int refinements) const {
   using Block = Eigen::Matrix<double, D, D, Eigen::RowMajor>;
@@ -170,10 +170,10 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
   q_.resize(contacts * D);
   g_.resize(contacts * D);
   for (int c = 0; c < contacts; ++c) {
-    const bool f = friction(c);
+    const unsigned f = parts(c);
     Local<D> row = Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f), f);
     if (p.size() != 0) row -= local<D>(p, c);
-    if (!f) row.template tail<D - 1>().setZero();
+    Jordan::clear_smooth_rows(row, f);
     q_.segment<D>(c * D) = row;
     g_.segment<D>(c * D) = Eigen::Map<const Block>(&R_[block(c)]) * row;
   }
@@ -183,7 +183,7 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
     for (int c = 0; c < contacts; ++c) {
       Local<D> e = local<D>(q_, c) - local<D>(wds_, c) -
                    Eigen::Map<const Block>(&C_[block(c)]) * local<D>(out.ds, c);
-      if (!friction(c)) e.template tail<D - 1>().setZero();
+      Jordan::clear_smooth_rows(e, parts(c));
       g_.segment<D>(c * D) = Eigen::Map<const Block>(&R_[block(c)]) * e;
     }
     shifted_.solve(g_, correction_);
@@ -193,7 +193,7 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
   out.dX.resize(contacts * P);
   out.dY.resize(contacts * P);
   for (int c = 0; c < contacts; ++c) {
-    const bool f = friction(c);
+    const unsigned f = parts(c);
     const Pairs dx = Jordan::pairs_of_impulse(local<D>(out.ds, c), mu(c), f);
     out.dX.template segment<P>(c * P) = dx;
     out.dY.template segment<P>(c * P) =
@@ -204,5 +204,7 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
 template class InteriorSystem<1>;
 template class InteriorSystem<2>;
 template class InteriorSystem<3>;
+template class InteriorSystem<ContactRows(3, true)>;
+template class InteriorSystem<ContactRows(6, true)>;
 
 }  // namespace bipot

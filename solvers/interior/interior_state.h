@@ -10,14 +10,14 @@ namespace bipot {
 /// A point in the interior of the cones of the contact law, with exact dynamics. It has the pairs
 /// X, Y of every contact (contact_jordan.h) and the impulse s of X. The velocity u = W s + u_free
 /// is recomputed from s; the kinematic residual is p = u - U Y.
-template <int D>
+template <ContactRows D>
 struct InteriorState {
   using Jordan = ContactJordan<D>;
   static constexpr int P = Jordan::P;
 
   Vector X, Y;  ///< P components a contact
   Vector s, u;  ///< m
-  Vector p;     ///< m, u - U Y; zero for contacts without friction (tangents)
+  Vector p;     ///< m, u - U Y; zero for rows without friction
 };
 
 /// A direction in the pairs and the impulse.
@@ -34,7 +34,7 @@ struct PairDirection {
 /// - p. One factorisation of I + C⁻¹ W serves all right-hand sides. Each solution is refined by the
 /// velocity residual q - W ds - C ds, because eliminating nearly open or nearly sliding contacts
 /// loses ds (C ranges over 1e12).
-template <int D>
+template <ContactRows D>
 class InteriorSystem {
  public:
   using State = InteriorState<D>;
@@ -68,8 +68,9 @@ class InteriorSystem {
   void direction(const State& z, const Vector& r, const Vector& p, PairDirection& out,
                  int refinements = 2) const;
 
-  bool friction(int c) const { return friction_[to_size(c)]; }
-  double mu(int c) const { return problem_.mu[c]; }
+  /// ContactJordan::parts_of() a contact.
+  unsigned parts(int c) const { return parts_[to_size(c)]; }
+  FrictionOf<D> mu(int c) const { return friction_of<D>(problem_, c); }
   int num_contacts() const { return problem_.num_contacts(); }
   int num_eigenvalues() const { return eigenvalues_; }
   const Vector& mobility() const { return mobility_; }
@@ -87,7 +88,7 @@ class InteriorSystem {
   const ContactProblem& problem_;
   const DelassusOperator& delassus_;
   ShiftedDelassus shifted_;
-  std::vector<char> friction_;
+  std::vector<unsigned char> parts_;
   int eigenvalues_ = 0;
   Vector mobility_;            // diagonal of W, tangents averaged
   std::vector<double> C_, R_;  // row-major d x d blocks of the last linearisation
@@ -97,5 +98,7 @@ class InteriorSystem {
 extern template class InteriorSystem<1>;
 extern template class InteriorSystem<2>;
 extern template class InteriorSystem<3>;
+extern template class InteriorSystem<ContactRows(3, true)>;
+extern template class InteriorSystem<ContactRows(6, true)>;
 
 }  // namespace bipot

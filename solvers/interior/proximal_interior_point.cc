@@ -17,25 +17,25 @@ constexpr double kFar = 1;
 constexpr double kNear = 1e-2;  // guarded error below which a rising error means divergence
 
 /// Ratio of the smallest product to the mean one.
-template <int D>
+template <ContactRows D>
 double centrality(const InteriorSystem<D>& system, const Vector& products) {
   return system.smallest_product(products) / system.mean_product(products);
 }
 
 /// target e - products - second order, contact by contact.
-template <int D>
+template <ContactRows D>
 Vector centring(const InteriorSystem<D>& system, const Vector& products, double target) {
   constexpr int P = ContactJordan<D>::P;
   Vector r = -products;
   for (int c = 0; c < system.num_contacts(); ++c) {
-    r.segment<P>(c * P) += ContactJordan<D>::identity(target, system.friction(c));
+    r.segment<P>(c * P) += ContactJordan<D>::identity(target, system.parts(c));
   }
   return r;
 }
 
 }  // namespace
 
-template <int D>
+template <ContactRows D>
 StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z, InteriorRun& run,
                                  const ProximalInteriorPointOptions& options,
                                  InteriorState<D>& best) {
@@ -125,5 +125,11 @@ template StageEnd proximal_interior_point<2>(InteriorSystem<2>&, InteriorState<2
 template StageEnd proximal_interior_point<3>(InteriorSystem<3>&, InteriorState<3>&, InteriorRun&,
                                              const ProximalInteriorPointOptions&,
                                              InteriorState<3>&);
+template StageEnd proximal_interior_point<ContactRows(3, true)>(
+    InteriorSystem<ContactRows(3, true)>&, InteriorState<ContactRows(3, true)>&, InteriorRun&,
+    const ProximalInteriorPointOptions&, InteriorState<ContactRows(3, true)>&);
+template StageEnd proximal_interior_point<ContactRows(6, true)>(
+    InteriorSystem<ContactRows(6, true)>&, InteriorState<ContactRows(6, true)>&, InteriorRun&,
+    const ProximalInteriorPointOptions&, InteriorState<ContactRows(6, true)>&);
 
 }  // namespace bipot

@@ -23,7 +23,7 @@ struct ProximalInteriorPointOptions {
 /// falls again while long steps succeed. tau is held or raised while the kinematic residual is
 /// larger than the products, which moves the iterate out of corners. `best` receives the state with
 /// the smallest guarded error.
-template <int D>
+template <ContactRows D>
 StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z, InteriorRun& run,
                                  const ProximalInteriorPointOptions& options,
                                  InteriorState<D>& best);
@@ -40,5 +40,11 @@ extern template StageEnd proximal_interior_point<3>(InteriorSystem<3>&, Interior
                                                     InteriorRun&,
                                                     const ProximalInteriorPointOptions&,
                                                     InteriorState<3>&);
+extern template StageEnd proximal_interior_point<ContactRows(3, true)>(
+    InteriorSystem<ContactRows(3, true)>&, InteriorState<ContactRows(3, true)>&, InteriorRun&,
+    const ProximalInteriorPointOptions&, InteriorState<ContactRows(3, true)>&);
+extern template StageEnd proximal_interior_point<ContactRows(6, true)>(
+    InteriorSystem<ContactRows(6, true)>&, InteriorState<ContactRows(6, true)>&, InteriorRun&,
+    const ProximalInteriorPointOptions&, InteriorState<ContactRows(6, true)>&);
 
 }  // namespace bipot

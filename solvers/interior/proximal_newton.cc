@@ -16,7 +16,7 @@ constexpr double kSmallestDelta = 1e-6, kDeltaToGiveUp = 1e2;
 
 }  // namespace
 
-template <int D>
+template <ContactRows D>
 StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delassus,
                          ShiftedDelassus& shifted, const Vector& mobility, const Vector& start,
                          InteriorRun& run, int max_iterations) {
@@ -33,8 +33,8 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
       Local<D> rho;
       for (int i = 0; i < D; ++i) rho[i] = 1 / (delta * mobility[c * D + i]);
       const Local<D> z = local<D>(anchor, c) - rho.cwiseProduct(local<D>(u, c));
-      Eigen::Matrix<double, D, D> jacobian;
-      const Local<D> f = split_projection<D>(z, p.mu[c], jacobian) - local<D>(s, c);
+      Eigen::Matrix<double, D.count, D.count> jacobian;
+      const Local<D> f = split_projection<D>(z, friction_of<D>(p, c), jacobian) - local<D>(s, c);
       g.segment<D>(c * D) = f;
       for (int i = 0; i < D; ++i) {
         residual += mobility[c * D + i] * f[i] * f[i];
@@ -88,5 +88,13 @@ template StageEnd proximal_newton<2>(const ContactProblem&, const DelassusOperat
 template StageEnd proximal_newton<3>(const ContactProblem&, const DelassusOperator&,
                                      ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
                                      int);
+template StageEnd proximal_newton<ContactRows(3, true)>(const ContactProblem&,
+                                                        const DelassusOperator&, ShiftedDelassus&,
+                                                        const Vector&, const Vector&, InteriorRun&,
+                                                        int);
+template StageEnd proximal_newton<ContactRows(6, true)>(const ContactProblem&,
+                                                        const DelassusOperator&, ShiftedDelassus&,
+                                                        const Vector&, const Vector&, InteriorRun&,
+                                                        int);
 
 }  // namespace bipot

@@ -16,7 +16,7 @@ namespace bipot {
 /// moves when the inner Newton has converged; delta falls after quick convergence and grows after a
 /// failure. Limit: there is no globalisation; from far away it cycles. `max_iterations`:
 /// factorisations.
-template <int D>
+template <ContactRows D>
 StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& delassus,
                          ShiftedDelassus& shifted, const Vector& mobility, const Vector& start,
                          InteriorRun& run, int max_iterations);
@@ -30,5 +30,13 @@ extern template StageEnd proximal_newton<2>(const ContactProblem&, const Delassu
 extern template StageEnd proximal_newton<3>(const ContactProblem&, const DelassusOperator&,
                                             ShiftedDelassus&, const Vector&, const Vector&,
                                             InteriorRun&, int);
+extern template StageEnd proximal_newton<ContactRows(3, true)>(const ContactProblem&,
+                                                               const DelassusOperator&,
+                                                               ShiftedDelassus&, const Vector&,
+                                                               const Vector&, InteriorRun&, int);
+extern template StageEnd proximal_newton<ContactRows(6, true)>(const ContactProblem&,
+                                                               const DelassusOperator&,
+                                                               ShiftedDelassus&, const Vector&,
+                                                               const Vector&, InteriorRun&, int);
 
 }  // namespace bipot

@@ -38,7 +38,7 @@ Eigen::Map<const Eigen::RowVectorXd> row(const std::vector<double>& x) {
 
 }  // namespace
 
-template <int D>
+template <ContactRows D>
 TaylorPath<D>::TaylorPath(InteriorSystem<D>& system, InteriorState<D> start, int order)
     : system_(system),
       order_(order),
@@ -47,13 +47,13 @@ TaylorPath<D>::TaylorPath(InteriorSystem<D>& system, InteriorState<D> start, int
       p0_(z_.p),
       t_(static_cast<std::size_t>(order) + 1, 0.0) {}
 
-template <int D>
+template <ContactRows D>
 auto TaylorPath<D>::coefficients(std::vector<double>& x, int c) -> Eigen::Map<Coefficients> {
   const int columns = order_ + 1;
   return {x.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(P * columns), P,
           columns};
 }
-template <int D>
+template <ContactRows D>
 auto TaylorPath<D>::coefficients(const std::vector<double>& x, int c) const
     -> Eigen::Map<const Coefficients> {
   const int columns = order_ + 1;
@@ -61,13 +61,13 @@ auto TaylorPath<D>::coefficients(const std::vector<double>& x, int c) const
           columns};
 }
 
-template <int D>
+template <ContactRows D>
 PathStep TaylorPath<D>::end() {
   ended_ = true;
   return PathStep::kEnded;
 }
 
-template <int D>
+template <ContactRows D>
 PathStep TaylorPath<D>::advance() {
   if (ended_) return PathStep::kEnded;
   if (!system_.linearise(z_, 0.0)) return end();
@@ -87,7 +87,7 @@ PathStep TaylorPath<D>::advance() {
 }
 
 /// Chooses the orientation. False: tangent and determinant disagree, and a shorter step may help.
-template <int D>
+template <ContactRows D>
 bool TaylorPath<D>::orient(int determinant, const PairDirection& tangent) {
   if (num_series_ == 0) {
     reference_sign_ = determinant;
@@ -107,7 +107,7 @@ bool TaylorPath<D>::orient(int determinant, const PairDirection& tangent) {
   return true;
 }
 
-template <int D>
+template <ContactRows D>
 void TaylorPath<D>::retract() {
   ++retractions_here_;
   reach_ *= 0.5;
@@ -115,7 +115,7 @@ void TaylorPath<D>::retract() {
 }
 
 /// The coefficients of the series from z_, whose first order is dt * tangent.
-template <int D>
+template <ContactRows D>
 bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
   const int contacts = system_.num_contacts();
   const std::size_t size = static_cast<std::size_t>(z_.X.size()) * t_.size();
@@ -125,7 +125,7 @@ bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
   covector_x_.resize(z_.X.size());
   covector_y_.resize(z_.X.size());
   for (int c = 0; c < contacts; ++c) {
-    const bool f = system_.friction(c);
+    const unsigned f = system_.parts(c);
     const Pairs x = system_.pairs(z_.X, c), y = system_.pairs(z_.Y, c);
     coefficients(X_, c).col(0) = x;
     coefficients(Y_, c).col(0) = y;
@@ -146,7 +146,7 @@ bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
       const auto X = coefficients(std::as_const(X_), c), Y = coefficients(std::as_const(Y_), c);
       Pairs sum = Pairs::Zero();
       for (int j = 1; j < k; ++j) {
-        sum -= Jordan::product(X.col(j), Y.col(k - j), system_.friction(c));
+        sum -= Jordan::product(X.col(j), Y.col(k - j), system_.parts(c));
       }
       r_.template segment<P>(c * P) = sum;
     }
@@ -163,7 +163,7 @@ bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
 }
 
 /// Column `order` of the coefficients: d + dt * tangent.
-template <int D>
+template <ContactRows D>
 void TaylorPath<D>::store(int order, const PairDirection& d, double dt,
                           const PairDirection& tangent) {
   for (int c = 0; c < system_.num_contacts(); ++c) {
@@ -173,11 +173,11 @@ void TaylorPath<D>::store(int order, const PairDirection& d, double dt,
 }
 
 /// Sets the longest arclength, within the factor 1.2, at which the series is accurate.
-template <int D>
+template <ContactRows D>
 bool TaylorPath<D>::find_reach() {
   double last = 0;  // <z_p, z_p> of the last order
   for (int c = 0; c < system_.num_contacts(); ++c) {
-    const bool f = system_.friction(c);
+    const unsigned f = system_.parts(c);
     const Pairs x = coefficients(std::as_const(X_), c).col(order_);
     const Pairs y = coefficients(std::as_const(Y_), c).col(order_);
     last += Jordan::divide(x, system_.pairs(z_.X, c), f).squaredNorm() +
@@ -200,42 +200,39 @@ bool TaylorPath<D>::find_reach() {
 
 /// True if the series stays inside the cones at alpha and its products are accurate: the largest
 /// eigenvalue of X∘Y/t - c is at most the tolerance times the smallest of c.
-template <int D>
+template <ContactRows D>
 bool TaylorPath<D>::accurate(double alpha) const {
   const double t = horner<1>(row(t_), alpha)[0];
   if (!(t > 0)) return false;
   for (int c = 0; c < system_.num_contacts(); ++c) {
-    const bool f = system_.friction(c);
+    const unsigned f = system_.parts(c);
     const Pairs x = horner<P>(coefficients(X_, c), alpha);
     const Pairs y = horner<P>(coefficients(Y_, c), alpha);
-    const auto inside = [&](const Pairs& v) {
-      return Jordan::eigenvalues(v, f).head(Jordan::rank(f)).minCoeff() > 0;
-    };
+    const auto inside = [&](const Pairs& v) { return Jordan::eigenvalues(v, f).minCoeff() > 0; };
     if (!(inside(x) && inside(y))) return false;
     const Pairs goal = system_.pairs(c_, c);
     const Pairs error = Jordan::product(x, y, f) / t - goal;
-    const Eigen::Vector3d e = Jordan::eigenvalues(error, f), g = Jordan::eigenvalues(goal, f);
+    const auto e = Jordan::eigenvalues(error, f), g = Jordan::eigenvalues(goal, f);
     bool ok = std::abs(e[0]) <= kSeriesTolerance * g[0];
-    if (D == 2 && f) {
-      ok = ok && std::abs(e[1]) <= kSeriesTolerance * g[1] &&
-           std::abs(e[2]) <= kSeriesTolerance * g[2];
-    } else if (D == 3 && f) {
-      ok = ok && std::max(std::abs(e[1]), std::abs(e[2])) <= kSeriesTolerance * g[1];
-    }
+    Jordan::each_part(f, [&](auto first, auto count, auto pair) {
+      constexpr int at = 1 + 2 * (pair() - first());
+      ok = ok && std::abs(e[at]) <= kSeriesTolerance * g[at] &&
+           std::abs(e[at + 1]) <= kSeriesTolerance * g[at + (count() == 1 ? 1 : 0)];
+    });
     if (!ok) return false;
   }
   return true;
 }
 
 /// Moves to the point at alpha of the series, which defines the path from there on.
-template <int D>
+template <ContactRows D>
 void TaylorPath<D>::take(double alpha) {
   end_tangent_.dX.resize(z_.X.size());
   end_tangent_.dY.resize(z_.X.size());
   for (int c = 0; c < system_.num_contacts(); ++c) {
     const auto X = coefficients(std::as_const(X_), c), Y = coefficients(std::as_const(Y_), c);
     Pairs x = horner<P>(X, alpha);
-    if (D == 3 && system_.friction(c)) x[1] = system_.mu(c) * x[0];  // two copies of s_n
+    Jordan::join_copies(x, system_.mu(c), system_.parts(c));
     z_.X.template segment<P>(c * P) = x;
     z_.Y.template segment<P>(c * P) = horner<P>(Y, alpha);
     end_tangent_.dX.template segment<P>(c * P) = horner_derivative<P>(X, alpha);
@@ -248,7 +245,7 @@ void TaylorPath<D>::take(double alpha) {
   p0_ = z_.p / t_now_;
 }
 
-template <int D>
+template <ContactRows D>
 auto TaylorPath<D>::point(double alpha) const -> Point {
   Point p{Vector(z_.X.size()), Vector(z_.X.size()), horner<1>(row(t_), alpha)[0]};
   for (int c = 0; c < system_.num_contacts(); ++c) {
@@ -258,11 +255,11 @@ auto TaylorPath<D>::point(double alpha) const -> Point {
   return p;
 }
 
-template <int D>
+template <ContactRows D>
 double TaylorPath<D>::metric(const PairDirection& a, const PairDirection& b) const {
   double sum = 0;
   for (int c = 0; c < system_.num_contacts(); ++c) {
-    const bool f = system_.friction(c);
+    const unsigned f = system_.parts(c);
     const Pairs x = system_.pairs(z_.X, c), y = system_.pairs(z_.Y, c);
     sum += Jordan::divide(system_.pairs(a.dX, c), x, f)
                .dot(Jordan::divide(system_.pairs(b.dX, c), x, f));
@@ -275,5 +272,7 @@ double TaylorPath<D>::metric(const PairDirection& a, const PairDirection& b) con
 template class TaylorPath<1>;
 template class TaylorPath<2>;
 template class TaylorPath<3>;
+template class TaylorPath<ContactRows(3, true)>;
+template class TaylorPath<ContactRows(6, true)>;
 
 }  // namespace bipot

@@ -39,7 +39,7 @@ enum class PathStep {
 /// symmetric scenes have, the determinant changes sign without a fold.
 ///
 /// Resumable: between calls of advance() the system may serve others; the path's state is in here.
-template <int D>
+template <ContactRows D>
 class TaylorPath {
  public:
   using Jordan = ContactJordan<D>;
@@ -105,5 +105,7 @@ class TaylorPath {
 extern template class TaylorPath<1>;
 extern template class TaylorPath<2>;
 extern template class TaylorPath<3>;
+extern template class TaylorPath<ContactRows(3, true)>;
+extern template class TaylorPath<ContactRows(6, true)>;
 
 }  // namespace bipot

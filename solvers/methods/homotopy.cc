@@ -201,7 +201,7 @@ class Homotopy {
       if (std::abs(s[i * d] - velocity[i * d]) <= kNothing * std::max(impulse, speed)) {
         point.set(problem_, i, Cell::kTakeOff);
         point.value[i * d] = 0;
-        if (d > 1) point.value[i * d + 1] = velocity[i * d + 1];
+        for (int k = 1; k < d; ++k) point.value[i * d + k] = velocity[i * d + k];
       }
     }
     for (int slot = 0; slot < problem_.num_rows(); ++slot) {
@@ -247,7 +247,7 @@ class Homotopy {
         if (idle >= kIdleStages && best < kSettled && delta_ <= 10 * kSmallestDelta) return false;
         if (delta_ < kFine && last_error < kSettled && error > 2 * last_error) {
           point = std::move(before);
-          point.find_bounds();
+          point.find_bounds(problem_);
           delta_ = std::min(10 * delta_, 1e-5);
           continue;
         }
@@ -268,7 +268,7 @@ class Homotopy {
       ++failures;
       if (follower_.turning_t() > kUsefulTurn) {
         point = follower_.turning_point();
-        point.find_bounds();
+        point.find_bounds(problem_);
         point.impulse(problem_, anchor);
         // F is 1 - t of its former value: an error just above the tolerance may now meet it.
         ++judged_;
@@ -277,7 +277,7 @@ class Homotopy {
         if (failures > kTurns) return false;
       } else {
         point = std::move(before);
-        point.find_bounds();
+        point.find_bounds(problem_);
         delta_ *= kRaise;
         if (delta_ > kLargestDelta || failures >= kFailures) return false;
       }

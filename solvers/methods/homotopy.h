@@ -41,8 +41,8 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
 };
 
 /// Exact path following on Coulomb's law as a piecewise linear manifold, d <= 2. For each contact
-/// the law has four cells (take-off, two of slip, stick; law_cells.h), and u = W s + u_free is
-/// linear in each. From a point p0 of the manifold next to an impulse s0, the path
+/// the law has four cells (take-off, two of slip, stick; with rolling friction eleven;
+/// law_cells.h), and u = W s + u_free is linear in each. From a point p0 of the manifold next to an impulse s0, the path
 ///
 ///     u - W s - u_free - delta D (s - anchor) = (1 - t) r,    r: the residual of p0
 ///

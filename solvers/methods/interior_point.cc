@@ -40,7 +40,7 @@ constexpr double kProgressFall = 0.3;
 constexpr double kSmallestT = 1e-18;  // of a path; products are then below round-off
 
 /// A path that alternates with others.
-template <int D>
+template <ContactRows D>
 struct Contender {
   std::string name;
   bool cold = true;
@@ -58,7 +58,7 @@ struct Contender {
   }
 };
 
-template <int D>
+template <ContactRows D>
 class Driver {
  public:
   Driver(SolveRun& run, const Parameters& parameters)
@@ -248,7 +248,7 @@ class Driver {
 
 void solve_interior_point(SolveRun& run) {
   run.judge_every_iteration();
-  const std::string story = dispatch_dim(run.problem().dim, [&](auto d) {
+  const std::string story = dispatch_rows(run.problem(), [&](auto d) {
     Driver<d()> driver(run, run.parameters());
     driver();
     return driver.story();

@@ -62,9 +62,9 @@ TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
   int exchanged = 0;
   for (int k = 0; k < 200; ++k) {
     const int contact = random.below(8), slot = 2 * contact + random.below(2);
-    const double slip = random.below(2) == 0 ? 1 : -1;
+    const auto slip = static_cast<unsigned>(random.below(2));
     const Crossing crossing =
-        cross(point.cell[to_size(contact)], point.column[to_size(slot)], slip, true);
+        cross(point.cell[to_size(contact)], point.column[to_size(slot)], slip);
     const CellBasis::Entering entering = updated.entering(contact, crossing.enters, slot);
     if (std::abs(entering.pivot) < 1e-3 * entering.size) continue;
     updated.solve(g, before);
@@ -100,8 +100,7 @@ TEST(CellBasis, PreparedColumnsEnterAsOthersDo) {
   std::vector<CellBasis::Candidate> candidates;
   for (int contact = 0; contact < problem.num_contacts(); ++contact) {
     const int slot = 2 * contact + contact % 2;
-    const Crossing crossing =
-        cross(point.cell[to_size(contact)], point.column[to_size(slot)], 1, true);
+    const Crossing crossing = cross(point.cell[to_size(contact)], point.column[to_size(slot)], 0);
     const CellBasis::Candidate c{contact, crossing.enters, slot};
     if (together.is_unknown(c)) candidates.push_back(c);
     if (candidates.size() == kRightSides) break;
@@ -179,7 +178,7 @@ TEST(CellBasis, ReadsRowsAndColumnsOfAnyW) {
         W.prune([](Eigen::Index i, Eigen::Index j, double) { return i == j || (i + j) % 3 != 0; });
       const Vector s = random_numbers(problem.num_rows(), 1);
       LawPoint point = nearest_point(problem, s, W * s + problem.b);
-      point.sort_columns(2);
+      point.sort_columns(problem);
       const Vector proximal = Vector::LinSpaced(problem.num_rows(), 0.5, 1),
                    g = random_numbers(problem.num_rows(), 2);
       CellBasis basis(problem);
@@ -205,7 +204,7 @@ TEST_P(CellBases, RefinedSolutionsMeetTheEquations) {
   const LawProblem law(problem, Vector(problem.W.diagonal()));
   const Vector s = random_numbers(law.num_rows(), 1);
   LawPoint point = nearest_point(law, s, law.W * s + law.b);
-  point.sort_columns(d);
+  point.sort_columns(law);
   const Vector proximal = Vector::Constant(law.num_rows(), 1e-9);
   CellBasis basis(law);
   ASSERT_TRUE(basis.factor(point, proximal));

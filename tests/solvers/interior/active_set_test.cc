@@ -9,9 +9,10 @@
 namespace bipot {
 namespace {
 
-template <int D>
+template <ContactRows D>
 void expect_exact_from_nearby(int steps, double reached) {
-  const Manufactured m = manufactured_problem(D, 30, 40, 3);
+  const Manufactured m =
+      D.rolls ? manufactured_rolling(D, 30, 40, 3) : manufactured_problem(D, 30, 40, 3);
   const SolverOptions options{.tol = 1e-15};
   SolveRun solve(m.problem, options);
   InteriorSystem<D> system(m.problem, solve.delassus(), ShiftedDelassus::Form::kAuto);
@@ -32,6 +33,8 @@ TEST(ActiveSet, IsExactWhereTheStatusIsKnown) {
   expect_exact_from_nearby<2>(2, 1e-11);
   // The direction of sliding is not linear in space: Newton.
   expect_exact_from_nearby<3>(3, 1e-10);
+  expect_exact_from_nearby<ContactRows(3, true)>(2, 1e-11);
+  expect_exact_from_nearby<ContactRows(6, true)>(3, 1e-10);
 }
 
 }  // namespace

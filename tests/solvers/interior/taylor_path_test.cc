@@ -41,11 +41,13 @@ TEST(TaylorPath, SeriesOfOneContactIsItsAnalyticPath) {
   EXPECT_EQ(path.folds(), 0);
 }
 
-template <int D>
+template <ContactRows D>
 void expect_series_accurate() {
   // The points of a series fulfil the path's equations.
-  ContactProblem p = manufactured_problem(D, 8, 12, 11).problem;
+  ContactProblem p =
+      (D.rolls ? manufactured_rolling(D, 8, 12, 11) : manufactured_problem(D, 8, 12, 11)).problem;
   if (D > 1) p.mu[3] = 0;
+  if (D.rolls) p.mu_r[3] = p.mu_r[4] = 0;
   const DelassusOperator delassus(p);
   InteriorSystem<D> system(p, delassus, ShiftedDelassus::Form::kAuto);
   const InteriorState<D> start = cold_start(system, spring_energy(system), 10);
@@ -66,6 +68,8 @@ TEST(TaylorPath, SeriesFulfilThePathsEquationsInEveryDimension) {
   expect_series_accurate<1>();
   expect_series_accurate<2>();
   expect_series_accurate<3>();
+  expect_series_accurate<ContactRows(3, true)>();
+  expect_series_accurate<ContactRows(6, true)>();
 }
 
 TEST(TaylorPath, TangentIsContinuousThroughFolds) {
