@@ -20,7 +20,10 @@ void race_plan(const AutoPlan& plan, SolveRun& run, const Vector& attempted, boo
   const ProblemTraits traits =
       run.space().whole() != nullptr
           ? traits_of(run.problem(), run.delassus(), is_warm(options), options.tol)
-          : ProblemTraits{.dim = run.problem().dim, .tol = options.tol, .marks = kInParallel};
+          : ProblemTraits{.dim = run.problem().plain_dim(),
+                          .tol = options.tol,
+                          .marks = kInParallel,
+                          .rolls = run.problem().rolls()};
   const std::vector<AutoStage> stages = plan_stages(plan, traits);
   run.take(race_stages(run, stages, attempted, [&](const AutoStage& stage) {
     if (only_attempt) return stage.before_cutting;

@@ -26,9 +26,6 @@ std::string refuse_input(std::string_view name, const ContactProblem& p, const S
   if (auto defect = refusal(*entry, p, o); !defect.empty()) return defect;
   if (p.num_contacts() > 0) {
     if (auto defect = refuse_distributed(p); !defect.empty()) return defect;
-    if (p.rolls() && p.dim == 6 && name == "auto") {
-      return "auto has no rolling friction of spheres on several processes: name a solver (apgd)";
-    }
   }
   if (!extra.contact_places.empty() &&
       static_cast<int>(extra.contact_places.size()) != p.num_contacts()) {

@@ -97,12 +97,6 @@ TEST(DistributedSolve, RollingFrictionIsJudgedAndSolvedAsOnOneProcess) {
     problem.W = SparseRows();
     for (const std::string& solver : several_solvers()) {
       if (!require_solver(solver).rolls) continue;
-      if (rows == 6 && solver == "auto") {
-        const DistributedResult refused = distributed_solve(solver, problem, {}, mpi_group());
-        EXPECT_EQ(refused.result.status, SolveStatus::kInvalidInput);
-        EXPECT_TRUE(says(refused.result.message, "name a solver"));
-        continue;
-      }
       const SolverOptions options{.tol = 1e-4, .max_iterations = 200000};
       expect_solved({"rows " + std::to_string(rows), problem},
                     distributed_solve(solver, problem, options, mpi_group()), options.tol, solver);
