@@ -226,7 +226,7 @@ void add(const std::string& name, int threads, const F& run) {
   if (threads > 1) row->UseRealTime();
 }
 
-/// Rows of the kernels that disks and spheres have. `get`: the packing.
+/// Rows of the kernels that disks, rolling or not, and spheres have. `get`: the packing.
 template <int D, class Get>
 void add_kernels(const Flags& flags, const std::string& family, int side,
                  const std::vector<SimdPath>& paths, const Get& get) {
@@ -267,6 +267,9 @@ void add_rows(const Flags& flags, int side, const std::vector<SimdPath>& paths) 
   add(name("sweep_explicit_W/scalar/1"), 1, [=](auto& s) { sweep_explicit(s, *get()); });
   add(name("tiling/scalar/1"), 1, [=](auto& s) { tiling(s, *get()); });
   add_kernels<2>(flags, "", side, paths, get);
+  add_kernels<kRollingDisks>(flags, "rolling/", side, paths, [family = flags.family, side] {
+    return tilted_rolling_packing(family, side);
+  });
   for (const int threads : flags.threads) {
     const std::string how = fmt::format("scalar/{}", threads);
     add(name("detection/" + how), threads, [=](auto& s) { detection(s, *get(), threads); });

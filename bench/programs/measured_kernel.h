@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
+#include "solvers/disks/rolling_disks.h"
 #include "solvers/disks/symmetric_sweep.h"
 #include "solvers/disks/tiled_gradient.h"
 #include "solvers/disks/tiled_sweep.h"
@@ -20,24 +22,33 @@
 
 namespace bipot {
 
-/// A problem of disks or spheres with friction, and the data that the kernels need.
+/// A problem of disks (also kRollingDisks) or spheres with friction, and the data that the kernels
+/// need.
 template <int D>
 struct PackedProblem {
   ContactProblem problem;
   DelassusOperator delassus;
   ContactScaling scaling;
   double lambda;
+  std::optional<DiskStructure> rolling;
 
   explicit PackedProblem(ContactProblem given)
       : problem(std::move(given)),
         delassus(problem),
         scaling(equilibrated_scaling(problem, delassus.diagonal())),
-        lambda(kSpectralMargin * largest_eigenvalue()) {
-    if (!delassus.is_packed() || problem.dim != D) {
+        lambda(kSpectralMargin * largest_eigenvalue()),
+        rolling(rolling_disks(problem)) {
+    if (D == kRollingDisks ? !rolling : !delassus.is_packed() || problem.dim != D) {
       throw std::invalid_argument("not disks or spheres with friction");
     }
   }
-  const BodiesOf<D>& bodies() const { return *delassus.template bodies<D>(); }
+  const BodiesOf<D>& bodies() const {
+    if constexpr (D == kRollingDisks) {
+      return *rolling;
+    } else {
+      return *delassus.template bodies<D>();
+    }
+  }
   Vector start() const { return Vector::Zero(problem.num_rows()); }
   double largest_eigenvalue() const {
     WholeSpace space(problem);
@@ -67,6 +78,23 @@ inline std::shared_ptr<const Packing> tilted_packing(const std::string& family, 
   if (!made) {
     FamilyOptions options{.tilt_degrees = 10};
     made = std::make_shared<const Packing>(make_family_scene(family, side, options));
+    slot = made;
+  }
+  return made;
+}
+
+/// The same with rolling friction of a twentieth of a radius.
+inline std::shared_ptr<const PackedProblem<kRollingDisks>> tilted_rolling_packing(
+    const std::string& family, int side) {
+  static std::map<std::pair<std::string, int>, std::weak_ptr<const PackedProblem<kRollingDisks>>>
+      cache;
+  auto& slot = cache[{family, side}];
+  std::shared_ptr<const PackedProblem<kRollingDisks>> made = slot.lock();
+  if (!made) {
+    Scene<2> scene = make_family_scene(family, side, {.tilt_degrees = 10});
+    for (ContactLaw& law : scene.laws) law.mu_r = 0.025;
+    made = std::make_shared<const PackedProblem<kRollingDisks>>(
+        step_problem(scene, initial_state(scene), false));
     slot = made;
   }
   return made;
@@ -116,7 +144,8 @@ MeasuredKernel tiled_sweep(const PackedProblem<D>& p, const Execution& execution
   auto sweep = std::make_shared<TiledSweep<D>>(p.problem, p.bodies(), p.scaling, 1, execution);
   sweep->reset(p.start());
   return {static_cast<double>(p.problem.num_contacts()), kTogether,
-          tiled_sweep_work<D>(p.bodies_per_contact()), [sweep] { sweep->advance(kTogether); }};
+          D == kRollingDisks ? KernelWork{} : tiled_sweep_work<D>(p.bodies_per_contact()),
+          [sweep] { sweep->advance(kTogether); }};
 }
 
 template <int D>
@@ -125,7 +154,7 @@ MeasuredKernel tiled_gradient(const PackedProblem<D>& p, const Execution& execut
   gradient->reset(p.start());
   GradientKernel::Control control{.lambda = p.lambda};
   return {static_cast<double>(p.problem.num_contacts()), kTogether,
-          gradient_work<D>(p.bodies_per_contact()),
+          D == kRollingDisks ? KernelWork{} : gradient_work<D>(p.bodies_per_contact()),
           [gradient, control]() mutable { gradient->advance(kTogether, control); }};
 }
 

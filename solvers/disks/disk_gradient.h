@@ -17,10 +17,11 @@ struct BlockRows {
 };
 
 /// Relative motion of the lanes of a part, whose first bodies are those of a block.
+template <Second kSecond>
 [[gnu::always_inline]] inline Motion gather_block(const BodyRow* block, [[maybe_unused]] int part,
                                                   const BodyRow* velocity, const unsigned* j) {
 #if BIPOT_WIDTH == 8
-  constexpr Lanes kSign{1, -1, 1, -1, 1, -1, 1, -1};
+  constexpr Lanes kSign = kSignOfSecond<kSecond>;
   const auto pair = [&](int n, int k, int l) {
     return _mm512_fnmadd_pd(both(row(at(velocity, j[k])), row(at(velocity, j[l]))), kSign,
                             *reinterpret_cast<const TwoRows*>(block + 2 * n));
@@ -32,20 +33,21 @@ struct BlockRows {
     i[k] = static_cast<unsigned>(sizeof(BodyRow)) *
            static_cast<unsigned>(kRowOfLane[part * kWidth + k]);
   }
-  return gather<kOpposed>(block, i, velocity, j);
+  return gather<kSecond>(block, i, velocity, j);
 #endif
 }
 /// Adds wrenches to the sum of a block and their opposites to the second bodies, which are all
 /// different.
+template <Second kSecond>
 [[gnu::always_inline]] inline void scatter_block(const Motion& p, [[maybe_unused]] int part,
                                                  const unsigned* j, BlockRows& sum, BodyRow* to) {
 #if BIPOT_WIDTH == 8
-  const WrenchRows rows = rows_of(p);
+  const WrenchRows rows = rows_of<kSecond>(p);
   sum.pair[0] += rows.a;
   sum.pair[1] += rows.b;
   sum.pair[2] += rows.c;
   sum.pair[3] += rows.d;
-  constexpr Lanes kSign{1, -1, 1, -1, 1, -1, 1, -1};
+  constexpr Lanes kSign = kSignOfSecond<kSecond>;
   const auto take = [&](Lanes wrenches, int k, int l) {
     BodyRow &first = at(to, j[k]), &other = at(to, j[l]);
     const Lanes taken = _mm512_fnmadd_pd(wrenches, kSign, both(row(first), row(other)));
@@ -59,7 +61,7 @@ struct BlockRows {
 #elif BIPOT_WIDTH == 4
   for_rows(p, [&](Row wrench, int k) {
     row(sum.row[kRowOfLane[part * kWidth + k]]) += wrench;
-    row(at(to, j[k])) = with_second_of<kOpposed>(at(to, j[k]), wrench);
+    row(at(to, j[k])) = with_second_of<kSecond>(at(to, j[k]), wrench);
   });
 #else
   const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
@@ -68,8 +70,12 @@ struct BlockRows {
     BodyRow &a = sum.row[kRowOfLane[part * kWidth + k]], &b = at(to, j[k]);
     half(a)[0] += x_spin[k];
     a.value[kRowY] += p.y[k];
-    half(b)[0] += second<kOpposed>(x_spin[k]);
-    b.value[kRowY] += second<kOpposed>(p.y[k]);
+    half(b)[0] += second<kSecond>(x_spin[k]);
+    b.value[kRowY] += second<kSecond>(p.y[k]);
+    if constexpr (kSecond == kRolling) {
+      a.value[kRowLast] += p.turn[k];
+      b.value[kRowLast] -= p.turn[k];
+    }
   }
 #endif
 }
@@ -96,9 +102,11 @@ struct BlockRows {
 template <int D, class Solve>
 [[gnu::always_inline]] inline void for_blocks(const GradientTask<D>& a, const BodyBlock* block,
                                               const BodyBlock* last, const Solve& solve) {
+  constexpr Second kSecond = kSecondOf<D>;
   const auto seconds = [&](int k, int part) { return a.contact[k].j + part * kWidth; };
   const auto gathered = [&](int k, int part) {
-    return gather_block(&at(a.velocity, a.contact[k].i[0]), part, a.velocity, seconds(k, part));
+    return gather_block<kSecond>(&at(a.velocity, a.contact[k].i[0]), part, a.velocity,
+                                 seconds(k, part));
   };
   Motion motion = gathered(block->first, 0);
   for (; block != last; ++block) {
@@ -110,7 +118,7 @@ template <int D, class Solve>
         for (int part = 0; part < kParts; ++part) {
           const Motion wrench = solve(k, part, motion);
           motion = part + 1 < kParts ? gathered(k, part + 1) : gathered(k + 1, 0);
-          scatter_block(wrench, part, seconds(k, part), sum, a.next_momentum);
+          scatter_block<kSecond>(wrench, part, seconds(k, part), sum, a.next_momentum);
         }
       }
       add_block(sum, &at(a.next_momentum, block->row));
@@ -119,8 +127,8 @@ template <int D, class Solve>
 #pragma GCC unroll 4
       for (int part = 0; part < kParts; ++part) {
         const unsigned *const i = a.contact[k].i + part * kWidth, *const j = seconds(k, part);
-        scatter<false, kOpposed>(solve(k, part, gather<kOpposed>(a.velocity, i, j)), i, j, nullptr,
-                                 a.next_momentum);
+        scatter<false, kSecond>(solve(k, part, gather<kSecond>(a.velocity, i, j)), i, j, nullptr,
+                                a.next_momentum);
       }
     }
     if (loose < end) motion = gathered(end, 0);
@@ -156,6 +164,18 @@ inline Row inverse_of(Row velocity, Row momentum) {
 inline Row with_last(Row rows, Row last) { return __builtin_shufflevector(rows, last, 0, 1, 2, 7); }
 #endif
 
+/// Velocities of momenta with rolling moments.
+#if BIPOT_WIDTH == 8
+inline Lanes moved(const BodyRow* inverse, Lanes p) {
+  const auto rows = [&](int k) { return both(row(inverse[k]), row(inverse[k + 2])); };
+  return rows(0) * p + rows(1) * __builtin_shufflevector(p, p, 0, 3, 2, 1, 4, 7, 6, 5);
+}
+#else
+inline Row moved(const BodyRow* inverse, Row p) {
+  return row(inverse[0]) * p + row(inverse[1]) * __builtin_shufflevector(p, p, 0, 3, 2, 1);
+}
+#endif
+
 /// Sets the velocities of a window's bodies at the extrapolated momentum; their next momentum
 /// starts from 0.
 template <int D>
@@ -172,8 +192,15 @@ template <int D>
     }
     Rows& v = *reinterpret_cast<Rows*>(velocity + k);
     const Rows p = *reinterpret_cast<const Rows*>(now + k);
-    const Rows change = p - *reinterpret_cast<const Rows*>(before + k);
-    const Rows inverse = inverse_of(v, p), beta = Rows{} + a.beta;
+    const Rows change = p - *reinterpret_cast<const Rows*>(before + k), beta = Rows{} + a.beta;
+    if constexpr (D == kRollingDisks) {
+      const BodyRow* const inverse = &at(a.inverse, 2 * first) + 2 * k;
+      sum += change * moved(inverse, change);
+      v = moved(inverse, p + beta * change);
+      *reinterpret_cast<Rows*>(next + k) = Rows{};
+      return;
+    }
+    const Rows inverse = inverse_of(v, p);
     sum += inverse * change * change;
     v = with_last(inverse * (p + beta * change), v);
     *reinterpret_cast<Rows*>(next + k) = with_last(Rows{}, p);
@@ -214,15 +241,31 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
       z_n = positive(z_n);
       wrench = {gx * z_n, gy * z_n, Lanes{}};
     } else {
-      const Lanes spin = load(c.spin, part), mu = load(law.mu, part), b_t = load(c.b[1], part);
+      const Lanes spin = load(c.turns[kTurnSpin], part), mu = load(law.mu, part),
+                  b_t = load(c.b[1], part);
       const Lanes tx = load(law.ratio, part) * gy, ty = load(law.ratio, part) * gx;
       const Lanes from_bodies_t = (ty * v.y - tx * v.x) - spin * v.spin;
       const Lanes x_t = load(a.now[k].x[1], part);
       const Lanes step_t = x_t - load(a.before[k].x[1], part);
       const Lanes y_t = x_t + beta * step_t;
       const Lanes tau_t = (y_t - b_t) - from_bodies_t;
+      Lanes tau_m, x_m, step_m;
+      if constexpr (D == kRollingDisks) {
+        x_m = load(a.now[k].x[2], part);
+        step_m = x_m - load(a.before[k].x[2], part);
+        tau_m =
+            (x_m + beta * step_m - load(c.b[2], part)) - load(c.turns[kTurnRoll], part) * v.turn;
+      }
       if constexpr (kMap == GradientMap::kFollowed) {
-        const Lanes edge = (z_n + mu * magnitude(tau_t)) * load(law.cone, part);
+        const Lanes slid = z_n + mu * magnitude(tau_t);
+        Lanes edge = slid * load(law.cone, part);
+        if constexpr (D == kRollingDisks) {
+          const Lanes rolled = load(law.mu_r, part) * magnitude(tau_m);
+          const Lanes one = (z_n + rolled) * load(law.rolling_cone, part);
+          const Lanes both = (slid + rolled) * load(law.both_cones, part);
+          edge = one > edge ? one : edge;
+          edge = both > edge ? both : edge;
+        }
         z_n = edge > z_n ? edge : z_n;
       }
       z_n = positive(z_n);
@@ -232,6 +275,13 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
       change2[part] += change * change;
       store(a.next[k].x[1], part, z_t);
       wrench = {gx * z_n - tx * z_t, gy * z_n + ty * z_t, negative_product(spin, z_t)};
+      if constexpr (D == kRollingDisks) {
+        const Lanes z_m = cut_off(tau_m, load(law.mu_r, part) * z_n), turned = z_m - x_m;
+        along[part] += step_m * turned;
+        change2[part] += turned * turned;
+        store(a.next[k].x[2], part, z_m);
+        wrench.turn = load(c.turns[kTurnRoll], part) * z_m;
+      }
     }
     const Lanes change = z_n - x_n;
     along[part] += step_n * change;

@@ -5,11 +5,13 @@
 
 namespace bipot {
 
-/// The kernels for disks and for stresses, compiled for one instruction set. The kernels for spheres are compiled by themselves: together g++ makes slower code of both.
+/// The kernels for disks and for stresses, compiled for one instruction set. The kernels for
+/// spheres are compiled by themselves: together g++ makes slower code of both.
 struct DiskKernelTable {
   DiskKernels<1> one;
   DiskKernels<2> two;
   const DiskKernels<3>* three;
+  DiskKernels<kRollingDisks> rolling;
   StressKernels stress;
 };
 extern const DiskKernelTable kPortableDiskKernels;

@@ -27,10 +27,12 @@ const DiskKernels<D>& disk_kernels(SimdPath path) {
   if constexpr (D == 1) return table_of(path).one;
   if constexpr (D == 2) return table_of(path).two;
   if constexpr (D == 3) return *table_of(path).three;
+  if constexpr (D == kRollingDisks) return table_of(path).rolling;
 }
 template const DiskKernels<1>& disk_kernels<1>(SimdPath);
 template const DiskKernels<2>& disk_kernels<2>(SimdPath);
 template const DiskKernels<3>& disk_kernels<3>(SimdPath);
+template const DiskKernels<kRollingDisks>& disk_kernels<kRollingDisks>(SimdPath);
 
 const StressKernels& stress_kernels(SimdPath path) { return table_of(path).stress; }
 

@@ -21,7 +21,14 @@ struct alignas(64) SphereRow {
 };
 inline constexpr int kRowInverseMass = 3, kRowTurn = 4, kRowInverseInertia = 7;
 
-/// The row of a body of a problem with dim = D.
+/// D of disks with rolling friction; else D is the dim of the problem.
+inline constexpr int kRollingDisks = 4;
+/// Rows of a contact.
+template <int D>
+inline constexpr int kRowsOf = D == kRollingDisks ? 3 : D;
+
+/// The row of a body of a problem. With rolling friction the last value is ω in velocities and the
+/// sum of the rolling moments in momenta, and spins have torques over a without these.
 template <int D>
 using RowOf = std::conditional_t<D == 3, SphereRow, BodyRow>;
 
@@ -36,14 +43,17 @@ unsigned row_offset(int row) {
 ///
 ///     w_n = g·(V_i - V_j) + b_n,     w_t = ratio g x (V_i - V_j) - spin (w_i + w_j) + b_t.
 ///
-/// A lane without a contact has g = spin = b = 0 and the surroundings as both bodies.
+/// With rolling friction w_m = roll (ω_i - ω_j) + b_m; x_t changes w_m by coupling x_t, and x_m
+/// changes w_t alike. A lane without a contact has g = turns = b = 0 and the surroundings as both
+/// bodies.
 template <int D>
 struct alignas(64) ContactBatch {
   unsigned i[kLanes], j[kLanes];  ///< rows, counted in bytes: see row_offset()
   double gx[kLanes], gy[kLanes];
-  double spin[kLanes];
-  double b[static_cast<unsigned>(D)][kLanes];
+  double turns[D == kRollingDisks ? 3 : 1][kLanes];  ///< kTurnSpin, kTurnRoll, kTurnCoupling
+  double b[static_cast<unsigned>(kRowsOf<D>)][kLanes];
 };
+inline constexpr int kTurnSpin = 0, kTurnRoll = 1, kTurnCoupling = 2;
 /// The same for spheres (core/problem/sphere_structure.h). Impulses and velocities of a contact are
 /// vectors in space, so that no tangents are needed: with v = V_i - V_j and Ω = w_i + w_j,
 ///
@@ -57,16 +67,18 @@ struct alignas(64) ContactBatch<3> {
   double scale[kLanes];
   double b[3][kLanes];
 };
-/// Impulses of a batch in the scaled variables. Normal and tangential parts, for spheres x, y, z.
+/// Impulses of a batch in the scaled variables. Normal, tangential and rolling parts, for spheres
+/// x, y, z.
 template <int D>
 struct alignas(64) ImpulseBatch {
-  double x[static_cast<unsigned>(D)][kLanes] = {};
+  double x[static_cast<unsigned>(kRowsOf<D>)][kLanes] = {};
 };
 /// Laws of the contacts of a batch: a few of these serve all batches.
 struct alignas(64) LawBatch {
   double ratio[kLanes] = {};
   double mu[kLanes] = {};
-  double cone[kLanes] = {};  ///< 1 / (1 + mu²)
+  double cone[kLanes] = {};                                                      ///< 1 / (1 + mu²)
+  double mu_r[kLanes] = {}, rolling_cone[kLanes] = {}, both_cones[kLanes] = {};  ///< alike
 };
 
 /// One sweep of projected Gauss-Seidel over the batches of a tile: x_n <- max(0, x_n - ω w_n), x_t
@@ -80,8 +92,10 @@ struct SweepTask {
   const int* law = nullptr;  ///< of each batch
   const LawBatch* laws = nullptr;
   ImpulseBatch<D>* impulse = nullptr;
-  RowOf<D>* velocity = nullptr;       ///< all rows
-  const RowOf<D>* inverse = nullptr;  ///< all rows: 1/m, a²/I, 1/m, 0; not used for spheres
+  RowOf<D>* velocity = nullptr;  ///< all rows
+  /// All rows: 1/m, a²/I, 1/m, 0; not used for spheres. With rolling friction two rows a body:
+  /// 1/m, a²/I, 1/m, 1/I for each value itself, and 0, a/I, 0, a/I for the other one of the spin.
+  const RowOf<D>* inverse = nullptr;
 };
 
 /// kLanes consecutive rows, and batches whose lanes each have one of these as their first body
@@ -118,6 +132,7 @@ struct GradientTask {
   const RowOf<D>*momentum = nullptr, *momentum_before = nullptr;  ///< of x, x⁻
   RowOf<D>* velocity = nullptr;
   RowOf<D>* next_momentum = nullptr;  ///< of x⁺, may be that of x⁻
+  const RowOf<D>* inverse = nullptr;  ///< with rolling friction alone
 };
 /// Partial sums of one tile, for each lane: they must be added in a fixed order.
 struct alignas(64) GradientSums {

@@ -7,12 +7,16 @@
 namespace bipot {
 namespace {
 
-/// Relative motion of the bodies of each lane: V_i - V_j and the sum of the spins.
+/// Relative motion of the bodies of each lane: V_i - V_j, the sum of the spins, and with rolling
+/// friction ω_i - ω_j.
 struct Motion {
-  Lanes x, y, spin;
+  Lanes x, y, spin, turn = Lanes{};
 };
-/// Sign of the second body of a contact: velocity with opposite x and y, or like the first.
-enum Second { kOpposed, kAlike };
+/// Sign of the second body of a contact: velocity with opposite x and y, or like the first, or
+/// all but the spin opposite.
+enum Second { kOpposed, kAlike, kRolling };
+template <int D>
+constexpr Second kSecondOf = D == kRollingDisks ? kRolling : kOpposed;
 
 #if BIPOT_WIDTH == 2
 using PairBits = long long __attribute__((vector_size(16)));
@@ -40,20 +44,47 @@ template <Second kSecond>
                                             const unsigned* j) {
   const Pair a = half(at(u, i[0]))[0] + second<kSecond>(half(at(v, j[0]))[0]),
              b = half(at(u, i[1]))[0] + second<kSecond>(half(at(v, j[1]))[0]);
+  Lanes turn{};
+  if constexpr (kSecond == kRolling) {
+    for (int k = 0; k < 2; ++k) {
+      turn[k] = at(u, i[k]).value[kRowLast] - at(v, j[k]).value[kRowLast];
+    }
+  }
   return {__builtin_shufflevector(a, b, 0, 2),
           Lanes{at(u, i[0]).value[kRowY] + second<kSecond>(at(v, j[0]).value[kRowY]),
                 at(u, i[1]).value[kRowY] + second<kSecond>(at(v, j[1]).value[kRowY])},
-          __builtin_shufflevector(a, b, 1, 3)};
+          __builtin_shufflevector(a, b, 1, 3), turn};
 }
 template <Second kSecond>
 [[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
                                             const unsigned* j) {
   return gather<kSecond>(v, i, v, j);
 }
+/// Adds a wrench with a rolling moment to a body, times its inverse if there is one.
+[[gnu::always_inline]] inline void add_rolling(const double* wrench, const BodyRow* inverse,
+                                               BodyRow& to) {
+  constexpr int kOther[] = {0, kRowLast, 2, kRowSpin};
+  for (int k = 0; k < 4; ++k) {
+    double change = wrench[k];
+    if (inverse != nullptr) {
+      change = inverse[0].value[k] * wrench[k] + inverse[1].value[k] * wrench[kOther[k]];
+    }
+    to.value[k] += change;
+  }
+}
 /// Adds the wrench, times `inverse` if there is one, to body i and its opposite to body j.
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
                                            const BodyRow* inverse, BodyRow* to) {
+  if constexpr (kSecond == kRolling) {
+    for (int k = 0; k < 2; ++k) {
+      const double wrench[] = {p.x[k], p.spin[k], p.y[k], p.turn[k]};
+      const double opposite[] = {-p.x[k], p.spin[k], -p.y[k], -p.turn[k]};
+      add_rolling(wrench, kInverse ? &at(inverse, 2 * i[k]) : nullptr, at(to, i[k]));
+      add_rolling(opposite, kInverse ? &at(inverse, 2 * j[k]) : nullptr, at(to, j[k]));
+    }
+    return;
+  }
   const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
                           __builtin_shufflevector(p.x, p.spin, 1, 3)};
   for (int k = 0; k < 2; ++k) {
@@ -72,10 +103,19 @@ template <bool kInverse, Second kSecond>
   }
 }
 #else
+using RowBits = long long __attribute__((vector_size(32)));
+/// The signs of these values changed, where the bit is set.
+inline Row with_signs(Row a, RowBits signs) {
+  return reinterpret_cast<Row>(reinterpret_cast<RowBits>(a) ^ signs);
+}
+
 /// x - x', spin + spin', y - y' in one instruction, the reason for the order in a row; or all sums.
 template <Second kSecond>
 inline Row with_second(Row a, Row b) {
   if constexpr (kSecond == kAlike) return a + b;
+  if constexpr (kSecond == kRolling) {
+    return a - with_signs(b, RowBits{0, static_cast<long long>(1ULL << 63), 0, 0});
+  }
   return __builtin_ia32_addsubpd256(a, b);
 }
 
@@ -84,8 +124,8 @@ template <Second kSecond>
 inline Row with_second_of(const BodyRow& r, Row b) {
 #if BIPOT_WIDTH == 8
   // Products with one are exact, so that this is the same sum, by an instruction that also loads.
-  constexpr Row kSign{1, -1, 1, -1};
-  if constexpr (kSecond == kOpposed) return _mm256_maskz_fnmadd_pd(kAllLanes, b, kSign, row(r));
+  constexpr Row kSign{1, -1, 1, kSecond == kRolling ? 1 : -1};
+  if constexpr (kSecond != kAlike) return _mm256_maskz_fnmadd_pd(kAllLanes, b, kSign, row(r));
 #endif
   return with_second<kSecond>(row(r), b);
 }
@@ -94,7 +134,17 @@ inline Row with_second_of(const BodyRow& r, Row b) {
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse,
                                        BodyRow* to) {
-  if constexpr (kInverse) {
+  if constexpr (kInverse && kSecond == kRolling) {
+    const Row other = __builtin_shufflevector(wrench, wrench, 0, 3, 2, 1);
+    const auto change = [&](unsigned body, Row by, Row with) {
+      const BodyRow* const of = &at(inverse, 2 * body);
+      return row(of[0]) * by + row(of[1]) * with;
+    };
+    constexpr long long kMinus = static_cast<long long>(1ULL << 63);
+    row(at(to, i)) += change(i, wrench, other);
+    row(at(to, j)) += change(j, with_signs(wrench, RowBits{kMinus, 0, kMinus, kMinus}),
+                             with_signs(other, RowBits{kMinus, kMinus, kMinus, 0}));
+  } else if constexpr (kInverse) {
     row(at(to, i)) += row(at(inverse, i)) * wrench;
     row(at(to, j)) = with_second_of<kSecond>(at(to, j), row(at(inverse, j)) * wrench);
   } else {
@@ -117,7 +167,8 @@ template <Second kSecond>
   const Row odd23 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
   return {__builtin_shufflevector(even01, even23, 0, 1, 4, 5),
           __builtin_shufflevector(even01, even23, 2, 3, 6, 7),
-          __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5)};
+          __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5),
+          __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7)};
 }
 template <Second kSecond>
 [[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
@@ -127,11 +178,10 @@ template <Second kSecond>
 /// Calls add(row, lane) in the order of the lanes.
 template <class Add>
 [[gnu::always_inline]] inline void for_rows(const Motion& p, const Add& add) {
-  const Row zero{};
   const Row even = __builtin_shufflevector(p.x, p.spin, 0, 4, 2, 6);
   const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
-  const Row y_even = __builtin_shufflevector(p.y, zero, 0, 4, 2, 6);
-  const Row y_odd = __builtin_shufflevector(p.y, zero, 1, 5, 3, 7);
+  const Row y_even = __builtin_shufflevector(p.y, p.turn, 0, 4, 2, 6);
+  const Row y_odd = __builtin_shufflevector(p.y, p.turn, 1, 5, 3, 7);
   add(__builtin_shufflevector(even, y_even, 0, 1, 4, 5), 0);
   add(__builtin_shufflevector(odd, y_odd, 0, 1, 4, 5), 1);
   add(__builtin_shufflevector(even, y_even, 2, 3, 6, 7), 2);
@@ -148,6 +198,11 @@ inline Lanes both(Row a, Row b) {
   return _mm512_maskz_insertf64x4(kAllLanes, _mm512_castpd256_pd512(a), b, 1);
 }
 
+/// Products with one are exact, so that differences with these signs are rounded once.
+template <Second kSecond>
+constexpr Lanes kSignOfSecond = {1, -1, 1, kSecond == kRolling ? 1 : -1,
+                                 1, -1, 1, kSecond == kRolling ? 1 : -1};
+
 /// The motion in rows of the lanes (0, 2), (1, 3), (4, 6), (5, 7).
 [[gnu::always_inline]] inline Motion motion_of(Lanes a, Lanes b, Lanes c, Lanes d) {
   // (x, y) of two lanes alternately, and their spins.
@@ -155,15 +210,24 @@ inline Lanes both(Row a, Row b) {
   const Lanes even1 = first_of_pairs(c, d), odd1 = second_of_pairs(c, d);
   return {__builtin_shufflevector(even0, even1, 0, 1, 4, 5, 8, 9, 12, 13),
           __builtin_shufflevector(even0, even1, 2, 3, 6, 7, 10, 11, 14, 15),
-          __builtin_shufflevector(odd0, odd1, 0, 1, 4, 5, 8, 9, 12, 13)};
+          __builtin_shufflevector(odd0, odd1, 0, 1, 4, 5, 8, 9, 12, 13),
+          __builtin_shufflevector(odd0, odd1, 2, 3, 6, 7, 10, 11, 14, 15)};
 }
 /// Wrenches as rows of the same pairs.
 struct WrenchRows {
   Lanes a, b, c, d;
 };
+template <Second kSecond>
 [[gnu::always_inline]] inline WrenchRows rows_of(const Motion& p) {
   // (x, spin) of lanes 0, 2, 4, 6 and 1, 3, 5, 7; with y of the same lane, and 0, they form rows.
   const Lanes even = first_of_pairs(p.x, p.spin), odd = second_of_pairs(p.x, p.spin);
+  if constexpr (kSecond == kRolling) {
+    const Lanes y_even = first_of_pairs(p.y, p.turn), y_odd = second_of_pairs(p.y, p.turn);
+    return {__builtin_shufflevector(even, y_even, 0, 1, 8, 9, 2, 3, 10, 11),
+            __builtin_shufflevector(odd, y_odd, 0, 1, 8, 9, 2, 3, 10, 11),
+            __builtin_shufflevector(even, y_even, 4, 5, 12, 13, 6, 7, 14, 15),
+            __builtin_shufflevector(odd, y_odd, 4, 5, 12, 13, 6, 7, 14, 15)};
+  }
   const auto pair = [&](Lanes x_spin, long long at, long long y) {
     constexpr __mmask8 kNoFourth = 0x77;
     const Bits from{at, at + 1, 8 + y, 0, at + 2, at + 3, 10 + y, 0};
@@ -198,7 +262,7 @@ template <Second kSecond>
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
                                            const BodyRow* inverse, BodyRow* to) {
-  for_rows(rows_of(p),
+  for_rows(rows_of<kSecond>(p),
            [&](Row wrench, int k) { add<kInverse, kSecond>(wrench, i[k], j[k], inverse, to); });
 }
 #endif

@@ -15,6 +15,7 @@ template <bool kBack, int D, class Solve>
 [[gnu::always_inline]] inline void for_parts(const ContactBatch<D>* contact, int first, int last,
                                              BodyRow* velocity, const BodyRow* inverse,
                                              const Solve& solve) {
+  constexpr Second kSecond = kSecondOf<D>;
   struct Bodies {
     const unsigned *i = nullptr, *j = nullptr;
   };
@@ -29,15 +30,15 @@ template <bool kBack, int D, class Solve>
 #pragma GCC unroll 4
     for (int part = 0; part < kParts; ++part) {
       const Bodies bodies = bodies_of(k, part);
-      const Motion motion = gather<kOpposed>(velocity, bodies.i, bodies.j);
+      const Motion motion = gather<kSecond>(velocity, bodies.i, bodies.j);
       if (part > 0 || n > 0) {
-        scatter<true, kOpposed>(wrench, before.i, before.j, inverse, velocity);
+        scatter<true, kSecond>(wrench, before.i, before.j, inverse, velocity);
       }
       wrench = solve(k, part, motion);
       before = bodies;
     }
   }
-  if (batches > 0) scatter<true, kOpposed>(wrench, before.i, before.j, inverse, velocity);
+  if (batches > 0) scatter<true, kSecond>(wrench, before.i, before.j, inverse, velocity);
 }
 
 template <int D, bool kRelaxed>
@@ -67,7 +68,7 @@ void sweep_batches(const SweepTask<D>& task) {
     if constexpr (D == 1) {
       return Motion{gx * normal, gy * normal, Lanes{}};
     } else {
-      const Lanes ratio = load(law.ratio, part), spin = load(c.spin, part);
+      const Lanes ratio = load(law.ratio, part), spin = load(c.turns[kTurnSpin], part);
       const Lanes tx = ratio * gy, ty = ratio * gx;
       const Lanes x_t = load(impulse.x[1], part);
       const Lanes start_t = x_t - relaxed(load(c.b[1], part));
@@ -76,7 +77,17 @@ void sweep_batches(const SweepTask<D>& task) {
       const Lanes z_t = cut_off(trial, load(law.mu, part) * z_n);
       const Lanes back = x_t - z_t;
       store(impulse.x[1], part, z_t);
-      return Motion{gx * normal + tx * back, gy * normal - ty * back, spin * back};
+      Motion wrench{gx * normal + tx * back, gy * normal - ty * back, spin * back};
+      if constexpr (D == kRollingDisks) {
+        // The slip has changed by now, and the contact's own rolling with it.
+        const Lanes roll = load(c.turns[kTurnRoll], part), x_m = load(impulse.x[2], part);
+        const Lanes w =
+            roll * v.turn - load(c.turns[kTurnCoupling], part) * back + load(c.b[2], part);
+        const Lanes z_m = cut_off(x_m - relaxed(w), load(law.mu_r, part) * z_n);
+        store(impulse.x[2], part, z_m);
+        wrench.turn = roll * (z_m - x_m);
+      }
+      return wrench;
     }
   };
   for_parts<false>(a.contact, 0, a.batches, a.velocity, a.inverse, solve);
@@ -115,7 +126,7 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
         const int end = coming + share < a.num_coming ? coming + share : a.num_coming;
         for (; coming < end; ++coming) {
           prefetch(at(a.velocity, a.coming[coming]));
-          prefetch(at(a.inverse, a.coming[coming]));
+          prefetch(at(a.inverse, (D == kRollingDisks ? 2 : 1) * a.coming[coming]));
         }
       }
     }
@@ -145,16 +156,36 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
     if constexpr (D == 1) {
       return Motion{gx * normal, gy * normal, Lanes{}};
     } else {
-      const Lanes ratio = load(law.ratio, part), spin = load(c.spin, part);
+      const Lanes ratio = load(law.ratio, part), spin = load(c.turns[kTurnSpin], part);
       const Lanes tx = ratio * gy, ty = ratio * gx;
+      // Back the moment comes before the friction.
+      Lanes turned_by{}, slid_by{};
+      const auto roll = [&] {
+        if constexpr (D == kRollingDisks) {
+          const Lanes x_m = start(2);
+          const Lanes w = load(c.turns[kTurnRoll], part) * v.turn +
+                          load(c.turns[kTurnCoupling], part) * slid_by;
+          const Lanes trial = x_m - omega * (w + load(c.b[2], part));
+          turned_by = put(2, x_m, cut_off(trial, load(law.mu_r, part) * z_n));
+        }
+      };
+      if constexpr (kBack) roll();
       const Lanes x_t = start(1);
-      const Lanes start_t = x_t - omega * load(c.b[1], part);
+      Lanes b_t = load(c.b[1], part);
+      if constexpr (D == kRollingDisks) b_t += load(c.turns[kTurnCoupling], part) * turned_by;
+      const Lanes start_t = x_t - omega * b_t;
       const Lanes turned = omega * ty * v.y - omega * tx * v.x;
       const Lanes trial = start_t - (turned - omega * spin * v.spin);
       const Lanes z_t = cut_off(trial, load(law.mu, part) * z_n);
       const Lanes change = put(1, x_t, z_t);
-      return Motion{gx * normal - tx * change, gy * normal + ty * change,
+      Motion wrench{gx * normal - tx * change, gy * normal + ty * change,
                     negative_product(spin, change)};
+      if constexpr (D == kRollingDisks) {
+        slid_by = change;
+        if constexpr (!kBack) roll();
+        wrench.turn = load(c.turns[kTurnRoll], part) * turned_by;
+      }
+      return wrench;
     }
   };
   for_parts<kBack>(a.contact, a.first_batch, a.last_batch, a.velocity, a.inverse, solve);

@@ -70,16 +70,21 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
       velocity_scale_(large_copy(scaling.velocity)),
       contacts_(to_size(tiles_.num_batches()) + 1),
       law_(to_size(tiles_.num_batches())),
-      inverse_(to_size(tiles_.num_rows)) {
+      inverse_(to_size(kInverses * tiles_.num_rows)) {
   for (int body = 0; body < bodies.surroundings(); ++body) {
     const auto& from = bodies.bodies[to_size(body)];
-    auto& inverse = inverse_[to_size(tiles_.row[to_size(body)])].value;
+    auto& inverse = inverse_[to_size(kInverses * tiles_.row[to_size(body)])].value;
     if constexpr (D == 3) {
       std::fill_n(inverse, 3, from.inverse_mass);
       std::fill_n(inverse + kRowTurn, 3, from.inverse_inertia);
     } else {
       inverse[kRowX] = inverse[kRowY] = from.inverse_mass;
       inverse[kRowSpin] = from.inverse_inertia;
+    }
+    if constexpr (D == kRollingDisks) {
+      auto& other = inverse_[to_size(2 * tiles_.row[to_size(body)] + 1)].value;
+      inverse[kRowLast] = 1 / p.A.coeff(3 * body + 2, 3 * body + 2);
+      other[kRowSpin] = other[kRowLast] = from.arm * inverse[kRowLast];
     }
   }
   if constexpr (D == 3) frame_.resize(tiles_.contact.size());
@@ -101,6 +106,9 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
           law.ratio[lane] = law.ratio[0];
           law.mu[lane] = law.mu[0];
           law.cone[lane] = law.cone[0];
+          law.mu_r[lane] = law.mu_r[0];
+          law.rolling_cone[lane] = law.rolling_cone[0];
+          law.both_cones[lane] = law.both_cones[0];
           continue;
         }
         const auto& from = bodies.contacts[to_size(c)];
@@ -108,16 +116,16 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
         if (from.j != bodies.surroundings()) to.j[lane] = offset(tiles_.row[to_size(from.j)]);
         const bool swapped = own >= 0 && to.i[lane] != offset(own);
         if (swapped) std::swap(to.i[lane], to.j[lane]);
-        const double normal = from.normal * scaling.velocity[c * D];
+        const double normal = from.normal * scaling.velocity[c * kRows];
         if constexpr (D > 1) {
-          law.ratio[lane] = snap_ratio(from.tangential * scaling.velocity[c * D + 1] / normal);
+          law.ratio[lane] = snap_ratio(from.tangential * scaling.velocity[c * kRows + 1] / normal);
         }
         law.mu[lane] = snap_mu(scaling.mu[c]);
         law.cone[lane] = 1 / (1 + law.mu[lane] * law.mu[lane]);
         const double sign = swapped ? -1 : 1;
-        const Eigen::Matrix<double, D, 1> b =
-            scaling.velocity.template segment<D>(c * D).cwiseProduct(
-                p.u_free.template segment<D>(c * D));
+        const Eigen::Matrix<double, kRows, 1> b =
+            scaling.velocity.template segment<kRows>(c * kRows).cwiseProduct(
+                p.u_free.template segment<kRows>(c * kRows));
         if constexpr (D == 3) {
           auto& frame = frame_[to_size(batch * kLanes + lane)];
           for (int k = 0; k < 3; ++k) {
@@ -132,8 +140,22 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
         } else {
           to.gx[lane] = sign * normal * from.n[0];
           to.gy[lane] = sign * normal * from.n[1];
-          if constexpr (D == 2) to.spin[lane] = from.tangential * scaling.velocity[c * D + 1];
-          for (int k = 0; k < D; ++k) to.b[k][lane] = b[k];
+          if constexpr (D > 1)
+            to.turns[kTurnSpin][lane] = from.tangential * scaling.velocity[c * kRows + 1];
+          if constexpr (D == kRollingDisks) {
+            const double mu_r = law.mu_r[lane] = snap_mu(scaling.mu_r[c]);
+            law.rolling_cone[lane] = 1 / (1 + mu_r * mu_r);
+            law.both_cones[lane] = 1 / (1 + law.mu[lane] * law.mu[lane] + mu_r * mu_r);
+            const double roll =
+                std::abs(p.H.coeff(3 * from.i + 2, 3 * c + 2)) * scaling.velocity[3 * c + 2];
+            to.turns[kTurnRoll][lane] = sign * roll;
+            const auto turned = [&](unsigned body) {
+              return inverse_[2 * body / sizeof(BodyRow) + 1].value[kRowSpin];
+            };
+            to.turns[kTurnCoupling][lane] = -to.turns[kTurnSpin][lane] * sign * roll *
+                                            (turned(to.i[lane]) - turned(to.j[lane]));
+          }
+          for (int k = 0; k < kRows; ++k) to.b[k][lane] = b[k];
         }
       }
       law_[to_size(batch)] = law_number(law);
@@ -165,7 +187,12 @@ void DiskTiles<D>::rescale(double factor) {
       } else {
         scale(batch.gx);
         scale(batch.gy);
-        scale(batch.spin);
+        scale(batch.turns[kTurnSpin]);
+        if constexpr (D == kRollingDisks) {
+          scale(batch.turns[kTurnRoll]);
+          scale(batch.turns[kTurnCoupling]);
+          scale(batch.turns[kTurnCoupling]);
+        }
       }
       for (auto& b : batch.b) scale(b);
     }
@@ -182,12 +209,15 @@ void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, cons
     ContactBatch<D>& batch = contacts_[to_size(at / kLanes)];
     const LawBatch& law = laws_[to_size(law_[to_size(at / kLanes)])];
     const std::size_t i = batch.i[lane] / sizeof(RowOf<D>), j = batch.j[lane] / sizeof(RowOf<D>);
-    const auto velocity = [&](int k, double sign) {
-      return inverse_[i].value[k] * momentum[i].value[k] +
-             sign * (inverse_[j].value[k] * momentum[j].value[k]);
+    const auto of_body = [&](std::size_t row, int k) {
+      const double own = inverse_[kInverses * row].value[k] * momentum[row].value[k];
+      if constexpr (D != kRollingDisks) return own;
+      const int other = k == kRowSpin ? kRowLast : k == kRowLast ? kRowSpin : k;
+      return own + inverse_[2 * row + 1].value[k] * momentum[row].value[other];
     };
-    const auto stepped = [&](double sigma, double slip) {
-      return sigma + kappa * (law.mu[lane] * slip - sigma);
+    const auto velocity = [&](int k, double sign) { return of_body(i, k) + sign * of_body(j, k); };
+    const auto stepped = [&](double sigma, double speed) {
+      return sigma + kappa * (speed - sigma);
     };
     if constexpr (D == 3) {
       const Vec3 n(batch.n[0][lane], batch.n[1][lane], batch.n[2][lane]);
@@ -203,20 +233,26 @@ void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, cons
         const Vec3 w = batch.scale[lane] * law.ratio[lane] * (v - turn.cross(n)) + b;
         slip = (w - n.dot(w) * n).norm();
       }
-      b = without + stepped(n.dot(b - without), slip) * n;
+      b = without + stepped(n.dot(b - without), law.mu[lane] * slip) * n;
       for (int k = 0; k < D; ++k) batch.b[k][lane] = b[k];
     } else {
-      const double without = velocity_scale_[c * D] * u_free[c * D];
-      double slip = 0;
-      if constexpr (D == 2) {
+      const double without = velocity_scale_[c * kRows] * u_free[c * kRows];
+      double speed = 0;
+      if constexpr (D > 1) {
         if (!momentum.empty()) {
           const double along =
               batch.gx[lane] * velocity(kRowY, -1) - batch.gy[lane] * velocity(kRowX, -1);
-          slip = std::abs(law.ratio[lane] * along - batch.spin[lane] * velocity(kRowSpin, 1) +
-                          batch.b[1][lane]);
+          speed = law.mu[lane] *
+                  std::abs(law.ratio[lane] * along -
+                           batch.turns[kTurnSpin][lane] * velocity(kRowSpin, 1) + batch.b[1][lane]);
+          if constexpr (D == kRollingDisks) {
+            const double rolls =
+                batch.turns[kTurnRoll][lane] * velocity(kRowLast, -1) + batch.b[2][lane];
+            speed += law.mu_r[lane] * std::abs(rolls);
+          }
         }
       }
-      batch.b[0][lane] = without + stepped(batch.b[0][lane] - without, slip);
+      batch.b[0][lane] = without + stepped(batch.b[0][lane] - without, speed);
     }
   };
   run_pieces(threads_, num_batches() * kLanes, [&](int first, int last) {
@@ -229,13 +265,13 @@ void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x) const {
   run_pieces(threads_, num_batches() * kLanes, [&](int first, int last) {
     for (int lane = first; lane < last; ++lane) {
       const int c = contact(lane);
-      Eigen::Matrix<double, D, 1> scaled = Eigen::Matrix<double, D, 1>::Zero();
+      Eigen::Matrix<double, kRows, 1> scaled = Eigen::Matrix<double, kRows, 1>::Zero();
       if (c >= 0) {
-        scaled =
-            impulse_scale_.template segment<D>(c * D).cwiseProduct(s.template segment<D>(c * D));
+        scaled = impulse_scale_.template segment<kRows>(c * kRows).cwiseProduct(
+            s.template segment<kRows>(c * kRows));
         if constexpr (D == 3) scaled = (frame_[to_size(lane)].transpose() * scaled).eval();
       }
-      for (int k = 0; k < D; ++k) x[to_size(lane / kLanes)].x[k][lane % kLanes] = scaled[k];
+      for (int k = 0; k < kRows; ++k) x[to_size(lane / kLanes)].x[k][lane % kLanes] = scaled[k];
     }
   });
 }
@@ -266,11 +302,11 @@ void DiskTiles<D>::push(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> 
       } else {
         const double normal = impulse.x[0][lane];
         double px = contact.gx[lane] * normal, py = contact.gy[lane] * normal, spin = 0;
-        if constexpr (D == 2) {
+        if constexpr (D > 1) {
           const double tangential = law.ratio[lane] * impulse.x[1][lane];
           px -= contact.gy[lane] * tangential;
           py += contact.gx[lane] * tangential;
-          spin = contact.spin[lane] * impulse.x[1][lane];
+          spin = contact.turns[kTurnSpin][lane] * impulse.x[1][lane];
         }
         i[kRowX] += px;
         i[kRowY] += py;
@@ -278,6 +314,11 @@ void DiskTiles<D>::push(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> 
         j[kRowX] -= px;
         j[kRowY] -= py;
         j[kRowSpin] -= spin;
+        if constexpr (D == kRollingDisks) {
+          const double moment = contact.turns[kTurnRoll][lane] * impulse.x[2][lane];
+          i[kRowLast] += moment;
+          j[kRowLast] -= moment;
+        }
       }
     }
   }
@@ -289,9 +330,15 @@ void DiskTiles<D>::velocities(std::span<const ImpulseBatch<D>> x,
   push(x, velocity);
   run_pieces(threads_, num_rows(), [&](int first, int last) {
     for (int row = first; row < last; ++row) {
-      const RowOf<D>& inverse = inverse_[to_size(row)];
+      const RowOf<D>& inverse = inverse_[to_size(kInverses * row)];
       auto& value = velocity[to_size(row)].value;
+      [[maybe_unused]] const double spin = value[kRowSpin], turning = value[kRowLast];
       for (std::size_t k = 0; k < std::size(value); ++k) value[k] *= inverse.value[k];
+      if constexpr (D == kRollingDisks) {
+        const double crossed = (&inverse)[1].value[kRowSpin];
+        value[kRowSpin] += crossed * turning;
+        value[kRowLast] += crossed * spin;
+      }
       if constexpr (D == 3) put_inverses(inverse, velocity[to_size(row)]);
     }
   });
@@ -302,7 +349,7 @@ void DiskTiles<D>::unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const {
   if (s.size() != impulse_scale_.size()) s = large_vector(impulse_scale_.size());
   run_pieces(threads_, num_batches() * kLanes, [&](int first, int last) {
     for (int lane = first; lane < last; ++lane) {
-      if (contact(lane) >= 0) s.template segment<D>(contact(lane) * D) = impulse(x, lane);
+      if (contact(lane) >= 0) s.template segment<kRows>(contact(lane) * kRows) = impulse(x, lane);
     }
   });
 }
@@ -335,5 +382,6 @@ Pipeline DiskTiles<D>::pipeline(int threads, Streamed bytes) const {
 template class DiskTiles<1>;
 template class DiskTiles<2>;
 template class DiskTiles<3>;
+template class DiskTiles<kRollingDisks>;
 
 }  // namespace bipot

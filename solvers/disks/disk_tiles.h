@@ -19,7 +19,7 @@ inline void put_inverses(const SphereRow& inverse, SphereRow& velocity) {
   velocity.value[kRowInverseInertia] = inverse.value[kRowTurn];
 }
 
-/// A problem of disks, or of spheres (D = 3), packed for the vector kernels, tile by tile: 48
+/// A problem of disks (with rolling friction kRollingDisks), or of spheres (D = 3), packed for the vector kernels, tile by tile: 48
 /// constant bytes for each contact and 32 for each body, 64 for either in space. Arrays of the
 /// kernels are indexed by batch and by row.
 template <int D>
@@ -33,6 +33,8 @@ class DiskTiles {
   DiskTiles(const ContactProblem& problem, const BodiesOf<D>& bodies, const ContactScaling& scaling,
             ContactTiles tiles, int threads = 1);
 
+  static constexpr int kRows = kRowsOf<D>;
+  static constexpr int kInverses = D == kRollingDisks ? 2 : 1;  ///< rows of inverse() a body
   using Tile = ContactTiles::Tile;
   int num_tiles() const { return static_cast<int>(tiles_.tiles.size()); }
   const Tile& tile(int t) const { return tiles_.tiles[to_size(t)]; }
@@ -51,12 +53,12 @@ class DiskTiles {
   /// The contact in a lane, kLanes for each batch; -1: none.
   int contact(int lane) const { return tiles_.contact[to_size(lane)]; }
   /// s of the contact in a lane.
-  Eigen::Matrix<double, D, 1> impulse(std::span<const ImpulseBatch<D>> x, int lane) const {
+  Eigen::Matrix<double, kRows, 1> impulse(std::span<const ImpulseBatch<D>> x, int lane) const {
     const int c = contact(lane);
-    Eigen::Matrix<double, D, 1> s;
-    for (int k = 0; k < D; ++k) s[k] = x[to_size(lane / kLanes)].x[k][lane % kLanes];
+    Eigen::Matrix<double, kRows, 1> s;
+    for (int k = 0; k < kRows; ++k) s[k] = x[to_size(lane / kLanes)].x[k][lane % kLanes];
     if constexpr (D == 3) s = frame_[to_size(lane)] * s;
-    return s.cwiseProduct(velocity_scale_.template segment<D>(c * D));
+    return s.cwiseProduct(velocity_scale_.template segment<kRows>(c * kRows));
   }
 
   /// Divides the variables by `factor`: x, the impulses of this packing, too.

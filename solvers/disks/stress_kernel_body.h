@@ -16,7 +16,7 @@ struct StressToImpulse {
 };
 inline StressToImpulse stress_to_impulse(const ContactBatch<2>& c, const LawBatch& law,
                                          const StressKernels::ShareBatch& share, int part) {
-  const Lanes spin = load(c.spin, part), ratio = load(law.ratio, part), zero{};
+  const Lanes spin = load(c.turns[kTurnSpin], part), ratio = load(law.ratio, part), zero{};
   // Empty lanes have no spin and no share.
   const Lanes inverse = 1 / (spin == zero ? all(1) : spin), length = ratio * inverse;
   const Lanes nx = length * load(c.gx, part), ny = length * load(c.gy, part);
@@ -38,8 +38,8 @@ void stress_rates(const StressKernels::RatesTask& task) {
       const StressToImpulse to = stress_to_impulse(c, law, a.share[k], part);
       const Lanes gx = load(c.gx, part), gy = load(c.gy, part), ratio = load(law.ratio, part);
       const Lanes w_n = gx * v.x + gy * v.y + load(c.b[0], part);
-      const Lanes w_t =
-          ratio * (gx * v.y - gy * v.x) - load(c.spin, part) * v.spin + load(c.b[1], part);
+      const Lanes w_t = ratio * (gx * v.y - gy * v.x) - load(c.turns[kTurnSpin], part) * v.spin +
+                        load(c.b[1], part);
       const Lanes normal = to.normal * w_n, tangential = to.tangential * w_t;
       const Motion rate{to.xx * normal - to.xy * tangential, to.yy * normal + to.xy * tangential,
                         2 * to.xy * normal + (to.xx - to.yy) * tangential};
@@ -75,7 +75,7 @@ void stress_impulse(const StressKernels::ImpulseTask& task, StressKernels::LoadS
       const Lanes gx = load(c.gx, part), gy = load(c.gy, part);
       const Lanes turned = load(law.ratio, part) * tangential;
       const Motion wrench{gx * normal - gy * turned, gy * normal + gx * turned,
-                          -(load(c.spin, part) * tangential)};
+                          -(load(c.turns[kTurnSpin], part) * tangential)};
       scatter<false, kOpposed>(wrench, i, j, nullptr, a.momentum);
     }
   }

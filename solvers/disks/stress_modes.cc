@@ -292,7 +292,7 @@ void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
     const ContactBatch<2>& c = contacts[lane / kLanes];
     const double share = share_[to_size(lane / kLanes)].share[at];
     if (share == 0) continue;
-    const double length = tiles_.laws()[law[lane / kLanes]].ratio[at] / c.spin[at];
+    const double length = tiles_.laws()[law[lane / kLanes]].ratio[at] / c.turns[kTurnSpin][at];
     const double nx = length * c.gx[at], ny = length * c.gy[at];
     const double sign = row_at(c.i[at]) == row ? share : -share;
     const Moments carried{-1, sign * nx, sign * ny, share * nx * ny, share * (nx * nx - ny * ny)};

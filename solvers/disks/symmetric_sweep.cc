@@ -156,5 +156,6 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
 template class SymmetricSweep<1>;
 template class SymmetricSweep<2>;
 template class SymmetricSweep<3>;
+template class SymmetricSweep<kRollingDisks>;
 
 }  // namespace bipot

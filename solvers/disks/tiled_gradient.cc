@@ -73,7 +73,7 @@ void TiledGradient<D>::reset(const Vector& s) {
     const RowOf<D>& inverse = disks_.inverse()[row];
     if constexpr (D == 3) {
       put_inverses(inverse, velocity_[row]);
-    } else {
+    } else if constexpr (D != kRollingDisks) {
       velocity_[row].value[kRowLast] = inverse.value[kRowX];
       momentum_[roles_.now][row].value[kRowLast] = inverse.value[kRowSpin];
     }
@@ -136,6 +136,7 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
     task.momentum_before = momentum_[to_size(role.before)].data();
     task.velocity = velocity_.data();
     task.next_momentum = momentum_[next].data();
+    task.inverse = disks_.inverse();
     kernels_.gradient(task, sums_[to_size(k * tiles + t)]);
   });
   if (neighbours_ != nullptr) {
@@ -165,7 +166,8 @@ GradientKernel::Progress TiledGradient<D>::totals(int iteration, double beta) co
   // (y - x⁺)·(x⁺ - x), as y = x + beta (x - x⁻).
   total.turn = rho_ * (beta * along - total.change2);
   total.change2 *= rho_;
-  for (const int k : {kRowX, kRowY, kRowSpin}) total.energy += sum.energy[k] + sum.energy[k + 4];
+  for (const int k : {kRowX, kRowY, kRowSpin, kRowLast})
+    total.energy += sum.energy[k] + sum.energy[k + 4];
   if (neighbours_ == nullptr) return total;
   const Roles& r = roles_;
   return neighbours_->total(disks_, total, momentum_[r.now], momentum_[r.before]);
@@ -240,5 +242,6 @@ void TiledGradient<D>::advance(int iterations, GradientKernel::Control& control)
 template class TiledGradient<1>;
 template class TiledGradient<2>;
 template class TiledGradient<3>;
+template class TiledGradient<kRollingDisks>;
 
 }  // namespace bipot

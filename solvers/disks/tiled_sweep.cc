@@ -51,5 +51,6 @@ void TiledSweep<D>::advance(int sweeps) {
 template class TiledSweep<1>;
 template class TiledSweep<2>;
 template class TiledSweep<3>;
+template class TiledSweep<kRollingDisks>;
 
 }  // namespace bipot

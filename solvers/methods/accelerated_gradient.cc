@@ -1,5 +1,6 @@
 #include "solvers/methods/accelerated_gradient.h"
 
+#include "solvers/disks/rolling_disks.h"
 #include "solvers/disks/tiled_gradient.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_iteration.h"
@@ -66,6 +67,11 @@ void solve_accelerated_gradient(SolveRun& run) {
     constexpr ContactRows D = d();
     if constexpr (!D.rolls) {
       if (with_tiled_kernel<D>(run, scaling, iterate)) return;
+    } else if (const auto disks =
+                   run.space().parts() ? std::nullopt : rolling_disks(run.problem())) {
+      TiledGradient<kRollingDisks> kernel(run.problem(), *disks, scaling, run.options().execution);
+      iterate(kernel);
+      return;
     }
     with_any_kernel<D>(run, scaling, iterate);
   });

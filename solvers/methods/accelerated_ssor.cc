@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "solvers/disks/deflated_sweep.h"
+#include "solvers/disks/rolling_disks.h"
 #include "solvers/disks/symmetric_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_kernel.h"
@@ -228,8 +229,10 @@ void solve_accelerated_ssor(SolveRun& run) {
   const DelassusOperator& delassus = run.delassus();
   const Execution& execution = run.options().execution;
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const Turns turns(omega, delassus.is_packed(), sweeps, parameters.integer("most_sweeps"), side);
-  run.judge_half_as_often(delassus.is_packed() && p.num_contacts() >= kStreamed);
+  const auto rolling = rolling_disks(p);
+  const bool packed = delassus.is_packed() || rolling;
+  const Turns turns(omega, packed, sweeps, parameters.integer("most_sweeps"), side);
+  run.judge_half_as_often(packed && p.num_contacts() >= kStreamed);
   dispatch_rows(p, [&](auto d) {
     constexpr ContactRows D = d();
     if constexpr (!D.rolls) {
@@ -243,6 +246,10 @@ void solve_accelerated_ssor(SolveRun& run) {
         }
         return;
       }
+    } else if (rolling) {
+      SymmetricSweep<kRollingDisks> kernel(p, *rolling, scaling, omega, sweeps, execution);
+      iterate(kernel, turns, NoStresses(), run);
+      return;
     }
     with_local_updates<D>(p, delassus, {.omega = omega}, false,
                           [&](auto& sweep, const auto& visit) {

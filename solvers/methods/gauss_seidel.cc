@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
+#include "solvers/disks/rolling_disks.h"
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/parallel/split_sweep.h"
@@ -58,10 +59,9 @@ constexpr int kUnwatchedSweeps = 64;
 
 /// Sweeps in vectors, tile by tile or contact after contact.
 template <int D>
-void sweep_vectors(SolveRun& run, double omega, bool tiled) {
+void sweep_vectors(SolveRun& run, const BodiesOf<D>& bodies, double omega, bool tiled) {
   const ContactProblem& p = run.problem();
   const ContactScaling scaling = equilibrated_scaling(p, run.delassus().diagonal());
-  const BodiesOf<D>& bodies = *run.delassus().bodies<D>();
   TiledSweep<D> sweep(p, bodies, scaling, omega, run.options().execution,
                       tiled ? tile_contacts(bodies) : given_order(bodies));
   sweep.reset(run.start());
@@ -114,9 +114,12 @@ void solve_gauss_seidel(SolveRun& run) {
     constexpr ContactRows D = d();
     if constexpr (!D.rolls) {
       if ((tiled || given) && run.delassus().is_packed() && !explicit_delassus) {
-        sweep_vectors<D>(run, settings.omega, tiled);
+        sweep_vectors<D>(run, *run.delassus().bodies<D>(), settings.omega, tiled);
         return;
       }
+    } else if (const auto disks = tiled ? rolling_disks(run.problem()) : std::nullopt) {
+      sweep_vectors<kRollingDisks>(run, *disks, settings.omega, tiled);
+      return;
     }
     sweep_contacts<D>(run, explicit_delassus, order, settings);
   });

@@ -1,13 +1,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"
+#include "core/scene/scene_family.h"
+#include "solvers/disks/rolling_disks.h"
+#include "solvers/disks/symmetric_sweep.h"
 #include "solvers/disks/tiled_gradient.h"
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_sweep.h"
@@ -29,6 +35,22 @@ ContactProblem packing(int dim, bool square = false, int side = 30) {
   return square ? square_lattice(side, o) : triangular_lattice(side, o);
 }
 
+/// With rolling friction, one contact without, arms of three lengths, and free spins that differ.
+ContactProblem rolling_packing(bool square, int side) {
+  Scene<2> scene = make_family_scene(square ? "square" : "triangular", side,
+                                     {.e_n = 0.2, .e_t = 0.7, .tilt_degrees = 11});
+  for (ContactLaw& law : scene.laws) law.mu_r = 0.02;
+  ContactProblem p = step_problem(scene, initial_state(scene), false);
+  p.mu_r[0] = 0;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    for (SparseMatrix::InnerIterator it(p.H, 3 * c + 1); it; ++it) {
+      if (it.row() % 3 == 2) it.valueRef() *= 1 + 0.1 * static_cast<double>(it.row() / 3 % 3);
+    }
+    p.u_free[3 * c + 2] += 0.1 * (c % 7 - 3);
+  }
+  return p;
+}
+
 struct Setting {
   ContactProblem problem;
   DelassusOperator delassus;
@@ -38,9 +60,14 @@ struct Setting {
         delassus(problem),
         scaling(equilibrated_scaling(problem, delassus.diagonal())) {}
   const DiskStructure& disks() const { return *delassus.disks(); }
+  std::optional<DiskStructure> rolling = rolling_disks(problem);
   template <int D>
   const BodiesOf<D>& bodies() const {
-    return *delassus.bodies<D>();
+    if constexpr (D == kRollingDisks) {
+      return *rolling;
+    } else {
+      return *delassus.bodies<D>();
+    }
   }
   Vector zero() const { return Vector::Zero(problem.num_rows()); }
   double largest_eigenvalue() const {
@@ -90,6 +117,9 @@ std::vector<ContactProblem> packings() {
   if constexpr (D == 3) {
     return {packing(3, true, 9), packing(3, true, 2), packing(3, true, 1), packing(3, true, 4),
             shipped_file("3d_sphere_pyramid_4.hdf5")};
+  } else if constexpr (D == kRollingDisks) {
+    return {rolling_packing(false, 20), rolling_packing(true, 20), rolling_packing(true, 2),
+            rolling_packing(false, 5)};
   } else {
     return {packing(D), packing(D, true), packing(D, true, 2), packing(D, false, 5),
             packing(D, true, 7)};
@@ -100,7 +130,7 @@ template <int D>
 void check_bits() {
   for (const ContactProblem& problem : packings<D>()) {
     const Setting at(problem);
-    ASSERT_TRUE(at.delassus.is_packed());
+    ASSERT_TRUE(at.delassus.is_packed() || at.rolling);
     const Vector sweep = swept<D>(at, 1, {1, SimdPath::kPortable}, kOneByOne);
     const Vector relaxed = swept<D>(at, 1.5, {1, SimdPath::kPortable}, kOneByOne);
     const Vector split = descended<D>(at, GradientMap::kSplit, {1, SimdPath::kPortable}, kOneByOne);
@@ -128,6 +158,71 @@ void check_bits() {
 TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsWithFriction) { check_bits<2>(); }
 TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsWithoutFriction) { check_bits<1>(); }
 TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsOfSpheres) { check_bits<3>(); }
+TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsOfRollingDisks) {
+  check_bits<kRollingDisks>();
+}
+
+// Contact after contact by an independent sweep on W: the normal impulse, then the slip, then the
+// rolling, each with the velocities that the one before left in its own contact; ω alike.
+TEST(TiledKernels, ATiledSweepOfRollingDisksIsThatOnWInItsOrder) {
+  for (const double omega : {1.0, 1.4}) {
+    const Setting at(rolling_packing(false, 8));
+    const ContactProblem& p = at.problem;
+    const Eigen::MatrixXd W = Eigen::MatrixXd(assemble_delassus(p.A, p.H, p.dim));
+    const ContactTiles tiles = tile_contacts(*at.rolling);
+    Vector s = at.zero();
+    const auto relax = [&](int tile) {
+      const ContactTiles::Tile& of = tiles.tiles[to_size(tile)];
+      for (int lane = of.first_batch * kLanes; lane < of.last_batch * kLanes; ++lane) {
+        const int c = tiles.contact[to_size(lane)];
+        if (c < 0) continue;
+        for (int k = 0; k < 3; ++k) {
+          const int row = 3 * c + k;
+          // The normal row is not coupled to the others of its contact.
+          const double trial = s[row] - omega * (W.row(row).dot(s) + p.u_free[row]) / W(row, row);
+          const double bound = (k == 1 ? p.mu : p.mu_r)[c] * s[3 * c];
+          s[row] = k == 0 ? std::max(trial, 0.0) : std::clamp(trial, -bound, bound);
+        }
+      }
+    };
+    const auto num_tiles = static_cast<int>(tiles.tiles.size());
+    for (int sweep = 0; sweep < 20; ++sweep) {
+      for (int tile = 0; tile < num_tiles / 2; ++tile) relax(tile);
+      for (int tile = num_tiles - 1; tile >= num_tiles / 2; --tile) relax(tile);
+    }
+    const Vector tiled = swept<kRollingDisks>(at, omega, {}, {20});
+    EXPECT_LT((tiled - s).norm(), 1e-11 * s.norm()) << omega;
+  }
+}
+
+// The sweep back is the sweep forth in the reverse order, the rows of friction and rolling too; so
+// that an iteration of one sweep each way has these two.
+TEST(TiledKernels, ASymmetricSweepOfRollingDisksIsThatOnW) {
+  const Setting at(rolling_packing(true, 6));
+  const ContactProblem& p = at.problem;
+  const Eigen::MatrixXd W = Eigen::MatrixXd(assemble_delassus(p.A, p.H, p.dim));
+  const ContactTiles tiles = symmetric_order(*at.rolling);
+  Vector s = at.zero();
+  const auto relax = [&](int lane, bool back) {
+    const int c = tiles.contact[to_size(lane)];
+    if (c < 0) return;
+    for (const int k : {0, back ? 2 : 1, back ? 1 : 2}) {
+      const int row = 3 * c + k;
+      const double trial = s[row] - 1.3 * (W.row(row).dot(s) + p.u_free[row]) / W(row, row);
+      const double bound = (k == 1 ? p.mu : p.mu_r)[c] * s[3 * c];
+      s[row] = k == 0 ? std::max(trial, 0.0) : std::clamp(trial, -bound, bound);
+    }
+  };
+  const auto lanes = static_cast<int>(tiles.contact.size());
+  for (int sweep = 0; sweep < 10; ++sweep) {
+    for (int lane = 0; lane < lanes; ++lane) relax(lane, false);
+    for (int lane = lanes - 1; lane >= 0; --lane) relax(lane, true);
+  }
+  SymmetricSweep<kRollingDisks> kernel(p, *at.rolling, at.scaling, 1.3, 1, {});
+  kernel.reset(at.zero());
+  for (int k = 0; k < 10; ++k) kernel.iterate(0);
+  EXPECT_LT((kernel.impulse() - s).norm(), 1e-11 * s.norm());
+}
 
 // The tiled sweep is a Gauss-Seidel sweep in its own order: the scalar sweep in that order does the
 // same to rounding.
@@ -200,7 +295,7 @@ TEST(TiledKernels, ATiledSweepOfSpheresIsTheGeneralSweepInItsOrder) {
 }
 
 /// The same iterates as through the Delassus operator, restarts and raised eigenvalues among them.
-template <int D>
+template <ContactRows D>
 void check_gradient(const ContactProblem& problem) {
   for (const GradientMap map : {GradientMap::kSplit, GradientMap::kFollowed}) {
     const Setting at(problem);
@@ -214,13 +309,17 @@ void check_gradient(const ContactProblem& problem) {
       plain.follow(0.7);
       plain.advance(40, control);
     }
-    const Vector s = descended<D>(at, map, {}, {40});
+    const Vector s = descended < D.rolls ? kRollingDisks : D.count > (at, map, {}, {40});
     EXPECT_LT((s - plain.impulse()).norm(), 1e-10 * s.norm());
   }
 }
 
 TEST(TiledKernels, ATiledGradientStepIsThatOfTheDelassusOperator) {
   check_gradient<2>(packing(2, false, 7));
+}
+TEST(TiledKernels, ATiledGradientStepOfRollingDisksIsThatOfTheDelassusOperator) {
+  check_gradient<ContactRows(3, true)>(rolling_packing(false, 7));
+  check_gradient<ContactRows(3, true)>(rolling_packing(true, 7));
 }
 TEST(TiledKernels, ATiledGradientStepOfSpheresIsThatOfTheDelassusOperator) {
   check_gradient<3>(packing(3, true, 5));
