@@ -14,7 +14,6 @@
 #include "bench/report/labels.h"
 #include "bench/study/study_parts.h"
 #include "core/motion/push_apart.h"
-#include "core/observables/observables.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 
@@ -25,8 +24,9 @@ const std::string kPaths = "paths", kRigid = "apgd", kSprings = "dem";
 const char* const kError = "error";               // from the reference
 const char* const kSolverError = "solver_error";  // from the tightest tolerance at the same step
 const char* const kOwnError = "own_error";        // of springs, from the stiffest
-constexpr double kStiffest = 1e-4;                // overlap aimed at
-constexpr int kHorizon = 16;                      // steps of the scene
+const char* const kInertialNumber = "inertial_number";
+constexpr double kStiffest = 1e-4;                           // overlap aimed at
+constexpr int kHorizon = 16;                                 // steps of the scene
 constexpr double kExactFactor = 1.0 / 64, kTightest = 1e-8;  // of the reference
 constexpr double kApproachTol = 1e-3, kPathLimit = 60;       // the latter in CPU seconds
 
@@ -36,14 +36,23 @@ struct Flow {
   State<2> exact;
   std::map<double, State<2>> tight;  ///< by step factor, to the tightest tolerance
   State<2> stiff;                    ///< with the stiffest springs
+  Study::Values inertial_number;     ///< mean over the approach; empty: a flow that ends
 };
 
 /// Where a run leads from the beginning of the scene; without a body: it did not end.
 std::pair<State<2>, RunRecord> follow(const Scene<2>& scene, const RunSetting& setting,
-                                      const Study::Stopped& stopped) {
+                                      const Study::Stopped& stopped,
+                                      Study::Observer* observer = nullptr) {
   State<2> state = initial_state(scene);
-  RunRecord record =
-      run_setting<2>(scene, state, setting, {.cpu_seconds = kPathLimit, .cancelled = stopped}, {});
+  RunObserver<2> watch;
+  if (observer != nullptr) {
+    watch.on_step = [&](const SceneStep<2>& step) {
+      observer->see(step.state);
+      return true;
+    };
+  }
+  RunRecord record = run_setting<2>(scene, state, setting,
+                                    {.cpu_seconds = kPathLimit, .cancelled = stopped}, watch);
   if (!record.whole) state.bodies.clear();
   return {std::move(state), std::move(record)};
 }
@@ -57,7 +66,13 @@ Flow make_flow(const Study::Sample& sample, const Study::Stopped& stopped) {
   Scene<2>& scene = flow.scene;
   const bool falls = sample.scene == "pour" || sample.scene == "collapse";
   scene.num_steps = static_cast<int>((falls ? 0.35 : 0.7) * scene.num_steps);
-  const auto before = follow(scene, {.solver = "auto", .tol = kApproachTol}, stopped).first;
+  const Scene<2> approach = scene;
+  Study::Observer observer(sample, approach, 1);
+  const auto before =
+      follow(approach, {.solver = "auto", .tol = kApproachTol}, stopped, &observer).first;
+  for (const auto& [quantity, value] : observer.values(before)) {
+    if (quantity == kInertialNumber) flow.inertial_number[quantity] = value;
+  }
   scene.bodies = before.bodies;
   scene.cell = before.cell;
   scene.num_steps = kHorizon;
@@ -94,7 +109,7 @@ Study::Values follow_path(Flow& flow, const RunSetting& setting, const Study::St
     if (flow.stiff.bodies.empty()) return values;
     values[kOwnError] = path_error(flow, state, flow.stiff);
     values["law_error"] = path_error(flow, flow.stiff, flow.exact);
-    values["inertial_number"] = observe(flow.scene, flow.exact, {}).inertial_number();
+    values.insert(flow.inertial_number.begin(), flow.inertial_number.end());
     return values;
   }
   State<2>& tight = flow.tight[setting.step_factor];
@@ -271,7 +286,7 @@ void add_springs(const Study::Measured& measured, const std::string& scene, int 
     if (springs) {
       unlike.points.push_back({.x = all.back().mean_cpu(), .y = from_rigid.mean, .hollow = true});
       law = geometric_mean(by_seed(measured, of, "law_error"));
-      inertial = over_seeds(by_seed(measured, of, "inertial_number")).mean;
+      inertial = over_seeds(by_seed(measured, of, kInertialNumber)).mean;
     }
     settings.add({scene, of.method, of.tol, of.x, from_rigid.mean, from_rigid.low, from_rigid.high,
                   springs ? error.mean : kNaN, over_seeds(by_seed(measured, of, "overlap")).mean,
