@@ -237,7 +237,7 @@ void expect_direction_solves_the_linearised_system() {
   Vector wds;
   delassus.apply(d.ds, wds);
   for (int c = 0; c < 12; ++c) {
-    const bool f = system.friction(c);
+    const unsigned f = system.parts(c);
     const typename Jordan::Pairs left =
         Jordan::product(system.pairs(z.X, c), system.pairs(d.dY, c), f) +
         Jordan::product(system.pairs(z.Y, c), system.pairs(d.dX, c), f);
