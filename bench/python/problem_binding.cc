@@ -15,6 +15,7 @@
 #include "bench/python/python_problem.h"
 #include "core/base/counted.h"
 #include "core/base/file_error.h"
+#include "core/problem/compliance.h"
 #include "core/problem/delassus.h"
 #include "core/problem/equality_rows.h"
 #include "core/problem_files/fclib_file.h"
@@ -235,12 +236,24 @@ ContactProblem with_joints(ContactProblem p, const py::kwargs& options) {
   return with_equality_rows(std::move(p), std::move(rows), std::move(values));
 }
 
+/// R by its diagonal, or as a matrix.
+SparseRows compliance(const py::object& given) {
+  const auto array = py::array::ensure(given);
+  if (!array || array.ndim() != 1) return to_rows(given, "R");
+  const Vector diagonal = to_vector(given, "R");
+  SparseRows R(diagonal.size(), diagonal.size());
+  for (Eigen::Index row = 0; row < diagonal.size(); ++row) R.insert(row, row) = diagonal[row];
+  R.makeCompressed();
+  return R;
+}
+
 HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   require_keywords(arguments, options, "Problem(A=, H=, v_free=, mu=) or Problem(W=, u_free=, mu=)",
                    {"A",    "H",        "J",        "M",         "W",
                     "G",    "b",        "v_free",   "u_free",    "mu",
                     "mu_r", "mu_spin",  "dim",      "row_scale", "restitution",
-                    "e",    "v_before", "u_before", "name",      "accept_indefinite"});
+                    "e",    "v_before", "u_before", "name",      "accept_indefinite",
+                    "R"});
   const py::object A = option(options, "A", "M"), W = option(options, "W");
   const bool wrenches = !option(options, "H", "J").is_none();
   const py::object v_free = option(options, "v_free"), u_free = option(options, "u_free");
@@ -266,6 +279,10 @@ HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   p.mu_spin = rolling_coefficient(option(options, "mu_spin"), "mu_spin", p.mu.size());
   if (!row_scale.is_none()) p.row_scale = to_vector(row_scale, "row_scale");
   require_sound(validate(p));
+  if (const py::object R = option(options, "R"); !R.is_none()) {
+    if (options.contains("G")) throw std::invalid_argument("R is given with G");
+    p = with_compliance(std::move(p), compliance(R));
+  }
   if (shocks) {
     if (!row_scale.is_none()) throw std::invalid_argument("row_scale is given with restitution");
     take_restitution(*made, p, options);
@@ -612,6 +629,10 @@ contact) is len(u_free) / len(mu) where it is not given.
 G (p, n) [-, m] and b (p,) [m/s], 0 where it is left out: equality rows G v = b, bilateral joints
 between the bodies. `Result.v` obeys them, `Result.multipliers` are their impulses. `u_free` and
 `delassus()` of the problem are those under the rows; A, H and v_free are as given.
+
+R (m,), a diagonal, or (m, m), symmetric blocks of contacts, at least 0 [1/kg], makes contacts
+compliant: u = (W + R) s + u_free. With bodies, degrees of freedom of mass 1 are appended to A, H,
+v_free and `Result.v`, one for each non-zero eigenvalue of R; not with G.
 
 mu_r, one number or (c,) [m], is rolling friction: contacts then have 3 rows in the plane (normal,
 tangent, moment), and in space 6 (two tangents, two moments about them, one about the normal), with

@@ -20,6 +20,7 @@ class Problem:
         A: Any = None,
         H: Any = None,
         W: Any = None,
+        R: Any = None,
         G: Any = None,
         b: Any = None,
         v_free: Any = None,

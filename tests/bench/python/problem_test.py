@@ -521,6 +521,31 @@ def test_equality_rows_that_do_not_fit_are_refused():
             pendulum(**changes)
     with pytest.raises(ValueError, match="b is given without G"):
         one_contact(-1, 0).update(b=[1])
+
+
+def test_compliance_is_taken_kept_and_refused():
+    # A block of mass 2 falls with 1 m/s and slides with 0.4: W = 1/2, R = (1/2, 3/2) give s_n = 1,
+    # s_t = -0.2, and the block itself moves with -R s.
+    data = dict(v_free=[-1, 0.4], mu=[0.5])
+    p = bipot.Problem(A=2 * np.eye(2), H=np.eye(2), R=[0.5, 1.5], **data)
+    r = bipot.solve(p, tol=1e-11)
+    np.testing.assert_allclose(r.s, [1, -0.2], atol=1e-9)
+    np.testing.assert_allclose(r.v[:2], [-0.5, 0.3], atol=1e-9)
+    np.testing.assert_allclose(p.delassus().toarray(), np.diag([1, 2]), atol=1e-14)
+    for same in (
+        bipot.Problem(W=np.eye(2) / 2, R=np.diag([0.5, 1.5]), u_free=[-1, 0.4], mu=[0.5]),
+        bipot.Problem(W=np.eye(2) / 2, R=sparse.diags([0.5, 1.5]), u_free=[-1, 0.4], mu=[0.5]),
+        pickle.loads(pickle.dumps(p)),
+    ):
+        np.testing.assert_allclose(bipot.solve(same, tol=1e-11).s, r.s, atol=1e-9)
+    slower = p.update(v_free=[-0.5, 0.2, 0, 0])
+    np.testing.assert_allclose(bipot.solve(slower, tol=1e-11).s, r.s / 2, atol=1e-9)
+    both = dict(A=2 * np.eye(2), H=np.eye(2), **data)
+    assert "R of contact 0 is not symmetric and positive" in refusal(R=[-1, 0], **both)
+    assert "R is 3 x 3, expected 2 x 2" in refusal(R=[1, 1, 1], **both)
+    assert "R is given with G" in refusal(R=[1, 1], G=[[1, 0]], **both)
+
+
 def test_rolling_friction_is_taken_kept_and_refused():
     # One body of mass 2 and inertia 0.5 on a fixed partner below, arm 0.5: s_n = 2 stops it,
     # m = -mu_r s_n, and s_t = m keeps it from sliding (tests/solvers/rolling_test.cc).
