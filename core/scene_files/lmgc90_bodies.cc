@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/types.h"
 #include "core/files/input_file.h"
@@ -31,6 +32,7 @@ class RecordReader {
     Entries entries;    // before contactors
     Entries contactor;  // of the last one
     std::vector<std::string> contactors;
+    std::map<int, double> driven;  // velocities of degrees of freedom, from 1 on
   };
   /// False at the end.
   bool next(Record& record) {
@@ -47,6 +49,8 @@ class RecordReader {
         if (word != kind_) refuse(fmt::format("expected {}, got {}", kind_, word));
         if (!(words >> record.number)) refuse("the body has no number");
         open = true;
+      } else if (word == "vlocy" || word == "force") {
+        read_driven(word, words, record.driven);
       } else if (contactors && word[0] != '$' && word.find('=') == std::string::npos) {
         record.contactors.push_back(word);
       }
@@ -65,6 +69,36 @@ class RecordReader {
   }
 
  private:
+  /// A line `vlocy DEGREE CT AMP OMEGA PHI RAMPI RAMP`: [CT + AMP cos(OMEGA t + PHI)] times RAMPI +
+  /// RAMP t, this up to 1.
+  void read_driven(const std::string& kind, std::istringstream& words,
+                   std::map<int, double>& driven) const {
+    int degree = 0;
+    std::string number;
+    std::vector<double> of;
+    words >> degree;
+    while (words >> number) of.push_back(number_of(kind, number));
+    if (degree < 1 || of.size() != 6) refuse("expected a degree of freedom and six numbers");
+    if (of[1] != 0 || (of[0] != 0 && of[5] != 0)) refuse("only constant values are possible");
+    const double value = of[0] * std::min(of[4], 1.0);
+    if (kind == "vlocy") {
+      driven[degree] = value;
+    } else if (value != 0) {
+      refuse("forces of DRV_DOF.DAT are not read: give them as a table of [[forces]]");
+    }
+  }
+
+  double number_of(const std::string& key, std::string number) const {
+    std::replace(number.begin(), number.end(), 'D', 'e');
+    if (number.ends_with('\r')) number.pop_back();
+    double value = 0;
+    const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+    if (error != std::errc() || rest != number.data() + number.size() || !std::isfinite(value)) {
+      refuse(fmt::format("{}: '{}' is no finite number", key, number));
+    }
+    return value;
+  }
+
   /// Numbers of Fortran, as 0.5000000D-01.
   void read_entries(std::string text, Entries& to) const {
     for (std::size_t at = text.find('='); at != std::string::npos; at = text.find('=', at + 1)) {
@@ -72,16 +106,7 @@ class RecordReader {
       const std::size_t first = text.find_last_of(' ', last);
       const std::string key = text.substr(first == std::string::npos ? 0 : first + 1, last - first);
       std::size_t from = text.find_first_not_of(' ', at + 1), end = text.find(' ', from);
-      std::string number = text.substr(std::min(from, text.size()), end - from);
-      std::replace(number.begin(), number.end(), 'D', 'e');
-      if (number.ends_with('\r')) number.pop_back();
-      double value = 0;
-      const auto [rest, error] =
-          std::from_chars(number.data(), number.data() + number.size(), value);
-      if (error != std::errc() || rest != number.data() + number.size() || !std::isfinite(value)) {
-        refuse(fmt::format("{}: '{}' is no finite number", key, number));
-      }
-      to[key] = value;
+      to[key] = number_of(key, text.substr(std::min(from, text.size()), end - from));
     }
   }
 
@@ -111,6 +136,31 @@ void add_motion(const RecordReader& file, const Entries& of, int dim, PositionRo
   }
 }
 
+/// Spins of driven spheres must be 0: their axes turn.
+void drive(const RecordReader& file, const std::map<int, double>& driven, int body, int dim,
+           PositionRow& row) {
+  if (driven.empty()) return;
+  const int degrees = dim == 2 ? 3 : 6;
+  row.driven = true;
+  row.v = row.spin = Vec3::Zero();
+  for (int k = 1; k <= degrees; ++k) {
+    const auto it = driven.find(k);
+    if (it == driven.end() || driven.size() != to_size(degrees)) {
+      file.refuse(
+          fmt::format("body {}: {} degrees of freedom are driven, of {}; a body is driven as "
+                      "a whole or not",
+                      body, driven.size(), degrees));
+    }
+    if (k <= dim) {
+      row.v[k - 1] = it->second;
+    } else if (dim == 2) {
+      row.spin[2] = it->second;
+    } else if (it->second != 0) {
+      file.refuse(fmt::format("body {}: a driven sphere cannot turn", body));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<PositionRow> read_lmgc90_bodies(const std::filesystem::path& path, int dim) {
@@ -135,17 +185,26 @@ std::vector<PositionRow> read_lmgc90_bodies(const std::filesystem::path& path, i
     row.radius = bodies.entry(record.contactor, "byrd");
     if (!(row.radius > 0)) bodies.refuse(fmt::format("byrd= {} is not positive", row.radius));
   }
-  const std::filesystem::path motion = path.parent_path() / "DOF.INI";
-  if (!std::filesystem::exists(motion)) return rows;
-  RecordReader states(motion, dim);
-  while (states.next(record)) {
-    if (record.number < 1 || to_size(record.number) > row_of.size()) {
-      states.refuse(
-          fmt::format("there is no body {} in {}", record.number, path.filename().string()));
+  // Calls take(file, record, row) for the bodies of another file in the folder, if it is there.
+  const auto each_body = [&](const char* name, const auto& take) {
+    const std::filesystem::path other = path.parent_path() / name;
+    if (!std::filesystem::exists(other)) return;
+    RecordReader file(other, dim);
+    while (file.next(record)) {
+      if (record.number < 1 || to_size(record.number) > row_of.size()) {
+        file.refuse(
+            fmt::format("there is no body {} in {}", record.number, path.filename().string()));
+      }
+      const int row = row_of[to_size(record.number - 1)];
+      if (row >= 0) take(file, rows[to_size(row)]);
     }
-    const int row = row_of[to_size(record.number - 1)];
-    if (row >= 0) add_motion(states, record.entries, dim, rows[to_size(row)]);
-  }
+  };
+  each_body("DOF.INI", [&](const RecordReader& file, PositionRow& row) {
+    add_motion(file, record.entries, dim, row);
+  });
+  each_body("DRV_DOF.DAT", [&](const RecordReader& file, PositionRow& row) {
+    drive(file, record.driven, record.number, dim, row);
+  });
   return rows;
 }
 

@@ -13,6 +13,7 @@ struct PositionRow {
   Vec3 v = Vec3::Zero();     ///< [m/s]
   Vec3 spin = Vec3::Zero();  ///< [rad/s]
   double radius = 0;         ///< > 0 [m]
+  bool driven = false;       ///< v and spin are prescribed
 };
 
 /// Reads a CSV file with a head that names its columns: x, y, in 3D z, and radius, in any order. vx,

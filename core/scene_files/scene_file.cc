@@ -132,7 +132,20 @@ void read_common(const SceneTable& table, const Scene<2>& scene, std::vector<Dis
   }
 }
 
-std::vector<Disk> read_group(const SceneTable& table, const Scene<2>& scene) {
+/// A driven disk is a solid circle among the walls.
+Wall<2> driven_wall(const PositionRow& row, int material, std::size_t number) {
+  Wall<2> wall{.name = fmt::format("driven {}", number),
+               .shape = Wall<2>::Shape::kSolidCircle,
+               .a = row.x.head<2>(),
+               .v = row.v.head<2>(),
+               .material = material,
+               .radius = row.radius,
+               .spin = row.spin[2]};
+  if (!row.v.isZero(0) || wall.spin != 0) wall.motion = Wall<2>::Motion::kMoving;
+  return wall;
+}
+
+std::vector<Disk> read_group(const SceneTable& table, Scene<2>& scene) {
   static const std::vector<std::string> kArrangements = {"single",  "rectangular", "triangular",
                                                          "pyramid", "random",      "file"};
   const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
@@ -147,6 +160,11 @@ std::vector<Disk> read_group(const SceneTable& table, const Scene<2>& scene) {
   if (arrangement == "file") {
     std::vector<Disk> disks;
     for (const PositionRow& row : read_named_positions(table, 2)) {
+      if (row.driven) {
+        const int material = material_index(scene, table, "material");
+        scene.walls.push_back(driven_wall(row, material, scene.walls.size()));
+        continue;
+      }
       disks.push_back({.x = Vec2(row.x[0], row.x[1]),
                        .v = Vec2(row.v[0], row.v[1]),
                        .spin = row.spin[2],

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <numbers>
 
 #include "core/scene/sphere_generators.h"
@@ -8,7 +10,20 @@
 namespace bipot {
 namespace {
 
-std::vector<Sphere> read_arrangement(const SceneTable& table, const Scene<3>& scene) {
+/// A wall that carries a driven sphere, which is glued to it, and is hidden in it.
+Wall<3> carrier(const PositionRow& row, std::size_t number) {
+  Wall<3> wall{.name = fmt::format("driven {}", number),
+               .shape = Wall<3>::Shape::kCone,
+               .a = row.x - 0.25 * row.radius * Vec3::UnitZ(),
+               .b = row.x + 0.25 * row.radius * Vec3::UnitZ(),
+               .v = row.v,
+               .radius = 0.1 * row.radius,
+               .radius_b = 0.1 * row.radius};
+  if (!row.v.isZero(0)) wall.motion = Wall<3>::Motion::kMoving;
+  return wall;
+}
+
+std::vector<Sphere> read_arrangement(const SceneTable& table, Scene<3>& scene) {
   static const std::vector<std::string> kArrangements = {"single", "cubic", "pyramid", "random",
                                                          "file"};
   const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
@@ -24,6 +39,9 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, const Scene<3>& sc
     std::vector<Sphere> spheres;
     for (const PositionRow& row : read_named_positions(table, 3)) {
       spheres.push_back({.x = row.x, .v = row.v, .spin = row.spin, .radius = row.radius});
+      if (!row.driven) continue;
+      spheres.back().wall = static_cast<int>(scene.walls.size());
+      scene.walls.push_back(carrier(row, scene.walls.size()));
     }
     return spheres;
   }
@@ -55,19 +73,20 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, const Scene<3>& sc
 
 }  // namespace
 
-std::vector<Sphere> read_spheres(const SceneTable& table, const Scene<3>& scene) {
+std::vector<Sphere> read_spheres(const SceneTable& table, Scene<3>& scene) {
   std::vector<Sphere> spheres = read_arrangement(table, scene);
   const GroupMass group = read_group_mass(table);
   const Vec3 v = table.maybe_vec<3>("velocity").value_or(Vec3::Zero());
   const Vec3 spin = table.maybe_vec<3>("spin").value_or(Vec3::Zero());
   const int material = material_index(scene, table, "material");
   for (Sphere& s : spheres) {
+    s.material = material;
+    if (s.wall >= 0) continue;
     const double volume = 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius;
     s.mass = group.mass ? *group.mass : *group.density * volume;
     s.inertia = group.inertia.value_or(0.4 * s.mass * s.radius * s.radius);
     s.v += v;  // to that of a file
     s.spin += spin;
-    s.material = material;
   }
   return spheres;
 }

@@ -34,7 +34,7 @@ template <int D>
 void read_clusters(const SceneTable& root, Scene<D>& scene);
 
 /// One table of [[spheres]]: a sphere or an arrangement. Throws SceneFileError.
-std::vector<Sphere> read_spheres(const SceneTable& table, const Scene<3>& scene);
+std::vector<Sphere> read_spheres(const SceneTable& table, Scene<3>& scene);
 
 /// Reads the tables [[outlets]] and [[inlets]] of a scene, whose materials must have been read.
 /// `turned`: the scene as a whole is turned, which excludes boxes along the axes. Throws

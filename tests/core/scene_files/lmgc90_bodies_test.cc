@@ -5,9 +5,11 @@
 #include <fstream>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "core/scene_files/scene_file.h"
 #include "tests/support/refusal.h"
+#include "tests/support/scene_run.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -72,6 +74,73 @@ TEST(Lmgc90Bodies, ASphereTurnsInItsOwnFrame) {
   EXPECT_EQ(rows[0].spin, Vec3(2, 3, 1));
 }
 
+/// A record of DRV_DOF.DAT: one line of each degree, its numbers after the degree.
+std::string driven_record(const std::string& body, const std::vector<std::string>& of) {
+  std::string text = "$bdyty\n " + body + "\n$nodty\n NO3xx      1\n$dofty  numbr [CT......+...]\n";
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    text += " vlocy      " + std::to_string(k + 1) + "  " + of[k] + "\n";
+  }
+  return text + "$$$$$$\n";
+}
+std::string constant(const std::string& value) {
+  return value + "  0.0D+00  0.0D+00  0.0D+00  0.1D+01  0.0D+00";
+}
+
+// The lower disk of 0.5 m rises at 0.5 m/s and carries the upper one, straight above it. The lower
+// one is a wall. Turning at 20 rad/s, it drives the upper one by friction.
+TEST(Lmgc90Bodies, ADrivenDiskIsAWallThatCarriesOthers) {
+  const TemporaryFolder folder;
+  const std::string line = " DISKx      1  color  BLEUx  byrd= 0.5D+00\n";
+  const auto at = [&](const char* y) {
+    return "$bdyty\n RBDY2      1\n$nodty\n NO3xx      1                coo1= 0.0D+00  coo2= " +
+           std::string(y) + "  coo3= 0.0D+00\n$tacty\n" + line + "$$$$$$\n";
+  };
+  put_file(folder / "BODIES.DAT", at("0.0D+00") + at("0.1D+01"));
+  for (const bool turns : {false, true}) {
+    put_file(
+        folder / "DRV_DOF.DAT",
+        "! DRV_DOF\n" + driven_record("RBDY2      1", {constant("0.0D+00"), constant("0.5D+00"),
+                                                       constant(turns ? "2.0D+01" : "0.0D+00")}));
+    Scene<2> scene = parse_scene(
+        "[[disks]]\narrangement = \"file\"\nfile = \"BODIES.DAT\"\ndensity = 100\n"
+        "[contact]\nmu = 0.5\n[time]\nstep = 1e-3\nsteps = 20\n",
+        (folder / "scene.toml").string());
+    ASSERT_EQ(scene.bodies.size(), 1u);
+    ASSERT_EQ(scene.walls.size(), 1u);
+    EXPECT_EQ(scene.walls[0].v, Vec2(0, 0.5));
+    EXPECT_EQ(scene.walls[0].spin, turns ? 20 : 0);
+    const State<2> end = solved_run(scene);
+    EXPECT_NEAR(end.bodies[0].v[1], 0.5, 1e-2);
+    EXPECT_NEAR(end.walls[0].a[1], 0.01, 1e-12);
+    // In its first step it moves for half of it.
+    EXPECT_NEAR(end.bodies[0].x[1], 1.01 - 0.5e-3 * 0.5, turns ? 3e-5 : 1e-12);
+    // Slipping, it turns the other way by 2 mu/a times the impulse over m: 0.5 and g t.
+    EXPECT_NEAR(end.bodies[0].spin, turns ? -2 * 0.5 / 0.5 * (0.5 + 9.81 * 0.02) : 0, 0.05);
+  }
+}
+
+TEST(Lmgc90Bodies, ADrivenSphereCarriesOthers) {
+  const TemporaryFolder folder;
+  const auto at = [&](const char* z) {
+    return "$bdyty\n RBDY3      1\n$nodty\n NO6xx      1  coo1= 0.0D+00  coo2= 0.0D+00  coo3= " +
+           std::string(z) + "\n$tacty\n SPHER      1  color  BLEUx  byrd= 0.5D+00\n$$$$$$\n";
+  };
+  put_file(folder / "BODIES.DAT", at("0.0D+00") + at("0.1D+01"));
+  const std::string zero = constant("0.0D+00");
+  put_file(folder / "DRV_DOF.DAT",
+           driven_record("RBDY3      1", {zero, zero, constant("0.5D+00"), zero, zero, zero}));
+  const AnyScene any = parse_any_scene(
+      "[[spheres]]\narrangement = \"file\"\nfile = \"BODIES.DAT\"\ndensity = 100\n[contact]\nmu = "
+      "0.5\n[time]\nstep = 1e-3\nsteps = 20\n",
+      (folder / "scene.toml").string());
+  const Scene<3>& scene = std::get<Scene<3>>(any);
+  ASSERT_EQ(scene.bodies.size(), 2u);
+  const State<3> end = solved_run(scene);
+  EXPECT_NEAR(end.bodies[0].x[2], 0.01, 1e-12);
+  EXPECT_NEAR(end.bodies[1].x[2], 1.01 - 0.5e-3 * 0.5, 1e-12);
+  EXPECT_NEAR(end.bodies[1].v[2], 0.5, 1e-2);
+}
+
 TEST(Lmgc90Bodies, WhatItCannotTakeIsRefusedWithTheLine) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& text, int dim) {
@@ -84,6 +153,15 @@ TEST(Lmgc90Bodies, WhatItCannotTakeIsRefusedWithTheLine) {
                    ":10: body 1 has 2 contactors: give it as a table of [[clusters]]"));
   EXPECT_TRUE(says(refused(disk_record("0.1X+00", kDiskLine), 2), "is no finite number"));
   EXPECT_TRUE(says(refused(disk.substr(0, disk.size() - 7), 2), "the last body has no end"));
+  const auto driven = [&](const std::vector<std::string>& of) {
+    put_file(folder / "DRV_DOF.DAT", driven_record("RBDY2      1", of));
+    return refused(disk, 2);
+  };
+  const std::string zero = constant("0.0D+00");
+  EXPECT_TRUE(says(driven({zero, zero}), "body 1: 2 degrees of freedom are driven, of 3"));
+  EXPECT_TRUE(says(driven({zero, zero, "1 1 6.28 0 1 0"}), "only constant values are possible"));
+  EXPECT_TRUE(says(driven({zero, zero, "1 0"}), "a degree of freedom and six numbers"));
+  EXPECT_TRUE(says(driven({zero, zero, "evolution my.dat"}), "is no finite number"));
 }
 
 }  // namespace
