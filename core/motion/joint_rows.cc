@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/problem/equality_rows.h"
+#include "core/scene/cluster_motion.h"
 #include "core/scene/joints.h"
 
 namespace bipot {
@@ -17,6 +18,16 @@ Vec3 turned_by(const Vec3& angle, const Vec3& arm) {
   return size == 0 ? arm : Vec3(Eigen::AngleAxisd(size, angle / size) * arm);
 }
 
+/// The arm after a step of h, turned by the motion of its own body without torque.
+Vec2 drifted(const Cluster<2>& cluster, double h, const Vec2& arm) {
+  return turned_by(h * cluster.spin, arm);
+}
+Vec3 drifted(Cluster<3> cluster, double h, const Vec3& arm) {
+  const Vec3 own = cluster.orientation.conjugate() * arm;
+  drift(cluster, h);
+  return cluster.orientation * own;
+}
+
 /// One end of a joint at mid-step, with the velocities before the step.
 template <int D>
 struct End {
@@ -25,6 +36,7 @@ struct End {
   Vec<D> arm = Vec<D>::Zero();    // from the centre of mass [m]
   Vec<D> v = Vec<D>::Zero();      // of the point [m/s]
   Vec<D> bend = Vec<D>::Zero();   // its way in a step by turning, but for h v [m]
+  const Cluster<D>* cluster = nullptr;
 
   End(int body, const Vec<D>& at, std::span<const std::type_identity_t<Body<D>>> bodies,
       const ClusterInput<D>& clusters, const DofMap& dofs, double h)
@@ -35,12 +47,14 @@ struct End {
     Vec<D> centre = b.x;
     Vec<D> of_centre = b.v;
     if (b.cluster >= 0) {
-      centre = clusters.bodies[to_size(b.cluster)].x;
-      of_centre = clusters.bodies[to_size(b.cluster)].v;
+      cluster = &clusters.bodies[to_size(b.cluster)];
+      centre = cluster->x;
+      of_centre = cluster->v;
     }
     arm = point - centre;
     v = of_centre + swept(b.spin, arm);
-    bend = turned_by(h * b.spin, arm) - arm - h * swept(b.spin, arm);
+    const Vec<D> after = cluster ? drifted(*cluster, h, arm) : turned_by(h * b.spin, arm);
+    bend = after - arm - h * swept(b.spin, arm);
   }
 
   /// Entries of the velocity of the point along the axis: a line of G or a column of H.
@@ -51,7 +65,8 @@ struct End {
     if constexpr (D == 2) {
       add(dof + D, sign * arm_times(arm, axis));
     } else {
-      const Vec3 turn = arm_times(arm, axis);
+      Vec3 turn = arm_times(arm, axis);
+      if (cluster != nullptr) turn = in_own_axes(*cluster, turn);
       for (int k = 0; k < 3; ++k) add(dof + D + k, sign * turn[k]);
     }
   }

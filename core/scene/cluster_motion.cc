@@ -239,9 +239,6 @@ std::string check_clusters(const Scene<D>& scene) {
     return "clusters do not go with [start] overlaps = \"push apart\"";
   }
   if (D == 3 && scene.accuracy > 0) return "clusters of spheres do not go with accuracy";
-  if (D == 3 && !scene.joints.empty()) {
-    return "clusters of spheres do not go with pins and ropes";
-  }
   if (scene.project_overlaps) return "clusters do not go with overlaps = \"project\"";
   if (scene.predict_gaps) return "clusters do not go with overlaps = \"predict\"";
   return {};

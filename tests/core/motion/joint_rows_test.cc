@@ -13,6 +13,7 @@
 
 #include "core/motion/time_stepping.h"
 #include "core/problem/equality_rows.h"
+#include "core/scene/cluster_motion.h"
 #include "core/scene/joints.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
@@ -316,6 +317,58 @@ pins = [{bodies = [0], point = [0, 0, 0]}]
     const auto [from, to] = joint_points<3>(scene.joints[0], state.bodies);
     EXPECT_LE((from - to).norm(), 2e-6 + 1e-6 * b.spin.squaredNorm());
   });
+}
+
+/// Two spheres of one body, 2 kg and moments 0.01, 0.09, 0.09 kg m²; its centre is 0.5 m along x
+/// from the pin.
+Scene<3> pinned_bar(const std::string& more) {
+  return std::get<Scene<3>>(parse_any_scene(
+      "dim = 3\ntime = {step = 1e-3, steps = 3000}\n"
+      "clusters = [{parts = [[0, 0, 0, 0.1], [0.4, 0, 0, 0.1]], position = [0.3, 0, 0], mass = 2, "
+      "inertia = [0.01, 0.09, 0.09]" +
+          more + "}]\npins = [{bodies = [0], point = [0, 0, 0]}]\n",
+      "test"));
+}
+
+// I = 0.09 + 2 * 0.25 about the pin; from the horizontal the amplitude is π/2.
+TEST(Pin, ABarOfSpheresHasThePeriodOfTheEllipticIntegral) {
+  std::vector<double> passages;
+  double before = std::numbers::pi / 2;
+  solved_run(pinned_bar(""), [&](const State<3>& state, const StepReport<3>& r) {
+    const Vec3 x = 0.5 * (state.bodies[0].x + state.bodies[1].x);
+    const double angle = std::atan2(x[0], -x[2]);
+    if (before * angle < 0 && std::abs(angle) < 1) {
+      passages.push_back(r.time - 1e-3 * angle / (angle - before));
+    }
+    before = angle;
+    EXPECT_NEAR(x[1], 0, 1e-12);
+  });
+  ASSERT_GE(passages.size(), 3u);
+  const double slow = 2 * std::numbers::pi * std::sqrt(0.59 / (2 * kG * 0.5));
+  const double period = slow * 2 / std::numbers::pi * std::comp_ellint_1(std::sqrt(0.5));
+  EXPECT_NEAR((passages[2] - passages[0]) / period, 1, 1e-5);
+}
+
+// Thrown sideways with a spin about its own axis: energy and the vertical angular momentum about the
+// pin stay to the second order, and the pin does not open.
+TEST(Pin, ATumblingBarOfSpheresKeepsEnergyAndVerticalAngularMomentum) {
+  Scene<3> scene = pinned_bar(", velocity = [0, 1, 0], spin = [30, 0, 2]");
+  const double start = 0.5 * 2 + 0.5 * (0.01 * 900 + 0.09 * 4);
+  double worst[] = {0, 0};
+  for (const int parts : {1, 2}) {
+    scene.step = 1e-3 / parts;
+    scene.num_steps = 1000 * parts;
+    solved_run(scene, [&](const State<3>& state, const StepReport<3>& r) {
+      const Cluster<3>& body = state.clusters.bodies[0];
+      const double momentum = (2 * body.x.cross(body.v) + own_momentum(body))[2];
+      worst[parts - 1] = std::max({worst[parts - 1], std::abs(energy(r.energy) - start),
+                                   std::abs(momentum - (1 + 0.09 * 2))});
+      const auto [from, to] = joint_points<3>(scene.joints[0], state.bodies);
+      EXPECT_LE((from - to).norm(), 1e-5);
+    });
+  }
+  EXPECT_LT(worst[0], 5e-3);
+  EXPECT_LT(worst[1], 0.35 * worst[0]);
 }
 
 }  // namespace

@@ -267,8 +267,6 @@ TEST(SpaceCluster, WhatDoesNotGoWithClumpsIsRefused) {
   };
   EXPECT_TRUE(says(refusal("time = {step = 1e-3, steps = 1, accuracy = 0.01}\n"),
                    "clusters of spheres do not go with accuracy"));
-  EXPECT_TRUE(says(refusal("pins = [{bodies = [0], point = [0, 0, 1]}]\n" + kSpaceSteps),
-                   "clusters of spheres do not go with pins"));
   EXPECT_TRUE(says(refusal_of([] {
                      space_scene(
                          "clusters = [{parts = [[0, 0, 0, 0.1], [0, 0, 0, 0.2]], position "
