@@ -48,7 +48,8 @@ std::vector<Experiment> chosen_experiments(const ValidateFlags& flags) {
     }
   }
   std::erase_if(all, [&](const Experiment& e) {
-    return std::none_of(e.rows.begin(), e.rows.end(),
+    return (flags.quick && e.quick_tols.empty()) ||
+           std::none_of(e.rows.begin(), e.rows.end(),
                         [&](const ValidationRow& row) { return asked_for(flags, row); });
   });
   return all;

@@ -52,10 +52,11 @@ std::vector<double> decades(int first, int last) {
 
 std::vector<Experiment> validation_experiments() {
   std::vector<Experiment> all;
-  for (const auto& group : {slope_experiments(), standing_experiments(), impact_experiments(),
-                            collision_experiments(), mfix_experiments(), cohesion_experiments(),
-                            chain_experiments(), indeterminacy_experiments(), packing_experiments(),
-                            force_experiments(), flow_experiments(), silo_experiments()}) {
+  for (const auto& group :
+       {slope_experiments(), standing_experiments(), impact_experiments(), collision_experiments(),
+        mfix_experiments(), cohesion_experiments(), chain_experiments(),
+        indeterminacy_experiments(), packing_experiments(), force_experiments(), flow_experiments(),
+        silo_experiments(), trend_experiments()}) {
     all.insert(all.end(), group.begin(), group.end());
   }
   return all;

@@ -98,7 +98,7 @@ struct Experiment {
   };
   std::vector<ValidationRow> rows;
   std::vector<double> tols;        ///< falling
-  std::vector<double> quick_tols;  ///< the same of --quick
+  std::vector<double> quick_tols;  ///< the same of --quick; none: left out there
   std::function<void(Trial&)> run;
 };
 
@@ -126,5 +126,6 @@ std::vector<Experiment> packing_experiments();        ///< coordination, solid f
 std::vector<Experiment> force_experiments();          ///< distribution of forces
 std::vector<Experiment> flow_experiments();           ///< shear, collapse, drum
 std::vector<Experiment> silo_experiments();           ///< Janssen
+std::vector<Experiment> trend_experiments();          ///< heaps, a shaken box
 
 }  // namespace bipot

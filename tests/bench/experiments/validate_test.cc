@@ -131,6 +131,7 @@ TEST(Validate, EveryRowSaysWhatItIs) {
       EXPECT_TRUE(std::isfinite(row.range.low) || std::isfinite(row.range.high)) << row.claim.name;
     }
     for (const auto* tols : {&e.tols, &e.quick_tols}) {
+      if (tols == &e.quick_tols && tols->empty()) continue;  // left out there
       EXPECT_GE(tols->size(), e.rows[0].takes_tolerance ? 2u : 1u) << e.rows[0].claim.name;
       EXPECT_TRUE(std::is_sorted(tols->rbegin(), tols->rend())) << e.rows[0].claim.name;
     }

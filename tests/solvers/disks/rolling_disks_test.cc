@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "tests/support/small_problems.h"
@@ -25,6 +27,7 @@ TEST(RollingDisks, AreThoseWhoseThirdRowsHaveTheDifferenceOfTheSpins) {
   for (int row = 0; row < 3; ++row) {
     ContactProblem other = p;
     SparseMatrix::InnerIterator it(other.H, 3 * pair + row);
+    while (std::abs(it.value()) < 0.1) ++it;
     it.valueRef() *= 1.5;
     EXPECT_FALSE(rolling_disks(other)) << row;
   }
