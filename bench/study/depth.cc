@@ -198,6 +198,9 @@ Document depth_report(const Study::Measured& measured) {
                           {"high_20", "to", &count_label},
                           {"exponent", "exponent from 5 w on", &ratio_label},
                           {"exponent_bar", "±", &ratio_label},
+                          {"growth", "20 w over 10 w", &ratio_label},
+                          {"growth_low", "from", &ratio_label},
+                          {"growth_high", "to", &ratio_label},
                           {"unsolved", "at the limit", &share_label},
                           {"floor_20", "floor's share of the weight at 20 w", &ratio_label},
                           {"screening", "screening length over w", &ratio_label},
@@ -248,11 +251,14 @@ Document depth_report(const Study::Measured& measured) {
             }
           }
           const PowerLaw law = fit_power_law(x5, sweeps5);
+          const double growth = at[20].mean / at[10].mean;
+          const double spread = std::exp(
+              std::hypot(std::log(at[20].high / at[20].mean), std::log(at[10].high / at[10].mean)));
           if (solves == 0) continue;
           const MeanValue length = over_seeds(lengths);  // of the tallest
           table.add({scene, method, tol, at[1].mean, at[5].mean, at[10].mean, at[20].mean,
-                     at[20].low, at[20].high, law.exponent, law.confidence, unsolved / solves,
-                     floor, length.mean, length.confidence});
+                     at[20].low, at[20].high, law.exponent, law.confidence, growth, growth / spread,
+                     growth * spread, unsolved / solves, floor, length.mean, length.confidence});
           chart.series.push_back(std::move(line));
         }
         if (tol != (method == kSinkMethod ? 1e-1 : kDrawnTol) ||
