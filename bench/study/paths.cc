@@ -25,8 +25,9 @@ const char* const kError = "error";               // from the reference
 const char* const kSolverError = "solver_error";  // from the tightest tolerance at the same step
 const char* const kOwnError = "own_error";        // of springs, from the stiffest
 const char* const kInertialNumber = "inertial_number";
-constexpr double kStiffest = 1e-4;                           // overlap aimed at
-constexpr int kHorizon = 16;                                 // steps of the scene
+constexpr double kRecommended = 0.1;  // ε at which the cost of steps is told
+constexpr double kStiffest = 1e-4;    // overlap aimed at
+constexpr int kHorizon = 16;          // steps of the scene
 constexpr double kExactFactor = 1.0 / 64, kTightest = 1e-8;  // of the reference
 constexpr double kApproachTol = 1e-3, kPathLimit = 60;       // the latter in CPU seconds
 
@@ -243,32 +244,47 @@ void add_ridge(const Study::Measured& measured, const std::string& scene, int si
                              scene, kHorizon)});
 }
 
-/// One setting of a scene, over its seeds.
-struct Choice {
-  std::string label;
-  bool springs = false;
-  Study::Geometric error;  ///< from the limit of the own law
-  std::map<int, double> cpu;
+/// Pairs of a setting and a measured value, over settings and seeds.
+struct Samples {
+  std::vector<double> x, y;
 
-  double mean_cpu() const { return geometric_mean(cpu).mean; }
+  void add(double at, const std::map<int, double>& values) {
+    for (const auto& [seed, value] : values) {
+      x.push_back(at);
+      y.push_back(value);
+    }
+  }
 };
 
-/// The cheapest with a mean error of at most `wanted`; null: none.
-const Choice* cheapest(const std::vector<Choice>& all, bool springs, double wanted) {
-  const Choice* best = nullptr;
-  for (const Choice& c : all) {
-    if (c.springs != springs || !(c.error.mean <= wanted)) continue;
-    if (best == nullptr || c.mean_cpu() < best->mean_cpu()) best = &c;
+/// Error and CPU time of one seed by step, or by the overlap aimed at, from the coarsest on.
+using CostCurve = std::map<double, std::pair<double, double>, std::greater<>>;
+
+/// CPU time of the error `wanted`, by interpolation in the logarithms; that of the coarsest setting
+/// if it is better already; NaN if none is as good.
+double cost_at(const CostCurve& curve, double wanted) {
+  double error_before = kNaN, cost_before = kNaN;
+  for (const auto& [setting, at] : curve) {
+    const auto [error, cost] = at;
+    if (error <= wanted) {
+      if (std::isnan(error_before)) return cost;
+      const double part = std::log(wanted / error_before) / std::log(error / error_before);
+      return cost_before * std::pow(cost / cost_before, part);
+    }
+    error_before = error;
+    cost_before = cost;
   }
-  return best;
+  return kNaN;
 }
 
 void add_springs(const Study::Measured& measured, const std::string& scene, int size,
                  Document& part, Table& laws, Table& costs, Table& settings) {
-  std::vector<Choice> all;
   std::set<Study::Case> known;
+  Chart::Series rigid{"rigid", 0, {}, Chart::Series::Kind::kPoints};
+  Chart::Series soft{"springs, from their own", 1, {}, Chart::Series::Kind::kPoints};
   Chart::Series unlike{"springs, from the rigid limit", 2, {}, Chart::Series::Kind::kPoints};
   Study::Geometric law;
+  Samples soft_error, soft_cost, rigid_cost;  // over overlaps aimed at; over steps
+  std::map<int, CostCurve> soft_curves, rigid_curves;
   double inertial = kNaN;
   for (const auto& [key, values] : measured) {
     Study::Case of = key;
@@ -277,59 +293,68 @@ void add_springs(const Study::Measured& measured, const std::string& scene, int 
       continue;
     }
     const bool springs = of.method == kSprings;
+    const auto errors = by_seed(measured, of, springs ? kOwnError : kError);
+    const auto cpu = by_seed(measured, of, "cpu");
+    const auto error = geometric_mean(errors), cost = geometric_mean(cpu);
     const auto from_rigid = geometric_mean(by_seed(measured, of, kError));
-    const auto error = springs ? geometric_mean(by_seed(measured, of, kOwnError)) : from_rigid;
     if (error.seeds < 2) continue;
-    all.push_back({springs ? fmt::format("overlap {}", tolerance_label(of.tol))
-                           : fmt::format("ε = {}, {:g} h", tolerance_label(of.tol), of.x),
-                   springs, error, by_seed(measured, of, "cpu")});
+    (springs ? soft : rigid)
+        .points.push_back(
+            {.x = cost.mean,
+             .y = error.mean,
+             .note = springs ? fmt::format("overlap {}", tolerance_label(of.tol))
+                             : fmt::format("ε = {}, {:g} h", tolerance_label(of.tol), of.x),
+             .y_low = error.low,
+             .y_high = error.high});
     if (springs) {
-      unlike.points.push_back({.x = all.back().mean_cpu(), .y = from_rigid.mean, .hollow = true});
+      unlike.points.push_back({.x = cost.mean, .y = from_rigid.mean, .hollow = true});
       law = geometric_mean(by_seed(measured, of, "law_error"));
       inertial = over_seeds(by_seed(measured, of, kInertialNumber)).mean;
+      soft_error.add(of.tol, errors);
+      soft_cost.add(of.tol, cpu);
+    } else if (of.tol == kRecommended) {
+      rigid_cost.add(of.x, cpu);
+    }
+    if (springs || of.tol == kRecommended) {
+      for (const auto& [seed, e] : errors) {
+        (springs ? soft_curves : rigid_curves)[seed][springs ? of.tol : of.x] = {e, cpu.at(seed)};
+      }
     }
     settings.add({scene, of.method, of.tol, of.x, from_rigid.mean, from_rigid.low, from_rigid.high,
                   springs ? error.mean : kNaN, over_seeds(by_seed(measured, of, "overlap")).mean,
-                  all.back().mean_cpu(), error.seeds});
+                  cost.mean, error.seeds});
+  }
+  if (soft.points.empty()) return;
+  const PowerLaw error_law = fit_power_law(soft_error.x, soft_error.y);
+  const PowerLaw cost_law = fit_power_law(soft_cost.x, soft_cost.y);
+  const PowerLaw rigid_law = fit_power_law(rigid_cost.x, rigid_cost.y);
+  laws.add({scene, inertial, law.mean, law.low, law.high, law.seeds, error_law.exponent,
+            error_law.confidence, cost_law.exponent, cost_law.confidence, rigid_law.exponent,
+            rigid_law.confidence});
+  for (const double wanted : {0.3, 0.1, 0.03, 0.01}) {
+    std::map<int, double> of_rigid, of_springs, ratios;
+    double bounds = 0;
+    for (const auto& [seed, curve] : soft_curves) {
+      const double springs = cost_at(curve, wanted), steps = cost_at(rigid_curves[seed], wanted);
+      if (!std::isfinite(springs) || !std::isfinite(steps)) continue;
+      of_springs[seed] = springs;
+      of_rigid[seed] = steps;
+      ratios[seed] = springs / steps;
+      bounds += curve.begin()->second.first <= wanted ? 1 : 0;
+    }
+    const auto ratio = geometric_mean(ratios);
+    if (ratio.seeds < 2) continue;
+    costs.add({scene, wanted, geometric_mean(of_rigid).mean, geometric_mean(of_springs).mean,
+               ratio.mean, ratio.low, ratio.high, ratio.seeds, bounds});
   }
   Chart chart{.title = scene,
               .x = {.label = "CPU time", .kind = Chart::Axis::Kind::kLogSeconds},
-              .y = {.label = "error of the paths", .kind = Chart::Axis::Kind::kLog}};
-  Chart::Series rigid{"rigid", 0, {}, Chart::Series::Kind::kPoints};
-  Chart::Series soft{"springs, from their own", 1, {}, Chart::Series::Kind::kPoints};
-  for (const Choice& c : all) {
-    (c.springs ? soft : rigid)
-        .points.push_back({.x = c.mean_cpu(),
-                           .y = c.error.mean,
-                           .note = c.label,
-                           .y_low = c.error.low,
-                           .y_high = c.error.high});
-  }
-  if (soft.points.empty()) return;
-  laws.add({scene, inertial, law.mean, law.low, law.high, law.seeds});
-  for (const double wanted : {0.3, 0.1, 0.03, 0.01, 0.003, 0.001}) {
-    const Choice* of_rigid = cheapest(all, false, wanted);
-    const Choice* of_springs = cheapest(all, true, wanted);
-    if (of_rigid == nullptr && of_springs == nullptr) continue;
-    Study::Geometric ratio;
-    if (of_rigid != nullptr && of_springs != nullptr) {
-      std::map<int, double> ratios;
-      for (const auto& [seed, cpu] : of_springs->cpu) {
-        if (of_rigid->cpu.contains(seed)) ratios[seed] = cpu / of_rigid->cpu.at(seed);
-      }
-      ratio = geometric_mean(ratios);
-    }
-    costs.add({scene, wanted, of_rigid == nullptr ? "none" : of_rigid->label,
-               of_rigid == nullptr ? kNaN : of_rigid->mean_cpu(),
-               of_springs == nullptr ? "none" : of_springs->label,
-               of_springs == nullptr ? kNaN : of_springs->mean_cpu(), ratio.mean, ratio.low,
-               ratio.high});
-  }
-  chart.series = {std::move(rigid), std::move(soft), std::move(unlike)};
+              .y = {.label = "error of the paths", .kind = Chart::Axis::Kind::kLog},
+              .series = {std::move(rigid), std::move(soft), std::move(unlike)}};
   part.add(Figure{.chart = std::move(chart),
                   .file = fmt::format("springs_{}.svg", scene),
                   .caption = fmt::format("{}: error of the paths against the cost of following "
-                                         "them, rigid and soft.",
+                                         "them, rigid and soft. Hollow: from the rigid limit.",
                                          scene)});
 }
 
@@ -362,17 +387,23 @@ Document paths_report(const Study::Measured& measured) {
                          {"law", "stiff springs from rigid contacts", &share_label},
                          {"low", "from", &share_label},
                          {"high", "to", &share_label},
-                         {"seeds", "seeds", &count_label}},
+                         {"seeds", "seeds", &count_label},
+                         {"p", "springs' error ~ overlap^p, p", &ratio_label},
+                         {"p_bar", "±", &ratio_label},
+                         {"c", "springs' cost ~ overlap^c, c", &ratio_label},
+                         {"c_bar", "±", &ratio_label},
+                         {"k", "rigid cost ~ h^k, k", &ratio_label},
+                         {"k_bar", "±", &ratio_label}},
              .key = "laws_of_contact"};
   Table costs{.columns = {{"scene", "scene"},
                           {"wanted", "error wanted", &share_label},
-                          {"rigid", "rigid setting"},
-                          {"rigid_cpu", "rigid", &seconds_label},
-                          {"springs", "springs' setting"},
+                          {"rigid_cpu", "rigid, ε = 0.1", &seconds_label},
                           {"springs_cpu", "springs", &seconds_label},
                           {"ratio", "springs over rigid", &ratio_label},
                           {"low", "from", &ratio_label},
-                          {"high", "to", &ratio_label}},
+                          {"high", "to", &ratio_label},
+                          {"seeds", "seeds that reach it", &count_label},
+                          {"bounds", "by the softest already", &count_label}},
               .key = "cheapest"};
   Table settings{.columns = {{"scene", "scene"},
                              {"method", "contacts"},

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
+#include <ranges>
 
 #include "bench/measure/stopwatch.h"
 #include "bench/report/csv_text.h"
@@ -14,20 +16,15 @@
 namespace bipot {
 namespace {
 
-constexpr const char* kRowsHeader = "part,scene,size,seed,method,tol,x,quantity,value";
-constexpr const char* kLastQuantity = "cpu";  // written last: the measurement is complete
+constexpr const char* kRowsHeader = "part,scene,size,seed,method,tol,x,values";
 
-std::string row_lines(const Study::Case& of, const Study::Values& values) {
-  const std::string key = fmt::format("{},{},{},{},{},{},{}", csv_text(of.part), csv_text(of.scene),
-                                      of.size, of.seed, csv_text(of.method), of.tol, of.x);
-  std::string lines;
+std::string row_line(const Study::Case& of, const Study::Values& values) {
+  std::string all;
   for (const auto& [quantity, value] : values) {
-    if (quantity != kLastQuantity) {
-      lines += fmt::format("{},{},{:.6g}\n", key, csv_text(quantity), value);
-    }
+    all += fmt::format("{}{}={:.6g}", all.empty() ? "" : ";", quantity, value);
   }
-  return lines +
-         fmt::format("{},{},{:.4g}\n", key, csv_text(kLastQuantity), values.at(kLastQuantity));
+  return fmt::format("{},{},{},{},{},{},{},{}\n", csv_text(of.part), csv_text(of.scene), of.size,
+                     of.seed, csv_text(of.method), of.tol, of.x, csv_text(all));
 }
 
 template <class Number>
@@ -51,17 +48,16 @@ const std::vector<Study::Part>& Study::parts() {
 Study::Measured Study::read(const std::filesystem::path& rows) {
   Measured measured;
   if (!std::filesystem::exists(rows)) return measured;
-  for (const auto& f : read_csv_table(rows, kRowsHeader, 9)) {
-    const Case of{f[0],
-                  f[1],
-                  row_number<int>(f[2], rows),
-                  row_number<int>(f[3], rows),
-                  f[4],
-                  row_number<double>(f[5], rows),
-                  row_number<double>(f[6], rows)};
-    measured[of][f[7]] = row_number<double>(f[8], rows);
+  for (const auto& f : read_csv_table(rows, kRowsHeader, 8)) {
+    Values& values =
+        measured[{f[0], f[1], row_number<int>(f[2], rows), row_number<int>(f[3], rows), f[4],
+                  row_number<double>(f[5], rows), row_number<double>(f[6], rows)}];
+    for (const auto part : std::views::split(f[7], ';')) {
+      const std::string text(part.begin(), part.end());
+      const std::size_t end = std::min(text.find('='), text.size() - 1);
+      values[text.substr(0, end)] = row_number<double>(text.substr(end + 1), rows);
+    }
   }
-  std::erase_if(measured, [](const auto& entry) { return !entry.second.contains(kLastQuantity); });
   return measured;
 }
 
@@ -69,11 +65,6 @@ bool Study::measure(const std::filesystem::path& rows, const std::vector<Job>& j
                     const Stopped& stopped,
                     const std::function<void(long, long, const std::string&)>& on_job) {
   const Measured known = read(rows);
-  if (!known.empty()) {  // without the rows of a measurement that was cut short
-    std::string text = fmt::format("{}\n", kRowsHeader);
-    for (const auto& [of, values] : known) text += row_lines(of, values);
-    write_text_file(rows, text);
-  }
   std::ofstream file = open_csv_table(rows, kRowsHeader);
   const long total = static_cast<long>(jobs.size());
   long done = 0;
@@ -85,8 +76,8 @@ bool Study::measure(const std::filesystem::path& rows, const std::vector<Job>& j
     const CpuStopwatch watch;
     Values values = job.run(stopped);
     if (stopped()) return false;
-    values.try_emplace(kLastQuantity, watch.seconds());
-    file << row_lines(of, values) << std::flush;
+    values.try_emplace("cpu", watch.seconds());
+    file << row_line(of, values) << std::flush;
     if (!file) throw FileError(rows, "", "cannot be written");
   }
   on_job(total, total, "");

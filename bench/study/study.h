@@ -87,7 +87,7 @@ struct Study {
   /// of a run that did not end, cpu and failed = 1 alone.
   static Values run(const Sample& sample, const RunSetting& setting, const Stopped& stopped);
 
-  /// Rows of complete measurements; none if there is no file. Throws FileError.
+  /// A line for each measurement; none if there is no file. Throws FileError.
   static Measured read(const std::filesystem::path& rows);
   /// Runs the jobs that `rows` lacks and adds them to it. `on_job` is called before each with the
   /// number done, of all, and what comes. False if it was stopped; what was done is kept.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
 
@@ -37,9 +38,9 @@ TEST(Study, GoesOnFromTheMeasurementsThatAreComplete) {
   EXPECT_NEAR(first.at("with, comma"), 1.0 / 3, 1e-6);
   EXPECT_GE(first.at("cpu"), 0);
 
-  // The last measurement loses its last row, as if the program had been killed there.
+  // The last line loses its end, as if the program had been killed there.
   std::string text = read_text_file(rows);
-  text.resize(text.rfind("\"thresholds\""));
+  text.resize(text.rfind('='));
   write_text_file(rows, text);
   EXPECT_EQ(Study::read(rows).size(), 1u);
   ASSERT_TRUE(Study::measure(rows, {job(1, runs), job(2, runs), job(3, runs)}, kNever, silent));
@@ -113,6 +114,47 @@ TEST(Study, PathsTellTheErrorOfTheStepFromTheSolvers) {
   EXPECT_LT(rigid[fine]["step_error"], 0.5 * rigid[coarse]["step_error"]);
   EXPECT_LT(springs.at("error"), 0.1);
   EXPECT_LE(springs.at("error"), springs.at("own_error") + springs.at("law_error"));
+}
+
+// Error of the step 0.1 h, of the solver 0.02 ε: both are equal at ε = 5 h. Rigid contacts cost
+// 1 ms / h, so 1/3 ms at an error of 0.3; springs with the error 20 o cost 30 us / o, at o = 0.015
+// then 2 ms, six times more.
+TEST(Study, PathsAreBalancedAndComparedAtEqualError) {
+  Study::Measured measured;
+  for (int seed = 1; seed <= 3; ++seed) {
+    for (const double h : {1.0, 2.0, 4.0}) {
+      for (const double tol : {0.1, 1.0, 100.0}) {
+        measured[{"paths", "pour", 64, seed, "apgd", tol, h}] = {{"error", 0.1 * h},
+                                                                 {"step_error", 0.1 * h},
+                                                                 {"solver_error", 0.02 * tol},
+                                                                 {"overlap", 0.1},
+                                                                 {"cpu", 1e-3 / h}};
+      }
+    }
+    for (const double overlap : {0.03, 0.01, 0.003}) {
+      measured[{"paths", "pour", 64, seed, "dem", overlap, 1}] = {{"error", 20 * overlap},
+                                                                  {"own_error", 20 * overlap},
+                                                                  {"law_error", 0.02},
+                                                                  {"overlap", overlap},
+                                                                  {"cpu", 3e-5 / overlap}};
+    }
+  }
+  Json told;
+  for (const Study::Part& part : Study::parts()) {
+    if (part.name == "paths") told = to_json(part.report(measured));
+  }
+  ASSERT_EQ(told["balance"].size(), 3u);
+  for (const Json& row : told["balance"]) {
+    EXPECT_NEAR(row.at("balance").get<double>(), 5 * row.at("step_factor").get<double>(), 1e-9);
+  }
+  const Json& orders = told["orders"][0];
+  for (const char* exponent : {"p", "q", "r"})
+    EXPECT_NEAR(orders.at(exponent).get<double>(), 1, 1e-9);
+  EXPECT_NEAR(told["laws_of_contact"][0]["c"].get<double>(), -1, 1e-9);
+  const Json& at_equal_error = told["cheapest"][0];
+  EXPECT_EQ(at_equal_error.at("wanted"), 0.3);
+  EXPECT_NEAR(at_equal_error.at("ratio").get<double>(), 6, 1e-9);
+  EXPECT_EQ(at_equal_error.at("bounds"), 0);
 }
 
 TEST(Study, EveryPartHasJobsOfItsOwnNameAndDrawsWhatThereIs) {
