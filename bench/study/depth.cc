@@ -261,7 +261,7 @@ Document depth_report(const Study::Measured& measured) {
                      growth * spread, unsolved / solves, floor, length.mean, length.confidence});
           chart.series.push_back(std::move(line));
         }
-        if (tol != (method == kSinkMethod ? 1e-1 : kDrawnTol) ||
+        if (tol != (method != kFast && kind[0] == 'p' ? 1e-1 : kDrawnTol) ||
             (method == kSinkMethod && kind[0] == 'c')) {
           continue;
         }

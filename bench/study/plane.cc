@@ -130,11 +130,8 @@ Document plane_report(const Study::Measured& measured) {
         at.emplace_back(tol, e);
         table.add({scene, factor, tol, e.error, e.bar,
                    over_seeds(by_seed(measured, of, "overlap")).mean, e.cpu, e.seeds});
-        line.points.push_back({.x = tol,
-                               .y = e.error,
-                               .note = {},
-                               .y_low = std::max(e.error - e.bar, 1e-3),
-                               .y_high = e.error + e.bar});
+        line.points.push_back(
+            {.x = tol, .y = e.error, .note = {}, .y_low = e.error, .y_high = e.error + e.bar});
       }
       chart.series.push_back(std::move(line));
       for (std::size_t k = at.size(); k-- > 0;) {
