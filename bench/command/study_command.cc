@@ -39,7 +39,7 @@ CommandDeclaration add_study(CommandLine& line, StudyFlags& flags) {
   }
   command.option("--only PARTS", flags.only, "Parts, separated by commas, of " + names)
       .one_of(parts);
-  command.flag("--quick", flags.quick, "Small scenes, few seeds: minutes instead of an hour");
+  command.flag("--quick", flags.quick, "Small scenes, few seeds: minutes instead of hours");
   command.option("--rows FILE", flags.rows,
                  "CSV of the measurements, added to; those that are there are kept (DIR/rows.csv)");
   command.flag("--draw", flags.draw, "Measures nothing: figures and tables of the rows there are");

@@ -125,6 +125,7 @@ Chart time_chart(const Leaderboard& board) {
 std::string family_of(const std::string& problem) {
   const std::size_t first = std::min(problem.find('_'), problem.size());
   std::string family = problem.substr(0, problem.find_first_of("0123456789", first));
+  if (family.size() < problem.size() && family.ends_with("_s")) family.pop_back();  // a step
   while (family.size() > first && family.back() == '_') family.pop_back();
   return family;
 }

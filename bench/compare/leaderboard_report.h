@@ -7,8 +7,8 @@
 
 namespace bipot {
 
-/// The part of a problem's name that its relatives share, up to its sizes: "2d_pour" of
-/// 2d_pour14_200.
+/// The part of a problem's name that its relatives share, up to its sizes or step: "2d_pour" of
+/// 2d_pour14_200 and of 2d_pour_s200.
 std::string family_of(const std::string& problem);
 
 /// One line for each entry.

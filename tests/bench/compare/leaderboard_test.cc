@@ -41,6 +41,8 @@ TEST(Leaderboard, NamesFamiliesWithoutSizes) {
   EXPECT_EQ(family_of("2d_pour14_200"), "2d_pour");
   EXPECT_EQ(family_of("2d_pile_300_mu03"), "2d_pile");
   EXPECT_EQ(family_of("3d_sphere_pyramid_4"), "3d_sphere_pyramid");
+  EXPECT_EQ(family_of("2d_dam_break_s240"), "2d_dam_break");
+  EXPECT_EQ(family_of("2d_two_bodies"), "2d_two_bodies");
   EXPECT_EQ(family_of("2d_sliding_cylinder"), "2d_sliding_cylinder");
   EXPECT_EQ(family_of("problem17"), "problem17");
 }
