@@ -73,7 +73,7 @@ Counted count_packing(const Scene<2>& scene, const State<2>& state) {
   return counted;
 }
 
-Observation over_seeds(const std::vector<double>& values, std::string note = "") {
+Observation over_packings(const std::vector<double>& values, std::string note = "") {
   const MeanValue mean = mean_value(values);
   return {mean.mean, mean.confidence, std::move(note)};
 }
@@ -147,11 +147,11 @@ Experiment plane_packings() {
       falls.push_back(fraction[0] - fraction[1]);
       fractions.push_back(fraction[0]);
     }
-    Observation worst = over_seeds(excess);
+    Observation worst = over_packings(excess);
     worst.value = *std::max_element(excess.begin(), excess.end());
     worst.bar = 0;
-    trial.seen = {over_seeds(smooth), over_seeds(rough),     worst,
-                  over_seeds(falls),  over_seeds(fractions), over_seeds(fractions)};
+    trial.seen = {over_packings(smooth), over_packings(rough),     worst,
+                  over_packings(falls),  over_packings(fractions), over_packings(fractions)};
   };
   return e;
 }
@@ -239,7 +239,7 @@ Experiment space_packings() {
             .push_back(2 * (counted.contacts - walls) / std::max(1, counted.bodies));
       }
     }
-    trial.seen = {over_seeds(smooth), over_seeds(rough)};
+    trial.seen = {over_packings(smooth), over_packings(rough)};
   };
   return e;
 }
