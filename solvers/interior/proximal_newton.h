@@ -1,24 +1,37 @@
 #pragma once
 
+#include "core/problem/coulomb_cone.h"
 #include "solvers/interior/interior_run.h"
 #include "solvers/systems/shifted_delassus.h"
 
 namespace bipot {
 
-/// Proximal semismooth Newton from an accurate impulse, the last stage of the interior point.
-/// Contacts that neither move nor carry end there with impulses of the order of the square root of
-/// the last product. Outer loop: anchor s_k; inner Newton on
+/// Newton's method in pseudo-time (pseudo-transient continuation: Kelley and Keyes, SIAM J. Numer.
+/// Anal. 35, 1998) for the equation of Alart and Curnier (1991). With the anchor a, its equation is
 ///
-///     s = P(s_k - (delta W_cc)⁻¹ u(s)),
+///     f(s) = proj(a - rho u(s)) - s = 0,   rho = 1 / (delta W_cc),   u = W s + u_free,
 ///
+<<<<<<< HEAD
 /// with P the projection of Alart and Curnier (1991): s_n on the half-line, then s_t on the disk of
 /// radius mu s_n. The fixed points of the outer loop solve the problem for any delta. The anchor
 /// moves when the inner Newton has converged; delta falls after quick convergence and grows after a
 /// failure. Limit: there is no globalisation; from far away it cycles. `max_iterations`:
 /// factorisations.
+=======
+/// proj as in split_projection(). A Newton step costs one factorisation of I + J rho W, J the
+/// Jacobian of proj. Once |f| has halved, s is the next anchor, and delta falls by the more, the
+/// fewer steps were needed: near a solution each step moves the anchor, and 1/delta grows to 1e6.
+/// A step that does not halve |f| is shortened. If even that does not help, delta grows fourfold and
+/// is approached again by small factors only. [ours] The tangents have five times the weight.
+///
+/// Limits: it converges from errors of some 1e-2; from far away it may wander without progress.
+///
+/// `weights`: the diagonal of W, tangents averaged. The run judges every step, at most
+/// `max_iterations`. kStuck: rounding forbids more, or no delta helps.
+>>>>>>> d0a812cc (ptc: Newton in pseudo-time, one factorisation a step)
 template <ContactRows D>
 StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& delassus,
-                         ShiftedDelassus& shifted, const Vector& mobility, const Vector& start,
+                         ShiftedDelassus& shifted, const Vector& weights, const Vector& start,
                          InteriorRun& run, int max_iterations);
 
 extern template StageEnd proximal_newton<1>(const ContactProblem&, const DelassusOperator&,

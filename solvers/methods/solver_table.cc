@@ -17,6 +17,7 @@
 #endif
 #include "solvers/methods/pdas.h"
 #include "solvers/methods/proximal_point.h"
+#include "solvers/methods/pseudo_transient.h"
 #ifdef BIPOT_WITH_SICONOS
 #include "solvers/methods/siconos.h"
 #endif
@@ -130,6 +131,12 @@ const SolverEntry kSolvers[] = {
      .summary = "primal-dual active sets: open, stick, slip (Abide, Barboteu et al. 2021)",
      .run = &solve_pdas,
      .parameters = kPdasParameters,
+     .rolls = true,
+     .path_ignores_tolerance = true},
+    {.name = "ptc",
+     .summary = "Newton's method in pseudo-time, a step a factorisation (Kelley and Keyes 1998)",
+     .run = &solve_pseudo_transient,
+     .parameters = {},
      .rolls = true,
      .path_ignores_tolerance = true},
     {.name = "tresca",
