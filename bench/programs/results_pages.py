@@ -15,7 +15,7 @@ import re
 import sys
 
 SOLVERS = ("auto uzawa classical pgs apgd assor anderson admm ppa newton lemke multistart homotopy "
-           "ipm pdas tresca").split()
+           "ipm pdas ptc tresca").split()
 SIZES = {"to 100": range(1, 101), "to 1000": range(101, 1001), "above": range(1001, 10**9)}
 SHORT = {"more forces than equations": "hyperstatic"}  # names of groups of extreme cases
 FIGURES = {"measured": 4, "bar": 2, "error": 2, "loosest_tol": 2}  # of a validation row: digits

@@ -11,13 +11,6 @@ namespace bipot {
 ///
 ///     f(s) = proj(a - rho u(s)) - s = 0,   rho = 1 / (delta W_cc),   u = W s + u_free,
 ///
-<<<<<<< HEAD
-/// with P the projection of Alart and Curnier (1991): s_n on the half-line, then s_t on the disk of
-/// radius mu s_n. The fixed points of the outer loop solve the problem for any delta. The anchor
-/// moves when the inner Newton has converged; delta falls after quick convergence and grows after a
-/// failure. Limit: there is no globalisation; from far away it cycles. `max_iterations`:
-/// factorisations.
-=======
 /// proj as in split_projection(). A Newton step costs one factorisation of I + J rho W, J the
 /// Jacobian of proj. Once |f| has halved, s is the next anchor, and delta falls by the more, the
 /// fewer steps were needed: near a solution each step moves the anchor, and 1/delta grows to 1e6.
@@ -28,7 +21,6 @@ namespace bipot {
 ///
 /// `weights`: the diagonal of W, tangents averaged. The run judges every step, at most
 /// `max_iterations`. kStuck: rounding forbids more, or no delta helps.
->>>>>>> d0a812cc (ptc: Newton in pseudo-time, one factorisation a step)
 template <ContactRows D>
 StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& delassus,
                          ShiftedDelassus& shifted, const Vector& weights, const Vector& start,

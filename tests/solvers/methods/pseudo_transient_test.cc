@@ -1,0 +1,60 @@
+#include "solvers/methods/pseudo_transient.h"
+
+#include <gtest/gtest.h>
+
+#include "solvers/solve.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/refusal.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+// W = 1, mu = 1/2, b = (-1, b_t): s_n = 1, and the friction is -b_t within its bound, else 1/2. Both
+// equations are linear, so that a step solves that of its anchor. Its error is d/(1 + d) of the one
+// before, d = delta or 5 delta (tangents), delta = 0.1, 0.01, ... 1e-6: below 1e-12 after six steps.
+TEST(PseudoTransient, SolvesOneContactInAStepForEachDelta) {
+  for (const auto& [b_t, s_t] :
+       {std::pair(0.25, -0.25), std::pair(4.0, -0.5), std::pair(-4.0, 0.5)}) {
+    const ContactProblem p = one_contact_problem(2, 1, 1, 0.5, -1, Vector{{b_t}});
+    const SolveResult r = solve("ptc", p, {.tol = 1e-12});
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_LE(r.iterations, 6);
+    EXPECT_NEAR(r.s[0], 1, 1e-12);
+    EXPECT_NEAR(r.s[1], s_t, 1e-12);
+  }
+}
+
+// In space the direction of sliding must be found as well: b_t = (3, 4), W = 1, so that s_t = -mu
+// (0.6, 0.8), whatever the start.
+TEST(PseudoTransient, FindsTheDirectionOfSliding) {
+  const ContactProblem p = one_contact_problem(3, 1, 1, 0.5, -1, Vector{{3, 4}});
+  const SolveResult r = solve("ptc", p, {.tol = 1e-10, .s0 = Vector{{1, 0.3, -0.2}}});
+  ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  EXPECT_NEAR(r.s[1], -0.3, 1e-9);
+  EXPECT_NEAR(r.s[2], -0.4, 1e-9);
+}
+
+// From an error of some 1e-3 steps converge superlinearly: a hundred contacts, more rows than
+// degrees of freedom, known velocity.
+TEST(PseudoTransient, EndsWhatSweepsBegan) {
+  const Manufactured known = manufactured_problem(3, 40, 100, 3);
+  const SolveResult start = solve("pgs", known.problem, {.tol = 1e-3});
+  ASSERT_EQ(start.status, SolveStatus::kConverged) << start.message;
+  const SolveResult r = solve("ptc", known.problem, {.tol = 1e-12, .s0 = start.s});
+  ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  EXPECT_LE(r.iterations, 30);
+  EXPECT_LE((r.u - known.u).norm(), 1e-8 * known.problem.u_free.norm());
+}
+
+// Below rounding no tolerance is met, and the solver says so.
+TEST(PseudoTransient, StopsWhereRoundingForbidsMore) {
+  const ContactProblem p = manufactured_problem(3, 20, 40, 5).problem;
+  const SolveResult r = solve("ptc", p, {.tol = 1e-30});
+  EXPECT_EQ(r.status, SolveStatus::kStalled) << r.message;
+  EXPECT_TRUE(says(r.message, "no step helps")) << r.message;
+  EXPECT_LT(r.error.guarded(), 1e-9);
+}
+
+}  // namespace
+}  // namespace bipot
