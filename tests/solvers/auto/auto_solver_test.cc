@@ -437,10 +437,10 @@ TEST(AutoSolver, SpheresBeginWithSweepsAndSplitting) {
   };
   using Names = std::vector<std::string_view>;
   EXPECT_EQ(names(1e-2), (Names{"anderson", "assor", "admm", "ipm", "pgs"}));
-  EXPECT_EQ(names(1e-3), (Names{"anderson", "assor", "ptc", "admm", "ptc", "ipm", "admm", "ptc",
-                                "admm", "ptc", "ipm", "assor", "admm", "assor", "pgs"}));
-  EXPECT_EQ(names(1e-6), (Names{"anderson", "assor", "ptc", "admm", "ptc", "ipm", "admm", "ptc",
-                                "admm", "ptc", "ipm", "assor", "pgs"}));
+  EXPECT_EQ(names(1e-3), (Names{"anderson", "assor", "ptc", "admm", "ptc", "ipm", "admm", "ipm",
+                                "assor", "admm", "pgs"}));
+  EXPECT_EQ(names(1e-6), (Names{"anderson", "assor", "ptc", "admm", "ptc", "ipm", "admm", "ipm",
+                                "assor", "pgs"}));
 }
 
 TEST(AutoSolver, PathsSeeTheCallersCancel) {
