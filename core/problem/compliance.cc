@@ -28,6 +28,7 @@ void append_rows(Sparse& matrix, int rows, int columns,
 }  // namespace
 
 ContactProblem with_compliance(ContactProblem p, const SparseRows& R) {
+  if (p.equality) throw std::invalid_argument("R does not go with equality rows");
   const int m = p.num_rows(), d = p.dim;
   if (R.rows() != m || R.cols() != m) {
     throw std::invalid_argument(

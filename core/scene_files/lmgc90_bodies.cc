@@ -32,7 +32,7 @@ class RecordReader {
     Entries entries;    // before contactors
     Entries contactor;  // of the last one
     std::vector<std::string> contactors;
-    std::map<int, double> driven;  // velocities of degrees of freedom, from 1 on
+    std::vector<std::string> driven;  // lines `vlocy ...` and `force ...`
   };
   /// False at the end.
   bool next(Record& record) {
@@ -50,7 +50,7 @@ class RecordReader {
         if (!(words >> record.number)) refuse("the body has no number");
         open = true;
       } else if (word == "vlocy" || word == "force") {
-        read_driven(word, words, record.driven);
+        record.driven.push_back(text);
       } else if (contactors && word[0] != '$' && word.find('=') == std::string::npos) {
         record.contactors.push_back(word);
       }
@@ -68,26 +68,30 @@ class RecordReader {
     return it->second;
   }
 
- private:
-  /// A line `vlocy DEGREE CT AMP OMEGA PHI RAMPI RAMP`: [CT + AMP cos(OMEGA t + PHI)] times RAMPI +
-  /// RAMP t, this up to 1.
-  void read_driven(const std::string& kind, std::istringstream& words,
-                   std::map<int, double>& driven) const {
-    int degree = 0;
-    std::string number;
-    std::vector<double> of;
-    words >> degree;
-    while (words >> number) of.push_back(number_of(kind, number));
-    if (degree < 1 || of.size() != 6) refuse("expected a degree of freedom and six numbers");
-    if (of[1] != 0 || (of[0] != 0 && of[5] != 0)) refuse("only constant values are possible");
-    const double value = of[0] * std::min(of[4], 1.0);
-    if (kind == "vlocy") {
-      driven[degree] = value;
-    } else if (value != 0) {
-      refuse("forces of DRV_DOF.DAT are not read: give them as a table of [[forces]]");
+  /// Velocities of the driven degrees of freedom, from 1 on. A line `vlocy DEGREE CT AMP OMEGA PHI
+  /// RAMPI RAMP` is [CT + AMP cos(OMEGA t + PHI)] times RAMPI + RAMP t, this up to 1.
+  std::map<int, double> driven_velocities(const std::vector<std::string>& lines) const {
+    std::map<int, double> driven;
+    for (const std::string& line : lines) {
+      std::istringstream words(line);
+      int degree = 0;
+      std::string kind, number;
+      std::vector<double> of;
+      words >> kind >> degree;
+      while (words >> number) of.push_back(number_of(kind, number));
+      if (degree < 1 || of.size() != 6) refuse("expected a degree of freedom and six numbers");
+      if (of[1] != 0 || (of[0] != 0 && of[5] != 0)) refuse("only constant values are possible");
+      const double value = of[0] * std::min(of[4], 1.0);
+      if (kind == "vlocy") {
+        driven[degree] = value;
+      } else if (value != 0) {
+        refuse("forces of DRV_DOF.DAT are not read: give them as a table of [[forces]]");
+      }
     }
+    return driven;
   }
 
+ private:
   double number_of(const std::string& key, std::string number) const {
     std::replace(number.begin(), number.end(), 'D', 'e');
     if (number.ends_with('\r')) number.pop_back();
@@ -137,8 +141,9 @@ void add_motion(const RecordReader& file, const Entries& of, int dim, PositionRo
 }
 
 /// Spins of driven spheres must be 0: their axes turn.
-void drive(const RecordReader& file, const std::map<int, double>& driven, int body, int dim,
+void drive(const RecordReader& file, const std::vector<std::string>& lines, int body, int dim,
            PositionRow& row) {
+  const std::map<int, double> driven = file.driven_velocities(lines);
   if (driven.empty()) return;
   const int degrees = dim == 2 ? 3 : 6;
   row.driven = true;

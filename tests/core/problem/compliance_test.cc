@@ -87,6 +87,9 @@ TEST(Compliance, WhatIsNoComplianceIsNamed) {
   refused(0, 1, 1, "R of contact 0 is not symmetric");
   EXPECT_TRUE(says(refusal_of([&] { with_compliance(p, SparseRows(3, 4)); }),
                    "R is 3 x 4, expected 4 x 4"));
+  const ContactProblem joined = manufactured_joints(2, 3, 2, 3).problem;
+  EXPECT_TRUE(says(refusal_of([&] { with_compliance(joined, SparseRows(4, 4)); }),
+                   "R does not go with equality rows"));
 }
 
 }  // namespace

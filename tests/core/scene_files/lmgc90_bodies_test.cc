@@ -141,6 +141,18 @@ TEST(Lmgc90Bodies, ADrivenSphereCarriesOthers) {
   EXPECT_NEAR(end.bodies[1].v[2], 0.5, 1e-2);
 }
 
+// Walls are left out, and so is whatever drives them.
+TEST(Lmgc90Bodies, WallsMayBeDrivenInAnyWay) {
+  const TemporaryFolder folder;
+  put_file(folder / "BODIES.DAT",
+           disk_record("0.1D+00", kDiskLine) + disk_record("0.0D+00", kWallLine));
+  put_file(folder / "DRV_DOF.DAT",
+           driven_record("RBDY2      2", {"1 0.1 6.28 0 1 0", "evolution vy.dat"}));
+  const std::vector<PositionRow> rows = read_lmgc90_bodies(folder / "BODIES.DAT", 2);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_FALSE(rows[0].driven);
+}
+
 TEST(Lmgc90Bodies, WhatItCannotTakeIsRefusedWithTheLine) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& text, int dim) {
