@@ -5,6 +5,7 @@
 
 #include "core/base/large_pages.h"
 #include "core/base/parallel.h"
+#include "core/motion/contact_axes.h"
 #include "core/motion/joint_rows.h"
 #include "core/problem/delassus.h"
 #include "core/scene/cluster_motion.h"
@@ -328,7 +329,8 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   add_image_velocity<D>(in.cell, contact, other_before, other_free);
   const int k = dofs.disk[i];
   const int l = with_disk ? dofs.disk[j] : dofs.wall[w];
-  const auto frame = contact_frame<D>(contact.n);
+  const auto frame =
+      contact_axes<D>(contact.n, wall == nullptr ? nullptr : &in.scene.walls[w]).force;
   const bool turns_a = a.cluster >= 0, turns_b = with_disk && b->cluster >= 0;
   Vec<D> turn = Vec<D>::Zero();
   if (in.scene.accuracy > 0) turn = half_turn<D>(in, contact, frame, a, b, wall);
@@ -379,7 +381,8 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   }
   if (!p.rolls()) return;
   const Spin<D> turning = a.spin - (with_disk ? b->spin : spin_of(*wall));
-  write_rolling<D>(in.clusters, a, b, turning, law, frame, c, k, with_disk ? l : -1, columns, step);
+  write_rolling<D>(in.clusters, a, b, turning, law, contact_frame<D>(contact.n), c, k,
+                   with_disk ? l : -1, columns, step);
 }
 
 /// Cohesion as forces on the bodies: they change v_free and u_free. `forces`: of each contact [N].

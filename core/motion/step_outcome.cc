@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/motion/contact_axes.h"
 #include "core/motion/joint_rows.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/equality_rows.h"
@@ -113,8 +114,9 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
     const ContactLaw& law =
         scene.law(disks[i].material, with_disk ? disks[j].material : wall->material);
     const ContactValues<D> values = contact_values<D>(p, assembled, law, static_cast<int>(c), s, u);
-    const auto frame = contact_frame<D>(contact.n);
-    const Tangent<D> s_t = tangential<D>(values.s, frame);
+    const auto axes = contact_axes<D>(contact.n, with_disk ? nullptr : &scene.walls[to_size(w)]);
+    const Tangent<D> s_t = tangential<D>(values.s, axes.force);
+    const double friction = magnitude(tangential<D>(values.s, contact_frame<D>(contact.n)));
     const Eigen::Index row = static_cast<Eigen::Index>(c) * p.dim;
     const bool cohesive = assembled.pull.size() > 0;
     const double pull =
@@ -124,10 +126,10 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
                            .s_n = s_n,
                            .s_t = s_t,
                            .u_n = values.u_after[0],
-                           .u_t = tangential<D>(values.u_after, frame),
-                           .status = contact_status(values.s[0], magnitude(s_t), law.mu),
+                           .u_t = tangential<D>(values.u_after, axes.velocity),
+                           .status = contact_status(values.s[0], friction, law.mu),
                            .bonded = !cohesive || pull > 0,
-                           .moment = moment_of<D>(values.s, frame)};
+                           .moment = moment_of<D>(values.s, contact_frame<D>(contact.n))};
     if (values.s[0] > 0) ++outcome.active;
     outcome.shock_loss -= values.s[0] * values.mean[0];
     outcome.cohesion_loss += pull * values.mean[0];

@@ -152,12 +152,19 @@ Vector TimeStepper<D>::Inside::start_of(const State<D>& state,
                                         std::span<const Contact<D>> contacts) const {
   const ContactProblem& p = problem();
   Vector s0;
-  if (scene.solver.warm_start && neighbours != nullptr) {
-    std::vector<Contact<D>> numbered(contacts.begin(), contacts.end());
-    for (Contact<D>& c : numbered) neighbours->number(c);
-    s0 = warm_start<D>(state.contacts, numbered, p);
-  } else if (scene.solver.warm_start) {
-    s0 = warm_start<D>(state.contacts, contacts, p);
+  if (scene.solver.warm_start) {
+    const int bodies = static_cast<int>(state.bodies.size());
+    std::vector<const Wall<D>*> walls;
+    for (const Contact<D>& c : contacts) {
+      walls.push_back(c.j < bodies ? nullptr : &scene.walls[to_size(c.j - bodies)]);
+    }
+    std::vector<Contact<D>> numbered;
+    if (neighbours != nullptr) {
+      numbered.assign(contacts.begin(), contacts.end());
+      for (Contact<D>& c : numbered) neighbours->number(c);
+      contacts = numbered;
+    }
+    s0 = warm_start<D>(state.contacts, contacts, walls, p);
   }
   if (s0.size() > 0 && assembled.pull.size() > 0) s0 += assembled.pull;
   return s0;

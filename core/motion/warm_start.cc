@@ -1,10 +1,13 @@
 #include "core/motion/warm_start.h"
 
+#include "core/motion/contact_axes.h"
+
 namespace bipot {
 
 template <int D>
 Vector warm_start(const std::vector<ContactOutcome<D>>& before,
                   std::span<const std::type_identity_t<Contact<D>>> contacts,
+                  std::span<const std::type_identity_t<Wall<D>>* const> walls,
                   const ContactProblem& p) {
   Vector s0 = Vector::Zero(p.num_rows());
   auto old = before.begin();
@@ -34,8 +37,9 @@ Vector warm_start(const std::vector<ContactOutcome<D>>& before,
       if (p.rolls()) s0[row + 2] = best->moment * (scaled ? p.row_scale[row + 2] : 1.0);
     } else {
       const auto frame = contact_frame<D>(contacts[c].n);
+      const auto axes = contact_axes<D>(contacts[c].n, walls[c]).velocity;
       for (int k = 1; k < D; ++k) {
-        s0[row + k] = frame[to_size(k)].dot(best->s_t) * (scaled ? p.row_scale[row + k] : 1.0);
+        s0[row + k] = axes[to_size(k)].dot(best->s_t) * (scaled ? p.row_scale[row + k] : 1.0);
       }
       for (int k = D; k < p.dim; ++k) {
         const Vec3& axis = frame[to_size((k - D + 1) % D)];
@@ -47,8 +51,8 @@ Vector warm_start(const std::vector<ContactOutcome<D>>& before,
 }
 
 template Vector warm_start<2>(const std::vector<ContactOutcome<2>>&, std::span<const Contact<2>>,
-                              const ContactProblem&);
+                              std::span<const Wall<2>* const>, const ContactProblem&);
 template Vector warm_start<3>(const std::vector<ContactOutcome<3>>&, std::span<const Contact<3>>,
-                              const ContactProblem&);
+                              std::span<const Wall<3>* const>, const ContactProblem&);
 
 }  // namespace bipot

@@ -92,6 +92,10 @@ std::string check_wall(const Wall<D>& w, std::size_t i, int materials) {
     return e;
   }
   if (auto e = check_finite("wall", i, "surface velocity", w.belt); !e.empty()) return e;
+  if (w.has_grain()) {
+    if (auto e = check_unit("grain", i, w.grain); !e.empty()) return e;
+    if (auto e = check_positive("wall", i, "grain_ratio", w.grain_ratio); !e.empty()) return e;
+  }
   if (w.motion == Wall<D>::Motion::kDriven) {
     if (auto e = check_positive("wall", i, "mass", w.mass); !e.empty()) return e;
     if (auto e = check_unit("direction", i, w.direction); !e.empty()) return e;
@@ -448,6 +452,11 @@ std::string validate(const Scene<D>& scene) {
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     if (auto e = check_wall(scene.walls[i], i, materials); !e.empty()) return e;
+  }
+  if (scene.model == Model::kSpringDashpot &&
+      std::any_of(scene.walls.begin(), scene.walls.end(),
+                  [](const Wall<D>& wall) { return wall.has_grain(); })) {
+    return "a grain of walls does not go with the model \"dem\"";
   }
   if (scene.has_rolling() && scene.model == Model::kSpringDashpot) {
     return "rolling friction does not go with the model \"dem\"";

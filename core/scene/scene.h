@@ -179,12 +179,17 @@ struct Wall {
       Vec<D>::Zero();  ///< driven walls only: prescribed velocity, normal to direction [m/s]
   /// Half-planes and segments: velocity of the surface along the wall, relative to v: a belt. [m/s]
   Vec<D> belt = Vec<D>::Zero();
+  /// In 3D, half-spaces and polygons: unit, direction along the wall in which friction is mu. Across
+  /// it friction is grain_ratio mu. 0: the same in all directions.
+  Vec<D> grain = Vec<D>::Zero();
+  double grain_ratio = 1;      ///< > 0                                                    [-]
   double starts = 0;           ///< before that it stands still                            [s]
   double stops = kInfinity;    ///< from then on it stands still                           [s]
   double removed = kInfinity;  ///< from then on it is not there                           [s]
   TimeFactor time_factor;      ///< factor of velocity, spin and belt, or of the force
   bool present = true;         ///< in a state: false once it has been removed
 
+  bool has_grain() const { return !grain.isZero(0); }
   bool is_circle() const { return shape == Shape::kHollowCircle || shape == Shape::kSolidCircle; }
   /// A surface in 3D that ends, and may touch a sphere at several points.
   bool is_surface() const { return shape == Shape::kMesh || shape == Shape::kCone; }

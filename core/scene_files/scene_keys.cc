@@ -46,7 +46,7 @@ const std::vector<TableKeys>& all_tables() {
                  "file",    "scale",     "axis",      "spin",     "velocity",
                  "force",   "mass",      "direction", "speed",    "surface_velocity",
                  "starts",  "stops",     "removed",   "material", "times",
-                 "factors", "frequency", "phase"}},
+                 "factors", "frequency", "phase",     "grain",    "grain_ratio"}},
       {"forces", {"bodies", "force", "times", "factors", "frequency", "phase"}},
       {"drag", {"coefficient", "velocity"}},
       {"pins", {"bodies", "point"}},

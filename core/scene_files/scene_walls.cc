@@ -173,6 +173,24 @@ void read_belt(const SceneTable& table, Wall<D>& wall) {
   wall.belt = *surface - through;
 }
 
+/// Friction that differs along and across the grain of a plate.
+template <int D>
+void read_grain(const SceneTable& table, Wall<D>& wall) {
+  const auto grain = table.maybe_vec<D>("grain");
+  if (!grain) {
+    if (table.has("grain_ratio")) table.fail("grain_ratio", "needs 'grain', a direction");
+    return;
+  }
+  if (D == 2) table.fail("grain", "needs a second tangent: it belongs to scenes in 3D");
+  if (wall.is_circle() || wall.shape == Wall<D>::Shape::kCone || table.has("file")) {
+    table.fail("grain", "belongs to flat walls");
+  }
+  const Vec<D> along = *grain - grain->dot(wall.normal) * wall.normal;
+  if (!(along.norm() > 1e-9 * grain->norm())) table.fail("grain", "must not be normal to the wall");
+  wall.grain = along.normalized();
+  wall.grain_ratio = table.positive("grain_ratio");
+}
+
 /// Times of start, stop and removal.
 template <int D>
 void read_times(const SceneTable& table, Wall<D>& wall) {
@@ -225,6 +243,7 @@ Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t in
     wall.v = *velocity;
   }
   read_belt(table, wall);
+  read_grain(table, wall);
   read_times(table, wall);
   wall.time_factor = read_time_factor(table);
   const bool moves =

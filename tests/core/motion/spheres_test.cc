@@ -372,7 +372,8 @@ TEST(Spheres, AWarmStartKeepsTheImpulseWhereTheFrameJumps) {
   std::vector<Contact<3>> contacts = {state.contacts[0].contact};
   contacts[0].n = Vec3(1, 0, -1e-12).normalized();
   ContactProblem p{.dim = 3, .u_free = Vector::Zero(3), .mu = Vector::Constant(1, 0.5)};
-  const Vector s0 = warm_start<3>(state.contacts, contacts, p);
+  const std::vector<const Wall<3>*> walls = {&scene.walls[0]};
+  const Vector s0 = warm_start<3>(state.contacts, contacts, walls, p);
   const auto frame = contact_frame<3>(contacts[0].n);
   const Vec3 start = s0[1] * frame[1] + s0[2] * frame[2];
   EXPECT_NEAR(s0[0], state.contacts[0].s_n, 1e-15);

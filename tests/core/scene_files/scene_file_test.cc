@@ -556,6 +556,20 @@ TEST(SceneFile, WhatDoesNotBelongInSpaceIsRefused) {
   refused("dim = 4\n" + kTime, "expected 2 or 3, got 4");
   refused("dim = 2\n" + kSphere + kTime, "dim = 3");
   refused("dim = 3\n" + kDisk + kTime, "'disks'");
+  const std::string plate = "[[walls]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n";
+  const Scene<3> grained =
+      in_space("dim = 3\n" + plate + "grain = [0, 3, 1]\ngrain_ratio = 0.4\n" + kTime);
+  EXPECT_EQ(grained.walls[0].grain, Vec3(0, 1, 0));
+  EXPECT_EQ(grained.walls[0].grain_ratio, 0.4);
+  EXPECT_FALSE(in_space("dim = 3\n" + plate + kTime).walls[0].has_grain());
+  refused("dim = 3\n" + plate + "grain = [0, 1, 0]\n" + kTime, "'grain_ratio'");
+  refused("dim = 3\n" + plate + "grain_ratio = 1\n" + kTime, "'grain'");
+  refused("dim = 3\n" + plate + "grain = [0, 0, 2]\ngrain_ratio = 1\n" + kTime, "normal");
+  refused(
+      "dim = 3\n[[walls]]\ncenter = [0, 0, 0]\naxis = [0, 0, 1]\nradius = 1\n"
+      "grain = [0, 0, 2]\ngrain_ratio = 1\n" +
+          kTime,
+      "flat walls");
   refused("rotate_degrees = 3\n" + kSphere + kTime, "'rotate_degrees'");
   refused(kSphere + "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n" + kTime,
           "expected 3 numbers, got 2");
