@@ -39,43 +39,35 @@ template <Second kSecond>
 /// Adds wrenches to the sum of a block and their opposites to the second bodies, which are all
 /// different.
 template <Second kSecond>
-[[gnu::always_inline]] inline void scatter_block(const Motion& p, [[maybe_unused]] int part,
+[[gnu::always_inline]] inline void scatter_block(const Wrench& p, [[maybe_unused]] int part,
                                                  const unsigned* j, BlockRows& sum, BodyRow* to) {
 #if BIPOT_WIDTH == 8
-  const WrenchRows rows = rows_of<kSecond>(p);
+  const WrenchRows rows = rows_of<kSecond>(kSecond == kRolling ? on_first(p) : p);
+  const WrenchRows others = kSecond == kRolling ? rows_of<kSecond>(on_second(p)) : rows;
   sum.pair[0] += rows.a;
   sum.pair[1] += rows.b;
   sum.pair[2] += rows.c;
   sum.pair[3] += rows.d;
-  constexpr Lanes kSign = kSignOfSecond<kSecond>;
+  constexpr Lanes kSign = kSignOfSecond<kOfWrench<kSecond>>;
   const auto take = [&](Lanes wrenches, int k, int l) {
     BodyRow &first = at(to, j[k]), &other = at(to, j[l]);
     const Lanes taken = _mm512_fnmadd_pd(wrenches, kSign, both(row(first), row(other)));
     row(first) = lower(taken);
     row(other) = upper(taken);
   };
-  take(rows.a, 0, 2);
-  take(rows.b, 1, 3);
-  take(rows.c, 4, 6);
-  take(rows.d, 5, 7);
+  take(others.a, 0, 2);
+  take(others.b, 1, 3);
+  take(others.c, 4, 6);
+  take(others.d, 5, 7);
 #elif BIPOT_WIDTH == 4
-  for_rows(p, [&](Row wrench, int k) {
+  for_rows<kSecond>(p, [&](Row wrench, Row other, int k) {
     row(sum.row[kRowOfLane[part * kWidth + k]]) += wrench;
-    row(at(to, j[k])) = with_second_of<kSecond>(at(to, j[k]), wrench);
+    row(at(to, j[k])) = with_second_of<kOfWrench<kSecond>>(at(to, j[k]), other);
   });
 #else
-  const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
-                          __builtin_shufflevector(p.x, p.spin, 1, 3)};
   for (int k = 0; k < 2; ++k) {
-    BodyRow &a = sum.row[kRowOfLane[part * kWidth + k]], &b = at(to, j[k]);
-    half(a)[0] += x_spin[k];
-    a.value[kRowY] += p.y[k];
-    half(b)[0] += second<kSecond>(x_spin[k]);
-    b.value[kRowY] += second<kSecond>(p.y[k]);
-    if constexpr (kSecond == kRolling) {
-      a.value[kRowLast] += p.turn[k];
-      b.value[kRowLast] -= p.turn[k];
-    }
+    add<false, kSecond>(p, k, nullptr, sum.row[kRowOfLane[part * kWidth + k]], nullptr,
+                        at(to, j[k]));
   }
 #endif
 }
@@ -164,18 +156,6 @@ inline Row inverse_of(Row velocity, Row momentum) {
 inline Row with_last(Row rows, Row last) { return __builtin_shufflevector(rows, last, 0, 1, 2, 7); }
 #endif
 
-/// Velocities of momenta with rolling moments.
-#if BIPOT_WIDTH == 8
-inline Lanes moved(const BodyRow* inverse, Lanes p) {
-  const auto rows = [&](int k) { return both(row(inverse[k]), row(inverse[k + 2])); };
-  return rows(0) * p + rows(1) * __builtin_shufflevector(p, p, 0, 3, 2, 1, 4, 7, 6, 5);
-}
-#else
-inline Row moved(const BodyRow* inverse, Row p) {
-  return row(inverse[0]) * p + row(inverse[1]) * __builtin_shufflevector(p, p, 0, 3, 2, 1);
-}
-#endif
-
 /// Sets the velocities of a window's bodies at the extrapolated momentum; their next momentum
 /// starts from 0.
 template <int D>
@@ -194,9 +174,9 @@ template <int D>
     const Rows p = *reinterpret_cast<const Rows*>(now + k);
     const Rows change = p - *reinterpret_cast<const Rows*>(before + k), beta = Rows{} + a.beta;
     if constexpr (D == kRollingDisks) {
-      const BodyRow* const inverse = &at(a.inverse, 2 * first) + 2 * k;
-      sum += change * moved(inverse, change);
-      v = moved(inverse, p + beta * change);
+      const Rows inverse = *reinterpret_cast<const Rows*>(&at(a.inverse, first) + k);
+      sum += inverse * change * change;
+      v = inverse * (p + beta * change);
       *reinterpret_cast<Rows*>(next + k) = Rows{};
       return;
     }
@@ -249,12 +229,13 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
       const Lanes step_t = x_t - load(a.before[k].x[1], part);
       const Lanes y_t = x_t + beta * step_t;
       const Lanes tau_t = (y_t - b_t) - from_bodies_t;
-      Lanes tau_m, x_m, step_m;
+      Lanes tau_m, x_m, step_m, half, lean;
       if constexpr (D == kRollingDisks) {
+        half = load(c.turns[kTurnHalf], part);
+        lean = load(c.turns[kTurnLean], part);
         x_m = load(a.now[k].x[2], part);
         step_m = x_m - load(a.before[k].x[2], part);
-        tau_m =
-            (x_m + beta * step_m - load(c.b[2], part)) - load(c.turns[kTurnRoll], part) * v.turn;
+        tau_m = (x_m + beta * step_m - load(c.b[2], part)) - (half * v.turn + lean * v.spin);
       }
       if constexpr (kMap == GradientMap::kFollowed) {
         const Lanes slid = z_n + mu * magnitude(tau_t);
@@ -280,7 +261,9 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
         along[part] += step_m * turned;
         change2[part] += turned * turned;
         store(a.next[k].x[2], part, z_m);
-        wrench.turn = load(c.turns[kTurnRoll], part) * z_m;
+        const Lanes alike = wrench.spin + lean * z_m, opposed = half * z_m;
+        wrench.spin = alike + opposed;
+        wrench.turn = alike - opposed;
       }
     }
     const Lanes change = z_n - x_n;

@@ -27,8 +27,7 @@ inline constexpr int kRollingDisks = 4;
 template <int D>
 inline constexpr int kRowsOf = D == kRollingDisks ? 3 : D;
 
-/// The row of a body of a problem. With rolling friction the last value is ω in velocities and the
-/// sum of the rolling moments in momenta, and spins have torques over a without these.
+/// The row of a body of a problem. With rolling friction the last value is a ω once more.
 template <int D>
 using RowOf = std::conditional_t<D == 3, SphereRow, BodyRow>;
 
@@ -43,17 +42,19 @@ unsigned row_offset(int row) {
 ///
 ///     w_n = g·(V_i - V_j) + b_n,     w_t = ratio g x (V_i - V_j) - spin (w_i + w_j) + b_t.
 ///
-/// With rolling friction w_m = roll (ω_i - ω_j) + b_m; x_t changes w_m by coupling x_t, and x_m
-/// changes w_t alike. A lane without a contact has g = turns = b = 0 and the surroundings as both
-/// bodies.
+/// with w_i = a_i ω_i. With rolling friction w_m = r (ω_i - ω_j) + b_m is half = (r/a_i + r/a_j)/2
+/// times the difference w_i - w_j, plus lean = (r/a_i - r/a_j)/2 times their sum, plus b_m. So x_m
+/// adds (lean + half) x_m to the turning of body i and (lean - half) x_m to that of j. x_t changes
+/// w_m by coupling x_t, and x_m changes w_t alike. A lane without a contact has g = turns = b = 0 and
+/// the surroundings as both bodies.
 template <int D>
 struct alignas(64) ContactBatch {
   unsigned i[kLanes], j[kLanes];  ///< rows, counted in bytes: see row_offset()
   double gx[kLanes], gy[kLanes];
-  double turns[D == kRollingDisks ? 3 : 1][kLanes];  ///< kTurnSpin, kTurnRoll, kTurnCoupling
+  double turns[D == kRollingDisks ? 4 : 1][kLanes];  ///< of these:
   double b[static_cast<unsigned>(kRowsOf<D>)][kLanes];
 };
-inline constexpr int kTurnSpin = 0, kTurnRoll = 1, kTurnCoupling = 2;
+inline constexpr int kTurnSpin = 0, kTurnHalf = 1, kTurnLean = 2, kTurnCoupling = 3;
 /// The same for spheres (core/problem/sphere_structure.h). Impulses and velocities of a contact are
 /// vectors in space, so that no tangents are needed: with v = V_i - V_j and Ω = w_i + w_j,
 ///
@@ -93,8 +94,7 @@ struct SweepTask {
   const LawBatch* laws = nullptr;
   ImpulseBatch<D>* impulse = nullptr;
   RowOf<D>* velocity = nullptr;  ///< all rows
-  /// All rows: 1/m, a²/I, 1/m, 0; not used for spheres. With rolling friction two rows a body:
-  /// 1/m, a²/I, 1/m, 1/I for each value itself, and 0, a/I, 0, a/I for the other one of the spin.
+  /// All rows: 1/m, a²/I, 1/m, and 0 or with rolling friction a²/I; not used for spheres.
   const RowOf<D>* inverse = nullptr;
 };
 

@@ -8,10 +8,16 @@ namespace bipot {
 namespace {
 
 /// Relative motion of the bodies of each lane: V_i - V_j, the sum of the spins, and with rolling
-/// friction ω_i - ω_j.
+/// friction their difference.
 struct Motion {
   Lanes x, y, spin, turn = Lanes{};
 };
+/// A wrench on body i and its opposite on body j, which turn alike. With rolling friction `turn` is
+/// the spin part of j.
+using Wrench = Motion;
+/// The same as `turn` of both, as rows with rolling friction have them.
+inline Wrench on_first(const Wrench& p) { return {p.x, p.y, p.spin, p.spin}; }
+inline Wrench on_second(const Wrench& p) { return {p.x, p.y, p.turn, p.turn}; }
 /// Sign of the second body of a contact: velocity with opposite x and y, or like the first, or
 /// all but the spin opposite.
 enum Second { kOpposed, kAlike, kRolling };
@@ -60,46 +66,36 @@ template <Second kSecond>
                                             const unsigned* j) {
   return gather<kSecond>(v, i, v, j);
 }
-/// Adds a wrench with a rolling moment to a body, times its inverse if there is one.
-[[gnu::always_inline]] inline void add_rolling(const double* wrench, const BodyRow* inverse,
-                                               BodyRow& to) {
-  constexpr int kOther[] = {0, kRowLast, 2, kRowSpin};
-  for (int k = 0; k < 4; ++k) {
-    double change = wrench[k];
-    if (inverse != nullptr) {
-      change = inverse[0].value[k] * wrench[k] + inverse[1].value[k] * wrench[kOther[k]];
-    }
-    to.value[k] += change;
+/// Adds the wrench of lane k, times inverses if they are given, to body a and its opposite to b.
+template <bool kInverse, Second kSecond>
+[[gnu::always_inline]] inline void add(const Wrench& p, int k, const BodyRow* inverse_a, BodyRow& a,
+                                       const BodyRow* inverse_b, BodyRow& b) {
+  constexpr Second kOfWrench = kSecond == kRolling ? kOpposed : kSecond;
+  const Pair first{p.x[k], p.spin[k]};
+  const Pair other = second<kOfWrench>(Pair{p.x[k], kSecond == kRolling ? p.turn[k] : p.spin[k]});
+  if constexpr (kInverse) {
+    half(a)[0] += half(*inverse_a)[0] * first;
+    a.value[kRowY] += inverse_a->value[kRowY] * p.y[k];
+    half(b)[0] += half(*inverse_b)[0] * other;
+    b.value[kRowY] += inverse_b->value[kRowY] * second<kOfWrench>(p.y[k]);
+  } else {
+    half(a)[0] += first;
+    a.value[kRowY] += p.y[k];
+    half(b)[0] += other;
+    b.value[kRowY] += second<kOfWrench>(p.y[k]);
+  }
+  if constexpr (kSecond == kRolling) {
+    a.value[kRowLast] = a.value[kRowSpin];
+    b.value[kRowLast] = b.value[kRowSpin];
   }
 }
 /// Adds the wrench, times `inverse` if there is one, to body i and its opposite to body j.
 template <bool kInverse, Second kSecond>
-[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+[[gnu::always_inline]] inline void scatter(const Wrench& p, const unsigned* i, const unsigned* j,
                                            const BodyRow* inverse, BodyRow* to) {
-  if constexpr (kSecond == kRolling) {
-    for (int k = 0; k < 2; ++k) {
-      const double wrench[] = {p.x[k], p.spin[k], p.y[k], p.turn[k]};
-      const double opposite[] = {-p.x[k], p.spin[k], -p.y[k], -p.turn[k]};
-      add_rolling(wrench, kInverse ? &at(inverse, 2 * i[k]) : nullptr, at(to, i[k]));
-      add_rolling(opposite, kInverse ? &at(inverse, 2 * j[k]) : nullptr, at(to, j[k]));
-    }
-    return;
-  }
-  const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
-                          __builtin_shufflevector(p.x, p.spin, 1, 3)};
   for (int k = 0; k < 2; ++k) {
-    BodyRow &a = at(to, i[k]), &b = at(to, j[k]);
-    if constexpr (kInverse) {
-      half(a)[0] += half(at(inverse, i[k]))[0] * x_spin[k];
-      a.value[kRowY] += at(inverse, i[k]).value[kRowY] * p.y[k];
-      half(b)[0] += half(at(inverse, j[k]))[0] * second<kSecond>(x_spin[k]);
-      b.value[kRowY] += at(inverse, j[k]).value[kRowY] * second<kSecond>(p.y[k]);
-    } else {
-      half(a)[0] += x_spin[k];
-      a.value[kRowY] += p.y[k];
-      half(b)[0] += second<kSecond>(x_spin[k]);
-      b.value[kRowY] += second<kSecond>(p.y[k]);
-    }
+    add<kInverse, kSecond>(p, k, kInverse ? &at(inverse, i[k]) : nullptr, at(to, i[k]),
+                           kInverse ? &at(inverse, j[k]) : nullptr, at(to, j[k]));
   }
 }
 #else
@@ -124,34 +120,27 @@ template <Second kSecond>
 inline Row with_second_of(const BodyRow& r, Row b) {
 #if BIPOT_WIDTH == 8
   // Products with one are exact, so that this is the same sum, by an instruction that also loads.
-  constexpr Row kSign{1, -1, 1, kSecond == kRolling ? 1 : -1};
+  constexpr Row kSign{1, -1, 1, -1};
   if constexpr (kSecond != kAlike) return _mm256_maskz_fnmadd_pd(kAllLanes, b, kSign, row(r));
 #endif
   return with_second<kSecond>(row(r), b);
 }
 
-/// Adds the wrench, times `inverse` if there is one, to body i and its opposite to body j.
+/// Adds a wrench, times `inverse` if there is one, to body i and the opposite of `other` to body j.
 template <bool kInverse, Second kSecond>
-[[gnu::always_inline]] inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse,
-                                       BodyRow* to) {
-  if constexpr (kInverse && kSecond == kRolling) {
-    const Row other = __builtin_shufflevector(wrench, wrench, 0, 3, 2, 1);
-    const auto change = [&](unsigned body, Row by, Row with) {
-      const BodyRow* const of = &at(inverse, 2 * body);
-      return row(of[0]) * by + row(of[1]) * with;
-    };
-    constexpr long long kMinus = static_cast<long long>(1ULL << 63);
-    row(at(to, i)) += change(i, wrench, other);
-    row(at(to, j)) += change(j, with_signs(wrench, RowBits{kMinus, 0, kMinus, kMinus}),
-                             with_signs(other, RowBits{kMinus, kMinus, kMinus, 0}));
-  } else if constexpr (kInverse) {
+[[gnu::always_inline]] inline void add(Row wrench, Row other, unsigned i, unsigned j,
+                                       const BodyRow* inverse, BodyRow* to) {
+  if constexpr (kInverse) {
     row(at(to, i)) += row(at(inverse, i)) * wrench;
-    row(at(to, j)) = with_second_of<kSecond>(at(to, j), row(at(inverse, j)) * wrench);
+    row(at(to, j)) = with_second_of<kSecond>(at(to, j), row(at(inverse, j)) * other);
   } else {
     row(at(to, i)) += wrench;
-    row(at(to, j)) = with_second_of<kSecond>(at(to, j), wrench);
+    row(at(to, j)) = with_second_of<kSecond>(at(to, j), other);
   }
 }
+/// kSecond of wrenches: those of rolling turn both bodies alike.
+template <Second kSecond>
+constexpr Second kOfWrench = kSecond == kRolling ? kOpposed : kSecond;
 #endif
 
 #if BIPOT_WIDTH == 4
@@ -175,22 +164,33 @@ template <Second kSecond>
                                             const unsigned* j) {
   return gather<kSecond>(v, i, v, j);
 }
-/// Calls add(row, lane) in the order of the lanes.
-template <class Add>
-[[gnu::always_inline]] inline void for_rows(const Motion& p, const Add& add) {
+/// Wrenches as rows of the lanes.
+struct WrenchRows {
+  Row lane[4];
+};
+[[gnu::always_inline]] inline WrenchRows rows_of(const Wrench& p) {
   const Row even = __builtin_shufflevector(p.x, p.spin, 0, 4, 2, 6);
   const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
   const Row y_even = __builtin_shufflevector(p.y, p.turn, 0, 4, 2, 6);
   const Row y_odd = __builtin_shufflevector(p.y, p.turn, 1, 5, 3, 7);
-  add(__builtin_shufflevector(even, y_even, 0, 1, 4, 5), 0);
-  add(__builtin_shufflevector(odd, y_odd, 0, 1, 4, 5), 1);
-  add(__builtin_shufflevector(even, y_even, 2, 3, 6, 7), 2);
-  add(__builtin_shufflevector(odd, y_odd, 2, 3, 6, 7), 3);
+  return {{__builtin_shufflevector(even, y_even, 0, 1, 4, 5),
+           __builtin_shufflevector(odd, y_odd, 0, 1, 4, 5),
+           __builtin_shufflevector(even, y_even, 2, 3, 6, 7),
+           __builtin_shufflevector(odd, y_odd, 2, 3, 6, 7)}};
+}
+/// Calls add(row, row of the second body, lane) in the order of the lanes.
+template <Second kSecond, class Add>
+[[gnu::always_inline]] inline void for_rows(const Wrench& p, const Add& add) {
+  const WrenchRows first = rows_of(kSecond == kRolling ? on_first(p) : p);
+  const WrenchRows other = kSecond == kRolling ? rows_of(on_second(p)) : first;
+  for (int k = 0; k < 4; ++k) add(first.lane[k], other.lane[k], k);
 }
 template <bool kInverse, Second kSecond>
-[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+[[gnu::always_inline]] inline void scatter(const Wrench& p, const unsigned* i, const unsigned* j,
                                            const BodyRow* inverse, BodyRow* to) {
-  for_rows(p, [&](Row wrench, int k) { add<kInverse, kSecond>(wrench, i[k], j[k], inverse, to); });
+  for_rows<kSecond>(p, [&](Row wrench, Row other, int k) {
+    add<kInverse, kOfWrench<kSecond>>(wrench, other, i[k], j[k], inverse, to);
+  });
 }
 #elif BIPOT_WIDTH == 8
 /// Two rows in one register.
@@ -218,7 +218,7 @@ struct WrenchRows {
   Lanes a, b, c, d;
 };
 template <Second kSecond>
-[[gnu::always_inline]] inline WrenchRows rows_of(const Motion& p) {
+[[gnu::always_inline]] inline WrenchRows rows_of(const Wrench& p) {
   // (x, spin) of lanes 0, 2, 4, 6 and 1, 3, 5, 7; with y of the same lane, and 0, they form rows.
   const Lanes even = first_of_pairs(p.x, p.spin), odd = second_of_pairs(p.x, p.spin);
   if constexpr (kSecond == kRolling) {
@@ -237,17 +237,19 @@ template <Second kSecond>
 }
 inline Row lower(Lanes rows) { return __builtin_shufflevector(rows, rows, 0, 1, 2, 3); }
 inline Row upper(Lanes rows) { return __builtin_shufflevector(rows, rows, 4, 5, 6, 7); }
-/// Calls add(row, lane) in the order of the lanes.
-template <class Add>
-[[gnu::always_inline]] inline void for_rows(const WrenchRows& rows, const Add& add) {
-  add(lower(rows.a), 0);
-  add(lower(rows.b), 1);
-  add(upper(rows.a), 2);
-  add(upper(rows.b), 3);
-  add(lower(rows.c), 4);
-  add(lower(rows.d), 5);
-  add(upper(rows.c), 6);
-  add(upper(rows.d), 7);
+/// Calls add(row, row of the second body, lane) in the order of the lanes.
+template <Second kSecond, class Add>
+[[gnu::always_inline]] inline void for_rows(const Wrench& p, const Add& add) {
+  const WrenchRows first = rows_of<kSecond>(kSecond == kRolling ? on_first(p) : p);
+  const WrenchRows other = kSecond == kRolling ? rows_of<kSecond>(on_second(p)) : first;
+  add(lower(first.a), lower(other.a), 0);
+  add(lower(first.b), lower(other.b), 1);
+  add(upper(first.a), upper(other.a), 2);
+  add(upper(first.b), upper(other.b), 3);
+  add(lower(first.c), lower(other.c), 4);
+  add(lower(first.d), lower(other.d), 5);
+  add(upper(first.c), upper(other.c), 6);
+  add(upper(first.d), upper(other.d), 7);
 }
 
 template <Second kSecond>
@@ -262,8 +264,9 @@ template <Second kSecond>
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
                                            const BodyRow* inverse, BodyRow* to) {
-  for_rows(rows_of<kSecond>(p),
-           [&](Row wrench, int k) { add<kInverse, kSecond>(wrench, i[k], j[k], inverse, to); });
+  for_rows<kSecond>(p, [&](Row wrench, Row other, int k) {
+    add<kInverse, kOfWrench<kSecond>>(wrench, other, i[k], j[k], inverse, to);
+  });
 }
 #endif
 

@@ -80,12 +80,16 @@ void sweep_batches(const SweepTask<D>& task) {
       Motion wrench{gx * normal + tx * back, gy * normal - ty * back, spin * back};
       if constexpr (D == kRollingDisks) {
         // The slip has changed by now, and the contact's own rolling with it.
-        const Lanes roll = load(c.turns[kTurnRoll], part), x_m = load(impulse.x[2], part);
-        const Lanes w =
-            roll * v.turn - load(c.turns[kTurnCoupling], part) * back + load(c.b[2], part);
+        const Lanes half = load(c.turns[kTurnHalf], part), lean = load(c.turns[kTurnLean], part);
+        const Lanes x_m = load(impulse.x[2], part);
+        const Lanes w = (half * v.turn + lean * v.spin) -
+                        load(c.turns[kTurnCoupling], part) * back + load(c.b[2], part);
         const Lanes z_m = cut_off(x_m - relaxed(w), load(law.mu_r, part) * z_n);
         store(impulse.x[2], part, z_m);
-        wrench.turn = roll * (z_m - x_m);
+        const Lanes moment = z_m - x_m;
+        const Lanes alike = wrench.spin + lean * moment, opposed = half * moment;
+        wrench.spin = alike + opposed;
+        wrench.turn = alike - opposed;
       }
       return wrench;
     }
@@ -126,7 +130,7 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
         const int end = coming + share < a.num_coming ? coming + share : a.num_coming;
         for (; coming < end; ++coming) {
           prefetch(at(a.velocity, a.coming[coming]));
-          prefetch(at(a.inverse, (D == kRollingDisks ? 2 : 1) * a.coming[coming]));
+          prefetch(at(a.inverse, a.coming[coming]));
         }
       }
     }
@@ -163,8 +167,9 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
       const auto roll = [&] {
         if constexpr (D == kRollingDisks) {
           const Lanes x_m = start(2);
-          const Lanes w = load(c.turns[kTurnRoll], part) * v.turn +
-                          load(c.turns[kTurnCoupling], part) * slid_by;
+          const Lanes w =
+              (load(c.turns[kTurnHalf], part) * v.turn + load(c.turns[kTurnLean], part) * v.spin) +
+              load(c.turns[kTurnCoupling], part) * slid_by;
           const Lanes trial = x_m - omega * (w + load(c.b[2], part));
           turned_by = put(2, x_m, cut_off(trial, load(law.mu_r, part) * z_n));
         }
@@ -183,7 +188,10 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
       if constexpr (D == kRollingDisks) {
         slid_by = change;
         if constexpr (!kBack) roll();
-        wrench.turn = load(c.turns[kTurnRoll], part) * turned_by;
+        const Lanes alike = wrench.spin + load(c.turns[kTurnLean], part) * turned_by;
+        const Lanes opposed = load(c.turns[kTurnHalf], part) * turned_by;
+        wrench.spin = alike + opposed;
+        wrench.turn = alike - opposed;
       }
       return wrench;
     }

@@ -70,10 +70,10 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
       velocity_scale_(large_copy(scaling.velocity)),
       contacts_(to_size(tiles_.num_batches()) + 1),
       law_(to_size(tiles_.num_batches())),
-      inverse_(to_size(kInverses * tiles_.num_rows)) {
+      inverse_(to_size(tiles_.num_rows)) {
   for (int body = 0; body < bodies.surroundings(); ++body) {
     const auto& from = bodies.bodies[to_size(body)];
-    auto& inverse = inverse_[to_size(kInverses * tiles_.row[to_size(body)])].value;
+    auto& inverse = inverse_[to_size(tiles_.row[to_size(body)])].value;
     if constexpr (D == 3) {
       std::fill_n(inverse, 3, from.inverse_mass);
       std::fill_n(inverse + kRowTurn, 3, from.inverse_inertia);
@@ -81,11 +81,7 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
       inverse[kRowX] = inverse[kRowY] = from.inverse_mass;
       inverse[kRowSpin] = from.inverse_inertia;
     }
-    if constexpr (D == kRollingDisks) {
-      auto& other = inverse_[to_size(2 * tiles_.row[to_size(body)] + 1)].value;
-      inverse[kRowLast] = 1 / p.A.coeff(3 * body + 2, 3 * body + 2);
-      other[kRowSpin] = other[kRowLast] = from.arm * inverse[kRowLast];
-    }
+    if constexpr (D == kRollingDisks) inverse[kRowLast] = inverse[kRowSpin];
   }
   if constexpr (D == 3) frame_.resize(tiles_.contact.size());
   const auto offset = [](int row) { return row_offset<RowOf<D>>(row); };
@@ -148,12 +144,19 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
             law.both_cones[lane] = 1 / (1 + law.mu[lane] * law.mu[lane] + mu_r * mu_r);
             const double roll =
                 std::abs(p.H.coeff(3 * from.i + 2, 3 * c + 2)) * scaling.velocity[3 * c + 2];
-            to.turns[kTurnRoll][lane] = sign * roll;
-            const auto turned = [&](unsigned body) {
-              return inverse_[2 * body / sizeof(BodyRow) + 1].value[kRowSpin];
+            const auto over_arm = [&](int body) {
+              return body == bodies.surroundings() ? 0 : roll / bodies.bodies[to_size(body)].arm;
             };
-            to.turns[kTurnCoupling][lane] = -to.turns[kTurnSpin][lane] * sign * roll *
-                                            (turned(to.i[lane]) - turned(to.j[lane]));
+            double own_roll = sign * over_arm(from.i), other_roll = sign * over_arm(from.j);
+            if (swapped) std::swap(own_roll, other_roll);
+            to.turns[kTurnHalf][lane] = 0.5 * (own_roll + other_roll);
+            to.turns[kTurnLean][lane] = 0.5 * (own_roll - other_roll);
+            const auto inverse = [&](unsigned body) {
+              return inverse_[body / sizeof(BodyRow)].value[kRowSpin];
+            };
+            to.turns[kTurnCoupling][lane] =
+                -to.turns[kTurnSpin][lane] *
+                (inverse(to.i[lane]) * own_roll - inverse(to.j[lane]) * other_roll);
           }
           for (int k = 0; k < kRows; ++k) to.b[k][lane] = b[k];
         }
@@ -187,12 +190,8 @@ void DiskTiles<D>::rescale(double factor) {
       } else {
         scale(batch.gx);
         scale(batch.gy);
-        scale(batch.turns[kTurnSpin]);
-        if constexpr (D == kRollingDisks) {
-          scale(batch.turns[kTurnRoll]);
-          scale(batch.turns[kTurnCoupling]);
-          scale(batch.turns[kTurnCoupling]);
-        }
+        for (auto& turn : batch.turns) scale(turn);
+        if constexpr (D == kRollingDisks) scale(batch.turns[kTurnCoupling]);  // of two impulses
       }
       for (auto& b : batch.b) scale(b);
     }
@@ -210,10 +209,7 @@ void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, cons
     const LawBatch& law = laws_[to_size(law_[to_size(at / kLanes)])];
     const std::size_t i = batch.i[lane] / sizeof(RowOf<D>), j = batch.j[lane] / sizeof(RowOf<D>);
     const auto of_body = [&](std::size_t row, int k) {
-      const double own = inverse_[kInverses * row].value[k] * momentum[row].value[k];
-      if constexpr (D != kRollingDisks) return own;
-      const int other = k == kRowSpin ? kRowLast : k == kRowLast ? kRowSpin : k;
-      return own + inverse_[2 * row + 1].value[k] * momentum[row].value[other];
+      return inverse_[row].value[k] * momentum[row].value[k];
     };
     const auto velocity = [&](int k, double sign) { return of_body(i, k) + sign * of_body(j, k); };
     const auto stepped = [&](double sigma, double speed) {
@@ -246,8 +242,9 @@ void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, cons
                   std::abs(law.ratio[lane] * along -
                            batch.turns[kTurnSpin][lane] * velocity(kRowSpin, 1) + batch.b[1][lane]);
           if constexpr (D == kRollingDisks) {
-            const double rolls =
-                batch.turns[kTurnRoll][lane] * velocity(kRowLast, -1) + batch.b[2][lane];
+            const double rolls = batch.turns[kTurnHalf][lane] * velocity(kRowLast, -1) +
+                                 batch.turns[kTurnLean][lane] * velocity(kRowSpin, 1) +
+                                 batch.b[2][lane];
             speed += law.mu_r[lane] * std::abs(rolls);
           }
         }
@@ -315,9 +312,10 @@ void DiskTiles<D>::push(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> 
         j[kRowY] -= py;
         j[kRowSpin] -= spin;
         if constexpr (D == kRollingDisks) {
-          const double moment = contact.turns[kTurnRoll][lane] * impulse.x[2][lane];
-          i[kRowLast] += moment;
-          j[kRowLast] -= moment;
+          const double half = contact.turns[kTurnHalf][lane] * impulse.x[2][lane];
+          const double lean = contact.turns[kTurnLean][lane] * impulse.x[2][lane];
+          i[kRowLast] = i[kRowSpin] += lean + half;
+          j[kRowLast] = j[kRowSpin] += lean - half;
         }
       }
     }
@@ -330,15 +328,9 @@ void DiskTiles<D>::velocities(std::span<const ImpulseBatch<D>> x,
   push(x, velocity);
   run_pieces(threads_, num_rows(), [&](int first, int last) {
     for (int row = first; row < last; ++row) {
-      const RowOf<D>& inverse = inverse_[to_size(kInverses * row)];
+      const RowOf<D>& inverse = inverse_[to_size(row)];
       auto& value = velocity[to_size(row)].value;
-      [[maybe_unused]] const double spin = value[kRowSpin], turning = value[kRowLast];
       for (std::size_t k = 0; k < std::size(value); ++k) value[k] *= inverse.value[k];
-      if constexpr (D == kRollingDisks) {
-        const double crossed = (&inverse)[1].value[kRowSpin];
-        value[kRowSpin] += crossed * turning;
-        value[kRowLast] += crossed * spin;
-      }
       if constexpr (D == 3) put_inverses(inverse, velocity[to_size(row)]);
     }
   });

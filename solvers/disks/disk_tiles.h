@@ -34,7 +34,6 @@ class DiskTiles {
             ContactTiles tiles, int threads = 1);
 
   static constexpr int kRows = kRowsOf<D>;
-  static constexpr int kInverses = D == kRollingDisks ? 2 : 1;  ///< rows of inverse() a body
   using Tile = ContactTiles::Tile;
   int num_tiles() const { return static_cast<int>(tiles_.tiles.size()); }
   const Tile& tile(int t) const { return tiles_.tiles[to_size(t)]; }

@@ -30,6 +30,8 @@ std::optional<DiskStructure> rolling_disks(const ContactProblem& p) {
       }
     }
     const bool pair = contact.j != disks->surroundings();
+    const auto arm = [&](int body) { return disks->bodies[to_size(body)].arm; };
+    if (!(arm(contact.i) > 0) || (pair && !(arm(contact.j) > 0))) return {};
     if (!(first > 0) || second != (pair ? -first : 0)) return {};
   }
   return disks;

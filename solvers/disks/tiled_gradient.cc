@@ -166,7 +166,7 @@ GradientKernel::Progress TiledGradient<D>::totals(int iteration, double beta) co
   // (y - x⁺)·(x⁺ - x), as y = x + beta (x - x⁻).
   total.turn = rho_ * (beta * along - total.change2);
   total.change2 *= rho_;
-  for (const int k : {kRowX, kRowY, kRowSpin, kRowLast})
+  for (const int k : {kRowX, kRowY, kRowSpin})  // the last value moves nothing
     total.energy += sum.energy[k] + sum.energy[k + 4];
   if (neighbours_ == nullptr) return total;
   const Roles& r = roles_;
