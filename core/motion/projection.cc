@@ -19,6 +19,7 @@ Scene<D> frictionless(const Scene<D>& scene) {
   Scene<D> flat;
   flat.materials = scene.materials;
   flat.laws.assign(scene.laws.size(), ContactLaw{});
+  flat.walls = scene.walls;
   flat.step = scene.step;
   return flat;
 }

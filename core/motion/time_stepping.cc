@@ -119,9 +119,8 @@ struct TimeStepper<D>::Inside {
   bool counts_walls() const { return neighbours == nullptr || neighbours->counts_walls(); }
 
   void assemble(const State<D>& start, const Midpoint<D>& mid);
-  Vector start_of(const State<D>& state, std::span<const Contact<D>> contacts) const;
-  Vector solve_contacts(const State<D>& state, std::span<const Contact<D>> contacts,
-                        StepReport<D>& report);
+  Vector start_of(const State<D>& state, const Midpoint<D>& mid) const;
+  Vector solve_contacts(const State<D>& state, const Midpoint<D>& mid, StepReport<D>& report);
   Vector solve_phase(const State<D>& state, Vector s0, StepReport<D>& report);
   Vector solve_phases(const State<D>& state, const Midpoint<D>& mid, StepReport<D>& report);
   State<D> move(const State<D>& start, Midpoint<D>& mid, const Vector& s, Vector& v);
@@ -139,7 +138,13 @@ template <int D>
 void TimeStepper<D>::Inside::assemble(const State<D>& start, const Midpoint<D>& mid) {
   if (scene.impact != Impact::kNewton && !step_laws) step_laws = with_step_laws(scene);
   try {
-    assembled = assemble_step(laws(), mid, explicit_delassus, threads);
+    // Eigen 3.4 copies a sparse matrix that is moved, and H is most of a step's memory.
+    SparseMatrix().swap(assembled.problem.H);
+    AssembledStep made = assemble_step(laws(), mid, explicit_delassus, threads);
+    SparseMatrix H;
+    H.swap(made.problem.H);
+    assembled = std::move(made);
+    assembled.problem.H.swap(H);
   } catch (const std::invalid_argument& e) {  // pins that couple too many bodies
     throw StepFailure(StepFailure::Kind::kInvalidInput, start, e.what());
   }
@@ -148,12 +153,12 @@ void TimeStepper<D>::Inside::assemble(const State<D>& start, const Midpoint<D>& 
 
 /// From where the solver starts, in the problem's variables; empty: from nowhere.
 template <int D>
-Vector TimeStepper<D>::Inside::start_of(const State<D>& state,
-                                        std::span<const Contact<D>> contacts) const {
+Vector TimeStepper<D>::Inside::start_of(const State<D>& state, const Midpoint<D>& mid) const {
   const ContactProblem& p = problem();
+  std::span<const Contact<D>> contacts = mid.contacts;
   Vector s0;
   if (scene.solver.warm_start) {
-    const int bodies = static_cast<int>(state.bodies.size());
+    const int bodies = static_cast<int>(mid.disk_v_free.size());
     std::vector<const Wall<D>*> walls;
     for (const Contact<D>& c : contacts) {
       walls.push_back(c.j < bodies ? nullptr : &scene.walls[to_size(c.j - bodies)]);
@@ -172,11 +177,10 @@ Vector TimeStepper<D>::Inside::start_of(const State<D>& state,
 
 /// The impulses of the step, in the problem's variables.
 template <int D>
-Vector TimeStepper<D>::Inside::solve_contacts(const State<D>& state,
-                                              std::span<const Contact<D>> contacts,
+Vector TimeStepper<D>::Inside::solve_contacts(const State<D>& state, const Midpoint<D>& mid,
                                               StepReport<D>& report) {
   const ContactProblem& p = problem();
-  Vector s0 = start_of(state, contacts);
+  Vector s0 = start_of(state, mid);
   StepSolution solution = neighbours != nullptr ? neighbours->solve(s0) : solver(p, std::move(s0));
   bool usable = solution.s.size() == p.num_rows() && solution.s.allFinite();
   if (neighbours != nullptr)
@@ -207,7 +211,7 @@ Vector TimeStepper<D>::Inside::solve_phases(const State<D>& state, const Midpoin
   }
   const Vector returned = returned_impulses(scene, state, mid, p, compression);
   phase = expansion_problem(p, compression, returned, explicit_delassus);
-  Vector s0 = start_of(state, mid.contacts);
+  Vector s0 = start_of(state, mid);
   if (s0.size() > 0) s0.conservativeResizeLike(Vector::Zero(phase->num_rows()));
   const Vector expansion = solve_phase(state, std::move(s0), report);
   report.iterations += first.iterations;
@@ -408,7 +412,7 @@ StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
   // A tenth of a run's memory where the solver takes the most; neighbours name bodies of mid-step.
   if (neighbours == nullptr) release(mid.bodies);
   const Vector s = scene.impact == Impact::kPoisson ? solve_phases(start, mid, report)
-                                                    : solve_contacts(start, mid.contacts, report);
+                                                    : solve_contacts(start, mid, report);
   report.solve_seconds = watch.lap();
 
   Vector v;
