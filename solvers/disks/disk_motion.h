@@ -15,7 +15,7 @@ struct Motion {
 /// A wrench on body i and its opposite on body j, which turn alike. With rolling friction `turn` is
 /// the spin part of j.
 using Wrench = Motion;
-/// The same as `turn` of both, as rows with rolling friction have them.
+/// That on either body, whose spin part stands in `turn` once more, as in rows with rolling friction.
 inline Wrench on_first(const Wrench& p) { return {p.x, p.y, p.spin, p.spin}; }
 inline Wrench on_second(const Wrench& p) { return {p.x, p.y, p.turn, p.turn}; }
 /// Sign of the second body of a contact: velocity with opposite x and y, or like the first, or
@@ -165,10 +165,10 @@ template <Second kSecond>
   return gather<kSecond>(v, i, v, j);
 }
 /// Wrenches as rows of the lanes.
-struct WrenchRows {
+struct FourRows {
   Row lane[4];
 };
-[[gnu::always_inline]] inline WrenchRows rows_of(const Wrench& p) {
+[[gnu::always_inline]] inline FourRows rows_of(const Wrench& p) {
   const Row even = __builtin_shufflevector(p.x, p.spin, 0, 4, 2, 6);
   const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
   const Row y_even = __builtin_shufflevector(p.y, p.turn, 0, 4, 2, 6);
@@ -181,8 +181,8 @@ struct WrenchRows {
 /// Calls add(row, row of the second body, lane) in the order of the lanes.
 template <Second kSecond, class Add>
 [[gnu::always_inline]] inline void for_rows(const Wrench& p, const Add& add) {
-  const WrenchRows first = rows_of(kSecond == kRolling ? on_first(p) : p);
-  const WrenchRows other = kSecond == kRolling ? rows_of(on_second(p)) : first;
+  const FourRows first = rows_of(kSecond == kRolling ? on_first(p) : p);
+  const FourRows other = kSecond == kRolling ? rows_of(on_second(p)) : first;
   for (int k = 0; k < 4; ++k) add(first.lane[k], other.lane[k], k);
 }
 template <bool kInverse, Second kSecond>
