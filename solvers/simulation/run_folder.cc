@@ -116,18 +116,28 @@ void RunFolder<D>::write_problem(const ContactProblem& problem, const Vector& st
               start.size() > 0 ? std::vector<Vector>{start} : std::vector<Vector>{});
 }
 
+/// Drawings of more bodies than this are of pixels only: cairo holds every line of a vector drawing
+/// in memory, and viewers hardly open it.
+constexpr std::size_t kMostVectorBodies = 20000;
+
+std::vector<const char*> formats_of(const State<2>& state) {
+  if (state.bodies.size() > kMostVectorBodies) return {".png"};
+  return {".svg", ".png"};
+}
+
 /// Draws NAME.svg and NAME.png.
 void draw_forces(const fs::path& folder, const std::string& name, const Scene<2>& scene,
                  const State<2>& state, const std::string& text_below) {
-  for (const char* format : {".svg", ".png"}) {
+  for (const char* format : formats_of(state)) {
     draw_force_picture(folder / (name + format), scene, state, text_below);
   }
 }
 
 void draw_stresses(const fs::path& folder, const Scene<2>& scene, const State<2>& state,
                    const std::vector<double>& pressures, const std::string& text_below) {
-  for (const char* format : {"stress.svg", "stress.png"}) {
-    draw_stress_picture(folder / format, scene, state, pressures, text_below);
+  for (const char* format : formats_of(state)) {
+    draw_stress_picture(folder / (std::string("stress") + format), scene, state, pressures,
+                        text_below);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -82,6 +83,16 @@ TEST_F(Command, TheStressPictureIsDrawnWhereTheSceneAsksForIt) {
   EXPECT_NEAR(stress["pressure"].get<double>(), 0.5 * (row[24] + row[25]), 1e-8 * row[25]);
   bipot("run square_lattice --steps 1 --quiet --out " + path("plain"));
   EXPECT_FALSE(fs::exists(folder_ / "plain" / "stress.svg"));
+}
+
+// 142² = 20 164 disks that nothing moves.
+TEST_F(Command, AVectorPictureIsLeftOutOfManyBodies) {
+  std::ofstream(path("many.toml")) << "gravity = [0, 0]\n[[disks]]\narrangement = 'rectangular'\n"
+                                      "columns = 142\nrows = 142\nradius = 1\nmass = 1\n"
+                                      "[time]\nstep = 1\nsteps = 1\n[output]\npage = false\n";
+  ASSERT_EQ(code_of("run " + path("many.toml") + " -q --out " + path("out")), 0);
+  expect_files("out", {"run.h5", "forces.png"});
+  EXPECT_FALSE(std::filesystem::exists(path("out/forces.svg")));
 }
 
 TEST_F(Command, EachFailureHasItsExitCode) {
