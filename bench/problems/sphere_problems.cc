@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kRadius = 0.5, kMass = 1, kGravity = 9.81, kStep = 0.01;
 constexpr int kDofs = 6;
+/// Entries of H in the three columns of a contact: 3 forces and, of tangents, 3 torques a body.
+constexpr int kMostEntries = 2 * (3 + 6 + 6);
 
 /// Those that touch, sphere-sphere first for each sphere.
 std::vector<Contact<3>> touching(const std::vector<Vec3>& x, const std::vector<Wall<3>>& walls) {
@@ -32,6 +34,8 @@ ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Wall<3>>& 
 
   ContactProblem p{.dim = 3};
   std::vector<Eigen::Triplet<double>> a, h;
+  a.reserve(to_size(n));
+  h.reserve(contacts.size() * kMostEntries);
   p.v_free = Vector::Zero(n);
   for (int i = 0; i < spheres; ++i) {
     for (int k = 0; k < 3; ++k) {
