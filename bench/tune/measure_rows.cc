@@ -39,8 +39,8 @@ constexpr struct {
                  {"homotopy", "", 1},
                  {"homotopy", "start_tol=1", 1}};
 
-constexpr int kRepeats = 3;      // of a solve shorter than
-constexpr double kShort = 0.01;  // CPU seconds
+constexpr int kRepeats = 3;     // of a solve shorter than
+constexpr double kShort = 0.3;  // CPU seconds
 
 /// Targets of one scene share their name up to the last number.
 std::string scene_of(const ProblemSource& source) {
