@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/criterion/contact_error.h"
+#include "core/criterion/rounding_bound.h"
 #include "core/problem/delassus.h"
 #include "core/problem_files/problem_file.h"
 #include "solvers/registry.h"
@@ -85,7 +86,9 @@ TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
     }
     ++converged;
     const NaiveError naive = naive_error(p, W, r.s);
-    EXPECT_LE(naive.guarded(), options.tol * (1 + 1e-5));
+    // Either evaluation is rounded: with very unequal masses more than otherwise.
+    const double rounding = rounding_bound(p, r.s, Precision::kDouble).guarded();
+    EXPECT_LE(naive.guarded(), options.tol * (1 + 1e-5) + std::min(rounding, 0.01 * options.tol));
     EXPECT_NEAR(naive.natmap_scaled, r.error.natural_map, 1e-5 * r.error.natural_map + 1e-13);
     if (kSeveralVelocities.contains(name)) continue;
     // Velocities in the energy norm; for a global problem the resultant impulse of each body is its
