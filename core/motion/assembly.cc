@@ -329,8 +329,7 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   add_image_velocity<D>(in.cell, contact, other_before, other_free);
   const int k = dofs.disk[i];
   const int l = with_disk ? dofs.disk[j] : dofs.wall[w];
-  const auto frame =
-      contact_axes<D>(contact.n, wall == nullptr ? nullptr : &in.scene.walls[w]).force;
+  const auto frame = contact_axes<D>(contact.n, wall == nullptr ? nullptr : &in.scene.walls[w]);
   const bool turns_a = a.cluster >= 0, turns_b = with_disk && b->cluster >= 0;
   Vec<D> turn = Vec<D>::Zero();
   if (in.scene.accuracy > 0) turn = half_turn<D>(in, contact, frame, a, b, wall);

@@ -114,8 +114,8 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
     const ContactLaw& law =
         scene.law(disks[i].material, with_disk ? disks[j].material : wall->material);
     const ContactValues<D> values = contact_values<D>(p, assembled, law, static_cast<int>(c), s, u);
-    const auto axes = contact_axes<D>(contact.n, with_disk ? nullptr : &scene.walls[to_size(w)]);
-    const Tangent<D> s_t = tangential<D>(values.s, axes.force);
+    const Wall<D>* const touched = with_disk ? nullptr : &scene.walls[to_size(w)];
+    const Tangent<D> s_t = tangential<D>(values.s, contact_axes<D>(contact.n, touched));
     const double friction = magnitude(tangential<D>(values.s, contact_frame<D>(contact.n)));
     const Eigen::Index row = static_cast<Eigen::Index>(c) * p.dim;
     const bool cohesive = assembled.pull.size() > 0;
@@ -126,7 +126,7 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
                            .s_n = s_n,
                            .s_t = s_t,
                            .u_n = values.u_after[0],
-                           .u_t = tangential<D>(values.u_after, axes.velocity),
+                           .u_t = tangential<D>(values.u_after, dual_axes<D>(contact.n, touched)),
                            .status = contact_status(values.s[0], friction, law.mu),
                            .bonded = !cohesive || pull > 0,
                            .moment = moment_of<D>(values.s, contact_frame<D>(contact.n))};

@@ -37,7 +37,7 @@ Vector warm_start(const std::vector<ContactOutcome<D>>& before,
       if (p.rolls()) s0[row + 2] = best->moment * (scaled ? p.row_scale[row + 2] : 1.0);
     } else {
       const auto frame = contact_frame<D>(contacts[c].n);
-      const auto axes = contact_axes<D>(contacts[c].n, walls[c]).velocity;
+      const auto axes = dual_axes<D>(contacts[c].n, walls[c]);
       for (int k = 1; k < D; ++k) {
         s0[row + k] = axes[to_size(k)].dot(best->s_t) * (scaled ? p.row_scale[row + k] : 1.0);
       }

@@ -165,25 +165,23 @@ template <Second kSecond>
   return gather<kSecond>(v, i, v, j);
 }
 /// Wrenches as rows of the lanes.
-struct FourRows {
-  Row lane[4];
-};
-[[gnu::always_inline]] inline FourRows rows_of(const Wrench& p) {
+[[gnu::always_inline]] inline void put_rows(const Wrench& p, Row (&rows)[4]) {
   const Row even = __builtin_shufflevector(p.x, p.spin, 0, 4, 2, 6);
   const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
   const Row y_even = __builtin_shufflevector(p.y, p.turn, 0, 4, 2, 6);
   const Row y_odd = __builtin_shufflevector(p.y, p.turn, 1, 5, 3, 7);
-  return {{__builtin_shufflevector(even, y_even, 0, 1, 4, 5),
-           __builtin_shufflevector(odd, y_odd, 0, 1, 4, 5),
-           __builtin_shufflevector(even, y_even, 2, 3, 6, 7),
-           __builtin_shufflevector(odd, y_odd, 2, 3, 6, 7)}};
+  rows[0] = __builtin_shufflevector(even, y_even, 0, 1, 4, 5);
+  rows[1] = __builtin_shufflevector(odd, y_odd, 0, 1, 4, 5);
+  rows[2] = __builtin_shufflevector(even, y_even, 2, 3, 6, 7);
+  rows[3] = __builtin_shufflevector(odd, y_odd, 2, 3, 6, 7);
 }
 /// Calls add(row, row of the second body, lane) in the order of the lanes.
 template <Second kSecond, class Add>
 [[gnu::always_inline]] inline void for_rows(const Wrench& p, const Add& add) {
-  const FourRows first = rows_of(kSecond == kRolling ? on_first(p) : p);
-  const FourRows other = kSecond == kRolling ? rows_of(on_second(p)) : first;
-  for (int k = 0; k < 4; ++k) add(first.lane[k], other.lane[k], k);
+  Row first[4], other[4];
+  put_rows(kSecond == kRolling ? on_first(p) : p, first);
+  if constexpr (kSecond == kRolling) put_rows(on_second(p), other);
+  for (int k = 0; k < 4; ++k) add(first[k], kSecond == kRolling ? other[k] : first[k], k);
 }
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void scatter(const Wrench& p, const unsigned* i, const unsigned* j,

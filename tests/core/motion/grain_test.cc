@@ -130,14 +130,14 @@ TEST(Grain, AxesOfForcesAndVelocitiesAreDual) {
   wall.grain = Vec3::UnitX();
   wall.grain_ratio = kRatio;
   for (const Vec3& n : {Vec3(0, 0, 1), Vec3(0.6, 0, 0.8), Vec3(0, 0.6, -0.8), Vec3(1, 0, 0)}) {
-    const auto axes = contact_axes<3>(n, &wall);
+    const auto axes = contact_axes<3>(n, &wall), dual = dual_axes<3>(n, &wall);
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t l = 0; l < 3; ++l) {
-        EXPECT_NEAR(axes.force[k].dot(axes.velocity[l]), k == l, 1e-14);
+        EXPECT_NEAR(axes[k].dot(dual[l]), k == l, 1e-14);
       }
     }
-    EXPECT_EQ(axes.force[0], n);
-    EXPECT_NEAR(axes.force[2].norm(), n[0] == 1 ? 1 : kRatio, 1e-14);
+    EXPECT_EQ(axes[0], n);
+    EXPECT_NEAR(axes[2].norm(), n[0] == 1 ? 1 : kRatio, 1e-14);
   }
 }
 
