@@ -138,13 +138,7 @@ template <int D>
 void TimeStepper<D>::Inside::assemble(const State<D>& start, const Midpoint<D>& mid) {
   if (scene.impact != Impact::kNewton && !step_laws) step_laws = with_step_laws(scene);
   try {
-    // Eigen 3.4 copies a sparse matrix that is moved, and H is most of a step's memory.
-    SparseMatrix().swap(assembled.problem.H);
-    AssembledStep made = assemble_step(laws(), mid, explicit_delassus, threads);
-    SparseMatrix H;
-    H.swap(made.problem.H);
-    assembled = std::move(made);
-    assembled.problem.H.swap(H);
+    assembled = assemble_step(laws(), mid, explicit_delassus, threads);
   } catch (const std::invalid_argument& e) {  // pins that couple too many bodies
     throw StepFailure(StepFailure::Kind::kInvalidInput, start, e.what());
   }

@@ -229,13 +229,11 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
       const Lanes step_t = x_t - load(a.before[k].x[1], part);
       const Lanes y_t = x_t + beta * step_t;
       const Lanes tau_t = (y_t - b_t) - from_bodies_t;
-      Lanes tau_m, x_m, step_m, half, lean;
+      Lanes tau_m, x_m, step_m;
       if constexpr (D == kRollingDisks) {
-        half = load(c.turns[kTurnHalf], part);
-        lean = load(c.turns[kTurnLean], part);
         x_m = load(a.now[k].x[2], part);
         step_m = x_m - load(a.before[k].x[2], part);
-        tau_m = (x_m + beta * step_m - load(c.b[2], part)) - (half * v.turn + lean * v.spin);
+        tau_m = (x_m + beta * step_m - load(c.b[2], part)) - rolling_velocity(c, part, v);
       }
       if constexpr (kMap == GradientMap::kFollowed) {
         const Lanes slid = z_n + mu * magnitude(tau_t);
@@ -261,9 +259,7 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
         along[part] += step_m * turned;
         change2[part] += turned * turned;
         store(a.next[k].x[2], part, z_m);
-        const Lanes alike = wrench.spin + lean * z_m, opposed = half * z_m;
-        wrench.spin = alike + opposed;
-        wrench.turn = alike - opposed;
+        add_moments(c, part, z_m, wrench);
       }
     }
     const Lanes change = z_n - x_n;

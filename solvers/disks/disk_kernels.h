@@ -51,7 +51,7 @@ template <int D>
 struct alignas(64) ContactBatch {
   unsigned i[kLanes], j[kLanes];  ///< rows, counted in bytes: see row_offset()
   double gx[kLanes], gy[kLanes];
-  double turns[D == kRollingDisks ? 4 : 1][kLanes];  ///< of these:
+  double turns[D == kRollingDisks ? 4 : 1][kLanes];  ///< of kTurnSpin, kTurnHalf …
   double b[static_cast<unsigned>(kRowsOf<D>)][kLanes];
 };
 inline constexpr int kTurnSpin = 0, kTurnHalf = 1, kTurnLean = 2, kTurnCoupling = 3;

@@ -23,6 +23,21 @@ inline Wrench on_second(const Wrench& p) { return {p.x, p.y, p.turn, p.turn}; }
 enum Second { kOpposed, kAlike, kRolling };
 template <int D>
 constexpr Second kSecondOf = D == kRollingDisks ? kRolling : kOpposed;
+/// The same of its wrench: that of rolling is opposed too, with a spin part of its own.
+template <Second kSecond>
+constexpr Second kOfWrench = kSecond == kRolling ? kOpposed : kSecond;
+
+/// w_m - b_m of the contacts of a part.
+inline Lanes rolling_velocity(const ContactBatch<kRollingDisks>& c, int part, const Motion& v) {
+  return load(c.turns[kTurnHalf], part) * v.turn + load(c.turns[kTurnLean], part) * v.spin;
+}
+/// Adds their moments x_m to wrenches of the forces alone.
+inline void add_moments(const ContactBatch<kRollingDisks>& c, int part, Lanes x_m, Wrench& wrench) {
+  const Lanes alike = wrench.spin + load(c.turns[kTurnLean], part) * x_m;
+  const Lanes opposed = load(c.turns[kTurnHalf], part) * x_m;
+  wrench.spin = alike + opposed;
+  wrench.turn = alike - opposed;
+}
 
 #if BIPOT_WIDTH == 2
 using PairBits = long long __attribute__((vector_size(16)));
@@ -70,19 +85,19 @@ template <Second kSecond>
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void add(const Wrench& p, int k, const BodyRow* inverse_a, BodyRow& a,
                                        const BodyRow* inverse_b, BodyRow& b) {
-  constexpr Second kOfWrench = kSecond == kRolling ? kOpposed : kSecond;
+  constexpr Second kOpposite = kOfWrench<kSecond>;
   const Pair first{p.x[k], p.spin[k]};
-  const Pair other = second<kOfWrench>(Pair{p.x[k], kSecond == kRolling ? p.turn[k] : p.spin[k]});
+  const Pair other = second<kOpposite>(Pair{p.x[k], kSecond == kRolling ? p.turn[k] : p.spin[k]});
   if constexpr (kInverse) {
     half(a)[0] += half(*inverse_a)[0] * first;
     a.value[kRowY] += inverse_a->value[kRowY] * p.y[k];
     half(b)[0] += half(*inverse_b)[0] * other;
-    b.value[kRowY] += inverse_b->value[kRowY] * second<kOfWrench>(p.y[k]);
+    b.value[kRowY] += inverse_b->value[kRowY] * second<kOpposite>(p.y[k]);
   } else {
     half(a)[0] += first;
     a.value[kRowY] += p.y[k];
     half(b)[0] += other;
-    b.value[kRowY] += second<kOfWrench>(p.y[k]);
+    b.value[kRowY] += second<kOpposite>(p.y[k]);
   }
   if constexpr (kSecond == kRolling) {
     a.value[kRowLast] = a.value[kRowSpin];
@@ -138,9 +153,6 @@ template <bool kInverse, Second kSecond>
     row(at(to, j)) = with_second_of<kSecond>(at(to, j), other);
   }
 }
-/// kSecond of wrenches: those of rolling turn both bodies alike.
-template <Second kSecond>
-constexpr Second kOfWrench = kSecond == kRolling ? kOpposed : kSecond;
 #endif
 
 #if BIPOT_WIDTH == 4
@@ -260,7 +272,7 @@ template <Second kSecond>
   return motion_of(pair(0, 2), pair(1, 3), pair(4, 6), pair(5, 7));
 }
 template <bool kInverse, Second kSecond>
-[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+[[gnu::always_inline]] inline void scatter(const Wrench& p, const unsigned* i, const unsigned* j,
                                            const BodyRow* inverse, BodyRow* to) {
   for_rows<kSecond>(p, [&](Row wrench, Row other, int k) {
     add<kInverse, kOfWrench<kSecond>>(wrench, other, i[k], j[k], inverse, to);

@@ -77,19 +77,15 @@ void sweep_batches(const SweepTask<D>& task) {
       const Lanes z_t = cut_off(trial, load(law.mu, part) * z_n);
       const Lanes back = x_t - z_t;
       store(impulse.x[1], part, z_t);
-      Motion wrench{gx * normal + tx * back, gy * normal - ty * back, spin * back};
+      Wrench wrench{gx * normal + tx * back, gy * normal - ty * back, spin * back};
       if constexpr (D == kRollingDisks) {
         // The slip has changed by now, and the contact's own rolling with it.
-        const Lanes half = load(c.turns[kTurnHalf], part), lean = load(c.turns[kTurnLean], part);
         const Lanes x_m = load(impulse.x[2], part);
-        const Lanes w = (half * v.turn + lean * v.spin) -
-                        load(c.turns[kTurnCoupling], part) * back + load(c.b[2], part);
+        const Lanes w = rolling_velocity(c, part, v) - load(c.turns[kTurnCoupling], part) * back +
+                        load(c.b[2], part);
         const Lanes z_m = cut_off(x_m - relaxed(w), load(law.mu_r, part) * z_n);
         store(impulse.x[2], part, z_m);
-        const Lanes moment = z_m - x_m;
-        const Lanes alike = wrench.spin + lean * moment, opposed = half * moment;
-        wrench.spin = alike + opposed;
-        wrench.turn = alike - opposed;
+        add_moments(c, part, z_m - x_m, wrench);
       }
       return wrench;
     }
@@ -168,8 +164,7 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
         if constexpr (D == kRollingDisks) {
           const Lanes x_m = start(2);
           const Lanes w =
-              (load(c.turns[kTurnHalf], part) * v.turn + load(c.turns[kTurnLean], part) * v.spin) +
-              load(c.turns[kTurnCoupling], part) * slid_by;
+              rolling_velocity(c, part, v) + load(c.turns[kTurnCoupling], part) * slid_by;
           const Lanes trial = x_m - omega * (w + load(c.b[2], part));
           turned_by = put(2, x_m, cut_off(trial, load(law.mu_r, part) * z_n));
         }
@@ -183,15 +178,12 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
       const Lanes trial = start_t - (turned - omega * spin * v.spin);
       const Lanes z_t = cut_off(trial, load(law.mu, part) * z_n);
       const Lanes change = put(1, x_t, z_t);
-      Motion wrench{gx * normal - tx * change, gy * normal + ty * change,
+      Wrench wrench{gx * normal - tx * change, gy * normal + ty * change,
                     negative_product(spin, change)};
       if constexpr (D == kRollingDisks) {
         slid_by = change;
         if constexpr (!kBack) roll();
-        const Lanes alike = wrench.spin + load(c.turns[kTurnLean], part) * turned_by;
-        const Lanes opposed = load(c.turns[kTurnHalf], part) * turned_by;
-        wrench.spin = alike + opposed;
-        wrench.turn = alike - opposed;
+        add_moments(c, part, turned_by, wrench);
       }
       return wrench;
     }

@@ -125,7 +125,7 @@ std::vector<const char*> formats_of(const State<2>& state) {
   return {".svg", ".png"};
 }
 
-/// Draws NAME.svg and NAME.png.
+/// Draws NAME in the formats of formats_of().
 void draw_forces(const fs::path& folder, const std::string& name, const Scene<2>& scene,
                  const State<2>& state, const std::string& text_below) {
   for (const char* format : formats_of(state)) {

@@ -114,9 +114,9 @@ TEST(Grain, EverySolverAgrees) {
   const Vector u = solve("pgs", p, {.tol = 1e-12}).u;
   int able = 0;
   for (const SolverEntry& entry : solver_table()) {
-    if (entry.max_dim < 3) continue;
+    // "convex" solves another law where contacts slip.
+    if (entry.max_dim < 3 || std::string(entry.name) == "convex") continue;
     const SolveResult r = solve(entry.name, p, {.tol = 1e-9, .max_iterations = 100000});
-    if (entry.name == std::string("convex")) continue;  // another law where contacts slip
     EXPECT_TRUE(is_success(r.status)) << entry.name << ": " << r.message;
     EXPECT_LT((r.u - u).norm(), 1e-6) << entry.name;
     ++able;

@@ -547,15 +547,11 @@ TEST(SceneFile, ArrangementsOfSpheresHaveTheirNumbers) {
             37u);
 }
 
-TEST(SceneFile, WhatDoesNotBelongInSpaceIsRefused) {
-  const auto refused = [](const std::string& text, const std::string& because) {
+TEST(SceneFile, AGrainBelongsToFlatWallsInSpace) {
+  const auto refused = [](const std::string& text, const char* because) {
     EXPECT_TRUE(
         says(refusal_of<SceneFileError>([&] { parse_any_scene(text, "test.toml"); }), because));
   };
-  expect_refused(kSphere + kTime, {"only 'bipot run'"});  // who reads disks only
-  refused("dim = 4\n" + kTime, "expected 2 or 3, got 4");
-  refused("dim = 2\n" + kSphere + kTime, "dim = 3");
-  refused("dim = 3\n" + kDisk + kTime, "'disks'");
   const std::string plate = "[[walls]]\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n";
   const Scene<3> grained =
       in_space("dim = 3\n" + plate + "grain = [0, 3, 1]\ngrain_ratio = 0.4\n" + kTime);
@@ -570,6 +566,18 @@ TEST(SceneFile, WhatDoesNotBelongInSpaceIsRefused) {
       "grain = [0, 0, 2]\ngrain_ratio = 1\n" +
           kTime,
       "flat walls");
+  expect_refused(kFloor + "grain = [1, 0]\ngrain_ratio = 1\n" + kTime, {"'grain'", "3D"});
+}
+
+TEST(SceneFile, WhatDoesNotBelongInSpaceIsRefused) {
+  const auto refused = [](const std::string& text, const std::string& because) {
+    EXPECT_TRUE(
+        says(refusal_of<SceneFileError>([&] { parse_any_scene(text, "test.toml"); }), because));
+  };
+  expect_refused(kSphere + kTime, {"only 'bipot run'"});  // who reads disks only
+  refused("dim = 4\n" + kTime, "expected 2 or 3, got 4");
+  refused("dim = 2\n" + kSphere + kTime, "dim = 3");
+  refused("dim = 3\n" + kDisk + kTime, "'disks'");
   refused("rotate_degrees = 3\n" + kSphere + kTime, "'rotate_degrees'");
   refused(kSphere + "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n" + kTime,
           "expected 3 numbers, got 2");
