@@ -33,17 +33,19 @@ ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Wall<3>>& 
   const std::vector<Contact<3>> contacts = touching(x, walls);
 
   ContactProblem p{.dim = 3};
-  std::vector<Eigen::Triplet<double>> a, h;
-  a.reserve(to_size(n));
-  h.reserve(contacts.size() * kMostEntries);
+  p.A.resize(n, n);
+  p.A.reserve(n);
   p.v_free = Vector::Zero(n);
-  for (int i = 0; i < spheres; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      a.emplace_back(kDofs * i + k, kDofs * i + k, kMass);
-      a.emplace_back(kDofs * i + 3 + k, kDofs * i + 3 + k, 0.4 * kMass * kRadius * kRadius);
-    }
-    p.v_free.segment<3>(kDofs * i) = fall;
+  for (int k = 0; k < n; ++k) {
+    const bool turns = k % kDofs >= 3;
+    p.A.startVec(k);
+    p.A.insertBack(k, k) = turns ? 0.4 * kMass * kRadius * kRadius : kMass;
+    if (!turns) p.v_free[k] = fall[k % kDofs];
   }
+  p.A.finalize();
+  // Entry after entry: a list of triplets would be the peak of a solve's memory.
+  p.H.resize(n, 3 * static_cast<int>(contacts.size()));
+  p.H.reserve(static_cast<Eigen::Index>(contacts.size()) * kMostEntries);
   for (int c = 0; c < static_cast<int>(contacts.size()); ++c) {
     const Contact<3>& contact = contacts[to_size(c)];
     const Vec3 helper = std::abs(contact.n[0]) < 0.9 ? Vec3::UnitX() : Vec3::UnitY();
@@ -53,19 +55,17 @@ ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Wall<3>>& 
       // The contact point is at -a n from the centre of i and at +a n from that of j. With velocity
       // v + w x (∓a n), the part of the spin is (∓a n) x axis.
       const Vec3 spin = (kRadius * contact.n).cross(axes[r]);
-      for (int k = 0; k < 3; ++k) {
-        h.emplace_back(kDofs * contact.i + k, 3 * c + r, axes[r][k]);
-        if (r > 0) h.emplace_back(kDofs * contact.i + 3 + k, 3 * c + r, -spin[k]);
-        if (contact.j >= spheres) continue;
-        h.emplace_back(kDofs * contact.j + k, 3 * c + r, -axes[r][k]);
-        if (r > 0) h.emplace_back(kDofs * contact.j + 3 + k, 3 * c + r, -spin[k]);
+      p.H.startVec(3 * c + r);
+      for (const int body : {std::min(contact.i, contact.j), std::max(contact.i, contact.j)}) {
+        if (body >= spheres) continue;
+        const double sign = body == contact.i ? 1 : -1;
+        for (int k = 0; k < 3; ++k) p.H.insertBack(kDofs * body + k, 3 * c + r) = sign * axes[r][k];
+        if (r == 0) continue;
+        for (int k = 0; k < 3; ++k) p.H.insertBack(kDofs * body + 3 + k, 3 * c + r) = -spin[k];
       }
     }
   }
-  p.A.resize(n, n);
-  p.A.setFromTriplets(a.begin(), a.end());
-  p.H.resize(n, 3 * static_cast<int>(contacts.size()));
-  p.H.setFromTriplets(h.begin(), h.end());
+  p.H.finalize();
   p.u_free = p.H.transpose() * p.v_free;
   p.mu = Vector::Constant(static_cast<int>(contacts.size()), mu);
   return p;

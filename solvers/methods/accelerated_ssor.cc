@@ -228,7 +228,7 @@ void solve_accelerated_ssor(SolveRun& run) {
   const double side = side_of(p), omega = given > 0 ? given : relaxation_of(side, sweeps);
   const DelassusOperator& delassus = run.delassus();
   const Execution& execution = run.options().execution;
-  const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
+  ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
   const auto rolling = rolling_disks(p);
   const bool packed = delassus.is_packed() || rolling;
   const Turns turns(omega, packed, sweeps, parameters.integer("most_sweeps"), side);
@@ -238,6 +238,7 @@ void solve_accelerated_ssor(SolveRun& run) {
     if constexpr (!D.rolls) {
       if (const auto& bodies = delassus.bodies<D>()) {
         SymmetricSweep<D> kernel(p, *bodies, scaling, omega, sweeps, execution);
+        scaling = {};  // the kernel has its own
         if constexpr (D == 2) {
           const int least = parameters.integer("stresses_from");
           iterate(kernel, turns, Stresses(kernel, *bodies, least, execution), run);
