@@ -9,7 +9,7 @@
 namespace bipot {
 
 const SolverEntry* find_solver(std::string_view name) {
-  for (const auto table : {solver_table(), other_laws()}) {
+  for (const auto table : {solver_table(), special_solvers()}) {
     for (const SolverEntry& entry : table) {
       if (entry.name == name) return &entry;
     }

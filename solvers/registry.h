@@ -12,9 +12,9 @@ namespace bipot {
 /// The one table of solvers of this build, in the order of presentation (methods/solver_table.cc).
 std::span<const SolverEntry> solver_table();
 
-/// Solvers of other laws, for contrast. They have names and run like the others, but no loop over
-/// the table, no comparison of all solvers and no plan of `auto` takes them.
-std::span<const SolverEntry> other_laws();
+/// Solvers of another law, for contrast, or of ordered packings alone. They have names and run like
+/// the others, but no loop over the table and no comparison of all solvers takes them.
+std::span<const SolverEntry> special_solvers();
 
 /// A row of either table; null when no solver has that name.
 const SolverEntry* find_solver(std::string_view name);

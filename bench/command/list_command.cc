@@ -62,7 +62,7 @@ Json to_json(const SolverEntry& entry) {
 
 Json solvers_json() {
   auto rows = Json::array();
-  for (const auto table : {solver_table(), other_laws()}) {
+  for (const auto table : {solver_table(), special_solvers()}) {
     for (const SolverEntry& entry : table) rows.push_back(to_json(entry));
   }
   return rows;
@@ -95,7 +95,7 @@ void print_solvers() {
     }
   };
   for (const SolverEntry& entry : solver_table()) print(entry);
-  for (const SolverEntry& entry : other_laws()) print(entry);
+  for (const SolverEntry& entry : special_solvers()) print(entry);
   fmt::print("{:<14}   {} = {}  ({})  {}\n", "all of them", kIslandsParameter.name,
              kIslandsParameter.default_value, domain_of(kIslandsParameter), kIslandsParameter.help);
 }
@@ -158,7 +158,7 @@ void print_names() {
   };
   std::string solvers;
   for (const SolverEntry& entry : solver_table()) solvers += std::string(entry.name) + " ";
-  for (const SolverEntry& entry : other_laws()) solvers += std::string(entry.name) + " ";
+  for (const SolverEntry& entry : special_solvers()) solvers += std::string(entry.name) + " ";
   print("solvers", solvers);
   print("scenes", stems(shipped_scenes()));
   print("problems", stems(shipped_problems()));

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "core/base/counted.h"
@@ -129,19 +128,22 @@ std::string class_in_words(const AutoPlan& plan, const ProblemTraits& problem) {
 
 }  // namespace
 
-ProblemTraits traits_of(const ContactProblem& p, const DelassusOperator& delassus, bool warm,
-                        double tol) {
+ProblemTraits traits_of(const ContactProblem& p, const DelassusOperator& delassus,
+                        const SolverOptions& options) {
   const auto& disks = delassus.disks();
   const int n = p.num_contacts();
   const bool vectors =
       disks && p.dim == 2 && n > kScalar && !(n <= kSmallLattice && is_square_lattice(*disks));
-  unsigned marks = warm ? kWarm : kCold;
+  unsigned marks = is_warm(options) ? kWarm : kCold;
+  const auto forces = options.parameters.find("forces");
+  if (forces == options.parameters.end() || forces->second == "any") marks |= kAnyForces;
   marks |= disks ? kDisks : kNoDisks;
   marks |= vectors ? kVectors : kNoVectors;
   marks |= p.has_velocities() ? kBodies : kWAlone;
   marks |= p.plain_dim() <= 2 ? kInPlane : kInSpace;
   if (ratio_of_diagonal(p, delassus) > kUnequalRatio) marks |= kUnequal;
-  return {.contacts = n, .dim = p.plain_dim(), .tol = tol, .marks = marks, .rolls = p.rolls()};
+  return {
+      .contacts = n, .dim = p.plain_dim(), .tol = options.tol, .marks = marks, .rolls = p.rolls()};
 }
 
 std::vector<AutoStage> plan_stages(const AutoPlan& plan, const ProblemTraits& problem) {
@@ -155,11 +157,11 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
     return "W is that of disks: they are recovered\n" + explain_auto(*bodies, options);
   }
   const auto file = options.parameters.find("plan");
-  std::optional<AutoPlan> own;
+  std::shared_ptr<const AutoPlan> own;
   if (file != options.parameters.end() && !file->second.empty()) own = read_plan(file->second);
   const AutoPlan& plan = own ? *own : shipped_plan();
   const bool warm = is_warm(options);
-  const ProblemTraits problem = traits_of(p, DelassusOperator(p), warm, options.tol);
+  const ProblemTraits problem = traits_of(p, DelassusOperator(p), options);
   std::string text = fmt::format("auto: {}, d = {}, {}, {} start, tolerance {:.0e}\n",
                                  counted(p.num_contacts(), "contact"), p.dim,
                                  p.has_velocities() ? "bodies given" : "W alone given",

@@ -33,10 +33,10 @@ struct AutoStage {
   std::string_view reason;
 };
 
-/// What a plan knows of this problem. `delassus` is the problem's; `warm`: the caller's start is
-/// not 0.
-ProblemTraits traits_of(const ContactProblem& problem, const DelassusOperator& delassus, bool warm,
-                        double tol);
+/// What a plan knows of this problem. `delassus` is the problem's; of the options start, tolerance
+/// and the parameter `forces` count.
+ProblemTraits traits_of(const ContactProblem& problem, const DelassusOperator& delassus,
+                        const SolverOptions& options);
 
 /// The stages that the plan has for a problem; those that this build or the problem's dimension
 /// lacks are left out. Limits count iterations, not seconds: the result does not depend on the

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,13 +18,12 @@ namespace {
 /// `attempted`: the impulse that an attempt left, whose stages are not run again; or empty.
 void race_plan(const AutoPlan& plan, SolveRun& run, const Vector& attempted, bool only_attempt) {
   const SolverOptions& options = run.options();
-  const ProblemTraits traits =
-      run.space().whole() != nullptr
-          ? traits_of(run.problem(), run.delassus(), is_warm(options), options.tol)
-          : ProblemTraits{.dim = run.problem().plain_dim(),
-                          .tol = options.tol,
-                          .marks = kInParallel,
-                          .rolls = run.problem().rolls()};
+  const ProblemTraits traits = run.space().whole() != nullptr
+                                   ? traits_of(run.problem(), run.delassus(), options)
+                                   : ProblemTraits{.dim = run.problem().plain_dim(),
+                                                   .tol = options.tol,
+                                                   .marks = kInParallel,
+                                                   .rolls = run.problem().rolls()};
   const std::vector<AutoStage> stages = plan_stages(plan, traits);
   run.take(race_stages(run, stages, attempted, [&](const AutoStage& stage) {
     if (only_attempt) return stage.before_cutting;
@@ -69,7 +69,7 @@ IslandSolver plan_solver(const AutoPlan& plan) {
 
 void solve_auto(SolveRun& run) {
   const std::string file = run.parameters().text("plan");
-  std::optional<AutoPlan> own;
+  std::shared_ptr<const AutoPlan> own;
   try {
     if (!file.empty()) own = read_plan(file);
   } catch (const std::exception& e) {

@@ -28,6 +28,11 @@ inline constexpr ParameterSpec kAutoParameters[] = {
     {.name = "plan",
      .kind = ParameterSpec::Kind::kText,
      .default_value = "",
-     .help = "file of the plan of stages, as `bipot tune` writes it; empty: the shipped plan"}};
+     .help = "file of the plan of stages, as `bipot tune` writes it; empty: the shipped plan"},
+    {.name = "forces",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "any",
+     .choices = "any|spread",
+     .help = "any: of many force networks also that of load_path; spread: not, as in all runs"}};
 
 }  // namespace bipot

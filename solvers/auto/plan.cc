@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -26,10 +27,11 @@ namespace {
 constexpr struct {
   std::string_view word;
   PlanMark mark;
-} kMarks[] = {{"warm", kWarm},        {"cold", kCold},       {"disks", kDisks},
-              {"no_disks", kNoDisks}, {"vectors", kVectors}, {"no_vectors", kNoVectors},
-              {"unequal", kUnequal},  {"bodies", kBodies},   {"w_alone", kWAlone},
-              {"plane", kInPlane},    {"space", kInSpace},   {"parallel", kInParallel}};
+} kMarks[] = {{"warm", kWarm},           {"cold", kCold},       {"disks", kDisks},
+              {"no_disks", kNoDisks},    {"vectors", kVectors}, {"no_vectors", kNoVectors},
+              {"unequal", kUnequal},     {"bodies", kBodies},   {"w_alone", kWAlone},
+              {"plane", kInPlane},       {"space", kInSpace},   {"parallel", kInParallel},
+              {"any_forces", kAnyForces}};
 
 constexpr std::string_view kStarts[] = {"own", "caller", "last", "best"};
 constexpr const char* kStartsExpected =
@@ -373,14 +375,22 @@ AutoPlan parse_plan(std::string_view text, const std::string& source) {
   return PlanReader(text, source).read();
 }
 
-AutoPlan read_plan(const std::filesystem::path& path) {
+std::shared_ptr<const AutoPlan> read_plan(const std::filesystem::path& path) {
   std::ifstream file;
   std::error_code none;
   if (std::filesystem::is_regular_file(path, none)) file.open(path, std::ios::binary);  // no pipes
   std::ostringstream text;
   text << file.rdbuf();
   if (!file.is_open() || !file) throw FileError(path, "", "cannot be read");
-  return parse_plan(text.str(), path.string());
+  static std::mutex mutex;
+  static std::string last_text;
+  static std::shared_ptr<const AutoPlan> last;
+  const std::lock_guard lock(mutex);
+  if (last == nullptr || last->source != path.string() || last_text != text.str()) {
+    last = std::make_shared<AutoPlan>(parse_plan(text.str(), path.string()));
+    last_text = text.str();
+  }
+  return last;
 }
 
 const AutoPlan& shipped_plan() {

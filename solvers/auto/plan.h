@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,18 +14,19 @@ namespace bipot {
 
 /// Properties of a problem that a plan can ask for.
 enum PlanMark : unsigned {
-  kWarm = 1,          ///< the caller's start is not 0
-  kCold = 2,          ///< it is 0
-  kDisks = 4,         ///< disks in 2D
-  kNoDisks = 8,       ///< anything else
-  kVectors = 16,      ///< disks with friction that fill vectors, and no small square lattice
-  kNoVectors = 32,    ///< anything else
-  kUnequal = 64,      ///< very unequal masses
-  kBodies = 128,      ///< the bodies are given
-  kWAlone = 256,      ///< W alone is given
-  kInPlane = 512,     ///< d <= 2
-  kInSpace = 1024,    ///< d = 3
-  kInParallel = 2048  ///< several processes have it
+  kWarm = 1,           ///< the caller's start is not 0
+  kCold = 2,           ///< it is 0
+  kDisks = 4,          ///< disks in 2D
+  kNoDisks = 8,        ///< anything else
+  kVectors = 16,       ///< disks with friction that fill vectors, and no small square lattice
+  kNoVectors = 32,     ///< anything else
+  kUnequal = 64,       ///< very unequal masses
+  kBodies = 128,       ///< the bodies are given
+  kWAlone = 256,       ///< W alone is given
+  kInPlane = 512,      ///< d <= 2
+  kInSpace = 1024,     ///< d = 3
+  kInParallel = 2048,  ///< several processes have it
+  kAnyForces = 4096    ///< any force network serves that obeys the law
 };
 
 /// The marks as words, separated by blanks, and back; an unknown word throws std::invalid_argument.
@@ -100,8 +102,9 @@ inline constexpr std::string_view kShippedList = "shipped";
 
 /// Throws std::invalid_argument, "source:line: reason".
 AutoPlan parse_plan(std::string_view text, const std::string& source);
-/// Also throws FileError.
-AutoPlan read_plan(const std::filesystem::path& path);
+/// Also throws FileError. A file with the text of the last one is not parsed again: each step of a
+/// run asks for its plan.
+std::shared_ptr<const AutoPlan> read_plan(const std::filesystem::path& path);
 /// solvers/auto/plan.toml, which is part of the program.
 const AutoPlan& shipped_plan();
 

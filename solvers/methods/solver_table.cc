@@ -10,6 +10,7 @@
 #include "solvers/methods/homotopy.h"
 #include "solvers/methods/interior_point.h"
 #include "solvers/methods/lemke.h"
+#include "solvers/methods/load_path.h"
 #include "solvers/methods/multistart_newton.h"
 #include "solvers/registry.h"
 #ifdef BIPOT_WITH_PETSC
@@ -174,17 +175,22 @@ const SolverEntry kSolvers[] = {
 #endif
 };
 
-const SolverEntry kOtherLaws[] = {
+const SolverEntry kSpecialSolvers[] = {
     {.name = "convex",
      .summary = "another law, for contrast: associated friction, which opens (Anitescu 2006)",
      .run = &solve_convex,
      .parameters = {},
      .rolls = true},
+    {.name = "load_path",
+     .summary =
+         "one pass down the load: ordered packings at rest alone (cf. Guendelman et al. 2003)",
+     .run = &solve_load_path,
+     .parameters = {}},
 };
 
 }  // namespace
 
 std::span<const SolverEntry> solver_table() { return kSolvers; }
-std::span<const SolverEntry> other_laws() { return kOtherLaws; }
+std::span<const SolverEntry> special_solvers() { return kSpecialSolvers; }
 
 }  // namespace bipot

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -10,8 +11,19 @@
 
 namespace bipot {
 
+namespace {
+
+/// A run shows its forces, and later steps start from them.
+SolverOptions in_a_run(SolverOptions options, std::string_view solver) {
+  if (solver == "auto") options.parameters.try_emplace("forces", "spread");
+  return options;
+}
+
+}  // namespace
+
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options) {
-  return [&entry, options = std::move(options)](const ContactProblem& problem, Vector s0) {
+  return [&entry, options = in_a_run(std::move(options), entry.name)](const ContactProblem& problem,
+                                                                      Vector s0) {
     SolverOptions from_start = options;
     from_start.s0 = std::move(s0);
     return to_step_solution(solve(entry, problem, std::move(from_start)));
@@ -45,7 +57,7 @@ SolveResult solve_with(const RunSolver& run, const ContactProblem& problem, Solv
 
 /// Options of a step that begins now.
 SolverOptions options_now(const RunSolver& run, Vector s0) {
-  SolverOptions options = run.options;
+  SolverOptions options = in_a_run(run.options, run.solver);
   options.time_limit = std::max(run.time_limit - run.watch.seconds(), 1e-3);
   options.s0 = std::move(s0);
   return options;

@@ -26,7 +26,9 @@ namespace bipot {
 namespace {
 
 std::vector<AutoStage> planned(const ContactProblem& p, bool warm = false, double tol = 1e-8) {
-  return plan_stages(shipped_plan(), traits_of(p, DelassusOperator(p), warm, tol));
+  SolverOptions options{.tol = tol, .parameters = {{"forces", "spread"}}};
+  if (warm) options.s0 = Vector::Ones(p.num_rows());
+  return plan_stages(shipped_plan(), traits_of(p, DelassusOperator(p), options));
 }
 
 /// Those that have their turn after an error a little above the tolerance.
@@ -42,7 +44,7 @@ bool takes(const AutoStage& stage, std::string_view parameter) {
 
 TEST(AutoSolver, ExplainsEveryStageInALine) {
   const ContactProblem p = shipped_file("2d_pyramid_10.hdf5");
-  const std::string text = explain_auto(p, {});
+  const std::string text = explain_auto(p, {.parameters = {{"forces", "spread"}}});
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
             static_cast<std::ptrdiff_t>(planned(p).size()) + 2);
   EXPECT_TRUE(says(text, "145 contacts"));
@@ -339,7 +341,7 @@ TEST(AutoSolver, AWarmStartSavesIterations) {
 TEST(AutoSolver, LargePackingsAtRestAreSolvedBySweepsForthAndBack) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 40, 0.3, 10);
   ASSERT_GT(p.num_contacts(), 4000);
-  const SolveResult cold = solve("auto", p, {.tol = 1e-6});
+  const SolveResult cold = solve("auto", p, {.tol = 1e-6, .parameters = {{"forces", "spread"}}});
   EXPECT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
   EXPECT_EQ(cold.message.find("stages: assor"), 0u) << cold.message;
   const SolveResult gradient = solve("apgd", p, {.tol = 1e-6});

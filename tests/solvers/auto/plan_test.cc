@@ -201,6 +201,8 @@ TEST(Plan, AFileServesASolveAndAFaultyOneIsInvalidInput) {
   EXPECT_TRUE(says(own.message, "pgs"));
   const std::string words = explain_auto(p, options);
   EXPECT_TRUE(says(words, path + ": class 'all' (all others)"));
+  std::ofstream(path) << with_stage("{solver = \"assor\"}");
+  EXPECT_TRUE(says(solve("auto", p, options).message, "assor"));  // a file that has changed
   std::ofstream(path) << with_stage("{solver = \"pgz\"}");
   SolveResult faulty = solve("auto", p, options);
   EXPECT_EQ(faulty.status, SolveStatus::kInvalidInput) << faulty.message;
