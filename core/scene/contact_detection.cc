@@ -69,33 +69,58 @@ struct Level {
   }
 };
 
+/// By key, then by disk: parts on threads, which are then merged.
+void sort_entries(std::vector<CellEntry>& entries, int threads) {
+  const auto earlier = [](const CellEntry& a, const CellEntry& b) {
+    return a.key != b.key ? a.key < b.key : a.disk < b.disk;
+  };
+  const auto size = static_cast<std::ptrdiff_t>(entries.size());
+  int parts = 1;
+  while (2 * parts <= threads && size >= 2 * parts * kPieceItems) parts *= 2;
+  const auto bound = [&](int k) { return entries.begin() + size * k / parts; };
+  run_tasks(threads, parts, [&](int k) { std::sort(bound(k), bound(k + 1), earlier); });
+  for (int width = 1; width < parts; width *= 2) {
+    run_tasks(threads, parts / (2 * width), [&](int k) {
+      std::inplace_merge(bound(2 * k * width), bound((2 * k + 1) * width),
+                         bound((2 * k + 2) * width), earlier);
+    });
+  }
+}
+
 template <int D>
-std::vector<Level<D>> build_levels(std::span<const Body<D>> disks, double eta) {
+std::vector<Level<D>> build_levels(std::span<const Body<D>> disks, double eta, int threads) {
   std::vector<Level<D>> levels;
   if (disks.empty()) return levels;
   double smallest = disks[0].radius;
   for (const Body<D>& d : disks) smallest = std::min(smallest, d.radius);
+  const int num_disks = static_cast<int>(disks.size());
+  std::vector<int> level_of(disks.size());  // smallest * 2^level >= radius
+  run_pieces(threads, num_disks, [&](int begin, int end) {
+    for (std::size_t i = to_size(begin); i < to_size(end); ++i) {
+      int exponent = 0;
+      const double mantissa = std::frexp(disks[i].radius / smallest, &exponent);
+      level_of[i] = mantissa == 0.5 ? exponent - 1 : exponent;
+    }
+  });
   std::vector<std::vector<int>> members;
-  for (int i = 0; i < static_cast<int>(disks.size()); ++i) {
-    int exponent = 0;
-    const double mantissa = std::frexp(disks[to_size(i)].radius / smallest, &exponent);
-    const int level = mantissa == 0.5 ? exponent - 1 : exponent;  // smallest * 2^level >= radius
-    if (level >= static_cast<int>(members.size())) members.resize(to_size(level) + 1);
-    members[to_size(level)].push_back(i);
+  for (int i = 0; i < num_disks; ++i) {
+    const std::size_t level = to_size(level_of[to_size(i)]);
+    if (level >= members.size()) members.resize(level + 1);
+    members[level].push_back(i);
   }
   for (std::size_t l = 0; l < members.size(); ++l) {
     if (members[l].empty()) continue;
     Level<D> level;
     // Two disks of this class or smaller that touch lie in the same or in adjacent cells.
     level.cell = 2 * std::ldexp(smallest, static_cast<int>(l)) * (1 + 1e-12) + std::max(eta, 0.0);
-    level.entries.reserve(members[l].size());
-    for (int i : members[l]) {
-      level.entries.push_back({Grid<D>::key(level.cell_of(disks[to_size(i)].x)), i});
-    }
-    std::sort(level.entries.begin(), level.entries.end(),
-              [](const CellEntry& a, const CellEntry& b) {
-                return a.key != b.key ? a.key < b.key : a.disk < b.disk;
-              });
+    level.entries.resize(members[l].size());
+    run_pieces(threads, static_cast<int>(members[l].size()), [&](int begin, int end) {
+      for (std::size_t k = to_size(begin); k < to_size(end); ++k) {
+        const int i = members[l][k];
+        level.entries[k] = {Grid<D>::key(level.cell_of(disks[to_size(i)].x)), i};
+      }
+    });
+    sort_entries(level.entries, threads);
     levels.push_back(std::move(level));
   }
   return levels;
@@ -201,6 +226,7 @@ template <int D>
 void find_within(std::span<const Body<D>> disks, const Level<D>& level, int begin, int end,
                  double eta, std::vector<Contact<D>>& out) {
   const Entries& entries = level.entries;
+  out.reserve((D == 2 ? 3 : 6) * to_size(end - begin));
   constexpr auto kRowsAfter = Grid<D>::rows_after();
   std::array<Entries::const_iterator, kRowsAfter.size()> after;
   for (std::size_t r = 0; r < after.size(); ++r) {
@@ -254,47 +280,67 @@ void find_between(std::span<const Body<D>> disks, const Level<D>& fine, const Le
   }
 }
 
+/// Contacts that threads found, in parts.
+template <int D>
+using Found = std::vector<std::vector<Contact<D>>>;
+
 /// Calls find(begin, end, found) for parts of the items, on threads. Appends the results in the
 /// order of the parts.
 template <int D, class Find>
-void collect(int threads, int items, std::vector<Contact<D>>& out, const Find& find) {
-  std::vector<std::vector<Contact<D>>> found(to_size((items + kPieceItems - 1) / kPieceItems));
+void collect(int threads, int items, Found<D>& found, const Find& find) {
+  const std::size_t first = found.size();
+  found.resize(first + to_size((items + kPieceItems - 1) / kPieceItems));
   run_pieces(threads, items, [&](int begin, int end) {
-    std::vector<Contact<D>>& piece = found[to_size(begin / kPieceItems)];
-    piece.reserve((D == 2 ? 3 : 6) * to_size(end - begin));
+    std::vector<Contact<D>>& piece = found[first + to_size(begin / kPieceItems)];
     find(begin, end, piece);
   });
-  std::size_t total = out.size();
-  for (const std::vector<Contact<D>>& piece : found) total += piece.size();
-  out.reserve(total);
-  for (const std::vector<Contact<D>>& piece : found)
-    out.insert(out.end(), piece.begin(), piece.end());
 }
 
-/// Sorts by i, then by j: a counting sort into the lists of each i, which are short.
+/// Sorts by i, then by j: a counting sort into the lists of each i, which are short. Each thread
+/// makes the lists of a range of i.
 template <int D>
-std::vector<Contact<D>> sorted(const std::vector<Contact<D>>& contacts, int num_disks) {
+std::vector<Contact<D>> sorted(const Found<D>& found, int num_disks, int threads) {
   std::vector<int> start(to_size(num_disks) + 1, 0);
-  for (const Contact<D>& c : contacts) ++start[to_size(c.i) + 1];
+  const auto each_range = [&](const auto& f) {
+    run_tasks(threads, threads, [&](int k) {
+      const auto bound = [&](std::int64_t at) {
+        return static_cast<int>(num_disks * at / threads);
+      };
+      f(bound(k), bound(k + 1));
+    });
+  };
+  const auto each_contact = [&](int first, int last, const auto& f) {
+    for (const std::vector<Contact<D>>& piece : found) {
+      for (const Contact<D>& c : piece) {
+        if (first <= c.i && c.i < last) f(c);
+      }
+    }
+  };
+  each_range([&](int first, int last) {
+    each_contact(first, last, [&](const Contact<D>& c) { ++start[to_size(c.i) + 1]; });
+  });
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<int> next(start.begin(), start.end() - 1);
-  std::vector<Contact<D>> out(contacts.size());
-  for (const Contact<D>& c : contacts) out[to_size(next[to_size(c.i)]++)] = c;
-  for (int i = 0; i < num_disks; ++i) {
-    std::sort(out.begin() + start[to_size(i)], out.begin() + start[to_size(i) + 1],
-              [](const Contact<D>& a, const Contact<D>& b) {
-                if (a.j != b.j) return a.j < b.j;
-                return std::lexicographical_compare(a.n.begin(), a.n.end(), b.n.begin(), b.n.end());
-              });
-  }
+  std::vector<Contact<D>> out(to_size(start.back()));
+  each_range([&](int first, int last) {
+    each_contact(first, last, [&](const Contact<D>& c) { out[to_size(next[to_size(c.i)]++)] = c; });
+    for (int i = first; i < last; ++i) {
+      std::sort(out.begin() + start[to_size(i)], out.begin() + start[to_size(i) + 1],
+                [](const Contact<D>& a, const Contact<D>& b) {
+                  if (a.j != b.j) return a.j < b.j;
+                  return std::lexicographical_compare(a.n.begin(), a.n.end(), b.n.begin(),
+                                                      b.n.end());
+                });
+    }
+  });
   return out;
 }
 
 template <int D>
 std::vector<Contact<D>> all_contacts(std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
                                      double eta, int threads) {
-  std::vector<Contact<D>> contacts;
-  const std::vector<Level<D>> levels = build_levels(disks, eta);
+  Found<D> contacts;
+  const std::vector<Level<D>> levels = build_levels(disks, eta, threads);
   for (std::size_t fine = 0; fine < levels.size(); ++fine) {
     const int entries = static_cast<int>(levels[fine].entries.size());
     collect(threads, entries, contacts, [&](int begin, int end, auto& found) {
@@ -306,21 +352,25 @@ std::vector<Contact<D>> all_contacts(std::span<const Body<D>> disks, std::span<c
       });
     }
   }
-  if (any_joined(disks)) sort_joined(disks, contacts);
+  if (any_joined(disks)) {
+    for (std::vector<Contact<D>>& piece : contacts) sort_joined(disks, piece);
+  }
   const int num_disks = static_cast<int>(disks.size());
   for (int w = 0; w < static_cast<int>(walls.size()); ++w) {
     const Wall<D>& wall = walls[to_size(w)];
     if (!wall.present) continue;
-    for (int i = 0; i < num_disks; ++i) {
-      const Body<D>& disk = disks[to_size(i)];
-      if (wall.shape == Wall<D>::Shape::kHalfPlane) {
-        test_half_plane<D>(disk, i, wall, num_disks + w, eta, contacts);
-      } else {
-        find_wall_contact<D>(disk, i, wall, num_disks + w, eta, contacts);
+    collect(threads, num_disks, contacts, [&](int begin, int end, auto& found) {
+      for (int i = begin; i < end; ++i) {
+        const Body<D>& disk = disks[to_size(i)];
+        if (wall.shape == Wall<D>::Shape::kHalfPlane) {
+          test_half_plane<D>(disk, i, wall, num_disks + w, eta, found);
+        } else {
+          find_wall_contact<D>(disk, i, wall, num_disks + w, eta, found);
+        }
       }
-    }
+    });
   }
-  return sorted(contacts, num_disks);
+  return sorted(contacts, num_disks, threads);
 }
 
 }  // namespace
@@ -447,10 +497,11 @@ std::vector<Contact<D>> KeptContacts<D>::operator()(std::span<const Body<D>> dis
     }
   }
   ++lasted_;
-  std::vector<Contact<D>> contacts;
+  Found<D> found_in_parts;
   const int num_disks = static_cast<int>(disks.size());
-  collect(threads, static_cast<int>(pairs_.size()), contacts,
+  collect(threads, static_cast<int>(pairs_.size()), found_in_parts,
           [&](int begin, int end, std::vector<Contact<D>>& found) {
+            found.reserve(to_size(end - begin));
             for (int k = begin; k < end; ++k) {
               const Pair& pair = pairs_[to_size(k)];
               if (pair.j < num_disks) {
@@ -461,6 +512,13 @@ std::vector<Contact<D>> KeptContacts<D>::operator()(std::span<const Body<D>> dis
               }
             }
           });
+  std::size_t total = 0;
+  for (const std::vector<Contact<D>>& piece : found_in_parts) total += piece.size();
+  std::vector<Contact<D>> contacts;
+  contacts.reserve(total);
+  for (const std::vector<Contact<D>>& piece : found_in_parts) {
+    contacts.insert(contacts.end(), piece.begin(), piece.end());
+  }
   if (any_joined(disks)) sort_joined(disks, contacts);
   return contacts;
 }
