@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/base/large_pages.h"
 #include "core/base/parallel.h"
@@ -442,21 +443,23 @@ AssembledStep assemble_step(const Scene<D>& scene,
 
   Vector mass(dofs.size);
   p.v_free.resize(dofs.size);
-  for (std::size_t i = 0; i < disks.size(); ++i) {
-    const int k = dofs.disk[i];
-    if (k < 0 || disks[i].cluster >= 0) continue;
-    mass.template segment<D>(k).setConstant(disks[i].mass);
-    p.v_free.template segment<D>(k) = disk_v_free[i];
-    if (dofs.per_disk > D) {
-      mass.template segment<kSpins<D>>(k + D).setConstant(disks[i].inertia);
-      // Only contacts exert torques.
-      if constexpr (D == 2) {
-        p.v_free[k + D] = disks[i].spin;
-      } else {
-        p.v_free.template segment<3>(k + D) = disks[i].spin;
+  run_pieces(threads, static_cast<int>(disks.size()), [&](int begin, int end) {
+    for (std::size_t i = to_size(begin); i < to_size(end); ++i) {
+      const int k = dofs.disk[i];
+      if (k < 0 || disks[i].cluster >= 0) continue;
+      mass.template segment<D>(k).setConstant(disks[i].mass);
+      p.v_free.template segment<D>(k) = disk_v_free[i];
+      if (dofs.per_disk > D) {
+        mass.template segment<kSpins<D>>(k + D).setConstant(disks[i].inertia);
+        // Only contacts exert torques.
+        if constexpr (D == 2) {
+          p.v_free[k + D] = disks[i].spin;
+        } else {
+          p.v_free.template segment<3>(k + D) = disks[i].spin;
+        }
       }
     }
-  }
+  });
   fill_clusters<D>(disks, clusters, dofs, mass, p.v_free);
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (dofs.wall[w] < 0) continue;
@@ -483,9 +486,12 @@ AssembledStep assemble_step(const Scene<D>& scene,
 
   // First entry of each contact's columns, which several threads write.
   std::vector<int> start(to_size(num_contacts) + 1, 0);
-  for (int c = 0; c < num_contacts; ++c) {
-    start[to_size(c) + 1] = start[to_size(c)] + entries_of<D>(contacts[to_size(c)], disks, dofs, d);
-  }
+  run_pieces(threads, num_contacts, [&](int begin, int end) {
+    for (std::size_t c = to_size(begin); c < to_size(end); ++c) {
+      start[c + 1] = entries_of<D>(contacts[c], disks, dofs, d);
+    }
+  });
+  std::partial_sum(start.begin(), start.end(), start.begin());
   p.H.resize(dofs.size, d * num_contacts);
   p.H.resizeNonZeros(start.back());
   p.H.outerIndexPtr()[0] = 0;

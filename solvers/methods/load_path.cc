@@ -18,11 +18,11 @@ namespace {
 // kAcross      0.02   cosine           contacts that lean less along the order carry nothing
 // kSkew        0.1    tangent          of the order to the load, if there are such contacts
 // kSteep       0.35   cosine           steeper ones are tried first
-// kCommon      0.1    of the momenta   their sum must have a direction
+// kCommon      0.999  of the momenta   their sum: of moving bodies it is less
 // kMostSweeps  400    sweeps           of the contacts of a body
 // kWatched     4096   bodies           between two looks at the clock
 // kHeld        1e-15  of the velocity  what the next sweep changes, once a body is held
-constexpr double kAcross = 0.02, kSkew = 0.1, kSteep = 0.35, kCommon = 0.1, kHeld = 1e-15;
+constexpr double kAcross = 0.02, kSkew = 0.1, kSteep = 0.35, kCommon = 0.999, kHeld = 1e-15;
 constexpr int kMostSweeps = 400;
 constexpr std::size_t kWatched = 4096;
 
@@ -44,13 +44,18 @@ class LoadPath {
       : p_(p),
         contacts_(bodies.contacts),
         surroundings_(bodies.surroundings()),
-        mass_(p.A.diagonal()),
-        s_(Vector::Zero(p.num_rows())) {}
+        mass_(p.A.diagonal()) {}
 
   /// Empty, or why it gives up.
   std::string pass(SolveRun& run) {
-    if (!find_direction()) return "the load has no direction";
+    if (!find_direction()) return "the bodies have no common direction of load";
+    const Vector from_bodies = p_.H.transpose() * p_.v_free;
+    const double before = (p_.u_free - from_bodies).lpNorm<Eigen::Infinity>();
+    if (!(before <= kHeld * from_bodies.lpNorm<Eigen::Infinity>())) {
+      return "velocities before the step enter its free velocities";
+    }
     list_sides();
+    s_ = Vector::Zero(p_.num_rows());
     double left = 0;
     const double energy = p_.v_free.dot(mass_.cwiseProduct(p_.v_free));
     const double most = run.options().tol * run.options().tol * energy;  // as of eta
@@ -241,22 +246,20 @@ void solve_load_path(SolveRun& run) {
   if (run.stop(0, s)) return;
   std::string refused = "the bodies are no disks or spheres on fixed walls";
   if (run.delassus().is_packed()) {
-    const Vector from_bodies = p.H.transpose() * p.v_free;
-    const double before = (p.u_free - from_bodies).lpNorm<Eigen::Infinity>();
-    refused = "velocities before the step enter its free velocities";
-    if (before <= kHeld * from_bodies.lpNorm<Eigen::Infinity>()) {
-      dispatch_rows(p, [&](auto d) {
-        if constexpr (!d().rolls) {
-          LoadPath<d()> path(p, *run.delassus().bodies<d()>());
-          refused = path.pass(run);
-          if (refused.empty()) s = path.impulse();
-        }
-      });
-    }
+    dispatch_rows(p, [&](auto d) {
+      if constexpr (!d().rolls) {
+        LoadPath<d()> path(p, *run.delassus().bodies<d()>());
+        refused = path.pass(run);
+        if (refused.empty()) s = path.impulse();
+      }
+    });
   }
-  if (!refused.empty() && run.end_if_out_of_time(0)) return;
-  if (run.stop(1, s)) return;
-  if (refused.empty()) refused = fmt::format("an error of {:.1e} is left", run.last_error());
+  run.end_setup();
+  if (refused.empty()) {
+    if (run.stop(1, s)) return;
+    refused = fmt::format("an error of {:.1e} is left", run.last_error());
+  }
+  if (run.end_if_out_of_time(0)) return;
   run.end(SolveStatus::kStalled, "no path of the load: " + refused);
 }
 

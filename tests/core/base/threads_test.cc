@@ -24,7 +24,7 @@ bool same_bits(const Vector& a, const Vector& b) {
 
 Scene<2> packing() {
   FamilyOptions options{.e_n = 0.2, .e_t = 0.6, .tilt_degrees = 10};
-  return make_family_scene("diluted", 60, options);
+  return make_family_scene("diluted", 100, options);
 }
 
 TEST(Threads, DetectAndAssembleTheSameBits) {
@@ -33,6 +33,7 @@ TEST(Threads, DetectAndAssembleTheSameBits) {
   const Midpoint<2> one = make_midpoint(scene, state);
   const ContactProblem p = assemble_step(scene, one, false).problem;
   ASSERT_GT(p.num_contacts(), 3 * kPieceItems);
+  ASSERT_GT(state.bodies.size(), 4 * to_size(kPieceItems));  // sorted in four parts
   for (int threads = 2; threads <= 4; ++threads) {
     const Midpoint<2> many = make_midpoint(scene, state, threads);
     ASSERT_EQ(many.contacts.size(), one.contacts.size());
