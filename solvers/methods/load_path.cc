@@ -22,7 +22,9 @@ namespace {
 // kMostSweeps  400    sweeps           of the contacts of a body
 // kWatched     4096   bodies           between two looks at the clock
 // kHeld        1e-15  of the velocity  what the next sweep changes, once a body is held
+// kBefore      1e-12  of the velocity  more than rounding: u_free is not Hᵀ v_free
 constexpr double kAcross = 0.02, kSkew = 0.1, kSteep = 0.35, kCommon = 0.999, kHeld = 1e-15;
+constexpr double kBefore = 1e-12;
 constexpr int kMostSweeps = 400;
 constexpr std::size_t kWatched = 4096;
 
@@ -51,7 +53,7 @@ class LoadPath {
     if (!find_direction()) return "the bodies have no common direction of load";
     const Vector from_bodies = p_.H.transpose() * p_.v_free;
     const double before = (p_.u_free - from_bodies).lpNorm<Eigen::Infinity>();
-    if (!(before <= kHeld * from_bodies.lpNorm<Eigen::Infinity>())) {
+    if (!(before <= kBefore * from_bodies.lpNorm<Eigen::Infinity>())) {
       return "velocities before the step enter its free velocities";
     }
     list_sides();
