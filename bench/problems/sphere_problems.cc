@@ -1,6 +1,7 @@
 #include "bench/problems/sphere_problems.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
