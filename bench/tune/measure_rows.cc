@@ -40,12 +40,10 @@ constexpr struct {
                  {"homotopy", "start_tol=1", 1}};
 
 // constant      value  unit         reason
-// kShort        0.3    CPU seconds  longer solves are measured once
-// kRepeats      3      solves       of others, at least
-// kBrief        0.02   CPU seconds  of all repetitions, at least
-// kMostRepeats  100    solves
-constexpr int kRepeats = 3, kMostRepeats = 100;
-constexpr double kShort = 0.3, kBrief = 0.02;
+// kEnough       0.3    CPU seconds  longer solves are measured once, others until that is spent
+// kMostRepeats  20     solves       at most
+constexpr double kEnough = 0.3;
+constexpr int kMostRepeats = 20;
 
 /// Targets of one scene share their name up to the last number.
 std::string scene_of(const ProblemSource& source) {
@@ -107,8 +105,7 @@ class ProblemMeasurement {
                      const std::vector<double>& tols, std::vector<MeasuredRow>& made) {
     if (!once(entry, variant, tols, made)) return false;
     double spent = made.back().seconds;
-    for (int repeat = 1; repeat < kMostRepeats; ++repeat) {
-      if (made.back().seconds >= kShort || (repeat >= kRepeats && spent >= kBrief)) break;
+    for (int repeat = 1; repeat < kMostRepeats && spent < kEnough; ++repeat) {
       std::vector<MeasuredRow> again;
       if (!once(entry, variant, tols, again)) return false;
       spent += again.back().seconds;

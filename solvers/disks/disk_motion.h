@@ -85,19 +85,19 @@ template <Second kSecond>
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void add(const Wrench& p, int k, const BodyRow* inverse_a, BodyRow& a,
                                        const BodyRow* inverse_b, BodyRow& b) {
-  constexpr Second kOpposite = kOfWrench<kSecond>;
+  constexpr Second kOther = kOfWrench<kSecond>;
   const Pair first{p.x[k], p.spin[k]};
-  const Pair other = second<kOpposite>(Pair{p.x[k], kSecond == kRolling ? p.turn[k] : p.spin[k]});
+  const Pair other = second<kOther>(Pair{p.x[k], kSecond == kRolling ? p.turn[k] : p.spin[k]});
   if constexpr (kInverse) {
     half(a)[0] += half(*inverse_a)[0] * first;
     a.value[kRowY] += inverse_a->value[kRowY] * p.y[k];
     half(b)[0] += half(*inverse_b)[0] * other;
-    b.value[kRowY] += inverse_b->value[kRowY] * second<kOpposite>(p.y[k]);
+    b.value[kRowY] += inverse_b->value[kRowY] * second<kOther>(p.y[k]);
   } else {
     half(a)[0] += first;
     a.value[kRowY] += p.y[k];
     half(b)[0] += other;
-    b.value[kRowY] += second<kOpposite>(p.y[k]);
+    b.value[kRowY] += second<kOther>(p.y[k]);
   }
   if constexpr (kSecond == kRolling) {
     a.value[kRowLast] = a.value[kRowSpin];

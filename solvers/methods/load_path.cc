@@ -17,7 +17,7 @@ namespace {
 // constant     value  unit             reason
 // kAcross      0.02   cosine           contacts that lean less along the order carry nothing
 // kSkew        0.1    tangent          of the order to the load, if there are such contacts
-// kSteep       0.35   cosine           steeper ones are tried first
+// kSteep       0.35   cosine           steeper ones first: flat ones push rows of upright lattices aside
 // kCommon      0.999  of the momenta   their sum: of moving bodies it is less
 // kMostSweeps  400    sweeps           of the contacts of a body
 // kWatched     4096   bodies           between two looks at the clock

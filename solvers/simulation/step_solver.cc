@@ -10,12 +10,26 @@
 #include "solvers/solve.h"
 
 namespace bipot {
-
 namespace {
 
 /// A run shows its forces, and later steps start from them.
 SolverOptions in_a_run(SolverOptions options, std::string_view solver) {
   if (solver == "auto") options.parameters.try_emplace("forces", "spread");
+  return options;
+}
+
+SolveResult solve_with(const RunSolver& run, const ContactProblem& problem, SolverOptions options,
+                       ProcessGroup* processes) {
+  if (processes == nullptr) return bipot::solve(run.solver, problem, std::move(options));
+  const DistributedOptions extra{.reproducible = run.reproducible, .contact_places = {}};
+  return distributed_solve(run.solver, problem, options, *processes, extra).result;
+}
+
+/// Options of a step that begins now.
+SolverOptions options_now(const RunSolver& run, Vector s0) {
+  SolverOptions options = in_a_run(run.options, run.solver);
+  options.time_limit = std::max(run.time_limit - run.watch.seconds(), 1e-3);
+  options.s0 = std::move(s0);
   return options;
 }
 
@@ -45,25 +59,6 @@ StepSolution to_step_solution(SolveResult result) {
   step.iterations = result.iterations;
   return step;
 }
-
-namespace {
-
-SolveResult solve_with(const RunSolver& run, const ContactProblem& problem, SolverOptions options,
-                       ProcessGroup* processes) {
-  if (processes == nullptr) return bipot::solve(run.solver, problem, std::move(options));
-  const DistributedOptions extra{.reproducible = run.reproducible, .contact_places = {}};
-  return distributed_solve(run.solver, problem, options, *processes, extra).result;
-}
-
-/// Options of a step that begins now.
-SolverOptions options_now(const RunSolver& run, Vector s0) {
-  SolverOptions options = in_a_run(run.options, run.solver);
-  options.time_limit = std::max(run.time_limit - run.watch.seconds(), 1e-3);
-  options.s0 = std::move(s0);
-  return options;
-}
-
-}  // namespace
 
 void RunSolver::check() const {
   const auto lone = processes != nullptr ? lone_process() : nullptr;
