@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "core/base/large_pages.h"
 #include "core/base/parallel.h"
@@ -66,19 +68,23 @@ bool SolveRun::meets(const Eigen::Ref<const Vector>& s) {
 }
 
 /// Squared norms, over the rows of this process, of s and of its change since the iterate judged
-/// before, if that is known. In parts, so that data come from memory once.
+/// before, if that is known. In pieces, so that data come from memory once.
 void SolveRun::replace_previous(const Eigen::Ref<const Vector>& s, bool known, double& norm2,
                                 double& change2) {
   if (previous_.size() != s.size()) previous_ = large_vector(s.size());
-  for (Eigen::Index first = 0; first < s.size(); first += kPieceItems) {
-    const auto size = std::min<Eigen::Index>(kPieceItems, s.size() - first);
-    const auto now = s.segment(first, size);
-    auto before = previous_.segment(first, size);
+  const int size = static_cast<int>(s.size());
+  std::vector<std::array<double, 2>> pieces(to_size((size + kPieceItems - 1) / kPieceItems));
+  run_pieces(options_.execution.threads, size, [&](int first, int last) {
+    const auto now = s.segment(first, last - first);
+    auto before = previous_.segment(first, last - first);
     if (known) {
-      norm2 += now.squaredNorm();
-      change2 += (now - before).squaredNorm();
+      pieces[to_size(first / kPieceItems)] = {now.squaredNorm(), (now - before).squaredNorm()};
     }
     before = now;
+  });
+  for (const auto& [now2, piece2] : pieces) {
+    norm2 += now2;
+    change2 += piece2;
   }
 }
 

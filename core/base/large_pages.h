@@ -22,10 +22,9 @@ inline void ask_for_large_pages(void* memory, std::size_t bytes) {
   const std::uintptr_t first = (start + kPage - 1) / kPage * kPage,
                        end = (start + bytes) / kPage * kPage;
   if (first >= end) return;  // the ends of the array keep small pages
-  // Advice that the system may ignore. The second call (Linux 6.1) is for memory in use.
-  constexpr int kCollapse = 25;  // MADV_COLLAPSE, missing from the headers of Debian 12
+  // Advice that the system may ignore. Pages in use already stay small: to collapse them costs more
+  // than they do.
   madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
-  madvise(reinterpret_cast<void*>(first), end - first, kCollapse);
 #endif
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -54,17 +53,17 @@ struct ContactTiles {
 template <class Bodies>
 ContactTiles tile_contacts(const Bodies& bodies);
 
-/// Batches for sweeps in the order of the rows: by the first body, then the second. A contact comes
-/// at least two batches after all earlier ones that share a body with it. Hence the sweep batch
-/// after batch equals the sweep contact after contact. Tiles are parts of that order here: bodies
-/// belong to the tile that uses them first, and may occur in many.
+/// Batches for sweeps in the order of the rows: by the first body, then the second. In a tile a
+/// contact comes at least two batches after all earlier ones that share a body with it. Hence the
+/// sweep batch after batch equals the sweep contact after contact. Bodies belong to the tile that
+/// uses them first, and may occur in many. In wide packings tiles are parts of strips that can be
+/// swept at once (sweep_schedule.h).
 template <class Bodies>
 ContactTiles order_contacts(const Bodies& bodies);
 
-/// The same in the given order of the contacts, in tiles of at most so many batches.
+/// The same in the given order of the contacts, in one tile.
 template <class Bodies>
-ContactTiles given_order(const Bodies& bodies,
-                         int batches_of_tile = std::numeric_limits<int>::max());
+ContactTiles given_order(const Bodies& bodies);
 
 /// Order for symmetric sweeps: the order along the rows if its batches are three quarters full,
 /// else that of tile_contacts(). Short rows do not hold eight independent contacts in sequence; the

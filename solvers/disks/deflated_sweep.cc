@@ -20,12 +20,14 @@ DeflatedSweep::DeflatedSweep(SymmetricSweep<2>& sweep, const DiskStructure& disk
     : sweep_(sweep),
       options_(options),
       kernels_(stress_kernels(options.path)),
+      tiles_in_order_(sweep.schedule({.up = 1})),
       modes_(sweep.disks(), disks, options.threads),
       mass_(to_size(sweep.disks().num_rows())),
       direction_(mass_.size()),
       stress_(mass_.size()),
       momentum_(mass_.size()),
-      sums_((mass_.size() + kPieceItems - 1) / kPieceItems) {
+      sums_((mass_.size() + kPieceItems - 1) / kPieceItems),
+      loads_(to_size(sweep.disks().num_tiles())) {
   for (std::size_t row = 0; row < mass_.size(); ++row) {
     for (int k = 0; k < 4; ++k) {
       const double inverse = sweep.disks().inverse()[row].value[k];
@@ -59,17 +61,24 @@ bool DeflatedSweep::iterate() {
       std::fill(of.begin() + first, of.begin() + last, BodyRow{});
     });
   };
-  const auto& tile = disks.tile(0);
+  // Tiles add to rows of bodies that they share: one after the other, as in a sweep.
   clear(stress_);
-  kernels_.rates({batches, disks.contacts(tile), disks.law_numbers(tile), disks.laws(),
-                  modes_.share(), at_.swept_velocity.data(), stress_.data()});
+  tiles_in_order_.run(false, [&](int, int t) {
+    const ContactTiles::Tile& tile = disks.tile(t);
+    kernels_.rates({tile.last_batch - tile.first_batch, disks.contacts(tile),
+                    disks.law_numbers(tile), disks.laws(), modes_.share() + tile.first_batch,
+                    at_.swept_velocity.data(), stress_.data()});
+  });
   if (!modes_.relax(stress_)) return false;
   clear(momentum_);
-  StressKernels::LoadSums load;
-  kernels_.impulse(
-      {batches, disks.contacts(tile), disks.law_numbers(tile), disks.laws(), modes_.share(),
-       stress_.data(), at_.y.data(), at_.swept.data(), momentum_.data()},
-      load);
+  tiles_in_order_.run(false, [&](int, int t) {
+    const ContactTiles::Tile& tile = disks.tile(t);
+    const int first = tile.first_batch;
+    kernels_.impulse({tile.last_batch - first, disks.contacts(tile), disks.law_numbers(tile),
+                      disks.laws(), modes_.share() + first, stress_.data(), at_.y.data() + first,
+                      at_.swept.data() + first, momentum_.data()},
+                     loads_[to_size(t)]);
+  });
   run_pieces(options_.threads, rows, [&](int first, int last) {
     kernels_.conjugate(
         {last - first, disks.inverse() + first, mass_.data() + first, momentum_.data() + first,
@@ -82,7 +91,9 @@ bool DeflatedSweep::iterate() {
     zz += sum(part.zz);
     zp += sum(part.zp);
   }
-  for (const double lane : load.load) yz += lane;  // now g·z
+  for (const StressKernels::LoadSums& of : loads_) {
+    for (const double lane : of.load) yz += lane;  // now g·z
+  }
 
   // y = y⁻ + alpha⁻ p⁻ with p⁻ = z⁻ + beta⁻ p⁻⁻: g·z⁻ follows from earlier products. The previous
   // direction is conjugate: g·p⁻ = 0.

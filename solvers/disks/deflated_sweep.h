@@ -38,10 +38,12 @@ class DeflatedSweep {
   SymmetricSweep<2>& sweep_;
   Execution options_;
   const StressKernels& kernels_;
+  SweepSchedule tiles_in_order_;
   StressModes modes_;
   SymmetricSweep<2>::Swept at_;
   LargeVector<BodyRow> mass_, direction_, stress_, momentum_;
   std::vector<StressKernels::ConjugateSums> sums_;
+  std::vector<StressKernels::LoadSums> loads_;  // of each tile
   int since_renewal_ = 0;
   bool carried_ = false;  // stresses, as of the last renewal
   // z⁻·Wz⁻, z⁻·Wp⁻⁻, p⁻·Wp⁻, g⁻·z⁻, alpha⁻, beta⁻; p⁻·Wp⁻ = 0: there is no previous direction.

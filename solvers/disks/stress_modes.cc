@@ -1,6 +1,7 @@
 #include "solvers/disks/stress_modes.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -29,6 +30,10 @@ constexpr std::size_t kUnchanged = 100;
 
 constexpr int kPatch = 3;  ///< nodes each way around a body and its neighbours
 constexpr int kReach = 2;  ///< nodes between two that the same body joins
+
+/// Cells this far apart join no two nodes twice: they may be assembled at the same time.
+constexpr int kApart = kPatch + 1;
+constexpr int kColours = kApart * kApart;
 
 int stencil(int dx, int dy) { return dx + kReach + (2 * kReach + 1) * (dy + kReach); }
 
@@ -121,6 +126,21 @@ void StressModes::list_rows() {
   for (std::size_t row = 0; row < place_.size(); ++row) {
     const int cell = place_[row].cell;
     if (cell >= 0) row_[to_size(next[to_size(cell)]++)] = static_cast<int>(row);
+  }
+  const auto colour = [&](int cell) {
+    const Node low = nodes_[to_size(cells_[to_size(cell)][0])];
+    // Places are negative too.
+    const auto part = [](int place) { return (place % kApart + kApart) % kApart; };
+    return part(low.x) + kApart * part(low.y);
+  };
+  const int cells = static_cast<int>(cells_.size());
+  first_of_colour_.assign(kColours + 1, 0);
+  for (int cell = 0; cell < cells; ++cell) ++first_of_colour_[to_size(colour(cell)) + 1];
+  std::partial_sum(first_of_colour_.begin(), first_of_colour_.end(), first_of_colour_.begin());
+  coloured_.resize(cells_.size());
+  std::vector<int> place(first_of_colour_);
+  for (int cell = 0; cell < cells; ++cell) {
+    coloured_[to_size(place[to_size(colour(cell))]++)] = cell;
   }
 }
 
@@ -224,10 +244,15 @@ bool StressModes::renew(std::span<const ImpulseBatch<2>> x) {
     const bool pair = !is_fixed(tiles_, row_at(contacts[batch].j[at]));
     return !within ? 0 : pair ? 0.5 : 1;
   };
-  std::size_t changed = 0;
-  for (const int lane : lane_) {
-    if (share_at(lane) != share_[to_size(lane / kLanes)].share[lane % kLanes]) ++changed;
-  }
+  std::atomic<std::size_t> changed = 0;
+  run_pieces(threads_, static_cast<int>(lane_.size()), [&](int first, int last) {
+    std::size_t here = 0;
+    for (int k = first; k < last; ++k) {
+      const int lane = lane_[to_size(k)];
+      if (share_at(lane) != share_[to_size(lane / kLanes)].share[lane % kLanes]) ++here;
+    }
+    changed += here;
+  });
   if (factored_ && changed * kUnchanged < lane_.size()) return true;
   for (const int lane : lane_) {
     share_[to_size(lane / kLanes)].share[lane % kLanes] = share_at(lane);
@@ -239,11 +264,16 @@ bool StressModes::renew(std::span<const ImpulseBatch<2>> x) {
 
 void StressModes::assemble() {
   std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
-  for (int row = 0; row < tiles_.num_rows(); ++row) {
-    if (first_[to_size(row)] == first_[to_size(row) + 1]) continue;
-    const BodyRow& inverse = tiles_.inverse()[row];
-    add_body(row, {inverse.value[kRowX], inverse.value[kRowSpin], inverse.value[kRowY]});
-  }
+  run_phases(
+      threads_, kColours, first_of_colour_.data(), first_of_colour_.data() + 1, [&](int, int k) {
+        const std::size_t cell = to_size(coloured_[to_size(k)]);
+        for (int at = first_row_[cell]; at < first_row_[cell + 1]; ++at) {
+          const int row = row_[to_size(at)];
+          if (first_[to_size(row)] == first_[to_size(row) + 1]) continue;
+          const BodyRow& inverse = tiles_.inverse()[row];
+          add_body(row, {inverse.value[kRowX], inverse.value[kRowSpin], inverse.value[kRowY]});
+        }
+      });
   shift_ = kShift * matrix_.diagonal().maxCoeff();
   for (int k = 0; k < matrix_.rows(); ++k) matrix_.coeffRef(k, k) += shift_;
 }

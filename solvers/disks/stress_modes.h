@@ -21,7 +21,7 @@ namespace bipot {
 /// impulses. Contacts that are open or at the edge of their cone carry nothing.
 class StressModes {
  public:
-  /// `threads`: at most, of relax().
+  /// `threads`: at most.
   StressModes(const DiskTiles<2>& tiles, const DiskStructure& disks, int threads = 1);
 
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
@@ -69,9 +69,10 @@ class StressModes {
   int threads_;
   std::vector<Node> nodes_;
   std::vector<Cell> cells_;
-  std::vector<Place> place_;          // of each row
-  std::vector<int> first_row_, row_;  // the rows of each cell
-  std::vector<int> first_, lane_;     // lanes of the contacts of each row
+  std::vector<Place> place_;                     // of each row
+  std::vector<int> first_row_, row_;             // the rows of each cell
+  std::vector<int> first_of_colour_, coloured_;  // the cells of each colour
+  std::vector<int> first_, lane_;                // lanes of the contacts of each row
   LargeVector<StressKernels::ShareBatch> share_;
   std::vector<Neighbours> neighbours_;
   SparseMatrix matrix_;

@@ -20,6 +20,7 @@ class Items {
  public:
   Items(const TileLinks& links, SweepSchedule::Sweeps sweeps) : links_(links), sweeps_(sweeps) {}
 
+  int tiles() const { return links_.tiles; }
   int size() const { return links_.tiles * sweeps_.all(); }
   int sweep_of(int item) const { return item / links_.tiles; }
   int tile_of(int item) const { return item % links_.tiles; }
@@ -94,32 +95,47 @@ Deal deal(const Items& items, const std::vector<int>& order, const std::vector<i
       successors[to_size(other)].push_back(item);
     });
   }
-  std::set<int> ready;  // ranks
+  // Ranks of the items that wait for nothing: those of the tiles that each thread had last, and of
+  // tiles that no thread had yet.
+  std::vector<std::set<int>> ready(to_size(threads) + 1);
+  std::set<int>& fresh = ready.back();
+  std::vector<int> latest(to_size(items.tiles()), threads);  // the thread that had a tile last
+  const auto add = [&](int item) {
+    ready[to_size(latest[to_size(items.tile_of(item))])].insert(rank[to_size(item)]);
+  };
   for (int item = 0; item < size; ++item) {
-    if (missing[to_size(item)] == 0) ready.insert(rank[to_size(item)]);
+    if (missing[to_size(item)] == 0) add(item);
   }
   Deal out{std::vector<std::vector<int>>(to_size(threads)), rank, rank};
-  // The rank of the next item of a thread.
+  // The rank of the next item of a thread, `size` if all wait.
   const auto next_of = [&](int thread) {
+    if (!ready[to_size(thread)].empty()) return *ready[to_size(thread)].begin();
     int next = size;
     if (const std::vector<int>& mine = out.items[to_size(thread)]; !mine.empty()) {
       for (const int item : successors[to_size(mine.back())]) {
         const int at = rank[to_size(item)];
-        if (items.sweep_of(item) == items.sweep_of(mine.back()) && ready.count(at) > 0) {
-          next = std::min(next, at);
-        }
+        if (fresh.count(at) > 0) next = std::min(next, at);
       }
     }
-    return next < size ? next : *ready.begin();
+    if (next < size) return next;
+    if (!fresh.empty()) return *fresh.begin();
+    for (const std::set<int>& of : ready) {
+      if (!of.empty()) next = std::min(next, *of.begin());
+    }
+    return next;
   };
   using End = std::pair<double, int>;  // of the item of a thread
   std::priority_queue<End, std::vector<End>, std::greater<>> busy;
   std::vector<int> idle(to_size(threads));
   std::iota(idle.rbegin(), idle.rend(), 0);
   while (true) {
-    while (!idle.empty() && !ready.empty()) {
-      const int thread = idle.back(), next = next_of(thread), item = order[to_size(next)];
-      ready.erase(next);
+    while (!idle.empty()) {
+      const int thread = idle.back(), next = next_of(thread);
+      if (next == size) break;
+      const int item = order[to_size(next)];
+      int& before = latest[to_size(items.tile_of(item))];
+      ready[to_size(before)].erase(next);
+      before = thread;
       idle.pop_back();
       std::vector<int>& mine = out.items[to_size(thread)];
       out.thread[to_size(item)] = thread;
@@ -133,7 +149,7 @@ Deal deal(const Items& items, const std::vector<int>& order, const std::vector<i
     out.time = time;
     idle.push_back(thread);
     for (const int item : successors[to_size(out.items[to_size(thread)].back())]) {
-      if (--missing[to_size(item)] == 0) ready.insert(rank[to_size(item)]);
+      if (--missing[to_size(item)] == 0) add(item);
     }
   }
 }

@@ -17,10 +17,11 @@ namespace bipot {
 ///
 /// One thread lets each sweep follow the one before it closely: data in the cache then serve
 /// several sweeps. For a team the tiles are dealt out beforehand, as if each took the time of its
-/// work (Graham's list scheduling). The thread that is free first goes on with its sweep at a tile
-/// next to its last one. If that waits, it takes the first tile in the order of one thread which
-/// does not. All wait for earlier tiles of that plan only. Hence there is no deadlock, whatever
-/// times are taken.
+/// work (Graham's list scheduling). The thread that is free first takes a tile that it had in the
+/// sweep before, whose data may be in its cache. If those wait, it goes on with its sweep at a tile
+/// next to its last one, else with the first tile in the order of one thread which does not wait.
+/// All wait for earlier tiles of that plan only. Hence there is no deadlock, whatever times are
+/// taken.
 class SweepSchedule {
  public:
   /// Sweeps of one direction, then perhaps others down.

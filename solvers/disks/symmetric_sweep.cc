@@ -27,7 +27,7 @@ SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const BodiesOf<
       threads_(options.threads),
       asks_ahead_(disks_.asks_ahead(
           {sizeof(ContactBatch<D>) + 3 * sizeof(ImpulseBatch<D>), 3 * sizeof(RowOf<D>)})),
-      schedule_(schedule()),
+      schedule_(schedule({sweeps, sweeps})),
       team_(schedule_.threads()),
       sums_(to_size(disks_.num_tiles())),
       now_(to_size(disks_.num_batches())),
@@ -37,12 +37,12 @@ SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const BodiesOf<
       velocity_before_(velocity_.size()) {}
 
 template <int D>
-SweepSchedule SymmetricSweep<D>::schedule() const {
+SweepSchedule SymmetricSweep<D>::schedule(SweepSchedule::Sweeps sweeps) const {
   std::vector<int> batches;
   for (int t = 0; t < disks_.num_tiles(); ++t) {
     batches.push_back(disks_.tile(t).last_batch - disks_.tile(t).first_batch);
   }
-  return {links_, batches, {sweeps_, sweeps_}, threads_};
+  return {links_, batches, sweeps, threads_};
 }
 
 template <int D>
@@ -50,7 +50,7 @@ void SymmetricSweep<D>::relax(double omega, int sweeps) {
   omega_ = omega;
   if (sweeps == sweeps_) return;
   sweeps_ = sweeps;
-  schedule_ = schedule();
+  schedule_ = schedule({sweeps_, sweeps_});
   team_ = QuickerTeam(schedule_.threads());
 }
 

@@ -42,14 +42,14 @@ class SymmetricSweep {
   Swept sweep();
 
   const DiskTiles<D>& disks() const { return disks_; }
+  /// A schedule of sweeps over these tiles.
+  SweepSchedule schedule(SweepSchedule::Sweeps sweeps) const;
 
  private:
   SymmetricSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
                  const ContactScaling& equilibrated, double omega, int sweeps,
                  const Execution& options, ContactTiles order);
   double sweep_from(double beta, const ImpulseBatch<D>* before);
-  SweepSchedule schedule() const;
-
   TileLinks links_;  // of the order that the tiles then take over
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;

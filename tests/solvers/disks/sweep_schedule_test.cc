@@ -4,6 +4,7 @@
 
 #include <mutex>
 #include <set>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -89,6 +90,21 @@ TEST(SweepSchedule, OneThreadLetsSweepsFollowClosely) {
   const Items expected{{0, 0}, {0, 1}, {1, 0}, {0, 2}, {1, 1}, {0, 3},
                        {1, 2}, {1, 3}, {2, 3}, {2, 2}, {2, 1}, {2, 0}};
   EXPECT_EQ(run(schedule), expected);
+}
+
+TEST(SweepSchedule, ThreadsKeepTheirTiles) {
+  constexpr int kTiles = 800, kUp = 2, kAll = 4;
+  SweepSchedule schedule(packing(40, 20), std::vector<int>(kTiles, 1), {kUp, kAll - kUp}, 2);
+  ASSERT_EQ(schedule.threads(), 2);
+  std::vector<std::thread::id> thread(kTiles * kAll);
+  schedule.run(false, [&](int sweep, int tile) {
+    thread[to_size(sweep * kTiles + tile)] = std::this_thread::get_id();
+  });
+  int kept = 0;
+  for (int item = kTiles; item < kTiles * kAll; ++item) {
+    if (thread[to_size(item)] == thread[to_size(item - kTiles)]) ++kept;
+  }
+  EXPECT_GT(kept, 0.8 * kTiles * (kAll - 1));
 }
 
 TEST(SweepSchedule, ThreadsThatWouldWaitAreLeftOut) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <utility>
 #include <vector>
 
@@ -37,8 +38,12 @@ Vector iterated(const Prepared& at, const Execution& execution, double& turn, in
   return sweep.impulse();
 }
 
-TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
-  const ContactProblem p = leaning(2, 30);
+/// Rows of a packing whose order is cut into strips: with R rows it has 3 R² contacts in 7 R levels,
+/// and 3 strips of 40 contacts a level need R > 280.
+constexpr int kWide = 290;
+
+void check_order(int rows_of_packing) {
+  const ContactProblem p = leaning(2, rows_of_packing);
   const DiskStructure disks = *DelassusOperator(p).disks();
   const ContactTiles order = order_contacts(disks);
   // Tiles are pieces of the order, each with the bodies that it is the first to come to.
@@ -57,12 +62,16 @@ TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
   }
   EXPECT_EQ(batches, order.num_batches());
   EXPECT_EQ(rows, order.num_rows);
-  std::vector<int> batch(disks.contacts.size(), -1);
-  for (std::size_t lane = 0; lane < order.contact.size(); ++lane) {
-    const int c = order.contact[lane];
-    if (c < 0) continue;
-    ASSERT_EQ(batch[to_size(c)], -1) << "twice";
-    batch[to_size(c)] = static_cast<int>(lane) / kLanes;
+  std::vector<int> batch(disks.contacts.size(), -1), tile(batch);
+  for (int t = 0; t < static_cast<int>(order.tiles.size()); ++t) {
+    const ContactTiles::Tile& of = order.tiles[to_size(t)];
+    for (int lane = of.first_batch * kLanes; lane < of.last_batch * kLanes; ++lane) {
+      const int c = order.contact[to_size(lane)];
+      if (c < 0) continue;
+      ASSERT_EQ(batch[to_size(c)], -1) << "twice";
+      batch[to_size(c)] = lane / kLanes;
+      tile[to_size(c)] = t;
+    }
   }
   ASSERT_EQ(std::count(batch.begin(), batch.end(), -1), 0);
   EXPECT_GT(8.0 * order.num_batches(), disks.contacts.size());
@@ -86,9 +95,28 @@ TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
       return place(disks.contacts[to_size(a)]) < place(disks.contacts[to_size(b)]);
     });
     for (std::size_t k = 1; k < contacts.size(); ++k) {
-      EXPECT_GE(batch[to_size(contacts[k])], batch[to_size(contacts[k - 1])] + 2);
+      const std::size_t now = to_size(contacts[k]), before = to_size(contacts[k - 1]);
+      EXPECT_GE(batch[now], batch[before] + (tile[now] == tile[before] ? 2 : 1));
     }
   }
+}
+
+TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
+  check_order(30);
+  check_order(kWide);
+}
+
+TEST(SymmetricSweep, StripsOfAWidePackingOccupyManyThreads) {
+  const auto gain = [](int rows) {
+    const Prepared at(leaning(2, rows));
+    const SymmetricSweep<2> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, 2,
+                                  {8, SimdPath::kAuto});
+    return sweep.schedule({2, 2}).gain();
+  };
+  // Two sweeps each way that follow each other occupy two threads. Three strips occupy three times
+  // as many, but for the beginning and the end of the sweeps up and down.
+  EXPECT_LT(gain(100), 2);
+  EXPECT_GT(gain(kWide), 4);
 }
 
 TEST(SymmetricSweep, GoesAlongTheRowsWhereThatFillsTheLanes) {
@@ -173,11 +201,11 @@ TEST(SymmetricSweep, HasTheSameBitsFromEveryPath) {
   }
 }
 
-/// `rows`: 30 as they fill the lanes, 40 along the rows.
-void check_threads(int rows) {
+/// `rows`: 30 as they fill the lanes, 40 along the rows, kWide in strips.
+void check_threads(int rows, std::initializer_list<int> all_sweeps) {
   SCOPED_TRACE(rows);
   const Prepared at(leaning(2, rows));
-  for (const int sweeps : {1, 2, 5}) {
+  for (const int sweeps : all_sweeps) {
     double turn = 0;
     const Vector alone = iterated<2>(at, {}, turn, sweeps);
     for (const int threads : {2, 3, 4}) {
@@ -191,8 +219,9 @@ void check_threads(int rows) {
 }
 
 TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
-  check_threads(30);
-  check_threads(40);
+  check_threads(30, {1, 2, 5});
+  check_threads(40, {1, 2, 5});
+  check_threads(kWide, {2});
 }
 
 TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreadsInSpace) {
