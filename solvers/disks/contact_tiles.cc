@@ -20,9 +20,9 @@ constexpr int kOrderedBatches = 64;
 /// Mean number of contacts of a strip at each level. A body's next contact comes two batches later,
 /// so that 16 are the least; levels with fewer, at the ends of a strip, leave lanes empty.
 constexpr int kStripWidth = 40;
-/// Least number of strips side by side. Fewer do not occupy more threads than the sweeps of an
-/// iteration that follow each other.
-constexpr int kStrips = 3;
+/// Least number of strips side by side. Fewer gain little over the sweeps of an iteration that
+/// follow each other, which strips let do so less closely.
+constexpr int kStrips = 4;
 /// Contacts of a part of a strip, which fill less than a tile.
 constexpr int kPartContacts = 384;
 /// Least distance of two batches with the same body: the kernels process two at once.

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "core/base/parallel.h"
 #include "core/problem/coulomb_cone.h"
 #include "solvers/solve_run.h"
 
@@ -20,13 +22,13 @@ namespace {
 // kSteep       0.35   cosine           steeper ones first: flat ones push rows of upright lattices aside
 // kCommon      0.999  of the momenta   their sum: of moving bodies it is less
 // kMostSweeps  400    sweeps           of the contacts of a body
-// kWatched     4096   bodies           between two looks at the clock
+// kTaskBodies  32     bodies           of a task of a thread
 // kHeld        1e-15  of the velocity  what the next sweep changes, once a body is held
 // kBefore      1e-12  of the velocity  more than rounding: u_free is not Hᵀ v_free
 constexpr double kAcross = 0.02, kSkew = 0.1, kSteep = 0.35, kCommon = 0.999, kHeld = 1e-15;
 constexpr double kBefore = 1e-12;
 constexpr int kMostSweeps = 400;
-constexpr std::size_t kWatched = 4096;
+constexpr int kTaskBodies = 32;
 
 /// Degrees of freedom of a body, and of its translation.
 template <int D>
@@ -61,15 +63,30 @@ class LoadPath {
     double left = 0;
     const double energy = p_.v_free.dot(mass_.cwiseProduct(p_.v_free));
     const double most = run.options().tol * run.options().tol * energy;  // as of eta
-    for (std::size_t next = 0; next < queue_.size(); ++next) {
-      if (next % kWatched == kWatched - 1 && run.out_of_time()) return "stopped";
-      const int body = queue_[next];
-      left += held(body);
-      if (!(left <= most)) return fmt::format("body {} is not held from below", body);
-      for (const Support& support : supports_) {
-        s_.segment<D>(static_cast<Eigen::Index>(support.contact) * D) = support.s;
-        const int other = other_body(support.contact, body);
-        if (other != surroundings_ && --above_[to_size(other)] == 0) queue_.push_back(other);
+    // Bodies that are due at the same time share no contact that carries.
+    std::vector<double> left_of;
+    for (std::size_t begin = 0; begin < queue_.size();) {
+      if (run.out_of_time()) return "stopped";
+      const std::size_t end = queue_.size();
+      const int due = static_cast<int>(end - begin);
+      left_of.resize(to_size(due));
+      run_tasks(run.options().execution.threads, (due + kTaskBodies - 1) / kTaskBodies,
+                [&](int task) {
+                  std::vector<Support> supports;
+                  const int first = task * kTaskBodies, last = std::min(due, first + kTaskBodies);
+                  for (int k = first; k < last; ++k) {
+                    left_of[to_size(k)] = held(queue_[begin + to_size(k)], supports);
+                  }
+                });
+      for (; begin < end; ++begin) {
+        const int body = queue_[begin];
+        left += left_of[to_size(due) - (end - begin)];
+        if (!(left <= most)) return fmt::format("body {} is not held from below", body);
+        for (int k = start_[to_size(body)]; k < start_[to_size(body + 1)]; ++k) {
+          const int c = side_[to_size(k)], other = other_body(c, body);
+          if (other == surroundings_ || !(lean(c, body) < -kAcross)) continue;
+          if (--above_[to_size(other)] == 0) queue_.push_back(other);
+        }
       }
     }
     if (static_cast<int>(queue_.size()) < surroundings_) return "bodies hold each other";
@@ -174,11 +191,11 @@ class LoadPath {
     return g;
   }
 
-  /// Finds the body's supports and their impulses. Returns twice the energy of the motion left.
-  double held(int body) {
+  /// Finds the body's supports and sets their impulses. Returns twice the energy of the motion left.
+  double held(int body, std::vector<Support>& supports) {
     const Motion mass = at(mass_, body), inverse = mass.cwiseInverse();
     Motion v = at(p_.v_free, body);
-    supports_.clear();
+    supports.clear();
     for (int k = start_[to_size(body)]; k < start_[to_size(body + 1)]; ++k) {
       const int c = side_[to_size(k)];
       const double leans = lean(c, body);
@@ -193,7 +210,7 @@ class LoadPath {
       for (int a = 0; a < D; ++a) {
         support.step[a] = 1 / g[to_size(a)].dot(inverse.cwiseProduct(g[to_size(a)]));
       }
-      supports_.push_back(std::move(support));
+      supports.push_back(std::move(support));
     }
     const double free = v.dot(mass.cwiseProduct(v)), settled = kHeld * kHeld * free;
     double left = free;
@@ -201,13 +218,16 @@ class LoadPath {
          {std::pair{false, false}, {false, true}, {true, true}}) {
       for (int sweep = 0; sweep < kMostSweeps && left > settled; ++sweep) {
         const Motion before = v;
-        for (Support& support : supports_) {
+        for (Support& support : supports) {
           if (support.steep || flat_too) relax(support, friction, inverse, v);
         }
         left = v.dot(mass.cwiseProduct(v));
         const Motion change = v - before;
         if (change.dot(mass.cwiseProduct(change)) <= settled) break;
       }
+    }
+    for (const Support& support : supports) {
+      s_.segment<D>(static_cast<Eigen::Index>(support.contact) * D) = support.s;
     }
     return left;
   }
@@ -237,7 +257,6 @@ class LoadPath {
   std::vector<int> start_, side_;  // the contacts of each body, in their order
   std::vector<int> above_;         // contacts of each body with bodies above that are not done
   std::vector<int> queue_;         // bodies that are due, or done
-  std::vector<Support> supports_;  // of the present body
 };
 
 }  // namespace

@@ -39,8 +39,8 @@ Vector iterated(const Prepared& at, const Execution& execution, double& turn, in
 }
 
 /// Rows of a packing whose order is cut into strips: with R rows it has 3 R² contacts in 7 R levels,
-/// and 3 strips of 40 contacts a level need R > 280.
-constexpr int kWide = 290;
+/// and 4 strips of 40 contacts a level need R > 373.
+constexpr int kWide = 380;
 
 void check_order(int rows_of_packing) {
   const ContactProblem p = leaning(2, rows_of_packing);
@@ -106,6 +106,27 @@ TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
   check_order(kWide);
 }
 
+TEST(SymmetricSweep, StripsInSpaceKeepTheGivenOrder) {
+  const ContactProblem p = cubic_lattice(24, {.dim = 3, .tilt = 0.2});
+  const SphereStructure spheres = *DelassusOperator(p).bodies<3>();
+  const ContactTiles order = symmetric_order(spheres);
+  EXPECT_NE(order.contact, given_order(spheres).contact);
+  std::vector<int> batch(spheres.contacts.size(), -1), last(spheres.bodies.size(), -1);
+  for (std::size_t lane = 0; lane < order.contact.size(); ++lane) {
+    const int c = order.contact[lane];
+    if (c >= 0) batch[to_size(c)] = static_cast<int>(lane) / kLanes;
+  }
+  for (std::size_t c = 0; c < batch.size(); ++c) {
+    ASSERT_GE(batch[c], 0);
+    const auto& contact = spheres.contacts[c];
+    for (const int body : {contact.i, contact.j}) {
+      if (body == spheres.surroundings()) continue;
+      EXPECT_GT(batch[c], last[to_size(body)]);
+      last[to_size(body)] = batch[c];
+    }
+  }
+}
+
 TEST(SymmetricSweep, StripsOfAWidePackingOccupyManyThreads) {
   const auto gain = [](int rows) {
     const Prepared at(leaning(2, rows));
@@ -113,7 +134,7 @@ TEST(SymmetricSweep, StripsOfAWidePackingOccupyManyThreads) {
                                   {8, SimdPath::kAuto});
     return sweep.schedule({2, 2}).gain();
   };
-  // Two sweeps each way that follow each other occupy two threads. Three strips occupy three times
+  // Two sweeps each way that follow each other occupy two threads. Four strips occupy four times
   // as many, but for the beginning and the end of the sweeps up and down.
   EXPECT_LT(gain(100), 2);
   EXPECT_GT(gain(kWide), 4);
@@ -225,7 +246,7 @@ TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreadsInSpace) {
-  const ContactProblem p = cubic_lattice(20, {.dim = 3, .tilt = 0.2});
+  const ContactProblem p = cubic_lattice(24, {.dim = 3, .tilt = 0.2});  // in strips
   const DelassusOperator delassus(p);
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
   Vector alone;

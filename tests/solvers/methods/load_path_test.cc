@@ -57,6 +57,20 @@ TEST(LoadPath, HoldsLattices) {
   }
 }
 
+TEST(LoadPath, HasTheSameBitsForAnyNumberOfThreads) {
+  // Some hundred bodies are due at the same time: several tasks.
+  for (const ContactProblem& p :
+       {triangular_lattice(150, {.tilt = kTilt}), cubic_lattice(16, {.dim = 3, .tilt = kTilt})}) {
+    const SolveResult alone = held(p);
+    ASSERT_EQ(alone.status, SolveStatus::kConverged) << alone.message;
+    for (const int threads : {2, 3, 4}) {
+      const SolveResult r =
+          solve("load_path", p, {.tol = 1e-9, .execution = {threads, SimdPath::kAuto}});
+      EXPECT_EQ(r.s, alone.s) << threads;
+    }
+  }
+}
+
 /// The message of a solve that has to give up: it has not converged, and its impulse is 0.
 std::string refused(const ContactProblem& p) {
   const SolveResult r = held(p, 1e-2);
