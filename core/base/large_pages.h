@@ -22,8 +22,8 @@ inline void ask_for_large_pages(void* memory, std::size_t bytes) {
   const std::uintptr_t first = (start + kPage - 1) / kPage * kPage,
                        end = (start + bytes) / kPage * kPage;
   if (first >= end) return;  // the ends of the array keep small pages
-  // Advice that the system may ignore. Pages in use already stay small: to collapse them costs more
-  // than they do.
+  // Advice that the system may ignore. Pages that are in use stay small: joining them
+  // (MADV_COLLAPSE) takes longer than it saves.
   madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
 #endif
 }

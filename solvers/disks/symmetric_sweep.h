@@ -12,8 +12,8 @@
 namespace bipot {
 
 /// Symmetric Gauss-Seidel with momentum for disks or spheres (D = 3), vectorised, in the order of
-/// symmetric_order(). In large packings the lanes of a vector hold eight consecutive rows, each
-/// some contacts behind the one before it. For every contact and body the result is that of sweeps
+/// symmetric_order(). In large packings the lanes of a vector hold contacts of several rows, each
+/// row some contacts behind the one before it. For every contact and body the result is that of sweeps
 /// contact after contact. Any number of threads (sweep_schedule.h) and all paths of disk_kernels.h
 /// give the same bits.
 template <int D>
@@ -50,6 +50,7 @@ class SymmetricSweep {
                  const ContactScaling& equilibrated, double omega, int sweeps,
                  const Execution& options, ContactTiles order);
   double sweep_from(double beta, const ImpulseBatch<D>* before);
+
   TileLinks links_;  // of the order that the tiles then take over
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;

@@ -19,7 +19,7 @@ namespace {
 // constant     value  unit             reason
 // kAcross      0.02   cosine           contacts that lean less along the order carry nothing
 // kSkew        0.1    tangent          of the order to the load, if there are such contacts
-// kSteep       0.35   cosine           steeper ones first: flat ones push rows of upright lattices aside
+// kSteep       0.35   cosine           steeper ones first: flat ones push upright rows aside
 // kCommon      0.999  of the momenta   their sum: of moving bodies it is less
 // kMostSweeps  400    sweeps           of the contacts of a body
 // kTaskBodies  32     bodies           of a task of a thread
@@ -63,30 +63,15 @@ class LoadPath {
     double left = 0;
     const double energy = p_.v_free.dot(mass_.cwiseProduct(p_.v_free));
     const double most = run.options().tol * run.options().tol * energy;  // as of eta
-    // Bodies that are due at the same time share no contact that carries.
-    std::vector<double> left_of;
     for (std::size_t begin = 0; begin < queue_.size();) {
       if (run.out_of_time()) return "stopped";
-      const std::size_t end = queue_.size();
-      const int due = static_cast<int>(end - begin);
-      left_of.resize(to_size(due));
-      run_tasks(run.options().execution.threads, (due + kTaskBodies - 1) / kTaskBodies,
-                [&](int task) {
-                  std::vector<Support> supports;
-                  const int first = task * kTaskBodies, last = std::min(due, first + kTaskBodies);
-                  for (int k = first; k < last; ++k) {
-                    left_of[to_size(k)] = held(queue_[begin + to_size(k)], supports);
-                  }
-                });
-      for (; begin < end; ++begin) {
-        const int body = queue_[begin];
-        left += left_of[to_size(due) - (end - begin)];
-        if (!(left <= most)) return fmt::format("body {} is not held from below", body);
-        for (int k = start_[to_size(body)]; k < start_[to_size(body + 1)]; ++k) {
-          const int c = side_[to_size(k)], other = other_body(c, body);
-          if (other == surroundings_ || !(lean(c, body) < -kAcross)) continue;
-          if (--above_[to_size(other)] == 0) queue_.push_back(other);
-        }
+      const std::vector<int> due(queue_.begin() + static_cast<std::ptrdiff_t>(begin), queue_.end());
+      begin = queue_.size();
+      const std::vector<double> motion = hold(due, run.options().execution.threads);
+      for (std::size_t k = 0; k < due.size(); ++k) {
+        left += motion[k];
+        if (!(left <= most)) return fmt::format("body {} is not held from below", due[k]);
+        release_below(due[k]);
       }
     }
     if (static_cast<int>(queue_.size()) < surroundings_) return "bodies hold each other";
@@ -191,6 +176,26 @@ class LoadPath {
     return g;
   }
 
+  /// Holds bodies that are due at the same time: they share no contact that carries. Returns what
+  /// held() does for each.
+  std::vector<double> hold(const std::vector<int>& due, int threads) {
+    std::vector<double> left(due.size());
+    const int bodies = static_cast<int>(due.size());
+    run_tasks(threads, (bodies + kTaskBodies - 1) / kTaskBodies, [&](int task) {
+      std::vector<Support> supports;
+      const int first = task * kTaskBodies, last = std::min(bodies, first + kTaskBodies);
+      for (int k = first; k < last; ++k) left[to_size(k)] = held(due[to_size(k)], supports);
+    });
+    return left;
+  }
+  /// The body is held: those below that wait for no other one are due.
+  void release_below(int body) {
+    for (int k = start_[to_size(body)]; k < start_[to_size(body + 1)]; ++k) {
+      const int c = side_[to_size(k)], other = other_body(c, body);
+      if (other == surroundings_ || !(lean(c, body) < -kAcross)) continue;
+      if (--above_[to_size(other)] == 0) queue_.push_back(other);
+    }
+  }
   /// Finds the body's supports and sets their impulses. Returns twice the energy of the motion left.
   double held(int body, std::vector<Support>& supports) {
     const Motion mass = at(mass_, body), inverse = mass.cwiseInverse();
