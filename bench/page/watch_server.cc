@@ -11,7 +11,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
-#include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 
@@ -31,21 +31,20 @@ using Seconds = std::chrono::duration<double>;
 constexpr const char* kHost = "127.0.0.1";
 constexpr double kLeastWait = 0.4;   // between the updates of a page                       [s]
 constexpr double kWorkShare = 0.05;  // of the time, at most, for updates
-constexpr double kFarewell = 0.5;    // for pages that fetch the end of the run             [s]
+constexpr double kFarewell = 10.0;   // at most, for answers under way when the run ends     [s]
 constexpr std::size_t kThreads = 8;  // pages wait in one each
 
+/// Lives until the answer is sent, or cannot be: the library drops one under way when it stops.
+using Answering = std::shared_ptr<void>;
+
 /// As it is: the data in it are compressed already, and the library would try for seconds.
-/// `after`: called when it is sent, or cannot be.
 void send(httplib::Response& response, std::string content, const std::string& type,
-          std::function<void()> after = {}) {
+          const Answering& answering) {
   const auto text = std::make_shared<const std::string>(std::move(content));
   response.set_content_provider(
       text->size(), type,
-      [text](std::size_t begin, std::size_t size, httplib::DataSink& sink) {
+      [text, answering](std::size_t begin, std::size_t size, httplib::DataSink& sink) {
         return sink.write(text->data() + begin, size);
-      },
-      [after](bool) {
-        if (after) after();
       });
 }
 
@@ -68,39 +67,38 @@ struct WatchServer::Parts {
   std::mutex mutex;    // of what follows
   std::condition_variable changed;
   double wait = kLeastWait;  // [s]
-  int waiting = 0;           // updates that pages wait for
-  bool ended = false;
+  int under_way = 0;         // answers
+  bool ended = false;        // the run
+  bool closed = false;       // no further answers
 
+  /// Empty once the server closes: status 503.
+  Answering begin(httplib::Response& response) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (closed) {
+      response.status = 503;
+      return {};
+    }
+    ++under_way;
+    return Answering(this, [](Parts* parts) {
+      const std::lock_guard<std::mutex> lock(parts->mutex);
+      --parts->under_way;
+      parts->changed.notify_all();
+    });
+  }
   /// Answers when the last answer's cost is a small share of the time, at once at the end.
   std::string update(int after) {
     std::unique_lock<std::mutex> lock(mutex);
-    ++waiting;
     changed.wait_for(lock, Seconds(wait), [this] { return ended; });
     const bool over = ended;
     lock.unlock();
     std::unique_lock<std::mutex> turn(working);
     const Stopwatch watch;
-    std::string answer;
-    std::exception_ptr defect;
-    try {
-      answer = page_update(folder, after, over);
-    } catch (const std::exception&) {
-      defect = std::current_exception();
-    }
+    std::string answer = page_update(folder, after, over);
     const double cost = watch.seconds();
     turn.unlock();
     lock.lock();
     wait = std::max(kLeastWait, cost / kWorkShare);
-    lock.unlock();
-    if (!defect) return answer;
-    done();
-    std::rethrow_exception(defect);
-  }
-  /// An answer is sent: the library drops one under way when it stops.
-  void done() {
-    const std::lock_guard<std::mutex> lock(mutex);
-    --waiting;
-    changed.notify_all();
+    return answer;
   }
 };
 
@@ -123,11 +121,7 @@ WatchServer::WatchServer(int port) : parts_(std::make_unique<Parts>()) {
   }
 }
 
-WatchServer::~WatchServer() {
-  if (!parts_->thread.joinable()) return;
-  parts_->http.stop();
-  parts_->thread.join();
-}
+WatchServer::~WatchServer() { finish(); }
 
 std::string WatchServer::address() const {
   return fmt::format("http://{}:{}/", kHost, parts_->port);
@@ -157,12 +151,16 @@ void WatchServer::serve(const std::filesystem::path& folder) {
         }
       });
   parts.http.Get("/", [&parts](const httplib::Request&, httplib::Response& response) {
+    const Answering answering = parts.begin(response);
+    if (!answering) return;
     const std::lock_guard<std::mutex> turn(parts.working);
-    send(response, live_run_page(parts.folder), "text/html; charset=utf-8");
+    send(response, live_run_page(parts.folder), "text/html; charset=utf-8", answering);
   });
   parts.http.Get("/update", [&parts](const httplib::Request& request, httplib::Response& response) {
+    const Answering answering = parts.begin(response);
+    if (!answering) return;
     send(response, parts.update(step_of(request.get_param_value("after"))), "application/json",
-         [&parts] { parts.done(); });
+         answering);
   });
   const InterruptBlock block;
   parts.thread = std::thread([&parts] { parts.http.listen_after_bind(); });
@@ -175,7 +173,8 @@ void WatchServer::finish() {
     std::unique_lock<std::mutex> lock(parts.mutex);
     parts.ended = true;
     parts.changed.notify_all();
-    parts.changed.wait_for(lock, Seconds(kFarewell), [&parts] { return parts.waiting == 0; });
+    parts.changed.wait_for(lock, Seconds(kFarewell), [&parts] { return parts.under_way == 0; });
+    parts.closed = true;
   }
   parts.http.stop();
   parts.thread.join();

@@ -21,7 +21,7 @@ class WatchServer {
   std::string address() const;
   /// Begins to answer. The folder must hold a run with a film.
   void serve(const std::filesystem::path& folder);
-  /// The run is over: tells the open pages, for at most half a second, and ends.
+  /// The run is over: finishes the answers under way, for at most ten seconds, and ends.
   void finish();
 
  private:
