@@ -227,7 +227,8 @@ RoundedMomentum rounded_momentum(const ContactProblem& p, const Eigen::Ref<const
 
 RoundedSums rounded_sums(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
                          const RoundedMomentum& pushed, int threads) {
-  return sums_of(p, s, RoundedBodyRows(p, pushed, kOfAProduct + kOfPacking), threads);
+  const RoundedBodyRows rows(p, pushed, kOfAProduct + kOfPacking);
+  return sums_of(p, s, std::cref(rows), threads);
 }
 
 RoundedSums rounded_sums(const ContactProblem& p, const Eigen::Ref<const Vector>& s, int threads) {

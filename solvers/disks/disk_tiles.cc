@@ -66,11 +66,11 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
                         const ContactScaling& scaling, ContactTiles tiles, int threads)
     : tiles_(std::move(tiles)),
       threads_(threads),
-      impulse_scale_(large_copy(scaling.impulse)),
       velocity_scale_(large_copy(scaling.velocity)),
       contacts_(to_size(tiles_.num_batches()) + 1),
       law_(to_size(tiles_.num_batches())),
-      inverse_(to_size(tiles_.num_rows)) {
+      inverse_(to_size(tiles_.num_rows)),
+      bodies_(&bodies) {
   for (int body = 0; body < bodies.surroundings(); ++body) {
     const auto& from = bodies.bodies[to_size(body)];
     auto& inverse = inverse_[to_size(tiles_.row[to_size(body)])].value;
@@ -83,7 +83,6 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
     }
     if constexpr (D == kRollingDisks) inverse[kRowLast] = inverse[kRowSpin];
   }
-  if constexpr (D == 3) frame_.resize(tiles_.contact.size());
   const auto offset = [](int row) { return row_offset<RowOf<D>>(row); };
   Snap snap_ratio, snap_mu;
   for (const Tile& tile : tiles_.tiles) {
@@ -123,16 +122,10 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
             scaling.velocity.template segment<kRows>(c * kRows).cwiseProduct(
                 p.u_free.template segment<kRows>(c * kRows));
         if constexpr (D == 3) {
-          auto& frame = frame_[to_size(batch * kLanes + lane)];
-          for (int k = 0; k < 3; ++k) {
-            for (int x = 0; x < 3; ++x) frame(k, x) = sign * from.frame[k][x];
-          }
-          const Eigen::Matrix<double, 3, 1> in_space = frame.transpose() * b;
           to.scale[lane] = normal;
-          for (int x = 0; x < 3; ++x) {
-            to.n[x][lane] = frame(0, x);
-            to.b[x][lane] = in_space[x];
-          }
+          for (int x = 0; x < 3; ++x) to.n[x][lane] = sign * from.frame[0][x];
+          const Vec3 in_space = frame(batch * kLanes + lane).transpose() * b;
+          for (int x = 0; x < 3; ++x) to.b[x][lane] = in_space[x];
         } else {
           to.gx[lane] = sign * normal * from.n[0];
           to.gy[lane] = sign * normal * from.n[1];
@@ -166,6 +159,21 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
   }
 }
 
+template <int D>
+Eigen::Matrix3d DiskTiles<D>::frame(int lane) const {
+  Eigen::Matrix3d frame;
+  if constexpr (D == 3) {
+    const auto& from = bodies_->contacts[to_size(contact(lane))].frame;
+    const ContactBatch<D>& batch = contacts_[to_size(lane / kLanes)];
+    double along = 0;
+    for (int x = 0; x < 3; ++x) along += batch.n[x][lane % kLanes] * from[0][x];
+    for (int k = 0; k < 3; ++k) {
+      for (int x = 0; x < 3; ++x) frame(k, x) = std::copysign(1.0, along) * from[k][x];
+    }
+  }
+  return frame;
+}
+
 /// The index of an equal LawBatch among the last ones, or of a new one.
 template <int D>
 int DiskTiles<D>::law_number(const LawBatch& law) {
@@ -197,7 +205,6 @@ void DiskTiles<D>::rescale(double factor) {
     }
   });
   velocity_scale_ *= factor;
-  impulse_scale_ /= factor;
 }
 
 template <int D>
@@ -218,8 +225,8 @@ void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, cons
     if constexpr (D == 3) {
       const Vec3 n(batch.n[0][lane], batch.n[1][lane], batch.n[2][lane]);
       const Vec3 without =
-          frame_[to_size(at)].transpose() * velocity_scale_.template segment<3>(c * D).cwiseProduct(
-                                                u_free.template segment<3>(c * D));
+          frame(at).transpose() * velocity_scale_.template segment<3>(c * D).cwiseProduct(
+                                      u_free.template segment<3>(c * D));
       Vec3 b(batch.b[0][lane], batch.b[1][lane], batch.b[2][lane]);
       double slip = 0;
       if (!momentum.empty()) {
@@ -264,9 +271,9 @@ void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x) const {
       const int c = contact(lane);
       Eigen::Matrix<double, kRows, 1> scaled = Eigen::Matrix<double, kRows, 1>::Zero();
       if (c >= 0) {
-        scaled = impulse_scale_.template segment<kRows>(c * kRows).cwiseProduct(
-            s.template segment<kRows>(c * kRows));
-        if constexpr (D == 3) scaled = (frame_[to_size(lane)].transpose() * scaled).eval();
+        scaled = s.template segment<kRows>(c * kRows).cwiseQuotient(
+            velocity_scale_.template segment<kRows>(c * kRows));
+        if constexpr (D == 3) scaled = (frame(lane).transpose() * scaled).eval();
       }
       for (int k = 0; k < kRows; ++k) x[to_size(lane / kLanes)].x[k][lane % kLanes] = scaled[k];
     }
@@ -338,7 +345,7 @@ void DiskTiles<D>::velocities(std::span<const ImpulseBatch<D>> x,
 
 template <int D>
 void DiskTiles<D>::unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const {
-  if (s.size() != impulse_scale_.size()) s = large_vector(impulse_scale_.size());
+  if (s.size() != velocity_scale_.size()) s = large_vector(velocity_scale_.size());
   run_pieces(threads_, num_batches() * kLanes, [&](int first, int last) {
     for (int lane = first; lane < last; ++lane) {
       if (contact(lane) >= 0) s.template segment<kRows>(contact(lane) * kRows) = impulse(x, lane);

@@ -19,14 +19,15 @@ inline void put_inverses(const SphereRow& inverse, SphereRow& velocity) {
   velocity.value[kRowInverseInertia] = inverse.value[kRowTurn];
 }
 
-/// A problem of disks (with rolling friction kRollingDisks), or of spheres (D = 3), packed for the vector kernels, tile by tile: 48
-/// constant bytes for each contact and 32 for each body, 64 for either in space. Arrays of the
-/// kernels are indexed by batch and by row.
+/// A problem of disks (with rolling friction kRollingDisks), or of spheres (D = 3), packed for the
+/// vector kernels, tile by tile: 48 constant bytes for each contact and 32 for each body, 64 for
+/// either in space. Arrays of the kernels are indexed by batch and by row.
 template <int D>
 class DiskTiles {
  public:
-  /// `scaling`: the variables x = impulse ∘ s of the kernels. Ratios and friction coefficients that
-  /// are equal to rounding (16 ε) are taken as equal, so that few LawBatch serve all.
+  /// `scaling`: the variables x = impulse ∘ s of the kernels, with impulse = 1 / velocity. Ratios and friction coefficients that
+  /// are equal to rounding (16 ε) are taken as equal, so that few LawBatch serve all. In space
+  /// `bodies` must live as long: impulses are turned by its frames.
   DiskTiles(const ContactProblem& problem, const BodiesOf<D>& bodies, const ContactScaling& scaling)
       : DiskTiles(problem, bodies, scaling, tile_contacts(bodies)) {}
   /// The same with given tiles. `threads`: at most, of the functions below.
@@ -56,7 +57,7 @@ class DiskTiles {
     const int c = contact(lane);
     Eigen::Matrix<double, kRows, 1> s;
     for (int k = 0; k < kRows; ++k) s[k] = x[to_size(lane / kLanes)].x[k][lane % kLanes];
-    if constexpr (D == 3) s = frame_[to_size(lane)] * s;
+    if constexpr (D == 3) s = frame(lane) * s;
     return s.cwiseProduct(velocity_scale_.template segment<kRows>(c * kRows));
   }
 
@@ -87,18 +88,19 @@ class DiskTiles {
   Pipeline pipeline(int threads, Streamed bytes) const;
 
  private:
+  /// For D = 3, of the contact in a lane: the rows are n, t1 and t2, with the lane's normal.
+  Eigen::Matrix3d frame(int lane) const;
   int law_number(const LawBatch& law);
   std::size_t in_all(Streamed bytes) const;
 
   ContactTiles tiles_;
   int threads_;
-  Vector impulse_scale_, velocity_scale_;
+  Vector velocity_scale_;
   LargeVector<ContactBatch<D>> contacts_;
   std::vector<int> law_;
   std::vector<LawBatch> laws_;
   LargeVector<RowOf<D>> inverse_;
-  /// For D = 3, of each lane: its rows are n, t1 and t2 of the contact.
-  LargeVector<Eigen::Matrix<double, D, D, Eigen::RowMajor | Eigen::DontAlign>> frame_;
+  const BodiesOf<D>* bodies_;
 };
 
 }  // namespace bipot
