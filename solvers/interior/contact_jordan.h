@@ -32,7 +32,8 @@ struct ContactJordan {
   static constexpr int kParts = D == 1 ? 0 : !D.rolls ? 1 : D == 6 ? 3 : 2;
   static constexpr int P = D + kParts;                 ///< components of X and of Y
   static constexpr int kEigenvalues = 1 + 2 * kParts;  ///< rank of the algebra
-  using Pairs = Eigen::Matrix<double, P, 1>;
+  /// Not aligned, as Local is (core/problem/coulomb_cone.h).
+  using Pairs = Eigen::Matrix<double, P, 1, Eigen::DontAlign>;
   using Spectrum = Eigen::Matrix<double, kEigenvalues, 1>;
   using Frame = Local<D>;
 
