@@ -99,14 +99,17 @@ class TwoPassSweep {
 
   Local<D> velocity(int c) const {
     const Contact& contact = contacts_[to_size(c)];
-    Local<D> u = contact.b;
+    // Four sums for each row: one would wait for each of its additions.
+    double u[2][2][kRows] = {};
     for (int side = 0; side < 2; ++side) {
       const double* y = y_.data() + contact.start[side];
       for (int k = 0; k < K; ++k) {
-        for (int a = 0; a < D; ++a) u[a] += contact.g[side][k][a] * y[k];
+        for (int a = 0; a < D; ++a) u[side][k % 2][a] += contact.g[side][k][a] * y[k];
       }
     }
-    return u;
+    Local<D> sum = contact.b;
+    for (int a = 0; a < D; ++a) sum[a] += (u[0][0][a] + u[0][1][a]) + (u[1][0][a] + u[1][1][a]);
+    return sum;
   }
   /// Adds to the contact's velocity at s = 0 the effect of contacts elsewhere.
   void shift(int c, const Local<D>& by) { contacts_[to_size(c)].b += by; }

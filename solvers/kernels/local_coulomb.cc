@@ -26,25 +26,6 @@ double step_of_two(const Eigen::MatrixXd& w, int first) {
   return 1 / (0.5 * (a + b) + std::sqrt(half * half + coupling * coupling));
 }
 
-template <int D>
-void cut_off_tangential(Local<D>& s, double mu) {
-  if constexpr (D > 1) {
-    const double norm = tangential_norm<D>(s), radius = mu * s[0];
-    if (norm > radius) s.template tail<D - 1>() *= radius / norm;
-  }
-}
-
-/// The step of each row.
-template <ContactRows D>
-Local<D> steps_of(const LocalProblem<D>& p) {
-  Local<D> steps = Local<D>::Constant(p.step_tangential);
-  steps[0] = p.step_normal;
-  if constexpr (D.rolls) {
-    for (int k = 1 + D.tangents(); k < D; ++k) steps[k] = k == 5 ? p.step_spin : p.step_rolling;
-  }
-  return steps;
-}
-
 /// Natural map with separate steps, relative to s and to the impulse that would stop q, as energies.
 template <ContactRows D>
 double relative_map(const LocalProblem<D>& p, const Local<D>& s, const Local<D>& next) {
@@ -159,32 +140,6 @@ LocalProblem<D> local_problem(const Eigen::MatrixXd& w, const FrictionOf<D>& mu)
   return p;
 }
 
-template <ContactRows D>
-Local<D> improve_local(const LocalProblem<D>& p, Local<D> s, Local<D> u, double omega,
-                       int iterations) {
-  for (int k = 0; k < iterations; ++k) {
-    const Local<D> before = s;
-    s[0] = positive_part(s[0] - omega * p.step_normal * u[0]);
-    if constexpr (D.rolls) {
-      const Local<D> steps = steps_of<D>(p);
-      each_bounded<D>(p.mu, [&](auto first, auto count, double bound) {
-        const Local<D> at = u + p.w * (s - before);
-        for (int a = first(); a < first() + count(); ++a) s[a] -= omega * steps[a] * at[a];
-        const double norm = part_norm<first(), count()>(s), radius = bound * s[0];
-        if (norm > radius) s.template segment<count()>(first()) *= radius / norm;
-      });
-    } else if constexpr (D > 1) {
-      const double change = s[0] - before[0];
-      for (int a = 1; a < D; ++a) {
-        s[a] -= omega * p.step_tangential * (u[a] + p.w(a, 0) * change);
-      }
-      cut_off_tangential<D>(s, p.mu);
-    }
-    if (k + 1 < iterations) u += p.w * (s - before);
-  }
-  return s;
-}
-
 /// w⁻¹ x by elimination with row exchanges; not finite if w is singular.
 template <int D>
 Local<D> solved(LocalBlock<D> w, Local<D> x) {
@@ -245,11 +200,9 @@ bool solve_local(const LocalProblem<D>& p, Local<D>& s) {
   }
 }
 
-#define BIPOT_LOCAL(rows)                                                                       \
-  template LocalProblem<rows> local_problem<rows>(const Eigen::MatrixXd&,                       \
-                                                  const FrictionOf<rows>&);                     \
-  template Local<rows> improve_local<rows>(const LocalProblem<rows>&, Local<rows>, Local<rows>, \
-                                           double, int);                                        \
+#define BIPOT_LOCAL(rows)                                                   \
+  template LocalProblem<rows> local_problem<rows>(const Eigen::MatrixXd&,   \
+                                                  const FrictionOf<rows>&); \
   template bool solve_local<rows>(const LocalProblem<rows>&, Local<rows>&);
 BIPOT_LOCAL(1)
 BIPOT_LOCAL(2)
