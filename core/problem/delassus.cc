@@ -202,6 +202,7 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int
     if (is_packed() && threads_ > 1) {
       dispatch_dim(problem.dim, [&](auto d) { made->list_sides<d()>(); });
     }
+    if (!is_packed()) made->wrenches.emplace(problem.H, problem.dim);
     scratch();
   } else if (!problem.has_delassus() && problem.has_velocities()) {
     made->delassus = assemble_delassus(problem.A, problem.H, problem.dim);
@@ -387,9 +388,9 @@ void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const
                  [&](int begin, int end) { contact_velocity<d()>(begin, end, nullptr, u.data()); });
     });
   } else if (two_pass_) {
-    scratch().noalias() = problem_.H * s;
+    prepared_->wrenches->momentum(s, scratch());
     velocity_.array() *= prepared_->inverse_mass.array();
-    u.noalias() = problem_.H.transpose() * velocity_;
+    prepared_->wrenches->velocity(velocity_, u);
   } else {
     u.noalias() = *delassus_ * s;
   }

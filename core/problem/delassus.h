@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/problem/contact_problem.h"
+#include "core/problem/contact_wrenches.h"
 #include "core/problem/packed_bodies.h"
 
 namespace bipot {
@@ -71,6 +72,7 @@ class DelassusOperator {
   /// Data computed once from the problem.
   struct Prepared {
     Vector inverse_mass;  // diagonal of A⁻¹, two-pass form only
+    std::optional<ContactWrenches> wrenches;  // of its H, if it is not packed
     std::optional<DiskStructure> disks;
     std::optional<SphereStructure> spheres;
     // With threads, the contacts of each body in their order: 2 c if it is body i, else 2 c + 1.

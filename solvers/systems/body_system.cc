@@ -7,22 +7,6 @@
 #include "solvers/systems/body_pattern.h"
 
 namespace bipot {
-namespace {
-
-/// Degrees of freedom that contact c acts on, ascending.
-std::vector<int> touched_by(const ContactProblem& p, int c) {
-  std::vector<int> dofs;
-  for (int a = 0; a < p.dim; ++a) {
-    for (SparseMatrix::InnerIterator it(p.H, c * p.dim + a); it; ++it) {
-      if (it.value() != 0) dofs.push_back(static_cast<int>(it.row()));
-    }
-  }
-  std::sort(dofs.begin(), dofs.end());
-  dofs.erase(std::unique(dofs.begin(), dofs.end()), dofs.end());
-  return dofs;
-}
-
-}  // namespace
 
 std::vector<int> BodySystem::touched(const ContactProblem& problem) {
   const ContactsOfDofs contacts(problem);
@@ -34,10 +18,10 @@ std::vector<int> BodySystem::touched(const ContactProblem& problem) {
 }
 
 BodySystem::BodySystem(const ContactProblem& p, const std::vector<int>& dofs, const Vector& scale)
-    : dim_(p.dim), contacts_(p.num_contacts()) {
+    : dim_(p.dim), wrenches_(p.H, p.dim, scale) {
   std::vector<int> unknown_of(to_size(p.num_dofs()), -1);
   for (std::size_t i = 0; i < dofs.size(); ++i) unknown_of[to_size(dofs[i])] = static_cast<int>(i);
-  list_wrenches(p, unknown_of, scale);
+  wrenches_.renumber(unknown_of);
   make_pattern(p, dofs);
   for (int i = 0; i < size(); ++i) {
     for (SparseMatrix::InnerIterator it(p.A, dofs[to_size(i)]); it; ++it) {
@@ -52,53 +36,29 @@ BodySystem::BodySystem(const ContactProblem& p, const std::vector<int>& dofs, co
 
 /// Sets run_start_, run_end_ and slot_.
 void BodySystem::list_runs() {
-  run_start_.reserve(to_size(contacts_) + 1);
+  const ContactWrenches& w = wrenches_;
+  run_start_.reserve(to_size(w.num_contacts()) + 1);
   run_start_.assign(1, 0);
   std::size_t slots = 0;
-  for (int c = 0; c < contacts_; ++c) {
-    const int begin = start_[to_size(c)], end = start_[to_size(c) + 1];
-    for (int i = begin; i < end; ++i) {
-      const bool last = i + 1 == end || unknown_[to_size(i) + 1] != unknown_[to_size(i)] + 1;
+  for (int c = 0; c < w.num_contacts(); ++c) {
+    for (int i = w.begin(c); i < w.end(c); ++i) {
+      const bool last = i + 1 == w.end(c) || w.dof(i + 1) != w.dof(i) + 1;
       if (last) run_end_.push_back(i + 1);
     }
-    slots += to_size(end - begin) * (run_end_.size() - to_size(run_start_.back()));
+    slots += to_size(w.end(c) - w.begin(c)) * (run_end_.size() - to_size(run_start_.back()));
     run_start_.push_back(static_cast<int>(run_end_.size()));
   }
   run_end_.shrink_to_fit();
   slot_.reserve(slots);
-  for (int c = 0; c < contacts_; ++c) {
-    for (int j = start_[to_size(c)]; j < start_[to_size(c) + 1]; ++j) {
-      int first = start_[to_size(c)];
+  for (int c = 0; c < w.num_contacts(); ++c) {
+    for (int j = w.begin(c); j < w.end(c); ++j) {
+      int first = w.begin(c);
       for (int r = run_start_[to_size(c)]; r < run_start_[to_size(c) + 1]; ++r) {
-        slot_.push_back(value_position(matrix_, unknown_[to_size(first)], unknown_[to_size(j)]));
+        slot_.push_back(value_position(matrix_, w.dof(first), w.dof(j)));
         first = run_end_[to_size(r)];
       }
     }
   }
-}
-
-/// Sets start_, unknown_ and wrench_.
-void BodySystem::list_wrenches(const ContactProblem& p, const std::vector<int>& unknown_of,
-                               const Vector& scale) {
-  const int d = dim_;
-  start_.reserve(to_size(contacts_) + 1);
-  start_.assign(1, 0);
-  for (int c = 0; c < contacts_; ++c) {
-    const std::vector<int> own = touched_by(p, c);
-    const std::size_t first = unknown_.size();
-    for (const int dof : own) unknown_.push_back(unknown_of[to_size(dof)]);
-    wrench_.resize(unknown_.size() * to_size(d), 0.0);
-    for (int a = 0; a < d; ++a) {
-      for (SparseMatrix::InnerIterator it(p.H, c * d + a); it; ++it) {
-        if (it.value() == 0) continue;
-        const auto k = std::lower_bound(own.begin(), own.end(), it.row()) - own.begin();
-        wrench_[(first + to_size(k)) * to_size(d) + to_size(a)] = it.value() * scale[c * d + a];
-      }
-    }
-    start_.push_back(static_cast<int>(unknown_.size()));
-  }
-  unknown_.shrink_to_fit();
-  wrench_.shrink_to_fit();
 }
 
 /// Sets matrix_ with zeros.
@@ -115,17 +75,17 @@ template <int D>
 void BodySystem::add_contacts(const double* blocks) {
   double* const value = matrix_.valuePtr();
   const int* position = slot_.data();
-  const int* const start = start_.data();
   const int* const run_start = run_start_.data();
   const int* const run_end = run_end_.data();
-  const double* const G = wrench_.data();
-  for (int c = 0; c < contacts_; ++c, blocks += D * D) {
-    for (int j = start[c]; j < start[c + 1]; ++j) {
+  const double* const G = wrenches_.row(0);
+  for (int c = 0; c < wrenches_.num_contacts(); ++c, blocks += D * D) {
+    const int begin = wrenches_.begin(c), end = wrenches_.end(c);
+    for (int j = begin; j < end; ++j) {
       Local<D> column = Local<D>::Zero();  // R (row j of G)ᵀ
       for (int a = 0; a < D; ++a) {
         for (int b = 0; b < D; ++b) column[a] += blocks[a * D + b] * G[j * D + b];
       }
-      for (int r = run_start[c], i = start[c]; r < run_start[c + 1]; ++r) {
+      for (int r = run_start[c], i = begin; r < run_start[c + 1]; ++r) {
         double* to = value + *position++;
         for (; i < run_end[r]; ++i) {
           double sum = 0;
@@ -146,32 +106,8 @@ const SparseMatrix& BodySystem::assemble(const double* blocks) {
 }
 
 void BodySystem::momentum(const Vector& s, Vector& g) const {
-  g.setZero(size());
-  dispatch_count(dim_, [&](auto d) {
-    constexpr int D = d();
-    for (int c = 0; c < contacts_; ++c) {
-      for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
-        double sum = 0;
-        for (int a = 0; a < D; ++a) sum += wrench_[to_size(i * D + a)] * s[c * D + a];
-        g[unknown_[to_size(i)]] += sum;
-      }
-    }
-  });
-}
-
-void BodySystem::velocity(const Vector& v, Vector& u) const {
-  u.resize(contacts_ * dim_);
-  dispatch_count(dim_, [&](auto d) {
-    constexpr int D = d();
-    for (int c = 0; c < contacts_; ++c) {
-      Local<D> sum = Local<D>::Zero();
-      for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
-        const double speed = v[unknown_[to_size(i)]];
-        for (int a = 0; a < D; ++a) sum[a] += wrench_[to_size(i * D + a)] * speed;
-      }
-      for (int a = 0; a < D; ++a) u[c * D + a] = sum[a];
-    }
-  });
+  g.resize(size());
+  wrenches_.momentum(s, g);
 }
 
 }  // namespace bipot

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/problem/contact_problem.h"
+#include "core/problem/contact_wrenches.h"
 
 namespace bipot {
 
@@ -26,25 +27,21 @@ class BodySystem {
   /// g = G s: m -> size(). No allocation if g has its size.
   void momentum(const Vector& s, Vector& g) const;
   /// u = Gᵀ v: size() -> m.
-  void velocity(const Vector& v, Vector& u) const;
+  void velocity(const Vector& v, Vector& u) const { wrenches_.velocity(v, u); }
 
  private:
-  void list_wrenches(const ContactProblem& problem, const std::vector<int>& unknown_of,
-                     const Vector& scale);
   void make_pattern(const ContactProblem& problem, const std::vector<int>& dofs);
   void list_runs();
   template <int D>
   void add_contacts(const double* blocks);
 
-  int dim_, contacts_;
+  int dim_;
+  ContactWrenches wrenches_;  // degrees of freedom by their numbers among the unknowns
   SparseMatrix matrix_;
   std::vector<double> mass_;  // entries of A
   std::vector<int> mass_slot_;
-  // Contact c acts on the unknowns unknown_[start_[c] .. start_[c+1]).
-  std::vector<int> start_, unknown_;
-  std::vector<double> wrench_;  // G restricted to them, d numbers an unknown
   // A run is a set of consecutive unknowns of a contact, such as those of a body: in a column of
-  // matrix_ their rows are consecutive. By contact: runs, and ends of runs among its unknowns.
+  // matrix_ their rows are consecutive. By contact: runs, and ends of runs among its entries.
   std::vector<int> run_start_, run_end_;
   std::vector<int> slot_;  // positions of the runs in each column of the contact's square block
 };
