@@ -9,12 +9,13 @@
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "core/problem/disk_structure.h"
+#include "solvers/kernels/sphere_sweep.h"
 
 namespace bipot {
 
 /// Local velocities that follow the impulse contact by contact, the state of every Gauss-Seidel
 /// sweep. Three forms have one interface:
-///   - disks: body velocities are updated in place, H is four numbers for each contact;
+///   - disks and spheres: body velocities are updated in place, H is packed;
 ///   - two-pass (diagonal A): the mass-scaled body velocities y = A^{-1/2} H s are updated in
 ///     place. A contact touches at most two runs of K consecutive degrees of freedom (one rigid
 ///     body each);
@@ -317,6 +318,8 @@ template <int D, class F>
 decltype(auto) with_sweep(const ContactProblem& p, F&& f) {
   if constexpr (D < 3) {
     if (const auto disks = disk_structure(p)) return f(DiskSweep<D>(p, *disks));
+  } else if constexpr (D == 3) {
+    if (const auto spheres = sphere_structure(p)) return f(SphereSweep(p, *spheres));
   }
   constexpr int kPlanar = D == 1 ? 2 : 3;  // disks: (x, y) without friction, (x, y, spin) with
   if (TwoPassSweep<D, kPlanar>::fits(p)) return f(TwoPassSweep<D, kPlanar>(p));

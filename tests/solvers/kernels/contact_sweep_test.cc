@@ -46,6 +46,11 @@ TEST(ContactSweep, DiskVelocitiesFollowTheImpulses) {
   follows<2>(DiskSweep<2>(two, *disk_structure(two)), two);
 }
 
+TEST(ContactSweep, SphereVelocitiesFollowTheImpulses) {
+  const ContactProblem p = cubic_lattice(3, {.e_n = 0.2, .e_t = 0.7});
+  follows<3>(SphereSweep(p, *sphere_structure(p)), p);
+}
+
 TEST(ContactSweep, RunVelocitiesFollowTheImpulses) {
   const ContactProblem two = lattice<2>(0.7), three = cubic_lattice(3);
   ASSERT_TRUE((TwoPassSweep<2, 3>::fits(two)));
