@@ -32,9 +32,10 @@ constexpr KernelWork gradient_work(double bodies) {
   if constexpr (D == 3) return {64.5 + 72 + 320 * bodies, 130 + 42 * bodies};
   return {48.5 + 48 + 160 * bodies, 49 + 24 * bodies};
 }
-/// pgs on an explicit W with `entries` for each contact: value and column 12 each, its own problem.
+/// pgs on an explicit W with `entries` for each contact, in blocks of four values and a number: 9
+/// each; and its own problem.
 constexpr KernelWork explicit_sweep_work(double entries) {
-  return {12 * entries + 8 + 32 + 16 + 80, 2 * entries + 12};
+  return {9 * entries + 8 + 32 + 16 + 80, 2 * entries + 12};
 }
 /// STREAM's triad a <- b + 3 c, for each item.
 constexpr KernelWork triad_work() { return {24, 2}; }

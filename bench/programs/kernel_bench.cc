@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <sstream>
 
 #include "bench/measure/statistics.h"
@@ -55,7 +56,7 @@ void sweep_explicit(benchmark::State& state, const Packing& p) {
   with.W = assemble_delassus(with.A, with.H, with.dim);
   const DelassusOperator delassus(with);
   LocalUpdates<2> update(with, delassus, {});
-  ExplicitSweep<2> sweep(with);
+  ExplicitSweep<2> sweep(with, std::make_shared<DelassusBlocks>(with.W, 2));
   for ([[maybe_unused]] auto _ : state) {
     for (int c = 0; c < with.num_contacts(); ++c) update(c, sweep);
   }

@@ -209,6 +209,7 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int
     made->delassus = assemble_delassus(problem.A, problem.H, problem.dim);
     delassus_ = &made->delassus;
   }
+  if (!two_pass_) made->blocks = std::make_shared<DelassusBlocks>(*delassus_, problem.dim);
 }
 
 Vector& DelassusOperator::scratch() const {
@@ -313,7 +314,7 @@ void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const
     velocity_.array() *= prepared_->inverse_mass.array();
     prepared_->wrenches->velocity(velocity_, u);
   } else {
-    u.noalias() = *delassus_ * s;
+    prepared_->blocks->apply(s, u);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/problem/contact_problem.h"
 #include "core/problem/contact_wrenches.h"
+#include "core/problem/delassus_blocks.h"
 #include "core/problem/packed_bodies.h"
 
 namespace bipot {
@@ -57,6 +58,8 @@ class DelassusOperator {
   const std::optional<BodiesOf<D>>& bodies() const {
     return prepared_->bodies<D>();
   }
+  /// Those of W; null in the two-pass form.
+  std::shared_ptr<const DelassusBlocks> blocks() const { return prepared_->blocks; }
   bool is_packed() const { return prepared_->disks || prepared_->spheres; }
 
  private:
@@ -71,13 +74,14 @@ class DelassusOperator {
 
   /// Data computed once from the problem.
   struct Prepared {
-    Vector inverse_mass;  // diagonal of A⁻¹, two-pass form only
+    Vector inverse_mass;                      // diagonal of A⁻¹, two-pass form only
     std::optional<ContactWrenches> wrenches;  // of its H, if it is not packed
     std::optional<DiskStructure> disks;
     std::optional<SphereStructure> spheres;
     // With threads, the contacts of each body in their order: 2 c if it is body i, else 2 c + 1.
     std::vector<int> side_start, side;
-    SparseRows delassus;  // only when W had to be assembled here
+    SparseRows delassus;                           // only when W had to be assembled here
+    std::shared_ptr<const DelassusBlocks> blocks;  // explicit form only
 
     template <int D>
     const std::optional<BodiesOf<D>>& bodies() const {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <stdexcept>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/problem/contact_problem.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
+#include "core/problem/delassus_blocks.h"
 #include "core/problem/disk_structure.h"
 #include "solvers/kernels/sphere_sweep.h"
 
@@ -24,29 +26,20 @@ namespace bipot {
 template <int D>
 class ExplicitSweep {
  public:
-  explicit ExplicitSweep(const ContactProblem& p) : p_(p), s_(Vector::Zero(p.num_rows())) {
-    if (!p.has_delassus()) throw std::invalid_argument("the explicit sweep needs W");
-  }
+  ExplicitSweep(const ContactProblem& p, std::shared_ptr<const DelassusBlocks> blocks)
+      : p_(p), blocks_(std::move(blocks)), s_(Vector::Zero(p.num_rows())) {}
   void reset(const Eigen::Ref<const Vector>& s) { s_ = s; }
   const Vector& impulse() const { return s_; }
   Local<D> impulse(int c) const { return s_.segment<D>(c * D); }
 
   Local<D> velocity(int c) const {
-    Local<D> u = p_.u_free.segment<D>(c * D);
-    const int* start = p_.W.outerIndexPtr();
-    const int* column = p_.W.innerIndexPtr();
-    const double* value = p_.W.valuePtr();
-    for (int a = 0; a < D; ++a) {
-      double sum = 0;
-      for (int k = start[c * D + a]; k < start[c * D + a + 1]; ++k) sum += value[k] * s_[column[k]];
-      u[a] += sum;
-    }
-    return u;
+    return blocks_->product<D>(c, s_.data()) + Local<D>(p_.u_free.segment<D>(c * D));
   }
   void set(int c, const Local<D>& s) { s_.segment<D>(c * D) = s; }
 
  private:
   const ContactProblem& p_;
+  std::shared_ptr<const DelassusBlocks> blocks_;
   Vector s_;
 };
 
@@ -304,18 +297,21 @@ class DiskSweep {
   mutable Vector gathered_;
 };
 
-/// Calls f with a sweep through W, which is assembled if the problem has none.
+/// Calls f with a sweep through W, whose blocks are made if there are none.
 template <int D, class F>
-decltype(auto) with_explicit_sweep(const ContactProblem& p, F&& f) {
-  if (p.has_delassus()) return f(ExplicitSweep<D>(p));
-  ContactProblem copy = p;
-  copy.W = assemble_delassus(p.A, p.H, p.dim);
-  return f(ExplicitSweep<D>(copy));
+decltype(auto) with_explicit_sweep(const ContactProblem& p,
+                                   std::shared_ptr<const DelassusBlocks> blocks, F&& f) {
+  if (!blocks) {
+    blocks = std::make_shared<DelassusBlocks>(
+        p.has_delassus() ? p.W : assemble_delassus(p.A, p.H, p.dim), D);
+  }
+  return f(ExplicitSweep<D>(p, std::move(blocks)));
 }
 
 /// Calls f with the fastest sweep for the structure of the problem.
 template <int D, class F>
-decltype(auto) with_sweep(const ContactProblem& p, F&& f) {
+decltype(auto) with_sweep(const ContactProblem& p, std::shared_ptr<const DelassusBlocks> blocks,
+                          F&& f) {
   if constexpr (D < 3) {
     if (const auto disks = disk_structure(p)) return f(DiskSweep<D>(p, *disks));
   } else if constexpr (D == 3) {
@@ -324,7 +320,7 @@ decltype(auto) with_sweep(const ContactProblem& p, F&& f) {
   constexpr int kPlanar = D == 1 ? 2 : 3;  // disks: (x, y) without friction, (x, y, spin) with
   if (TwoPassSweep<D, kPlanar>::fits(p)) return f(TwoPassSweep<D, kPlanar>(p));
   if (TwoPassSweep<D, 6>::fits(p)) return f(TwoPassSweep<D, 6>(p));
-  return with_explicit_sweep<D>(p, f);
+  return with_explicit_sweep<D>(p, std::move(blocks), f);
 }
 
 }  // namespace bipot

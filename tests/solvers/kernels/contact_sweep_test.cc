@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
@@ -61,7 +62,7 @@ TEST(ContactSweep, RunVelocitiesFollowTheImpulses) {
 
 TEST(ContactSweep, ExplicitVelocitiesFollowTheImpulses) {
   const ContactProblem p = manufactured_problem(3, 6, 9, 2).problem;
-  follows<3>(ExplicitSweep<3>(p), p);
+  follows<3>(ExplicitSweep<3>(p, std::make_shared<DelassusBlocks>(p.W, 3)), p);
 }
 
 TEST(ContactSweep, RelaxIsTheProjectionInTwoSteps) {
