@@ -301,9 +301,9 @@ class DiskSweep {
 template <int D, class F>
 decltype(auto) with_explicit_sweep(const ContactProblem& p,
                                    std::shared_ptr<const DelassusBlocks> blocks, F&& f) {
+  if (!blocks && p.has_delassus()) blocks = std::make_shared<DelassusBlocks>(p.W, D);
   if (!blocks) {
-    blocks = std::make_shared<DelassusBlocks>(
-        p.has_delassus() ? p.W : assemble_delassus(p.A, p.H, p.dim), D);
+    blocks = std::make_shared<DelassusBlocks>(assemble_delassus(p.A, p.H, p.dim), D);
   }
   return f(ExplicitSweep<D>(p, std::move(blocks)));
 }
