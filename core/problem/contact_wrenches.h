@@ -8,9 +8,9 @@
 
 namespace bipot {
 
-/// G = H diag(scale) contact by contact: the degrees of freedom that a contact acts on, each with its
-/// d numbers of G. A product visits each of them once, and not once a row of the contact. The terms
-/// of every sum keep their order: with scale 1 the bits are those of products by columns of H.
+/// G = H diag(scale) contact by contact: the degrees of freedom that a contact acts on, each with
+/// its d numbers of G. A product visits each of them once, and not once a row of the contact. The
+/// terms of every sum keep their order: with scale 1 the bits are those of products by columns.
 class ContactWrenches {
  public:
   /// `scale`: m, of the columns of H; empty: 1. `dim`: rows of a contact.
@@ -20,6 +20,7 @@ class ContactWrenches {
   /// Entries begin(c) .. end(c) - 1 are of contact c, by ascending degree of freedom.
   int begin(int contact) const { return start_[to_size(contact)]; }
   int end(int contact) const { return start_[to_size(contact) + 1]; }
+  int size() const { return static_cast<int>(dof_.size()); }  ///< entries of all contacts
   int dof(int entry) const { return dof_[to_size(entry)]; }
   const double* row(int entry) const { return wrench_.data() + to_size(entry) * to_size(dim_); }
 

@@ -17,75 +17,42 @@
 namespace bipot {
 namespace {
 
-/// Effect of one contact on one degree of freedom: a row of H restricted to the contact.
+/// By degree of freedom: the contacts that act on it, ascending, each with its row of H.
 template <int D>
-struct DofEntry {
-  int index = 0;  // the degree of freedom in a contact's list, the contact in a dof's list
-  double h[to_size(D)] = {};
-};
-
-/// Lists of DofEntry, compressed.
-template <int D>
-struct EntryLists {
+struct ContactRowsOfDofs {
+  struct Entry {
+    int contact = 0;
+    double h[to_size(D)] = {};
+  };
   std::vector<int> start;
-  std::vector<DofEntry<D>> entries;
+  std::vector<Entry> entries;
 
-  std::span<const DofEntry<D>> of(int k) const {
-    return {entries.data() + start[to_size(k)], entries.data() + start[to_size(k) + 1]};
-  }
-};
-
-/// By contact: the degrees of freedom it acts on, ascending.
-template <int D>
-EntryLists<D> entries_by_contact(const SparseMatrix& H) {
-  const int contacts = static_cast<int>(H.cols()) / D;
-  EntryLists<D> lists;
-  lists.start.reserve(to_size(contacts) + 1);
-  lists.start.push_back(0);
-  lists.entries.reserve(to_size(H.nonZeros()));
-  const auto less = [](const DofEntry<D>& e, int dof) { return e.index < dof; };
-  for (int c = 0; c < contacts; ++c) {
-    for (int a = 0; a < D; ++a) {
-      for (SparseMatrix::InnerIterator it(H, c * D + a); it; ++it) {
-        const auto begin = lists.entries.begin() + lists.start[to_size(c)];
-        auto at = std::lower_bound(begin, lists.entries.end(), static_cast<int>(it.row()), less);
-        if (at == lists.entries.end() || at->index != it.row()) {
-          at = lists.entries.insert(at, {static_cast<int>(it.row()), {}});
-        }
-        at->h[a] += it.value();
+  ContactRowsOfDofs(const ContactWrenches& wrenches, int dofs) : start(to_size(dofs) + 1, 0) {
+    const int size = wrenches.size();
+    for (int k = 0; k < size; ++k) ++start[to_size(wrenches.dof(k)) + 1];
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    entries.resize(to_size(size));
+    std::vector<int> next(start.begin(), start.end() - 1);
+    for (int c = 0; c < wrenches.num_contacts(); ++c) {
+      for (int k = wrenches.begin(c); k < wrenches.end(c); ++k) {
+        Entry& entry = entries[to_size(next[to_size(wrenches.dof(k))]++)];
+        entry.contact = c;
+        std::copy_n(wrenches.row(k), D, entry.h);
       }
     }
-    lists.start.push_back(static_cast<int>(lists.entries.size()));
   }
-  return lists;
-}
-
-/// By degree of freedom: the contacts that act on it, ascending.
-template <int D>
-EntryLists<D> transposed(const EntryLists<D>& by_contact, int dofs) {
-  EntryLists<D> lists;
-  lists.start.assign(to_size(dofs) + 1, 0);
-  for (const DofEntry<D>& e : by_contact.entries) ++lists.start[to_size(e.index) + 1];
-  std::partial_sum(lists.start.begin(), lists.start.end(), lists.start.begin());
-  lists.entries.resize(by_contact.entries.size());
-  std::vector<int> next(lists.start.begin(), lists.start.end() - 1);
-  for (int c = 0; c + 1 < static_cast<int>(by_contact.start.size()); ++c) {
-    for (DofEntry<D> e : by_contact.of(c)) {
-      int& slot = next[to_size(e.index)];
-      e.index = c;
-      lists.entries[to_size(slot++)] = e;
-    }
+  std::span<const Entry> of(int dof) const {
+    return {entries.data() + start[to_size(dof)], entries.data() + start[to_size(dof) + 1]};
   }
-  return lists;
-}
+};
 
 template <int D>
 SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
   const int rows = static_cast<int>(H.cols());
   const int contacts = rows / D;
   const Vector inverse_mass = A.diagonal().cwiseInverse();
-  const EntryLists<D> by_contact = entries_by_contact<D>(H);
-  const EntryLists<D> by_dof = transposed<D>(by_contact, static_cast<int>(H.rows()));
+  const ContactWrenches by_contact(H, D);
+  const ContactRowsOfDofs<D> by_dof(by_contact, static_cast<int>(H.rows()));
 
   // First pass: the contacts coupled to each contact through a shared degree of freedom.
   std::vector<int> neighbour_start{0}, neighbours;
@@ -94,12 +61,12 @@ SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
   std::vector<int> last_seen(to_size(contacts), -1);
   for (int c = 0; c < contacts; ++c) {
     const std::size_t first = neighbours.size();
-    for (const DofEntry<D>& mine : by_contact.of(c)) {
-      for (const DofEntry<D>& other : by_dof.of(mine.index)) {
-        int& seen = last_seen[to_size(other.index)];
+    for (int k = by_contact.begin(c); k < by_contact.end(c); ++k) {
+      for (const auto& other : by_dof.of(by_contact.dof(k))) {
+        int& seen = last_seen[to_size(other.contact)];
         if (seen == c) continue;
         seen = c;
-        neighbours.push_back(other.index);
+        neighbours.push_back(other.contact);
       }
     }
     std::sort(neighbours.begin() + static_cast<std::ptrdiff_t>(first), neighbours.end());
@@ -126,12 +93,13 @@ SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
       }
     }
     std::fill(value, value + D * row_length, 0.0);
-    for (const DofEntry<D>& mine : by_contact.of(c)) {
-      const double weight = inverse_mass[mine.index];
-      for (const DofEntry<D>& other : by_dof.of(mine.index)) {
-        double* block = value + slot[to_size(other.index)] * D;
+    for (int k = by_contact.begin(c); k < by_contact.end(c); ++k) {
+      const double* const mine = by_contact.row(k);
+      const double weight = inverse_mass[by_contact.dof(k)];
+      for (const auto& other : by_dof.of(by_contact.dof(k))) {
+        double* block = value + slot[to_size(other.contact)] * D;
         for (int a = 0; a < D; ++a) {
-          for (int b = 0; b < D; ++b) block[a * row_length + b] += mine.h[a] * other.h[b] * weight;
+          for (int b = 0; b < D; ++b) block[a * row_length + b] += mine[a] * other.h[b] * weight;
         }
       }
     }
@@ -231,8 +199,8 @@ void DelassusOperator::add_impulses(const double* s) const {
   velocity_.setZero();
   for (const auto& c : prepared_->bodies<D>()->contacts) {
     const Push<D> p = push<D>(c, s);
-    p.add(1, v + BodyPlace<D>::kSize * c.i);
-    p.add(-1, v + BodyPlace<D>::kSize * c.j);
+    p.add(1, 1, v + BodyPlace<D>::kSize * c.i);
+    p.add(-1, 1, v + BodyPlace<D>::kSize * c.j);
     s += D;
   }
 }
@@ -250,7 +218,7 @@ void DelassusOperator::add_impulses_by_body(const double* s) const {
       for (int k = made.side_start[to_size(body)]; k < made.side_start[to_size(body) + 1]; ++k) {
         const int c = made.side[to_size(k)] / 2;
         const Push<D> p = push<D>(bodies.contacts[to_size(c)], s + D * c);
-        p.add(made.side[to_size(k)] % 2 == 0 ? 1 : -1, sum);
+        p.add(made.side[to_size(k)] % 2 == 0 ? 1 : -1, 1, sum);
       }
       std::copy_n(sum, kSize, velocity_.data() + kSize * body);
     }

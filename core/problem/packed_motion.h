@@ -18,10 +18,11 @@ template <int D>
 struct Push {
   double force[3] = {0, 0, 0}, spin[3] = {0, 0, 0};
 
-  /// Adds to a body: the force times `sign`, and the moment.
-  void add(double sign, double* v) const {
-    for (int x = 0; x < BodyPlace<D>::kForces; ++x) v[x] += sign * force[x];
-    for (int x = 0; x < BodyPlace<D>::kTorques; ++x) v[BodyPlace<D>::kSpin + x] -= spin[x];
+  /// Adds to a body: `along` times the force, `about` times the moment. `along` is negative for
+  /// body j.
+  void add(double along, double about, double* v) const {
+    for (int x = 0; x < BodyPlace<D>::kForces; ++x) v[x] += along * force[x];
+    for (int x = 0; x < BodyPlace<D>::kTorques; ++x) v[BodyPlace<D>::kSpin + x] -= about * spin[x];
   }
 };
 template <int D>
@@ -70,7 +71,7 @@ inline void relative_velocity(const SphereStructure::Contact& c, const double* v
   double v[3], w[3], turned[3];
   for (int x = 0; x < 3; ++x) {
     v[x] = vi[x] - vj[x];
-    w[x] = vi[4 + x] + vj[4 + x];
+    w[x] = vi[BodyPlace<D>::kSpin + x] + vj[BodyPlace<D>::kSpin + x];
   }
   cross(w, c.frame[0], turned);
   const auto along = [&](int k, const double* of) {

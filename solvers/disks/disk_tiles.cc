@@ -160,16 +160,14 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
 }
 
 template <int D>
-Eigen::Matrix3d DiskTiles<D>::frame(int lane) const {
+Eigen::Matrix3d DiskTiles<D>::frame(int lane) const requires(D == 3) {
+  const auto& from = bodies_->contacts[to_size(contact(lane))].frame;
+  const ContactBatch<D>& batch = contacts_[to_size(lane / kLanes)];
+  double along = 0;
+  for (int x = 0; x < 3; ++x) along += batch.n[x][lane % kLanes] * from[0][x];
   Eigen::Matrix3d frame;
-  if constexpr (D == 3) {
-    const auto& from = bodies_->contacts[to_size(contact(lane))].frame;
-    const ContactBatch<D>& batch = contacts_[to_size(lane / kLanes)];
-    double along = 0;
-    for (int x = 0; x < 3; ++x) along += batch.n[x][lane % kLanes] * from[0][x];
-    for (int k = 0; k < 3; ++k) {
-      for (int x = 0; x < 3; ++x) frame(k, x) = std::copysign(1.0, along) * from[k][x];
-    }
+  for (int k = 0; k < 3; ++k) {
+    for (int x = 0; x < 3; ++x) frame(k, x) = std::copysign(1.0, along) * from[k][x];
   }
   return frame;
 }

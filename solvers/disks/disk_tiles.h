@@ -25,9 +25,9 @@ inline void put_inverses(const SphereRow& inverse, SphereRow& velocity) {
 template <int D>
 class DiskTiles {
  public:
-  /// `scaling`: the variables x = impulse ∘ s of the kernels, with impulse = 1 / velocity. Ratios and friction coefficients that
-  /// are equal to rounding (16 ε) are taken as equal, so that few LawBatch serve all. In space
-  /// `bodies` must live as long: impulses are turned by its frames.
+  /// `scaling`: the variables x = impulse ∘ s of the kernels, with impulse = 1 / velocity. Ratios
+  /// and friction coefficients that are equal to rounding (16 ε) are taken as equal, so that few
+  /// LawBatch serve all. In space `bodies` must live as long: its frames turn impulses.
   DiskTiles(const ContactProblem& problem, const BodiesOf<D>& bodies, const ContactScaling& scaling)
       : DiskTiles(problem, bodies, scaling, tile_contacts(bodies)) {}
   /// The same with given tiles. `threads`: at most, of the functions below.
@@ -88,8 +88,8 @@ class DiskTiles {
   Pipeline pipeline(int threads, Streamed bytes) const;
 
  private:
-  /// For D = 3, of the contact in a lane: the rows are n, t1 and t2, with the lane's normal.
-  Eigen::Matrix3d frame(int lane) const;
+  /// Of the contact in a lane: the rows are n, t1 and t2, with the lane's normal.
+  Eigen::Matrix3d frame(int lane) const requires(D == 3);
   int law_number(const LawBatch& law);
   std::size_t in_all(Streamed bytes) const;
 

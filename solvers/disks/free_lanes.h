@@ -7,6 +7,9 @@
 
 namespace bipot {
 
+/// Least distance of two batches with the same body: the kernels process two at once.
+inline constexpr int kBatchGap = 2;
+
 /// Batches of kLanes in the course of filling.
 class FreeLanes {
  public:

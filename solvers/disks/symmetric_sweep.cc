@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
+#include "solvers/disks/contact_order.h"
 
 namespace bipot {
 template <int D>

@@ -13,9 +13,9 @@ namespace bipot {
 
 /// Symmetric Gauss-Seidel with momentum for disks or spheres (D = 3), vectorised, in the order of
 /// symmetric_order(). In large packings the lanes of a vector hold contacts of several rows, each
-/// row some contacts behind the one before it. For every contact and body the result is that of sweeps
-/// contact after contact. Any number of threads (sweep_schedule.h) and all paths of disk_kernels.h
-/// give the same bits.
+/// row some contacts behind the one before it. For every contact and body the result is that of
+/// sweeps contact after contact. Any number of threads (sweep_schedule.h) and all paths of
+/// disk_kernels.h give the same bits.
 template <int D>
 class SymmetricSweep {
  public:

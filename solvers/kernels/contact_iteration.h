@@ -23,7 +23,7 @@ void iterate_jacobi(SolveRun& run, double step, const Update& update) {
 template <int D, class Update>
 void iterate_gauss_seidel(SolveRun& run, double step, const Update& update) {
   const ContactProblem& p = run.problem();
-  with_sweep<D>(p, {}, [&](auto sweep) {
+  with_sweep<D>(p, run.delassus(), [&](auto sweep) {
     sweep.reset(run.start());
     int iteration = 0;
     while (!(run.due(iteration) && run.stop(iteration, sweep.impulse(), step))) {

@@ -297,10 +297,11 @@ class DiskSweep {
   mutable Vector gathered_;
 };
 
-/// Calls f with a sweep through W, whose blocks are made if there are none.
+/// Calls f with a sweep through W, whose blocks are made if the operator has none.
 template <int D, class F>
-decltype(auto) with_explicit_sweep(const ContactProblem& p,
-                                   std::shared_ptr<const DelassusBlocks> blocks, F&& f) {
+decltype(auto) with_explicit_sweep(const ContactProblem& p, const DelassusOperator& delassus,
+                                   F&& f) {
+  std::shared_ptr<const DelassusBlocks> blocks = delassus.blocks();
   if (!blocks && p.has_delassus()) blocks = std::make_shared<DelassusBlocks>(p.W, D);
   if (!blocks) {
     blocks = std::make_shared<DelassusBlocks>(assemble_delassus(p.A, p.H, p.dim), D);
@@ -310,17 +311,16 @@ decltype(auto) with_explicit_sweep(const ContactProblem& p,
 
 /// Calls f with the fastest sweep for the structure of the problem.
 template <int D, class F>
-decltype(auto) with_sweep(const ContactProblem& p, std::shared_ptr<const DelassusBlocks> blocks,
-                          F&& f) {
+decltype(auto) with_sweep(const ContactProblem& p, const DelassusOperator& delassus, F&& f) {
   if constexpr (D < 3) {
-    if (const auto disks = disk_structure(p)) return f(DiskSweep<D>(p, *disks));
+    if (const auto& disks = delassus.disks()) return f(DiskSweep<D>(p, *disks));
   } else if constexpr (D == 3) {
-    if (const auto spheres = sphere_structure(p)) return f(SphereSweep(p, *spheres));
+    if (const auto& spheres = delassus.bodies<3>()) return f(SphereSweep(p, *spheres));
   }
   constexpr int kPlanar = D == 1 ? 2 : 3;  // disks: (x, y) without friction, (x, y, spin) with
   if (TwoPassSweep<D, kPlanar>::fits(p)) return f(TwoPassSweep<D, kPlanar>(p));
   if (TwoPassSweep<D, 6>::fits(p)) return f(TwoPassSweep<D, 6>(p));
-  return with_explicit_sweep<D>(p, std::move(blocks), f);
+  return with_explicit_sweep<D>(p, delassus, f);
 }
 
 }  // namespace bipot

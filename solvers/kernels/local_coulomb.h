@@ -38,8 +38,8 @@ Local<D> steps_of(const LocalProblem<D>& p) {
 /// Improves s by `iterations` rounds of two half steps. First s_n <- max(0, s_n - omega u_n/W_nn),
 /// with u_t updated. Then s_t <- s_t - omega u_t/lambda_max(W_tt), cut off at mu s_n. Each half
 /// minimises (or majorises and minimises) along its coordinates. One round with omega = 1 is exact
-/// for a diagonal block with equal tangents. Rolling and spin are two steps more. `u` is the velocity
-/// at s.
+/// for a diagonal block with equal tangents. Rolling and spin are two steps more. `u` is the
+/// velocity at s. Inline: sweeps call it for every contact.
 template <ContactRows D>
 [[gnu::always_inline]] inline Local<D> improve_local(const LocalProblem<D>& p, Local<D> s,
                                                      Local<D> u, double omega, int iterations) {

@@ -72,9 +72,9 @@ void with_local_updates(const ContactProblem& p, const DelassusOperator& delassu
   LocalUpdates<D> update(p, delassus, settings);
   const auto call = [&](auto sweep) { f(sweep, [&](int c) { update(c, sweep); }); };
   if (explicit_delassus) {
-    with_explicit_sweep<D>(p, delassus.blocks(), call);
+    with_explicit_sweep<D>(p, delassus, call);
   } else {
-    with_sweep<D>(p, delassus.blocks(), call);
+    with_sweep<D>(p, delassus, call);
   }
 }
 

@@ -8,7 +8,8 @@
 
 namespace bipot {
 
-/// The two-pass form of contact_sweep.h for spheres (sphere_structure.h): 144 bytes for each contact.
+/// The two-pass form of contact_sweep.h for spheres (sphere_structure.h): 144 bytes for each
+/// contact.
 class SphereSweep {
  public:
   SphereSweep(const ContactProblem& p, const SphereStructure& spheres)
@@ -53,8 +54,9 @@ class SphereSweep {
     const Local<3> change = s - k.s;
     k.s = s;
     const Push<3> p = push<3>(k.map, change.data());
-    bodies_[to_size(k.map.i)].move(p, 1);
-    bodies_[to_size(k.map.j)].move(p, -1);
+    Body &i = bodies_[to_size(k.map.i)], &j = bodies_[to_size(k.map.j)];
+    p.add(i.of.inverse_mass, i.of.inverse_inertia, i.velocity);
+    p.add(-j.of.inverse_mass, j.of.inverse_inertia, j.velocity);
   }
 
  private:
@@ -65,13 +67,6 @@ class SphereSweep {
   struct Body {
     double velocity[to_size(BodyPlace<3>::kSize)] = {};
     SphereStructure::Body of;
-
-    void move(const Push<3>& p, double sign) {
-      for (int x = 0; x < 3; ++x) {
-        velocity[x] += sign * of.inverse_mass * p.force[x];
-        velocity[BodyPlace<3>::kSpin + x] -= of.inverse_inertia * p.spin[x];
-      }
-    }
   };
 
   std::vector<Contact> contacts_;

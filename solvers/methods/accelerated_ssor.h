@@ -66,7 +66,7 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 ///
 /// Limits: with friction convergence is not proved. Disks and spheres run in vectors, with contacts
 /// along the rows or, if that leaves lanes empty, in the order that fills them
-/// (solvers/disks/contact_tiles.h). Every path and any number of threads give the same bits. Other
+/// (solvers/disks/contact_order.h). Every path and any number of threads give the same bits. Other
 /// problems run contact after contact in the given order on one thread.
 void solve_accelerated_ssor(SolveRun& run);
 

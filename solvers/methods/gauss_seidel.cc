@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
+#include "solvers/disks/contact_order.h"
 #include "solvers/disks/rolling_disks.h"
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_scaling.h"

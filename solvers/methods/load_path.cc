@@ -196,7 +196,7 @@ class LoadPath {
       if (--above_[to_size(other)] == 0) queue_.push_back(other);
     }
   }
-  /// Finds the body's supports and sets their impulses. Returns twice the energy of the motion left.
+  /// Finds the body's supports, sets their impulses. Returns twice the energy of the motion left.
   double held(int body, std::vector<Support>& supports) {
     const Motion mass = at(mass_, body), inverse = mass.cwiseInverse();
     Motion v = at(p_.v_free, body);

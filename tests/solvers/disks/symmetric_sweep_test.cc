@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
+#include "solvers/disks/contact_order.h"
 #include "solvers/kernels/contact_sweep.h"
 #include "tests/support/lattice_problem.h"
 
@@ -38,8 +39,8 @@ Vector iterated(const Prepared& at, const Execution& execution, double& turn, in
   return sweep.impulse();
 }
 
-/// Rows of a packing whose order is cut into strips: with R rows it has 3 R² contacts in 7 R levels,
-/// and 4 strips of 40 contacts a level need R > 373.
+/// Rows of a packing whose order is cut into strips: with R rows it has 3 R² contacts in 7 R
+/// levels, and 4 strips of 40 contacts a level need R > 373.
 constexpr int kWide = 380;
 
 void check_order(int rows_of_packing) {

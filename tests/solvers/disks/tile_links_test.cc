@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
+#include "solvers/disks/contact_order.h"
 #include "solvers/disks/disk_kernels.h"
 #include "tests/support/lattice_problem.h"
 

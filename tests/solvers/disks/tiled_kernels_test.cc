@@ -12,6 +12,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
+#include "solvers/disks/contact_order.h"
 #include "solvers/disks/rolling_disks.h"
 #include "solvers/disks/symmetric_sweep.h"
 #include "solvers/disks/tiled_gradient.h"
