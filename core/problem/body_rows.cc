@@ -38,9 +38,8 @@ std::optional<BodyRows> find_body_rows(const ContactProblem& p) {
   for (const int per_body : d == 1 ? std::vector{2, 3} : std::vector{d == 2 ? 3 : 6}) {
     BodyRows rows{.per_body = per_body, .translations = d == 1 ? 2 : d};
     // A few rows of walls could also be rows of another body: their number is searched.
-    constexpr int kMaxWalls = 24;
-    for (rows.walls = p.num_dofs() % rows.per_body; rows.walls <= std::min(kMaxWalls, p.num_dofs());
-         rows.walls += rows.per_body) {
+    for (rows.walls = p.num_dofs() % rows.per_body;
+         rows.walls <= std::min(kMostWalls, p.num_dofs()); rows.walls += rows.per_body) {
       rows.bodies = (p.num_dofs() - rows.walls) / rows.per_body;
       if (has_unit_normals(p, rows)) return rows;
     }

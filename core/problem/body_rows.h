@@ -6,10 +6,28 @@
 
 namespace bipot {
 
+/// More single rows than these are not taken for walls.
+inline constexpr int kMostWalls = 24;
+
 /// Rows of H that are forces on bodies. First come `bodies` rigid bodies, each with its
 /// translations first; then single translations (driven walls).
 struct BodyRows {
   int bodies = 0, per_body = 0, translations = 0, walls = 0;
+};
+
+/// The body or wall that owns a row: `bodies` of kPerBody rows each, then walls of one.
+template <int kPerBody>
+struct RowOwners {
+  int bodies = 0;
+
+  int of(int row) const {
+    return row < kPerBody * bodies ? row / kPerBody : row - (kPerBody - 1) * bodies;
+  }
+  /// Among the rows of its owner.
+  int place(int row) const { return row < kPerBody * bodies ? row % kPerBody : 0; }
+  int first_row(int owner) const {
+    return owner < bodies ? kPerBody * owner : owner + (kPerBody - 1) * bodies;
+  }
 };
 
 /// Rows for each body, by plain_dim(): 2 for d = 1 (x, y; 3 with clusters), 3 for d = 2 (x, y, spin), 6 for d = 3.

@@ -1,10 +1,12 @@
 #include "core/problem/sphere_structure.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "core/base/types.h"
+#include "core/problem/body_rows.h"
 
 namespace bipot {
 namespace {
@@ -18,26 +20,35 @@ double dot3(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1]
 
 class SphereReader {
  public:
-  explicit SphereReader(const ContactProblem& p) : p_(p) {}
+  SphereReader(const ContactProblem& p, const Vector& mass, int walls)
+      : p_(p),
+        mass_(mass),
+        owners_{(p.num_dofs() - walls) / kOfBody},
+        wall_normal_(to_size(walls), Vec3::Zero()) {
+    out_.walls = walls;
+  }
 
   std::optional<SphereStructure> read() {
-    if (p_.num_dofs() % kOfBody != 0 || !is_diagonal(p_.A)) return {};
-    const int bodies = p_.num_dofs() / kOfBody;
-    const Vector mass = p_.A.diagonal();
-    for (int k = 0; k < p_.num_dofs(); ++k) {
-      if (mass[k] != mass[k / 3 * 3]) return {};
+    const int bodies = owners_.bodies;
+    for (int k = 0; k < bodies * kOfBody; ++k) {
+      if (mass_[k] != mass_[k / 3 * 3]) return {};
     }
-    out_.bodies.resize(to_size(bodies) + 1);
-    out_.contacts.resize(to_size(p_.num_contacts()));
+    out_.contacts.reserve(to_size(p_.num_contacts()));
     arm_.assign(to_size(bodies), kNaN);
     for (int c = 0; c < p_.num_contacts(); ++c) {
       if (!read_contact(c)) return {};
     }
+    out_.bodies.resize(to_size(bodies + out_.walls) + 1);
     for (int k = 0; k < bodies; ++k) {
       SphereStructure::Body& body = out_.bodies[to_size(k)];
       const double arm = arm_[to_size(k)];
-      body.inverse_mass = 1 / mass[k * kOfBody];
-      if (arm == arm) body.inverse_inertia = arm * arm / mass[k * kOfBody + 3];
+      body.inverse_mass = 1 / mass_[k * kOfBody];
+      if (arm == arm) body.inverse_inertia = arm * arm / mass_[k * kOfBody + 3];
+    }
+    for (int k = bodies; k < out_.surroundings(); ++k) {
+      SphereStructure::Body& wall = out_.bodies[to_size(k)];
+      wall.inverse_mass = 1 / mass_[owners_.first_row(k)];
+      wall.inverse_inertia = -wall.inverse_mass;
     }
     return std::move(out_);
   }
@@ -54,7 +65,7 @@ class SphereReader {
     for (int k = 0; k < 3; ++k) {
       for (SparseMatrix::InnerIterator it(p_.H, c * 3 + k); it; ++it) {
         if (it.value() == 0) continue;
-        const int owner = static_cast<int>(it.row()) / kOfBody;
+        const int row = static_cast<int>(it.row()), owner = owners_.of(row);
         int side = 0;
         if (body[0] < 0) body[0] = owner;
         if (owner != body[0]) {
@@ -62,26 +73,27 @@ class SphereReader {
           if (body[1] < 0) body[1] = owner;
           if (owner != body[1]) return false;
         }
-        columns.side[k][side][it.row() % kOfBody] = it.value();
+        columns.side[k][side][owners_.place(row)] = it.value();
       }
     }
-    if (body[0] < 0) return false;
-    const int sides = body[1] >= 0 ? 2 : 1;
-    SphereStructure::Contact& contact = out_.contacts[to_size(c)];
+    if (body[0] < 0 || body[0] >= owners_.bodies) return false;
+    SphereStructure::Contact& contact = out_.contacts.emplace_back();
     contact.i = body[0];
-    contact.j = sides == 2 ? body[1] : out_.surroundings();
-    return read_frame(columns, sides, contact) && read_arms(columns, sides, body, contact);
+    contact.j = body[1] >= 0 ? body[1] : owners_.bodies + out_.walls;
+    const int spheres = contact.j < owners_.bodies ? 2 : 1;
+    return read_frame(columns, spheres, contact) && read_arms(columns, spheres, body, contact) &&
+           (body[1] < owners_.bodies || read_wall(columns, contact));
   }
 
   /// Forces on the bodies: an orthonormal frame, opposite on the second one.
-  static bool read_frame(const Columns& columns, int sides, SphereStructure::Contact& contact) {
+  static bool read_frame(const Columns& columns, int spheres, SphereStructure::Contact& contact) {
     for (int k = 0; k < 3; ++k) {
       const double* const force = columns.side[k][0];
       const double length = std::sqrt(dot3(force, force));
       if (!(length > 0)) return false;
       for (int x = 0; x < 3; ++x) {
         contact.frame[k][x] = force[x] / length;
-        if (sides == 2 && !near(columns.side[k][1][x], -force[x], length)) return false;
+        if (spheres == 2 && !near(columns.side[k][1][x], -force[x], length)) return false;
       }
       for (int before = 0; before < k; ++before) {
         if (!near(dot3(contact.frame[k], contact.frame[before]), 0, 1)) return false;
@@ -93,10 +105,10 @@ class SphereReader {
   }
 
   /// Torques: none of the normal force, -arm n x t of a tangential one on either body.
-  bool read_arms(const Columns& columns, int sides, const int body[2],
+  bool read_arms(const Columns& columns, int spheres, const int body[2],
                  const SphereStructure::Contact& contact) {
     const double* const n = contact.frame[0];
-    for (int side = 0; side < sides; ++side) {
+    for (int side = 0; side < spheres; ++side) {
       double& arm = arm_[to_size(body[side])];
       for (int k = 0; k < 3; ++k) {
         const double* const torque = columns.side[k][side] + 3;
@@ -114,16 +126,37 @@ class SphereReader {
     return true;
   }
 
+  /// A driven wall: pushed by the normal force alone, with the normal of its contacts before.
+  bool read_wall(const Columns& columns, const SphereStructure::Contact& contact) {
+    if (!near(std::abs(columns.side[0][1][0]), contact.normal, contact.normal)) return false;
+    for (int k = 1; k < 3; ++k) {
+      if (!near(columns.side[k][1][0], 0, contact.tangential)) return false;
+    }
+    Vec3& normal = wall_normal_[to_size(contact.j - owners_.bodies)];
+    const Vec3 n = Eigen::Map<const Vec3>(contact.frame[0]);
+    if (normal.isZero(0)) normal = n;
+    return (n - normal).lpNorm<Eigen::Infinity>() <= kTolerance;
+  }
+
   const ContactProblem& p_;
+  const Vector& mass_;
+  const RowOwners<kOfBody> owners_;
   SphereStructure out_;
-  std::vector<double> arm_;  // NaN until a contact has shown it
+  std::vector<Vec3> wall_normal_;  // zero until a contact has shown it
+  std::vector<double> arm_;        // NaN until a contact has shown it
 };
 
 }  // namespace
 
 std::optional<SphereStructure> sphere_structure(const ContactProblem& p) {
-  if (!p.has_velocities() || p.dim != 3 || p.rolls()) return {};
-  return SphereReader(p).read();
+  if (!p.has_velocities() || p.dim != 3 || p.rolls() || !is_diagonal(p.A)) return {};
+  // Some walls could also be a body: their number is searched.
+  const int most = std::min(kMostWalls, p.num_dofs());
+  const Vector mass = p.A.diagonal();
+  for (int walls = p.num_dofs() % kOfBody; walls <= most; walls += kOfBody) {
+    if (auto spheres = SphereReader(p, mass, walls).read()) return spheres;
+  }
+  return {};
 }
 
 }  // namespace bipot

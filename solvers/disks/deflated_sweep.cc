@@ -31,7 +31,7 @@ DeflatedSweep::DeflatedSweep(SymmetricSweep<2>& sweep, const DiskStructure& disk
   for (std::size_t row = 0; row < mass_.size(); ++row) {
     for (int k = 0; k < 4; ++k) {
       const double inverse = sweep.disks().inverse()[row].value[k];
-      mass_[row].value[k] = inverse > 0 ? 1 / inverse : 0;
+      mass_[row].value[k] = inverse != 0 ? 1 / inverse : 0;
     }
   }
 }

@@ -11,7 +11,7 @@ DiskPositions disk_positions(const DiskStructure& disks, double apart) {
   const auto each_side = [&](auto&& visit) {
     for (int c = 0; c < static_cast<int>(disks.contacts.size()); ++c) {
       const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
-      if (contact.j == bodies) continue;
+      if (contact.j >= disks.first_wall()) continue;
       visit(contact.i, c);
       visit(contact.j, c);
     }

@@ -42,7 +42,11 @@ constexpr int kSlots[] = {kRowX, kRowSpin, kRowY};
 
 int row_at(unsigned offset) { return static_cast<int>(offset / sizeof(BodyRow)); }
 
-bool is_fixed(const DiskTiles<2>& tiles, int row) { return tiles.inverse()[row].value[kRowX] == 0; }
+/// Surroundings and walls: they have no stress.
+bool is_outside(const DiskTiles<2>& tiles, int row) {
+  const BodyRow& inverse = tiles.inverse()[row];
+  return inverse.value[kRowX] == 0 || inverse.value[kRowSpin] < 0;
+}
 
 }  // namespace
 
@@ -179,13 +183,13 @@ void StressModes::list_contacts() {
   });
   const auto may_carry = [&](int i, int j) {
     if (!placed(i) || range[to_size(i)].wide()) return false;
-    return is_fixed(tiles_, j) || (placed(j) && !range[to_size(j)].wide());
+    return is_outside(tiles_, j) || (placed(j) && !range[to_size(j)].wide());
   };
   first_.assign(to_size(rows) + 1, 0);
   each_lane([&](int, int i, int j) {
     if (!may_carry(i, j)) return;
     ++first_[to_size(i) + 1];
-    if (!is_fixed(tiles_, j)) ++first_[to_size(j) + 1];
+    if (!is_outside(tiles_, j)) ++first_[to_size(j) + 1];
   });
   for (int row = 0; row < rows; ++row) first_[to_size(row) + 1] += first_[to_size(row)];
   lane_.resize(to_size(first_.back()));
@@ -193,7 +197,7 @@ void StressModes::list_contacts() {
   each_lane([&](int lane, int i, int j) {
     if (!may_carry(i, j)) return;
     lane_[to_size(next[to_size(i)]++)] = lane;
-    if (!is_fixed(tiles_, j)) lane_[to_size(next[to_size(j)]++)] = lane;
+    if (!is_outside(tiles_, j)) lane_[to_size(next[to_size(j)]++)] = lane;
   });
 }
 
@@ -241,7 +245,7 @@ bool StressModes::renew(std::span<const ImpulseBatch<2>> x) {
     const double normal = x[to_size(batch)].x[0][at], tangential = x[to_size(batch)].x[1][at];
     const bool within =
         normal > 0 && std::abs(tangential) < tiles_.laws()[law[batch]].mu[at] * normal;
-    const bool pair = !is_fixed(tiles_, row_at(contacts[batch].j[at]));
+    const bool pair = !is_outside(tiles_, row_at(contacts[batch].j[at]));
     return !within ? 0 : pair ? 0.5 : 1;
   };
   std::atomic<std::size_t> changed = 0;

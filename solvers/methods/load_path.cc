@@ -274,7 +274,9 @@ void solve_load_path(SolveRun& run) {
   if (run.delassus().is_packed()) {
     dispatch_rows(p, [&](auto d) {
       if constexpr (!d().rolls) {
-        LoadPath<d()> path(p, *run.delassus().bodies<d()>());
+        const auto& bodies = *run.delassus().bodies<d()>();
+        if (bodies.walls > 0) return;
+        LoadPath<d()> path(p, bodies);
         refused = path.pass(run);
         if (refused.empty()) s = path.impulse();
       }

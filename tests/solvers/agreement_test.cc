@@ -13,6 +13,7 @@
 #include "core/criterion/contact_error.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/small_problems.h"
@@ -60,6 +61,15 @@ Case lattice(Lattice shape, int rows, double mu, double tilt) {
   return c;
 }
 
+/// A wall of 4 kg is pressed against the lattice; the reference does not know which bodies they are.
+Case pressed(const ContactProblem& packing, const Vector& normal) {
+  Case c{with_driven_wall(packing, normal, 4, 0.1), {}};
+  const SolveResult reference = solve("pgs", local_form(c.problem), {.tol = 1e-11});
+  EXPECT_TRUE(is_success(reference.status)) << reference.message;
+  c.u = reference.u;
+  return c;
+}
+
 using MakeCase = Case (*)();
 const std::map<std::string, MakeCase>& cases() {
   static const std::map<std::string, MakeCase> table = {
@@ -81,6 +91,14 @@ const std::map<std::string, MakeCase>& cases() {
       {"triangular_lattice", [] { return lattice(Lattice::kTriangular, 5, 0.3, 0); }},
       {"tilted_lattice", [] { return lattice(Lattice::kTriangular, 5, 0.3, 30); }},
       {"pyramid", [] { return lattice(Lattice::kPyramid, 4, 0.5, 0); }},
+      {"driven_wall",
+       [] { return pressed(lattice_step(Lattice::kTriangular, 5, 0.3, 20), Vec2(1, 0)); }},
+      {"driven_wall_in_space",
+       [] {
+         return pressed(
+             cubic_lattice(3, {.tilt = 0.3, .radius = 0.5, .mass = 1, .time_step = 1e-2}),
+             Vec3(1, 0, 0));
+       }},
   };
   return table;
 }

@@ -166,4 +166,32 @@ ContactProblem cubic_lattice(int n, const LatticeOptions& options) {
   return b.finish(n * n * n);
 }
 
+ContactProblem with_driven_wall(const ContactProblem& lattice, const Vector& normal, double mass,
+                                double speed) {
+  ContactProblem p = lattice;
+  const int wall = p.num_dofs(), dofs = p.dim == 1 ? 2 : (p.dim == 2 ? 3 : 6);
+  p.A.conservativeResize(wall + 1, wall + 1);
+  p.A.insert(wall, wall) = mass;
+  p.A.makeCompressed();
+  p.H.conservativeResize(wall + 1, p.H.cols());
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const Vector column = p.H.col(c * p.dim);
+    double length2 = 0, along = 0;
+    for (int body = 0; body < wall / dofs; ++body) {
+      const auto force = column.segment(body * dofs, normal.size());
+      length2 += force.squaredNorm();
+      along += force.dot(normal);
+    }
+    const double length = std::sqrt(length2);
+    // Normals of two bodies add up to zero.
+    if (std::abs(along - length) > 1e-9 * length) continue;
+    p.H.insert(wall, c * p.dim) = -length;
+    p.u_free[c * p.dim] -= length * speed;
+  }
+  p.H.makeCompressed();
+  p.v_free.conservativeResize(wall + 1);
+  p.v_free[wall] = speed;
+  return p;
+}
+
 }  // namespace bipot

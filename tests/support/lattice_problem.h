@@ -33,4 +33,9 @@ ContactProblem pyramid(int n, const LatticeOptions& options = {});
 /// n³ spheres on a cubic lattice on a floor between four walls; dim is taken as 3.
 ContactProblem cubic_lattice(int n, const LatticeOptions& options = {});
 
+/// The fixed wall of a lattice with this normal becomes one of `mass` kg that forces drive along it,
+/// as the last degree of freedom; `speed` is its free velocity [m/s].
+ContactProblem with_driven_wall(const ContactProblem& lattice, const Vector& normal, double mass,
+                                double speed);
+
 }  // namespace bipot

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/base/types.h"
 #include "core/problem/delassus.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
@@ -41,6 +42,54 @@ TEST(DiskStructure, GivesTheSameProductsAsH) {
     const Vector expected = p.H.transpose() * Vector((p.H * s).cwiseQuotient(p.A.diagonal()));
     EXPECT_LT((u - expected).norm(), 1e-14 * expected.norm());
   }
+}
+
+// Normal forces alone move the walls, whatever the tangential impulses.
+TEST(DiskStructure, DrivenWallsAreBodies) {
+  for (const int dim : {1, 2}) {
+    const LatticeOptions o{.dim = dim, .turn = 0.3, .e_n = 0.1, .e_t = dim == 2 ? 1.0 : 0.0};
+    const Vec2 up(-std::sin(0.3), std::cos(0.3)), right(std::cos(0.3), std::sin(0.3));
+    ContactProblem p = triangular_lattice(5, o);
+    // Three walls are as many rows as a disk has.
+    for (int walls = 1; walls <= 3; ++walls) {
+      p = with_driven_wall(p, walls == 1 ? up : walls == 2 ? right : Vec2(-right), 3 * walls, 0.1);
+      const DelassusOperator packed(p);
+      ASSERT_TRUE(packed.disks().has_value()) << dim << " " << walls;
+      EXPECT_EQ(packed.disks()->walls, walls);
+      EXPECT_EQ(packed.disks()->surroundings() - packed.disks()->first_wall(), walls);
+      const Vector s = sine_vector(p.num_rows());
+      Vector u;
+      packed.apply(s, u);
+      const Vector expected = p.H.transpose() * Vector((p.H * s).cwiseQuotient(p.A.diagonal()));
+      EXPECT_LT((u - expected).norm(), 1e-14 * expected.norm()) << dim << " " << walls;
+    }
+  }
+}
+
+TEST(DiskStructure, RefusesOtherWalls) {
+  const Vec2 up(0, 1);
+  const ContactProblem p = with_driven_wall(triangular_lattice(4), up, 2, 0);
+  ASSERT_TRUE(disk_structure(p));
+  const int wall = p.num_dofs() - 1;
+  int of_wall = -1, other = -1;  // contacts with the wall, with a fixed one
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    if (p.H.coeff(wall, 2 * c) != 0) {
+      of_wall = c;
+    } else if (disk_structure(p)->contacts[to_size(c)].j == disk_structure(p)->surroundings()) {
+      other = c;
+    }
+  }
+  ASSERT_GE(of_wall, 0);
+  ASSERT_GE(other, 0);
+  ContactProblem dragged = p;  // by friction
+  dragged.H.coeffRef(wall, 2 * of_wall + 1) = 1e-6;
+  EXPECT_FALSE(disk_structure(dragged));
+  ContactProblem lever = p;
+  lever.H.coeffRef(wall, 2 * of_wall) *= 1 + 1e-12;
+  EXPECT_FALSE(disk_structure(lever));
+  ContactProblem two_normals = p;
+  two_normals.H.coeffRef(wall, 2 * other) = -1;
+  EXPECT_FALSE(disk_structure(two_normals));
 }
 
 TEST(DiskStructure, RefusesWhatIsNotADisk) {

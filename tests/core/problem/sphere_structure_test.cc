@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/types.h"
 #include "core/problem/delassus.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
@@ -38,6 +39,36 @@ TEST(SphereStructure, GivesTheSameProductsAsH) {
       EXPECT_EQ(u, first);
     }
   }
+}
+
+// Normal forces alone move the walls, whatever the tangential impulses.
+TEST(SphereStructure, DrivenWallsAreBodies) {
+  ContactProblem p = cubic_lattice(4, {.e_n = 0.1, .e_t = 1});
+  int walls = 0;
+  for (const Vec3& normal : {Vec3(0, 0, 1), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0)}) {
+    p = with_driven_wall(p, normal, 2, 0.1);
+    ++walls;
+  }
+  const Vector s = random_vector(p.num_rows(), 1);
+  const Vector expected = p.H.transpose() * Vector((p.H * s).cwiseQuotient(p.A.diagonal()));
+  for (const int threads : {1, 3}) {
+    const DelassusOperator packed(p, DelassusOperator::Form::kAuto, threads);
+    ASSERT_TRUE(packed.bodies<3>().has_value());
+    EXPECT_EQ(packed.bodies<3>()->walls, walls);
+    Vector u;
+    packed.apply(s, u);
+    EXPECT_LT((u - expected).norm(), 1e-14 * expected.norm());
+  }
+  int c = 0;
+  while (p.H.coeff(p.num_dofs() - 1, 3 * c) == 0) ++c;
+  ContactProblem dragged = p;
+  dragged.H.coeffRef(p.num_dofs() - 1, 3 * c + 2) = 1e-6;
+  EXPECT_FALSE(sphere_structure(dragged).has_value());
+  while (p.H.coeff(p.num_dofs() - 4, 3 * c) == 0) ++c;
+  ContactProblem two_normals = p;
+  two_normals.H.coeffRef(p.num_dofs() - 1, 3 * c) = -1;
+  two_normals.H.coeffRef(p.num_dofs() - 4, 3 * c) = 0;
+  EXPECT_FALSE(sphere_structure(two_normals).has_value());
 }
 
 TEST(SphereStructure, RefusesWhatIsNotASphere) {

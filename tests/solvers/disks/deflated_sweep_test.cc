@@ -82,6 +82,22 @@ TEST(DeflatedSweep, FindsTheSolutionInFewIterations) {
   }
 }
 
+// A side wall that the force on it holds takes stresses like a fixed one; its motion is no part of
+// the deflated operator, which costs iterations.
+TEST(DeflatedSweep, StressesEndOnADrivenWall) {
+  const ContactProblem fixed = leaning_rows(50);
+  const Vec2 normal(-1, 0);
+  const int wall = fixed.num_dofs();
+  const ContactProblem light = with_driven_wall(fixed, normal, 1, 0);
+  const double force = -light.H.row(wall).dot(solve("assor", fixed, {.tol = 1e-8}).s);
+  ASSERT_GT(force, 0);
+  Deflatable at(with_driven_wall(fixed, normal, 1, force));
+  ASSERT_EQ(at.disks().walls, 1);
+  const Vector start = settled(at);
+  ASSERT_GT(at.error(start).guarded(), 0.05);
+  EXPECT_LT(at.error(deflated_from(at, start, 100, {})).guarded(), 1e-5);
+}
+
 // Forth and back from y are those of the accelerated iteration without momentum.
 TEST(DeflatedSweep, BeginsWithTheSymmetricSweep) {
   const Deflatable at(leaning_rows(40));

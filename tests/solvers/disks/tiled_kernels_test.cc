@@ -36,6 +36,12 @@ ContactProblem packing(int dim, bool square = false, int side = 30) {
   return square ? square_lattice(side, o) : triangular_lattice(side, o);
 }
 
+/// On a floor that forces drive.
+ContactProblem pressed(const ContactProblem& lattice) {
+  return with_driven_wall(lattice, Vector::Unit(lattice.dim == 3 ? 3 : 2, lattice.dim == 3 ? 2 : 1),
+                          0.05, 0.01);
+}
+
 /// With rolling friction, one contact without, arms of three lengths, and free spins that differ.
 ContactProblem rolling_packing(bool square, int side) {
   Scene<2> scene = make_family_scene(square ? "square" : "triangular", side,
@@ -116,14 +122,15 @@ bool same_bits(const Vector& a, const Vector& b) {
 template <int D>
 std::vector<ContactProblem> packings() {
   if constexpr (D == 3) {
-    return {packing(3, true, 9), packing(3, true, 2), packing(3, true, 1), packing(3, true, 4),
-            shipped_file("3d_sphere_pyramid_4.hdf5")};
+    return {packing(3, true, 9),          packing(3, true, 2),
+            packing(3, true, 1),          packing(3, true, 4),
+            pressed(packing(3, true, 6)), shipped_file("3d_sphere_pyramid_4.hdf5")};
   } else if constexpr (D == kRollingDisks) {
     return {rolling_packing(false, 20), rolling_packing(true, 20), rolling_packing(true, 2),
             rolling_packing(false, 5)};
   } else {
-    return {packing(D), packing(D, true), packing(D, true, 2), packing(D, false, 5),
-            packing(D, true, 7)};
+    return {packing(D),           packing(D, true),    packing(D, true, 2),
+            packing(D, false, 5), packing(D, true, 7), pressed(packing(D, true, 12))};
   }
 }
 
@@ -272,8 +279,8 @@ TEST(TiledKernels, TheGivenOrderIsContactAfterContact) {
 
 // For spheres, contact after contact by the general sweep: the block of W of a contact is diagonal,
 // so that one round of projections is the same as the kernel's exact solution.
-TEST(TiledKernels, ATiledSweepOfSpheresIsTheGeneralSweepInItsOrder) {
-  const Setting at(packing(3, true, 6));
+void check_sweep_of_spheres(const ContactProblem& problem) {
+  const Setting at(problem);
   const ContactTiles tiles = tile_contacts(at.bodies<3>());
   TwoPassSweep<3, 6> general(at.problem);
   general.reset(at.zero());
@@ -293,6 +300,10 @@ TEST(TiledKernels, ATiledSweepOfSpheresIsTheGeneralSweepInItsOrder) {
   }
   const Vector s = swept<3>(at, 1.2, {}, {40});
   EXPECT_LT((s - general.impulse()).norm(), 1e-10 * s.norm());
+}
+TEST(TiledKernels, ATiledSweepOfSpheresIsTheGeneralSweepInItsOrder) {
+  check_sweep_of_spheres(packing(3, true, 6));
+  check_sweep_of_spheres(pressed(packing(3, true, 6)));
 }
 
 /// The same iterates as through the Delassus operator, restarts and raised eigenvalues among them.
@@ -317,6 +328,7 @@ void check_gradient(const ContactProblem& problem) {
 
 TEST(TiledKernels, ATiledGradientStepIsThatOfTheDelassusOperator) {
   check_gradient<2>(packing(2, false, 7));
+  check_gradient<2>(pressed(packing(2, false, 7)));
 }
 TEST(TiledKernels, ATiledGradientStepOfRollingDisksIsThatOfTheDelassusOperator) {
   check_gradient<ContactRows(3, true)>(rolling_packing(false, 7));
@@ -324,6 +336,7 @@ TEST(TiledKernels, ATiledGradientStepOfRollingDisksIsThatOfTheDelassusOperator) 
 }
 TEST(TiledKernels, ATiledGradientStepOfSpheresIsThatOfTheDelassusOperator) {
   check_gradient<3>(packing(3, true, 5));
+  check_gradient<3>(pressed(packing(3, true, 5)));
   check_gradient<3>(shipped_file("3d_sphere_pyramid_4.hdf5"));
 }
 
