@@ -36,13 +36,14 @@ std::optional<BodyRows> find_body_rows(const ContactProblem& p) {
   const int d = p.plain_dim();
   // Clusters turn even without friction, unlike single disks.
   for (const int per_body : d == 1 ? std::vector{2, 3} : std::vector{d == 2 ? 3 : 6}) {
-    BodyRows rows{.per_body = per_body, .translations = d == 1 ? 2 : d};
-    // A few rows of walls could also be rows of another body: their number is searched.
-    for (rows.walls = p.num_dofs() % rows.per_body;
-         rows.walls <= std::min(kMostWalls, p.num_dofs()); rows.walls += rows.per_body) {
-      rows.bodies = (p.num_dofs() - rows.walls) / rows.per_body;
-      if (has_unit_normals(p, rows)) return rows;
-    }
+    const auto found = read_with_walls(p.num_dofs(), per_body, [&](int walls) {
+      const BodyRows rows{.bodies = (p.num_dofs() - walls) / per_body,
+                          .per_body = per_body,
+                          .translations = d == 1 ? 2 : d,
+                          .walls = walls};
+      return has_unit_normals(p, rows) ? std::optional(rows) : std::nullopt;
+    });
+    if (found) return found;
   }
   return std::nullopt;
 }

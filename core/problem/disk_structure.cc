@@ -1,6 +1,5 @@
 #include "core/problem/disk_structure.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -146,14 +145,9 @@ class Reader {
 
 template <int D>
 std::optional<DiskStructure> read_disks(const ContactProblem& p) {
-  // Some walls could also be a body: their number is searched.
-  constexpr int kDofs = Reader<D>::kDofs;
-  const int most = std::min(kMostWalls, p.num_dofs());
   const Vector mass = p.A.diagonal();
-  for (int walls = p.num_dofs() % kDofs; walls <= most; walls += kDofs) {
-    if (auto disks = Reader<D>(p, mass, walls).read()) return disks;
-  }
-  return {};
+  return read_with_walls(p.num_dofs(), Reader<D>::kDofs,
+                         [&](int walls) { return Reader<D>(p, mass, walls).read(); });
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "core/problem/sphere_structure.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -150,13 +149,9 @@ class SphereReader {
 
 std::optional<SphereStructure> sphere_structure(const ContactProblem& p) {
   if (!p.has_velocities() || p.dim != 3 || p.rolls() || !is_diagonal(p.A)) return {};
-  // Some walls could also be a body: their number is searched.
-  const int most = std::min(kMostWalls, p.num_dofs());
   const Vector mass = p.A.diagonal();
-  for (int walls = p.num_dofs() % kOfBody; walls <= most; walls += kOfBody) {
-    if (auto spheres = SphereReader(p, mass, walls).read()) return spheres;
-  }
-  return {};
+  return read_with_walls(p.num_dofs(), kOfBody,
+                         [&](int walls) { return SphereReader(p, mass, walls).read(); });
 }
 
 }  // namespace bipot

@@ -37,8 +37,8 @@ struct SphereStructure {
 /// must have dim = 3 and a diagonal A with one mass and one moment of inertia for each body. Body k
 /// must own the degrees of freedom from 6k on: three translations, three rotations; driven walls
 /// follow, with one degree of freedom each. Every contact must obey the formulas above with one arm
-/// for each body. Refused are clusters, walls driven across their normal or touched from both sides,
-/// and rolling friction.
+/// for each body. Refused are clusters, walls driven across their normal or touched from both
+/// sides, and rolling friction.
 std::optional<SphereStructure> sphere_structure(const ContactProblem& problem);
 
 }  // namespace bipot

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 #include "core/base/types.h"
@@ -14,6 +13,7 @@ namespace {
 
 /// A tile of fewer bodies costs more to pass on than to process.
 constexpr int kTileBodies = 96;
+
 /// Pairs of bodies in contact, without the surroundings.
 struct BodyGraph {
   std::vector<int> start, neighbour;

@@ -30,6 +30,7 @@ DeflatedSweep::DeflatedSweep(SymmetricSweep<2>& sweep, const DiskStructure& disk
       loads_(to_size(sweep.disks().num_tiles())) {
   for (std::size_t row = 0; row < mass_.size(); ++row) {
     for (int k = 0; k < 4; ++k) {
+      // Negative for the spin of a driven wall: its energy is that of the normal motion alone.
       const double inverse = sweep.disks().inverse()[row].value[k];
       mass_[row].value[k] = inverse != 0 ? 1 / inverse : 0;
     }

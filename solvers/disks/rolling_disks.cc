@@ -15,7 +15,7 @@ std::optional<DiskStructure> rolling_disks(const ContactProblem& p) {
   }
   plain.H.finalize();
   std::optional<DiskStructure> disks = disk_structure(plain);
-  if (!disks) return {};
+  if (!disks || disks->walls > 0) return {};
   for (int c = 0; c < p.num_contacts(); ++c) {
     const DiskStructure::Contact& contact = disks->contacts[to_size(c)];
     double first = 0, second = 0;

@@ -32,6 +32,12 @@ TEST(RollingDisks, AreThoseWhoseThirdRowsHaveTheDifferenceOfTheSpins) {
     EXPECT_FALSE(rolling_disks(other)) << row;
   }
   EXPECT_FALSE(rolling_disks(local_form(p)));
+  scene.walls[0].motion = Wall<2>::Motion::kDriven;  // it has no spin
+  scene.walls[0].direction = scene.walls[0].normal;
+  scene.walls[0].mass = 1;
+  const ContactProblem pressed = step_problem(scene, initial_state(scene), false);
+  ASSERT_EQ(pressed.num_dofs() % 3, 1);
+  EXPECT_FALSE(rolling_disks(pressed));
 }
 
 }  // namespace

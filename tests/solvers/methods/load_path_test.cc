@@ -87,6 +87,8 @@ TEST(LoadPath, SaysWhyItGivesUp) {
   arriving.u_free[0] -= 0.1;
   EXPECT_NE(refused(arriving).find("velocities before"), std::string::npos);
   EXPECT_NE(refused(local_form(square_lattice(3))).find("no disks or spheres"), std::string::npos);
+  const ContactProblem pressed = with_driven_wall(square_lattice(3), Vec2(0, 1), 1, 0);
+  EXPECT_NE(refused(pressed).find("on fixed walls"), std::string::npos);
   ContactProblem upwards = square_lattice(2);  // a row falls up as quickly as the other one down
   upwards.v_free.head(6) *= -1;
   upwards.u_free = upwards.H.transpose() * upwards.v_free;
