@@ -13,8 +13,9 @@ constexpr double kSmallestReach = 1e-14;
 constexpr double kSmallestRetraction = 1e-9;
 constexpr double kGrow = 1.2, kShrink = 0.8;
 constexpr int kMaxGrowths = 12;
-// Largest relative error of a product within the reach of a series.
-constexpr double kSeriesTolerance = 1e-3;
+// Largest relative error of a product within the reach of a series. The error becomes part of the
+// path, so that only the orientation limits it.
+constexpr double kSeriesTolerance = 0.1;
 
 /// sum_k a_k alpha^k over the columns.
 template <int P, class Columns>

@@ -29,9 +29,9 @@ enum class PathStep {
 ///     <z_k, z_1> + t_k t_1 / t² = [k = 1].
 ///
 /// Here <.,.> is the mean over the pairs of the product of relative changes: alpha is an arclength
-/// in them. The step is the longest one at which every product keeps a relative error of 1e-3.
+/// in them. The step is the longest one at which every product keeps a relative error of 0.1.
 /// There is no corrector: products and residual of the end point define the path from there on, and
-/// its weights drift by that tolerance.
+/// its weights drift by that tolerance. Any weights lead to a solution.
 ///
 /// Orientation: the tangent continues that of the series before. The sign of det L changes exactly
 /// if dt does (a fold), so that the two must agree. If they do not, the path may have been left:

@@ -33,8 +33,8 @@ TEST(TaylorPath, SeriesOfOneContactIsItsAnalyticPath) {
   // The end of the reach is as inaccurate as the tolerance allows, not more accurate by chance.
   const double error =
       std::abs(path.point(path.reach()).X[0] * path.point(path.reach()).Y[0] / (path.t() * c) - 1);
-  EXPECT_LE(error, 1e-3);
-  EXPECT_GT(error, 1e-6);
+  EXPECT_LE(error, 0.1);
+  EXPECT_GT(error, 1e-4);
   // To the solution s = 1.5, w = 0.
   while (path.t() > 1e-14 && path.advance() == PathStep::kAdvanced) continue;
   EXPECT_NEAR(path.state().s[0], 1.5, 1e-10);

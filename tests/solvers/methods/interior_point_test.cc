@@ -7,11 +7,13 @@
 #include <numbers>
 #include <utility>
 
+#include "core/criterion/contact_error.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/generators.h"
 #include "solvers/interior/interior_state.h"
 #include "solvers/solve.h"
 #include "solvers/systems/shifted_delassus.h"
+#include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
@@ -447,6 +449,21 @@ TEST(InteriorPoint, FollowsTheCentralPathThroughItsFolds) {
   EXPECT_NE(without.message.find("best error"), std::string::npos) << without.message;
   EXPECT_EQ(with_paths.status, SolveStatus::kConverged) << with_paths.message;
   EXPECT_NE(with_paths.message.find("folds"), std::string::npos) << with_paths.message;
+}
+
+TEST(InteriorPoint, ThePathAloneSolvesShakenSpheres) {
+  // A cubic lattice whose spheres fly apart and into each other.
+  ContactProblem p = cubic_lattice(5, {.mu = 0.4});
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const Vector kick = 0.05 * random_vector(p.num_dofs(), seed);
+    ContactProblem shaken = p;
+    shaken.v_free += kick;
+    shaken.u_free += p.H.transpose() * kick;
+    const SolveResult r = solve("ipm", shaken, with({{"direct", "off"}}, 1e-10));
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_LE(contact_error(shaken, r.s).guarded(), 1e-10) << seed;
+    EXPECT_NE(r.message.find("cold"), std::string::npos) << r.message;
+  }
 }
 
 TEST(InteriorPoint, RespectsTheLimits) {
