@@ -34,9 +34,9 @@ constexpr double kColdFactor = 10;      // of the cold path's start
 constexpr double kNetworkError = 1e-2;  // of an impulse whose force network is worth keeping
 constexpr int kNetworkIterations = 2000;
 constexpr int kFirstTurn = 30;  // series of a path in round 0, doubled each round
-// First round of the paths near a network whose error is above kNetworkError: the cold path mostly
-// arrives before.
-constexpr int kBadNetworkRound = 3;
+// First round of the paths near a network whose error is above kNetworkError. In space the cold
+// path mostly arrives before.
+constexpr int kBadNetworkRound = 1, kBadNetworkRoundInSpace = 3;
 // A path whose t decreased by the factor over this number of series continues.
 constexpr int kProgressSeries = 10;
 constexpr double kProgressFall = 0.3;
@@ -191,7 +191,8 @@ class Driver {
     };
     network_ = std::move(network);
     if (!good) enter_cold();
-    const int first_round = good ? 0 : kBadNetworkRound;
+    const int late = p_.plain_dim() == 3 ? kBadNetworkRoundInSpace : kBadNetworkRound;
+    const int first_round = good ? 0 : late;
     enter_warm("warm 1e-2", 1e-2, first_round);
     enter_warm("warm 1e-3", 1e-3, first_round);
     if (good) enter_cold();

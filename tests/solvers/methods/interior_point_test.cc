@@ -443,8 +443,8 @@ TEST(InteriorPoint, EachStageCanBeSwitchedOff) {
 TEST(InteriorPoint, FollowsTheCentralPathThroughItsFolds) {
   // The proximal interior point stops at a fold: by itself it does not arrive.
   const ContactProblem p = free_pyramid(20, 0.5);
-  const SolveResult without = solve("ipm", p, with({{"paths", "off"}, {"rounds", "3"}}));
-  const SolveResult with_paths = solve("ipm", p, with({{"rounds", "3"}}));
+  const SolveResult without = solve("ipm", p, with({{"paths", "off"}, {"rounds", "4"}}));
+  const SolveResult with_paths = solve("ipm", p, with({{"rounds", "4"}}));
   EXPECT_EQ(without.status, SolveStatus::kStalled) << without.message;
   EXPECT_NE(without.message.find("best error"), std::string::npos) << without.message;
   EXPECT_EQ(with_paths.status, SolveStatus::kConverged) << with_paths.message;
@@ -462,7 +462,7 @@ TEST(InteriorPoint, ThePathAloneSolvesShakenSpheres) {
     const SolveResult r = solve("ipm", shaken, with({{"direct", "off"}}, 1e-10));
     EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
     EXPECT_LE(contact_error(shaken, r.s).guarded(), 1e-10) << seed;
-    EXPECT_NE(r.message.find("cold"), std::string::npos) << r.message;
+    EXPECT_NE(r.message.find("on 1 paths"), std::string::npos) << r.message;
   }
 }
 
