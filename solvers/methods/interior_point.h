@@ -64,7 +64,8 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
 ///      energy of the spring estimate. The rough impulse is the best one so far if its error is
 ///      below 1e-2, else that of up to 2000 iterations of apgd, which are not counted; products are
 ///      1e-2, 1e-3, 1e-1 of its energy. A path continues while t decreases fast. If the network is
-///      bad the cold path comes first, and the others from the next round on (in space, from the fourth).
+///      bad the cold path comes first, and the others join in the next round (in space, in the
+///      fourth).
 /// Endgame of a path whose error is below 1e-4, and again at every decade below: active set
 /// (active_set.h, below 1e-5), proximal interior point, active set.
 ///

@@ -453,7 +453,7 @@ TEST(InteriorPoint, FollowsTheCentralPathThroughItsFolds) {
 
 TEST(InteriorPoint, ThePathAloneSolvesShakenSpheres) {
   // A cubic lattice whose spheres fly apart and into each other.
-  ContactProblem p = cubic_lattice(5, {.mu = 0.4});
+  const ContactProblem p = cubic_lattice(5, {.mu = 0.4});
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const Vector kick = 0.05 * random_vector(p.num_dofs(), seed);
     ContactProblem shaken = p;
