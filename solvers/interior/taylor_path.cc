@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <utility>
 
 namespace bipot {
@@ -17,25 +18,8 @@ constexpr int kMaxGrowths = 12;
 // path, so that only the orientation limits it.
 constexpr double kSeriesTolerance = 0.1;
 
-/// sum_k a_k alpha^k over the columns.
-template <int P, class Columns>
-Eigen::Matrix<double, P, 1> horner(const Columns& a, double alpha) {
-  Eigen::Index k = a.cols() - 1;
-  Eigen::Matrix<double, P, 1> value = a.col(k);
-  while (--k >= 0) value = value * alpha + a.col(k);
-  return value;
-}
-template <int P, class Columns>
-Eigen::Matrix<double, P, 1> horner_derivative(const Columns& a, double alpha) {
-  Eigen::Index k = a.cols() - 1;
-  Eigen::Matrix<double, P, 1> value = static_cast<double>(k) * a.col(k);
-  while (--k >= 1) value = value * alpha + static_cast<double>(k) * a.col(k);
-  return value;
-}
-
-Eigen::Map<const Eigen::RowVectorXd> row(const std::vector<double>& x) {
-  return {x.data(), static_cast<Eigen::Index>(x.size())};
-}
+// Rows of the sample of a series, in groups of one contact's pairs.
+constexpr int kSampledGroups = 16;
 
 }  // namespace
 
@@ -46,7 +30,8 @@ TaylorPath<D>::TaylorPath(InteriorSystem<D>& system, InteriorState<D> start, int
       z_(std::move(start)),
       c_(system.products(z_.X, z_.Y)),
       p0_(z_.p),
-      t_(static_cast<std::size_t>(order) + 1, 0.0) {}
+      t_(Vector::Zero(order + 1)),
+      weights_(order) {}
 
 template <ContactRows D>
 auto TaylorPath<D>::coefficients(std::vector<double>& x, int c) -> Eigen::Map<Coefficients> {
@@ -119,7 +104,7 @@ void TaylorPath<D>::retract() {
 template <ContactRows D>
 bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
   const int contacts = system_.num_contacts();
-  const std::size_t size = static_cast<std::size_t>(z_.X.size()) * t_.size();
+  const std::size_t size = to_size(z_.X.size() * t_.size());
   X_.resize(size);
   Y_.resize(size);
   r_.resize(z_.X.size());
@@ -157,7 +142,7 @@ bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
         (covector_x_.dot(next_.dX) + covector_y_.dot(next_.dY)) / system_.num_eigenvalues();
     const double tk = -dt * along;
     if (!std::isfinite(tk)) return false;
-    t_[static_cast<std::size_t>(k)] = tk;
+    t_[k] = tk;
     store(k, next_, tk, tangent);
   }
   return true;
@@ -173,42 +158,79 @@ void TaylorPath<D>::store(int order, const PairDirection& d, double dt,
   }
 }
 
-/// Sets the longest arclength, within the factor 1.2, at which the series is accurate.
+/// Sets the weights and the longest arclength, within the factor 1.2, at which the sum is accurate.
 template <ContactRows D>
 bool TaylorPath<D>::find_reach() {
   double last = 0;  // <z_p, z_p> of the last order
   for (int c = 0; c < system_.num_contacts(); ++c) {
-    const unsigned f = system_.parts(c);
-    const Pairs x = coefficients(std::as_const(X_), c).col(order_);
-    const Pairs y = coefficients(std::as_const(Y_), c).col(order_);
-    last += Jordan::divide(x, system_.pairs(z_.X, c), f).squaredNorm() +
-            Jordan::divide(y, system_.pairs(z_.Y, c), f).squaredNorm();
+    const auto [x, y] = relative_term(c, order_);
+    last += x.squaredNorm() + y.squaredNorm();
   }
   last = std::sqrt(last / system_.num_eigenvalues());
-  const double guess = std::pow(kSeriesTolerance / std::max(last, 1e-300), 1.0 / (order_ - 1));
-  if (!std::isfinite(guess)) return false;
-  reach_ = guess;
+  reach_ = std::pow(kSeriesTolerance / std::max(last, 1e-300), 1.0 / (order_ - 1));
+  if (!std::isfinite(reach_)) return false;
+  weights_ = SeriesWeights(order_);
   if (accurate(reach_)) {
-    for (int k = 0; k < kMaxGrowths && accurate(kGrow * reach_); ++k) reach_ *= kGrow;
-    return true;
+    grow();
+  } else {
+    do {
+      reach_ *= kShrink;
+      if (!(reach_ > kSmallestReach)) return false;
+    } while (!accurate(reach_));
   }
-  while (reach_ > kSmallestReach) {
-    reach_ *= kShrink;
-    if (accurate(reach_)) return true;
-  }
-  return false;
+  weights_.fit(sample(), reach_);
+  if (!grow()) weights_ = SeriesWeights(order_);
+  return true;
 }
 
-/// True if the series stays inside the cones at alpha and its products are accurate: the largest
+/// Lengthens the reach while the sum stays accurate. False: it is not.
+template <ContactRows D>
+bool TaylorPath<D>::grow() {
+  int k = 0;
+  for (; k < kMaxGrowths && accurate(kGrow * reach_); ++k) reach_ *= kGrow;
+  return k > 0;
+}
+
+/// Term k of the series of X and Y of a contact, relative to X and Y.
+template <ContactRows D>
+auto TaylorPath<D>::relative_term(int c, int k) const -> std::pair<Pairs, Pairs> {
+  const unsigned f = system_.parts(c);
+  return {Jordan::divide(coefficients(X_, c).col(k), system_.pairs(z_.X, c), f),
+          Jordan::divide(coefficients(Y_, c).col(k), system_.pairs(z_.Y, c), f)};
+}
+
+/// The relative terms times reach^k, of all contacts: each is added with a random sign to a random
+/// group of rows, so that norms are kept to some ten per cent. (A sketch of sparse columns:
+/// Clarkson and Woodruff, J. ACM 63, 2017.)
+template <ContactRows D>
+Eigen::MatrixXd TaylorPath<D>::sample() const {
+  Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(kSampledGroups * 2 * P, order_);
+  std::minstd_rand random;  // the same for each series
+  for (int c = 0; c < system_.num_contacts(); ++c) {
+    const auto number = static_cast<int>(random() / 64);  // the last bits are less random
+    const int row = (number / 2) % kSampledGroups * 2 * P;
+    double factor = number % 2 == 0 ? 1 : -1;
+    for (int k = 1; k <= order_; ++k) {
+      factor *= reach_;
+      const auto [x, y] = relative_term(c, k);
+      terms.col(k - 1).template segment<P>(row) += factor * x;
+      terms.col(k - 1).template segment<P>(row + P) += factor * y;
+    }
+  }
+  return terms;
+}
+
+/// True if the sum stays inside the cones at alpha and its products are accurate: the largest
 /// eigenvalue of X∘Y/t - c is at most the tolerance times the smallest of c.
 template <ContactRows D>
 bool TaylorPath<D>::accurate(double alpha) const {
-  const double t = horner<1>(row(t_), alpha)[0];
-  if (!(t > 0)) return false;
+  const SeriesWeights::At at = weights_.at(alpha);
+  const double t = t_.dot(at.value);
+  if (!(at.regular && t > 0)) return false;
   for (int c = 0; c < system_.num_contacts(); ++c) {
     const unsigned f = system_.parts(c);
-    const Pairs x = horner<P>(coefficients(X_, c), alpha);
-    const Pairs y = horner<P>(coefficients(Y_, c), alpha);
+    const Pairs x = coefficients(X_, c) * at.value;
+    const Pairs y = coefficients(Y_, c) * at.value;
     const auto inside = [&](const Pairs& v) { return Jordan::eigenvalues(v, f).minCoeff() > 0; };
     if (!(inside(x) && inside(y))) return false;
     const Pairs goal = system_.pairs(c_, c);
@@ -216,9 +238,9 @@ bool TaylorPath<D>::accurate(double alpha) const {
     const auto e = Jordan::eigenvalues(error, f), g = Jordan::eigenvalues(goal, f);
     bool ok = std::abs(e[0]) <= kSeriesTolerance * g[0];
     Jordan::each_part(f, [&](auto first, auto count, auto pair) {
-      constexpr int at = 1 + 2 * (pair() - first());
-      ok = ok && std::abs(e[at]) <= kSeriesTolerance * g[at] &&
-           std::abs(e[at + 1]) <= kSeriesTolerance * g[at + (count() == 1 ? 1 : 0)];
+      constexpr int place = 1 + 2 * (pair() - first());
+      ok = ok && std::abs(e[place]) <= kSeriesTolerance * g[place] &&
+           std::abs(e[place + 1]) <= kSeriesTolerance * g[place + (count() == 1 ? 1 : 0)];
     });
     if (!ok) return false;
   }
@@ -228,19 +250,20 @@ bool TaylorPath<D>::accurate(double alpha) const {
 /// Moves to the point at alpha of the series, which defines the path from there on.
 template <ContactRows D>
 void TaylorPath<D>::take(double alpha) {
+  const SeriesWeights::At at = weights_.at(alpha);
   end_tangent_.dX.resize(z_.X.size());
   end_tangent_.dY.resize(z_.X.size());
   for (int c = 0; c < system_.num_contacts(); ++c) {
     const auto X = coefficients(std::as_const(X_), c), Y = coefficients(std::as_const(Y_), c);
-    Pairs x = horner<P>(X, alpha);
+    Pairs x = X * at.value;
     Jordan::join_copies(x, system_.mu(c), system_.parts(c));
     z_.X.template segment<P>(c * P) = x;
-    z_.Y.template segment<P>(c * P) = horner<P>(Y, alpha);
-    end_tangent_.dX.template segment<P>(c * P) = horner_derivative<P>(X, alpha);
-    end_tangent_.dY.template segment<P>(c * P) = horner_derivative<P>(Y, alpha);
+    z_.Y.template segment<P>(c * P) = Y * at.value;
+    end_tangent_.dX.template segment<P>(c * P) = X * at.slope;
+    end_tangent_.dY.template segment<P>(c * P) = Y * at.slope;
   }
-  t_now_ = horner<1>(row(t_), alpha)[0];
-  end_dt_ = horner_derivative<1>(row(t_), alpha)[0];
+  t_now_ = t_.dot(at.value);
+  end_dt_ = t_.dot(at.slope);
   system_.recompute(z_);
   c_ = system_.products(z_.X, z_.Y) / t_now_;
   p0_ = z_.p / t_now_;
@@ -248,10 +271,11 @@ void TaylorPath<D>::take(double alpha) {
 
 template <ContactRows D>
 auto TaylorPath<D>::point(double alpha) const -> Point {
-  Point p{Vector(z_.X.size()), Vector(z_.X.size()), horner<1>(row(t_), alpha)[0]};
+  const SeriesWeights::At at = weights_.at(alpha);
+  Point p{Vector(z_.X.size()), Vector(z_.X.size()), t_.dot(at.value)};
   for (int c = 0; c < system_.num_contacts(); ++c) {
-    p.X.template segment<P>(c * P) = horner<P>(coefficients(X_, c), alpha);
-    p.Y.template segment<P>(c * P) = horner<P>(coefficients(Y_, c), alpha);
+    p.X.template segment<P>(c * P) = coefficients(X_, c) * at.value;
+    p.Y.template segment<P>(c * P) = coefficients(Y_, c) * at.value;
   }
   return p;
 }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "solvers/interior/interior_state.h"
+#include "solvers/interior/series_weights.h"
 
 namespace bipot {
 
@@ -29,7 +31,9 @@ enum class PathStep {
 ///     <z_k, z_1> + t_k t_1 / t² = [k = 1].
 ///
 /// Here <.,.> is the mean over the pairs of the product of relative changes: alpha is an arclength
-/// in them. The step is the longest one at which every product keeps a relative error of 0.1.
+/// in them. The series is summed as a rational function (series_weights.h), or as it stands where
+/// that is not better. The step is the longest one at which every product keeps a relative error of
+/// 0.1.
 /// There is no corrector: products and residual of the end point define the path from there on, and
 /// its weights drift by that tolerance. Any weights lead to a solution.
 ///
@@ -75,6 +79,9 @@ class TaylorPath {
   void retract();
   bool expand(double dt, const PairDirection& tangent);
   bool find_reach();
+  bool grow();
+  std::pair<Pairs, Pairs> relative_term(int c, int k) const;
+  Eigen::MatrixXd sample() const;
   bool accurate(double alpha) const;
   void take(double alpha);
   double metric(const PairDirection& a, const PairDirection& b) const;
@@ -88,7 +95,8 @@ class TaylorPath {
   double t_now_ = 1;
   Vector c_, p0_;              // the path's right-hand sides from z_ on
   std::vector<double> X_, Y_;  // P x (order + 1) coefficients of each contact, columns contiguous
-  std::vector<double> t_;      // coefficients of t
+  Vector t_;                   // coefficients of t
+  SeriesWeights weights_;      // of the last series
   PairDirection end_tangent_;  // derivative of the last series at its end
   double end_dt_ = 0;
   double reach_ = 0;

@@ -443,8 +443,8 @@ TEST(InteriorPoint, EachStageCanBeSwitchedOff) {
 TEST(InteriorPoint, FollowsTheCentralPathThroughItsFolds) {
   // The proximal interior point stops at a fold: by itself it does not arrive.
   const ContactProblem p = free_pyramid(20, 0.5);
-  const SolveResult without = solve("ipm", p, with({{"paths", "off"}, {"rounds", "4"}}));
-  const SolveResult with_paths = solve("ipm", p, with({{"rounds", "4"}}));
+  const SolveResult without = solve("ipm", p, with({{"paths", "off"}, {"rounds", "3"}}));
+  const SolveResult with_paths = solve("ipm", p, with({{"rounds", "3"}}));
   EXPECT_EQ(without.status, SolveStatus::kStalled) << without.message;
   EXPECT_NE(without.message.find("best error"), std::string::npos) << without.message;
   EXPECT_EQ(with_paths.status, SolveStatus::kConverged) << with_paths.message;
