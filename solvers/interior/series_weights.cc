@@ -29,7 +29,7 @@ void SeriesWeights::fit(const Eigen::MatrixXd& terms, double length) {
     }
   }
   denominator_.resize(degree + 1);
-  denominator_ << 1, system.colPivHouseholderQr().solve(right);
+  denominator_ << 1, system.completeOrthogonalDecomposition().solve(right);
   double scale = 1;
   for (int i = 1; i <= degree; ++i) denominator_[i] *= scale /= length;
 }
