@@ -33,9 +33,8 @@ enum class PathStep {
 /// Here <.,.> is the mean over the pairs of the product of relative changes: alpha is an arclength
 /// in them. The series is summed as a rational function (series_weights.h), or as it stands where
 /// that is not better. The step is the longest one at which every product keeps a relative error of
-/// 0.1.
-/// There is no corrector: products and residual of the end point define the path from there on, and
-/// its weights drift by that tolerance. Any weights lead to a solution.
+/// 0.1. There is no corrector: products and residual of the end point define the path from there
+/// on, and its weights drift by that tolerance. Any weights lead to a solution.
 ///
 /// Orientation: the tangent continues that of the series before. The sign of det L changes exactly
 /// if dt does (a fold), so that the two must agree. If they do not, the path may have been left:

@@ -460,6 +460,7 @@ TEST(AutoSolver, SpheresBeginWithSweepsAndSplitting) {
   };
   using Names = std::vector<std::string_view>;
   EXPECT_EQ(names(1e-2), (Names{"assor", "admm", "ipm", "pgs"}));
+  EXPECT_EQ(names(1e-3), (Names{"assor", "ptc", "admm", "ipm", "pgs"}));
   EXPECT_EQ(names(1e-6), (Names{"assor", "ptc", "admm", "ipm", "pgs"}));
 }
 
