@@ -28,8 +28,6 @@ TaylorPath<D>::TaylorPath(InteriorSystem<D>& system, InteriorState<D> start, int
     : system_(system),
       order_(order),
       z_(std::move(start)),
-      c_(system.products(z_.X, z_.Y)),
-      p0_(z_.p),
       t_(Vector::Zero(order + 1)),
       weights_(order) {}
 
@@ -57,13 +55,15 @@ template <ContactRows D>
 PathStep TaylorPath<D>::advance() {
   if (ended_) return PathStep::kEnded;
   if (!system_.linearise(z_, 0.0)) return end();
-  system_.direction(z_, c_, -p0_, tangent_);
+  Vector c = system_.products(z_.X, z_.Y) / t_now_;
+  system_.direction(z_, c, -z_.p / t_now_, tangent_);
   const double length = std::sqrt(metric(tangent_, tangent_) + 1 / (t_now_ * t_now_));
   if (!std::isfinite(length)) return end();
   if (!orient(system_.determinant_sign(), tangent_)) {
     retract();
     return PathStep::kRetracted;
   }
+  c_ = std::move(c);
   if (!expand(orientation_ / length, tangent_)) return end();
   if (!find_reach()) return end();
   ++num_series_;
@@ -93,10 +93,13 @@ bool TaylorPath<D>::orient(int determinant, const PairDirection& tangent) {
   return true;
 }
 
+/// Goes back to half of the last step, or to a smaller part where the sum is accurate.
 template <ContactRows D>
 void TaylorPath<D>::retract() {
   ++retractions_here_;
-  reach_ *= 0.5;
+  do {
+    reach_ *= 0.5;
+  } while (!accurate(reach_) && reach_ > kSmallestRetraction);
   take(reach_);
 }
 
@@ -205,10 +208,10 @@ auto TaylorPath<D>::relative_term(int c, int k) const -> std::pair<Pairs, Pairs>
 template <ContactRows D>
 Eigen::MatrixXd TaylorPath<D>::sample() const {
   Eigen::MatrixXd terms = Eigen::MatrixXd::Zero(kSampledGroups * 2 * P, order_);
-  std::minstd_rand random;  // the same for each series
+  std::mt19937 random;  // the same for each series
   for (int c = 0; c < system_.num_contacts(); ++c) {
-    const auto number = static_cast<int>(random() / 64);  // the last bits are less random
-    const int row = (number / 2) % kSampledGroups * 2 * P;
+    const auto number = random();
+    const int row = static_cast<int>(number / 2 % kSampledGroups) * 2 * P;
     double factor = number % 2 == 0 ? 1 : -1;
     for (int k = 1; k <= order_; ++k) {
       factor *= reach_;
@@ -265,8 +268,6 @@ void TaylorPath<D>::take(double alpha) {
   t_now_ = t_.dot(at.value);
   end_dt_ = t_.dot(at.slope);
   system_.recompute(z_);
-  c_ = system_.products(z_.X, z_.Y) / t_now_;
-  p0_ = z_.p / t_now_;
 }
 
 template <ContactRows D>

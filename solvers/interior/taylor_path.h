@@ -92,7 +92,7 @@ class TaylorPath {
   int order_;
   InteriorState<D> z_;
   double t_now_ = 1;
-  Vector c_, p0_;              // the path's right-hand sides from z_ on
+  Vector c_;                   // products of the point of which the series is, over its t
   std::vector<double> X_, Y_;  // P x (order + 1) coefficients of each contact, columns contiguous
   Vector t_;                   // coefficients of t
   SeriesWeights weights_;      // of the last series
