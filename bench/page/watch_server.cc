@@ -80,7 +80,7 @@ struct WatchServer::Parts {
     }
     ++under_way;
     return Answering(this, [](Parts* parts) {
-      const std::lock_guard<std::mutex> lock(parts->mutex);
+      const std::lock_guard<std::mutex> ending(parts->mutex);
       --parts->under_way;
       parts->changed.notify_all();
     });
