@@ -43,13 +43,14 @@ class NearestEdge {
       const Local<3> twice(0, -at.direction[1], -at.direction[2]);
       const double a1 = turned.dot(push_) / at.a, b1 = 2 * turned.dot(at.stretched) / at.b;
       const double slope = 2 * a1 - b1;
-      if (std::abs(slope) <= kFlat * (std::abs(2 * a1) + std::abs(b1))) break;
+      if (slope == 0) break;
       const double bend = 2 * (twice.dot(push_) / at.a - a1 * a1) + b1 * b1 -
                           2 * (twice.dot(at.stretched) + turned.dot(metric_ * turned)) / at.b;
       double turn =
           bend < 0 ? std::clamp(-slope / bend, -kTurn, kTurn) : std::copysign(kTurn, slope);
+      if (std::abs(turn) <= kLastTurn) return rotated(at, turn);
       Edge next = rotated(at, turn);
-      while (!(next.gain() > at.gain()) && std::abs(turn) > kFlat) {
+      while (!(next.gain() > at.gain()) && std::abs(turn) > kLastTurn) {
         turn *= 0.25;
         next = rotated(at, turn);
       }
@@ -61,7 +62,8 @@ class NearestEdge {
 
  private:
   static constexpr int kSteps = 100;
-  static constexpr double kTurn = 0.5, kFlat = 1e-14;
+  // Largest turn, and the one whose square is rounding: the error that Newton's method leaves.
+  static constexpr double kTurn = 0.5, kLastTurn = 1e-8;
   Edge rotated(const Edge& at, double turn) const {
     const double c = at.cosine - turn * at.sine, s = at.sine + turn * at.cosine;
     const double length = std::sqrt(c * c + s * s);  // in [1, 1.12]
