@@ -2,7 +2,8 @@
 // are K = A + H R Hᵀ of early, middle and late iterations, the same for all. Columns: analysis,
 // factor and one solve in CPU seconds of one thread (median of --repeat); numbers kept; the
 // backward error of the solution, ‖K x - b‖ / (‖K‖ ‖x‖ + ‖b‖), for Cholesky that of leaving out the
-// unsymmetric part. Prints tables in Markdown (data/manual/results/performance.md).
+// unsymmetric part (and, for `admm`, of single precision). Prints tables in Markdown
+// (data/manual/results/performance.md).
 //   factor_bench [--family=triangular,square] [--side=83] [--at=2,6,10] [--repeat=3]
 
 #include <fmt/format.h>

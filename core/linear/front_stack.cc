@@ -4,7 +4,8 @@
 
 namespace bipot {
 
-const std::vector<FrontStack::Child>& FrontStack::enter(int front) {
+template <class Real>
+auto FrontStack<Real>::enter(int front) -> const std::vector<Child>& {
   const auto begin = held_.end() - tree_.children[to_size(front)];
   bottom_ = begin == held_.end() ? top_ : begin->second;
   std::size_t rows = 0;
@@ -22,10 +23,14 @@ const std::vector<FrontStack::Child>& FrontStack::enter(int front) {
   return children_;
 }
 
-void FrontStack::leave(int front, std::size_t size) {
+template <class Real>
+void FrontStack<Real>::leave(int front, std::size_t size) {
   held_.resize(held_.size() - children_.size());
   top_ = bottom_ + size;
   if (tree_.height(front) > 0) held_.emplace_back(front, bottom_);
 }
+
+template class FrontStack<float>;
+template class FrontStack<double>;
 
 }  // namespace bipot

@@ -10,15 +10,16 @@ namespace bipot {
 
 /// Contributions of fronts to their parents while a tree is eliminated, children before parents.
 /// They form a stack: those of the next front's children are on top. A front makes its own above
-/// them, and moves it to the start of theirs.
+/// them, and moves it to the start of theirs. Real: float or double.
+template <class Real>
 class FrontStack {
  public:
   /// Keeps references to both. `memory` must hold the stack and the contribution being made.
-  FrontStack(const FrontalTree& tree, std::vector<double>& memory) : tree_(tree), memory_(memory) {}
+  FrontStack(const FrontalTree& tree, std::vector<Real>& memory) : tree_(tree), memory_(memory) {}
 
   /// Contribution of a child, in the storage of its factorisation.
   struct Child {
-    const double* block;
+    const Real* block;
     int rows;
     const int* place;  ///< of each row among the rows of the parent, ascending
     int pivots;        ///< number of rows that the parent eliminates
@@ -26,18 +27,21 @@ class FrontStack {
   /// The children of a front, valid until leave().
   const std::vector<Child>& enter(int front);
   /// Memory for the front's contribution, before its move and after it.
-  double* own() { return memory_.data() + top_; }
-  double* bottom() { return memory_.data() + bottom_; }
+  Real* own() { return memory_.data() + top_; }
+  Real* bottom() { return memory_.data() + bottom_; }
   /// Drops the children; the contribution of the front has `size` numbers.
   void leave(int front, std::size_t size);
 
  private:
   const FrontalTree& tree_;
-  std::vector<double>& memory_;
+  std::vector<Real>& memory_;
   std::vector<std::pair<int, std::size_t>> held_;  // fronts with a contribution, its start
   std::size_t top_ = 0, bottom_ = 0;
   std::vector<Child> children_;
   std::vector<int> places_;  // of all children
 };
+
+extern template class FrontStack<float>;
+extern template class FrontStack<double>;
 
 }  // namespace bipot

@@ -3,26 +3,29 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <stdexcept>
 
 #include "core/linear/front_stack.h"
 
 extern "C" {
-void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
-void dtrsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
-            const int* n, const double* alpha, const double* a, const int* lda, double* b,
+void spotrf_(const char* uplo, const int* n, float* a, const int* lda, int* info);
+void strsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
+            const int* n, const float* alpha, const float* a, const int* lda, float* b,
             const int* ldb);
-void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha,
-            const double* a, const int* lda, const double* beta, double* c, const int* ldc);
+void ssyrk_(const char* uplo, const char* trans, const int* n, const int* k, const float* alpha,
+            const float* a, const int* lda, const float* beta, float* c, const int* ldc);
 }
 
 namespace bipot {
 namespace {
 
+constexpr float kSmallestPivot = 8 * std::numeric_limits<float>::epsilon() / 2;
+
 /// Column j of a child's contribution: a lower triangle, packed by columns. Entry (i, j) is
 /// packed_column(child, j)[i], i >= j.
-const double* packed_column(const FrontStack::Child& child, int j) {
+const float* packed_column(const FrontStack<float>::Child& child, int j) {
   const std::ptrdiff_t k = j;
   return child.block + k * child.rows - k * (k + 1) / 2;
 }
@@ -30,9 +33,9 @@ const double* packed_column(const FrontStack::Child& child, int j) {
 std::size_t packed_size(int n) { return to_size(n) * to_size(n + 1) / 2; }
 
 /// Packs the lower triangle of a full block; the two may overlap if `to` is not behind.
-void pack(const double* full, int n, double* to) {
+void pack(const float* full, int n, float* to) {
   for (int j = 0; j < n; ++j, full += n) {
-    std::memmove(to, full + j, sizeof(double) * to_size(n - j));
+    std::memmove(to, full + j, sizeof(float) * to_size(n - j));
     to += n - j;
   }
 }
@@ -54,34 +57,37 @@ std::size_t packed_stack(const FrontalTree& t) {
   return most;
 }
 
-void add_to_pivots(const FrontStack::Child& child, int rows, double* panel) {
+void add_to_pivots(const FrontStack<float>::Child& child, int rows, float* panel) {
   for (int j = 0; j < child.pivots; ++j) {
-    const double* from = packed_column(child, j);
-    double* to = panel + static_cast<std::ptrdiff_t>(child.place[j]) * rows;
+    const float* from = packed_column(child, j);
+    float* to = panel + static_cast<std::ptrdiff_t>(child.place[j]) * rows;
     for (int i = j; i < child.rows; ++i) to[child.place[i]] += from[i];
   }
 }
 
 /// Adds to the parent's own contribution, h x h, whose rows are those after its `columns` pivots.
-void add_to_rest(const FrontStack::Child& child, int columns, int h, double* own) {
+void add_to_rest(const FrontStack<float>::Child& child, int columns, int h, float* own) {
   for (int j = child.pivots; j < child.rows; ++j) {
-    const double* from = packed_column(child, j);
-    double* to = own + static_cast<std::ptrdiff_t>(child.place[j] - columns) * h - columns;
+    const float* from = packed_column(child, j);
+    float* to = own + static_cast<std::ptrdiff_t>(child.place[j] - columns) * h - columns;
     for (int i = j; i < child.rows; ++i) to[child.place[i]] += from[i];
   }
 }
 
-/// [T; R] of the pivots' columns, T lower triangular. False: not positive definite.
-bool eliminate_columns(int columns, int rows, double* panel) {
+/// [T; R] of the pivots' columns, T lower triangular. `diagonal`: theirs in A. False: not positive
+/// definite.
+bool eliminate_columns(int columns, int rows, const float* diagonal, float* panel) {
   int info = 0;
-  dpotrf_("L", &columns, panel, &rows, &info);
+  spotrf_("L", &columns, panel, &rows, &info);
   if (info != 0) return false;
-  for (int j = 0; j < columns; ++j) {  // an infinite pivot is none
-    if (!std::isfinite(panel[static_cast<std::ptrdiff_t>(j) * (rows + 1)])) return false;
+  for (int j = 0; j < columns; ++j) {
+    const float root = panel[static_cast<std::ptrdiff_t>(j) * (rows + 1)];
+    // A pivot of a few units in the last place of what it is left of has no digit. Nor has NaN.
+    if (!(root * root > kSmallestPivot * diagonal[j] && std::isfinite(root))) return false;
   }
   const int h = rows - columns;
-  const double one = 1;
-  if (h > 0) dtrsm_("R", "L", "T", "N", &h, &columns, &one, panel, &rows, panel + columns, &rows);
+  const float one = 1;
+  if (h > 0) strsm_("R", "L", "T", "N", &h, &columns, &one, panel, &rows, panel + columns, &rows);
   return true;
 }
 
@@ -114,16 +120,21 @@ bool FrontalCholesky::analyse(const SymmetricPattern& A) {
 
 bool FrontalCholesky::factor(const SparseMatrix& A) {
   if (!analyse(A)) return false;
-  return factor([&](int column, const Column& to) {
+  const auto add = [&](int column, const Column& to) {
     for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
-      if (to.takes(static_cast<int>(it.row()))) to[static_cast<int>(it.row())] += it.value();
+      const int row = static_cast<int>(it.row());
+      if (to.takes(row)) to.add(row, it.value());
     }
-  });
+  };
+  return factor(add, A.diagonal());
 }
 
-bool FrontalCholesky::factor(const AddColumn& add) {
+bool FrontalCholesky::factor(const AddColumn& add, const Vector& diagonal) {
   factored_ = false;
   if (!tree_) throw std::logic_error("FrontalCholesky::factor without an analysis");
+  scale_ = diagonal.unaryExpr([](double d) {
+    return d > 0 && std::isfinite(d) ? std::ldexp(1.0, -(std::ilogb(d) >> 1)) : 1;
+  });
   try {
     factored_ = eliminate(add);
   } catch (const std::bad_alloc&) {
@@ -133,35 +144,38 @@ bool FrontalCholesky::factor(const AddColumn& add) {
 }
 
 /// Adds the entries that the front takes, of the lower triangle, to a cleared panel.
-void FrontalCholesky::assemble(int front, const AddColumn& add, double* panel) {
+void FrontalCholesky::assemble(int front, const AddColumn& add, float* panel) {
   const FrontalTree& t = *tree_;
   const int begin = t.first[to_size(front)], columns = t.columns(front), rows = t.rows(front);
-  std::fill_n(panel, to_size(columns) * to_size(rows), 0.0);
+  std::fill_n(panel, to_size(columns) * to_size(rows), 0.0F);
   t.place_rows(front, position_.data());
+  diagonal_.resize(to_size(columns));
   for (int j = 0; j < columns; ++j, panel += rows) {
-    add(t.order[to_size(begin + j)], {place_.data(), position_.data(), begin, panel});
+    const int column = t.order[to_size(begin + j)];
+    add(column, {place_.data(), position_.data(), begin, panel, scale_.data(), scale_[column]});
+    diagonal_[to_size(j)] = panel[j];
   }
 }
 
 /// All fronts, children before parents.
 bool FrontalCholesky::eliminate(const AddColumn& add) {
   const FrontalTree& t = *tree_;
-  FrontStack contributions(t, stack_);
-  double* const panel = panel_.data();
+  FrontStack<float> contributions(t, stack_);
+  float* const panel = panel_.data();
   supernodes_.begin(t.num_fronts(), entries_);
   for (int s = 0; s < t.num_fronts(); ++s) {
     const int columns = t.columns(s), h = t.height(s), rows = columns + h;
     assemble(s, add, panel);
-    const std::vector<FrontStack::Child>& children = contributions.enter(s);
-    for (const FrontStack::Child& child : children) add_to_pivots(child, rows, panel);
-    if (!eliminate_columns(columns, rows, panel)) return false;
+    const std::vector<FrontStack<float>::Child>& children = contributions.enter(s);
+    for (const FrontStack<float>::Child& child : children) add_to_pivots(child, rows, panel);
+    if (!eliminate_columns(columns, rows, diagonal_.data(), panel)) return false;
     supernodes_.add(
         {t.first[to_size(s)], columns, rows, t.below.data() + t.below_start[to_size(s)], panel});
     if (h > 0) {
-      double* const own = contributions.own();
-      const double minus = -1, none = 0;
-      dsyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
-      for (const FrontStack::Child& child : children) add_to_rest(child, columns, h, own);
+      float* const own = contributions.own();
+      const float minus = -1, none = 0;
+      ssyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
+      for (const FrontStack<float>::Child& child : children) add_to_rest(child, columns, h, own);
       pack(own, h, contributions.bottom());
     }
     contributions.leave(s, packed_size(h));
@@ -173,10 +187,18 @@ void FrontalCholesky::solve(const Vector& b, Vector& x) const {
   if (!factored_) throw std::logic_error("FrontalCholesky::solve without a factor");
   const std::vector<int>& order = tree_->order;
   const std::size_t n = order.size();
-  x.resize(b.size());
-  for (std::size_t k = 0; k < n; ++k) permuted_[k] = b[order[k]];
+  double largest = 0;
+  for (Eigen::Index i = 0; i < b.size(); ++i)
+    largest = std::max(largest, std::abs(b[i] * scale_[i]));
+  const double unit = largest > 0 && std::isfinite(largest) ? largest : 1;
+  for (std::size_t k = 0; k < n; ++k) {
+    permuted_[k] = static_cast<float>(b[order[k]] * scale_[order[k]] / unit);
+  }
   supernodes_.solve(permuted_.data());
-  for (std::size_t k = 0; k < n; ++k) x[order[k]] = permuted_[k];
+  x.resize(b.size());
+  for (std::size_t k = 0; k < n; ++k) {
+    x[order[k]] = unit * scale_[order[k]] * static_cast<double>(permuted_[k]);
+  }
 }
 
 }  // namespace bipot

@@ -121,7 +121,7 @@ double eliminate(const Front& f, int* exchange) {
 
 /// Adds the part of a child's contribution (n x n) that belongs to the pivots of the front. Returns
 /// the number of the child's rows that are pivots.
-void add_to_pivots(const FrontStack::Child& child, const Front& f) {
+void add_to_pivots(const FrontStack<double>::Child& child, const Front& f) {
   const double* block = child.block;
   const int n = child.rows;
   const int* const place = child.place;
@@ -136,7 +136,8 @@ void add_to_pivots(const FrontStack::Child& child, const Front& f) {
 }
 
 /// Adds the rest to the front's own contribution.
-void add_to_contribution(const FrontStack::Child& child, const Front& f, double* contribution) {
+void add_to_contribution(const FrontStack<double>::Child& child, const Front& f,
+                         double* contribution) {
   const int n = child.rows;
   const int* const place = child.place;
   for (int j = child.pivots; j < n; ++j) {
@@ -353,14 +354,14 @@ bool FrontalLU::Impl::assemble(const FrontalLU::MatrixByLines& A, double most, i
 /// scaled entry is larger than `most`.
 bool FrontalLU::Impl::run(const FrontalLU::MatrixByLines& A, double most) {
   const FrontalTree& t = *tree;
-  FrontStack contributions(t, stack);
+  FrontStack<double> contributions(t, stack);
   int minus = 0;
   largest = 0;
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front f = front(s);
     if (!assemble(A, most, s, f)) return false;
-    const std::vector<FrontStack::Child>& children = contributions.enter(s);
-    for (const FrontStack::Child& child : children) add_to_pivots(child, f);
+    const std::vector<FrontStack<double>::Child>& children = contributions.enter(s);
+    for (const FrontStack<double>::Child& child : children) add_to_pivots(child, f);
     int* own_exchange = exchange.data() + t.first[to_size(s)];
     const double multiplier = eliminate(f, own_exchange);
     if (!(multiplier >= 0)) return false;
@@ -373,7 +374,7 @@ bool FrontalLU::Impl::run(const FrontalLU::MatrixByLines& A, double most) {
     if (h > 0) {
       double* own = contributions.own();
       subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0, own, h);
-      for (const FrontStack::Child& child : children) add_to_contribution(child, f, own);
+      for (const FrontStack<double>::Child& child : children) add_to_contribution(child, f, own);
       if (!children.empty()) std::memmove(contributions.bottom(), own, sizeof(double) * size);
     }
     contributions.leave(s, size);

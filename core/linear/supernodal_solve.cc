@@ -7,8 +7,8 @@
 #define BIPOT_SLICES BIPOT_CLONES("arch=x86-64-v3", "default")
 
 extern "C" {
-void dtrsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
-            const int* n, const double* alpha, const double* a, const int* lda, double* b,
+void strsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
+            const int* n, const float* alpha, const float* a, const int* lda, float* b,
             const int* ldb);
 }
 
@@ -16,9 +16,9 @@ namespace bipot {
 namespace {
 
 // Numbers in a register of 32 bytes; strips have up to four.
-constexpr int kSlice = 4, kSlices = 4, kStrip = kSlices * kSlice;
+constexpr int kSlice = 8, kSlices = 4, kStrip = kSlices * kSlice;
 
-using Slice = double __attribute__((vector_size(32), aligned(8), may_alias));
+using Slice = float __attribute__((vector_size(32), aligned(4), may_alias));
 
 /// The strip of rows from `first` on: slices, and columns up to the end of its diagonal.
 struct Strip {
@@ -30,7 +30,7 @@ struct Strip {
 
 /// out = strip x; returns the end of the strip.
 template <int kCount>
-[[gnu::always_inline]] inline const Slice* multiply(const Slice* p, int columns, const double* x,
+[[gnu::always_inline]] inline const Slice* multiply(const Slice* p, int columns, const float* x,
                                                     Slice* out) {
   Slice sum[std::size_t{kCount}] = {};
   for (int j = 0; j < columns; ++j, p += kCount) {
@@ -58,8 +58,8 @@ template <int kCount>
 // instruction sets of its enclosing function.
 
 /// out = M x, whole slices.
-[[gnu::always_inline]] inline void all_strips(int columns, int rows, const double* values,
-                                              const double* x, double* out) {
+[[gnu::always_inline]] inline void all_strips(int columns, int rows, const float* values,
+                                              const float* x, float* out) {
   const auto* p = reinterpret_cast<const Slice*>(values);
   auto* result = reinterpret_cast<Slice*>(out);
   for (int i = 0; i < rows; i += kStrip, result += kSlices) {
@@ -79,22 +79,23 @@ template <int kCount>
     }
   }
 }
-BIPOT_SLICES void multiply_strips(int columns, int rows, const double* values, const double* x,
-                                  double* out) {
+BIPOT_SLICES void multiply_strips(int columns, int rows, const float* values, const float* x,
+                                  float* out) {
   all_strips(columns, rows, values, x, out);
 }
 
 /// out[j] = sum of the numbers of sums[j].
-[[gnu::always_inline]] inline void add_slices(int columns, const Slice* sums, double* out) {
+[[gnu::always_inline]] inline void add_slices(int columns, const Slice* sums, float* out) {
   for (int j = 0; j < columns; ++j) {
-    out[j] = (sums[j][0] + sums[j][1]) + (sums[j][2] + sums[j][3]);
+    const Slice& s = sums[j];
+    out[j] = ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
   }
 }
 
 /// out = Mᵀ x, where x has whole slices, zeros at its end; partial: scratch, a slice a column.
-[[gnu::always_inline]] inline void all_strips_transposed(int columns, int rows,
-                                                         const double* values, const double* x,
-                                                         double* partial, double* out) {
+[[gnu::always_inline]] inline void all_strips_transposed(int columns, int rows, const float* values,
+                                                         const float* x, float* partial,
+                                                         float* out) {
   const auto* p = reinterpret_cast<const Slice*>(values);
   const auto* given = reinterpret_cast<const Slice*>(x);
   auto* sums = reinterpret_cast<Slice*>(partial);
@@ -117,8 +118,8 @@ BIPOT_SLICES void multiply_strips(int columns, int rows, const double* values, c
   }
   add_slices(columns, sums, out);
 }
-BIPOT_SLICES void multiply_strips_transposed(int columns, int rows, const double* values,
-                                             const double* x, double* partial, double* out) {
+BIPOT_SLICES void multiply_strips_transposed(int columns, int rows, const float* values,
+                                             const float* x, float* partial, float* out) {
   all_strips_transposed(columns, rows, values, x, partial, out);
 }
 
@@ -145,33 +146,33 @@ void SupernodalSolve::add(const Supernode& s) {
   given_.resize(std::max(given_.size(), to_size(s.rows + kSlice)));
   result_.resize(std::max(result_.size(), to_size(s.rows + kStrip)));
   partial_.resize(std::max(partial_.size(), to_size(s.columns) * kSlice));
-  inverse_.assign(to_size(s.rows) * to_size(s.columns), 0.0);  // M by columns
-  double* const M = inverse_.data();
+  inverse_.assign(to_size(s.rows) * to_size(s.columns), 0.0F);  // M by columns
+  float* const M = inverse_.data();
   for (int j = 0; j < s.columns; ++j) {
-    double* const column = M + static_cast<std::ptrdiff_t>(j) * s.rows;
+    float* const column = M + static_cast<std::ptrdiff_t>(j) * s.rows;
     column[j] = 1;
-    const double* const given = s.values + static_cast<std::ptrdiff_t>(j) * s.rows;
+    const float* const given = s.values + static_cast<std::ptrdiff_t>(j) * s.rows;
     std::copy(given + s.columns, given + s.rows, column + s.columns);
   }
-  const double one = 1;
-  dtrsm_("R", "L", "N", "N", &s.rows, &s.columns, &one, s.values, &s.rows, M, &s.rows);
-  value_.resize(value_.size() + num_entries(s.columns, s.rows), 0.0);
-  double* out = value_.data() + blocks_.back().value;
+  const float one = 1;
+  strsm_("R", "L", "N", "N", &s.rows, &s.columns, &one, s.values, &s.rows, M, &s.rows);
+  value_.resize(value_.size() + num_entries(s.columns, s.rows), 0.0F);
+  float* out = value_.data() + blocks_.back().value;
   for (int i = 0; i < s.rows; i += kStrip) {
     const Strip strip(i, s.columns, s.rows);
     const int rows = std::min(kStrip, s.rows - i);
     for (int j = 0; j < strip.columns; ++j, out += strip.slices * kSlice) {
-      const double* const from = M + static_cast<std::ptrdiff_t>(j) * s.rows + i;
+      const float* const from = M + static_cast<std::ptrdiff_t>(j) * s.rows + i;
       std::copy_n(from, rows, out);
     }
   }
 }
 
-void SupernodalSolve::solve(double* x) {
-  double* const given = given_.data();
-  double* const result = result_.data();
+void SupernodalSolve::solve(float* x) {
+  float* const given = given_.data();
+  float* const result = result_.data();
   for (const Block& b : blocks_) {
-    double* const top = x + b.first;
+    float* const top = x + b.first;
     multiply_strips(b.columns, b.rows, value_.data() + b.value, top, result);
     std::copy_n(result, b.columns, top);
     const int* const row = b.below;
@@ -179,11 +180,11 @@ void SupernodalSolve::solve(double* x) {
   }
   for (std::size_t k = blocks_.size(); k-- > 0;) {
     const Block& b = blocks_[k];
-    double* const top = x + b.first;
+    float* const top = x + b.first;
     std::copy_n(top, b.columns, given);
     const int* const row = b.below;
     for (int i = 0; i < b.rows - b.columns; ++i) given[b.columns + i] = -x[row[i]];
-    std::fill_n(given + b.rows, kSlice, 0.0);
+    std::fill_n(given + b.rows, kSlice, 0.0F);
     multiply_strips_transposed(b.columns, b.rows, value_.data() + b.value, given, partial_.data(),
                                top);
   }

@@ -15,10 +15,10 @@ namespace bipot {
 ///
 ///     forward   y1 <- M1 y1,   y2 <- y2 - M2 y1        backward   x1 <- M1ᵀ y1 - M2ᵀ x2
 ///
-/// M is stored in strips of four registers of rows (16 numbers), by columns, without the
+/// M is stored in strips of four registers of rows (32 numbers), by columns, without the
 /// part right of its diagonal. Both passes read it once, in order: they are limited by memory.
-/// Rounding is that of substitution times the condition of the triangles. All instruction sets sum
-/// in the same order.
+/// Therefore all is in single precision. The result has its rounding times the condition of L:
+/// callers correct it by their residual. All instruction sets sum in the same order.
 class SupernodalSolve {
  public:
   /// Columns of a lower triangular matrix with common rows: a triangle of `columns` on top, a
@@ -26,7 +26,7 @@ class SupernodalSolve {
   struct Supernode {
     int first, columns, rows;  ///< first column; rows of triangle and rectangle
     const int* below;          ///< numbers of the rectangle's rows, ascending; not copied
-    const double* values;      ///< by columns, `rows` apart; the triangle's upper part is not read
+    const float* values;       ///< by columns, `rows` apart; the triangle's upper part is not read
   };
   /// Numbers stored for a supernode of this size, including zeros that fill the strips.
   static std::size_t num_entries(int columns, int rows);
@@ -35,7 +35,7 @@ class SupernodalSolve {
   /// The supernodes in the order of their columns.
   void add(const Supernode& supernode);
   /// x <- L⁻ᵀ L⁻¹ x. No allocation.
-  void solve(double* x);
+  void solve(float* x);
 
  private:
   struct Block {
@@ -44,10 +44,10 @@ class SupernodalSolve {
     std::size_t value;  // where its numbers begin
   };
   std::vector<Block> blocks_;
-  std::vector<double> value_;           // strips
-  std::vector<double> given_, result_;  // scratch of a block
-  std::vector<double> partial_;         // the same, a slice a column
-  std::vector<double> inverse_;         // the same of add()
+  std::vector<float> value_;           // strips
+  std::vector<float> given_, result_;  // scratch of a block
+  std::vector<float> partial_;         // the same, a slice a column
+  std::vector<float> inverse_;         // the same of add()
 };
 
 }  // namespace bipot

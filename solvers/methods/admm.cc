@@ -44,6 +44,9 @@ class Resolvent {
   Resolvent(const ContactProblem& p, const Vector& scale) : rows_(p.num_rows()) {
     if (p.has_velocities()) {
       body_.emplace(p, scale);
+      velocity_ = Vector::Zero(p.num_dofs());
+      residual_ = velocity_;
+      u_ = Vector::Zero(rows_);
       return;
     }
     delassus_ = scale.asDiagonal() * p.W * scale.asDiagonal();
@@ -61,27 +64,40 @@ class Resolvent {
   }
   bool factor(const ContactPenalties<D>& penalties) {
     if (!body_) return factor_.factor(shifted(penalties));
-    return factor_.factor([&](int column, const FrontalCholesky::Column& to) {
+    const auto add = [&](int column, const FrontalCholesky::Column& to) {
       body_->add(column, penalties.inverses(), to);
-    });
+    };
+    return factor_.factor(add, body_->diagonal());
   }
 
-  /// x holds the start of the residual correction.
+  /// x: an approximation, the last one, which is corrected by its residual. The factor is in single
+  /// precision and without the skew part of W: what is left vanishes as the iteration converges.
   void solve(const ContactPenalties<D>& penalties, const Vector& r, Vector& x) {
     if (body_) {
+      const auto impulses = [&] {
+        for (int c = 0; c * D < rows_; ++c) {
+          x.segment<D>(c * D) = penalties.inverse(c) * (r.segment<D>(c * D) - u_.segment<D>(c * D));
+        }
+      };
+      impulses();
+      body_->residual(x, velocity_, residual_);
+      factor_.solve(residual_, residual_);
+      velocity_ += residual_;
       for (int c = 0; c * D < rows_; ++c) {
-        x.segment<D>(c * D) = penalties.inverse(c) * r.segment<D>(c * D);
+        u_.segment<D>(c * D) = body_->template velocity<D>(c, velocity_);
       }
-      body_->momentum(x, velocity_);
-      factor_.solve(velocity_, velocity_);
+      impulses();
+      return;
+    }
+    const int corrections = skew_.nonZeros() == 0 ? 1 : kCorrections;
+    for (int k = 0; k < corrections; ++k) {
+      residual_ = r;
+      residual_.noalias() -= delassus_ * x;
       for (int c = 0; c * D < rows_; ++c) {
-        const Local<D> gap = r.segment<D>(c * D) - body_->template velocity<D>(c, velocity_);
-        x.segment<D>(c * D) = penalties.inverse(c) * gap;
+        residual_.segment<D>(c * D) -= penalties.times(c, x.segment<D>(c * D));
       }
-    } else if (skew_.nonZeros() == 0) {
-      factor_.solve(r, x);
-    } else {
-      for (int k = 0; k < kCorrections; ++k) factor_.solve(r - skew_ * x, x);
+      factor_.solve(residual_, residual_);
+      x += residual_;
     }
   }
 
@@ -106,7 +122,8 @@ class Resolvent {
   bool analysed_ = false;            // its pattern
   SparseMatrix delassus_, symmetric_, skew_, shifted_;
   FrontalCholesky factor_;
-  Vector velocity_;
+  Vector velocity_, u_;  // of bodies and contacts, the latter scaled
+  Vector residual_;
 };
 
 /// False if no penalty makes the matrix positive definite, or the time is over.

@@ -25,12 +25,13 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
 /// -rho y tends to de Saxcé's velocity, so that |w_t| = rho |y_t| is updated in every iteration;
 /// for mu = 0, or |w_t| frozen, the method converges for every rho > 0.
 ///
-/// The linear system is solved with one sparse Cholesky factorisation (frontal_cholesky.h) per
-/// change of the penalties: where A and H are given through A + H M⁻¹ Hᵀ in the velocities
-/// (Woodbury), M = rho I or the penalties of the contacts, otherwise W + M itself. [ours] For an
-/// unsymmetric W the symmetric part is factored and the rest is taken in by two steps of residual
-/// correction; where W + M is not positive definite (rounded data) the penalties are raised
-/// tenfold.
+/// The matrix of the linear system is factored once for each change of the penalties, by Cholesky's
+/// method in single precision (frontal_cholesky.h): where A and H are given A + H M⁻¹ Hᵀ, for the
+/// velocities (Woodbury), M = rho I or the penalties of the contacts, otherwise W + M. [ours] Each
+/// iteration corrects the last x by its residual in double precision. What single precision leaves
+/// vanishes with the change of x, as the iteration converges. For an unsymmetric W the symmetric
+/// part is factored, and there are two corrections. Where the matrix is not positive definite in
+/// single precision (rounded data, very small penalties) the penalties are raised tenfold.
 ///
 /// The penalties. A small rho is quick on packings whose forces reach everywhere, a large one where
 /// contacts slip and open. [ours] Each contact has a metric by what it does

@@ -31,7 +31,7 @@ void BodyColumns::add_contacts(int j, const double* blocks,
       if (!to.takes(wrenches_.dof(i))) continue;
       double sum = 0;
       for (int a = 0; a < D; ++a) sum += wrenches_.row(i)[a] * column[a];
-      to[wrenches_.dof(i)] += sum;
+      to.add(wrenches_.dof(i), sum);
     }
   }
 }
@@ -39,14 +39,15 @@ void BodyColumns::add_contacts(int j, const double* blocks,
 void BodyColumns::add(int j, const double* blocks, const FrontalCholesky::Column& to) const {
   for (SparseMatrix::InnerIterator it(problem_.A, j); it; ++it) {
     const int row = static_cast<int>(it.row());
-    if (to.takes(row)) to[row] += it.value();
+    if (to.takes(row)) to.add(row, it.value());
   }
   dispatch_count(problem_.dim, [&](auto d) { add_contacts<d()>(j, blocks, to); });
 }
 
-void BodyColumns::momentum(const Vector& s, Vector& g) const {
+void BodyColumns::residual(const Vector& s, const Vector& v, Vector& g) const {
   g.resize(problem_.num_dofs());
   wrenches_.momentum(s, g);
+  g.noalias() -= problem_.A * v;
 }
 
 }  // namespace bipot

@@ -18,12 +18,14 @@ class BodyColumns {
 
   /// Pattern of K, zeros included.
   BodyPattern pattern() const;
+  /// Diagonal of A, of the order of K's.
+  Vector diagonal() const { return problem_.A.diagonal(); }
   /// Adds the entries of column j that `to` takes, for the blocks of R, row-major, contact after
   /// contact.
   void add(int j, const double* blocks, const FrontalCholesky::Column& to) const;
 
-  /// g = G s: m -> n. No allocation if g has its size.
-  void momentum(const Vector& s, Vector& g) const;
+  /// g = G s - A v. No allocation if g has its size.
+  void residual(const Vector& s, const Vector& v, Vector& g) const;
   /// The rows of Gᵀ v of one contact; D is the problem's.
   template <int D>
   Local<D> velocity(int contact, const Vector& v) const {

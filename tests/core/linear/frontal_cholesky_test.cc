@@ -25,10 +25,17 @@ SparseMatrix positive_definite_grid(int side, int block, unsigned seed) {
 void expect_solves(const FrontalCholesky& factor, const SparseMatrix& A) {
   const int n = static_cast<int>(A.cols());
   const Vector x = random_vector(n, 2);
-  Vector found = A * x;
-  factor.solve(found, found);
-  // The condition is below 1e4: entries of B are at most 3, some thirty a row.
-  EXPECT_LT((found - x).norm(), 1e-11 * x.norm()) << n;
+  // The condition is below 1e4: entries of B are at most 3, some thirty a row. One solve has single
+  // precision, each correction takes as much off the error, whatever the units are.
+  for (const double unit : {1.0, 1e-60}) {
+    Vector found = Vector::Zero(n);
+    for (const double error : {1e-3, 1e-6, 1e-9, 1e-12}) {
+      Vector residual = A * (unit * x - found);
+      factor.solve(residual, residual);
+      found += residual;
+      EXPECT_LT((found - unit * x).norm(), error * unit * x.norm()) << n;
+    }
+  }
 }
 
 /// Sizes from one front to hundreds, with AMD and (the last) with METIS orders; one object for all.
@@ -43,6 +50,22 @@ TEST(FrontalCholesky, SolvesWithOtherValuesAndOtherPatterns) {
     ASSERT_TRUE(factor.factor(A)) << side;
     expect_solves(factor, A);
   }
+}
+
+/// Rows and columns in units from 1e-40 to 1e40, beyond the range of single precision.
+TEST(FrontalCholesky, DoesNotDependOnUnits) {
+  SparseMatrix A = positive_definite_grid(20, 3, 7);
+  FrontalCholesky factor;
+  ASSERT_TRUE(factor.factor(A));
+  Vector units(A.cols());
+  for (int i = 0; i < units.size(); ++i) units[i] = std::ldexp(1.0, 133 * (i % 3 - 1));
+  const Vector b = random_vector(static_cast<int>(A.cols()), 4);
+  Vector x, scaled;
+  factor.solve(b, x);
+  A = units.asDiagonal() * A * units.asDiagonal();
+  ASSERT_TRUE(factor.factor(A));
+  factor.solve(units.cwiseProduct(b), scaled);
+  EXPECT_EQ(scaled, x.cwiseQuotient(units));
 }
 
 TEST(FrontalCholesky, RefusesIndefiniteAndNonFiniteMatricesAndRecovers) {
@@ -66,7 +89,8 @@ TEST(FrontalCholesky, RefusesIndefiniteAndNonFiniteMatricesAndRecovers) {
 
 TEST(FrontalCholesky, FactorsNoColumnsBeforeAnAnalysis) {
   FrontalCholesky factor;
-  EXPECT_THROW((void)factor.factor([](int, const FrontalCholesky::Column&) {}), std::logic_error);
+  EXPECT_THROW((void)factor.factor([](int, const FrontalCholesky::Column&) {}, Vector()),
+               std::logic_error);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 /// A lower triangular matrix of supernodes of these widths, each with about half of the rows below.
 struct GivenSupernodes {
   std::deque<std::vector<int>> rows;
-  std::deque<std::vector<double>> values;
+  std::deque<std::vector<float>> values;
   std::vector<SupernodalSolve::Supernode> nodes;
   Eigen::MatrixXd L;
 
@@ -29,12 +29,13 @@ struct GivenSupernodes {
       for (int i = first; i < size; ++i) {
         if (i < first + width || draw.below(2) == 0) row.push_back(i);
       }
-      std::vector<double>& value = values.emplace_back();
+      std::vector<float>& value = values.emplace_back();
       for (int j = 0; j < width; ++j) {
         for (int i = 0; i < static_cast<int>(row.size()); ++i) {
           // What stands above the diagonal is not to be read.
-          const double x = i == j ? 2 + draw.symmetric() : coupling * draw.symmetric();
-          value.push_back(i < j ? 1e300 : x);
+          const auto x =
+              static_cast<float>(i == j ? 2 + draw.symmetric() : coupling * draw.symmetric());
+          value.push_back(i < j ? 1e30F : x);
           if (i >= j) L(row[to_size(i)], first + j) = x;
         }
       }
@@ -45,9 +46,10 @@ struct GivenSupernodes {
   }
 };
 
-void expect_inverse(double coupling, double tolerance) {
+/// What is left of the error after a number of corrections x += L⁻ᵀ L⁻¹ (b - L Lᵀ x).
+void expect_inverse(double coupling, int corrections, double tolerance) {
   SupernodalSolve solve;
-  // Widths below, at and above slices of four and strips of 16, alone and one after the
+  // Widths below, at and above slices of eight and strips of 32, alone and one after the
   // other; the object is used again for a matrix of another size.
   for (const std::vector<int>& widths : {std::vector<int>{1},
                                          {4},
@@ -67,30 +69,33 @@ void expect_inverse(double coupling, double tolerance) {
     Vector x(made.L.rows());
     for (double& value : x) value = draw.symmetric();
     const Vector b = made.L * (made.L.transpose() * x);
-    std::vector<double> solution(b.begin(), b.end());
-    solve.solve(solution.data());
-    double difference = 0;
-    for (int i = 0; i < x.size(); ++i) {
-      difference = std::hypot(difference, solution[to_size(i)] - x[i]);
+    Vector solution = Vector::Zero(x.size());
+    for (int k = 0; k < corrections; ++k) {
+      const Vector residual = b - made.L * (made.L.transpose() * solution);
+      std::vector<float> correction;
+      for (const double r : residual) correction.push_back(static_cast<float>(r));
+      solve.solve(correction.data());
+      for (int i = 0; i < x.size(); ++i) solution[i] += correction[to_size(i)];
     }
-    EXPECT_LT(difference, tolerance * x.norm()) << widths.size() << " supernodes";
+    EXPECT_LT((solution - x).norm(), tolerance * x.norm()) << widths.size() << " supernodes";
   }
 }
 
 /// Triangles of 40 random columns have a condition of 1e4 and more, with couplings of a tenth below
 /// 30.
 TEST(SupernodalSolve, IsTheInverseOfLTimesItsTranspose) {
-  expect_inverse(1, 1e-9);
-  expect_inverse(0.1, 1e-13);
+  expect_inverse(0.1, 1, 1e-5);
+  expect_inverse(0.1, 3, 1e-13);
+  expect_inverse(1, 6, 1e-9);
 }
 
-/// A triangle of 4 is one slice of 4 columns. 19 columns and 40 rows: rows 0 to 15 have four slices
-/// of 16 columns (the diagonal ends there), 16 to 31 four of 19, 32 to 39 two of 19; 64 + 76 + 38
+/// A triangle of 8 is one slice of 8 columns. 37 columns and 80 rows: rows 0 to 31 have four slices
+/// of 32 columns (the diagonal ends there), 32 to 63 four of 37, 64 to 79 two of 37; 128 + 148 + 74
 /// slices.
 TEST(SupernodalSolve, KeepsNothingRightOfTheDiagonalOfAStrip) {
-  EXPECT_EQ(SupernodalSolve::num_entries(1, 1), 4U);
-  EXPECT_EQ(SupernodalSolve::num_entries(4, 4), 16U);
-  EXPECT_EQ(SupernodalSolve::num_entries(19, 40), 4U * 178);
+  EXPECT_EQ(SupernodalSolve::num_entries(1, 1), 8U);
+  EXPECT_EQ(SupernodalSolve::num_entries(8, 8), 64U);
+  EXPECT_EQ(SupernodalSolve::num_entries(37, 80), 8U * 350);
 }
 
 }  // namespace

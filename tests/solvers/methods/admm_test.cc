@@ -26,7 +26,8 @@ TEST(Admm, VelocityAndContactFormDoTheSameSteps) {
   if (!local.has_delassus()) local.W = assemble_delassus(p.A, p.H, p.dim);
   const SolveResult a = run_admm(p, {{"rho", "0.1"}}, 1e-14, 30);
   const SolveResult b = run_admm(local, {{"rho", "0.1"}}, 1e-14, 30);
-  EXPECT_LT((a.s - b.s).norm(), 1e-8 * a.s.norm());
+  // Factors in single precision are corrected by residuals, from one iteration to the next.
+  EXPECT_LT((a.s - b.s).norm(), 1e-6 * a.s.norm());
 }
 
 /// Long enough for two changes of all penalties.
