@@ -21,7 +21,8 @@ void ssyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace bipot {
 namespace {
 
-constexpr float kSmallestPivot = 8 * std::numeric_limits<float>::epsilon() / 2;
+// Of the diagonal of A: a pivot of four units in its last place has no digit.
+constexpr float kSmallestPivot = 4 * std::numeric_limits<float>::epsilon();
 
 /// Column j of a child's contribution: a lower triangle, packed by columns. Entry (i, j) is
 /// packed_column(child, j)[i], i >= j.
@@ -82,7 +83,6 @@ bool eliminate_columns(int columns, int rows, const float* diagonal, float* pane
   if (info != 0) return false;
   for (int j = 0; j < columns; ++j) {
     const float root = panel[static_cast<std::ptrdiff_t>(j) * (rows + 1)];
-    // A pivot of a few units in the last place of what it is left of has no digit. Nor has NaN.
     if (!(root * root > kSmallestPivot * diagonal[j] && std::isfinite(root))) return false;
   }
   const int h = rows - columns;
@@ -143,16 +143,20 @@ bool FrontalCholesky::factor(const AddColumn& add, const Vector& diagonal) {
   return factored_;
 }
 
-/// Adds the entries that the front takes, of the lower triangle, to a cleared panel.
+/// Sets a panel to the entries that the front takes, of the lower triangle; sums are in double.
 void FrontalCholesky::assemble(int front, const AddColumn& add, float* panel) {
   const FrontalTree& t = *tree_;
   const int begin = t.first[to_size(front)], columns = t.columns(front), rows = t.rows(front);
-  std::fill_n(panel, to_size(columns) * to_size(rows), 0.0F);
   t.place_rows(front, position_.data());
   diagonal_.resize(to_size(columns));
+  column_.resize(to_size(rows));
   for (int j = 0; j < columns; ++j, panel += rows) {
     const int column = t.order[to_size(begin + j)];
-    add(column, {place_.data(), position_.data(), begin, panel, scale_.data(), scale_[column]});
+    std::fill(column_.begin(), column_.end(), 0.0);
+    add(column,
+        {place_.data(), position_.data(), begin, column_.data(), scale_.data(), scale_[column]});
+    std::transform(column_.begin(), column_.end(), panel,
+                   [](double sum) { return static_cast<float>(sum); });
     diagonal_[to_size(j)] = panel[j];
   }
 }
@@ -188,8 +192,7 @@ void FrontalCholesky::solve(const Vector& b, Vector& x) const {
   const std::vector<int>& order = tree_->order;
   const std::size_t n = order.size();
   double largest = 0;
-  for (Eigen::Index i = 0; i < b.size(); ++i)
-    largest = std::max(largest, std::abs(b[i] * scale_[i]));
+  for (int i = 0; i < b.size(); ++i) largest = std::max(largest, std::abs(b[i] * scale_[i]));
   const double unit = largest > 0 && std::isfinite(largest) ? largest : 1;
   for (std::size_t k = 0; k < n; ++k) {
     permuted_[k] = static_cast<float>(b[order[k]] * scale_[order[k]] / unit);

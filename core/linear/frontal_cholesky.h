@@ -22,13 +22,13 @@ class FrontalCholesky {
     const int* place;     ///< of each row of the matrix in the order of elimination
     const int* position;  ///< of these in the front
     int first;            ///< the front's first; rows before belong to other fronts
-    float* value;         ///< the column in the front
+    double* value;        ///< the column in the front
     const double* scale;  ///< of each row
     double own_scale;     ///< of the column
 
     bool takes(int row) const { return place[row] >= first; }
     void add(int row, double number) const {
-      value[position[place[row]]] += static_cast<float>(number * scale[row] * own_scale);
+      value[position[place[row]]] += number * scale[row] * own_scale;
     }
   };
   /// The symbolic analysis alone, for callers who check their clock before the first factor().
@@ -58,6 +58,7 @@ class FrontalCholesky {
   std::vector<int> position_;    // scratch of a front
   Vector scale_;                 // of rows and columns of A, powers of two
   std::vector<float> panel_;     // scratch of a front
+  std::vector<double> column_;   // scratch of a column of the front
   std::vector<float> diagonal_;  // of A in its pivots
   std::vector<float> stack_;     // contributions
   bool factored_ = false;

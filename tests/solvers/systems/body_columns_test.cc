@@ -20,10 +20,10 @@ Eigen::MatrixXd taken(const BodyColumns& columns, const std::vector<int>& place,
   std::vector<int> position(place.size());
   std::iota(position.begin(), position.end(), 0);
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n);
-  std::vector<float> column(place.size());
+  std::vector<double> column(place.size());
   const std::vector<double> scale(place.size(), 1.0);
   for (int j = 0; j < n; ++j) {
-    std::fill(column.begin(), column.end(), 0.0F);
+    std::fill(column.begin(), column.end(), 0.0);
     columns.add(j, blocks,
                 {place.data(), position.data(), place[to_size(j)], column.data(), scale.data(), 1});
     for (int i = 0; i < n; ++i) {
@@ -61,7 +61,7 @@ TEST(BodyColumns, AreThoseOfTheDenseMatrix) {
     }
     const Eigen::MatrixXd K = Eigen::MatrixXd(p.A) + G * R * G.transpose();
     const Eigen::MatrixXd found = taken(columns, place, blocks.data());
-    EXPECT_LT((found - K).norm(), 1e-7 * K.norm()) << dim;  // single precision: 2^-24
+    EXPECT_LT((found - K).norm(), 1e-14 * K.norm()) << dim;
 
     // The pattern has every entry, rows ascending, and fronts assembled from it solve with K.
     const BodyPattern pattern = columns.pattern();
