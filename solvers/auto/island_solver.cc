@@ -446,7 +446,7 @@ class IslandRun {
 };
 
 /// If a warm start has settled more than a quarter of the contacts, the others are cut out at once.
-/// Sweeps over all cost less than cutting if they converge soon, and wherever contacts are few.
+/// Sweeps over all cost less than cutting if they converge soon.
 constexpr double kMostContacts = 0.75;
 
 }  // namespace
@@ -467,8 +467,7 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
   // A large problem is not tried as a whole: the largest part is, and the others in groups.
   const bool attempts = solver.attempt && p.num_contacts() <= kLargeCopy &&
                         islands.of(islands.count() - 1).size() > 1;
-  const bool few = p.num_contacts() <= static_cast<int>(kGrouped);
-  if (!attempts || (is_warm(options) && !few)) {
+  if (!attempts || is_warm(options)) {
     const int left = settle(options, Vector());
     if (!attempts || left < kMostContacts * p.num_contacts()) {
       return run.take(parts->solve_left());

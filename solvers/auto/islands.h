@@ -28,10 +28,10 @@ struct IslandSolver {
 ///
 /// Where `solver` has an attempt to make, that is made on the whole of up to 4000 contacts first:
 /// what is easy is solved before anything is cut out. Not so where no part has two contacts, nor
-/// from a warm start that settles more than a quarter of over 200 contacts. Where none was made on
-/// the whole, it is on parts of disks with up to 200 contacts, those of about one size as one
-/// problem: a problem for each takes as long to make as to solve. Parts that it leaves good enough
-/// are not solved again.
+/// from a warm start that settles more than a quarter of the contacts. Where none was made on the
+/// whole, it is on parts of disks with up to 200 contacts, those of about one size as one problem:
+/// a problem for each takes as long to make as to solve. Parts that it leaves good enough are not
+/// solved again.
 ///
 /// **The tolerance of the parts.** With the sums of data/manual/explanation/criterion.md the whole
 /// meets tol when
