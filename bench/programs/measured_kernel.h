@@ -13,7 +13,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
-#include "solvers/disks/rolling_disks.h"
+#include "solvers/disks/rolling_bodies.h"
 #include "solvers/disks/symmetric_sweep.h"
 #include "solvers/disks/tiled_gradient.h"
 #include "solvers/disks/tiled_sweep.h"
@@ -37,7 +37,7 @@ struct PackedProblem {
         delassus(problem),
         scaling(equilibrated_scaling(problem, delassus.diagonal())),
         lambda(kSpectralMargin * largest_eigenvalue()),
-        rolling(rolling_disks(problem)) {
+        rolling(rolling_bodies<kRollingDisks>(problem)) {
     if (D == kRollingDisks ? !rolling : !delassus.is_packed() || problem.dim != D) {
       throw std::invalid_argument("not disks or spheres with friction");
     }

@@ -7,8 +7,8 @@
 
 namespace bipot {
 
-/// The packed bodies of a problem with dim = D.
+/// The packed bodies of a problem with dim = D; 6 is that of rolling spheres.
 template <int D>
-using BodiesOf = std::conditional_t<D == 3, SphereStructure, DiskStructure>;
+using BodiesOf = std::conditional_t<D == 3 || D == 6, SphereStructure, DiskStructure>;
 
 }  // namespace bipot

@@ -42,7 +42,9 @@ class SphereReader {
       SphereStructure::Body& body = out_.bodies[to_size(k)];
       const double arm = arm_[to_size(k)];
       body.inverse_mass = 1 / mass_[k * kOfBody];
-      if (arm == arm) body.inverse_inertia = arm * arm / mass_[k * kOfBody + 3];
+      if (arm != arm) continue;
+      body.inverse_inertia = arm * arm / mass_[k * kOfBody + 3];
+      body.arm = arm;
     }
     for (int k = bodies; k < out_.surroundings(); ++k) {
       SphereStructure::Body& wall = out_.bodies[to_size(k)];

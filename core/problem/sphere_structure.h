@@ -24,6 +24,7 @@ struct SphereStructure {
   struct Body {
     double inverse_mass = 0;
     double inverse_inertia = 0;  ///< a² / I, which multiplies tangential impulses  [1/kg]
+    double arm = 0;              ///< a, of its contacts; 0 without any  [m]
   };
   LargeVector<Contact> contacts;
   /// The spheres, the driven walls, and a last one for the surroundings: it never moves.

@@ -21,15 +21,17 @@ struct alignas(64) SphereRow {
 };
 inline constexpr int kRowInverseMass = 3, kRowTurn = 4, kRowInverseInertia = 7;
 
-/// D of disks with rolling friction; else D is the dim of the problem.
-inline constexpr int kRollingDisks = 4;
+/// D of bodies with rolling friction; else D is the dim of the problem.
+inline constexpr int kRollingDisks = 4, kRollingSpheres = 6;
+template <int D>
+inline constexpr bool kOfSpheres = D == 3 || D == kRollingSpheres;
 /// Rows of a contact.
 template <int D>
 inline constexpr int kRowsOf = D == kRollingDisks ? 3 : D;
 
-/// The row of a body of a problem. With rolling friction the last value is a ω once more.
+/// The row of a body of a problem. With rolling friction the last value of a disk is a ω once more.
 template <int D>
-using RowOf = std::conditional_t<D == 3, SphereRow, BodyRow>;
+using RowOf = std::conditional_t<kOfSpheres<D>, SphereRow, BodyRow>;
 
 /// Offset of a row in bytes.
 template <class Row>
@@ -68,8 +70,24 @@ struct alignas(64) ContactBatch<3> {
   double scale[kLanes];
   double b[3][kLanes];
 };
+/// With rolling friction moments are vectors in space too. With turned = r_i w_i - r_j w_j, where r =
+/// 1/a in the scaled variables,
+///
+///     w_m = turned + b_m,  b_m the last three of b.
+///
+/// So a moment M turns body i by r_i M, and body j by -r_j M. A torque T on either body changes w_m
+/// by coupling T; alike M changes Ω.
+template <>
+struct alignas(64) ContactBatch<kRollingSpheres> {
+  unsigned i[kLanes], j[kLanes];
+  double n[3][kLanes];
+  double scale[kLanes];
+  double roll[2][kLanes];  ///< r_i, r_j
+  double coupling[kLanes];
+  double b[6][kLanes];
+};
 /// Impulses of a batch in the scaled variables. Normal, tangential and rolling parts, for spheres
-/// x, y, z.
+/// x, y, z of the forces, then of the moments.
 template <int D>
 struct alignas(64) ImpulseBatch {
   double x[static_cast<unsigned>(kRowsOf<D>)][kLanes] = {};
@@ -80,6 +98,7 @@ struct alignas(64) LawBatch {
   double mu[kLanes] = {};
   double cone[kLanes] = {};                                                      ///< 1 / (1 + mu²)
   double mu_r[kLanes] = {}, rolling_cone[kLanes] = {}, both_cones[kLanes] = {};  ///< alike
+  double mu_spin[kLanes] = {};
 };
 
 /// One sweep of projected Gauss-Seidel over the batches of a tile: x_n <- max(0, x_n - ω w_n), x_t

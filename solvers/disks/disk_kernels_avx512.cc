@@ -11,6 +11,7 @@ const DiskKernelTable kAvx512DiskKernels = {
     &kAvx512SphereKernels,
     {&sweep<kRollingDisks>, &gradient<kRollingDisks>, &extrapolate_velocity,
      &sweep_forth<kRollingDisks>, &sweep_back<kRollingDisks>},
+    &kAvx2RollingSphereKernels,
     kStressKernels};
 
 }  // namespace bipot

@@ -11,6 +11,7 @@ const DiskKernelTable kPortableDiskKernels = {
     &kPortableSphereKernels,
     {&sweep<kRollingDisks>, &gradient<kRollingDisks>, &extrapolate_velocity,
      &sweep_forth<kRollingDisks>, &sweep_back<kRollingDisks>},
+    &kPortableRollingSphereKernels,
     kStressKernels};
 
 }  // namespace bipot

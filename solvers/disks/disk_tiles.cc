@@ -71,10 +71,15 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
       law_(to_size(tiles_.num_batches())),
       inverse_(to_size(tiles_.num_rows)),
       bodies_(&bodies) {
+  if constexpr (D == kRollingSpheres) {
+    // The kernels know one scale of all moments: that of the spin differs by rounding.
+    for (int c = 0; c < p.num_contacts(); ++c)
+      velocity_scale_[6 * c + 5] = velocity_scale_[6 * c + 3];
+  }
   for (int body = 0; body < bodies.surroundings(); ++body) {
     const auto& from = bodies.bodies[to_size(body)];
     auto& inverse = inverse_[to_size(tiles_.row[to_size(body)])].value;
-    if constexpr (D == 3) {
+    if constexpr (kOfSpheres<D>) {
       std::fill_n(inverse, 3, from.inverse_mass);
       std::fill_n(inverse + kRowTurn, 3, from.inverse_inertia);
     } else {
@@ -104,6 +109,7 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
           law.mu_r[lane] = law.mu_r[0];
           law.rolling_cone[lane] = law.rolling_cone[0];
           law.both_cones[lane] = law.both_cones[0];
+          law.mu_spin[lane] = law.mu_spin[0];
           continue;
         }
         const auto& from = bodies.contacts[to_size(c)];
@@ -118,14 +124,30 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
         law.mu[lane] = snap_mu(scaling.mu[c]);
         law.cone[lane] = 1 / (1 + law.mu[lane] * law.mu[lane]);
         const double sign = swapped ? -1 : 1;
-        const Eigen::Matrix<double, kRows, 1> b =
-            scaling.velocity.template segment<kRows>(c * kRows).cwiseProduct(
-                p.u_free.template segment<kRows>(c * kRows));
-        if constexpr (D == 3) {
+        const Rows b = velocity_scale_.template segment<kRows>(c * kRows).cwiseProduct(
+            p.u_free.template segment<kRows>(c * kRows));
+        if constexpr (kOfSpheres<D>) {
           to.scale[lane] = normal;
           for (int x = 0; x < 3; ++x) to.n[x][lane] = sign * from.frame[0][x];
-          const Vec3 in_space = frame(batch * kLanes + lane).transpose() * b;
-          for (int x = 0; x < 3; ++x) to.b[x][lane] = in_space[x];
+          const Rows vectors = in_space(batch * kLanes + lane, b);
+          for (int x = 0; x < kRows; ++x) to.b[x][lane] = vectors[x];
+          if constexpr (D == kRollingSpheres) {
+            law.mu_r[lane] = snap_mu(scaling.mu_r[c]);
+            law.mu_spin[lane] = snap_mu(scaling.mu_spin[c]);
+            Vec3 axis = Vec3::Zero();
+            for (int k = 0; k < 3; ++k) axis[k] = p.H.coeff(6 * from.i + 3 + k, 6 * c + 3);
+            const double roll = axis.norm() * velocity_scale_[6 * c + 3];
+            const auto over_arm = [&](int body) {
+              return body == bodies.surroundings() ? 0 : roll / bodies.bodies[to_size(body)].arm;
+            };
+            to.roll[0][lane] = over_arm(swapped ? from.j : from.i);
+            to.roll[1][lane] = over_arm(swapped ? from.i : from.j);
+            const auto inverse = [&](unsigned body) {
+              return inverse_[body / sizeof(SphereRow)].value[kRowTurn];
+            };
+            to.coupling[lane] =
+                inverse(to.i[lane]) * to.roll[0][lane] - inverse(to.j[lane]) * to.roll[1][lane];
+          }
         } else {
           to.gx[lane] = sign * normal * from.n[0];
           to.gy[lane] = sign * normal * from.n[1];
@@ -160,16 +182,45 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
 }
 
 template <int D>
-Eigen::Matrix3d DiskTiles<D>::frame(int lane) const requires(D == 3) {
-  const auto& from = bodies_->contacts[to_size(contact(lane))].frame;
-  const ContactBatch<D>& batch = contacts_[to_size(lane / kLanes)];
-  double along = 0;
-  for (int x = 0; x < 3; ++x) along += batch.n[x][lane % kLanes] * from[0][x];
+Eigen::Matrix3d DiskTiles<D>::frame(int lane) const {
   Eigen::Matrix3d frame;
-  for (int k = 0; k < 3; ++k) {
-    for (int x = 0; x < 3; ++x) frame(k, x) = std::copysign(1.0, along) * from[k][x];
+  if constexpr (kOfSpheres<D>) {
+    const auto& from = bodies_->contacts[to_size(contact(lane))].frame;
+    const ContactBatch<D>& batch = contacts_[to_size(lane / kLanes)];
+    double along = 0;
+    for (int x = 0; x < 3; ++x) along += batch.n[x][lane % kLanes] * from[0][x];
+    for (int k = 0; k < 3; ++k) {
+      for (int x = 0; x < 3; ++x) frame(k, x) = std::copysign(1.0, along) * from[k][x];
+    }
   }
   return frame;
+}
+
+template <int D>
+typename DiskTiles<D>::Rows DiskTiles<D>::in_rows(int lane, const Rows& in_space) const {
+  Rows rows = in_space;
+  if constexpr (kOfSpheres<D>) {
+    const Eigen::Matrix3d axes = frame(lane);
+    rows.template head<3>() = axes * in_space.template head<3>();
+    if constexpr (D == kRollingSpheres) {
+      const Vec3 moments = axes * in_space.template tail<3>();
+      rows.template tail<3>() = Vec3(moments[1], moments[2], moments[0]);
+    }
+  }
+  return rows;
+}
+
+template <int D>
+typename DiskTiles<D>::Rows DiskTiles<D>::in_space(int lane, const Rows& in_rows) const {
+  Rows vectors = in_rows;
+  if constexpr (kOfSpheres<D>) {
+    const Eigen::Matrix3d axes = frame(lane);
+    vectors.template head<3>() = axes.transpose() * in_rows.template head<3>();
+    if constexpr (D == kRollingSpheres) {
+      vectors.template tail<3>() = axes.transpose() * Vec3(in_rows[5], in_rows[3], in_rows[4]);
+    }
+  }
+  return vectors;
 }
 
 /// The index of an equal LawBatch among the last ones, or of a new one.
@@ -191,8 +242,12 @@ void DiskTiles<D>::rescale(double factor) {
   run_pieces(threads_, num_batches(), [&](int first, int last) {
     for (int k = first; k < last; ++k) {
       ContactBatch<D>& batch = contacts_[to_size(k)];
-      if constexpr (D == 3) {
+      if constexpr (kOfSpheres<D>) {
         scale(batch.scale);
+        if constexpr (D == kRollingSpheres) {
+          for (auto& roll : batch.roll) scale(roll);
+          scale(batch.coupling);
+        }
       } else {
         scale(batch.gx);
         scale(batch.gy);
@@ -220,11 +275,11 @@ void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, cons
     const auto stepped = [&](double sigma, double speed) {
       return sigma + kappa * (speed - sigma);
     };
-    if constexpr (D == 3) {
+    if constexpr (kOfSpheres<D>) {
       const Vec3 n(batch.n[0][lane], batch.n[1][lane], batch.n[2][lane]);
       const Vec3 without =
-          frame(at).transpose() * velocity_scale_.template segment<3>(c * D).cwiseProduct(
-                                      u_free.template segment<3>(c * D));
+          frame(at).transpose() * velocity_scale_.template segment<3>(c * kRows).cwiseProduct(
+                                      u_free.template segment<3>(c * kRows));
       Vec3 b(batch.b[0][lane], batch.b[1][lane], batch.b[2][lane]);
       double slip = 0;
       if (!momentum.empty()) {
@@ -232,10 +287,19 @@ void DiskTiles<D>::follow(double kappa, std::span<const RowOf<D>> momentum, cons
         const Vec3 turn(velocity(kRowTurn, 1), velocity(kRowTurn + 1, 1),
                         velocity(kRowTurn + 2, 1));
         const Vec3 w = batch.scale[lane] * law.ratio[lane] * (v - turn.cross(n)) + b;
-        slip = (w - n.dot(w) * n).norm();
+        slip = law.mu[lane] * (w - n.dot(w) * n).norm();
+        if constexpr (D == kRollingSpheres) {
+          Vec3 turned;
+          for (int k = 0; k < 3; ++k) {
+            turned[k] = batch.roll[0][lane] * of_body(i, kRowTurn + k) -
+                        batch.roll[1][lane] * of_body(j, kRowTurn + k) + batch.b[3 + k][lane];
+          }
+          const double spin = n.dot(turned);
+          slip += law.mu_r[lane] * (turned - spin * n).norm() + law.mu_spin[lane] * std::abs(spin);
+        }
       }
-      b = without + stepped(n.dot(b - without), law.mu[lane] * slip) * n;
-      for (int k = 0; k < D; ++k) batch.b[k][lane] = b[k];
+      b = without + stepped(n.dot(b - without), slip) * n;
+      for (int k = 0; k < 3; ++k) batch.b[k][lane] = b[k];
     } else {
       const double without = velocity_scale_[c * kRows] * u_free[c * kRows];
       double speed = 0;
@@ -267,11 +331,11 @@ void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x) const {
   run_pieces(threads_, num_batches() * kLanes, [&](int first, int last) {
     for (int lane = first; lane < last; ++lane) {
       const int c = contact(lane);
-      Eigen::Matrix<double, kRows, 1> scaled = Eigen::Matrix<double, kRows, 1>::Zero();
+      Rows scaled = Rows::Zero();
       if (c >= 0) {
         scaled = s.template segment<kRows>(c * kRows).cwiseQuotient(
             velocity_scale_.template segment<kRows>(c * kRows));
-        if constexpr (D == 3) scaled = (frame(lane).transpose() * scaled).eval();
+        if constexpr (kOfSpheres<D>) scaled = in_space(lane, scaled);
       }
       for (int k = 0; k < kRows; ++k) x[to_size(lane / kLanes)].x[k][lane % kLanes] = scaled[k];
     }
@@ -288,7 +352,7 @@ void DiskTiles<D>::push(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> 
     for (int lane = 0; lane < kLanes; ++lane) {
       double* const i = momentum[contact.i[lane] / sizeof(RowOf<D>)].value;
       double* const j = momentum[contact.j[lane] / sizeof(RowOf<D>)].value;
-      if constexpr (D == 3) {
+      if constexpr (kOfSpheres<D>) {
         const Vec3 n(contact.n[0][lane], contact.n[1][lane], contact.n[2][lane]);
         const Vec3 s(impulse.x[0][lane], impulse.x[1][lane], impulse.x[2][lane]);
         const double tangential = contact.scale[lane] * law.ratio[lane];
@@ -300,6 +364,10 @@ void DiskTiles<D>::push(std::span<const ImpulseBatch<D>> x, std::span<RowOf<D>> 
           j[k] -= force[k];
           i[kRowTurn + k] += torque[k];
           j[kRowTurn + k] += torque[k];
+          if constexpr (D == kRollingSpheres) {
+            i[kRowTurn + k] += contact.roll[0][lane] * impulse.x[3 + k][lane];
+            j[kRowTurn + k] -= contact.roll[1][lane] * impulse.x[3 + k][lane];
+          }
         }
       } else {
         const double normal = impulse.x[0][lane];
@@ -336,7 +404,7 @@ void DiskTiles<D>::velocities(std::span<const ImpulseBatch<D>> x,
       const RowOf<D>& inverse = inverse_[to_size(row)];
       auto& value = velocity[to_size(row)].value;
       for (std::size_t k = 0; k < std::size(value); ++k) value[k] *= inverse.value[k];
-      if constexpr (D == 3) put_inverses(inverse, velocity[to_size(row)]);
+      if constexpr (kOfSpheres<D>) put_inverses(inverse, velocity[to_size(row)]);
     }
   });
 }
@@ -380,5 +448,6 @@ template class DiskTiles<1>;
 template class DiskTiles<2>;
 template class DiskTiles<3>;
 template class DiskTiles<kRollingDisks>;
+template class DiskTiles<kRollingSpheres>;
 
 }  // namespace bipot

@@ -19,9 +19,9 @@ inline void put_inverses(const SphereRow& inverse, SphereRow& velocity) {
   velocity.value[kRowInverseInertia] = inverse.value[kRowTurn];
 }
 
-/// A problem of disks (with rolling friction kRollingDisks), or of spheres (D = 3), packed for the
-/// vector kernels, tile by tile: 48 constant bytes for each contact and 32 for each body, 64 for
-/// either in space. Arrays of the kernels are indexed by batch and by row.
+/// A problem of disks or of spheres (D = 3), with rolling friction kRollingDisks and
+/// kRollingSpheres, packed for the vector kernels, tile by tile: 48 constant bytes for each contact
+/// and 32 for each body, 64 for either in space. Arrays of the kernels are indexed by batch and by row.
 template <int D>
 class DiskTiles {
  public:
@@ -35,6 +35,7 @@ class DiskTiles {
             ContactTiles tiles, int threads = 1);
 
   static constexpr int kRows = kRowsOf<D>;
+  using Rows = Eigen::Matrix<double, kRows, 1>;
   using Tile = ContactTiles::Tile;
   int num_tiles() const { return static_cast<int>(tiles_.tiles.size()); }
   const Tile& tile(int t) const { return tiles_.tiles[to_size(t)]; }
@@ -53,11 +54,11 @@ class DiskTiles {
   /// The contact in a lane, kLanes for each batch; -1: none.
   int contact(int lane) const { return tiles_.contact[to_size(lane)]; }
   /// s of the contact in a lane.
-  Eigen::Matrix<double, kRows, 1> impulse(std::span<const ImpulseBatch<D>> x, int lane) const {
+  Rows impulse(std::span<const ImpulseBatch<D>> x, int lane) const {
     const int c = contact(lane);
-    Eigen::Matrix<double, kRows, 1> s;
+    Rows s;
     for (int k = 0; k < kRows; ++k) s[k] = x[to_size(lane / kLanes)].x[k][lane % kLanes];
-    if constexpr (D == 3) s = frame(lane) * s;
+    if constexpr (kOfSpheres<D>) s = in_rows(lane, s);
     return s.cwiseProduct(velocity_scale_.template segment<kRows>(c * kRows));
   }
 
@@ -88,8 +89,11 @@ class DiskTiles {
   Pipeline pipeline(int threads, Streamed bytes) const;
 
  private:
-  /// Of the contact in a lane: the rows are n, t1 and t2, with the lane's normal.
-  Eigen::Matrix3d frame(int lane) const requires(D == 3);
+  /// Of the contact in a lane: the rows are n, t1 and t2, with the lane's normal. Spheres alone.
+  Eigen::Matrix3d frame(int lane) const;
+  /// Impulses or velocities of a contact of spheres by its rows, from vectors in space; and back.
+  Rows in_rows(int lane, const Rows& in_space) const;
+  Rows in_space(int lane, const Rows& in_rows) const;
   int law_number(const LawBatch& law);
   std::size_t in_all(Streamed bytes) const;
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The kernels for spheres.
+// The kernels for spheres, with rolling friction (kRollingSpheres) or without.
 
 #include "solvers/disks/lanes.h"
 
@@ -48,6 +48,26 @@ inline Lanes root(Lanes x) {
 struct SpaceMotion {
   Space v, w;
 };
+/// With the spins, or the torques, of either body.
+struct RollingMotion {
+  Space v, w_i, w_j;
+};
+/// Impulses or velocities of contacts with rolling friction.
+struct Twist {
+  Space force, moment;
+};
+[[gnu::always_inline]] inline Twist operator+(const Twist& a, const Twist& b) {
+  return {a.force + b.force, a.moment + b.moment};
+}
+[[gnu::always_inline]] inline Twist operator-(const Twist& a, const Twist& b) {
+  return {a.force - b.force, a.moment - b.moment};
+}
+[[gnu::always_inline]] inline Twist operator*(Lanes factor, const Twist& a) {
+  return {factor * a.force, factor * a.moment};
+}
+[[gnu::always_inline]] inline Lanes dot(const Twist& a, const Twist& b) {
+  return dot(a.force, b.force) + dot(a.moment, b.moment);
+}
 
 inline const SphereRow& at(const SphereRow* rows, unsigned offset) {
   return *reinterpret_cast<const SphereRow*>(reinterpret_cast<const char*>(rows) + offset);
@@ -70,8 +90,8 @@ inline Lanes odd_pairs(Lanes a, Lanes b) {
   return __builtin_shufflevector(a, b, 2, 3, 6, 7, 10, 11, 14, 15);
 }
 
-[[gnu::always_inline]] inline SpaceMotion gather(const SphereRow* v, const unsigned* i,
-                                                 const unsigned* j) {
+[[gnu::always_inline]] inline void gather(const SphereRow* v, const unsigned* i, const unsigned* j,
+                                          SpaceMotion& to) {
   const auto both_of = [&](int k) {
     return _mm512_fnmadd_pd(whole(at(v, j[k])), kSecondSign, whole(at(v, i[k])));
   };
@@ -85,8 +105,8 @@ inline Lanes odd_pairs(Lanes a, Lanes b) {
   const Lanes xw0 = even_pairs(even[0], even[1]), xw1 = even_pairs(even[2], even[3]);
   const Lanes zw0 = odd_pairs(even[0], even[1]), zw1 = odd_pairs(even[2], even[3]);
   const Lanes yw0 = even_pairs(odd[0], odd[1]), yw1 = even_pairs(odd[2], odd[3]);
-  return {{even_pairs(xw0, xw1), even_pairs(yw0, yw1), even_pairs(zw0, zw1)},
-          {odd_pairs(xw0, xw1), odd_pairs(yw0, yw1), odd_pairs(zw0, zw1)}};
+  to = {{even_pairs(xw0, xw1), even_pairs(yw0, yw1), even_pairs(zw0, zw1)},
+        {odd_pairs(xw0, xw1), odd_pairs(yw0, yw1), odd_pairs(zw0, zw1)}};
 }
 /// Calls add(row, lane) in the order of the lanes.
 template <class Add>
@@ -179,22 +199,31 @@ inline Half inverse_in(Half half) {
 }
 #endif
 
-[[gnu::always_inline]] inline SpaceMotion gather(const SphereRow* v, const unsigned* i,
-                                                 const unsigned* j) {
+[[gnu::always_inline]] inline void gather(const SphereRow* v, const unsigned* i, const unsigned* j,
+                                          SpaceMotion& to) {
   Half moved[kWidth], turned[kWidth];
   for (int k = 0; k < kWidth; ++k) {
     const SphereRow &a = at(v, i[k]), &b = at(v, j[k]);
     moved[k] = half(a, 0) - half(b, 0);
     turned[k] = half(a, 1) + half(b, 1);
   }
-  return {lanes_of(moved), lanes_of(turned)};
+  to = {lanes_of(moved), lanes_of(turned)};
+}
+[[gnu::always_inline]] inline void gather(const SphereRow* v, const unsigned* i, const unsigned* j,
+                                          RollingMotion& to) {
+  Half moved[kWidth], first[kWidth], second[kWidth];
+  for (int k = 0; k < kWidth; ++k) {
+    const SphereRow &a = at(v, i[k]), &b = at(v, j[k]);
+    moved[k] = half(a, 0) - half(b, 0);
+    first[k] = half(a, 1);
+    second[k] = half(b, 1);
+  }
+  to = {lanes_of(moved), lanes_of(first), lanes_of(second)};
 }
 template <bool kInverse>
-[[gnu::always_inline]] inline void scatter(const SpaceMotion& p, const unsigned* i,
+[[gnu::always_inline]] inline void scatter(const Half* force, const Half* torque_i,
+                                           const Half* torque_j, const unsigned* i,
                                            const unsigned* j, SphereRow* to) {
-  Half force[kWidth], torque[kWidth];
-  rows_of(p.v, force);
-  rows_of(p.w, torque);
   const auto weighted = [](const Half& row, const Half& wrench) {
     if constexpr (!kInverse) return wrench;
     return inverse_in(row) * wrench;
@@ -202,23 +231,60 @@ template <bool kInverse>
   for (int k = 0; k < kWidth; ++k) {
     SphereRow &a = at(to, i[k]), &b = at(to, j[k]);
     half(a, 0) = half(a, 0) + weighted(half(a, 0), force[k]);
-    half(a, 1) = half(a, 1) + weighted(half(a, 1), torque[k]);
+    half(a, 1) = half(a, 1) + weighted(half(a, 1), torque_i[k]);
     half(b, 0) = half(b, 0) - weighted(half(b, 0), force[k]);
-    half(b, 1) = half(b, 1) + weighted(half(b, 1), torque[k]);
+    half(b, 1) = half(b, 1) + weighted(half(b, 1), torque_j[k]);
   }
+}
+template <bool kInverse>
+[[gnu::always_inline]] inline void scatter(const SpaceMotion& p, const unsigned* i,
+                                           const unsigned* j, SphereRow* to) {
+  Half force[kWidth], torque[kWidth];
+  rows_of(p.v, force);
+  rows_of(p.w, torque);
+  scatter<kInverse>(force, torque, torque, i, j, to);
+}
+template <bool kInverse>
+[[gnu::always_inline]] inline void scatter(const RollingMotion& p, const unsigned* i,
+                                           const unsigned* j, SphereRow* to) {
+  Half force[kWidth], first[kWidth], second[kWidth];
+  rows_of(p.v, force);
+  rows_of(p.w_i, first);
+  rows_of(p.w_j, second);
+  scatter<kInverse>(force, first, second, i, j, to);
 }
 #endif
 
-/// The wrench map of a part of a batch.
+/// x, no longer than the radius.
+[[gnu::always_inline]] inline Space shortened(const Space& x, Lanes radius) {
+  const Lanes length2 = dot(x, x), shrunk = radius / root(length2), one = all(1);
+  const Lanes factor = length2 > radius * radius ? shrunk : one;
+  return factor * x;
+}
+[[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
+
+/// The wrench map of a part of a batch, and the law of its contacts.
 struct SphereContacts {
+  using Motion = SpaceMotion;
+  using Impulse = Space;
+
+  const LawBatch& law;
+  int part;
   Space n;
   Lanes tangential, normal_excess;  ///< scale ratio; scale - scale ratio
 
-  [[gnu::always_inline]] SphereContacts(const ContactBatch<3>& batch, const LawBatch& law, int part)
-      : n(load(batch.n, part)) {
+  template <class Batch>
+  [[gnu::always_inline]] SphereContacts(const Batch& batch, const LawBatch& of, int part_of)
+      : law(of), part(part_of), n(load(batch.n, part)) {
     const Lanes scale = load(batch.scale, part);
     tangential = scale * load(law.ratio, part);
     normal_excess = scale - tangential;
+  }
+  [[gnu::always_inline]] static Space loaded(const double (*from)[kLanes], int part) {
+    return load(from, part);
+  }
+  [[gnu::always_inline]] static void put(double (*to)[kLanes], int part, const Space& a) {
+    store(to, part, a);
   }
   /// w - b.
   [[gnu::always_inline]] Space velocity(const SpaceMotion& m) const {
@@ -229,32 +295,137 @@ struct SphereContacts {
     const Space pushed = tangential * x;
     return {pushed + (normal_excess * dot(n, x)) * n, cross(pushed, n)};
   }
+  /// max(0, τ_n) and τ_t cut off, where τ = x - ω w. That is the exact solution of the contact for
+  /// ω = 1, since its own block of W is diagonal with equal tangents.
+  template <bool kBack>
+  [[gnu::always_inline]] Space relaxed(const Space& x, Lanes omega, const SpaceMotion& motion,
+                                       const Space& b) const {
+    return projected<GradientMap::kSplit>(x - omega * (velocity(motion) + b));
+  }
+  /// The map of the gradient.
+  template <GradientMap kMap>
+  [[gnu::always_inline]] Space projected(const Space& tau) const {
+    const Lanes mu = load(law.mu, part), along = dot(n, tau);
+    const Space across = tau - along * n;
+    Lanes normal = along;
+    if constexpr (kMap == GradientMap::kFollowed) {
+      const Lanes edge = (along + mu * root(dot(across, across))) * load(law.cone, part);
+      normal = larger(edge, along);
+    }
+    normal = positive(normal);
+    return normal * n + shortened(across, mu * normal);
+  }
 };
 
-/// z with the normal part and the tangential one, this cut off at mu times the normal part.
-[[gnu::always_inline]] inline Space cut_off(const Space& n, Lanes normal, const Space& tangential,
-                                            Lanes mu) {
-  const Lanes radius = mu * normal, length2 = dot(tangential, tangential);
-  const Lanes shrunk = radius / root(length2), one = all(1);
-  const Lanes factor = length2 > radius * radius ? shrunk : one;
-  return normal * n + factor * tangential;
-}
-/// max(0, τ_n) and τ_t cut off: the exact solution of the contact for ω = 1, since the contact's
-/// own block of W is diagonal with equal tangents.
-[[gnu::always_inline]] inline Space onto_disk(const Space& n, const Space& tau, Lanes mu) {
-  const Lanes along = dot(n, tau);
-  return cut_off(n, positive(along), tau - along * n, mu);
-}
+/// The same with rolling friction.
+struct RollingContacts {
+  using Motion = RollingMotion;
+  using Impulse = Twist;
+
+  SphereContacts slide;
+  Lanes roll_i, roll_j, coupling;
+
+  [[gnu::always_inline]] RollingContacts(const ContactBatch<kRollingSpheres>& batch,
+                                         const LawBatch& law, int part)
+      : slide(batch, law, part),
+        roll_i(load(batch.roll[0], part)),
+        roll_j(load(batch.roll[1], part)),
+        coupling(load(batch.coupling, part)) {}
+  [[gnu::always_inline]] static Twist loaded(const double (*from)[kLanes], int part) {
+    return {load(from, part), load(from + 3, part)};
+  }
+  [[gnu::always_inline]] static void put(double (*to)[kLanes], int part, const Twist& a) {
+    store(to, part, a.force);
+    store(to + 3, part, a.moment);
+  }
+  [[gnu::always_inline]] Twist velocity(const RollingMotion& m) const {
+    return {slide.velocity({m.v, m.w_i + m.w_j}), roll_i * m.w_i - roll_j * m.w_j};
+  }
+  [[gnu::always_inline]] RollingMotion wrench(const Twist& x) const {
+    const SpaceMotion pushed = slide.wrench(x.force);
+    return {pushed.v, pushed.w + roll_i * x.moment, pushed.w - roll_j * x.moment};
+  }
+  /// Normal, tangential and rolling impulses one after the other, the last two in the reverse order
+  /// with kBack; each with the velocities that the one before has changed.
+  template <bool kBack>
+  [[gnu::always_inline]] Twist relaxed(const Twist& x, Lanes omega, const RollingMotion& motion,
+                                       const Twist& b) const {
+    const Space& n = slide.n;
+    Twist w = velocity(motion) + b, z;
+    const Lanes along = dot(n, x.force - omega * w.force), normal = positive(along);
+    const auto slid = [&] {
+      const Space tau = x.force - omega * w.force;
+      z.force = normal * n + shortened(tau - along * n, load(slide.law.mu, slide.part) * normal);
+    };
+    if constexpr (kBack) {
+      z.moment = turned(x.moment - omega * w.moment, normal);
+      const Space turn = coupling * (z.moment - x.moment);
+      w.force = w.force - slide.tangential * cross(turn, n);
+      slid();
+    } else {
+      slid();
+      w.moment = w.moment + coupling * cross(slide.tangential * (z.force - x.force), n);
+      z.moment = turned(x.moment - omega * w.moment, normal);
+    }
+    return z;
+  }
+  /// The moments about the tangents and the normal, cut off.
+  [[gnu::always_inline]] Space turned(const Space& tau, Lanes normal) const {
+    const Space& n = slide.n;
+    const Lanes along = dot(n, tau);
+    const Lanes spin = cut_off(along, load(slide.law.mu_spin, slide.part) * normal);
+    return spin * n + shortened(tau - along * n, load(slide.law.mu_r, slide.part) * normal);
+  }
+  /// On the cone (kFollowed): see onto_cone() in core/problem/coulomb_cone.h.
+  template <GradientMap kMap>
+  [[gnu::always_inline]] Twist projected(const Twist& tau) const {
+    const Space& n = slide.n;
+    const Lanes mu[3] = {load(slide.law.mu, slide.part), load(slide.law.mu_r, slide.part),
+                         load(slide.law.mu_spin, slide.part)};
+    const Lanes along = dot(n, tau.force);
+    const Space across = tau.force - along * n;
+    Lanes normal = along;
+    if constexpr (kMap == GradientMap::kFollowed) {
+      const Lanes turn = dot(n, tau.moment);
+      const Space roll = tau.moment - turn * n;
+      const Lanes pushed[3] = {mu[0] * root(dot(across, across)), mu[1] * root(dot(roll, roll)),
+                               mu[2] * magnitude(turn)};
+#pragma GCC unroll 8
+      for (int set = 1; set < 8; ++set) {
+        Lanes sum = along, weight = all(1);
+#pragma GCC unroll 3
+        for (int k = 0; k < 3; ++k) {
+          if ((set >> k & 1) == 0) continue;
+          sum += pushed[k];
+          weight += mu[k] * mu[k];
+        }
+        normal = larger(sum / weight, normal);
+      }
+    }
+    normal = positive(normal);
+    return {normal * n + shortened(across, mu[0] * normal), turned(tau.moment, normal)};
+  }
+};
+
+template <int D>
+struct ContactsOf {
+  using Type = SphereContacts;
+};
+template <>
+struct ContactsOf<kRollingSpheres> {
+  using Type = RollingContacts;
+};
 
 /// Runs solve(batch, part, motion) -> wrench over all parts of the batches from `first` to before
 /// `last`, downwards with kBack: see for_parts() in disk_sweeps.h. kInverse: the wrenches change the
 /// velocities.
-template <bool kBack, bool kInverse, class Solve>
-[[gnu::always_inline]] inline void for_sphere_parts(const ContactBatch<3>* contact, int first,
+template <bool kBack, bool kInverse, int D, class Solve>
+[[gnu::always_inline]] inline void for_sphere_parts(const ContactBatch<D>* contact, int first,
                                                     int last, const SphereRow* velocity,
                                                     SphereRow* to, const Solve& solve) {
+  using Motion = typename ContactsOf<D>::Type::Motion;
   const int batches = last - first, step = kBack ? -1 : 1;
-  SpaceMotion wrench{};
+  Motion wrench{};
   const unsigned *i_before = nullptr, *j_before = nullptr;
   int k = kBack ? last - 1 : first;
   for (int n = 0; n < batches; ++n, k += step) {
@@ -262,7 +433,8 @@ template <bool kBack, bool kInverse, class Solve>
     for (int part = 0; part < kParts; ++part) {
       const unsigned *const i = contact[k].i + part * kWidth, *const j =
                                                                   contact[k].j + part * kWidth;
-      const SpaceMotion motion = gather(velocity, i, j);
+      Motion motion;
+      gather(velocity, i, j, motion);
       if (part > 0 || n > 0) scatter<kInverse>(wrench, i_before, j_before, to);
       wrench = solve(k, part, motion);
       i_before = i;
@@ -272,35 +444,38 @@ template <bool kBack, bool kInverse, class Solve>
   if (batches > 0) scatter<kInverse>(wrench, i_before, j_before, to);
 }
 
-void sweep_spheres(const SweepTask<3>& task) {
-  const SweepTask<3> a = task;
+template <int D>
+void sweep_spheres(const SweepTask<D>& task) {
+  using Contacts = typename ContactsOf<D>::Type;
+  const SweepTask<D> a = task;
   const Lanes omega = all(a.omega);
-  const auto solve = [&](int k, int part, const SpaceMotion& motion) {
+  const auto solve = [&](int k, int part, const typename Contacts::Motion& motion) {
     if (part == 0 && a.ask_ahead) {
       prefetch_item(a.contact, k + kAhead);
       prefetch_item(a.impulse, k + kAhead);
     }
-    const LawBatch& law = a.laws[a.law[k]];
-    const SphereContacts c(a.contact[k], law, part);
-    const Space x = load(a.impulse[k].x, part);
-    const Space tau = x - omega * (c.velocity(motion) + load(a.contact[k].b, part));
-    const Space z = onto_disk(c.n, tau, load(law.mu, part));
-    store(a.impulse[k].x, part, z);
+    const Contacts c(a.contact[k], a.laws[a.law[k]], part);
+    const auto x = Contacts::loaded(a.impulse[k].x, part);
+    const auto z =
+        c.template relaxed<false>(x, omega, motion, Contacts::loaded(a.contact[k].b, part));
+    Contacts::put(a.impulse[k].x, part, z);
     return c.wrench(z - x);
   };
   for_sphere_parts<false, true>(a.contact, 0, a.batches, a.velocity, a.velocity, solve);
 }
 
 /// kOuter: starts from y in the forward sweep, computes sums at the end of the backward sweep.
-template <bool kBack, bool kOuter>
-void sweep_spheres_symmetric(const SymmetricTask<3>& task, Lanes* turn) {
-  const SymmetricTask<3> a = task;
+template <int D, bool kBack, bool kOuter>
+void sweep_spheres_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
+  using Contacts = typename ContactsOf<D>::Type;
+  using Impulse = typename Contacts::Impulse;
+  const SymmetricTask<D> a = task;
   const Lanes omega = all(a.omega), beta = all(a.beta);
   constexpr bool kStream = kBack || kOuter;
   const int batches = a.last_batch - a.first_batch;
   const int share = batches > 0 ? (a.num_coming + batches - 1) / batches : 0;
   int coming = 0;
-  const auto solve = [&](int k, int part, const SpaceMotion& motion) {
+  const auto solve = [&](int k, int part, const typename Contacts::Motion& motion) {
     if (kStream && part == 0 && a.ask_ahead) {
       const int ahead = kBack ? k - kAhead : k + kAhead;
       prefetch_item(a.contact, ahead);
@@ -314,42 +489,43 @@ void sweep_spheres_symmetric(const SymmetricTask<3>& task, Lanes* turn) {
         for (; coming < end; ++coming) prefetch(at(a.velocity, a.coming[coming]));
       }
     }
-    const auto extrapolated = [&](const Space& now) {
-      return now + beta * (now - load(a.before[k].x, part));
+    const auto extrapolated = [&](const Impulse& now) {
+      return now + beta * (now - Contacts::loaded(a.before[k].x, part));
     };
-    const LawBatch& law = a.laws[a.law[k]];
-    const SphereContacts c(a.contact[k], law, part);
-    Space x;
+    const Contacts c(a.contact[k], a.laws[a.law[k]], part);
+    Impulse x;
     if constexpr (kBack || !kOuter) {
-      x = load(a.next[k].x, part);
+      x = Contacts::loaded(a.next[k].x, part);
     } else {
-      x = extrapolated(load(a.now[k].x, part));
+      x = extrapolated(Contacts::loaded(a.now[k].x, part));
     }
-    const Space tau = x - omega * (c.velocity(motion) + load(a.contact[k].b, part));
-    const Space z = onto_disk(c.n, tau, load(law.mu, part));
+    const Impulse z =
+        c.template relaxed<kBack>(x, omega, motion, Contacts::loaded(a.contact[k].b, part));
     if constexpr (kBack && kOuter) {
-      const Space now = load(a.now[k].x, part);
+      const Impulse now = Contacts::loaded(a.now[k].x, part);
       turn[part] += dot(extrapolated(now) - z, z - now);
     }
-    store(a.next[k].x, part, z);
+    Contacts::put(a.next[k].x, part, z);
     return c.wrench(z - x);
   };
   for_sphere_parts<kBack, true>(a.contact, a.first_batch, a.last_batch, a.velocity, a.velocity,
                                 solve);
 }
 
-void sweep_spheres_forth(const SymmetricTask<3>& task) {
+template <int D>
+void sweep_spheres_forth(const SymmetricTask<D>& task) {
   if (task.outer) {
-    sweep_spheres_symmetric<false, true>(task, nullptr);
+    sweep_spheres_symmetric<D, false, true>(task, nullptr);
   } else {
-    sweep_spheres_symmetric<false, false>(task, nullptr);
+    sweep_spheres_symmetric<D, false, false>(task, nullptr);
   }
 }
-void sweep_spheres_back(const SymmetricTask<3>& task, TurnSums& sums) {
-  if (!task.outer) return sweep_spheres_symmetric<true, false>(task, nullptr);
+template <int D>
+void sweep_spheres_back(const SymmetricTask<D>& task, TurnSums& sums) {
+  if (!task.outer) return sweep_spheres_symmetric<D, true, false>(task, nullptr);
   Lanes turn[kParts];
   for (int part = 0; part < kParts; ++part) turn[part] = load(sums.turn, part);
-  sweep_spheres_symmetric<true, true>(task, turn);
+  sweep_spheres_symmetric<D, true, true>(task, turn);
   for (int part = 0; part < kParts; ++part) store(sums.turn, part, turn[part]);
 }
 
@@ -376,7 +552,8 @@ inline RowPiece with_inverse_of(RowPiece values, RowPiece row) {
 
 /// Sets the velocities of some spheres at the extrapolated momentum; their next momentum starts
 /// from 0.
-[[gnu::always_inline]] inline void begin_spheres(const GradientTask<3>& a, unsigned first, int rows,
+template <int D>
+[[gnu::always_inline]] inline void begin_spheres(const GradientTask<D>& a, unsigned first, int rows,
                                                  RowPiece* energy) {
   const SphereRow *const now = &at(a.momentum, first), *const before =
                                                            &at(a.momentum_before, first);
@@ -401,38 +578,29 @@ inline RowPiece with_inverse_of(RowPiece values, RowPiece row) {
   }
 }
 
-template <GradientMap kMap>
-void project_spheres(const GradientTask<3>& task, GradientSums& sums) {
-  const GradientTask<3> a = task;
+template <int D, GradientMap kMap>
+void project_spheres(const GradientTask<D>& task, GradientSums& sums) {
+  using Contacts = typename ContactsOf<D>::Type;
+  const GradientTask<D> a = task;
   const Lanes beta = all(a.beta);
   Lanes along[kParts] = {}, change2[kParts] = {};
   RowPiece energy[kPiecesOfRow] = {};
-  const auto solve = [&](int k, int part, const SpaceMotion& motion) {
+  const auto solve = [&](int k, int part, const typename Contacts::Motion& motion) {
     if (part == 0 && a.ask_ahead) {
       prefetch_item(a.contact, k + kAhead);
       prefetch_item(a.now, k + kAhead);
       prefetch_item(a.before, k + kAhead);
     }
-    const LawBatch& law = a.laws[a.law[k]];
-    const SphereContacts c(a.contact[k], law, part);
-    const Lanes mu = load(law.mu, part);
-    const Space x = load(a.now[k].x, part), step = x - load(a.before[k].x, part);
-    const Space y = x + beta * step;
-    const Space w = c.velocity(motion) + load(a.contact[k].b, part);
-    const Space tau = y - w;
-    Space z;
-    if constexpr (kMap == GradientMap::kFollowed) {
-      const Lanes tau_n = dot(c.n, tau);
-      const Space tau_t = tau - tau_n * c.n;
-      const Lanes edge = (tau_n + mu * root(dot(tau_t, tau_t))) * load(law.cone, part);
-      z = cut_off(c.n, positive(edge > tau_n ? edge : tau_n), tau_t, mu);
-    } else {
-      z = onto_disk(c.n, tau, mu);
-    }
-    const Space change = z - x;
+    const Contacts c(a.contact[k], a.laws[a.law[k]], part);
+    const auto x = Contacts::loaded(a.now[k].x, part);
+    const auto step = x - Contacts::loaded(a.before[k].x, part);
+    const auto y = x + beta * step;
+    const auto w = c.velocity(motion) + Contacts::loaded(a.contact[k].b, part);
+    const auto z = c.template projected<kMap>(y - w);
+    const auto change = z - x;
     along[part] += dot(step, change);
     change2[part] += dot(change, change);
-    store(a.next[k].x, part, z);
+    Contacts::put(a.next[k].x, part, z);
     return c.wrench(z);
   };
   for (const BodyBlock* window = a.begin; window != a.end;) {
@@ -452,12 +620,19 @@ void project_spheres(const GradientTask<3>& task, GradientSums& sums) {
   }
 }
 
-void gradient_spheres(const GradientTask<3>& task, GradientSums& sums) {
+template <int D>
+void gradient_spheres(const GradientTask<D>& task, GradientSums& sums) {
   if (task.map == GradientMap::kFollowed) {
-    project_spheres<GradientMap::kFollowed>(task, sums);
+    project_spheres<D, GradientMap::kFollowed>(task, sums);
   } else {
-    project_spheres<GradientMap::kSplit>(task, sums);
+    project_spheres<D, GradientMap::kSplit>(task, sums);
   }
+}
+
+template <int D>
+constexpr DiskKernels<D> sphere_kernels() {
+  return {&sweep_spheres<D>, &gradient_spheres<D>, &extrapolate_velocity, &sweep_spheres_forth<D>,
+          &sweep_spheres_back<D>};
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 namespace bipot {
 
-const DiskKernels<3> kAvx2SphereKernels = {&sweep_spheres, &gradient_spheres, &extrapolate_velocity,
-                                           &sweep_spheres_forth, &sweep_spheres_back};
+const DiskKernels<3> kAvx2SphereKernels = sphere_kernels<3>();
 
 }  // namespace bipot

@@ -3,8 +3,6 @@
 
 namespace bipot {
 
-const DiskKernels<3> kAvx512SphereKernels = {&sweep_spheres, &gradient_spheres,
-                                             &extrapolate_velocity, &sweep_spheres_forth,
-                                             &sweep_spheres_back};
+const DiskKernels<3> kAvx512SphereKernels = sphere_kernels<3>();
 
 }  // namespace bipot

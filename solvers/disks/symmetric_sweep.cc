@@ -158,5 +158,6 @@ template class SymmetricSweep<1>;
 template class SymmetricSweep<2>;
 template class SymmetricSweep<3>;
 template class SymmetricSweep<kRollingDisks>;
+template class SymmetricSweep<kRollingSpheres>;
 
 }  // namespace bipot

@@ -71,7 +71,7 @@ void TiledGradient<D>::reset(const Vector& s) {
   }
   for (std::size_t row = 0; row < velocity_.size(); ++row) {
     const RowOf<D>& inverse = disks_.inverse()[row];
-    if constexpr (D == 3) {
+    if constexpr (kOfSpheres<D>) {
       put_inverses(inverse, velocity_[row]);
     } else if constexpr (D != kRollingDisks) {
       velocity_[row].value[kRowLast] = inverse.value[kRowX];
@@ -243,5 +243,6 @@ template class TiledGradient<1>;
 template class TiledGradient<2>;
 template class TiledGradient<3>;
 template class TiledGradient<kRollingDisks>;
+template class TiledGradient<kRollingSpheres>;
 
 }  // namespace bipot

@@ -52,5 +52,6 @@ template class TiledSweep<1>;
 template class TiledSweep<2>;
 template class TiledSweep<3>;
 template class TiledSweep<kRollingDisks>;
+template class TiledSweep<kRollingSpheres>;
 
 }  // namespace bipot

@@ -1,6 +1,6 @@
 #include "solvers/methods/accelerated_gradient.h"
 
-#include "solvers/disks/rolling_disks.h"
+#include "solvers/disks/rolling_bodies.h"
 #include "solvers/disks/tiled_gradient.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_iteration.h"
@@ -67,11 +67,13 @@ void solve_accelerated_gradient(SolveRun& run) {
     constexpr ContactRows D = d();
     if constexpr (!D.rolls) {
       if (with_tiled_kernel<D>(run, scaling, iterate)) return;
-    } else if (const auto disks =
-                   run.space().parts() ? std::nullopt : rolling_disks(run.problem())) {
-      TiledGradient<kRollingDisks> kernel(run.problem(), *disks, scaling, run.options().execution);
-      iterate(kernel);
-      return;
+    } else if (run.space().parts() == nullptr) {
+      if (const auto bodies = rolling_bodies<kKernelOf<D>>(run.problem())) {
+        TiledGradient<kKernelOf<D>> kernel(run.problem(), *bodies, scaling,
+                                           run.options().execution);
+        iterate(kernel);
+        return;
+      }
     }
     with_any_kernel<D>(run, scaling, iterate);
   });

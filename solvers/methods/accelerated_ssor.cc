@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "solvers/disks/deflated_sweep.h"
-#include "solvers/disks/rolling_disks.h"
+#include "solvers/disks/rolling_bodies.h"
 #include "solvers/disks/symmetric_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_kernel.h"
@@ -229,27 +229,21 @@ void solve_accelerated_ssor(SolveRun& run) {
   const DelassusOperator& delassus = run.delassus();
   const Execution& execution = run.options().execution;
   ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const auto rolling = rolling_disks(p);
-  const bool packed = delassus.is_packed() || rolling;
-  const Turns turns(omega, packed, sweeps, parameters.integer("most_sweeps"), side);
-  run.judge_half_as_often(packed && p.num_contacts() >= kStreamed);
   dispatch_rows(p, [&](auto d) {
     constexpr ContactRows D = d();
-    if constexpr (!D.rolls) {
-      if (const auto& bodies = delassus.bodies<D>()) {
-        SymmetricSweep<D> kernel(p, *bodies, scaling, omega, sweeps, execution);
-        scaling = {};  // the kernel has its own
-        if constexpr (D == 2) {
-          const int least = parameters.integer("stresses_from");
-          iterate(kernel, turns, Stresses(kernel, *bodies, least, execution), run);
-        } else {
-          iterate(kernel, turns, NoStresses(), run);
-        }
-        return;
+    const auto bodies = kernel_bodies<D>(p, delassus);
+    const bool packed = bodies != nullptr;
+    const Turns turns(omega, packed, sweeps, parameters.integer("most_sweeps"), side);
+    run.judge_half_as_often(packed && p.num_contacts() >= kStreamed);
+    if (packed) {
+      SymmetricSweep<kKernelOf<D>> kernel(p, *bodies, scaling, omega, sweeps, execution);
+      scaling = {};  // the kernel has its own
+      if constexpr (D == 2 && !D.rolls) {
+        const int least = parameters.integer("stresses_from");
+        iterate(kernel, turns, Stresses(kernel, *bodies, least, execution), run);
+      } else {
+        iterate(kernel, turns, NoStresses(), run);
       }
-    } else if (rolling) {
-      SymmetricSweep<kRollingDisks> kernel(p, *rolling, scaling, omega, sweeps, execution);
-      iterate(kernel, turns, NoStresses(), run);
       return;
     }
     with_local_updates<D>(p, delassus, {.omega = omega}, false,

@@ -9,7 +9,7 @@
 
 #include "core/problem/delassus.h"
 #include "solvers/disks/contact_order.h"
-#include "solvers/disks/rolling_disks.h"
+#include "solvers/disks/rolling_bodies.h"
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/parallel/split_sweep.h"
@@ -109,19 +109,13 @@ void solve_gauss_seidel(SolveRun& run) {
   const bool tiled = parameters.choice("order") == "tiled";
   // Spheres in the given order: vectors do the same contact after contact, if one round is all.
   const bool one_round = settings.omega == 1 || (!settings.exact && settings.local_iterations == 1);
-  const bool given = parameters.choice("order") == "forward" && one_round &&
-                     run.problem().dim == 3 && run.space().parts() == nullptr;
+  const bool forward =
+      parameters.choice("order") == "forward" && one_round && run.space().parts() == nullptr;
   dispatch_rows(run.problem(), [&](auto d) {
     constexpr ContactRows D = d();
-    if constexpr (!D.rolls) {
-      if ((tiled || given) && run.delassus().is_packed() && !explicit_delassus) {
-        sweep_vectors<D>(run, *run.delassus().bodies<D>(), settings.omega, tiled);
-        return;
-      }
-    } else if (const auto disks = tiled ? rolling_disks(run.problem()) : std::nullopt) {
-      sweep_vectors<kRollingDisks>(run, *disks, settings.omega, tiled);
-      return;
-    }
+    const bool in_vectors = (tiled || (forward && !D.in_plane())) && !explicit_delassus;
+    const auto bodies = in_vectors ? kernel_bodies<D>(run.problem(), run.delassus()) : nullptr;
+    if (bodies) return sweep_vectors<kKernelOf<D>>(run, *bodies, settings.omega, tiled);
     sweep_contacts<D>(run, explicit_delassus, order, settings);
   });
 }

@@ -13,7 +13,7 @@
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
 #include "solvers/disks/contact_order.h"
-#include "solvers/disks/rolling_disks.h"
+#include "solvers/disks/rolling_bodies.h"
 #include "solvers/disks/symmetric_sweep.h"
 #include "solvers/disks/tiled_gradient.h"
 #include "solvers/disks/tiled_sweep.h"
@@ -58,6 +58,43 @@ ContactProblem rolling_packing(bool square, int side) {
   return p;
 }
 
+/// The same of spheres. Moments about the tangents and the normal of `plain`, with another factor
+/// in each contact.
+ContactProblem rolling_spheres(ContactProblem plain) {
+  for (int row = 0; row < plain.num_rows(); ++row) {
+    for (SparseMatrix::InnerIterator it(plain.H, row); it; ++it) {
+      if (it.row() % 6 > 2) it.valueRef() *= 1 + 0.1 * static_cast<double>(it.row() / 6 % 3);
+    }
+  }
+  const SphereStructure spheres = *sphere_structure(plain);
+  ContactProblem p{.dim = 6, .A = plain.A, .v_free = plain.v_free, .mu = plain.mu};
+  p.mu_r = p.mu_spin = Vector::Constant(plain.num_contacts(), 0.02);
+  p.mu_spin *= 0.5;
+  p.mu_r[0] = 0;
+  p.u_free = Vector::Zero(2 * plain.num_rows());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int c = 0; c < plain.num_contacts(); ++c) {
+    const SphereStructure::Contact& contact = spheres.contacts[to_size(c)];
+    for (int k = 0; k < 3; ++k) {
+      for (SparseMatrix::InnerIterator it(plain.H, 3 * c + k); it; ++it) {
+        entries.emplace_back(it.row(), 6 * c + k, it.value());
+      }
+      p.u_free[6 * c + k] = plain.u_free[3 * c + k];
+      p.u_free[6 * c + 3 + k] = 0.1 * ((c + 2 * k) % 7 - 3);
+      const double* const axis = contact.frame[(k + 1) % 3];
+      for (int x = 0; x < 3; ++x) {
+        const double moment = (1 + 0.2 * (c % 4)) * axis[x];
+        entries.emplace_back(6 * contact.i + 3 + x, 6 * c + 3 + k, moment);
+        if (contact.j == spheres.surroundings()) continue;
+        entries.emplace_back(6 * contact.j + 3 + x, 6 * c + 3 + k, -moment);
+      }
+    }
+  }
+  p.H.resize(plain.num_dofs(), p.num_rows());
+  p.H.setFromTriplets(entries.begin(), entries.end());
+  return p;
+}
+
 struct Setting {
   ContactProblem problem;
   DelassusOperator delassus;
@@ -67,11 +104,14 @@ struct Setting {
         delassus(problem),
         scaling(equilibrated_scaling(problem, delassus.diagonal())) {}
   const DiskStructure& disks() const { return *delassus.disks(); }
-  std::optional<DiskStructure> rolling = rolling_disks(problem);
+  std::optional<DiskStructure> rolling = rolling_bodies<kRollingDisks>(problem);
+  std::optional<SphereStructure> rolling_in_space = rolling_bodies<kRollingSpheres>(problem);
   template <int D>
   const BodiesOf<D>& bodies() const {
     if constexpr (D == kRollingDisks) {
       return *rolling;
+    } else if constexpr (D == kRollingSpheres) {
+      return *rolling_in_space;
     } else {
       return *delassus.bodies<D>();
     }
@@ -125,6 +165,10 @@ std::vector<ContactProblem> packings() {
     return {packing(3, true, 9),          packing(3, true, 2),
             packing(3, true, 1),          packing(3, true, 4),
             pressed(packing(3, true, 6)), shipped_file("3d_sphere_pyramid_4.hdf5")};
+  } else if constexpr (D == kRollingSpheres) {
+    return {rolling_spheres(packing(3, true, 9)), rolling_spheres(packing(3, true, 2)),
+            rolling_spheres(packing(3, true, 1)),
+            rolling_spheres(shipped_file("3d_sphere_pyramid_4.hdf5"))};
   } else if constexpr (D == kRollingDisks) {
     return {rolling_packing(false, 20), rolling_packing(true, 20), rolling_packing(true, 2),
             rolling_packing(false, 5)};
@@ -138,7 +182,7 @@ template <int D>
 void check_bits() {
   for (const ContactProblem& problem : packings<D>()) {
     const Setting at(problem);
-    ASSERT_TRUE(at.delassus.is_packed() || at.rolling);
+    ASSERT_TRUE(at.delassus.is_packed() || at.rolling || at.rolling_in_space);
     const Vector sweep = swept<D>(at, 1, {1, SimdPath::kPortable}, kOneByOne);
     const Vector relaxed = swept<D>(at, 1.5, {1, SimdPath::kPortable}, kOneByOne);
     const Vector split = descended<D>(at, GradientMap::kSplit, {1, SimdPath::kPortable}, kOneByOne);
@@ -169,28 +213,59 @@ TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsOfSpheres) { check_bits<
 TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsOfRollingDisks) {
   check_bits<kRollingDisks>();
 }
+TEST(TiledKernels, SameBitsForAllThreadsPathsAndPortionsOfRollingSpheres) {
+  check_bits<kRollingSpheres>();
+}
 
-// Contact after contact by an independent sweep on W: the normal impulse, then the slip, then the
-// rolling, each with the velocities that the one before left in its own contact; ω alike.
-TEST(TiledKernels, ATiledSweepOfRollingDisksIsThatOnWInItsOrder) {
+/// Updates of the impulses of contacts one by one, by W: the normal one, then the slip, then the
+/// rolling and the spin, each with the velocities that the one before left in its own contact; ω
+/// alike. `back`: the slip comes last. The normal row is not coupled to the others of its contact.
+class OneByOne {
+ public:
+  OneByOne(const ContactProblem& p, double omega)
+      : p_(p),
+        omega_(omega),
+        W_(Eigen::MatrixXd(assemble_delassus(p.A, p.H, p.dim))),
+        s_(Vector::Zero(p.num_rows())) {}
+  void relax(int c, bool back = false) {
+    if (c < 0) return;
+    const int first = p_.dim * c, slips = p_.plain_dim() - 1;
+    s_[first] = std::max(moved(first, 1)[0], 0.0);
+    const auto slide = [&] { cut(first, 1, slips, p_.mu[c]); };
+    if (!back) slide();
+    cut(first, 1 + slips, slips, p_.mu_r[c]);
+    if (p_.dim == 6) cut(first, 5, 1, p_.mu_spin[c]);
+    if (back) slide();
+  }
+  const Vector& impulse() const { return s_; }
+
+ private:
+  Vector moved(int row, int count) const {
+    const Vector u = W_.middleRows(row, count) * s_ + p_.u_free.segment(row, count);
+    return s_.segment(row, count) - omega_ / W_(row, row) * u;
+  }
+  void cut(int first, int row, int count, double mu) {
+    const Vector trial = moved(first + row, count);
+    const double bound = mu * s_[first];
+    s_.segment(first + row, count) = trial * std::min(1.0, bound / std::max(trial.norm(), 1e-300));
+  }
+
+  const ContactProblem& p_;
+  double omega_;
+  Eigen::MatrixXd W_;
+  Vector s_;
+};
+
+template <int D>
+void check_tiled_sweep(const ContactProblem& problem) {
   for (const double omega : {1.0, 1.4}) {
-    const Setting at(rolling_packing(false, 8));
-    const ContactProblem& p = at.problem;
-    const Eigen::MatrixXd W = Eigen::MatrixXd(assemble_delassus(p.A, p.H, p.dim));
-    const ContactTiles tiles = tile_contacts(*at.rolling);
-    Vector s = at.zero();
+    const Setting at(problem);
+    const ContactTiles tiles = tile_contacts(at.bodies<D>());
+    OneByOne sweep_of(at.problem, omega);
     const auto relax = [&](int tile) {
       const ContactTiles::Tile& of = tiles.tiles[to_size(tile)];
       for (int lane = of.first_batch * kLanes; lane < of.last_batch * kLanes; ++lane) {
-        const int c = tiles.contact[to_size(lane)];
-        if (c < 0) continue;
-        for (int k = 0; k < 3; ++k) {
-          const int row = 3 * c + k;
-          // The normal row is not coupled to the others of its contact.
-          const double trial = s[row] - omega * (W.row(row).dot(s) + p.u_free[row]) / W(row, row);
-          const double bound = (k == 1 ? p.mu : p.mu_r)[c] * s[3 * c];
-          s[row] = k == 0 ? std::max(trial, 0.0) : std::clamp(trial, -bound, bound);
-        }
+        sweep_of.relax(tiles.contact[to_size(lane)]);
       }
     };
     const auto num_tiles = static_cast<int>(tiles.tiles.size());
@@ -198,38 +273,35 @@ TEST(TiledKernels, ATiledSweepOfRollingDisksIsThatOnWInItsOrder) {
       for (int tile = 0; tile < num_tiles / 2; ++tile) relax(tile);
       for (int tile = num_tiles - 1; tile >= num_tiles / 2; --tile) relax(tile);
     }
-    const Vector tiled = swept<kRollingDisks>(at, omega, {}, {20});
-    EXPECT_LT((tiled - s).norm(), 1e-11 * s.norm()) << omega;
+    const Vector tiled = swept<D>(at, omega, {}, {20});
+    EXPECT_LT((tiled - sweep_of.impulse()).norm(), 1e-11 * tiled.norm()) << omega;
   }
+}
+TEST(TiledKernels, ATiledSweepWithRollingFrictionIsThatOnWInItsOrder) {
+  check_tiled_sweep<kRollingDisks>(rolling_packing(false, 8));
+  check_tiled_sweep<kRollingSpheres>(rolling_spheres(packing(3, true, 4)));
 }
 
 // The sweep back is the sweep forth in the reverse order, the rows of friction and rolling too; so
 // that an iteration of one sweep each way has these two.
-TEST(TiledKernels, ASymmetricSweepOfRollingDisksIsThatOnW) {
-  const Setting at(rolling_packing(true, 6));
-  const ContactProblem& p = at.problem;
-  const Eigen::MatrixXd W = Eigen::MatrixXd(assemble_delassus(p.A, p.H, p.dim));
-  const ContactTiles tiles = symmetric_order(*at.rolling);
-  Vector s = at.zero();
-  const auto relax = [&](int lane, bool back) {
-    const int c = tiles.contact[to_size(lane)];
-    if (c < 0) return;
-    for (const int k : {0, back ? 2 : 1, back ? 1 : 2}) {
-      const int row = 3 * c + k;
-      const double trial = s[row] - 1.3 * (W.row(row).dot(s) + p.u_free[row]) / W(row, row);
-      const double bound = (k == 1 ? p.mu : p.mu_r)[c] * s[3 * c];
-      s[row] = k == 0 ? std::max(trial, 0.0) : std::clamp(trial, -bound, bound);
-    }
-  };
+template <int D>
+void check_symmetric_sweep(const ContactProblem& problem) {
+  const Setting at(problem);
+  const ContactTiles tiles = symmetric_order(at.bodies<D>());
+  OneByOne sweep_of(at.problem, 1.3);
   const auto lanes = static_cast<int>(tiles.contact.size());
   for (int sweep = 0; sweep < 10; ++sweep) {
-    for (int lane = 0; lane < lanes; ++lane) relax(lane, false);
-    for (int lane = lanes - 1; lane >= 0; --lane) relax(lane, true);
+    for (int k = 0; k < lanes; ++k) sweep_of.relax(tiles.contact[to_size(k)], false);
+    for (int k = lanes - 1; k >= 0; --k) sweep_of.relax(tiles.contact[to_size(k)], true);
   }
-  SymmetricSweep<kRollingDisks> kernel(p, *at.rolling, at.scaling, 1.3, 1, {});
+  SymmetricSweep<D> kernel(at.problem, at.bodies<D>(), at.scaling, 1.3, 1, {});
   kernel.reset(at.zero());
   for (int k = 0; k < 10; ++k) kernel.iterate(0);
-  EXPECT_LT((kernel.impulse() - s).norm(), 1e-11 * s.norm());
+  EXPECT_LT((kernel.impulse() - sweep_of.impulse()).norm(), 1e-11 * kernel.impulse().norm());
+}
+TEST(TiledKernels, ASymmetricSweepWithRollingFrictionIsThatOnW) {
+  check_symmetric_sweep<kRollingDisks>(rolling_packing(true, 6));
+  check_symmetric_sweep<kRollingSpheres>(rolling_spheres(packing(3, true, 4)));
 }
 
 // The tiled sweep is a Gauss-Seidel sweep in its own order: the scalar sweep in that order does the
@@ -321,7 +393,7 @@ void check_gradient(const ContactProblem& problem) {
       plain.follow(0.7);
       plain.advance(40, control);
     }
-    const Vector s = descended < D.rolls ? kRollingDisks : D.count > (at, map, {}, {40});
+    const Vector s = descended<kKernelOf<D>>(at, map, {}, {40});
     EXPECT_LT((s - plain.impulse()).norm(), 1e-10 * s.norm());
   }
 }
@@ -333,6 +405,10 @@ TEST(TiledKernels, ATiledGradientStepIsThatOfTheDelassusOperator) {
 TEST(TiledKernels, ATiledGradientStepOfRollingDisksIsThatOfTheDelassusOperator) {
   check_gradient<ContactRows(3, true)>(rolling_packing(false, 7));
   check_gradient<ContactRows(3, true)>(rolling_packing(true, 7));
+}
+TEST(TiledKernels, ATiledGradientStepOfRollingSpheresIsThatOfTheDelassusOperator) {
+  check_gradient<ContactRows(6, true)>(rolling_spheres(packing(3, true, 5)));
+  check_gradient<ContactRows(6, true)>(rolling_spheres(shipped_file("3d_sphere_pyramid_4.hdf5")));
 }
 TEST(TiledKernels, ATiledGradientStepOfSpheresIsThatOfTheDelassusOperator) {
   check_gradient<3>(packing(3, true, 5));

@@ -1,0 +1,8 @@
+#define BIPOT_WIDTH 4
+#include "solvers/disks/sphere_kernel_body.h"
+
+namespace bipot {
+
+const DiskKernels<kRollingSpheres> kAvx2RollingSphereKernels = sphere_kernels<kRollingSpheres>();
+
+}  // namespace bipot

@@ -1,0 +1,9 @@
+#define BIPOT_WIDTH 2
+#include "solvers/disks/sphere_kernel_body.h"
+
+namespace bipot {
+
+const DiskKernels<kRollingSpheres> kPortableRollingSphereKernels =
+    sphere_kernels<kRollingSpheres>();
+
+}  // namespace bipot
