@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
-#include <ranges>
+#include <sstream>
+#include <string>
 
 #include "bench/measure/stopwatch.h"
 #include "bench/report/csv_text.h"
@@ -52,8 +53,8 @@ Study::Measured Study::read(const std::filesystem::path& rows) {
     Values& values =
         measured[{f[0], f[1], row_number<int>(f[2], rows), row_number<int>(f[3], rows), f[4],
                   row_number<double>(f[5], rows), row_number<double>(f[6], rows)}];
-    for (const auto part : std::views::split(f[7], ';')) {
-      const std::string text(part.begin(), part.end());
+    std::istringstream parts(f[7]);
+    for (std::string text; std::getline(parts, text, ';');) {
       const std::size_t end = std::min(text.find('='), text.size() - 1);
       values[text.substr(0, end)] = row_number<double>(text.substr(end + 1), rows);
     }
