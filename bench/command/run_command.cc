@@ -251,6 +251,7 @@ RunOutcome outcome_of(const SceneRun<D>& run) {
       case Kind::kPassage:
         return {"passed through", kExitNumericalFailure};
       case Kind::kNumerical:
+      case Kind::kPlaces:
       case Kind::kCutShort:
         return {"failed", kExitNumericalFailure};
     }
@@ -409,7 +410,8 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
           passage_advice(scene, state, run.springs.get(), flags.on_tunnel == "smaller-step");
     } else if (!quiet && run.failure->kind == Kind::kCutShort) {
       taken.advice = fmt::format("  --restart {} goes on\n", folder.string());
-    } else if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
+    } else if (!quiet && run.failure->kind != Kind::kPlaces &&
+               (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
       taken.advice = failure_text(scene, state, run, flags.on_failure == "smaller-step");
       if (run.failure->kind == Kind::kUnsolvable) {
         taken.advice += "  --on-failure continue goes on with the best impulse\n";

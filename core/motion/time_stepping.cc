@@ -118,6 +118,7 @@ struct TimeStepper<D>::Inside {
   const Scene<D>& laws() const { return step_laws ? *step_laws : scene; }
   bool counts_walls() const { return neighbours == nullptr || neighbours->counts_walls(); }
 
+  Midpoint<D> midpoint(const State<D>& start);
   void assemble(const State<D>& start, const Midpoint<D>& mid);
   Vector start_of(const State<D>& state, const Midpoint<D>& mid) const;
   Vector solve_contacts(const State<D>& state, const Midpoint<D>& mid, StepReport<D>& report);
@@ -133,6 +134,16 @@ struct TimeStepper<D>::Inside {
                     State<D>& next, StepReport<D>& report);
   StepReport<D> advance(State<D>& state);
 };
+
+template <int D>
+Midpoint<D> TimeStepper<D>::Inside::midpoint(const State<D>& start) {
+  if (neighbours != nullptr) return neighbours->midpoint();
+  try {
+    return make_midpoint(scene, start, threads, &kept);
+  } catch (const std::invalid_argument& e) {
+    throw StepFailure(StepFailure::Kind::kPlaces, start, e.what());
+  }
+}
 
 template <int D>
 void TimeStepper<D>::Inside::assemble(const State<D>& start, const Midpoint<D>& mid) {
@@ -397,8 +408,7 @@ StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
     if (change_population(scene, *changed)) kept = {};
   }
   const State<D>& start = changed ? *changed : state;
-  Midpoint<D> mid =
-      neighbours != nullptr ? neighbours->midpoint() : make_midpoint(scene, start, threads, &kept);
+  Midpoint<D> mid = midpoint(start);
   report.detection_seconds = watch.lap();
   if (neighbours == nullptr) assemble(start, mid);
   const AssembledStep& step = neighbours != nullptr ? neighbours->assemble(mid) : assembled;

@@ -430,14 +430,14 @@ ForceDistribution observe_forces(const State<D>& state, double step,
   for (const ContactOutcome<D>& o : placed.contacts) {
     if (!o.loaded()) continue;
     if (!in_window<D>(choice, touching_point(placed, o.contact))) continue;
-    loaded.push_back(o.s_n / step);
+    loaded.push_back(std::abs(o.s_n) / step);
     forces.mean += loaded.back();
   }
   if (loaded.empty()) return forces;
   forces.mean /= static_cast<double>(loaded.size());
   for (const double f : loaded) {
     const double bin = f / forces.mean / choice.force_limit * choice.force_bins;
-    ++forces.counts[to_size(std::min(choice.force_bins - 1, static_cast<int>(bin)))];
+    ++forces.counts[to_size(static_cast<int>(std::min(choice.force_bins - 1.0, bin)))];
   }
   return forces;
 }

@@ -349,7 +349,7 @@ Vector DelassusOperator::diagonal() const {
 }
 
 Vector body_velocities(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
-  if (!p.has_velocities() && !p.equality) {
+  if (p.num_dofs() == 0 && !p.equality) {
     throw std::invalid_argument("body velocities need a problem with A and H");
   }
   Vector v = p.v_free;

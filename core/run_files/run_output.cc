@@ -130,7 +130,8 @@ std::string ledger_header(bool dem, bool gates, bool accurate, bool cohesion) {
              : std::string(",passed [J],momentum_passed_x [kg m/s],momentum_passed_y [kg m/s]") +
                    (D == 3 ? ",momentum_passed_z [kg m/s]" : "");
   const std::string last =
-      passed + (accurate ? ",parts,rejected,smallest_part [s],misplaced,limited_by" : "") +
+      (dem ? ",elastic [J]" : "") + passed +
+      (accurate ? ",parts,rejected,smallest_part [s],misplaced,limited_by" : "") +
       (cohesion ? ",cohesion_loss [J]" : "");
   if constexpr (D == 3) {
     return "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
@@ -149,7 +150,7 @@ std::string ledger_header(bool dem, bool gates, bool accurate, bool cohesion) {
              "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],overlap,travel,"
              "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
              "kinetic_pressure [Pa]") +
-         (dem ? ",elastic [J]" : "") + last;
+         last;
 }
 
 template <class... Values>

@@ -151,6 +151,9 @@ void sort_joined(std::span<const Body<D>> disks, std::vector<Contact<D>>& contac
   }
 }
 
+/// A distance of which only rounding is left, relative to the radius: it gives no direction.
+constexpr double kNoDirection = 1e-12;
+
 template <int D>
 [[noreturn]] void refuse_coincident(int i, int j) {
   throw std::invalid_argument(fmt::format(
@@ -168,7 +171,7 @@ template <int D>
   const double distance2 = d.squaredNorm();
   if (distance2 > reach * reach) return;
   const double distance = std::sqrt(distance2);
-  if (distance == 0) refuse_coincident<D>(i, j);
+  if (distance <= kNoDirection * (a.radius + b.radius)) refuse_coincident<D>(i, j);
   out.push_back({i, j, d / distance, distance - (a.radius + b.radius)});
 }
 
@@ -192,15 +195,16 @@ void test_cone(const Sphere& sphere, int i, const Wall<3>& wall, int j, double e
   const Vec2 off = place - (start + t * along);
   const double distance = off.norm();
   if (distance - sphere.radius > eta) return;
-  const bool on_axis = away == 0 && wall.radius + t * along[1] > 0;
-  if (distance == 0 || on_axis) {
+  const double least = kNoDirection * sphere.radius;
+  const bool on_axis = away <= least && wall.radius + t * along[1] > 0;
+  if (distance <= least || on_axis) {
     throw std::invalid_argument(fmt::format(
         "the centre of sphere {} lies on the {} of wall '{}', which it touches: their contact has no "
         "normal",
-        i, distance == 0 ? "surface" : "axis", wall.name));
+        i, distance <= least ? "surface" : "axis", wall.name));
   }
   Vec3 normal = off[0] * axis;
-  if (away > 0) normal += off[1] / away * across;
+  if (away > least) normal += off[1] / away * across;
   out.push_back({i, j, normal / distance, distance - sphere.radius});
 }
 
@@ -390,7 +394,7 @@ void find_wall_contact(const Body<D>& disk, int i, const Wall<D>& wall, int j, d
     const double distance = d.norm();
     const double gap = (hollow ? wall.radius - distance : distance - wall.radius) - disk.radius;
     if (gap > eta) return;
-    if (distance == 0) {
+    if (distance <= kNoDirection * disk.radius) {
       throw std::invalid_argument(
           fmt::format("{} {} lies at the centre of wall '{}' and touches it: their contact has no "
                       "normal",
@@ -405,7 +409,7 @@ void find_wall_contact(const Body<D>& disk, int i, const Wall<D>& wall, int j, d
   const Vec<D> d = disk.x - (wall.a + t * along);
   const double distance = d.norm();
   if (distance - disk.radius > eta) return;
-  if (distance == 0) {
+  if (distance <= kNoDirection * disk.radius) {
     throw std::invalid_argument(
         fmt::format("the centre of {} {} lies on wall '{}': their contact has no normal",
                     kBodyName<D>, i, wall.name));

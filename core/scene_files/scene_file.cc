@@ -326,7 +326,7 @@ void read_outside_forces(const SceneTable& root, Scene<D>& scene) {
   table->finish();
 }
 
-/// Turns bodies and walls about the origin; gravity stays: a tilted box.
+/// Turns bodies, walls and forces about the origin; gravity stays: a tilted box.
 void rotate(Scene<2>& scene, double degrees) {
   const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180);
   for (Disk& d : scene.bodies) {
@@ -355,6 +355,8 @@ void rotate(Scene<2>& scene, double degrees) {
     if (w.across != Vec2::Zero()) w.across = turn * w.across;
     if (w.belt != Vec2::Zero()) w.belt = turn * w.belt;
   }
+  for (BodyForce<2>& force : scene.forces) force.force = turn * force.force;
+  scene.drag.velocity = turn * scene.drag.velocity;
 }
 
 /// Touching lattices have gaps of the size of rounding. The default distance covers them and is
@@ -410,13 +412,13 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   read_bodies(root, scene);
   read_joints(root, scene);
   read_gates(root, D == 2 && root.has("rotate_degrees"), scene);
+  read_outside_forces(root, scene);
   if constexpr (D == 2) {
     read_cell_and_turn(root, scene);
   } else {
     scene.cell = read_cell_in_space(root);
   }
   read_tilt(root, scene);
-  read_outside_forces(root, scene);
   read_start(root, scene);
   read_time(root, accuracy, scene);
   read_model(root, scene);

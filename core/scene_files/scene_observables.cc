@@ -170,6 +170,8 @@ ObservableChoice<D> read_choice(const SceneTable& table) {
   read_window<D>(table, choice);
   read_profile<D>(table, choice);
   choice.force_bins = at_least_one(table, "force_bins", choice.force_bins);
+  constexpr int kMostBins = 1000000;
+  if (choice.force_bins > kMostBins) table.fail("force_bins", "expected at most a million");
   if (table.has("force_limit")) choice.force_limit = table.positive("force_limit");
   return choice;
 }

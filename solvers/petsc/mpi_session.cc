@@ -35,6 +35,10 @@ class MpiSession {
     setenv("OMPI_MCA_opal_signal", "", 0);
     // A single process needs no daemon: without this Open MPI starts one (orted) and leaves it.
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+    // Nor a folder: two such programs at once would make and remove the same one.
+    if (std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr) {
+      setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
+    }
     // Other threads compute and write while one calls MPI.
     int provided = 0;
     owned_ = MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided) == MPI_SUCCESS;

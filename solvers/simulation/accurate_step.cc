@@ -306,6 +306,7 @@ std::string AccurateStepper<D>::Inside::take(const Step& step, double h, State<D
     return report.message;
   } catch (const StepFailure& failure) {
     const bool again = failure.kind == StepFailure::Kind::kPassage ||
+                       failure.kind == StepFailure::Kind::kPlaces ||
                        (failure.kind == StepFailure::Kind::kNumerical &&
                         options.on_failure == OnFailure::kSmallerStep);
     if (!again || !halves) throw;

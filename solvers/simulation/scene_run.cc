@@ -97,7 +97,9 @@ SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
     } catch (const StepFailure& failure) {
       run.end = failure.kind == StepFailure::Kind::kCutShort ? End::kCancelled : End::kFailed;
       run.failure = failure;
-      if (failure.kind != StepFailure::Kind::kPassage) {  // which no solver can help
+      const bool assembled =
+          failure.kind != StepFailure::Kind::kPassage && failure.kind != StepFailure::Kind::kPlaces;
+      if (assembled) {  // else no solver can help
         run.failed_problem = domain != nullptr ? domain->gather_problem() : stepper.problem();
         run.failed_start = stepper.start();
       }

@@ -160,7 +160,8 @@ StepReport<D> SceneStepper<D>::advance(State<D>& state) {
     }
   } catch (const StepFailure& failure) {
     const bool passed = failure.kind == StepFailure::Kind::kPassage && splits_passages;
-    const bool unsolved = failure.kind == StepFailure::Kind::kNumerical &&
+    const bool unsolved = (failure.kind == StepFailure::Kind::kNumerical ||
+                           failure.kind == StepFailure::Kind::kPlaces) &&
                           options_.on_failure == OnFailure::kSmallerStep;
     if (!passed && !unsolved) throw;
   }

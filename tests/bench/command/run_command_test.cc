@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "core/run_files/run_reader.h"
@@ -168,6 +171,44 @@ TEST_F(RunCommand, WhereStepsCountTheStepSizeChangesTheTimeAndSaysSo) {
   const json run = json_of("run " + scene + " --step-size 2e-3 --json -");
   EXPECT_EQ(run["steps"], 20);
   EXPECT_EQ(run["note"], "the run ends at t = 0.04 s, the scene at 0.02 s");
+}
+
+// Models and options with columns of their own, in the plane and in space.
+TEST_F(RunCommand, EachRowOfTheLedgerHasTheColumnsOfItsHeader) {
+  const std::string time = "[time]\nstep = 1e-4\nsteps = 3\n";
+  for (const std::string& body :
+       {std::string("[[disks]]\nposition = [0, 0.1]\nradius = 0.1\nmass = 1\n[[walls]]\n"
+                    "point = [0, 0]\nnormal = [0, 1]\n"),
+        std::string("[[spheres]]\nposition = [0, 0, 0.1]\nradius = 0.1\nmass = 1\n[[walls]]\n"
+                    "point = [0, 0, 0]\nnormal = [0, 0, 1]\n")}) {
+    for (const std::string more : {"", "[contact]\ncohesion = 1\n", "accuracy", "dem"}) {
+      const bool rigid = more != "dem", parts = more == "accuracy";
+      const std::string scene = write("columns.toml", (rigid && !parts ? more : "") + body + time);
+      json_of("run " + scene + " --overwrite --out " + path("columns") + " --json -" +
+              (parts ? " --accuracy 1e-2" : "") + (rigid ? "" : " --model dem"));
+      std::ifstream file(path("columns/ledger.csv"));
+      std::string line;
+      std::set<long> counts;
+      while (std::getline(file, line)) counts.insert(std::count(line.begin(), line.end(), ','));
+      EXPECT_EQ(counts.size(), 1u) << body << more;
+    }
+  }
+}
+
+// The centre comes to lie on the segment in the middle of the first step, but for rounding: no
+// normal. The files stay, and the step is named.
+TEST_F(RunCommand, AContactWithoutANormalEndsTheRunWithASummary) {
+  const std::string scene =
+      write("normal.toml",
+            "gravity = [0, 0]\n[[disks]]\nposition = [0.2, 0.3]\nradius = 0.02\nmass = 1\n"
+            "velocity = [0, -200]\n[[walls]]\nname = 'plate'\nfrom = [0, 0.2]\nto = [1, 0.2]\n"
+            "[time]\nstep = 1e-3\nsteps = 3\n");
+  const Outcome run = whole_output("run " + scene + " --overwrite --out " + path("normal"));
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_TRUE(says(run.out, "step 1 at t = 0 s: the centre of disk 0 lies on wall 'plate'"))
+      << run.out;
+  std::ifstream summary(path("normal/summary.json"));
+  EXPECT_EQ(json::parse(summary)["status"], "failed");
 }
 
 // 300 m/s in steps of 1 ms: 30 radii a step.

@@ -265,6 +265,19 @@ ropes = [{bodies = [0], to = [0, 0]}]
   EXPECT_LE((end.bodies[0].x - Vec2(0.9, 0.1 - 0.5 * kG * 0.01)).norm(), 1e-12);
 }
 
+// Two disks 0.1 m apart on a rope of 0.4 m fall: without any contact and any rope that may pull.
+TEST(Rope, SlackItLetsItsBodiesFall) {
+  const Scene<2> scene = parse_scene(R"(
+time = {step = 1e-2, steps = 10}
+disks = [{position = [0, 0], radius = 0.01, mass = 3}, {position = [0.1, 0], radius = 0.01, mass = 1, velocity = [0.2, 0]}]
+ropes = [{bodies = [0, 1], length = 0.4}]
+)",
+                                     "test");
+  const State<2> end = solved_run(scene);
+  EXPECT_LE((end.bodies[0].x - Vec2(0, -0.5 * kG * 0.01)).norm(), 1e-12);
+  EXPECT_LE((end.bodies[1].x - Vec2(0.12, -0.5 * kG * 0.01)).norm(), 1e-12);
+}
+
 TEST(Rope, TwoBodiesShareItsPull) {
   // Without gravity a disk of 1 kg leaves one of 3 kg at 4 m/s: the rope makes both run at 1 m/s.
   const Scene<2> scene = parse_scene(R"(

@@ -153,6 +153,24 @@ TEST(Observables, ForcesOverTheirMean) {
   EXPECT_EQ(forces.counts, (std::vector<int>{0, 1, 3}));
 }
 
+// -4 and 2 N s in 0.5 s: magnitudes 8 and 4 N, mean 6 N; over it 4/3 and 2/3 in bins of 0.5. A limit
+// far below all forces puts them into the last bin.
+TEST(Observables, TensionsCountByTheirMagnitudeAndTheLastBinHoldsAllBeyond) {
+  State<2> state;
+  const Scene<2> scene = row_scene(state);
+  ASSERT_GE(state.contacts.size(), 2u);
+  state.contacts.resize(2);
+  state.contacts[0].s_n = -4;
+  state.contacts[0].status = ContactStatus::kStick;
+  state.contacts[1].s_n = 2;
+  const ForceDistribution forces =
+      observe_forces(state, scene.step, {.force_bins = 3, .force_limit = 1.5});
+  EXPECT_EQ(forces.mean, 6);
+  EXPECT_EQ(forces.counts, (std::vector<int>{0, 1, 1}));
+  EXPECT_EQ(observe_forces(state, scene.step, {.force_bins = 3, .force_limit = 1e-12}).counts,
+            (std::vector<int>{0, 0, 2}));
+}
+
 TEST(Observables, OfAPeriodicRowAreThoseOfEveryCell) {
   // A row of touching disks around a cell: everybody has two neighbours; and a window at the edge
   // sees the contact across it.

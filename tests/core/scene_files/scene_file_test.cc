@@ -233,6 +233,15 @@ TEST(SceneFile, AWallMovedAcrossAForce) {
   EXPECT_TRUE(turned.walls[0].v.isApprox(Vec2(-2, 3)));
 }
 
+TEST(SceneFile, ForcesAndDragTurnWithTheScene) {
+  const Scene<2> s = parse(
+      "rotate_degrees = 90\n[[forces]]\nbodies = [0, 0]\nforce = [2, 1]\n"
+      "[drag]\ncoefficient = 1\nvelocity = [3, 0]\n" +
+      kDisk + kTime);
+  EXPECT_TRUE(s.forces[0].force.isApprox(Vec2(-1, 2)));
+  EXPECT_TRUE(s.drag.velocity.isApprox(Vec2(0, 3)));
+}
+
 TEST(SceneFile, Circles) {
   const std::string circle = "[[walls]]\ncenter = [1, 2]\nradius = 3\n";
   const Scene<2> s = parse(circle + "hollow = true\nspin = -4\n" + circle + kTime);
