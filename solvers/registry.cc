@@ -40,7 +40,9 @@ std::string unknown_solver_message(std::string_view name) {
 #ifndef BIPOT_WITH_PETSC
   if (name == "newton") return lacks("BIPOT_WITH_PETSC", "petsc-dev");
 #endif
-  return unknown_name_message("solver", name, solver_names());
+  std::vector<std::string> names = solver_names();
+  for (const SolverEntry& entry : special_solvers()) names.emplace_back(entry.name);
+  return unknown_name_message("solver", name, names);
 }
 
 }  // namespace bipot

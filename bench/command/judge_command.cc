@@ -173,6 +173,8 @@ CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
 }
 
 int run_judge(const JudgeFlags& flags) {
+  require_apart({{"--json", flags.json}},
+                {{"the problem", flags.problem}, {"--impulses", flags.impulses}});
   const ProblemFile file =
       readable(flags.problem, [&] { return read_problem(flags.problem, flags.accept_indefinite); });
   flags.prepare();

@@ -161,11 +161,7 @@ SolveFlags with_folder(SolveFlags flags) {
   flags.common.prepare();
   if (flags.common.json.empty()) flags.common.json = (out / "summary.json").string();
   if (flags.history.empty()) flags.history = (out / "history.csv").string();
-  if (flags.solution.empty()) {
-    flags.solution = (out / "solution.hdf5").string();
-    std::error_code ignored;
-    std::filesystem::remove(flags.solution, ignored);  // of another problem, perhaps
-  }
+  if (flags.solution.empty()) flags.solution = (out / "solution.hdf5").string();
   return flags;
 }
 
@@ -207,6 +203,7 @@ void check_solution_file(const std::string& path, const ContactProblem& problem)
 /// The problem to solve, and its options.
 struct SolveTask {
   SolveFlags flags;
+  bool replaces_solution = false;  // that in --out, of another problem perhaps
   ProblemFile file;
   SolverChoice choice;
   const SolverEntry* entry = nullptr;
@@ -232,8 +229,13 @@ SolveTask prepare(const SolveFlags& given) {
   task.flags = is_speaker() ? with_folder(given) : given;
   const ContactProblem& problem = task.file.problem;
   if (is_speaker()) {
-    check_solution_file(task.flags.solution, problem);
-    require_writable(task.flags.common.json);
+    task.replaces_solution = given.solution.empty();
+    if (!task.replaces_solution) check_solution_file(given.solution, problem);
+    for (const std::string& path : {task.flags.solution, task.flags.common.json}) {
+      require_writable(path);
+    }
+    require_apart({{"--json", task.flags.common.json}, {"--history", task.flags.history}},
+                  {{"the problem", given.problem}, {"--solution", task.flags.solution}});
   }
   task.choice = merged(SolverChoice{}, given.solver);
   task.entry = &require_solver(task.choice.name);
@@ -276,7 +278,9 @@ void record_history(const std::string& path, std::ofstream& history, SolverOptio
 void write_solution(const SolveTask& task, const SolveResult& result) {
   const ContactProblem& problem = task.file.problem;
   const std::string& path = task.flags.solution;
-  if (path.empty() || problem.num_contacts() == 0) return;  // FCLIB has no empty problem
+  if (path.empty()) return;
+  if (task.replaces_solution) std::filesystem::remove(path);
+  if (problem.num_contacts() == 0) return;  // FCLIB has no empty problem
   std::optional<Vector> v;
   if (problem.has_velocities()) v = body_velocities(problem, result.s);
   if (std::filesystem::exists(path)) return write_fclib_solution(path, result.s, result.u, v);

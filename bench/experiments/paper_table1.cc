@@ -128,7 +128,7 @@ Findings run_table1(const PaperItem::Context& context) {
   result.draw("table1_film", "Height against time (the paper's Fig. 7), h = 1e-4 s.", film);
   result.draw("table1_step",
               "Error of the first bounce's height, e_n = 0.9, against the time step; "
-              "dotted: the distance fallen in one step over h0.",
+              "dashed: the distance fallen in one step over h0.",
               steps);
   return result;
 }

@@ -69,6 +69,9 @@ void to_cone(Quad* y, const std::vector<BoundedRows>& bounds) {
   }
 }
 
+/// Of a sum of squares, relative: what the projection leaves on the edge of the cone.
+constexpr double kRounding = 1e-60;
+
 Quad quotient(Quad numerator, Quad denominator) {
   if (numerator == 0) return 0;
   return denominator > 0 ? numerator / denominator : std::numeric_limits<double>::infinity();
@@ -162,7 +165,7 @@ IndependentCheck independent_check(const ContactProblem& p, const Vector& given)
   Values scaled(rows), u(rows), b(rows);
   for (std::size_t i = 0; i < rows; ++i) scaled[i] = s[i] * r[i] * levers[i];
   const Values moved = product(p, scaled, by_bodies);
-  Quad energy = 0, free_energy = 0, dissipation = 0, gap = 0, approach = 0, map = 0;
+  Quad energy = 0, free_energy = 0, dissipation = 0, gap = 0, approach = 0, map = 0, size = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     b[i] = static_cast<Quad>(p.u_free[static_cast<Eigen::Index>(i)]) / r[i] * levers[i];
     u[i] = moved[i] / r[i] * levers[i] + b[i];
@@ -186,12 +189,14 @@ IndependentCheck independent_check(const ContactProblem& p, const Vector& given)
     for (int k = 0; k < d; ++k) {
       foot[k] = s[n + to_size(k)] - rho * (u[n + to_size(k)] + (k == 0 ? speed : 0));
     }
+    for (int k = 0; k < d; ++k) size += foot[k] * foot[k] / (2 * rho);
     to_cone(foot, bounded);
     for (int k = 0; k < d; ++k) {
       const Quad miss = s[n + to_size(k)] - foot[k];
       map += miss * miss / (2 * rho);
     }
   }
+  if (map <= kRounding * size) map = 0;
   const Quad scale = std::max(dissipation, std::max(energy, free_energy) / 10);
   check.epsilon = static_cast<double>(quotient(gap + approach, scale));
   check.eta = static_cast<double>(root(quotient(map, scale)));

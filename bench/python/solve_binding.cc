@@ -464,7 +464,7 @@ py::dict to_dict(const ParameterSpec& spec) {
 
 py::list list_solvers() {
   py::list rows;
-  for (const SolverEntry& entry : solver_table()) {
+  const auto add = [&](const SolverEntry& entry) {
     py::dict row;
     row["name"] = entry.name;
     row["summary"] = entry.summary;
@@ -475,7 +475,9 @@ py::list list_solvers() {
     parameters.append(to_dict(kIslandsParameter));
     row["parameters"] = parameters;
     rows.append(row);
-  }
+  };
+  for (const SolverEntry& entry : solver_table()) add(entry);
+  for (const SolverEntry& entry : special_solvers()) add(entry);
   return rows;
 }
 

@@ -44,6 +44,27 @@ void require_writable(const std::string& destination) {
   if (!writable) throw FileError(destination, "", "cannot be written: " + reason);
 }
 
+void require_apart(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read) {
+  const auto same = [](const NamedFile& one, const NamedFile& other) {
+    if (one.path.empty() || one.path == "-" || other.path.empty()) return false;
+    std::error_code none;
+    const auto place = [&](const std::string& path) {
+      return std::filesystem::weakly_canonical(path, none);
+    };
+    return std::filesystem::equivalent(one.path, other.path, none) ||
+           place(one.path) == place(other.path);
+  };
+  std::vector<NamedFile> others = read;
+  for (const NamedFile& file : written) {
+    for (const NamedFile& other : others) {
+      if (!same(file, other)) continue;
+      throw std::invalid_argument(file.option + " and " + other.option +
+                                  " name the same file: " + file.path);
+    }
+    others.push_back(file);
+  }
+}
+
 void write_json(const Json& json, const std::string& destination) {
   if (destination == "-") {
     errno = 0;

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "core/criterion/contact_error.h"
 
@@ -23,6 +24,14 @@ double number_or_nan(const Json& json);
 /// Refuses a destination that cannot be written, before the work. An existing file is not changed,
 /// a new one is removed again. No effect for "" and "-". Throws FileError.
 void require_writable(const std::string& destination);
+
+/// A file and the option that names it.
+struct NamedFile {
+  std::string option, path;
+};
+/// Throws std::invalid_argument if a file is written over one that is read, or over another that is
+/// written. Empty paths and "-" are none.
+void require_apart(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read);
 
 /// Writes to the file, or to standard output for "-". Throws FileError.
 void write_json(const Json& json, const std::string& destination);

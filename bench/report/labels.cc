@@ -56,6 +56,7 @@ std::string compact_label(double x) {
 }
 
 std::string share_label(double x) {
+  if (x >= 0.0995) return fmt::format("{:.0f} %", 100 * x);
   return x >= 1e-4 ? fmt::format("{:.2g} %", 100 * x) : compact_label(x);
 }
 

@@ -194,7 +194,7 @@ double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& 
 /// Why a scene has no springs; null: it has.
 const char* no_springs(const Trade::Scene& scene) {
   const auto* plane = std::get_if<Scene<2>>(&scene.scene);
-  if (plane == nullptr) return "springs and dashpots take disks only";
+  if (plane == nullptr) return "springs and dashpots are compared on disks only";
   if (!plane->clusters.empty()) return "springs and dashpots have no clusters";
   if (!plane->joints.empty()) return "springs and dashpots have no pins and ropes";
   if (plane->has_cohesion()) return "springs and dashpots have no cohesion";

@@ -26,7 +26,7 @@ void draw_stress_picture(const std::filesystem::path& path, const Scene<2>& scen
                          const std::string& caption, ForcePictureOptions options) {
   options.forces = false;
   options.fill.values = pressures;
-  options.fill.label = "pressure in the disk";
+  options.fill.label = "pressure in the body";
   options.fill.unit = "Pa";
   if (!(options.fill.high > 0)) options.fill.high = colour_bar_end(pressures);
   draw_force_picture(path, scene, state, caption, options);

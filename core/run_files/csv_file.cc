@@ -87,10 +87,12 @@ CsvFile::CsvFile(fs::path path, const std::string& columns, int keep_up_to)
          more > 0; --more) {
       missing += ",nan";
     }
-    while (known && std::getline(before, line)) {
+    while (std::getline(before, line)) {
       int step = 0;
       const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), step);
-      if (failure == std::errc() && step <= keep_up_to) kept.push_back(line + missing);
+      if (failure != std::errc() || step > keep_up_to) continue;
+      if (!known) throw FileError(path_, "", "has other columns than this run: name another --out");
+      kept.push_back(line + missing);
     }
   }
   file_.reset(std::fopen(path_.c_str(), "w"));

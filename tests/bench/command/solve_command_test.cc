@@ -170,6 +170,23 @@ TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
   EXPECT_EQ(code_of("solve " + a + " --solution " + write("no.hdf5", "not HDF5")), 2);
 }
 
+// Neither the problem nor another result is overwritten, and nothing is removed before the solve.
+TEST_F(Command, ResultsDoNotReplaceTheInputOrEachOther) {
+  const std::string problem = path("problem.hdf5"), out = path("out");
+  fs::copy_file(source_folder() / "data/problems/2d_pyramid_10.hdf5", problem);
+  const auto size = fs::file_size(problem);
+  for (const std::string& flags : {"--json " + problem, std::string("--history ./problem.hdf5"),
+                                   "--json " + path("x") + " --history " + path("x"),
+                                   "--solution " + path("y.hdf5") + " --json " + path("y.hdf5")}) {
+    EXPECT_EQ(code_of("solve " + problem + " -q " + flags), 2) << flags;
+    EXPECT_EQ(fs::file_size(problem), size) << flags;
+  }
+  EXPECT_EQ(code_of("judge " + problem + " -q --json " + problem), 2);
+  EXPECT_EQ(code_of("solve " + problem + " -q --out " + out), 0);
+  EXPECT_EQ(code_of("solve " + problem + " -q --omega 9 --out " + out), 2);
+  EXPECT_TRUE(fs::exists(out + "/solution.hdf5"));
+}
+
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   const std::string out = path("out");
   const Outcome solve = interrupted("solve " + shipped_problem("2d_compaction_rest") +

@@ -71,6 +71,17 @@ TEST(IndependentCheck, JudgesRollingAsTheCriterionDoes) {
   }
 }
 
+// Contacts that slide apart at u_n = 0: s = 0 is exact, though ρ û lies on the edge of the polar
+// cone.
+TEST(IndependentCheck, NoImpulseIsExactWhereContactsOnlySlide) {
+  for (int k = 1; k <= 50; ++k) {
+    ContactProblem p{.dim = 3, .mu = Vector::Constant(1, 0.1 + 0.013 * k)};
+    p.W = SparseMatrix(Eigen::MatrixXd((Eigen::Matrix3d::Identity() / 0.7)).sparseView());
+    p.u_free = Vec3(0, 0.37 * k, 1.0 / k);
+    EXPECT_EQ(independent_check(p, Vector::Zero(3)).guarded, 0) << k;
+  }
+}
+
 // A contact of 1 kg and 1 kg m² with s_n = 1, mu_r = 0.2 and the moment m = 0.3. The lever is
 // sqrt(W_nn / W_mm) = 1. The nearest point of the cone has s_n = (1 + 0.2 0.3) / (1 + 0.2²).
 TEST(IndependentCheck, MovesAMomentBeyondItsBoundToTheNearestPointOfTheCone) {

@@ -474,6 +474,18 @@ TEST(RunOutput, WallsHaveTheirLoadsAndContactsTheirVectors) {
   EXPECT_DOUBLE_EQ(force[3], -3);
 }
 
+TEST(CsvFile, EarlierRowsUnderOtherColumnsAreNotLost) {
+  const TemporaryFolder folder;
+  const auto path = folder / "rows.csv";
+  { CsvFile(path, "step,a,b", -1).row("1,2,3"); }
+  EXPECT_THROW(CsvFile(path, "step,a,c", 1), FileError);
+  EXPECT_EQ(csv(path).size(), 2u);
+  { CsvFile(path, "step,a,b,c", 1).row("2,4,5,6"); }
+  EXPECT_EQ(csv(path)[1].back(), "nan");
+  { CsvFile other(path, "step,d", 0); }  // goes on before the first row
+  EXPECT_EQ(csv(path).size(), 1u);
+}
+
 TEST(CsvFile, NumbersHaveNineDigitsAndNoSignOfNan) {
   std::string line;
   for (const double x : {0.1, 1.0 / 3, -kNaN, 12345678901.0}) add_number(line, x);
