@@ -464,7 +464,7 @@ py::dict to_dict(const ParameterSpec& spec) {
 
 py::list list_solvers() {
   py::list rows;
-  const auto add = [&](const SolverEntry& entry) {
+  for (const SolverEntry& entry : solver_table()) {
     py::dict row;
     row["name"] = entry.name;
     row["summary"] = entry.summary;
@@ -475,9 +475,7 @@ py::list list_solvers() {
     parameters.append(to_dict(kIslandsParameter));
     row["parameters"] = parameters;
     rows.append(row);
-  };
-  for (const SolverEntry& entry : solver_table()) add(entry);
-  for (const SolverEntry& entry : special_solvers()) add(entry);
+  }
   return rows;
 }
 
