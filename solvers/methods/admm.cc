@@ -174,13 +174,18 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
   for (int c = 0; c < p.num_contacts(); ++c) friction.push_back(friction_of<D>(scaling, c));
   ContactPenalties<D> penalties(std::move(friction), rho);
   Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size());
-  // Start of the multiplier: minus de Saxcé's velocity at s0, unless that is 0.
+  // Start of the multiplier: minus de Saxcé's velocity at s0, less of it where it would move z by
+  // more than its own size. What that leaves in the kernel of W never decays.
+  double jump = 0;  // squared
   for (int c = 0; c < p.num_contacts(); ++c) {
+    const Local<D> start = z.segment<D>(c * D);
     const Local<D> w =
         velocity0.segment<D>(c * D).cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
-    y.segment<D>(c * D) = -de_saxce_velocity<D>(w, friction_of<D>(scaling, c)) / rho;
+    const Local<D> multiplier = -de_saxce_velocity<D>(w, friction_of<D>(scaling, c)) / rho;
+    y.segment<D>(c * D) = multiplier;
+    jump += (penalties.project(c, start + multiplier) - start).squaredNorm();
   }
-  if (s0.isZero(0)) y.setZero();
+  if (jump > 0) y *= std::min(1.0, z.norm() / std::sqrt(jump));
   for (Vector* start : {&velocity0, &s0, &scaling.impulse}) start->resize(0);
   const auto factor = [&](int iteration) {
     if (factor_raising(resolvent, penalties, y, run)) return true;

@@ -8,6 +8,7 @@
 #include "core/problem/delassus.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -55,6 +56,20 @@ TEST(Admm, GoesOnWithBalancedPenaltiesWhereThoseByStatusFail) {
   const ContactProblem p = shipped_file("2d_triangular_12_mass1e6.hdf5");
   const SolveResult r = run_admm(p, {}, 1e-3);
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
+/// A multiplier that fits such a start would leave a self-stress of a thousand times its size.
+TEST(Admm, ForgetsAStartFarFromTheAnswer) {
+  for (const char* name : {"1d_square_20.hdf5", "2d_triangular_20_tilt10.hdf5"}) {
+    const ContactProblem p = shipped_file(name);
+    const SolverOptions cold{.tol = 1e-8, .max_iterations = 1000};
+    const double size = solve("admm", p, cold).s.cwiseAbs().maxCoeff();
+    SolverOptions o = cold;
+    o.s0 = size * random_vector(p.num_rows(), 3);
+    const SolveResult r = solve("admm", p, o);
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << name << ": " << r.message;
+    EXPECT_LT(r.s.cwiseAbs().maxCoeff(), 20 * size) << name;
+  }
 }
 
 TEST(Admm, AFewDozenIterationsSolveALattice) {
