@@ -223,9 +223,20 @@ Vec<D> pull_of(const ClusterInput<D>& clusters, const Body<D>& disk) {
   return Vec<D>::Zero();
 }
 
+/// Acceleration of the surface of the wall that a contact acts on, where it is prescribed.
+template <int D>
+Vec<D> wall_acceleration(const StepInput<D>& in, const Contact<D>& contact) {
+  const int w = wall_of<D>(contact, in.bodies);
+  if (w < 0 || in.walls[to_size(w)].factor_rate == 0) return Vec<D>::Zero();
+  const Wall<D>& whole = in.scene.walls[to_size(w)];
+  const bool glued = to_size(contact.j) < in.bodies.size();
+  return in.walls[to_size(w)].factor_rate *
+         (glued ? whole.v : surface_velocity(whole, whole.v, contact.n));
+}
+
 /// Half of the change of a contact's velocity in a step in which only its normal and the clusters
-/// turn: δ of data/manual/explanation/accuracy.md, along n and the tangents [m/s]. b: null at a
-/// wall.
+/// turn, and walls change their prescribed velocity: δ of data/manual/explanation/accuracy.md,
+/// along n and the tangents [m/s]. b: null at a wall.
 template <int D>
 Vec<D> half_turn(const StepInput<D>& in, const Contact<D>& contact,
                  const std::array<Vec<D>, to_size(D)>& frame, const Body<D>& a, const Body<D>* b,
@@ -251,6 +262,8 @@ Vec<D> half_turn(const StepInput<D>& in, const Contact<D>& contact,
   if constexpr (D == 3) {
     for (int k = 1; k < 3; ++k) change[k] = -frame[to_size(k)].dot(arms.cross(turn));
   }
+  const Vec<D> wall_pull = wall_acceleration(in, contact);
+  for (int k = 0; k < D; ++k) change[k] -= frame[to_size(k)].dot(wall_pull);
   return 0.5 * in.scene.step * change;
 }
 

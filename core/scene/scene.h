@@ -25,6 +25,7 @@ struct TimeFactor {
 
   bool constant() const { return times.empty() && frequency == 0; }
   double at(double time) const;
+  double rate(double time) const;  ///< its derivative, at a kink that from then on [1/s]
 };
 
 /// Empty for a sound factor, else one sentence.
@@ -187,6 +188,7 @@ struct Wall {
   double stops = kInfinity;    ///< from then on it stands still                           [s]
   double removed = kInfinity;  ///< from then on it is not there                           [s]
   TimeFactor time_factor;      ///< factor of velocity, spin and belt, or of the force
+  double factor_rate = 0;      ///< in a state: of a prescribed velocity's time_factor [1/s]
   bool present = true;         ///< in a state: false once it has been removed
 
   bool has_grain() const { return !grain.isZero(0); }

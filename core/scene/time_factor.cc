@@ -18,6 +18,15 @@ double TimeFactor::at(double time) const {
   return factors[k - 1] + part * (factors[k] - factors[k - 1]);
 }
 
+double TimeFactor::rate(double time) const {
+  const double turn = 2 * std::numbers::pi * frequency;
+  if (frequency > 0) return turn * std::cos(turn * time + phase);
+  const auto next = std::upper_bound(times.begin(), times.end(), time);
+  if (next == times.begin() || next == times.end()) return 0;
+  const auto k = static_cast<std::size_t>(next - times.begin());
+  return (factors[k] - factors[k - 1]) / (times[k] - times[k - 1]);
+}
+
 std::string check_time_factor(const TimeFactor& factor) {
   const auto finite = [](double x) { return std::isfinite(x); };
   const std::vector<double>& t = factor.times;

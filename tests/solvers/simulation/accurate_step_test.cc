@@ -322,6 +322,27 @@ TEST(AccurateStep, ADrivenWallIsFollowedWithItsAcceleration) {
   }
 }
 
+TEST(AccurateStep, AVibratingPlateThrowsADisk) {
+  // The plate's velocity v sin w t. The disk leaves it where w v cos w t = -g, with the velocity
+  // and the height of the plate.
+  constexpr double kSpeed = 1, kTurn = 10 * std::numbers::pi, kEndTime = 0.15;
+  const double leaves = std::acos(-9.81 / (kTurn * kSpeed)) / kTurn, flies = kEndTime - leaves;
+  const double flown = kSpeed / kTurn * (1 - std::cos(kTurn * leaves)) +
+                       kSpeed * std::sin(kTurn * leaves) * flies - 0.5 * 9.81 * flies * flies;
+  Scene<2> scene = one_law<2>({});
+  scene.gravity = Vec2(0, -9.81);
+  scene.walls = {flat_floor<2>()};
+  scene.walls[0].motion = Wall<2>::Motion::kMoving;
+  scene.walls[0].v = Vec2(0, kSpeed);
+  scene.walls[0].time_factor.frequency = kTurn / (2 * std::numbers::pi);
+  scene.bodies = {round_body<2>(Vec2(0, kRadius), kRadius, 2)};
+  for (const double x : {1e-2, 1e-3, 1e-4}) {
+    const Ended<2> end = run(with_accuracy(scene, x, kEndTime / 150, 150));
+    EXPECT_NEAR(end.state.bodies[0].x[1], kRadius + flown, 2 * x * kRadius) << x;
+    EXPECT_LT(end.totals.cut.parts, 1000) << x;
+  }
+}
+
 TEST(AccurateStep, ImagesOfACellCollide) {
   // 0.58 m apart across the edge, at 2 m/s: after 0.29 s they exchange their velocities.
   Scene<2> scene = one_law<2>({.e_n = 1});
