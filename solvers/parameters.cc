@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
 
 #include "core/base/nearest_name.h"
+#include "core/base/number_text.h"
 
 namespace bipot {
 
@@ -46,16 +46,14 @@ std::string Parameters::text(std::string_view name) const {
 double Parameters::number(std::string_view name) const {
   const ParameterSpec& s = spec(name);
   const std::string value = text(name);
-  double x = 0;
-  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), x);
-  const bool whole = s.kind != ParameterSpec::Kind::kInteger || x == std::floor(x);
-  if (error != std::errc{} || end != value.data() + value.size() || !whole || !(x >= s.minimum) ||
-      !(x <= s.maximum)) {
+  const auto x = whole_number<double>(value);
+  const bool integer = s.kind == ParameterSpec::Kind::kInteger;
+  if (!(x >= s.minimum && x <= s.maximum) || (integer && *x != std::floor(*x))) {
     throw std::invalid_argument(fmt::format(
         "parameter {} = '{}': expected {} in [{}, {}]", name, value,
         s.kind == ParameterSpec::Kind::kInteger ? "an integer" : "a number", s.minimum, s.maximum));
   }
-  return x;
+  return *x;
 }
 
 int Parameters::integer(std::string_view name) const { return static_cast<int>(number(name)); }

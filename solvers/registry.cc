@@ -23,6 +23,13 @@ const SolverEntry& require_solver(std::string_view name) {
   return *entry;
 }
 
+std::vector<ParameterSpec> all_parameters(const SolverEntry& entry) {
+  std::vector<ParameterSpec> all(entry.parameters.begin(), entry.parameters.end());
+  const auto is_islands = [](const ParameterSpec& s) { return s.name == kIslandsParameter.name; };
+  if (std::none_of(all.begin(), all.end(), is_islands)) all.push_back(kIslandsParameter);
+  return all;
+}
+
 std::vector<std::string> solver_names() {
   std::vector<std::string> names;
   for (const SolverEntry& entry : solver_table()) names.emplace_back(entry.name);

@@ -22,6 +22,9 @@ const SolverEntry* find_solver(std::string_view name);
 /// The row of that name; throws std::invalid_argument(unknown_solver_message(name)).
 const SolverEntry& require_solver(std::string_view name);
 
+/// The solver's own parameters, then the one that all solvers take.
+std::vector<ParameterSpec> all_parameters(const SolverEntry& entry);
+
 /// Of solver_table().
 std::vector<std::string> solver_names();
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "core/base/stopwatch.h"
@@ -86,6 +87,10 @@ SolveResult run(ContactSpace& space, const SolverEntry& entry, const SolverOptio
   };
   try {
     result = run_solver(entry, space, options);
+  } catch (const std::invalid_argument& e) {  // options that do not fit the problem
+    require_common(space, e);
+    result = refuse(fmt::format("solver {}: {}", entry.name, e.what()));
+    result.s = Vector::Zero(space.problem().num_rows());
   } catch (const std::exception& e) {
     require_common(space, e);
     failed(fmt::format(": {}", e.what()));
@@ -179,6 +184,9 @@ std::string refusal(const SolverEntry& entry, const ContactProblem& p, const Sol
     return fmt::format("start s0 has size {}, expected {}", o.s0.size(), p.num_rows());
   }
   if (!o.s0.allFinite()) return "start s0 has a non-finite entry";
+  if (o.islands.value_or(false) && o.stop != StopTest::kGuarded) {
+    return "islands = on goes with the guarded stop test alone";
+  }
   try {
     Parameters(o.parameters, entry.parameters);
   } catch (const std::invalid_argument& e) {
@@ -219,7 +227,7 @@ SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const Solver
     }
     result.setup_seconds += before;
   }
-  judge(space, options, result);
+  if (result.status != SolveStatus::kInvalidInput) judge(space, options, result);
   return result;
 }
 

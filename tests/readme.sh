@@ -1,18 +1,17 @@
 #!/usr/bin/env bash
-# Runs every block marked "sh runs" of README.md, of the tutorials and of the how-to pages, each page in a folder of its
-# own. There a block marked "toml NAME" of the page lies as the file NAME. readme.sh SOURCE BUILD
+# Runs every block marked "sh runs" of README.md, of the tutorials and of the how-to pages, in one folder, as a reader
+# does. There a block marked "toml NAME" of a page lies as the file NAME. readme.sh SOURCE BUILD
 set -euo pipefail
 shopt -s nullglob
 source="$(cd "$1" && pwd)" build="$(cd "$2" && pwd)"
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
+mkdir "$folder/build"
+ln -s "$build" "$folder/build/release"
+ln -s "$source/data" "$folder/data"
+cd "$folder"
 total=0
 for page in "$source"/README.md "$source"/data/manual/tutorial/*.md "$source"/data/manual/how_to/*.md; do
-  place="$folder/$(basename "$page" .md)"
-  mkdir -p "$place/build"
-  ln -s "$build" "$place/build/release"
-  ln -s "$source/data" "$place/data"
-  cd "$place"
   awk '/^```toml [^ ]+$/ {file = $2; next} /^```$/ {file = ""} file {print > file}' "$page"
   commands="$(awk '/^```sh runs$/ {on = 1; next} /^```$/ {on = 0} on' "$page")"
   count="$(grep -c '^build/release/' <<< "$commands" || true)"

@@ -10,6 +10,7 @@
 #include "bench/command/completion.h"
 #include "bench/command/help_text.h"
 #include "bench/command/manual_page.h"
+#include "bench/report/text_lines.h"
 #include "core/base/nearest_name.h"
 
 namespace bipot {
@@ -48,10 +49,10 @@ class ScreenHelp : public CLI::Formatter {
     std::string line = "  " + make_option_name(option, is_positional) + make_option_opts(option);
     const std::string description = wrapped(make_option_desc(option), kColumn);
     if (description.empty()) return line + "\n";
-    if (num_characters(line) + 1 > kColumn) {
+    if (letters(line) + 1 > kColumn) {
       line += "\n" + std::string(kColumn, ' ');
     } else {
-      line += std::string(kColumn - num_characters(line), ' ');
+      line += std::string(kColumn - letters(line), ' ');
     }
     return line + description + "\n";
   }
@@ -59,7 +60,7 @@ class ScreenHelp : public CLI::Formatter {
   std::string make_subcommand(const CLI::App* command) const override {
     constexpr std::size_t kNames = 14;
     const std::string name = "  " + command->get_name();
-    return name + std::string(kNames - std::min(kNames, num_characters(name)), ' ') +
+    return name + std::string(kNames - std::min(kNames, letters(name)), ' ') +
            wrapped(command->get_description(), kNames) + "\n";
   }
 

@@ -1,16 +1,34 @@
 #pragma once
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "bench/command/command_line.h"
+#include "core/base/file_error.h"
 #include "core/scene/scene.h"
 #include "solvers/solver.h"
 
 namespace bipot {
+
+/// What `read` makes of a file. Throws FileError where it cannot be read; an existing file without
+/// the required content is bad input.
+template <class Read>
+auto readable(const std::string& path, Read read) {
+  if (::access(path.c_str(), R_OK) != 0) throw FileError(path, "", std::strerror(errno));
+  try {
+    return read();
+  } catch (const FileError& e) {
+    throw std::invalid_argument(e.what());
+  }
+}
 
 /// Where results go.
 struct OutputFlags {

@@ -1,17 +1,13 @@
 #include "bench/command/help_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <sstream>
 #include <string_view>
 
-namespace bipot {
+#include "bench/report/text_lines.h"
 
-std::size_t num_characters(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
-}
+namespace bipot {
 
 std::string first_characters(const std::string& text, std::size_t count) {
   std::size_t at = 0;
@@ -36,26 +32,12 @@ std::string short_reason(const std::string& message) {
           fmt::format("{}{} stages, the last {}", text.substr(0, begin), count, text.substr(last));
     }
   }
-  return num_characters(text) > kLongest ? first_characters(text, kLongest) + " …" : text;
+  return letters(text) > kLongest ? first_characters(text, kLongest) + " …" : text;
 }
 
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t width) {
-  std::istringstream words(text);
-  std::string out;
-  std::size_t column = indent;
-  for (std::string word; words >> word;) {
-    const bool first = column == indent;
-    if (!first && column + 1 + num_characters(word) > width) {
-      out += "\n" + std::string(indent, ' ');
-      column = indent;
-    } else if (!first) {
-      out += ' ';
-      ++column;
-    }
-    out += word;
-    column += num_characters(word);
-  }
-  return out;
+  return fmt::format(
+      "{}", fmt::join(wrapped_lines(text, width - indent), "\n" + std::string(indent, ' ')));
 }
 
 }  // namespace bipot

@@ -5,9 +5,6 @@
 
 namespace bipot {
 
-/// Characters, not bytes: all of UTF-8 but its continuation bytes.
-std::size_t num_characters(const std::string& text);
-
 /// The first so many characters of UTF-8.
 std::string first_characters(const std::string& text, std::size_t count);
 

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -40,17 +37,6 @@ ImpulseLayout layout_of(const JudgeFlags& flags) {
           .components = flags.components,
           .negated = flags.negated,
           .factor = flags.factor};
-}
-
-/// An existing file without the required content is bad input.
-template <class Read>
-auto readable(const std::string& path, Read read) {
-  if (::access(path.c_str(), R_OK) != 0) throw FileError(path, "", std::strerror(errno));
-  try {
-    return read();
-  } catch (const FileError& e) {
-    throw std::invalid_argument(e.what());
-  }
 }
 
 Vector impulse_of(const JudgeFlags& flags, const ProblemFile& file) {

@@ -38,14 +38,6 @@ std::string domain_of(const ParameterSpec& spec) {
   return fmt::format("{} in [{:g}, {:g}]", kind_of(spec), spec.minimum, spec.maximum);
 }
 
-/// The solver's own parameters, then the one that all solvers take.
-std::vector<ParameterSpec> all_parameters(const SolverEntry& entry) {
-  std::vector<ParameterSpec> all(entry.parameters.begin(), entry.parameters.end());
-  const auto is_islands = [](const ParameterSpec& s) { return s.name == kIslandsParameter.name; };
-  if (std::none_of(all.begin(), all.end(), is_islands)) all.push_back(kIslandsParameter);
-  return all;
-}
-
 Json to_json(const SolverEntry& entry) {
   Json row{{"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
   row["parameters"] = Json::array();

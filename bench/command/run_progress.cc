@@ -35,16 +35,20 @@ RunProgress::RunProgress(long steps, bool quiet, const std::filesystem::path& fo
 template <int D>
 void RunProgress::add(const StepReport<D>& report, long done, double time) {
   if (!report.converged) ++unsolved_;
-  worst_ = std::max(worst_, report.error.guarded());
+  const double error = report.error.guarded();
+  worst_ = std::max(worst_, error);
+  const bool springs = std::isnan(error);
   const std::string note =
-      fmt::format("t = {:.4g} s, {} unsolved, error {:.1e}, {}", time, unsolved_,
-                  report.error.guarded(), counted(report.contacts, "contact"));
+      fmt::format("t = {:.4g} s{}, {}", time,
+                  springs ? "" : fmt::format(", {} unsolved, error {:.1e}", unsolved_, error),
+                  counted(report.contacts, "contact"));
   bar_.update(done, note);
   const long tenths = 10 * done / steps_;
   if (log_.empty() || tenths <= tenths_) return;
   tenths_ = tenths;
-  append(log_, fmt::format("{:3} %  step {}, {}, worst error {:.1e}, {:.1f} s\n", 10 * tenths,
-                           report.step, note, worst_, watch_.seconds()));
+  append(log_,
+         fmt::format("{:3} %  step {}, {}{}, {:.1f} s\n", 10 * tenths, report.step, note,
+                     springs ? "" : fmt::format(", worst error {:.1e}", worst_), watch_.seconds()));
 }
 
 void append_to_log(const std::filesystem::path& folder, const std::string& text) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -18,6 +17,7 @@
 #include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/base/interrupt.h"
+#include "core/base/number_text.h"
 #include "core/base/version.h"
 #include "core/files/atomic_file.h"
 #include "core/problem_files/fclib_file.h"
@@ -40,14 +40,12 @@ int exit_code_of(const SeveralAnswers& found) {
 std::uint64_t take_seed(std::map<std::string, std::string>& parameters, std::uint64_t otherwise) {
   const auto given = parameters.find("seed");
   if (given == parameters.end()) return otherwise;
-  const std::string text = given->second;
-  std::uint64_t seed = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), seed);
-  if (failure != std::errc() || end != text.data() + text.size()) {
-    throw std::invalid_argument("--seed " + text + ": expected an integer from 0 on");
+  const auto seed = whole_number<std::uint64_t>(given->second);
+  if (!seed) {
+    throw std::invalid_argument("--seed " + given->second + ": expected an integer from 0 on");
   }
   parameters.erase(given);
-  return seed;
+  return *seed;
 }
 
 SeveralAnswers::Options options_of(const SolveFlags& flags, const ProblemFile& file) {

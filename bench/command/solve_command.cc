@@ -1,10 +1,7 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -212,13 +209,8 @@ struct SolveTask {
 };
 
 ProblemFile read_file(const SolveFlags& flags) {
-  const std::string& path = flags.problem;
-  if (::access(path.c_str(), R_OK) != 0) throw FileError(path, "", std::strerror(errno));
-  try {
-    return read_problem(path, flags.accept_indefinite);
-  } catch (const FileError& e) {
-    throw std::invalid_argument(e.what());  // readable, but not a problem: bad input
-  }
+  return readable(flags.problem,
+                  [&] { return read_problem(flags.problem, flags.accept_indefinite); });
 }
 
 /// Reads and checks; files are made by the root process.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/report/csv_text.h"
 #include "core/base/file_error.h"
+#include "core/base/number_text.h"
 #include "core/criterion/impulse_verdict.h"
 #include "core/problem_files/impulse_file.h"
 
@@ -45,13 +45,11 @@ Submission read_submission(fs::path folder) {
   const fs::path times = folder / "times.csv";
   if (!fs::exists(times)) return made;
   for (const auto& row : read_csv_table(times, "problem,seconds", 2)) {
-    double seconds = kNaN;
-    const char* const last = row[1].data() + row[1].size();
-    const auto [end, error] = std::from_chars(row[1].data(), last, seconds);
-    if (error != std::errc() || end != last || !(seconds >= 0)) {
+    const auto seconds = whole_number<double>(row[1]);
+    if (!(seconds >= 0.0)) {
       throw FileError(times.string(), "", fmt::format("'{}' is no time in seconds", row[1]));
     }
-    made.seconds[row[0]] = seconds;
+    made.seconds[row[0]] = *seconds;
   }
   return made;
 }

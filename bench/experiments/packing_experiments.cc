@@ -53,23 +53,20 @@ Scene<2> pressed_cell(int count, double mu, std::uint64_t seed, const Experiment
 /// A packing at rest, counted.
 struct Counted {
   int bodies = 0, contacts = 0, sliding = 0;  ///< without rattlers
-  double coordination = 0, fraction = 0;
 };
 
-Counted count_packing(const Scene<2>& scene, const State<2>& state) {
-  const Observables<2> seen = observe(scene, state, {});
+template <int D>
+Counted count_packing(const Scene<D>& scene, const State<D>& state) {
   const std::vector<bool> rattler = find_rattlers(scene, state);
   Counted counted;
-  const int disks = static_cast<int>(state.bodies.size());
-  counted.bodies = disks - static_cast<int>(std::count(rattler.begin(), rattler.end(), true));
-  for (const ContactOutcome<2>& o : state.contacts) {
+  const int bodies = static_cast<int>(state.bodies.size());
+  counted.bodies = bodies - static_cast<int>(std::count(rattler.begin(), rattler.end(), true));
+  for (const ContactOutcome<D>& o : state.contacts) {
     if (!(o.s_n > 0) || rattler[to_size(o.contact.i)]) continue;
-    if (o.contact.j < disks && rattler[to_size(o.contact.j)]) continue;
+    if (o.contact.j < bodies && rattler[to_size(o.contact.j)]) continue;
     ++counted.contacts;
     if (o.status == ContactStatus::kSlip) ++counted.sliding;
   }
-  counted.coordination = seen.coordination_without;
-  counted.fraction = seen.solid_fraction;
   return counted;
 }
 
@@ -132,12 +129,13 @@ Experiment plane_packings() {
         const Scene<2> scene = pressed_cell(count, mu, to_size(seed), trial);
         const auto end = run_from_start<2>(scene, trial);
         const Counted counted = count_packing(scene, end);
+        const Observables<2> seen = observe(scene, end, {});
         if (mu == 0) {
-          smooth.push_back(counted.coordination);
-          fraction[0] = counted.fraction;
+          smooth.push_back(seen.coordination_without);
+          fraction[0] = seen.solid_fraction;
         } else if (mu == 10) {
-          rough.push_back(counted.coordination);
-          fraction[1] = counted.fraction;
+          rough.push_back(seen.coordination_without);
+          fraction[1] = seen.solid_fraction;
         } else {
           excess.push_back(
               static_cast<double>(counted.sliding - 2 * counted.contacts + 3 * counted.bodies) /
@@ -185,33 +183,6 @@ Scene<3> pressed_box(int count, double mu, std::uint64_t seed, const Experiment:
   return scene;
 }
 
-/// Loaded contacts and spheres without rattlers, which have fewer than `least` contacts with other
-/// spheres that are none.
-Counted count_spheres(const State<3>& state, int least) {
-  const int spheres = static_cast<int>(state.bodies.size());
-  std::vector<bool> rattler(to_size(spheres), false);
-  Counted counted;
-  for (bool changed = true; changed;) {
-    std::vector<int> ends(to_size(spheres), 0);
-    counted.contacts = 0;
-    const auto is_out = [&](int body) { return body < spheres && rattler[to_size(body)]; };
-    for (const ContactOutcome<3>& o : state.contacts) {
-      if (!(o.s_n > 0) || is_out(o.contact.i) || is_out(o.contact.j)) continue;
-      ++counted.contacts;
-      ++ends[to_size(o.contact.i)];
-      if (o.contact.j < spheres) ++ends[to_size(o.contact.j)];
-    }
-    changed = false;
-    for (int k = 0; k < spheres; ++k) {
-      if (rattler[to_size(k)] || ends[to_size(k)] >= least) continue;
-      rattler[to_size(k)] = true;
-      changed = true;
-    }
-  }
-  counted.bodies = static_cast<int>(std::count(rattler.begin(), rattler.end(), false));
-  return counted;
-}
-
 Experiment space_packings() {
   Experiment e;
   e.rows = {
@@ -233,7 +204,7 @@ Experiment space_packings() {
       for (const double mu : {0.0, 10.0}) {
         const Scene<3> scene = pressed_box(count, mu, to_size(seed), trial);
         const auto end = run_from_start<3>(scene, trial);
-        const Counted counted = count_spheres(end, mu == 0 ? 4 : 2);
+        const Counted counted = count_packing(scene, end);
         const double walls = mu == 0 ? 3 : 1;
         (mu == 0 ? smooth : rough)
             .push_back(2 * (counted.contacts - walls) / std::max(1, counted.bodies));

@@ -81,8 +81,7 @@ Experiment heap_threshold(bool floor) {
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
   e.run = [critical, floor](Experiment::Trial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
-      const double other = D == 2 ? 1 : 1.0;
-      return motion_of(heap<D>(floor ? other : mu, floor ? mu : other, trial), trial) <= kMoves;
+      return motion_of(heap<D>(floor ? 1 : mu, floor ? mu : 1, trial), trial) <= kMoves;
     });
     trial.seen = {found};
   };

@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -23,6 +22,7 @@
 #include "bench/problems/sphere_problems.h"
 #include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
+#include "core/base/number_text.h"
 #include "core/base/types.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem_files/problem_file.h"
@@ -68,12 +68,11 @@ std::vector<std::string> split(const std::string& text, char separator) {
 }
 
 double parse_number(const std::string& target, const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+  const auto value = whole_number<double>(text);
+  if (!value || !std::isfinite(*value)) {
     throw std::invalid_argument(fmt::format("target {}: '{}' is not a number", target, text));
   }
-  return value;
+  return *value;
 }
 
 /// NaN (not known) for a scene without bodies.

@@ -1,15 +1,14 @@
 #include "bench/page/page_curves.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <optional>
 #include <string_view>
 
 #include "core/base/file_error.h"
+#include "core/base/number_text.h"
 
 namespace bipot {
 namespace {
@@ -48,13 +47,6 @@ std::map<std::string, std::string> read_units(const fs::path& folder) {
   return units;
 }
 
-std::optional<double> number_of(std::string_view cell) {
-  double x = std::numeric_limits<double>::quiet_NaN();
-  const auto [end, failure] = std::from_chars(cell.data(), cell.data() + cell.size(), x);
-  if (failure != std::errc() || end != cell.data() + cell.size()) return std::nullopt;
-  return x;
-}
-
 std::string_view without_unit(std::string_view name) {
   return name.substr(0, std::min(name.find(" ["), name.size()));
 }
@@ -75,13 +67,13 @@ std::vector<CurveTable> read_table(const fs::path& path) {
     if (cells.size() != names.size() || file.eof()) continue;  // the run was killed in this line
     if (tables.empty()) {
       for (std::size_t k = 0; k < cells.size(); ++k) {
-        if (word == names.size() && !number_of(cells[k])) word = k;
+        if (word == names.size() && !whole_number<double>(cells[k])) word = k;
       }
     }
     row.clear();
     for (std::size_t k = 0; k < cells.size(); ++k) {
       if (k != word) {
-        row.push_back(number_of(cells[k]).value_or(std::numeric_limits<double>::quiet_NaN()));
+        row.push_back(whole_number<double>(cells[k]).value_or(kNaN));
       }
     }
     const bool names_part = word < cells.size() && path.stem() != "ledger";

@@ -7,7 +7,6 @@
 #include <httplib.h>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -18,6 +17,7 @@
 #include "bench/page/page_update.h"
 #include "bench/page/run_page.h"
 #include "core/base/interrupt.h"
+#include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
 #endif
 
@@ -46,13 +46,6 @@ void send(httplib::Response& response, std::string content, const std::string& t
       [text, answering](std::size_t begin, std::size_t size, httplib::DataSink& sink) {
         return sink.write(text->data() + begin, size);
       });
-}
-
-/// The number in a query, -1 if it is none.
-int step_of(const std::string& text) {
-  int step = -1;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), step);
-  return failure == std::errc() && end == text.data() + text.size() ? step : -1;
 }
 
 }  // namespace
@@ -159,8 +152,8 @@ void WatchServer::serve(const std::filesystem::path& folder) {
   parts.http.Get("/update", [&parts](const httplib::Request& request, httplib::Response& response) {
     const Answering answering = parts.begin(response);
     if (!answering) return;
-    send(response, parts.update(step_of(request.get_param_value("after"))), "application/json",
-         answering);
+    send(response, parts.update(whole_number<int>(request.get_param_value("after")).value_or(-1)),
+         "application/json", answering);
   });
   const InterruptBlock block;
   parts.thread = std::thread([&parts] { parts.http.listen_after_bind(); });

@@ -471,8 +471,7 @@ py::list list_solvers() {
     row["max_dim"] = entry.max_dim;
     row["max_contacts"] = entry.max_contacts;
     py::list parameters;
-    for (const ParameterSpec& spec : entry.parameters) parameters.append(to_dict(spec));
-    parameters.append(to_dict(kIslandsParameter));
+    for (const ParameterSpec& spec : all_parameters(entry)) parameters.append(to_dict(spec));
     row["parameters"] = parameters;
     rows.append(row);
   }

@@ -203,6 +203,7 @@ std::string to_text(const Table& table) {
     for (std::size_t k = 0; k < shown.size() && !title; ++k) {
       const std::size_t at = shown[k];
       texts.push_back(one_line(plain(text_of(row.cells[at], table.columns[at]))));
+      if (row.cells[at].look == "over") texts.back() += '*';  // bold on pages
       widths[k] = std::max(widths[k], letters(texts[k]));
     }
   }

@@ -63,9 +63,10 @@ struct Table {
   };
   std::vector<Column> columns;
   std::vector<Row> rows;
-  std::string key;      ///< in the JSON of a document; empty: not included
-  std::string caption;  ///< above it
-  std::string note;     ///< below it, small
+  std::string key;        ///< in the JSON of a document; empty: not included
+  std::string caption;    ///< above it
+  std::string note;       ///< below it, small
+  std::string page_note;  ///< after the note, on pages only
   bool sortable = false;
 
   void add(std::vector<Cell> cells, std::string row_look = {}, std::string id = {});

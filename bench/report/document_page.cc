@@ -236,7 +236,9 @@ class PageWriter {
       add("</tr>\n");
     }
     add("</tbody></table></div>\n");
-    if (!table.note.empty()) add("<p class=\"small\">{}</p>\n", prose(table.note));
+    if (const std::string note = table.note + table.page_note; !note.empty()) {
+      add("<p class=\"small\">{}</p>\n", prose(note));
+    }
     if (table.sortable) add("</section>\n");
   }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -12,6 +11,7 @@
 #include "bench/report/csv_text.h"
 #include "bench/study/study_parts.h"
 #include "core/base/file_error.h"
+#include "core/base/number_text.h"
 #include "core/files/atomic_file.h"
 
 namespace bipot {
@@ -30,12 +30,9 @@ std::string row_line(const Study::Case& of, const Study::Values& values) {
 
 template <class Number>
 Number row_number(const std::string& text, const std::filesystem::path& path) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw FileError(path, "", fmt::format("'{}' is not a number", text));
-  }
-  return value;
+  const auto value = whole_number<Number>(text);
+  if (!value) throw FileError(path, "", fmt::format("'{}' is not a number", text));
+  return *value;
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <variant>
 
 #include "bench/problems/scene_catalogue.h"
+#include "core/base/number_text.h"
 #include "core/base/portable_random.h"
 #include "core/base/types.h"
 #include "core/motion/spring_dashpot_setup.h"
@@ -74,12 +74,10 @@ Trade::Scene load_target(const std::string& target, const Trade::Options& option
   if (const std::size_t at = target.rfind(option); at != std::string::npos) {
     file = target.substr(0, at);
     const std::string number = target.substr(at + option.size());
-    int n = 0;
-    const auto [end, failure] = std::from_chars(number.data(), number.data() + number.size(), n);
-    if (failure != std::errc() || end != number.data() + number.size() || n < 1) {
+    steps = whole_number<int>(number);
+    if (!(steps >= 1)) {
       throw std::invalid_argument(target + ": expected a positive number of steps");
     }
-    steps = n;
   }
   const std::filesystem::path path = find_scene(file);
   made.name = path.stem().string();

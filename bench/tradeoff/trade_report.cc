@@ -80,7 +80,7 @@ Table error_table(const SceneTrade& s) {
   }
   table.note =
       "Relative errors. Time step: of the scene's own, against the exact value where it is known, "
-      "else from shorter steps (how: rest the pointer on it). ";
+      "else from shorter steps. ";
   if (nearby) table.note += "Nearby runs: twice the standard error of a difference of two means. ";
   if (other) {
     table.note += fmt::format(
@@ -89,8 +89,9 @@ Table error_table(const SceneTrade& s) {
         s.other_solver.empty() ? "" : " of " + s.other_solver);
   }
   table.note +=
-      "Solver: difference to the tightest tolerance at the same time step; bold where it matters: "
+      "Solver: difference to the tightest tolerance at the same time step; marked where it matters: "
       "larger than the others and not negligible.";
+  table.page_note = " How a reference was found shows when the pointer rests on it.";
   return table;
 }
 
@@ -140,8 +141,8 @@ Table setting_table(const SceneTrade& s) {
       .note =
           "Iterations: mean of a step; for springs, substeps of a step. Overlap: the largest "
           "of the run over the smaller radius. Worst error: of the outcomes, against the "
-          "reference. Rows that were not completed are marked; the reason shows when the "
-          "pointer rests on the status."};
+          "reference.",
+      .page_note = " Why a row was not completed shows when the pointer rests on its status."};
   for (const TradeQuantity& q : s.scene->quantities) {
     table.columns.push_back(
         {.name = q.name, .show = value_label, .unit = q.unit, .meaning = q.meaning});

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-
 #include "bench/report/csv_text.h"
 #include "core/base/file_error.h"
+#include "core/base/number_text.h"
 
 namespace bipot {
 namespace {
@@ -13,12 +12,9 @@ namespace {
 constexpr std::size_t kColumns = 11;
 
 double number(const std::string& text, const std::filesystem::path& path) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw FileError(path, "", fmt::format("'{}' is not a number", text));
-  }
-  return value;
+  const auto value = whole_number<double>(text);
+  if (!value) throw FileError(path, "", fmt::format("'{}' is not a number", text));
+  return *value;
 }
 
 }  // namespace

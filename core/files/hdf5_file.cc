@@ -298,21 +298,9 @@ std::vector<int> Hdf5File::read_ints(const std::string& name) const {
   return values;
 }
 
-int Hdf5File::read_int(const std::string& name) const {
-  const std::vector<int> values = read_ints(name);
-  if (values.size() != 1) {
-    throw FileError(path_, name, fmt::format("has {} elements, expected one", values.size()));
-  }
-  return values[0];
-}
+int Hdf5File::read_int(const std::string& name) const { return read_ints(name, 1)[0]; }
 
-double Hdf5File::read_double(const std::string& name) const {
-  const std::vector<double> values = read_doubles(name);
-  if (values.size() != 1) {
-    throw FileError(path_, name, fmt::format("has {} elements, expected one", values.size()));
-  }
-  return values[0];
-}
+double Hdf5File::read_double(const std::string& name) const { return read_doubles(name, 1)[0]; }
 
 std::vector<std::string> Hdf5File::read_strings(const std::string& name) const {
   const std::size_t count = size(name);

@@ -56,6 +56,13 @@ class Hdf5File {
   std::vector<int> read_ints(const std::string& name) const;
   /// All elements, last index fastest.
   std::vector<double> read_doubles(const std::string& name) const;
+  /// As many as given: throws FileError otherwise.
+  std::vector<int> read_ints(const std::string& name, std::size_t size) const {
+    return sized(read_ints(name), name, size);
+  }
+  std::vector<double> read_doubles(const std::string& name, std::size_t size) const {
+    return sized(read_doubles(name), name, size);
+  }
   std::string read_string(const std::string& name) const;
   std::vector<std::string> read_strings(const std::string& name) const;
 
@@ -81,6 +88,13 @@ class Hdf5File {
   void write_attribute(const std::string& object, const std::string& name, std::string_view value);
 
  private:
+  template <class Values>
+  Values sized(Values values, const std::string& name, std::size_t size) const {
+    if (values.size() == size) return values;
+    throw FileError(path_, name,
+                    "has " + std::to_string(values.size()) + " elements, expected " +
+                        (size == 1 ? "one" : std::to_string(size)));
+  }
   void write_array(const std::string& name, std::int64_t type, const void* data,
                    std::span<const std::size_t> extents);
   std::int64_t open_dataset(const std::string& name) const;

@@ -281,8 +281,6 @@ SpringDashpotSetup spring_dashpot_setup(const Scene<D>& scene) {
   setup.stiffness = choice.stiffness;
   if (setup.stiffness == 0 && !scene.bodies.empty()) {
     const Load load = estimate_load(scene, smallest);
-    setup.load_force = load.force;
-    setup.load_speed = load.speed;
     const double length = choice.overlap * smallest;
     const double impact = load.speed / (10 * length);
     setup.stiffness = std::max(load.force / length, heaviest * impact * impact);

@@ -47,8 +47,6 @@ struct SpringDashpotSetup {
   double stiffness = 0;             ///< k_n                                             [N/m]
   double tangential_stiffness = 0;  ///< k_t                                             [N/m]
   std::vector<double> damping;      ///< zeta of each entry of Scene::laws               [-]
-  double load_force = 0;            ///< F above; 0 with a given stiffness               [N]
-  double load_speed = 0;            ///< v above                                         [m/s]
   double critical_step = 0;         ///< largest stable substep                          [s]
   double substep = 0;               ///< h / substeps                                    [s]
   int substeps = 1;                 ///< in each step of the scene

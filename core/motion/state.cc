@@ -109,12 +109,17 @@ std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     const Wall<D>&a = state.walls[i], &b = scene.walls[i];
+    const bool same_way = a.motion == b.motion && !has_schedule(b);
+    const bool moved =
+        same_way && b.motion == Wall<D>::Motion::kFixed && (a.a != b.a || a.b != b.b);
+    const bool drawn = same_way && b.motion == Wall<D>::Motion::kMoving && a.v != b.v;
     const char* field = a.shape != b.shape                               ? "shape"
                         : a.motion != b.motion && !has_schedule(b)       ? "motion"
                         : a.radius != b.radius                           ? "radius"
                         : a.radius_b != b.radius_b                       ? "radius"
                         : !same_mesh(a, b)                               ? "triangles"
-                        : a.across != b.across                           ? "velocity"
+                        : moved                                          ? "place"
+                        : drawn || a.across != b.across                  ? "velocity"
                         : a.material != b.material                       ? "material"
                         : a.mass != b.mass                               ? "mass"
                         : a.force != b.force && b.time_factor.constant() ? "force"

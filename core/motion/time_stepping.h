@@ -116,6 +116,8 @@ struct StepFailure : std::runtime_error {
   template <int D>
   StepFailure(Kind k, const State<D>& before, const std::string& why)
       : StepFailure(k, before.step, before.time, why) {}
+  /// A smaller step may cure it, whatever the scene's rule for passages.
+  bool may_yield() const { return kind == Kind::kNumerical || kind == Kind::kPlaces; }
   Kind kind;
 
  private:

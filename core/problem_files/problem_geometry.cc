@@ -36,11 +36,7 @@ void write_geometry_ints(Hdf5File& file, const char* entry, const Items& items,
 
 /// The numbers of an entry; throws unless there are `count` of them, all finite.
 std::vector<double> read_numbers(const Hdf5File& file, const char* entry, std::size_t count) {
-  std::vector<double> numbers = file.read_doubles(name(entry));
-  if (numbers.size() != count) {
-    throw FileError(file.path(), name(entry),
-                    fmt::format("has {} elements, expected {}", numbers.size(), count));
-  }
+  std::vector<double> numbers = file.read_doubles(name(entry), count);
   for (const double x : numbers) {
     if (!std::isfinite(x)) throw FileError(file.path(), name(entry), "not finite");
   }
@@ -49,11 +45,7 @@ std::vector<double> read_numbers(const Hdf5File& file, const char* entry, std::s
 
 std::vector<int> read_indices(const Hdf5File& file, const char* entry, std::size_t count,
                               std::size_t below) {
-  std::vector<int> numbers = file.read_ints(name(entry));
-  if (numbers.size() != count) {
-    throw FileError(file.path(), name(entry),
-                    fmt::format("has {} elements, expected {}", numbers.size(), count));
-  }
+  std::vector<int> numbers = file.read_ints(name(entry), count);
   for (const int x : numbers) {
     if (x < 0 || to_size(x) >= below) {
       throw FileError(file.path(), name(entry), fmt::format("{} is out of range", x));

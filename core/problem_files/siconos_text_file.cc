@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/file_error.h"
+#include "core/base/number_text.h"
 #include "core/base/types.h"
 #include "core/files/input_file.h"
 #include "core/problem_files/problem_form.h"
@@ -59,13 +60,10 @@ class Words {
 
   int integer(std::string_view what, int lowest = 0) {
     const std::string_view w = word(what);
-    int value = 0;
-    const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
-    if (error != std::errc() || end != w.data() + w.size()) {
-      fail(fmt::format("{}: '{}' is not an integer", what, w));
-    }
-    if (value < lowest) fail(fmt::format("{} = {} is too small", what, value));
-    return value;
+    const auto value = whole_number<int>(w);
+    if (!value) fail(fmt::format("{}: '{}' is not an integer", what, w));
+    if (*value < lowest) fail(fmt::format("{} = {} is too small", what, *value));
+    return *value;
   }
 
   void expect(std::string_view text) {

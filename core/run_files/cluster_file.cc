@@ -46,14 +46,6 @@ std::span<const ClusterEntry<D>> cluster_entries() {
   }
 }
 
-std::vector<double> cluster_column(const Hdf5File& file, const std::string& name,
-                                   std::size_t size) {
-  std::vector<double> values = file.read_doubles(name);
-  if (values.size() == size) return values;
-  throw FileError(file.path(), name,
-                  fmt::format("has {} elements, expected {}", values.size(), size));
-}
-
 }  // namespace
 
 template <int D>
@@ -85,24 +77,19 @@ template <int D>
 void read_clusters(const Hdf5File& frame, State<D>& state) {
   const std::string bodies_at = bodies_group(frame);
   if (!frame.exists(bodies_at + "cluster")) return;
-  const std::vector<int> cluster = frame.read_ints(bodies_at + "cluster");
   const std::size_t disks = state.bodies.size();
+  const std::vector<int> cluster = frame.read_ints(bodies_at + "cluster", disks);
   const std::size_t count = frame.size("/clusters/mass");
-  if (cluster.size() != disks) {
-    throw FileError(frame.path(), bodies_at + "cluster",
-                    fmt::format("has {} elements, expected {}", cluster.size(), disks));
-  }
   state.clusters.bodies.assign(count, {});
   for (const auto& [name, unit, width, at] : cluster_entries<D>()) {
-    const auto rows =
-        cluster_column(frame, std::string("/clusters/") + name, to_size(width) * count);
+    const auto rows = frame.read_doubles(std::string("/clusters/") + name, to_size(width) * count);
     for (std::size_t k = 0; k < count; ++k) {
       double* const to = at(state.clusters.bodies[k]);
       std::copy_n(rows.data() + to_size(width) * k, width, to);
       if (width == 4) std::rotate(to, to + 1, to + 4);
     }
   }
-  const auto arms = cluster_column(frame, bodies_at + "arm", D * disks);
+  const auto arms = frame.read_doubles(bodies_at + "arm", D * disks);
   for (std::size_t i = 0; i < disks; ++i) {
     if (cluster[i] < -1 || cluster[i] >= static_cast<int>(count)) {
       throw FileError(

@@ -43,33 +43,15 @@ void write_flows(Hdf5File& file, const std::string& group, bool inlets,
   file.write_attribute(group + "/last_mass", "unit", "kg");
 }
 
-void require_count(const Hdf5File& file, const std::string& name, std::size_t found,
-                   std::size_t expected) {
-  if (found == expected) return;
-  throw FileError(file.path(), name, fmt::format("has {} elements, expected {}", found, expected));
-}
-
-std::vector<double> doubles_of(const Hdf5File& file, const std::string& name, std::size_t size) {
-  std::vector<double> values = file.read_doubles(name);
-  require_count(file, name, values.size(), size);
-  return values;
-}
-
-std::vector<int> ints_of(const Hdf5File& file, const std::string& name, std::size_t size) {
-  std::vector<int> values = file.read_ints(name);
-  require_count(file, name, values.size(), size);
-  return values;
-}
-
 template <int D>
 std::vector<GateFlow<D>> read_flows(const Hdf5File& file, const std::string& group, bool inlets) {
   const std::vector<int> count = file.read_ints(group + "/count");
   const std::size_t n = count.size();
-  const auto waiting = inlets ? ints_of(file, group + "/waiting", n) : std::vector<int>(n, 0);
-  const auto mass = doubles_of(file, group + "/mass", n);
-  const auto energy = doubles_of(file, group + "/energy", n);
-  const auto momentum = doubles_of(file, group + "/momentum", D * n);
-  const auto last = doubles_of(file, group + "/last_mass", n);
+  const auto waiting = inlets ? file.read_ints(group + "/waiting", n) : std::vector<int>(n, 0);
+  const auto mass = file.read_doubles(group + "/mass", n);
+  const auto energy = file.read_doubles(group + "/energy", n);
+  const auto momentum = file.read_doubles(group + "/momentum", D * n);
+  const auto last = file.read_doubles(group + "/last_mass", n);
   std::vector<GateFlow<D>> flows(n);
   for (std::size_t k = 0; k < n; ++k) {
     flows[k] = {.count = count[k],
@@ -126,11 +108,11 @@ bool read_population(const Hdf5File& frame, std::vector<Body<D>>& bodies,
   if (!increases || (n > 0 && population.numbers.front() < 0)) {
     throw FileError(frame.path(), number, "not increasing from 0 on");
   }
-  const auto radius = doubles_of(frame, bodies_at + "radius", n);
-  const auto mass = doubles_of(frame, bodies_at + "mass", n);
-  const auto inertia = doubles_of(frame, bodies_at + "inertia", n);
-  const auto material = ints_of(frame, bodies_at + "material", n);
-  const auto wall = ints_of(frame, bodies_at + "wall", n);
+  const auto radius = frame.read_doubles(bodies_at + "radius", n);
+  const auto mass = frame.read_doubles(bodies_at + "mass", n);
+  const auto inertia = frame.read_doubles(bodies_at + "inertia", n);
+  const auto material = frame.read_ints(bodies_at + "material", n);
+  const auto wall = frame.read_ints(bodies_at + "wall", n);
   bodies.assign(n, {});
   for (std::size_t k = 0; k < n; ++k) {
     bodies[k].radius = radius[k];

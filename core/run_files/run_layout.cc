@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <system_error>
 
+#include "core/base/number_text.h"
 #include "core/files/input_file.h"
 
 namespace bipot {
@@ -40,10 +40,7 @@ std::vector<int> steps_in_folder(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder / "frames", error)) {
     if (entry.path().extension() != ".h5") continue;
-    const std::string stem = entry.path().stem().string();
-    int step = 0;
-    const auto [end, failure] = std::from_chars(stem.data(), stem.data() + stem.size(), step);
-    if (failure == std::errc() && end == stem.data() + stem.size()) steps.push_back(step);
+    if (const auto step = whole_number<int>(entry.path().stem().string())) steps.push_back(*step);
   }
   std::sort(steps.begin(), steps.end());
   return steps;

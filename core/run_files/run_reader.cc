@@ -17,25 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Numbers of a dataset whose size is checked.
-std::vector<double> read_sized(const Hdf5File& file, const std::string& name, std::size_t size) {
-  std::vector<double> values = file.read_doubles(name);
-  if (values.size() != size) {
-    throw FileError(file.path(), name,
-                    fmt::format("has {} elements, expected {}", values.size(), size));
-  }
-  return values;
-}
-
-std::vector<int> read_sized_ints(const Hdf5File& file, const std::string& name, std::size_t size) {
-  std::vector<int> values = file.read_ints(name);
-  if (values.size() != size) {
-    throw FileError(file.path(), name,
-                    fmt::format("has {} elements, expected {}", values.size(), size));
-  }
-  return values;
-}
-
 /// An enumerator read from a file.
 template <class Enum>
 Enum checked_enum(const Hdf5File& file, const std::string& name, int value, int last) {
@@ -57,12 +38,12 @@ std::vector<Body<D>> read_fixed_disks(const Hdf5File& fixed) {
   const std::string at = bodies_group(fixed);
   const std::vector<double> radius = fixed.read_doubles(at + "radius");
   const std::size_t n = radius.size();
-  const auto mass = read_sized(fixed, at + "mass", n);
-  const auto inertia = read_sized(fixed, at + "inertia", n);
-  const auto material = read_sized_ints(fixed, at + "material", n);
+  const auto mass = fixed.read_doubles(at + "mass", n);
+  const auto inertia = fixed.read_doubles(at + "inertia", n);
+  const auto material = fixed.read_ints(at + "material", n);
   // Only scenes with rough walls have this entry.
   const auto wall =
-      fixed.exists(at + "wall") ? read_sized_ints(fixed, at + "wall", n) : std::vector<int>(n, -1);
+      fixed.exists(at + "wall") ? fixed.read_ints(at + "wall", n) : std::vector<int>(n, -1);
   std::vector<Body<D>> disks(n);
   for (std::size_t k = 0; k < n; ++k) {
     disks[k].radius = radius[k];
@@ -82,11 +63,11 @@ std::vector<Body<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame,
   if (!read_population(frame, disks, population)) disks = read_fixed_disks<D>(fixed);
   const std::size_t n = disks.size();
   const std::string at = bodies_group(frame);
-  const auto x = read_sized(frame, at + "x", D * n);
+  const auto x = frame.read_doubles(at + "x", D * n);
   const auto turned =
-      D == 2 ? read_sized(frame, at + "angle", n) : read_sized(frame, at + "orientation", 4 * n);
-  const auto v = read_sized(frame, at + "v", 3 * n);
-  const auto spin = read_sized(frame, at + "spin", to_size(kSpins<D>) * n);
+      D == 2 ? frame.read_doubles(at + "angle", n) : frame.read_doubles(at + "orientation", 4 * n);
+  const auto v = frame.read_doubles(at + "v", 3 * n);
+  const auto spin = frame.read_doubles(at + "spin", to_size(kSpins<D>) * n);
   for (std::size_t k = 0; k < n; ++k) {
     Body<D>& d = disks[k];
     d.x = row_of<D>(x, k);
@@ -109,10 +90,10 @@ void read_triangles(const Hdf5File& fixed, std::vector<Wall<3>>& walls) {
   const bool any = std::any_of(walls.begin(), walls.end(),
                                [](const Wall<3>& w) { return w.shape == Wall<3>::Shape::kMesh; });
   if (!any) return;
-  const auto counts = read_sized_ints(fixed, numbers, walls.size());
+  const auto counts = fixed.read_ints(numbers, walls.size());
   const int sum = std::accumulate(counts.begin(), counts.end(), 0);
   if (sum < 0) throw FileError(fixed.path(), numbers, "has negative entries");
-  const auto corners = read_sized(fixed, "/walls/triangle", 9 * to_size(sum));
+  const auto corners = fixed.read_doubles("/walls/triangle", 9 * to_size(sum));
   const double* at = corners.data();
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (walls[w].shape != Wall<3>::Shape::kMesh) continue;
@@ -134,19 +115,19 @@ template <int D>
 std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   const std::vector<std::string> names = fixed.read_strings("/walls/name");
   const std::size_t count = names.size();
-  const auto shape = read_sized_ints(fixed, "/walls/shape", count);
-  const auto motion = read_sized_ints(fixed, "/walls/motion", count);
-  const auto wall_material = read_sized_ints(fixed, "/walls/material", count);
-  const auto normal = read_sized(fixed, "/walls/normal", D * count);
-  const auto direction = read_sized(fixed, "/walls/direction", D * count);
-  const auto force = read_sized(fixed, "/walls/force", count);
-  const auto wall_mass = read_sized(fixed, "/walls/mass", count);
-  const auto a = read_sized(frame, "/walls/a", D * count);
-  const auto b = read_sized(frame, "/walls/b", D * count);
-  const auto wall_v = read_sized(frame, "/walls/v", D * count);
+  const auto shape = fixed.read_ints("/walls/shape", count);
+  const auto motion = fixed.read_ints("/walls/motion", count);
+  const auto wall_material = fixed.read_ints("/walls/material", count);
+  const auto normal = fixed.read_doubles("/walls/normal", D * count);
+  const auto direction = fixed.read_doubles("/walls/direction", D * count);
+  const auto force = fixed.read_doubles("/walls/force", count);
+  const auto wall_mass = fixed.read_doubles("/walls/mass", count);
+  const auto a = frame.read_doubles("/walls/a", D * count);
+  const auto b = frame.read_doubles("/walls/b", D * count);
+  const auto wall_v = frame.read_doubles("/walls/v", D * count);
   // Written if a scene has circles, belts, walls moved across a force, or walls that start or go.
   const auto optional = [&](const Hdf5File& file, const char* name, std::size_t size) {
-    return file.exists(name) ? read_sized(file, name, size) : std::vector<double>(size, 0.0);
+    return file.exists(name) ? file.read_doubles(name, size) : std::vector<double>(size, 0.0);
   };
   const auto radius = optional(fixed, "/walls/radius", count);
   const auto radius_b = optional(fixed, "/walls/radius_b", count);
@@ -155,8 +136,8 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   const auto belt = optional(fixed, "/walls/belt", D * count);
   const bool changes = frame.exists("/walls/present");
   const auto present =
-      changes ? read_sized_ints(frame, "/walls/present", count) : std::vector<int>(count, 1);
-  const auto motion_now = changes ? read_sized_ints(frame, "/walls/motion", count) : motion;
+      changes ? frame.read_ints("/walls/present", count) : std::vector<int>(count, 1);
+  const auto motion_now = changes ? frame.read_ints("/walls/motion", count) : motion;
   std::vector<Wall<D>> walls(count);
   for (std::size_t k = 0; k < count; ++k) {
     const auto at = [&](const std::vector<double>& y) { return row_of<D>(y, k); };
@@ -188,14 +169,14 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
 PeriodicCell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
   PeriodicCell cell;
   if (!fixed.exists("/cell/periodic")) return cell;
-  const auto periodic = read_sized_ints(fixed, "/cell/periodic", 2);
+  const auto periodic = fixed.read_ints("/cell/periodic", 2);
   cell.in_x = periodic[0] != 0;
   cell.in_y = periodic[1] != 0;
-  const auto motion = read_sized_ints(fixed, "/cell/motion", 3);
-  const auto stress = read_sized(fixed, "/cell/stress", 3);
-  const auto mass = read_sized(fixed, "/cell/mass", 3);
-  const auto lengths = read_sized(frame, "/cell/lengths", 3);
-  const auto speeds = read_sized(frame, "/cell/speeds", 3);
+  const auto motion = fixed.read_ints("/cell/motion", 3);
+  const auto stress = fixed.read_doubles("/cell/stress", 3);
+  const auto mass = fixed.read_doubles("/cell/mass", 3);
+  const auto lengths = frame.read_doubles("/cell/lengths", 3);
+  const auto speeds = frame.read_doubles("/cell/speeds", 3);
   for (int k = 0; k < 3; ++k) {
     const std::size_t at = to_size(k);
     cell.side(k) = {.motion = checked_enum<CellSide::Motion>(fixed, "/cell/motion", motion[at], 2),
@@ -213,29 +194,29 @@ std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t d
                                              std::size_t walls) {
   const std::vector<int> i = file.read_ints("/contacts/i");
   const std::size_t c = i.size();
-  const auto j = read_sized_ints(file, "/contacts/j", c);
-  const auto status = read_sized_ints(file, "/contacts/status", c);
-  const auto contact_n = read_sized(file, "/contacts/n", D * c);
-  const auto gap = read_sized(file, "/contacts/gap", c);
-  const auto s_n = read_sized(file, "/contacts/s_n", c);
-  const auto s_t = read_sized(file, "/contacts/s_t", to_size(kSpins<D>) * c);
-  const auto u_n = read_sized(file, "/contacts/u_n", c);
-  const auto u_t = read_sized(file, "/contacts/u_t", to_size(kSpins<D>) * c);
+  const auto j = file.read_ints("/contacts/j", c);
+  const auto status = file.read_ints("/contacts/status", c);
+  const auto contact_n = file.read_doubles("/contacts/n", D * c);
+  const auto gap = file.read_doubles("/contacts/gap", c);
+  const auto s_n = file.read_doubles("/contacts/s_n", c);
+  const auto s_t = file.read_doubles("/contacts/s_t", to_size(kSpins<D>) * c);
+  const auto u_n = file.read_doubles("/contacts/u_n", c);
+  const auto u_t = file.read_doubles("/contacts/u_t", to_size(kSpins<D>) * c);
   const auto tangents = [&](const char* name) {
     const std::size_t size = to_size(kSpins<D>) * c;
-    return file.exists(name) ? read_sized(file, name, size) : std::vector<double>(size, 0.0);
+    return file.exists(name) ? file.read_doubles(name, size) : std::vector<double>(size, 0.0);
   };
   // Only the spring-dashpot model writes springs.
   const auto spring = tangents("/contacts/spring");
   // Only scenes with cohesion write bonds; elsewhere every contact may become one.
-  const auto bonded = file.exists("/contacts/bonded") ? read_sized_ints(file, "/contacts/bonded", c)
+  const auto bonded = file.exists("/contacts/bonded") ? file.read_ints("/contacts/bonded", c)
                                                       : std::vector<int>(c, 1);
   // Only scenes with rolling friction write moments.
   const auto moment = tangents("/contacts/moment");
   // Only periodic scenes write images.
   const bool images = file.exists("/contacts/image_x");
-  const auto image_x = images ? read_sized_ints(file, "/contacts/image_x", c) : std::vector<int>(c);
-  const auto image_y = images ? read_sized_ints(file, "/contacts/image_y", c) : std::vector<int>(c);
+  const auto image_x = images ? file.read_ints("/contacts/image_x", c) : std::vector<int>(c);
+  const auto image_y = images ? file.read_ints("/contacts/image_y", c) : std::vector<int>(c);
   const auto tangential = [](const std::vector<double>& values, std::size_t k) -> Tangent<D> {
     if constexpr (D == 2) {
       return values[k];

@@ -7,6 +7,9 @@
 
 namespace bipot {
 
+/// A distance of which only rounding is left, relative to the radius: it gives no normal.
+constexpr double kNoDirection = 1e-12;
+
 /// A candidate contact of disk (in 3D: sphere) i with the body j. The body is a disk (j > i, or
 /// glued to a wall) or the wall j - num_disks. In a periodic cell it is an image of j
 /// (core/scene/cell.h).

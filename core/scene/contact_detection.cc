@@ -151,9 +151,6 @@ void sort_joined(std::span<const Body<D>> disks, std::vector<Contact<D>>& contac
   }
 }
 
-/// A distance of which only rounding is left, relative to the radius: it gives no direction.
-constexpr double kNoDirection = 1e-12;
-
 template <int D>
 [[noreturn]] void refuse_coincident(int i, int j) {
   throw std::invalid_argument(fmt::format(

@@ -335,6 +335,26 @@ std::string check_gates(const Scene<D>& scene) {
   return {};
 }
 
+std::string check_springs(const SpringDashpotChoice& dem) {
+  struct Limited {
+    const char *name, *unit, *range;
+    double value;
+    bool holds;
+  };
+  const auto from_zero = [](double x) { return x >= 0 && std::isfinite(x); };
+  const Limited all[] = {
+      {"stiffness", " N/m", ">= 0", dem.stiffness, from_zero(dem.stiffness)},
+      {"overlap", "", "in (0, 0.1)", dem.overlap, dem.overlap > 0 && dem.overlap < 0.1},
+      {"tangential_ratio", "", ">= 0", dem.tangential_ratio, from_zero(dem.tangential_ratio)},
+      {"substep", " s", ">= 0", dem.substep, from_zero(dem.substep)},
+      {"safety", "", "in (0, 1]", dem.safety, dem.safety > 0 && dem.safety <= 1}};
+  for (const Limited& x : all) {
+    if (x.holds) continue;
+    return fmt::format("dem: {} = {}{}, expected a number {}", x.name, x.value, x.unit, x.range);
+  }
+  return {};
+}
+
 }  // namespace
 
 void drift(Sphere& sphere, double h) {
@@ -468,16 +488,7 @@ std::string validate(const Scene<D>& scene) {
   if (auto e = check_outside_forces(scene); !e.empty()) return e;
   if (auto e = check_clusters(scene); !e.empty()) return e;
   if (auto e = check_joints(scene); !e.empty()) return e;
-  const SpringDashpotChoice& dem = scene.dem;
-  const auto at_least_zero = [](double x) { return x >= 0 && std::isfinite(x); };
-  if (!at_least_zero(dem.stiffness) || !at_least_zero(dem.substep) || !(dem.overlap > 0) ||
-      !(dem.overlap < 0.1) || !at_least_zero(dem.tangential_ratio) || !(dem.safety > 0) ||
-      !(dem.safety <= 1)) {
-    return fmt::format(
-        "dem: stiffness = {} N/m (>= 0), overlap = {} (in (0, 0.1)), tangential_ratio = {} "
-        "(>= 0), substep = {} s (>= 0), safety = {} (in (0, 1])",
-        dem.stiffness, dem.overlap, dem.tangential_ratio, dem.substep, dem.safety);
-  }
+  if (auto e = check_springs(scene.dem); !e.empty()) return e;
   for (int i : scene.output.track) {
     if (i < 0 || i >= static_cast<int>(scene.bodies.size())) {
       return fmt::format("output.track: there is no {} {}", kBodyName<D>, i);

@@ -117,7 +117,6 @@ void Wall<3>::Mesh::find_contacts(const Sphere& sphere, const Vec3& x, int i, in
     const auto is_same = [&](const Vec3& other) { return (other - here.point).norm() <= same; };
     if (std::any_of(points.begin(), points.end(), is_same)) continue;
     if (std::any_of(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(k), holds)) continue;
-    constexpr double kNoDirection = 1e-12;  // of the radius: rounding alone
     if (here.distance <= kNoDirection * sphere.radius) {
       throw std::invalid_argument(fmt::format(
           "the centre of sphere {} lies on a wall of triangles: their contact has no normal", i));

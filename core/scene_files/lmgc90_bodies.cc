@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/number_text.h"
 #include "core/base/types.h"
 #include "core/files/input_file.h"
 #include "core/scene_files/scene_file.h"
@@ -95,12 +95,11 @@ class RecordReader {
   double number_of(const std::string& key, std::string number) const {
     std::replace(number.begin(), number.end(), 'D', 'e');
     if (number.ends_with('\r')) number.pop_back();
-    double value = 0;
-    const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-    if (error != std::errc() || rest != number.data() + number.size() || !std::isfinite(value)) {
+    const auto value = whole_number<double>(number);
+    if (!value || !std::isfinite(*value)) {
       refuse(fmt::format("{}: '{}' is no finite number", key, number));
     }
-    return value;
+    return *value;
   }
 
   /// Numbers of Fortran, as 0.5000000D-01.

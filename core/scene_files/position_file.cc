@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 #include <string>
 #include <string_view>
 
+#include "core/base/number_text.h"
 #include "core/base/types.h"
 #include "core/files/input_file.h"
 #include "core/scene_files/scene_file.h"
@@ -97,11 +97,11 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
     PositionRow& row = rows.emplace_back();
     for (const Column& column : columns) {
       const std::string_view cell = cells[column.at];
-      double& value = *column.place(row);
-      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-      if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
+      const auto value = whole_number<double>(cell);
+      if (!value || !std::isfinite(*value)) {
         refuse_line(path, line, fmt::format("{}: '{}' is no finite number", column.name, cell));
       }
+      *column.place(row) = *value;
     }
     if (!(row.radius > 0)) {
       refuse_line(path, line, fmt::format("radius: {} is not positive", row.radius));

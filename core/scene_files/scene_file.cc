@@ -417,6 +417,7 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
     read_cell_and_turn(root, scene);
   } else {
     scene.cell = read_cell_in_space(root);
+    if (root.has("rotate_degrees")) root.fail("rotate_degrees", "turns scenes in the plane alone");
   }
   read_tilt(root, scene);
   read_start(root, scene);

@@ -87,6 +87,11 @@ const std::vector<Synonym>& all_synonyms() {
       {"mu_s", {"mu"}},
       {"mu_d", {"mu"}},
       {"mu_k", {"mu"}},
+      {"rolling_friction", {"mu_r"}},
+      {"rolling_resistance", {"mu_r"}},
+      {"mu_rolling", {"mu_r"}},
+      {"spinning_friction", {"mu_spin"}},
+      {"torsional_friction", {"mu_spin"}},
       {"restitution", {"e_n"}},
       {"restitution_coefficient", {"e_n"}},
       {"coefficient_of_restitution", {"e_n"}},
@@ -191,9 +196,6 @@ struct Remark {
 /// What other programs have and this one has not, or has under no single key.
 const std::vector<Remark>& all_remarks() {
   static const std::vector<Remark> remarks = {
-      {{"rolling_friction", "rolling_resistance", "mu_r", "mu_rolling", "spinning_friction",
-        "torsional_friction"},
-       "rolling resistance is not modelled yet"},
       {{"fixed", "static", "glued", "frozen", "immobile", "dynamic"},
        "wall = \"NAME\" glues disks to a wall"},
       {{"boxes", "box", "polygons", "polygon", "rectangles", "blocks", "ellipses"},

@@ -459,6 +459,11 @@ SeveralAnswers find_several_answers(const ContactProblem& problem,
     refused.message = fmt::format("starts = {}, expected at least 1", options.starts);
     return refused;
   }
+  if (!(options.tol <= DistinctAnswers::kTrusted)) {
+    refused.message = fmt::format("tol = {:g}: answers are told apart from {:g} on", options.tol,
+                                  DistinctAnswers::kTrusted);
+    return refused;
+  }
   if (options.guess.size() != 0 && options.guess.size() != problem.num_rows()) {
     refused.message =
         fmt::format("guess has size {}, expected {}", options.guess.size(), problem.num_rows());

@@ -5,7 +5,6 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -17,6 +16,7 @@
 
 #include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
+#include "core/base/number_text.h"
 #include "solvers/auto/plan_text.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
@@ -267,9 +267,8 @@ class PlanReader {
     const auto* start = std::find(std::begin(kStarts), std::end(kStarts), name);
     bool number = true;
     if (words.size() == 2) {
-      const char* const last = words[0].data() + words[0].size();
-      const auto [end, error] = std::from_chars(words[0].data(), last, row.of_start);
-      number = error == std::errc() && end == last && std::isfinite(row.of_start);
+      row.of_start = whole_number<double>(words[0]).value_or(kNaN);
+      number = std::isfinite(row.of_start);
     }
     if (start == std::end(kStarts) || words.size() > 2 || !number) {
       fail(from, kStartsExpected);

@@ -2,6 +2,7 @@
 
 #include "core/problem/coulomb_cone.h"
 #include "solvers/contact_space.h"
+#include "solvers/kernels/contact_iteration.h"
 #include "solvers/kernels/contact_scaling.h"
 
 namespace bipot {
@@ -49,5 +50,23 @@ struct BipotentialCorrector {
     return project_coulomb_cone<D>(tau, friction).cwiseQuotient(to_x);
   }
 };
+
+/// Iterates s_c <- corrector(c, s_c, u_c) with the parameters of `uzawa`.
+template <template <ContactRows> class Corrector>
+void iterate_correctors(SolveRun& run) {
+  const bool jacobi = run.parameters().choice("refresh") == "jacobi";
+  const PredictorSteps steps = run.parameters().choice("rho") == "paper"
+                                   ? paper_steps(run.space())
+                                   : stable_steps(run.space(), jacobi);
+  run.end_setup();
+  dispatch_rows(run.problem(), [&](auto d) {
+    const Corrector<d()> update{steps};
+    if (jacobi) {
+      iterate_jacobi<d()>(run, steps.first(), update);
+    } else {
+      iterate_gauss_seidel<d()>(run, steps.first(), update);
+    }
+  });
+}
 
 }  // namespace bipot

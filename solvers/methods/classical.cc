@@ -1,7 +1,6 @@
 #include "solvers/methods/classical.h"
 
 #include "core/problem/coulomb_cone.h"
-#include "solvers/kernels/contact_iteration.h"
 #include "solvers/kernels/predictor_steps.h"
 
 namespace bipot {
@@ -25,20 +24,6 @@ struct TwoCorrectors {
 
 }  // namespace
 
-void solve_classical(SolveRun& run) {
-  const bool jacobi = run.parameters().choice("refresh") == "jacobi";
-  const PredictorSteps steps = run.parameters().choice("rho") == "paper"
-                                   ? paper_steps(run.space())
-                                   : stable_steps(run.space(), jacobi);
-  run.end_setup();
-  dispatch_rows(run.problem(), [&](auto d) {
-    const TwoCorrectors<d()> update{steps};
-    if (jacobi) {
-      iterate_jacobi<d()>(run, steps.first(), update);
-    } else {
-      iterate_gauss_seidel<d()>(run, steps.first(), update);
-    }
-  });
-}
+void solve_classical(SolveRun& run) { iterate_correctors<TwoCorrectors>(run); }
 
 }  // namespace bipot

@@ -4,19 +4,6 @@
 
 namespace bipot {
 
-inline constexpr ParameterSpec kClassicalParameters[] = {
-    {.name = "rho",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "stable",
-     .choices = "stable|paper",
-     .help = "predictor step: see uzawa"},
-    {.name = "refresh",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "jacobi",
-     .choices = "jacobi|gauss-seidel",
-     .help = "velocities are refreshed after all contacts, or after each"},
-};
-
 /// The classical treatment, with which the paper compares its own (its references [2] and [15]). It
 /// has two predictor-correctors for each contact, first the unilateral part, then friction with the
 /// new s_n,

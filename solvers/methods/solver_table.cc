@@ -49,7 +49,7 @@ const SolverEntry kSolvers[] = {
      .summary =
          "two predictor-correctors per contact, normal then friction (the paper's reference)",
      .run = &solve_classical,
-     .parameters = kClassicalParameters,
+     .parameters = kUzawaParameters,
      .rolls = true,
      .path_ignores_tolerance = true,
      .parallel = &jacobi_in_parallel},

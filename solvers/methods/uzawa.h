@@ -4,6 +4,7 @@
 
 namespace bipot {
 
+/// Of `uzawa` and `classical`.
 inline constexpr ParameterSpec kUzawaParameters[] = {
     {.name = "rho",
      .kind = ParameterSpec::Kind::kChoice,

@@ -1,11 +1,10 @@
 #include "solvers/parallel/launch.h"
 
-#include <charconv>
 #include <cstdlib>
-#include <cstring>
 #include <stdexcept>
 
 #ifdef BIPOT_WITH_PETSC
+#include "core/base/number_text.h"
 #include "solvers/parallel/petsc_group.h"
 #endif
 
@@ -15,11 +14,7 @@ namespace {
 /// A number in the environment, or -1.
 int from_environment(const char* name) {
   const char* text = std::getenv(name);
-  int value = -1;
-  if (text == nullptr) return -1;
-  const char* end = text + std::strlen(text);
-  const auto [last, error] = std::from_chars(text, end, value);
-  return error == std::errc() && last == end ? value : -1;
+  return text == nullptr ? -1 : whole_number<int>(text).value_or(-1);
 }
 
 /// Open MPI; MPICH and its relatives; Slurm, if it provides MPI itself.

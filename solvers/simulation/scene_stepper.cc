@@ -160,9 +160,7 @@ StepReport<D> SceneStepper<D>::advance(State<D>& state) {
     }
   } catch (const StepFailure& failure) {
     const bool passed = failure.kind == StepFailure::Kind::kPassage && splits_passages;
-    const bool unsolved = (failure.kind == StepFailure::Kind::kNumerical ||
-                           failure.kind == StepFailure::Kind::kPlaces) &&
-                          options_.on_failure == OnFailure::kSmallerStep;
+    const bool unsolved = failure.may_yield() && options_.on_failure == OnFailure::kSmallerStep;
     if (!passed && !unsolved) throw;
   }
   SplitStep<D> split = advance_in_parts(scene_, options_, state);

@@ -43,9 +43,7 @@ class Parts {
     } catch (const StepFailure& failure) {
       if (failure.kind == StepFailure::Kind::kPassage) {
         if (options_.on_tunnel != OnTunnel::kSmallerStep || halvings == 0) throw;
-      } else if ((failure.kind != StepFailure::Kind::kNumerical &&
-                  failure.kind != StepFailure::Kind::kPlaces) ||
-                 accept) {
+      } else if (!failure.may_yield() || accept) {
         throw;
       }
       why = failure.what();

@@ -276,6 +276,16 @@ TEST(Solve, ParameterValuesAreCheckedAgainstTheirRange) {
   EXPECT_TRUE(says(message("uzawa", "rho", "stable|paper"), "expected one of"));
 }
 
+TEST(Solve, ParametersThatDoNotFitTheProblemAreInvalidInput) {
+  const ContactProblem local = local_form(some_problem());
+  const SolveResult r = solve("ipm", local, {.parameters = {{"linear_system", "body"}}});
+  EXPECT_EQ(r.status, SolveStatus::kInvalidInput);
+  EXPECT_MESSAGE(r, "ipm: the body form needs H");
+  const SolveResult cut = solve("pgs", some_problem(), {.stop = StopTest::kRaw42, .islands = true});
+  EXPECT_EQ(cut.status, SolveStatus::kInvalidInput);
+  EXPECT_MESSAGE(cut, "guarded stop test alone");
+}
+
 TEST(Solve, LimitsOfAnEntryAreInvalidInput) {
   SolverEntry entry = *find_solver("pgs");
   entry.max_dim = 2;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/command/help_text.h"
+#include "bench/report/text_lines.h"
 #include "tests/support/refusal.h"
 
 namespace bipot {
@@ -34,7 +35,7 @@ TEST(ProgressLine, FitsTheTerminalAndControlsNothing) {
   const std::string note = "t = 0.41 s, 3 unsolved, error 1.0e-03\x1b[31m";
   for (const int columns : {20, 40, 80, 200}) {
     const std::string line = progress_line(400, 1000, 75, note, columns);
-    EXPECT_LT(static_cast<int>(num_characters(line)), columns);
+    EXPECT_LT(static_cast<int>(letters(line)), columns);
     EXPECT_EQ(line.find('\x1b'), std::string::npos);
   }
   const std::string narrow = progress_line(400, 1000, 75, note, 40);
@@ -46,7 +47,7 @@ TEST(HelpText, ReasonsAreShort) {
                          "stalled (2.0e-03)"),
             "3 stages, the last ipm 7: stalled (2.0e-03)");
   EXPECT_EQ(short_reason("no start"), "no start");
-  EXPECT_LE(num_characters(short_reason(std::string(1000, 'x'))), 242u);
+  EXPECT_LE(letters(short_reason(std::string(1000, 'x'))), 242u);
 }
 
 }  // namespace

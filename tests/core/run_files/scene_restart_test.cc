@@ -2,9 +2,11 @@
 
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
+#include "tests/support/refusal.h"
 #include "tests/support/state_bits.h"
 #include "tests/support/temporary_folder.h"
 
@@ -196,6 +198,22 @@ void expect_same_bits(const NamedScene& named) {
 TEST(SceneRestart, GoesOnBitForBit) {
   for (const NamedScene& named : kRestartScenes) expect_same_bits<2>(named);
   for (const NamedScene& named : kRestartInSpace) expect_same_bits<3>(named);
+}
+
+/// A state keeps the places and velocities of its walls: those of an edited scene would be ignored.
+TEST(SceneRestart, AWallThatWasEditedIsTold) {
+  Scene<2> scene = one_law<2>({});
+  scene.walls = {flat_floor<2>(), half_space<2>(Vec2(1, 0), Vec2(-1, 0))};
+  scene.walls[1].motion = Wall<2>::Motion::kMoving;
+  scene.walls[1].v = Vec2(-0.1, 0);
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 1)};
+  const State<2> state = initial_state(scene);
+  EXPECT_EQ(restart_mismatch(scene, state), "");
+  Scene<2> lower = scene, faster = scene;
+  lower.walls[0].a[1] = -0.1;
+  EXPECT_TRUE(says(restart_mismatch(lower, state), "wall 0: place is not that of"));
+  faster.walls[1].v[0] = -0.2;
+  EXPECT_TRUE(says(restart_mismatch(faster, state), "wall 1: velocity is not that of"));
 }
 
 }  // namespace

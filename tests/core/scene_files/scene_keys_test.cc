@@ -32,6 +32,10 @@ TEST(SceneKeys, SynonymsLeadToTheKey) {
                      {"test.toml:2", "did you mean 'mu'"});
   expect_key_refused("[contact]\nmu_s = 0.5\n" + kTwoSteps, {"did you mean 'mu'"});
   expect_key_refused("[contact]\nrestitution = 0.5\n" + kTwoSteps, {"did you mean 'e_n'"});
+  expect_key_refused("[contact]\nrolling_friction = 0.1\n" + kTwoSteps,
+                     {"test.toml:2", "did you mean 'mu_r'"});
+  expect_key_refused("[contact]\nspinning_friction = 0.1\n" + kTwoSteps, {"'mu_spin'"});
+  expect_key_refused("mu_r = 0.1\n" + kTwoSteps, {"'mu_r' belongs to [contact]"});
   expect_key_refused("[contact]\ne = 0.5\n" + kTwoSteps, {"did you mean 'e_n'"});
   expect_key_refused("[time]\ndt = 1e-3\nsteps = 2\n", {"test.toml:2", "did you mean 'step'"});
   expect_key_refused("[[disks]]\ntype = 'random'\n" + kTwoSteps, {"did you mean 'arrangement'"});
@@ -66,15 +70,13 @@ TEST(SceneKeys, UnknownKeysAreToldBeforeMissingOnes) {
 }
 
 TEST(SceneKeys, WhatIsNotModelledIsSaid) {
-  expect_key_refused("[contact]\nmu = 0.5\nrolling_friction = 0.1\n" + kTwoSteps,
-                     {"test.toml:3", "rolling resistance is not modelled"});
   expect_key_refused("[[boxes]]\nsize = 1\n" + kTwoSteps, {"'boxes'", "rigid clusters of disks"});
   expect_key_refused("[[disks]]\ndiameter = 1\n" + kTwoSteps, {"radius"});
 }
 
 TEST(SceneKeys, NothingIsProposedWhereNothingIsNear) {
   expect_not_said("[contact]\nzzz = 0.5\n" + kTwoSteps, "did you mean");
-  expect_not_said("[contact]\nrolling_friction = 0.5\n" + kTwoSteps, "distance");
+  expect_not_said("[contact]\nyoung = 0.5\n" + kTwoSteps, "did you mean");
   expect_not_said("foo = 1\n" + kTwoSteps, "did you mean");
 }
 

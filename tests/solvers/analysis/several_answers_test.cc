@@ -164,6 +164,7 @@ TEST(SeveralAnswers, StopsWhenAsked) {
   EXPECT_EQ(cut.status, SolveStatus::kInterrupted) << cut.message;
   EXPECT_LT(cut.starts.size(), 1000u);
   EXPECT_EQ(find_several_answers(p, {.starts = 0}).status, SolveStatus::kInvalidInput);
+  EXPECT_EQ(find_several_answers(p, {.tol = 1e-6}).status, SolveStatus::kInvalidInput);
 }
 
 TEST(SeveralAnswers, NothingToDoIsOneAnswer) {
