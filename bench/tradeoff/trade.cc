@@ -190,13 +190,13 @@ double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& 
 }
 
 /// Why a scene has no springs; null: it has.
-const char* no_springs(const Trade::Scene& scene) {
-  const auto* plane = std::get_if<Scene<2>>(&scene.scene);
-  if (plane == nullptr) return "springs and dashpots are compared on disks only";
-  if (!plane->clusters.empty()) return "springs and dashpots have no clusters";
-  if (!plane->joints.empty()) return "springs and dashpots have no pins and ropes";
-  if (plane->has_cohesion()) return "springs and dashpots have no cohesion";
-  if (!plane->forces.empty() || plane->drag.coefficient > 0) {
+template <int D>
+const char* no_springs(const Scene<D>& scene) {
+  if (!scene.clusters.empty()) return "springs and dashpots have no clusters";
+  if (!scene.joints.empty()) return "springs and dashpots have no pins and ropes";
+  if (scene.has_cohesion()) return "springs and dashpots have no cohesion";
+  if (scene.has_rolling()) return "springs and dashpots have no rolling friction";
+  if (!scene.forces.empty() || scene.drag.coefficient > 0) {
     return "springs and dashpots have no forces on bodies and no drag";
   }
   return nullptr;
@@ -279,7 +279,8 @@ void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runne
   bool out_of_time = false;
   for (const RunSetting& setting : springs) {
     if (runner.stopped()) return;
-    if (const char* why = no_springs(scene)) {
+    const char* why = std::visit([](const auto& it) { return no_springs(it); }, scene.scene);
+    if (why != nullptr) {
       runner.skip_all(scene, setting, why);
       continue;
     }

@@ -8,15 +8,20 @@
 
 #include "bench/report/labels.h"
 #include "bench/tradeoff/trade_charts.h"
+#include "core/base/number_text.h"
 
 namespace bipot {
 namespace {
 
-std::string three_digits(double x) { return std::isfinite(x) ? fmt::format("{:.3g}", x) : "–"; }
+/// Rounded, without an exponent up to a million.
+std::string digits(double x, int number) {
+  return std::isfinite(x) ? fmt::format("{:g}", number_at(fmt::format("{:.{}g}", x, number))) : "–";
+}
+std::string three_digits(double x) { return digits(x, 3); }
 std::string model_name(const RunSetting& s) { return s.dem() ? "dem" : "nscd"; }
 
 std::string times_label(double ratio) {
-  return std::isfinite(ratio) ? fmt::format("{:.2g} ×", ratio) : "–";
+  return digits(ratio, 2) + (std::isfinite(ratio) ? " ×" : "");
 }
 
 /// The worst outcome of a cell: "0.3 %, pressure".
