@@ -97,8 +97,9 @@ Accelerations<D> free_accelerations(const Scene<D>& scene, const State<D>& state
   a.walls.assign(walls.size(), Vec<D>::Zero());
   for (std::size_t w = 0; w < walls.size(); ++w) {
     const Wall<D>& wall = walls[w];
-    if (wall.motion != Wall<D>::Motion::kDriven) continue;
-    a.walls[w] = wall.force / wall.mass * wall.direction;
+    a.walls[w] = wall.motion == Wall<D>::Motion::kDriven
+                     ? Vec<D>(wall.force / wall.mass * wall.direction)
+                     : Vec<D>(wall.factor_rate * scene.walls[w].v);
   }
   a.bodies.assign(state.bodies.size(), gravity_at(scene, state.time));
   for (std::size_t k = 0; k < state.bodies.size(); ++k) {
@@ -115,7 +116,8 @@ Accelerations<D> free_accelerations(const Scene<D>& scene, const State<D>& state
 }
 
 template <int D>
-Accelerations<D> mean_accelerations(const State<D>& before, const State<D>& after, double h) {
+Accelerations<D> mean_accelerations(const Scene<D>& scene, const State<D>& before,
+                                    const State<D>& after, double h) {
   Accelerations<D> a;
   a.bodies.reserve(after.bodies.size());
   a.spins.reserve(after.bodies.size());
@@ -124,7 +126,9 @@ Accelerations<D> mean_accelerations(const State<D>& before, const State<D>& afte
     a.spins.push_back((after.bodies[k].spin - before.bodies[k].spin) / h);
   }
   for (std::size_t w = 0; w < after.walls.size(); ++w) {
-    a.walls.push_back((after.walls[w].v - before.walls[w].v) / h);
+    const Wall<D>& wall = after.walls[w];
+    a.walls.push_back(wall.factor_rate != 0 ? Vec<D>(wall.factor_rate * scene.walls[w].v)
+                                            : Vec<D>((wall.v - before.walls[w].v) / h));
   }
   for (int k = 0; k < 3; ++k) {
     a.sides[k] = (after.cell.side(k).speed - before.cell.side(k).speed) / h;
@@ -333,8 +337,10 @@ template Accelerations<2> free_accelerations(const Scene<2>&, const State<2>&,
                                              const std::vector<Wall<2>>&);
 template Accelerations<3> free_accelerations(const Scene<3>&, const State<3>&,
                                              const std::vector<Wall<3>>&);
-template Accelerations<2> mean_accelerations(const State<2>&, const State<2>&, double);
-template Accelerations<3> mean_accelerations(const State<3>&, const State<3>&, double);
+template Accelerations<2> mean_accelerations(const Scene<2>&, const State<2>&, const State<2>&,
+                                             double);
+template Accelerations<3> mean_accelerations(const Scene<3>&, const State<3>&, const State<3>&,
+                                             double);
 template PairPlace<2> pair_place(const std::vector<Disk>&, const std::vector<Wall<2>>&,
                                  const PeriodicCell&, const NearPairs<2>::Pair&);
 template PairPlace<3> pair_place(const std::vector<Sphere>&, const std::vector<Wall<3>>&,

@@ -17,13 +17,14 @@ struct Accelerations {
   double sides[3] = {0, 0, 0};  ///< of a periodic cell
 };
 
-/// Those without contacts: by gravity and by the forces that drive walls and sides.
+/// Those without contacts: by gravity, by the forces that drive walls and sides, by schedules.
 template <int D>
 Accelerations<D> free_accelerations(const Scene<D>& scene, const State<D>& state,
                                     const std::vector<Wall<D>>& walls);
-/// The means of a step of size h.
+/// The means of a step of size h; of walls with a schedule, that of its middle.
 template <int D>
-Accelerations<D> mean_accelerations(const State<D>& before, const State<D>& after, double h);
+Accelerations<D> mean_accelerations(const Scene<D>& scene, const State<D>& before,
+                                    const State<D>& after, double h);
 
 /// A body against another one, an image of it or a wall, at one time.
 template <int D>

@@ -92,7 +92,7 @@ void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid
   const double h = scene.step;
   mid.bodies = state.bodies;
   const double middle = state.time + 0.5 * h;
-  mid.walls = walls_at(scene.walls, state.walls, middle);
+  mid.walls = walls_at(scene.walls, state.walls, middle, h);
   mid.gravity = gravity_at(scene, middle);
   for (Body<D>& d : mid.bodies) {
     if (d.wall >= 0) d.v = mid.walls[to_size(d.wall)].v;  // which may have started or stopped

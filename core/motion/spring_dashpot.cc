@@ -83,7 +83,7 @@ void SpringDashpotStepper<D>::load(const State<D>& state) {
                   .radius = d.radius};
   }
   const double middle = state.time + 0.5 * scene_.step;
-  walls_ = walls_at(scene_.walls, state.walls, middle);
+  walls_ = walls_at(scene_.walls, state.walls, middle, scene_.step);
   gravity_ = gravity_at(scene_, middle);
   walls_before_ = walls_;
   wall_push_.assign(walls_.size(), 0.0);

@@ -25,6 +25,7 @@ struct TimeFactor {
 
   bool constant() const { return times.empty() && frequency == 0; }
   double at(double time) const;
+  double mean(double from, double to) const;
   double rate(double time) const;  ///< its derivative, at a kink that from then on [1/s]
 };
 

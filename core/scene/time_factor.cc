@@ -18,6 +18,24 @@ double TimeFactor::at(double time) const {
   return factors[k - 1] + part * (factors[k] - factors[k - 1]);
 }
 
+double TimeFactor::mean(double from, double to) const {
+  if (frequency > 0) {
+    const double half = std::numbers::pi * frequency * (to - from);
+    return at(0.5 * (from + to)) * (half > 0 ? std::sin(half) / half : 1);
+  }
+  // Linear pieces between the given times.
+  const auto first = std::upper_bound(times.begin(), times.end(), from);
+  const auto last = std::lower_bound(first, times.end(), to);
+  if (first == last) return 0.5 * (at(from) + at(to));
+  double sum = 0, begin = from;
+  for (auto next = first; begin < to; ++next) {
+    const double end = next < last ? *next : to;
+    sum += 0.5 * (at(begin) + at(end)) * (end - begin);
+    begin = end;
+  }
+  return sum / (to - from);
+}
+
 double TimeFactor::rate(double time) const {
   const double turn = 2 * std::numbers::pi * frequency;
   if (frequency > 0) return turn * std::cos(turn * time + phase);

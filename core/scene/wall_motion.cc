@@ -26,7 +26,7 @@ Vec3 turning(const Wall<3>& wall, const Vec3& n) {
 
 template <int D>
 std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
-                              const std::vector<Wall<D>>& now, double time) {
+                              const std::vector<Wall<D>>& now, double time, double span) {
   using Motion = typename Wall<D>::Motion;
   std::vector<Wall<D>> walls = now;
   for (std::size_t w = 0; w < walls.size(); ++w) {
@@ -36,7 +36,7 @@ std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
     wall.present = time < definition.removed;
     const bool moves = time >= definition.starts && time < definition.stops && wall.present;
     wall.motion = moves ? definition.motion : Motion::kFixed;
-    const double factor = definition.time_factor.at(time);
+    const double factor = definition.time_factor.mean(time - 0.5 * span, time + 0.5 * span);
     wall.spin = moves ? factor * definition.spin : 0;
     wall.belt = moves ? Vec<D>(factor * definition.belt) : Vec<D>(Vec<D>::Zero());
     wall.force = factor * definition.force;
@@ -89,7 +89,7 @@ Vec<D> prescribed_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D
 }
 
 template std::vector<Wall<2>> walls_at(const std::vector<Wall<2>>&, const std::vector<Wall<2>>&,
-                                       double);
+                                       double, double);
 template Vec2 driven_velocity(const Wall<2>&, double);
 template double driven_speed(const Wall<2>&);
 template double wall_kinetic_energy(const Wall<2>&);
@@ -97,7 +97,7 @@ template Vec2 wall_momentum(const Wall<2>&);
 template Vec2 surface_velocity<2>(const Wall<2>&, const Vec2&, const Vec2&);
 template Vec2 prescribed_velocity<2>(const Wall<2>&, const Vec2&);
 template std::vector<Wall<3>> walls_at(const std::vector<Wall<3>>&, const std::vector<Wall<3>>&,
-                                       double);
+                                       double, double);
 template Vec3 driven_velocity(const Wall<3>&, double);
 template double driven_speed(const Wall<3>&);
 template double wall_kinetic_energy(const Wall<3>&);

@@ -16,10 +16,11 @@ bool has_schedule(const Wall<D>& wall) {
 
 /// The walls at a given time: those of the scene, with positions and speeds of `now`. A wall that
 /// has not started or has stopped is fixed and has no velocity. A removed wall is not present.
-/// Walls without a schedule are those of `now`, bit for bit.
+/// Walls without a schedule are those of `now`, bit for bit. `span`: time factors are their means
+/// over it, about that time; a wall that moves by its velocity is then where it should be.
 template <int D>
 std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
-                              const std::vector<Wall<D>>& now, double time);
+                              const std::vector<Wall<D>>& now, double time, double span = 0);
 
 /// Velocity of a driven wall with `speed` along its direction. [m/s]
 template <int D>

@@ -267,7 +267,7 @@ auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
   const double left =
       std::min(whole - step.done, next_change(scene, now.time, kEnd * whole) - now.time);
   double h = std::min(step.smooth, left);
-  const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time + 0.5 * h);
+  const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time);
   Accelerations<D> without_contacts;
   if (!step.a) without_contacts = free_accelerations(scene, now, walls);
   const std::vector<Closing<D>> closing =
@@ -377,7 +377,7 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
       step.shrunk_by = "failure";
       continue;
     }
-    const Accelerations<D> a = mean_accelerations(step.now, next, chosen.h);
+    const Accelerations<D> a = mean_accelerations(scene, step.now, next, chosen.h);
     const double last = step.done > 0 ? step.last : kFirst * scene.step;
     const PartError error = measure(step.now, next, chosen.h, last, step.a, a);
     if (rejects(error, chosen.h, next, step)) {

@@ -50,12 +50,13 @@ Scene<2> drive_scene(const std::string& text) {
 
 TEST(Drive, AWallSwingsAndIsPushedAsASine) {
   const std::string place = "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\nfrequency = 3\n";
+  const double integral = (1 - std::cos(23 * kOmega * kDriveStep)) / kOmega;  // of sin ω t
   // A velocity 2 sin ω t.
-  EXPECT_NEAR(driven(drive_scene(place + "velocity = [0, 2]"), 23).walls[0].a[1], 2 * sine_sum(23),
+  EXPECT_NEAR(driven(drive_scene(place + "velocity = [0, 2]"), 23).walls[0].a[1], 2 * integral,
               1e-13);
   // A force 5 sin ω t on 4 kg.
   const State<2> pushed = driven(drive_scene(place + "force = 5\nmass = 4"), 23);
-  EXPECT_NEAR(pushed.walls[0].v[1], 5.0 / 4 * sine_sum(23), 1e-13);
+  EXPECT_NEAR(pushed.walls[0].v[1], 5.0 / 4 * integral, 1e-13);
   EXPECT_NEAR(pushed.wall_work, 0.5 * 4 * std::pow(pushed.walls[0].v[1], 2), 1e-13);
 }
 
@@ -70,6 +71,17 @@ TEST(Drive, ATableIsLinearBetweenItsTimesAndHoldsForSpinAndBelt) {
     EXPECT_NEAR(walls[0].spin, spins[k], 1e-15);
     EXPECT_NEAR(walls[1].belt[0], belts[k], 1e-15);
   }
+}
+
+// The triangle from (0, 0) over (1, 1) to (2, 0) has the area t²/2, then 1 - (2 - t)²/2.
+TEST(Drive, TheMeanOfATableIsExact) {
+  const TimeFactor table{.times = {0, 1, 2}, .factors = {0, 1, 0}};
+  EXPECT_NEAR(table.mean(0.5, 1.5), (1 - 0.25) / 1, 1e-15);
+  EXPECT_NEAR(table.mean(-1, 0.5), 0.125 / 1.5, 1e-15);
+  EXPECT_NEAR(table.mean(1.5, 4), 0.125 / 2.5, 1e-15);
+  EXPECT_NEAR(table.mean(-1, 3), 1.0 / 4, 1e-15);
+  EXPECT_EQ(table.mean(0.25, 0.25), 0.25);
+  EXPECT_EQ(table.mean(1, 2), 0.5);
 }
 
 // A force F sin ω t on a free body: v_k = (F/m) h (1 - cos ω k h)/(2 sin(ω h/2)), and with the mean

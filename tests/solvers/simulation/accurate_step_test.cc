@@ -343,6 +343,41 @@ TEST(AccurateStep, AVibratingPlateThrowsADisk) {
   }
 }
 
+TEST(AccurateStep, AVibratingPlateBouncesADisk) {
+  // Between impacts the disk falls freely; the plate is at v/w (1 - cos w t). With e it leaves the
+  // plate at (1 + e) times the plate's speed less e times its own. The times of impact by bisection.
+  constexpr double kSpeed = 1, kTurn = 40 * std::numbers::pi, kBounce = 0.6, kEndTime = 0.3;
+  const auto plate = [](double t) { return kSpeed / kTurn * (1 - std::cos(kTurn * t)); };
+  double start = 0, from = 0.05, speed = 0;
+  const auto height = [&](double t) {
+    return from + speed * (t - start) - 0.5 * 9.81 * (t - start) * (t - start);
+  };
+  for (double t = 1e-4; t < kEndTime; t += 1e-4) {
+    if (height(t) > plate(t)) continue;
+    double before = t - 1e-4;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (before + t);
+      (height(middle) > plate(middle) ? before : t) = middle;
+    }
+    const double meets = speed - 9.81 * (t - start), pushes = kSpeed * std::sin(kTurn * t);
+    from = plate(t);
+    speed = (1 + kBounce) * pushes - kBounce * meets;
+    start = t;
+  }
+  Scene<2> scene = one_law<2>({.e_n = kBounce});
+  scene.gravity = Vec2(0, -9.81);
+  scene.walls = {flat_floor<2>()};
+  scene.walls[0].motion = Wall<2>::Motion::kMoving;
+  scene.walls[0].v = Vec2(0, kSpeed);
+  scene.walls[0].time_factor.frequency = kTurn / (2 * std::numbers::pi);
+  scene.bodies = {round_body<2>(Vec2(0, 0.05 + kRadius), kRadius, 2)};
+  for (const double x : {1e-3, 1e-4}) {
+    const Ended<2> end = run(with_accuracy(scene, x, kEndTime / 30, 30));
+    EXPECT_NEAR(end.state.bodies[0].x[1], kRadius + height(kEndTime), 40 * x * kRadius) << x;
+    EXPECT_EQ(end.totals.cut.rejected(), 0) << x;
+  }
+}
+
 TEST(AccurateStep, ImagesOfACellCollide) {
   // 0.58 m apart across the edge, at 2 m/s: after 0.29 s they exchange their velocities.
   Scene<2> scene = one_law<2>({.e_n = 1});
