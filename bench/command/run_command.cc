@@ -408,9 +408,8 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
     if (!quiet && run.failure->kind == Kind::kPassage) {
       taken.advice =
           passage_advice(scene, state, run.springs.get(), flags.on_tunnel == "smaller-step");
-    } else if (!quiet && run.failure->kind == Kind::kCutShort) {
-      taken.advice = fmt::format("  --restart {} goes on\n", folder.string());
     } else if (!quiet && run.failure->kind != Kind::kPlaces &&
+               run.failure->kind != Kind::kCutShort &&
                (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
       taken.advice = failure_text(scene, state, run, flags.on_failure == "smaller-step");
       if (run.failure->kind == Kind::kUnsolvable) {
@@ -418,6 +417,9 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
       }
     }
   }
+  const bool cut = run.failure ? run.failure->kind == StepFailure::Kind::kCutShort
+                               : run.end == SceneRun<D>::End::kCancelled;
+  if (cut && !quiet) taken.advice = fmt::format("  --restart {} goes on\n", folder.string());
   fmt::print(stderr, "{}", taken.advice);
   if (!flags.common.quiet) fmt::print(stderr, "{}", taken.warning);
   const RunSummary<D> summary{.scene = scene,

@@ -130,6 +130,9 @@ Accelerations<D> mean_accelerations(const Scene<D>& scene, const State<D>& befor
     a.walls.push_back(wall.factor_rate != 0 ? Vec<D>(wall.factor_rate * scene.walls[w].v)
                                             : Vec<D>((wall.v - before.walls[w].v) / h));
   }
+  for (std::size_t k = 0; k < after.bodies.size(); ++k) {
+    if (after.bodies[k].wall >= 0) a.bodies[k] = a.walls[to_size(after.bodies[k].wall)];
+  }
   for (int k = 0; k < 3; ++k) {
     a.sides[k] = (after.cell.side(k).speed - before.cell.side(k).speed) / h;
   }

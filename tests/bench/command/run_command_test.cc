@@ -113,6 +113,12 @@ TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
   EXPECT_EQ(read_state<2>(path("out/sliding_cylinder")).step, 2);
 }
 
+TEST_F(RunCommand, ARunOutOfTimeSaysHowToGoOn) {
+  const Outcome cut = whole_output("run compaction --tol 1e-6 --time-limit 0.2 --out cut");
+  EXPECT_EQ(cut.exit_code, 1);
+  EXPECT_TRUE(says(cut.out, "--restart cut goes on\n"));
+}
+
 TEST_F(RunCommand, TwoRunsDoNotWriteIntoOneFolder) {
   const std::string run =
       std::string("run compaction --tol 1e-6 --time-limit 20 -q --out ") + path("one");
