@@ -9,17 +9,14 @@
 #include "core/motion/midpoint.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"
-#include "core/run_files/run_reader.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
-#include "solvers/simulation/scene_run.h"
-#include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
+#include "tests/support/exact_restart.h"
 #include "tests/support/refusal.h"
-#include "tests/support/state_bits.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scene_run.h"
 
 namespace bipot {
 namespace {
@@ -34,29 +31,6 @@ Scene<D> sticky(const ContactLaw& law) {
   scene.contact_distance = 1e-9;
   scene.solver.tol = 1e-13;
   return scene;
-}
-
-/// Takes steps; momentum and energy must balance in each.
-template <int D>
-StepReport<D> balanced_steps(const Scene<D>& scene, State<D>& state, int steps) {
-  EXPECT_EQ(validate(scene), "");
-  TimeStepper<D> stepper(scene, make_step_solver(require_solver("auto"), to_options(scene.solver)),
-                         false);
-  StepReport<D> r;
-  for (int k = 0; k < steps; ++k) {
-    r = stepper.advance(state);
-    EXPECT_TRUE(r.converged) << r.message;
-    EXPECT_LT(std::abs(r.energy.imbalance), 1e-10);
-    EXPECT_LT(r.momentum_imbalance.norm(), 1e-10);
-  }
-  return r;
-}
-
-template <int D>
-State<D> after_steps(const Scene<D>& scene, int steps) {
-  State<D> state = initial_state(scene);
-  balanced_steps(scene, state, steps);
-  return state;
 }
 
 /// n bodies of 0.5 m, each below the one before, the first touching a ceiling at height 0.
@@ -321,19 +295,11 @@ TEST(Cohesion, EverySolverFindsTheSameStep) {
 
 TEST(Cohesion, ARestartContinuesBitForBit) {
   for (const bool heal : {true, false}) {
-    const TemporaryFolder folder;
     Scene<2> scene = sticky_heap();
     scene.heal = heal;
     scene.laws[0].cohesion *= 0.9;  // the chain breaks
     scene.num_steps = 40;
-    State<2> whole = initial_state(scene), part = initial_state(scene);
-    run_scene(scene, whole);
-    const RunFolderOptions options{.folder = folder.path() / "run"};
-    run_scene(scene, part, {.steps = 23, .folder = options});
-    State<2> again = read_state(options.folder);
-    run_scene(scene, again, {.steps = 17});
-    EXPECT_EQ(bits_of_state(again), bits_of_state(whole));
-    EXPECT_NE(whole.cohesion_loss, 0);
+    EXPECT_NE(expect_exact_restart(scene, 23).cohesion_loss, 0);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
+#include "tests/support/scene_run.h"
 
 namespace bipot {
 namespace {
@@ -187,8 +188,7 @@ TEST(Drift, ProjectionTakesOutWhatAFallLeaves) {
     scene.bodies.push_back(round_body<2>(Vec2(0, 2.6), 0.5, 1));
     scene.project_overlaps = project;
     State<2> state = initial_state(scene);
-    TimeStepper<2> stepper(
-        scene, make_step_solver(require_solver("auto"), to_options(scene.solver)), false);
+    TimeStepper<2> stepper = stepper_of(scene);
     StepReport<2> r;
     double imbalance = 0;
     for (int k = 0; k < 100; ++k) {

@@ -12,9 +12,8 @@
 #include "core/scene/scene_parts.h"
 #include "core/scene/wall_motion.h"
 #include "core/scene_files/scene_file.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
 #include "tests/support/refusal.h"
+#include "tests/support/scene_run.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -22,19 +21,9 @@ namespace {
 
 constexpr double kDriveStep = 0.01, kOmega = 2 * std::numbers::pi * 3;
 
-/// Takes steps of the scene; energy and momentum must balance in each.
 template <int D>
 State<D> driven(const Scene<D>& scene, int steps) {
-  EXPECT_EQ(validate(scene), "");
-  State<D> state = initial_state(scene);
-  TimeStepper<D> stepper(scene, make_step_solver(require_solver("auto"), to_options(scene.solver)),
-                         false);
-  for (int k = 0; k < steps; ++k) {
-    const StepReport<D> r = stepper.advance(state);
-    EXPECT_LT(std::abs(r.energy.imbalance), 1e-11);
-    EXPECT_LT(r.momentum_imbalance.norm(), 1e-11);
-  }
-  return state;
+  return after_steps(scene, steps, 1e-11);
 }
 
 /// Σ h sin(ω (k + ½) h) over n steps: each takes the middle. It is h sin²(ω n h/2)/sin(ω h/2).

@@ -7,17 +7,14 @@
 
 #include "core/motion/midpoint.h"
 #include "core/motion/time_stepping.h"
-#include "core/run_files/run_reader.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
-#include "solvers/registry.h"
 #include "solvers/simulation/scene_run.h"
-#include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
+#include "tests/support/exact_restart.h"
 #include "tests/support/refusal.h"
-#include "tests/support/state_bits.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scene_run.h"
 
 namespace bipot {
 namespace {
@@ -39,22 +36,6 @@ Scene<D> on_the_flat(const ContactLaw& law) {
   return scene;
 }
 
-/// Takes steps; energy and momentum must balance in each.
-template <int D>
-State<D> rolled(const Scene<D>& scene, int steps) {
-  EXPECT_EQ(validate(scene), "");
-  State<D> state = initial_state(scene);
-  TimeStepper<D> stepper(scene, make_step_solver(require_solver("auto"), to_options(scene.solver)),
-                         false);
-  for (int k = 0; k < steps; ++k) {
-    const StepReport<D> r = stepper.advance(state);
-    EXPECT_TRUE(r.converged) << r.message;
-    EXPECT_LT(std::abs(r.energy.imbalance), 1e-10);
-    EXPECT_LT(r.momentum_imbalance.norm(), 1e-10);
-  }
-  return state;
-}
-
 /// Spin of a body that rolls on the floor without sliding at v.
 double rolling_spin(const Vec2& v) { return -v[0] / kRollRadius; }
 Vec3 rolling_spin(const Vec3& v) { return Vec3::UnitZ().cross(v) / kRollRadius; }
@@ -70,7 +51,7 @@ void on_a_slope() {
     const double angle = std::atan(tangent);
     scene.gravity =
         kGravity * (std::sin(angle) * Vec<D>::Unit(0) - std::cos(angle) * Vec<D>::Unit(D - 1));
-    const State<D> state = rolled(scene, kSteps);
+    const State<D> state = after_steps(scene, kSteps);
     return state.bodies[0].v[0] / (kSteps * kRollStep * kGravity * std::cos(angle));
   };
   EXPECT_NEAR(speed(0.19, 0.8, 0.2), 0, 1e-10);
@@ -92,10 +73,10 @@ void stop_on_the_flat(const Vec<D>& direction) {
   body.v = start * direction;
   body.spin = rolling_spin(body.v);
   const Vec<D> x = body.x;
-  const State<D> half = rolled(scene, 10);
+  const State<D> half = after_steps(scene, 10);
   EXPECT_LT((half.bodies[0].v - 15 * kRollStep * rate * direction).norm(), 1e-10);
   EXPECT_LT(magnitude(half.bodies[0].spin - rolling_spin(half.bodies[0].v)), 1e-10) << "no slip";
-  const State<D> state = rolled(scene, 40);
+  const State<D> state = after_steps(scene, 40);
   EXPECT_LT(state.bodies[0].v.norm(), 1e-10);
   EXPECT_LT((state.bodies[0].x - x - start * start / (2 * rate) * direction).norm(), 1e-10);
   EXPECT_NEAR(state.friction_loss, 0.5 * kRollMass / kRollsFreely<D> * start * start, 1e-10);
@@ -111,7 +92,7 @@ TEST(RollingFriction, NothingRollsOnTheFlatBelowTheBound) {
     Scene<2> scene = on_the_flat<2>({.mu = 0.8, .mu_r = 0.1});
     const double force = share * 0.1 * kRollMass * kGravity / kRollRadius;
     scene.forces = {{.first = 0, .last = 0, .force = Vec2(force, 0)}};
-    const State<2> state = rolled(scene, 20);
+    const State<2> state = after_steps(scene, 20);
     const double rate =
         share < 1 ? 0 : 2.0 / 3 * (force / kRollMass - kGravity * 0.1 / kRollRadius);
     EXPECT_NEAR(state.bodies[0].v[0], 20 * kRollStep * rate, 1e-9);
@@ -131,7 +112,7 @@ TEST(RollingFriction, TwoStackedDisksStandUpToTheDerivedLean) {
       const double lean = std::atan(share * 0.1 / kRollRadius);
       scene.bodies.push_back(round_body<2>(Vec2(std::sin(lean), kRollRadius + std::cos(lean)),
                                            kRollRadius, kRollMass));
-      const State<2> state = rolled(scene, 10);
+      const State<2> state = after_steps(scene, 10);
       const double moved = state.bodies[0].v.norm() + state.bodies[1].v.norm();
       if (share < 1 && mu_r > 0) {
         EXPECT_LT(moved, 1e-10);
@@ -153,8 +134,7 @@ TEST(RollingFriction, APendulumInAHollowCircleLosesTheDerivedAmplitude) {
   scene.step = 2e-3;
   scene.bodies[0].x = kLength * Vec2(std::sin(0.1), -std::cos(0.1));
   State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, make_step_solver(require_solver("auto"), to_options(scene.solver)),
-                         false);
+  TimeStepper<2> stepper = stepper_of(scene);
   double expected = -0.08, before = 0;
   int turns = 0;
   for (int k = 0; k < 10000 && turns < 3; ++k) {
@@ -175,10 +155,10 @@ TEST(RollingFriction, ASphereStopsSpinningAtTheDerivedRate) {
   Scene<3> scene = on_the_flat<3>({.mu = 0.5, .mu_spin = 0.02});
   const double rate = 0.02 * kGravity / (0.4 * kRollRadius * kRollRadius);
   scene.bodies[0].spin = Vec3(0, 0, 30 * kRollStep * rate);
-  const State<3> state = rolled(scene, 10);
+  const State<3> state = after_steps(scene, 10);
   EXPECT_LT((state.bodies[0].spin - Vec3(0, 0, 20 * kRollStep * rate)).norm(), 1e-9);
   EXPECT_LT(state.bodies[0].v.norm(), 1e-10);
-  EXPECT_LT(rolled(scene, 40).bodies[0].spin.norm(), 1e-9);
+  EXPECT_LT(after_steps(scene, 40).bodies[0].spin.norm(), 1e-9);
 }
 
 /// Bodies that fall on each other.
@@ -206,8 +186,7 @@ void lose_energy() {
     const Scene<D> scene = falling_on_each_other<D>(
         {.mu = 0.4, .e_n = e, .e_t = e, .mu_r = 0.05, .mu_spin = D == 3 ? 0.02 : 0});
     State<D> state = initial_state(scene);
-    TimeStepper<D> stepper(
-        scene, make_step_solver(require_solver("auto"), to_options(scene.solver)), false);
+    TimeStepper<D> stepper = stepper_of(scene);
     double lost = 0;
     for (int k = 0; k < scene.num_steps; ++k) {
       const StepReport<D> r = stepper.advance(state);
@@ -248,22 +227,14 @@ TEST(RollingFriction, AHeapIsSteeperWithMoreOfIt) {
 }
 
 TEST(RollingFriction, ARestartContinuesBitForBit) {
-  const TemporaryFolder folder;
-  const Scene<2> scene = falling_on_each_other<2>({.mu = 0.4, .mu_r = 0.05});
-  State<2> whole = initial_state(scene), part = initial_state(scene);
-  run_scene(scene, whole);
-  const RunFolderOptions options{.folder = folder.path() / "run"};
-  run_scene(scene, part, {.steps = 23, .folder = options});
-  State<2> again = read_state(options.folder);
-  run_scene(scene, again, {.steps = 37});
-  EXPECT_EQ(bits_of_state(again), bits_of_state(whole));
+  expect_exact_restart(falling_on_each_other<2>({.mu = 0.4, .mu_r = 0.05}), 23);
 }
 
 TEST(RollingFriction, AFallWithoutContactsIsAFall) {
   Scene<3> scene = on_the_flat<3>({.mu = 0.5, .mu_r = 0.1, .mu_spin = 0.1});
   scene.bodies[0].x[2] = 1;
   scene.bodies[0].spin = Vec3(1, 2, 3);
-  const State<3> state = rolled(scene, 5);
+  const State<3> state = after_steps(scene, 5);
   EXPECT_NEAR(state.bodies[0].v[2], -5 * kRollStep * kGravity, 1e-14);
   EXPECT_EQ(state.bodies[0].spin, Vec3(1, 2, 3));
 }
@@ -273,8 +244,7 @@ TEST(RollingFriction, AWarmStartHasTheMoments) {
   Scene<2> scene = on_the_flat<2>({.mu = 0.8, .mu_r = 0.2});
   scene.gravity = kGravity * Vec2(0.1, -1);
   State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, make_step_solver(require_solver("pgs"), to_options(scene.solver)),
-                         false);
+  TimeStepper<2> stepper = stepper_of(scene, "pgs");
   stepper.advance(state);
   EXPECT_NEAR(state.contacts.at(0).moment, kRollStep * kRollMass * 0.1 * kGravity * kRollRadius,
               1e-12);
