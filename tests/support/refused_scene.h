@@ -27,4 +27,12 @@ void expect_scene_refused(const Parse& parse, const std::string& text,
   }
 }
 
+/// Such a check of one part for texts that stand between `before` and `after`, in any dimension.
+inline auto refused_scenes(const std::string& after, const std::string& before = "") {
+  return [=](const std::string& text, const std::string& part) {
+    const auto parse = [&] { parse_any_scene(before + text + after, "test.toml"); };
+    EXPECT_TRUE(says(refusal_of<SceneFileError>(parse), part)) << text;
+  };
+}
+
 }  // namespace bipot

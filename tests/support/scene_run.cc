@@ -1,11 +1,5 @@
 #include "tests/support/scene_run.h"
 
-#include <gtest/gtest.h>
-
-#include "solvers/registry.h"
-#include "solvers/simulation/scene_run.h"
-#include "solvers/simulation/step_solver.h"
-
 namespace bipot {
 
 template <int D>

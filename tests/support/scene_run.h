@@ -8,9 +8,12 @@
 #include <type_traits>
 
 #include "core/motion/time_stepping.h"
+#include "core/run_files/run_reader.h"
 #include "solvers/registry.h"
+#include "solvers/simulation/scene_run.h"
 #include "solvers/simulation/step_solver.h"
-#include "solvers/solver.h"
+#include "tests/support/state_bits.h"
+#include "tests/support/temporary_folder.h"
 
 namespace bipot {
 
@@ -22,33 +25,52 @@ State<D> solved_run(const Scene<D>& scene,
                         std::function<void(const State<D>&, const StepReport<D>&)>>& on_step = {},
                     const std::string& solver = "");
 
-/// A stepper with a solver of that name and the scene's tolerances.
+/// A stepper of the scene with that solver, by the scene's options or by others.
 template <int D>
-TimeStepper<D> stepper_of(const Scene<D>& scene, const char* solver = "auto") {
-  return {scene, make_step_solver(require_solver(solver), to_options(scene.solver)), false};
+TimeStepper<D> stepper_of(const Scene<D>& scene, const std::string& solver,
+                          const SolverOptions& options) {
+  const SolverEntry& entry = require_solver(solver);
+  return TimeStepper<D>(scene, make_step_solver(entry, options), entry.needs_delassus);
+}
+template <int D>
+TimeStepper<D> stepper_of(const Scene<D>& scene, const std::string& solver = "auto") {
+  return stepper_of(scene, solver, to_options(scene.solver));
 }
 
-/// Takes steps; momentum and energy must balance in each. The report of the last one.
+/// Takes steps with `auto`; in each, energy and momentum must balance to `bound`.
 template <int D>
-StepReport<D> balanced_steps(const Scene<D>& scene, State<D>& state, int steps,
-                             double bound = 1e-10) {
+void balanced_steps(const Scene<D>& scene, State<D>& state, int steps, double bound = 1e-10) {
   EXPECT_EQ(validate(scene), "");
   TimeStepper<D> stepper = stepper_of(scene);
-  StepReport<D> r;
   for (int k = 0; k < steps; ++k) {
-    r = stepper.advance(state);
+    const StepReport<D> r = stepper.advance(state);
     EXPECT_TRUE(r.converged) << r.message;
     EXPECT_LT(std::abs(r.energy.imbalance), bound);
     EXPECT_LT(r.momentum_imbalance.norm(), bound);
   }
-  return r;
 }
-/// The state after such steps.
+
+/// The state after steps of that kind.
 template <int D>
 State<D> after_steps(const Scene<D>& scene, int steps, double bound = 1e-10) {
   State<D> state = initial_state(scene);
   balanced_steps(scene, state, steps, bound);
   return state;
+}
+
+/// A run that is cut after `at` steps and goes on from its folder must end with the same bits.
+/// Returns its end. `folder`: further options.
+template <int D>
+State<D> expect_exact_restart(const Scene<D>& scene, int at, RunFolderOptions folder = {}) {
+  const TemporaryFolder place;
+  folder.folder = place / "run";
+  State<D> whole = initial_state(scene), part = whole;
+  run_scene(scene, whole);
+  run_scene(scene, part, {.steps = at, .folder = folder});
+  State<D> again = read_state<D>(folder.folder);
+  run_scene(scene, again, {.steps = scene.num_steps - at});
+  EXPECT_EQ(bits_of_state(again), bits_of_state(whole));
+  return whole;
 }
 
 }  // namespace bipot

@@ -1,16 +1,8 @@
 #include "tests/support/several_problems.h"
 
+#include "tests/support/random_vector.h"
+
 namespace bipot {
-namespace {
-
-Vector vector_of(std::initializer_list<double> x) {
-  Vector v(static_cast<Eigen::Index>(x.size()));
-  std::copy(x.begin(), x.end(), v.begin());
-  return v;
-}
-
-}  // namespace
-
 SeveralProblem painleve_problem() {
   SeveralProblem made;
   ContactProblem& p = made.problem;
@@ -23,9 +15,9 @@ SeveralProblem painleve_problem() {
   p.W.insert(2, 2) = 1;
   p.W.insert(3, 3) = 1;
   p.W.makeCompressed();
-  p.u_free = vector_of({1, 4, -1, 0});
-  p.mu = vector_of({2, 0.5});
-  made.answers = {vector_of({0, 0, 1, 0}), vector_of({1, -2, 1, 0}), vector_of({5, -6, 1, 0})};
+  p.u_free = vec({1, 4, -1, 0});
+  p.mu = vec({2, 0.5});
+  made.answers = {vec({0, 0, 1, 0}), vec({1, -2, 1, 0}), vec({5, -6, 1, 0})};
   return made;
 }
 
@@ -42,10 +34,10 @@ SeveralProblem two_frictions_problem() {
     p.H.insert(0, 2 * c + 1) = 1;
   }
   p.H.makeCompressed();
-  p.v_free = vector_of({5, -1, 0});
+  p.v_free = vec({5, -1, 0});
   p.u_free = p.H.transpose() * p.v_free;
-  p.mu = vector_of({0.2, 0.6});
-  made.answers = {vector_of({1, -0.2, 0, 0}), vector_of({0, 0, 1, -0.6})};
+  p.mu = vec({0.2, 0.6});
+  made.answers = {vec({1, -0.2, 0, 0}), vec({0, 0, 1, -0.6})};
   return made;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 #include "core/motion/state.h"
@@ -68,6 +69,16 @@ std::string bits_of_state(const State<D>& state) {
     text += "\nside " + bits_of_all(state.cell.side(k).length, state.cell.side(k).speed);
   }
   return text + bits_of_contacts(state);
+}
+
+/// Largest distance between the places of the same bodies.
+template <class Bodies>
+double farthest(const Bodies& a, const Bodies& b) {
+  double most = a.size() == b.size() ? 0 : kInfinity;
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
+    most = std::max(most, (a[k].x - b[k].x).norm());
+  }
+  return most;
 }
 
 }  // namespace bipot

@@ -13,6 +13,7 @@
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/state_bits.h"
 
 namespace bipot {
 namespace {
@@ -214,15 +215,6 @@ solver = {name = "apgd", tol = 1e-8}
 output = {every = 10}
 )";
 
-/// Largest distance between the places of the same disks.
-double farthest(const State<2>& a, const State<2>& b) {
-  double most = a.bodies.size() == b.bodies.size() ? 0 : 1e300;
-  for (std::size_t k = 0; k < std::min(a.bodies.size(), b.bodies.size()); ++k) {
-    most = std::max(most, (a.bodies[k].x - b.bodies[k].x).norm());
-  }
-  return most;
-}
-
 TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
   const std::string run = "run " + write("pressed.toml", kPressed) + " --steps 25 --out ";
   ASSERT_EQ(code_of(run + path("one")), 0);
@@ -233,7 +225,7 @@ TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
   // Impulses agree to the tolerance, places to what it moves in 25 steps.
   const State<2> one = read_state<2>(path("one")), many = read_state<2>(path("four"));
   EXPECT_EQ(many.step, 25);
-  EXPECT_LE(farthest(one, many), 1e-6);
+  EXPECT_LE(farthest(one.bodies, many.bodies), 1e-6);
   EXPECT_NEAR(one.walls[3].a[1], many.walls[3].a[1], 1e-6);
   ASSERT_EQ(one.contacts.size(), many.contacts.size());
   for (std::size_t k = 0; k < one.contacts.size(); ++k) {
@@ -323,7 +315,7 @@ TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
   ASSERT_EQ(code_of("run " + scene + " --tol 1e-6 -q --steps " + std::to_string(left + 16) +
                     " --out " + path("one")),
             0);
-  EXPECT_LE(farthest(several, read_state<2>(path("one"))), 1e-5);
+  EXPECT_LE(farthest(several.bodies, read_state<2>(path("one")).bodies), 1e-5);
   EXPECT_EQ(count(content(path("several/ledger.csv")), "\n"), left + 17);
 }
 

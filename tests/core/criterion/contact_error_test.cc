@@ -13,13 +13,10 @@
 #include "core/scene/contact_detection.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
-
-Vector vector_of(std::initializer_list<double> values) {
-  return Eigen::Map<const Vector>(values.begin(), static_cast<Eigen::Index>(values.size()));
-}
 
 /// A problem given by W alone. dense: row-major, dim * mu.size() squared entries.
 ContactProblem local_problem(int dim, const Eigen::MatrixXd& W, const Vector& b, const Vector& mu) {
@@ -293,33 +290,27 @@ TEST(ContactError, RespondsToAViolationOfTheConeThroughItsProjection) {
 
 TEST(ContactError, IsZeroOnTheLaw) {
   // W = 1, numbers without rounding. Stick: u = 0, s inside the cone.
-  const Vector w = vector_of({1, 1});
-  EXPECT_EQ(
-      contact_error(one_contact(w, vector_of({-1, -0.25}), 0.5), vector_of({1, 0.25})).guarded(),
-      0);
+  const Vector w = vec({1, 1});
+  EXPECT_EQ(contact_error(one_contact(w, vec({-1, -0.25}), 0.5), vec({1, 0.25})).guarded(), 0);
   // Slip: u = (0, 1), s = (1, -0.5).
-  const ContactError slip =
-      contact_error(one_contact(w, vector_of({-1, 1.5}), 0.5), vector_of({1, -0.5}));
+  const ContactError slip = contact_error(one_contact(w, vec({-1, 1.5}), 0.5), vec({1, -0.5}));
   EXPECT_EQ(slip.epsilon, 0);
   EXPECT_LT(slip.eta, 1e-15);
   EXPECT_EQ(slip.raw42, 0);
   EXPECT_EQ(slip.friction_power, 0.5);
   // Take-off.
-  EXPECT_EQ(contact_error(one_contact(w, vector_of({1, 3}), 0.5), vector_of({0, 0})).guarded(), 0);
+  EXPECT_EQ(contact_error(one_contact(w, vec({1, 3}), 0.5), vec({0, 0})).guarded(), 0);
   // Wrong in each way: not on the law, not zero.
-  EXPECT_GT(contact_error(one_contact(w, vector_of({-1, 1.5}), 0.5), vector_of({1, 0.5})).guarded(),
-            0.1);
-  EXPECT_GT(contact_error(one_contact(w, vector_of({-1, 0}), 0.5), vector_of({2, 0})).guarded(),
-            0.1);
-  EXPECT_GT(contact_error(one_contact(w, vector_of({-1, 0}), 0.5), vector_of({0, 0})).guarded(),
-            0.1);
+  EXPECT_GT(contact_error(one_contact(w, vec({-1, 1.5}), 0.5), vec({1, 0.5})).guarded(), 0.1);
+  EXPECT_GT(contact_error(one_contact(w, vec({-1, 0}), 0.5), vec({2, 0})).guarded(), 0.1);
+  EXPECT_GT(contact_error(one_contact(w, vec({-1, 0}), 0.5), vec({0, 0})).guarded(), 0.1);
 }
 
 TEST(ContactError, SeesPenetrationThatThePapersFormClips) {
   // Slides as Coulomb wants, but sinks with u_n = -2: s = (1, -0.5), u = (-2, 1), W = 1.
   // D = 0.5, G = 0 + 1 * 2, V = ½ * 4, E = max(½ * 1.25, ½ * 9) = 4.5.
-  const ContactError e = contact_error(one_contact(vector_of({1, 1}), vector_of({-3, 1.5}), 0.5),
-                                       vector_of({1, -0.5}));
+  const ContactError e =
+      contact_error(one_contact(vec({1, 1}), vec({-3, 1.5}), 0.5), vec({1, -0.5}));
   EXPECT_EQ(e.raw42, 0);
   EXPECT_DOUBLE_EQ(e.energy, 4.5);
   EXPECT_DOUBLE_EQ(e.friction_power, 0.5);
@@ -329,8 +320,7 @@ TEST(ContactError, SeesPenetrationThatThePapersFormClips) {
 }
 
 TEST(ContactError, StaticPileHasNoRawError) {
-  const ContactError e =
-      contact_error(one_contact(vector_of({1, 3}), vector_of({-1, 0}), 0.5), vector_of({1, 0}));
+  const ContactError e = contact_error(one_contact(vec({1, 3}), vec({-1, 0}), 0.5), vec({1, 0}));
   EXPECT_TRUE(std::isnan(e.raw42));
   EXPECT_EQ(e.guarded(), 0);
   EXPECT_EQ(e.natural_map, 0);
@@ -343,9 +333,9 @@ TEST(ContactError, NothingToDoIsNoError) {
   EXPECT_EQ(none.guarded(), 0);
   EXPECT_TRUE(std::isnan(none.raw42));
   EXPECT_EQ(none.worst_epsilon, -1);
-  const ContactProblem opening = one_contact(vector_of({1, 3}), vector_of({0, 5}), 0.5);
-  EXPECT_EQ(contact_error(opening, vector_of({0, 0})).guarded(), 0);
-  EXPECT_EQ(contact_error(opening, vector_of({0, 0})).natural_map, 0);
+  const ContactProblem opening = one_contact(vec({1, 3}), vec({0, 5}), 0.5);
+  EXPECT_EQ(contact_error(opening, vec({0, 0})).guarded(), 0);
+  EXPECT_EQ(contact_error(opening, vec({0, 0})).natural_map, 0);
 }
 
 TEST(ContactError, WorkWithoutAnyEnergyToCompareItWithIsInfinite) {
@@ -354,15 +344,13 @@ TEST(ContactError, WorkWithoutAnyEnergyToCompareItWithIsInfinite) {
   Eigen::MatrixXd W(2, 2);
   W << 1, -1, -1, 1;
   const Vector mu = Vector::Zero(2);
-  const ContactError e =
-      contact_error(local_problem(1, W, vector_of({0.5, 0.5}), mu), vector_of({1, 1}));
+  const ContactError e = contact_error(local_problem(1, W, vec({0.5, 0.5}), mu), vec({1, 1}));
   EXPECT_EQ(e.energy, 0);
   EXPECT_EQ(e.epsilon, kInfinity);
   EXPECT_EQ(e.eta, kInfinity);
   EXPECT_EQ(e.guarded(), kInfinity);
   // The same self-stress at rest is on the law: 0/0 = 0.
-  EXPECT_EQ(contact_error(local_problem(1, W, vector_of({0, 0}), mu), vector_of({1, 1})).guarded(),
-            0);
+  EXPECT_EQ(contact_error(local_problem(1, W, vec({0, 0}), mu), vec({1, 1})).guarded(), 0);
 }
 
 TEST(ContactError, NotANumberIsNotAnError) {
@@ -380,16 +368,16 @@ TEST(ContactError, RestitutionIsJudgedInPhysicalVariables) {
   // W = diag(2, 6), e_n = 1, e_t = 0, mu = 0.5; physical s = (1, -0.5), mean velocity u = (0, 1):
   // slip on the law. In the problem's variables r = (√2, 1).
   const double r = std::sqrt(2.0);
-  ContactProblem p = one_contact(vector_of({2 / (r * r), 6}), vector_of({-1 * r, 4}), 0.5 / r);
-  p.row_scale = vector_of({r, 1});
+  ContactProblem p = one_contact(vec({2 / (r * r), 6}), vec({-1 * r, 4}), 0.5 / r);
+  p.row_scale = vec({r, 1});
   // u_phys = D (W s) + b: b_n = 0 - ½ * 2 = -1 (times r in the problem), b_t = 1 + 6 * 0.5 = 4.
-  const ContactError e = contact_error(p, vector_of({r, -0.5}));
+  const ContactError e = contact_error(p, vec({r, -0.5}));
   EXPECT_LT(e.guarded(), 1e-15);
   EXPECT_DOUBLE_EQ(e.friction_power, 0.5);  // 0.5 * 1 * 1; the scaled variables would say the same
   EXPECT_DOUBLE_EQ(e.energy, 1.75);         // ½ (2 * 1 + 6 * 0.25)
   // Twice the normal impulse: projected physically s = (2, -0.5), u = (1, 1), W_nn = 2:
   // G = 1 - 0.5 + 2 = 2.5, D = 1, E = ½ (8 + 1.5) = 4.75.
-  const ContactError wrong = contact_error(p, vector_of({2 * r, -0.5}));
+  const ContactError wrong = contact_error(p, vec({2 * r, -0.5}));
   EXPECT_DOUBLE_EQ(wrong.epsilon, 2.5);
   EXPECT_DOUBLE_EQ(wrong.energy, 4.75);
   // û = (1.5, 1), tau = s - û/2 = (1.25, -1): s_n = 1.4, s_t = -0.7: N² = 0.36 + 0.04.
@@ -398,10 +386,9 @@ TEST(ContactError, RestitutionIsJudgedInPhysicalVariables) {
 
 TEST(ContactError, NamesTheWorstContact) {
   // Three contacts that do not see each other; the error is in the second.
-  const ContactProblem p =
-      local_problem(2, Eigen::MatrixXd::Identity(6, 6), vector_of({-1, 0, -1, 0, -1, 0}),
-                    Vector::Constant(3, 0.5));
-  const ContactError e = contact_error(p, vector_of({1, 0, 1.5, 0, 1.1, 0}));
+  const ContactProblem p = local_problem(2, Eigen::MatrixXd::Identity(6, 6),
+                                         vec({-1, 0, -1, 0, -1, 0}), Vector::Constant(3, 0.5));
+  const ContactError e = contact_error(p, vec({1, 0, 1.5, 0, 1.1, 0}));
   EXPECT_EQ(e.worst_epsilon, 1);
   EXPECT_EQ(e.worst_eta, 1);
 }
@@ -409,7 +396,7 @@ TEST(ContactError, NamesTheWorstContact) {
 TEST(ContactError, CountsContactsByStatus) {
   const ContactProblem p =
       local_problem(2, Eigen::MatrixXd::Identity(8, 8), Vector::Zero(8), Vector::Constant(4, 0.5));
-  const ContactCount count = count_contacts(p, vector_of({0, 0, 1, 0.2, 1, -0.5, 2, 1}));
+  const ContactCount count = count_contacts(p, vec({0, 0, 1, 0.2, 1, -0.5, 2, 1}));
   EXPECT_EQ(count.take_off, 1);
   EXPECT_EQ(count.stick, 1);
   EXPECT_EQ(count.slip, 2);

@@ -16,10 +16,20 @@ FrameVector<Real, D> as(const FrameVector<double, D>& x) {
   return y;
 }
 
+template <class Real, class Contact>
+std::vector<Real> sums_of(const Contact& contact, Real rho_nn, Real b_n) {
+  ErrorSumsOf<Real> e;
+  add_law_terms(contact, law_terms(contact), e);
+  add_reported_terms(contact, law_terms(contact), Real(0.3), e);
+  e.free_energy += approach_energy(rho_nn, b_n);
+  return {e.friction, e.gap,         e.gap_clipped, e.penetration, e.moved,
+          e.impulse2, e.natural_rel, e.free_energy, e.natural};
+}
+
 /// Terms of a scaled contact with any numbers: s drawn, projected on the cone in physical
 /// variables.
 template <class Real, int D>
-ErrorSumsOf<Real> terms_of(unsigned seed, double mu) {
+std::vector<Real> terms_of(unsigned seed, double mu) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> any(-1, 1), positive(0.1, 2);
   FrameVector<double, D> s, u, b, r;
@@ -30,16 +40,12 @@ ErrorSumsOf<Real> terms_of(unsigned seed, double mu) {
   const auto on_cone = physical_projection(true, as<Real>(s), as<Real>(r), Real(mu));
   const auto contact = physical_contact(true, on_cone, as<Real>(u), as<Real>(b), as<Real>(r),
                                         Real(mu), w_nn, rho_nn);
-  ErrorSumsOf<Real> sums;
-  add_law_terms(contact, law_terms(contact), sums);
-  add_reported_terms(contact, law_terms(contact), Real(0.3), sums);
-  sums.free_energy += approach_energy(rho_nn, Real(b[0]));
-  return sums;
+  return sums_of(contact, rho_nn, Real(b[0]));
 }
 
 /// The same with rolling friction and an arm.
 template <class Real, ContactRows K>
-ErrorSumsOf<Real> rolling_terms_of(unsigned seed) {
+std::vector<Real> rolling_terms_of(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> any(-1, 1), positive(0.1, 2);
   FrameVector<double, K> s, u, b, r;
@@ -54,62 +60,51 @@ ErrorSumsOf<Real> rolling_terms_of(unsigned seed) {
   const auto contact =
       physical_contact(true, on_cone, times_arm<K>(as<Real>(u), arm),
                        times_arm<K>(as<Real>(b), arm), as<Real>(r), friction, w_nn, rho_nn);
-  ErrorSumsOf<Real> sums;
-  add_law_terms(contact, law_terms(contact), sums);
-  add_reported_terms(contact, law_terms(contact), Real(0.3), sums);
-  sums.free_energy += approach_energy(rho_nn, Real(b[0]));
-  return sums;
+  return sums_of(contact, rho_nn, Real(b[0]));
 }
 
-template <class Real>
-std::vector<Real> fields(const ErrorSumsOf<Real>& e) {
-  return {e.friction, e.gap,         e.gap_clipped, e.penetration, e.moved,
-          e.impulse2, e.natural_rel, e.free_energy, e.natural};
+/// Sums of doubles differ from exact ones by the bound of their rounding, itself at most `largest`,
+/// those of extended precision by a thousandth of it. `terms` takes any number of a type.
+template <class Terms>
+void expect_bounds_to_hold(const Terms& terms, double largest) {
+  const std::vector<Quadruple> exact = terms(Quadruple());
+  const std::vector<long double> extended = terms(0.0L);
+  const std::vector<double> computed = terms(0.0);
+  const std::vector<Rounded> rounded = terms(Rounded());
+  for (std::size_t k = 0; k < exact.size(); ++k) {
+    EXPECT_EQ(rounded[k].value, computed[k]) << "the same formulas, sum " << k;
+    double error = rounded[k].error;
+    // Its error is the square of a norm's, which is to be added to the norm.
+    if (k + 1 == exact.size()) error += 2 * std::sqrt(error * rounded[k].value);
+    EXPECT_LE(static_cast<double>(absolute<Quadruple>(computed[k] - exact[k])), error) << k;
+    EXPECT_LE(rounded[k].error, largest) << k;
+    EXPECT_LE(static_cast<double>(absolute<Quadruple>(extended[k] - exact[k])), error / 1000) << k;
+  }
 }
 
 template <int D>
-void expect_bounds_to_hold() {
+void expect_plain_bounds_to_hold() {
   for (const double mu : {0.0, 0.4, 30.0}) {
     for (unsigned seed = 1; seed <= 300; ++seed) {
-      const auto exact = fields(terms_of<Quadruple, D>(seed, mu));
-      const auto extended = fields(terms_of<long double, D>(seed, mu));
-      const auto computed = fields(terms_of<double, D>(seed, mu));
-      const auto rounded = fields(terms_of<Rounded, D>(seed, mu));
-      for (std::size_t k = 0; k < exact.size(); ++k) {
-        EXPECT_EQ(rounded[k].value, computed[k]) << "the same formulas";
-        double error = rounded[k].error;
-        // Its error is the square of a norm's, which is to be added to the norm.
-        if (k + 1 == exact.size()) error += 2 * std::sqrt(error * rounded[k].value);
-        EXPECT_LE(static_cast<double>(absolute<Quadruple>(computed[k] - exact[k])), error)
-            << "d = " << D << ", mu = " << mu << ", seed " << seed << ", sum " << k;
-        EXPECT_LE(rounded[k].error, 1e-11 * (1 + mu * mu));
-        EXPECT_LE(static_cast<double>(absolute<Quadruple>(extended[k] - exact[k])), error / 1000);
-      }
+      SCOPED_TRACE(testing::Message() << "d = " << D << ", mu = " << mu << ", seed " << seed);
+      expect_bounds_to_hold([&]<class Real>(Real) { return terms_of<Real, D>(seed, mu); },
+                            1e-11 * (1 + mu * mu));
     }
   }
 }
 
 // The same formulas for all number types: they differ by rounding alone, within its bound.
 TEST(ContactTerms, NumberTypesDifferByTheirRounding) {
-  expect_bounds_to_hold<1>();
-  expect_bounds_to_hold<2>();
-  expect_bounds_to_hold<3>();
+  expect_plain_bounds_to_hold<1>();
+  expect_plain_bounds_to_hold<2>();
+  expect_plain_bounds_to_hold<3>();
 }
 
 template <ContactRows K>
 void expect_rolling_bounds_to_hold() {
   for (unsigned seed = 1; seed <= 1000; ++seed) {
-    const auto exact = fields(rolling_terms_of<Quadruple, K>(seed));
-    const auto computed = fields(rolling_terms_of<double, K>(seed));
-    const auto rounded = fields(rolling_terms_of<Rounded, K>(seed));
-    for (std::size_t k = 0; k < exact.size(); ++k) {
-      EXPECT_EQ(rounded[k].value, computed[k]) << "the same formulas, sum " << k;
-      double error = rounded[k].error;
-      if (k + 1 == exact.size()) error += 2 * std::sqrt(error * rounded[k].value);
-      EXPECT_LE(static_cast<double>(absolute<Quadruple>(computed[k] - exact[k])), error)
-          << "rows " << int{K} << ", seed " << seed << ", sum " << k;
-      EXPECT_LE(rounded[k].error, 1e-10);
-    }
+    SCOPED_TRACE(testing::Message() << "rows " << int{K} << ", seed " << seed);
+    expect_bounds_to_hold([&]<class Real>(Real) { return rolling_terms_of<Real, K>(seed); }, 1e-10);
   }
 }
 

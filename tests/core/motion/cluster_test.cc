@@ -16,9 +16,7 @@
 #include "core/scene/disk_union.h"
 #include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
-#include "tests/support/refusal.h"
+#include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -49,7 +47,7 @@ TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
   const Cluster<2> begin = scene.clusters.bodies[0];
   State<2> state = initial_state(scene);
   const double energy = kinetic_energy(state) + potential_energy(state, scene.gravity);
-  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), {}), false);
+  TimeStepper<2> stepper = stepper_of(scene, "pgs", {});
   while (state.step < 100) {
     const StepReport<2> r = stepper.advance(state);
     EXPECT_EQ(r.contacts, 0);
@@ -146,8 +144,7 @@ TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
   for (const double mu : {0.0, 0.4}) {
     const Scene<2> scene = cloud_of_clusters({.mu = mu, .e_n = 0.5, .e_t = 0.2});
     State<2> state = initial_state(scene);
-    TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), to_options(scene.solver)),
-                           false);
+    TimeStepper<2> stepper = stepper_of(scene, "pgs");
     const Vec2 whole = momentum(state);
     const double energy = kinetic_energy(state);
     int touched = 0;
@@ -287,10 +284,7 @@ TEST(Cluster, OneDiskJoinedToNothingIsThatDisk) {
 
 TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
   const std::string time = "[time]\nstep = 1e-3\nsteps = 1\n";
-  const auto refused = [&](const std::string& text, const std::string& reason) {
-    EXPECT_TRUE(
-        says(refusal_of<SceneFileError>([&] { parse_scene(text + time, "test.toml"); }), reason));
-  };
+  const auto refused = refused_scenes(time);
   const std::string two = "[[clusters]]\nparts = [[0, 0, 0.1], [0.3, 0, 0.1]]\n";
   // A quarter turn puts the second disk above the first.
   const Scene<2> turned =
@@ -339,8 +333,7 @@ TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
 TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
   const Scene<2> scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.5, .e_t = 0.2});
   State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), to_options(scene.solver)),
-                         false);
+  TimeStepper<2> stepper = stepper_of(scene, "pgs");
   int loaded = 0;
   while (state.step < scene.num_steps) {
     ASSERT_TRUE(stepper.advance(state).converged);
@@ -399,7 +392,7 @@ Vec2 homogeneous_free(const State<2>& state, const Cluster<2>& c) {
 
 State<2> run_to_end(const Scene<2>& scene, int& loaded) {
   State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), {.tol = 1e-11}), false);
+  TimeStepper<2> stepper = stepper_of(scene, "pgs", {.tol = 1e-11});
   while (state.step < scene.num_steps) {
     const StepReport<2> r = stepper.advance(state);
     EXPECT_TRUE(r.converged) << r.message;

@@ -14,8 +14,7 @@
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
-#include "tests/support/exact_restart.h"
-#include "tests/support/refusal.h"
+#include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -314,17 +313,12 @@ TEST(Cohesion, IsReadAndRefusedWithItsReason) {
   EXPECT_EQ(scene.law(0, 1).cohesion, 0);
   EXPECT_EQ(scene.cohesion_range, 0.1);
   EXPECT_FALSE(scene.heal);
-  const auto refused = [&](const std::string& keys, const std::string& why) {
-    EXPECT_TRUE(says(refusal_of([&] { parse_scene(keys + rest, "test"); }), why)) << keys;
-  };
+  const auto refused = refused_scenes(rest);
   refused("[contact]\ncohesion = -1", "cohesion");
   refused("[contact]\nheal = false", "need cohesion");
   refused("[contact]\ncohesion = 1\ncohesion_range = 0.1\ne_n = 0.5", "e_n = 0 alone");
   refused("model = \"dem\"\n[contact]\ncohesion = 1", "dem");
-  EXPECT_TRUE(says(refusal_of([&] {
-                     parse_scene("[contact]\ncohesion = 1" + rest + "accuracy = 0.1\n", "test");
-                   }),
-                   "needs a cohesion_range"));
+  refused_scenes(rest + "accuracy = 0.1\n")("[contact]\ncohesion = 1", "needs a cohesion_range");
 }
 
 }  // namespace

@@ -16,8 +16,6 @@
 #include "core/scene/cluster_motion.h"
 #include "core/scene/joints.h"
 #include "core/scene_files/scene_file.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -45,25 +43,30 @@ Scene<2> pendulum(double angle) {
 
 double energy(const EnergyLedger& e) { return e.kinetic + e.potential; }
 
-// I = m (a²/2 + l²) about the pin: T = 2π √(I/(m g l)) 2/π K(sin θ/2), from one passage of the
-// lowest point to the second after it.
+/// T = 2π √(length/g) 2/π K(sin θ/2), from one passage of the lowest point to the second after it;
+/// `length` is I/(m l), `place` that of the centre from the pin.
+template <int D, class Place>
+void expect_period(const Scene<D>& scene, double amplitude, double length, const Place& place) {
+  std::vector<double> passages;
+  double before = amplitude;
+  solved_run(scene, [&](const State<D>& state, const StepReport<D>& r) {
+    const Vec<D> x = place(state);
+    const double angle = std::atan2(x[0], -x[D - 1]);
+    if (before * angle < 0 && std::abs(angle) < 1) {
+      passages.push_back(r.time - scene.step * angle / (angle - before));
+    }
+    before = angle;
+  });
+  ASSERT_GE(passages.size(), 3u);
+  const double period = 4 * std::sqrt(length / kG) * std::comp_ellint_1(std::sin(amplitude / 2));
+  EXPECT_NEAR((passages[2] - passages[0]) / period, 1, 1e-5) << amplitude;
+}
+
+// I = m (a²/2 + l²) about the pin.
 TEST(Pin, APendulumHasThePeriodOfTheEllipticIntegral) {
-  const double slow = 2 * std::numbers::pi * std::sqrt((0.5 * 0.04 + 0.25) / (kG * 0.5));
   for (const double amplitude : {0.01, 1.0, 2.8}) {
-    std::vector<double> passages;
-    double before = amplitude;
-    solved_run(timed(pendulum(amplitude), 1e-3, 7000),
-               [&](const State<2>& state, const StepReport<2>& r) {
-                 const Vec2& x = state.bodies[0].x;
-                 const double angle = std::atan2(x[0], -x[1]);
-                 if (before * angle < 0 && std::abs(angle) < 1) {
-                   passages.push_back(r.time - 1e-3 * angle / (angle - before));
-                 }
-                 before = angle;
-               });
-    ASSERT_GE(passages.size(), 3u);
-    const double period = slow * 2 / std::numbers::pi * std::comp_ellint_1(std::sin(amplitude / 2));
-    EXPECT_NEAR((passages[2] - passages[0]) / period, 1, 1e-5) << amplitude;
+    expect_period(timed(pendulum(amplitude), 1e-3, 7000), amplitude, (0.5 * 0.04 + 0.25) / 0.5,
+                  [](const State<2>& state) { return state.bodies[0].x; });
   }
 }
 
@@ -147,7 +150,7 @@ pins = [{{bodies = [0], point = [0, 0]}}, {{bodies = [0, 1], point = [0.5, {1}]}
                                            -s / 2, -s),
                                "test");
   State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("auto"), {}), false);
+  TimeStepper<2> stepper = stepper_of(scene, "auto", {});
   while (state.step < 500) stepper.advance(state);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_LE((state.bodies[i].x - scene.bodies[i].x).norm(), 1e-9) << i;
@@ -345,21 +348,11 @@ Scene<3> pinned_bar(const std::string& more) {
 
 // I = 0.09 + 2 * 0.25 about the pin; from the horizontal the amplitude is π/2.
 TEST(Pin, ABarOfSpheresHasThePeriodOfTheEllipticIntegral) {
-  std::vector<double> passages;
-  double before = std::numbers::pi / 2;
-  solved_run(pinned_bar(""), [&](const State<3>& state, const StepReport<3>& r) {
+  expect_period(pinned_bar(""), std::numbers::pi / 2, 0.59 / (2 * 0.5), [](const State<3>& state) {
     const Vec3 x = 0.5 * (state.bodies[0].x + state.bodies[1].x);
-    const double angle = std::atan2(x[0], -x[2]);
-    if (before * angle < 0 && std::abs(angle) < 1) {
-      passages.push_back(r.time - 1e-3 * angle / (angle - before));
-    }
-    before = angle;
     EXPECT_NEAR(x[1], 0, 1e-12);
+    return x;
   });
-  ASSERT_GE(passages.size(), 3u);
-  const double slow = 2 * std::numbers::pi * std::sqrt(0.59 / (2 * kG * 0.5));
-  const double period = slow * 2 / std::numbers::pi * std::comp_ellint_1(std::sqrt(0.5));
-  EXPECT_NEAR((passages[2] - passages[0]) / period, 1, 1e-5);
 }
 
 // Thrown sideways with a spin about its own axis: energy and the vertical angular momentum about the

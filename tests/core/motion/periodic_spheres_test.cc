@@ -18,9 +18,7 @@
 #include "core/scene/periodic_detection.h"
 #include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
-#include "tests/support/refusal.h"
+#include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/temporary_folder.h"
 
@@ -100,9 +98,8 @@ TEST(PeriodicSpheres, WhereTheCellBeginsChangesNothing) {
     moved.bodies[i].x += Vec3(0.2 + 0.43 * (static_cast<double>(i % 3) - 1), 0.3 + 0.57 * 2, 0);
   }
   State<3> a = initial_state(scene), b = initial_state(moved);
-  SolverOptions options{.tol = 1e-9};
-  const auto pgs = make_step_solver(*find_solver("pgs"), options);
-  TimeStepper<3> at(scene, pgs, false), bt(moved, pgs, false);
+  TimeStepper<3> at = stepper_of(scene, "pgs", {.tol = 1e-9}),
+                 bt = stepper_of(moved, "pgs", {.tol = 1e-9});
   bool across_x = false, across_y = false;
   while (a.step < 60) {
     const StepReport<3> r = at.advance(a);
@@ -164,9 +161,8 @@ TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
 TEST(PeriodicSpheres, ARunGoesOnBitForBitAndIsDrawn) {
   const auto scene = std::get<Scene<3>>(parse_any_scene(kLayer, "layer.toml"));
   const TemporaryFolder folder;
-  const auto pgs = make_step_solver(*find_solver("pgs"), to_options(scene.solver));
   const auto run = [&](State<3> state, RunWriter<3>* writer) {
-    TimeStepper<3> stepper(scene, pgs, false);
+    TimeStepper<3> stepper = stepper_of(scene, "pgs");
     while (state.step < 60) {
       stepper.advance(state);
       if (writer != nullptr && state.step % 20 == 0) writer->frame(state);
@@ -196,10 +192,7 @@ TEST(PeriodicSpheres, ARunGoesOnBitForBitAndIsDrawn) {
 
 TEST(PeriodicSpheres, PlanesAcrossTheCellAndObliqueCylindersAreRefused) {
   const std::string rest = "dim = 3\n[cell]\nwidth = 2\n[time]\nstep = 1e-3\nsteps = 1\n";
-  const auto refused = [&](const std::string& text, const std::string& reason) {
-    EXPECT_TRUE(says(refusal_of<SceneFileError>([&] { parse_any_scene(rest + text, "test.toml"); }),
-                     reason));
-  };
+  const auto refused = refused_scenes("", rest);
   parse_any_scene(rest + "[[walls]]\npoint = [0, 0, 0]\nnormal = [0, 1, 1]\n", "test.toml");
   refused("[[walls]]\npoint = [0, 0, 0]\nnormal = [1, 0, 1]\n", "along the directions");
   refused("[[walls]]\ncenter = [0, 0, 0]\naxis = [1, 0, 1]\nradius = 0.5\n", "along an axis");

@@ -16,7 +16,7 @@
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/refusal.h"
+#include "tests/support/refused_scene.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -385,10 +385,7 @@ TEST(Population, ARunGoesOnBitForBitAndItsFramesSayWhoIsThere) {
 
 TEST(Population, ASceneFileSaysWhereAndContradictionsAreRefused) {
   const std::string time = "[time]\nstep = 1e-3\nsteps = 1\n";
-  const auto refused = [&](const std::string& text, const std::string& reason) {
-    EXPECT_TRUE(says(refusal_of<SceneFileError>([&] { parse_any_scene(text + time, "test.toml"); }),
-                     reason));
-  };
+  const auto refused = refused_scenes(time);
   const std::string inlet =
       "[[inlets]]\nlower = [0, 0]\nupper = [1, 1]\nrate = 5\nradii = [0.1]\nmass = 2\n";
   EXPECT_EQ(parse_scene(inlet + time, "test.toml").contact_distance, 1e-7);

@@ -8,9 +8,8 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "core/scene/scene_parts.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
 #include "tests/support/refusal.h"
+#include "tests/support/scene_run.h"
 
 namespace bipot {
 namespace {
@@ -22,8 +21,7 @@ struct Landed {
 
 template <int D>
 Landed advance(const Scene<D>& scene, State<D>& state, int steps) {
-  SolverChoice exact{.tol = 1e-12};
-  TimeStepper<D> stepper(scene, make_step_solver(require_solver("auto"), to_options(exact)), false);
+  TimeStepper<D> stepper = stepper_of(scene, "auto", {.tol = 1e-12});
   Landed landed;
   for (int k = 0; k < steps; ++k) {
     const StepReport<D> r = stepper.advance(state);

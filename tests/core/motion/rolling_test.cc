@@ -12,8 +12,7 @@
 #include "core/scene_files/scene_file.h"
 #include "solvers/simulation/scene_run.h"
 #include "solvers/solve.h"
-#include "tests/support/exact_restart.h"
-#include "tests/support/refusal.h"
+#include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -261,9 +260,7 @@ TEST(RollingFriction, IsReadAndRefusedWithItsReason) {
   EXPECT_EQ(scene.law(0, 0).mu_r, 0.1);
   EXPECT_EQ(scene.law(0, 1).mu_r, 0);
   EXPECT_EQ(scene.contact_rows(), 3);
-  const auto refused = [&](const std::string& keys, const std::string& why) {
-    EXPECT_TRUE(says(refusal_of([&] { parse_scene(keys + rest, "test"); }), why)) << keys;
-  };
+  const auto refused = refused_scenes(rest);
   refused("[contact]\nmu_r = -1", "mu_r");
   refused("[contact]\nmu_spin = 1", "mu_spin is for spheres");
   refused("model = \"dem\"\n[contact]\nmu_r = 1", "dem");

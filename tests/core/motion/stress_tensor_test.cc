@@ -12,8 +12,7 @@
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
 #include "core/scene/scene_parts.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
+#include "tests/support/scene_run.h"
 
 namespace bipot {
 namespace {
@@ -42,8 +41,7 @@ void expect_equal(const Mat2& a, const Mat2& b, double tolerance) {
 /// Takes steps of a scene, tightly solved, and shows the states before and after each.
 void run_steps(const Scene<2>& scene, int steps, double tol,
                const std::function<void(const State<2>&, const State<2>&)>& show) {
-  SolverOptions options{.tol = tol, .max_iterations = 20000};
-  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("apgd"), options), false);
+  TimeStepper<2> stepper = stepper_of(scene, "apgd", {.tol = tol, .max_iterations = 20000});
   State<2> state = initial_state(scene);
   for (int k = 0; k < steps; ++k) {
     const State<2> before = state;

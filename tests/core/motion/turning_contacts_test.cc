@@ -9,8 +9,7 @@
 
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_parts.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
+#include "tests/support/scene_run.h"
 
 namespace bipot {
 namespace {
@@ -29,8 +28,7 @@ Ended run(Scene<D> scene, double time, int steps, const Vec<D>& place) {
   scene.step = time / steps;
   scene.contact_distance = 1e-4 * kRadius;
   State<D> state = initial_state(scene);
-  SolverChoice exact{.tol = 1e-12};
-  TimeStepper<D> stepper(scene, make_step_solver(require_solver("auto"), to_options(exact)), false);
+  TimeStepper<D> stepper = stepper_of(scene, "auto", {.tol = 1e-12});
   Ended ended;
   double start = 0;
   for (int k = 0; k < steps; ++k) {

@@ -8,15 +8,10 @@
 #include "core/problem/delassus.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
-
-Vector sine_vector(Eigen::Index size) {
-  Vector x(size);
-  for (Eigen::Index i = 0; i < size; ++i) x[i] = std::sin(1.0 + 7.0 * static_cast<double>(i));
-  return x;
-}
 
 TEST(DiskStructure, IsFoundInLatticesWithAndWithoutFriction) {
   for (const int dim : {1, 2}) {
@@ -36,7 +31,7 @@ TEST(DiskStructure, GivesTheSameProductsAsH) {
         triangular_lattice(5, {.dim = dim, .turn = 0.3, .e_n = 0.1, .e_t = dim == 2 ? 1.0 : 0.0});
     const DelassusOperator packed(p);
     ASSERT_TRUE(packed.disks().has_value());
-    const Vector s = sine_vector(p.num_rows());
+    const Vector s = random_vector(p.num_rows(), 1);
     Vector u;
     packed.apply(s, u);
     const Vector expected = p.H.transpose() * Vector((p.H * s).cwiseQuotient(p.A.diagonal()));
@@ -57,7 +52,7 @@ TEST(DiskStructure, DrivenWallsAreBodies) {
       ASSERT_TRUE(packed.disks().has_value()) << dim << " " << walls;
       EXPECT_EQ(packed.disks()->walls, walls);
       EXPECT_EQ(packed.disks()->surroundings() - packed.disks()->first_wall(), walls);
-      const Vector s = sine_vector(p.num_rows());
+      const Vector s = random_vector(p.num_rows(), 1);
       Vector u;
       packed.apply(s, u);
       const Vector expected = p.H.transpose() * Vector((p.H * s).cwiseQuotient(p.A.diagonal()));

@@ -21,10 +21,9 @@
 #include "core/run_files/run_reader.h"
 #include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
 #include "tests/support/markup_defect.h"
 #include "tests/support/refusal.h"
+#include "tests/support/scene_run.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/state_bits.h"
 #include "tests/support/temporary_folder.h"
@@ -164,9 +163,7 @@ walls = [{name = "floor", point = [0.0, 0.0], normal = [0.0, 1.0]}]
 time = {step = 1e-3, steps = 12}
 )",
                                "box");
-  const SolverEntry* entry = find_solver("pgs");
-  SolverOptions options;
-  TimeStepper<2> stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  TimeStepper<2> stepper = stepper_of(scene, "pgs", {});
   State<2> state = initial_state(scene);
   {
     RunWriter<2> writer(folder / "out", scene, kBox);
@@ -178,7 +175,7 @@ time = {step = 1e-3, steps = 12}
   State<2> restarted = read_state(folder / "out");
   ASSERT_EQ(restarted.step, 6);
   ASSERT_GT(restarted.contacts.size(), 0u);
-  TimeStepper<2> again(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  TimeStepper<2> again = stepper_of(scene, "pgs", {});
   while (restarted.step < 12) again.advance(restarted);
   EXPECT_EQ(bits_of_state(restarted), bits_of_state(state));
 }

@@ -4,9 +4,8 @@
 #include "core/run_files/run_reader.h"
 #include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
 #include "tests/support/refusal.h"
+#include "tests/support/scene_run.h"
 #include "tests/support/state_bits.h"
 #include "tests/support/temporary_folder.h"
 
@@ -162,10 +161,8 @@ overlaps = "allow"
 
 template <int D>
 State<D> run_on(const Scene<D>& scene, State<D> state, int until, RunWriter<D>* writer) {
-  const SolverEntry* entry = find_solver("pgs");
-  SolverOptions options;
-  options.tol = 1e-5;  // books and bits do not depend on it
-  TimeStepper<D> stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  // Books and bits do not depend on the tolerance.
+  TimeStepper<D> stepper = stepper_of(scene, "pgs", {.tol = 1e-5});
   while (state.step < until) {
     const StepReport<D> report = stepper.advance(state);
     EXPECT_TRUE(report.converged) << report.message;

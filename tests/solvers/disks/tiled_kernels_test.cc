@@ -256,23 +256,30 @@ class OneByOne {
   Vector s_;
 };
 
+/// Relaxes the contacts of all tiles so many times, from both ends to the middle.
+template <class Relax>
+void sweep_in_order(const ContactTiles& tiles, int sweeps, const Relax& relax) {
+  const auto each_of = [&](int tile) {
+    const ContactTiles::Tile& of = tiles.tiles[to_size(tile)];
+    for (int lane = of.first_batch * kLanes; lane < of.last_batch * kLanes; ++lane) {
+      const int c = tiles.contact[to_size(lane)];
+      if (c >= 0) relax(c);
+    }
+  };
+  const auto num_tiles = static_cast<int>(tiles.tiles.size());
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    for (int tile = 0; tile < num_tiles / 2; ++tile) each_of(tile);
+    for (int tile = num_tiles - 1; tile >= num_tiles / 2; --tile) each_of(tile);
+  }
+}
+
 template <int D>
 void check_tiled_sweep(const ContactProblem& problem) {
   for (const double omega : {1.0, 1.4}) {
     const Setting at(problem);
     const ContactTiles tiles = tile_contacts(at.bodies<D>());
     OneByOne sweep_of(at.problem, omega);
-    const auto relax = [&](int tile) {
-      const ContactTiles::Tile& of = tiles.tiles[to_size(tile)];
-      for (int lane = of.first_batch * kLanes; lane < of.last_batch * kLanes; ++lane) {
-        sweep_of.relax(tiles.contact[to_size(lane)]);
-      }
-    };
-    const auto num_tiles = static_cast<int>(tiles.tiles.size());
-    for (int sweep = 0; sweep < 20; ++sweep) {
-      for (int tile = 0; tile < num_tiles / 2; ++tile) relax(tile);
-      for (int tile = num_tiles - 1; tile >= num_tiles / 2; --tile) relax(tile);
-    }
+    sweep_in_order(tiles, 20, [&](int c) { sweep_of.relax(c); });
     const Vector tiled = swept<D>(at, omega, {}, {20});
     EXPECT_LT((tiled - sweep_of.impulse()).norm(), 1e-11 * tiled.norm()) << omega;
   }
@@ -316,19 +323,7 @@ TEST(TiledKernels, ATiledSweepIsTheScalarSweepInItsOrder) {
     scalar.set_steps(c, Local<2>(1.2 / diagonal[2 * c], 1.2 / diagonal[2 * c + 1]),
                      at.problem.mu[c]);
   }
-  const auto num_tiles = static_cast<int>(tiles.tiles.size());
-  const auto relax = [&](int tile) {
-    const ContactTiles::Tile& at_tile = tiles.tiles[static_cast<std::size_t>(tile)];
-    for (int lane = at_tile.first_batch * kLanes; lane < at_tile.last_batch * kLanes; ++lane) {
-      const int c = tiles.contact[static_cast<std::size_t>(lane)];
-      if (c >= 0) scalar.relax(c);
-    }
-  };
-  for (int sweep = 0; sweep < 20; ++sweep) {
-    // From both ends to the middle.
-    for (int tile = 0; tile < num_tiles / 2; ++tile) relax(tile);
-    for (int tile = num_tiles - 1; tile >= num_tiles / 2; --tile) relax(tile);
-  }
+  sweep_in_order(tiles, 20, [&](int c) { scalar.relax(c); });
   const Vector s = swept<2>(at, 1.2, {}, {20});
   EXPECT_LT((s - scalar.impulse()).norm(), 1e-12 * s.norm());
 }
@@ -357,19 +352,8 @@ void check_sweep_of_spheres(const ContactProblem& problem) {
   TwoPassSweep<3, 6> general(at.problem);
   general.reset(at.zero());
   LocalUpdates<3> update(at.problem, at.delassus, {.omega = 1.2});
-  const auto num_tiles = static_cast<int>(tiles.tiles.size());
-  ASSERT_GT(num_tiles, 1);
-  const auto relax = [&](int tile) {
-    const ContactTiles::Tile& at_tile = tiles.tiles[static_cast<std::size_t>(tile)];
-    for (int lane = at_tile.first_batch * kLanes; lane < at_tile.last_batch * kLanes; ++lane) {
-      const int c = tiles.contact[static_cast<std::size_t>(lane)];
-      if (c >= 0) update(c, general);
-    }
-  };
-  for (int sweep = 0; sweep < 40; ++sweep) {
-    for (int tile = 0; tile < num_tiles / 2; ++tile) relax(tile);
-    for (int tile = num_tiles - 1; tile >= num_tiles / 2; --tile) relax(tile);
-  }
+  ASSERT_GT(tiles.tiles.size(), 1u);
+  sweep_in_order(tiles, 40, [&](int c) { update(c, general); });
   const Vector s = swept<3>(at, 1.2, {}, {40});
   EXPECT_LT((s - general.impulse()).norm(), 1e-10 * s.norm());
 }

@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "core/problem/delassus.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/random_vector.h"
@@ -23,8 +22,7 @@ SolveResult run_admm(const ContactProblem& p, std::map<std::string, std::string>
 
 TEST(Admm, VelocityAndContactFormDoTheSameSteps) {
   const ContactProblem p = triangular_lattice(6);
-  ContactProblem local = local_form(p);
-  if (!local.has_delassus()) local.W = assemble_delassus(p.A, p.H, p.dim);
+  const ContactProblem local = local_form(p);
   const SolveResult a = run_admm(p, {{"rho", "0.1"}}, 1e-14, 30);
   const SolveResult b = run_admm(local, {{"rho", "0.1"}}, 1e-14, 30);
   // Factors in single precision are corrected by residuals, from one iteration to the next.
@@ -34,8 +32,7 @@ TEST(Admm, VelocityAndContactFormDoTheSameSteps) {
 /// Long enough for two changes of all penalties.
 TEST(Admm, PenaltiesByStatusAreThoseOfBothForms) {
   const ContactProblem p = shipped_file("2d_pour14_200.hdf5");
-  ContactProblem local = local_form(p);
-  if (!local.has_delassus()) local.W = assemble_delassus(p.A, p.H, p.dim);
+  const ContactProblem local = local_form(p);
   const SolveResult a = run_admm(p, {}, 1e-14, 160), b = run_admm(local, {}, 1e-14, 160);
   EXPECT_LT((a.s - b.s).norm(), 1e-6 * a.s.norm());
 }

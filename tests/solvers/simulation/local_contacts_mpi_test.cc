@@ -47,6 +47,36 @@ struct CutStep {
   }
 };
 
+/// The contact problem of that step, of the whole and of this process.
+template <int D>
+struct CutProblem : CutStep<D> {
+  ContactProblem problem;
+  ProblemPiece piece;
+
+  CutProblem(const Scene<D>& scene, ProcessGroup& group)
+      : CutStep<D>(scene, group),
+        problem(assemble_step(scene, this->mid, false).problem),
+        piece(assemble_piece(scene, this->local, this->local_mid, this->contacts,
+                             this->state.bodies, group)
+                  .piece) {}
+  /// The whole of the impulses of which each process has its part.
+  Vector gathered(const Vector& s, ProcessGroup& group) const {
+    const int dim = problem.dim;
+    Buffer mine;
+    for (int c = 0; c < piece.own.num_contacts(); ++c) {
+      mine.push_back(piece.number[to_size(c)]);
+      for (int k = 0; k < dim; ++k) mine.push_back(s[c * dim + k]);
+    }
+    const Buffer all = group.gather(mine);
+    Vector impulse = Vector::Zero(problem.num_rows());
+    for (BufferReader reader(all); !reader.at_end();) {
+      const int c = reader.integer();
+      for (int k = 0; k < dim; ++k) impulse[c * dim + k] = reader.number();
+    }
+    return impulse;
+  }
+};
+
 template <int D>
 void put_all(const Contact<D>& c, int number, Buffer& out) {
   out.insert(out.end(), {static_cast<double>(c.i), static_cast<double>(c.j), c.gap});
@@ -129,18 +159,16 @@ TEST(Domains, OneBodyIsPushedByAllProcessesAndOneWallIsCutByAll) {
   ProcessGroup& group = mpi_group();
   for (const NamedScene& s : domain_scenes()) {
     if (s.name != "one touches all" && s.name != "pressed") continue;
-    CutStep<2> cut(s.scene, group);
-    const DomainPiece d =
-        assemble_piece(s.scene, cut.local, cut.local_mid, cut.contacts, cut.state.bodies, group);
-    const int most = d.piece.sharers.empty()
+    const CutProblem<2> cut(s.scene, group);
+    const int most = cut.piece.sharers.empty()
                          ? 0
-                         : *std::max_element(d.piece.sharers.begin(), d.piece.sharers.end());
+                         : *std::max_element(cut.piece.sharers.begin(), cut.piece.sharers.end());
     double shared[1] = {static_cast<double>(most)};
     group.largest(shared);
     if (s.name == "one touches all") {
       EXPECT_EQ(shared[0], group.size());
     } else {
-      EXPECT_EQ(d.piece.everywhere_inverse_mass.size(), 1u);
+      EXPECT_EQ(cut.piece.everywhere_inverse_mass.size(), 1u);
       EXPECT_GE(shared[0], std::min(group.size(), 2));  // the lid
     }
   }
@@ -166,32 +194,30 @@ double impulse_of(int row) { return 0.1 + std::abs(std::sin(1.0 + 7.3 * row)); }
 
 template <int D>
 void expect_whole_products(const Scene<D>& scene, ProcessGroup& group) {
-  CutStep<D> cut(scene, group);
-  const DomainPiece d =
-      assemble_piece(scene, cut.local, cut.local_mid, cut.contacts, cut.state.bodies, group);
-  const ContactProblem whole = assemble_step(scene, cut.mid, false).problem;
-  if (whole.num_contacts() == 0) return;
-  const ContactProblem& own = d.piece.own;
-  Vector s(own.num_rows()), all(whole.num_rows());
+  const CutProblem<D> cut(scene, group);
+  if (cut.problem.num_contacts() == 0) return;
+  const ContactProblem& own = cut.piece.own;
+  Vector s(own.num_rows()), all(cut.problem.num_rows());
   for (int row = 0; row < all.size(); ++row) all[row] = impulse_of(row);
   for (int c = 0; c < own.num_contacts(); ++c) {
-    s.segment(c * own.dim, own.dim) = all.segment(d.piece.number[to_size(c)] * own.dim, own.dim);
+    s.segment(c * own.dim, own.dim) = all.segment(cut.piece.number[to_size(c)] * own.dim, own.dim);
   }
-  DistributedSpace space(d.piece, group, false);
+  DistributedSpace space(cut.piece, group, false);
   Vector u;
   space.velocity(s, u);
   // One process with the whole, through the same kernel.
   const auto lone = lone_process();
-  const BodyNodes nodes = body_nodes(whole);
-  const ProblemPiece one = cut_piece(whole, nodes, contact_owners(whole, nodes, {}, 1), 0);
+  const BodyNodes nodes = body_nodes(cut.problem);
+  const ProblemPiece one =
+      cut_piece(cut.problem, nodes, contact_owners(cut.problem, nodes, {}, 1), 0);
   DistributedSpace alone(one, *lone, false);
   Vector expected;
   alone.velocity(all, expected);
-  const bool driven = !d.piece.everywhere_inverse_mass.empty();
+  const bool driven = !cut.piece.everywhere_inverse_mass.empty();
   for (int c = 0; c < own.num_contacts(); ++c) {
     for (int k = 0; k < own.dim; ++k) {
       const double here = u[c * own.dim + k];
-      const double there = expected[d.piece.number[to_size(c)] * own.dim + k];
+      const double there = expected[cut.piece.number[to_size(c)] * own.dim + k];
       if (driven) {
         EXPECT_NEAR(here, there, 1e-13 * expected.cwiseAbs().maxCoeff());
       } else {
@@ -200,19 +226,19 @@ void expect_whole_products(const Scene<D>& scene, ProcessGroup& group) {
     }
   }
   // The gathered problem is the whole, bit for bit.
-  const ContactProblem gathered = gather_problem(d.piece, group);
+  const ContactProblem gathered = gather_problem(cut.piece, group);
   if (group.rank() == 0) {
-    EXPECT_EQ((gathered.H - whole.H).norm(), 0);
-    EXPECT_EQ((gathered.A - whole.A).norm(), 0);
-    EXPECT_EQ(gathered.u_free, whole.u_free);
-    EXPECT_EQ(gathered.v_free, whole.v_free);
-    EXPECT_EQ(gathered.mu, whole.mu);
-    EXPECT_EQ(gathered.row_scale, whole.row_scale);
+    EXPECT_EQ((gathered.H - cut.problem.H).norm(), 0);
+    EXPECT_EQ((gathered.A - cut.problem.A).norm(), 0);
+    EXPECT_EQ(gathered.u_free, cut.problem.u_free);
+    EXPECT_EQ(gathered.v_free, cut.problem.v_free);
+    EXPECT_EQ(gathered.mu, cut.problem.mu);
+    EXPECT_EQ(gathered.row_scale, cut.problem.row_scale);
   }
   // The bound of the pieces is that of the whole, but for the order of its sums, and for the
   // longest row, which each has of its own: shorter where a process has contacts with walls alone.
   const RoundingBound bound = distributed_rounding_bound(space, s);
-  const RoundingBound of_whole = rounding_bound(whole, all, Precision::kDouble);
+  const RoundingBound of_whole = rounding_bound(cut.problem, all, Precision::kDouble);
   EXPECT_LE(bound.epsilon, of_whole.epsilon * (1 + 1e-10));
   EXPECT_GE(bound.epsilon, of_whole.epsilon * (driven ? 1 - 1e-10 : 0.98));
   EXPECT_LE(bound.eta, of_whole.eta * (1 + 1e-10));
@@ -227,31 +253,18 @@ TEST(Domains, ProductsAndBoundsAreThoseOfTheWhole) {
 TEST(Domains, EverySolverOfPiecesIsJudgedAsOnTheWhole) {
   ProcessGroup& group = mpi_group();
   for (const NamedScene& s : domain_scenes()) {
-    CutStep<2> cut(s.scene, group);
-    const DomainPiece d =
-        assemble_piece(s.scene, cut.local, cut.local_mid, cut.contacts, cut.state.bodies, group);
-    const ContactProblem whole = assemble_step(s.scene, cut.mid, false).problem;
+    const CutProblem<2> cut(s.scene, group);
     for (const char* solver : {"apgd", "anderson", "auto", "ipm"}) {
       SCOPED_TRACE(s.name + ", " + solver);
       const PieceResult out =
-          distributed_solve(solver, d.piece, {.tol = 1e-7, .max_iterations = 100000}, group);
+          distributed_solve(solver, cut.piece, {.tol = 1e-7, .max_iterations = 100000}, group);
       EXPECT_TRUE(is_success(out.result.status)) << out.result.message;
-      if (whole.num_contacts() == 0) {
+      if (cut.problem.num_contacts() == 0) {
         EXPECT_EQ(out.result.status, SolveStatus::kNothingToDo);
         continue;
       }
-      Buffer mine;
-      for (int c = 0; c < d.piece.own.num_contacts(); ++c) {
-        mine.push_back(d.piece.number[to_size(c)]);
-        for (int k = 0; k < whole.dim; ++k) mine.push_back(out.result.s[c * whole.dim + k]);
-      }
-      const Buffer all = group.gather(mine);
-      Vector impulse = Vector::Zero(whole.num_rows());
-      for (BufferReader reader(all); !reader.at_end();) {
-        const int c = reader.integer();
-        for (int k = 0; k < whole.dim; ++k) impulse[c * whole.dim + k] = reader.number();
-      }
-      const ContactError error = contact_error(whole, impulse);
+      const Vector impulse = cut.gathered(out.result.s, group);
+      const ContactError error = contact_error(cut.problem, impulse);
       EXPECT_LE(error.guarded(), 1e-7 * (1 + 1e-6));
       EXPECT_NEAR(error.epsilon, out.result.error.epsilon, 1e-6 * error.epsilon + 1e-16);
       EXPECT_EQ(error.worst_epsilon, out.result.error.worst_epsilon);
@@ -264,27 +277,15 @@ TEST(Domains, AClaimAtRoundingIsProvedOnTheWholeOrNotMade) {
   // precision, on the gathered whole.
   ProcessGroup& group = mpi_group();
   const Scene<2> scene = domain_scenes().front().scene;
-  CutStep<2> cut(scene, group);
-  const DomainPiece d =
-      assemble_piece(scene, cut.local, cut.local_mid, cut.contacts, cut.state.bodies, group);
-  const ContactProblem whole = assemble_step(scene, cut.mid, false).problem;
+  const CutProblem<2> cut(scene, group);
   for (const double tol : {1e-12, 1e-15, 1e-17}) {
     const PieceResult out =
-        distributed_solve("ipm", d.piece, {.tol = tol, .max_iterations = 200}, group);
-    Buffer mine;
-    for (int c = 0; c < d.piece.own.num_contacts(); ++c) {
-      mine.push_back(d.piece.number[to_size(c)]);
-      for (int k = 0; k < whole.dim; ++k) mine.push_back(out.result.s[c * whole.dim + k]);
-    }
-    const Buffer all = group.gather(mine);
-    Vector impulse = Vector::Zero(whole.num_rows());
-    for (BufferReader reader(all); !reader.at_end();) {
-      const int c = reader.integer();
-      for (int k = 0; k < whole.dim; ++k) impulse[c * whole.dim + k] = reader.number();
-    }
+        distributed_solve("ipm", cut.piece, {.tol = tol, .max_iterations = 200}, group);
+    const Vector impulse = cut.gathered(out.result.s, group);
     SolverOptions options{.tol = tol};
-    const ContactError error = contact_error(whole, impulse);
-    const bool holds = error.guarded() <= tol && prove_claim(whole, options, impulse, error).holds;
+    const ContactError error = contact_error(cut.problem, impulse);
+    const bool holds =
+        error.guarded() <= tol && prove_claim(cut.problem, options, impulse, error).holds;
     EXPECT_EQ(out.result.status == SolveStatus::kConverged, holds) << tol << out.result.message;
   }
 }
@@ -293,25 +294,12 @@ TEST(Domains, WhatDoubleLeavesOpenIsProvedOnTheGatheredWhole) {
   ProcessGroup& group = mpi_group();
   for (const NamedScene& s : domain_scenes()) {
     if (s.name != "triangular" && s.name != "pressed") continue;
-    CutStep<2> cut(s.scene, group);
-    const DomainPiece d =
-        assemble_piece(s.scene, cut.local, cut.local_mid, cut.contacts, cut.state.bodies, group);
-    const ContactProblem whole = assemble_step(s.scene, cut.mid, false).problem;
+    const CutProblem<2> cut(s.scene, group);
     const PieceResult out =
-        distributed_solve("apgd", d.piece, {.tol = 1e-9, .max_iterations = 100000}, group);
+        distributed_solve("apgd", cut.piece, {.tol = 1e-9, .max_iterations = 100000}, group);
     ASSERT_EQ(out.result.status, SolveStatus::kConverged) << out.result.message;
-    Buffer mine;
-    for (int c = 0; c < d.piece.own.num_contacts(); ++c) {
-      mine.push_back(d.piece.number[to_size(c)]);
-      for (int k = 0; k < whole.dim; ++k) mine.push_back(out.result.s[c * whole.dim + k]);
-    }
-    const Buffer all = group.gather(mine);
-    Vector impulse = Vector::Zero(whole.num_rows());
-    for (BufferReader reader(all); !reader.at_end();) {
-      const int c = reader.integer();
-      for (int k = 0; k < whole.dim; ++k) impulse[c * whole.dim + k] = reader.number();
-    }
-    DistributedSpace space(d.piece, group, false);
+    const Vector impulse = cut.gathered(out.result.s, group);
+    DistributedSpace space(cut.piece, group, false);
     GatheredWhole gathered(space);
     const ContactError error = out.result.error;
     SolverOptions options;
@@ -319,7 +307,7 @@ TEST(Domains, WhatDoubleLeavesOpenIsProvedOnTheGatheredWhole) {
     for (const double factor : {1 - 1e-7, 1 + 1e-7, 1 + 1e-6, 1.5, 1e3}) {
       options.tol = error.guarded() * factor;
       const ProvedClaim got = gathered.claim(options, out.result.s, error);
-      const ProvedClaim expected = prove_claim(whole, options, impulse, error);
+      const ProvedClaim expected = prove_claim(cut.problem, options, impulse, error);
       EXPECT_EQ(got.holds, expected.holds) << s.name << factor;
       EXPECT_EQ(std::isnan(got.error), std::isnan(expected.error)) << s.name << factor;
       if (std::isnan(expected.error)) continue;
