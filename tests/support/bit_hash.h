@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <cstring>
 
 #include "core/base/types.h"
 
@@ -22,5 +23,11 @@ class BitHash {
  private:
   std::uint64_t value_ = 0xcbf29ce484222325u;
 };
+
+/// Bits, not values: -0 is not 0 and a NaN is itself.
+inline bool same_bits(const Vector& a, const Vector& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.data(), b.data(), sizeof(double) * to_size(a.size())) == 0;
+}
 
 }  // namespace bipot

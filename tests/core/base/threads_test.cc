@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "core/base/parallel.h"
 #include "core/criterion/contact_error.h"
@@ -13,14 +12,10 @@
 #include "core/motion/state.h"
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
+#include "tests/support/bit_hash.h"
 
 namespace bipot {
 namespace {
-
-bool same_bits(const Vector& a, const Vector& b) {
-  return a.size() == b.size() &&
-         std::memcmp(a.data(), b.data(), sizeof(double) * to_size(a.size())) == 0;
-}
 
 Scene<2> packing() {
   FamilyOptions options{.e_n = 0.2, .e_t = 0.6, .tilt_degrees = 10};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/portable_random.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
@@ -65,9 +66,7 @@ void expect_inverse(double coupling, int corrections, double tolerance) {
     }
     solve.begin(static_cast<int>(made.L.rows()), entries);
     for (const SupernodalSolve::Supernode& node : made.nodes) solve.add(node);
-    PortableRandom draw(3);
-    Vector x(made.L.rows());
-    for (double& value : x) value = draw.symmetric();
+    const Vector x = random_vector(made.L.rows(), 3);
     const Vector b = made.L * (made.L.transpose() * x);
     Vector solution = Vector::Zero(x.size());
     for (int k = 0; k < corrections; ++k) {

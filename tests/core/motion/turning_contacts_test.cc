@@ -9,6 +9,7 @@
 
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_parts.h"
+#include "tests/support/pendulum_angle.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -55,23 +56,6 @@ void expect_second_order(const Scene<D>& scene, double time, int steps, const Ve
   EXPECT_LT(two.energy, fixed ? 1e-5 : kInfinity);
 }
 
-/// The angle of a pendulum after a time, by Runge and Kutta's rule: a'' = pull(a, a').
-template <class Pull>
-double swing(double angle, double time, const Pull& pull) {
-  const int steps = 20000;
-  const double h = time / steps;
-  double rate = 0;
-  for (int k = 0; k < steps; ++k) {
-    const double a1 = rate, r1 = pull(angle, rate), a2 = rate + 0.5 * h * r1,
-                 r2 = pull(angle + 0.5 * h * a1, a2), a3 = rate + 0.5 * h * r2,
-                 r3 = pull(angle + 0.5 * h * a2, a3), a4 = rate + h * r3,
-                 r4 = pull(angle + h * a3, a4);
-    angle += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
-    rate += h / 6 * (r1 + 2 * r2 + 2 * r3 + r4);
-  }
-  return angle;
-}
-
 /// A disk in a bowl, at an angle to its lowest point.
 Scene<2> in_a_bowl(double mu, double angle) {
   Scene<2> scene = one_law<2>({.mu = mu});
@@ -89,7 +73,7 @@ TEST(TurningContacts, ADiskSlidesAndRollsInABowl) {
   const double start = std::numbers::pi / 3;
   for (const double mu : {0.0, 5.0}) {
     const double inertia = mu == 0 ? 1 : 1.5;
-    const double angle = swing(
+    const double angle = pendulum_angle(
         start, 1, [&](double a, double) { return -kGravity / (inertia * kLength) * std::sin(a); });
     const Vec2 place = kLength * Vec2(std::sin(angle), -std::cos(angle));
     expect_second_order<2>(in_a_bowl(mu, start), 1, 400, place, mu == 0 ? 2e-3 : 4e-3);
@@ -102,8 +86,8 @@ TEST(TurningContacts, ADiskRollsDownAHill) {
   Scene<2> scene = in_a_bowl(5, 0);
   scene.walls[0].shape = Wall<2>::Shape::kSolidCircle;
   scene.bodies[0].x = length * Vec2(std::sin(start), std::cos(start));
-  const double angle =
-      swing(start, 0.12, [&](double a, double) { return kGravity / (1.5 * length) * std::sin(a); });
+  const double angle = pendulum_angle(
+      start, 0.12, [&](double a, double) { return kGravity / (1.5 * length) * std::sin(a); });
   expect_second_order<2>(scene, 0.12, 100, length * Vec2(std::sin(angle), std::cos(angle)), 2e-5);
 }
 
@@ -148,7 +132,7 @@ TEST(TurningContacts, ARodSlidesOnItsEnd) {
     d.mass = d.inertia = 0;
     d.cluster = 0;
   }
-  const double angle = swing(start, time, [&](double a, double w) {
+  const double angle = pendulum_angle(start, time, [&](double a, double w) {
     return c * mass * std::cos(a) * (c * std::sin(a) * w * w - kGravity) /
            (inertia + mass * c * c * std::cos(a) * std::cos(a));
   });

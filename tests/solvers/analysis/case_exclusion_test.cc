@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "core/base/portable_random.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -65,8 +65,7 @@ TEST(CaseExclusion, NoSolverFindsWhatIsExcluded) {
   int none = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     ContactProblem p = manufactured_problem(2, 1, 3, seed, 0.8).problem;
-    PortableRandom draw(seed);
-    for (Eigen::Index i = 0; i < p.u_free.size(); ++i) p.u_free[i] = draw.symmetric();
+    p.u_free = random_vector(p.u_free.size(), seed);
     if (!exclude_cases(p, kInfinity).complete) continue;
     ++none;
     for (const char* solver : {"lemke", "multistart", "homotopy"}) {

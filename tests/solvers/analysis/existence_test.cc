@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "core/base/portable_random.h"
 #include "solvers/analysis/certificate_check.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -165,8 +165,7 @@ TEST(Existence, LemkeAgreesWithTheVerdictOnRandomProblems) {
   int none = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     ContactProblem p = manufactured_problem(1, 2, 7, seed, 0).problem;
-    PortableRandom draw(seed);
-    for (Eigen::Index i = 0; i < p.u_free.size(); ++i) p.u_free[i] = draw.symmetric();
+    p.u_free = random_vector(p.u_free.size(), seed);
     const ExistenceCertificate c = certify_existence(p);
     const bool solved = is_success(solve("lemke", p, {.tol = 1e-9}).status);
     if (c.verdict == Existence::kNone) {

@@ -2,13 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
-#include <utility>
-
 #include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/solve.h"
+#include "tests/support/bit_hash.h"
 #include "tests/support/lattice_problem.h"
 
 namespace bipot {
@@ -16,12 +14,8 @@ namespace {
 
 struct Deflatable {
   ContactProblem problem;
-  ContactErrorEvaluator error;
-  ContactScaling scaling;
-  explicit Deflatable(ContactProblem p)
-      : problem(std::move(p)),
-        error(problem),
-        scaling(equilibrated_scaling(problem, error.delassus().diagonal())) {}
+  ContactErrorEvaluator error{problem};
+  ContactScaling scaling = equilibrated_scaling(problem, error.delassus().diagonal());
   const DiskStructure& disks() const { return *error.delassus().disks(); }
   SymmetricSweep<2> sweep(int sweeps, const Execution& execution) const {
     return {problem, disks(), scaling, 1.5, sweeps, execution};
@@ -48,7 +42,7 @@ Vector settled(const Deflatable& at) {
 }
 
 TEST(DeflatedSweep, SameBitsForAllPathsAndThreads) {
-  const Deflatable at(leaning_rows(90));  // more batches than one thread takes at once
+  const Deflatable at{leaning_rows(90)};  // more batches than one thread takes at once
   const Vector start = settled(at),
                portable = deflated_from(at, start, 25, {1, SimdPath::kPortable});
   ASSERT_GT(portable.norm(), 0);
@@ -56,26 +50,25 @@ TEST(DeflatedSweep, SameBitsForAllPathsAndThreads) {
     if (!has_path(path)) continue;
     for (int threads = 1; threads <= 4; ++threads) {
       const Vector s = deflated_from(at, start, 25, {threads, path});
-      EXPECT_EQ(std::memcmp(s.data(), portable.data(), sizeof(double) * to_size(s.size())), 0)
-          << to_string(path) << ", threads " << threads;
+      EXPECT_TRUE(same_bits(s, portable)) << to_string(path) << ", threads " << threads;
     }
   }
 }
 
 TEST(DeflatedSweep, SameBitsForAnyNumberOfThreadsInAWidePacking) {
-  const Deflatable at(leaning_rows(380));  // whose order is cut into strips
+  const Deflatable at{leaning_rows(380)};  // whose order is cut into strips
   const Vector start = solve("assor", at.problem, {.tol = 0.5, .max_iterations = 40}).s,
                alone = deflated_from(at, start, 5, {});
   for (const int threads : {2, 4}) {
     const Vector s = deflated_from(at, start, 5, {threads, SimdPath::kAuto});
-    EXPECT_EQ(std::memcmp(s.data(), alone.data(), sizeof(double) * to_size(s.size())), 0);
+    EXPECT_TRUE(same_bits(s, alone));
   }
 }
 
 // Four times the disks, and hardly more iterations.
 TEST(DeflatedSweep, FindsTheSolutionInFewIterations) {
   for (const int rows : {50, 100}) {
-    Deflatable at(leaning_rows(rows));
+    Deflatable at{leaning_rows(rows)};
     const Vector start = settled(at);
     ASSERT_GT(at.error(start).guarded(), 0.05);
     EXPECT_LT(at.error(deflated_from(at, start, 30, {})).guarded(), 1e-5) << rows;
@@ -91,7 +84,7 @@ TEST(DeflatedSweep, StressesEndOnADrivenWall) {
   const ContactProblem light = with_driven_wall(fixed, normal, 1, 0);
   const double force = -light.H.row(wall).dot(solve("assor", fixed, {.tol = 1e-8}).s);
   ASSERT_GT(force, 0);
-  Deflatable at(with_driven_wall(fixed, normal, 1, force));
+  Deflatable at{with_driven_wall(fixed, normal, 1, force)};
   ASSERT_EQ(at.disks().walls, 1);
   const Vector start = settled(at);
   ASSERT_GT(at.error(start).guarded(), 0.05);
@@ -100,7 +93,7 @@ TEST(DeflatedSweep, StressesEndOnADrivenWall) {
 
 // Forth and back from y are those of the accelerated iteration without momentum.
 TEST(DeflatedSweep, BeginsWithTheSymmetricSweep) {
-  const Deflatable at(leaning_rows(40));
+  const Deflatable at{leaning_rows(40)};
   SymmetricSweep<2> sweep = at.sweep(2, {}), other = at.sweep(2, {});
   Vector s = Vector::Zero(at.problem.num_rows());
   other.reset(s);

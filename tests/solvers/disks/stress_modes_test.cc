@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <utility>
 #include <vector>
 
 #include "core/problem/delassus.h"
@@ -27,17 +26,10 @@ using StressRows = std::vector<BodyRow>;
 /// The modes of a packing, and what their kernels do with given impulses.
 struct Stressed {
   ContactProblem problem;
-  DelassusOperator delassus;
-  ContactScaling scaling;
-  DiskTiles<2> tiles;
-  StressModes modes;
-
-  explicit Stressed(ContactProblem p)
-      : problem(std::move(p)),
-        delassus(problem),
-        scaling(equilibrated_scaling(problem, delassus.diagonal())),
-        tiles(problem, *delassus.disks(), scaling, symmetric_order(*delassus.disks())),
-        modes(tiles, *delassus.disks()) {}
+  DelassusOperator delassus{problem};
+  ContactScaling scaling = equilibrated_scaling(problem, delassus.diagonal());
+  DiskTiles<2> tiles{problem, *delassus.disks(), scaling, symmetric_order(*delassus.disks())};
+  StressModes modes{tiles, *delassus.disks()};
 
   const DiskTiles<2>::Tile& tile() const { return tiles.tile(0); }
   StressRows rows() const { return StressRows(to_size(tiles.num_rows())); }
@@ -116,7 +108,7 @@ TEST(DiskPositions, PackingsThatNothingJoinsStandBesideEachOther) {
 // n·σ n and s_t = t·σ n over the factors that restitution puts on the rows, and one with a wall as
 // well.
 TEST(StressModes, AUniformStressIsCarriedByAllContactsAlike) {
-  Stressed at(stressed_packing(false));
+  Stressed at{stressed_packing(false)};
   ASSERT_TRUE(at.modes.renew(at.pressed()));
   ASSERT_GT(at.modes.num_nodes(), 8);
   const double xx = 2, xy = -0.5, yy = 3;
@@ -145,7 +137,7 @@ TEST(StressModes, AUniformStressIsCarriedByAllContactsAlike) {
 // them.
 TEST(StressModes, TheMatrixIsTheEnergyOfTheModes) {
   for (const bool square : {false, true}) {
-    Stressed at(stressed_packing(square));
+    Stressed at{stressed_packing(square)};
     ASSERT_TRUE(at.modes.renew(at.pressed()));
     const int size = 3 * at.modes.num_nodes();
     std::vector<StressRows> momentum(to_size(size));
@@ -172,7 +164,7 @@ TEST(StressModes, TheMatrixIsTheEnergyOfTheModes) {
 // After one correction from any impulse nothing is left to correct: the gradient along all modes is
 // 0.
 TEST(StressModes, OneCorrectionTakesThemOut) {
-  Stressed at(stressed_packing(false));
+  Stressed at{stressed_packing(false)};
   ASSERT_TRUE(at.modes.renew(at.pressed()));
   StressRows rows = at.rates(at.pressed());
   const auto along_modes = [&](const StressRows& rates) {
@@ -205,7 +197,7 @@ TEST(StressModes, OneCorrectionTakesThemOut) {
 }
 
 TEST(StressModes, EveryPathGivesTheSameBits) {
-  Stressed at(stressed_packing(false));
+  Stressed at{stressed_packing(false)};
   ASSERT_TRUE(at.modes.renew(at.pressed()));
   Vector nodes(3 * at.modes.num_nodes());
   for (int k = 0; k < nodes.size(); ++k) nodes[k] = std::sin(k);
@@ -226,7 +218,7 @@ TEST(StressModes, EveryPathGivesTheSameBits) {
 
 // A factor is kept while one contact in a hundred at most has changed, and no longer.
 TEST(StressModes, AreMadeAnewWhereManyContactsChanged) {
-  Stressed at(stressed_packing(false));
+  Stressed at{stressed_packing(false)};
   StressImpulses x = at.pressed();
   ASSERT_TRUE(at.modes.renew(x));
   const Eigen::MatrixXd first = at.modes.matrix();
@@ -242,7 +234,7 @@ TEST(StressModes, AreMadeAnewWhereManyContactsChanged) {
 
 // Rates along stresses that move nobody, as nothing carries them: no stress is the answer.
 TEST(StressModes, SayWhereTheyWouldGrowWithoutBound) {
-  Stressed at(stressed_packing(false));
+  Stressed at{stressed_packing(false)};
   StressImpulses x = at.pressed();
   for (std::size_t batch = x.size() / 2; batch < x.size(); ++batch) x[batch] = {};
   ASSERT_TRUE(at.modes.renew(x));
@@ -254,7 +246,7 @@ TEST(StressModes, SayWhereTheyWouldGrowWithoutBound) {
 
 TEST(StressModes, FewDisksHaveNone) {
   LatticeOptions o;
-  Stressed at(triangular_lattice(12, o));
+  Stressed at{triangular_lattice(12, o)};
   EXPECT_FALSE(at.modes.renew(at.pressed()));
 }
 

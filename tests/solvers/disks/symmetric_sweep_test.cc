@@ -12,6 +12,7 @@
 #include "core/problem/delassus.h"
 #include "solvers/disks/contact_order.h"
 #include "solvers/kernels/contact_sweep.h"
+#include "tests/support/bit_hash.h"
 #include "tests/support/lattice_problem.h"
 
 namespace bipot {
@@ -23,12 +24,8 @@ ContactProblem leaning(int dim, int rows) {
 
 struct Prepared {
   ContactProblem problem;
-  DelassusOperator delassus;
-  ContactScaling scaling;
-  explicit Prepared(ContactProblem p)
-      : problem(std::move(p)),
-        delassus(problem),
-        scaling(equilibrated_scaling(problem, delassus.diagonal())) {}
+  DelassusOperator delassus{problem};
+  ContactScaling scaling = equilibrated_scaling(problem, delassus.diagonal());
 };
 
 template <int D>
@@ -130,7 +127,7 @@ TEST(SymmetricSweep, StripsInSpaceKeepTheGivenOrder) {
 
 TEST(SymmetricSweep, StripsOfAWidePackingOccupyManyThreads) {
   const auto gain = [](int rows) {
-    const Prepared at(leaning(2, rows));
+    const Prepared at{leaning(2, rows)};
     const SymmetricSweep<2> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, 2,
                                   {8, SimdPath::kAuto});
     return sweep.schedule({2, 2}).gain();
@@ -157,7 +154,7 @@ TEST(SymmetricSweep, GoesAlongTheRowsWhereThatFillsTheLanes) {
 /// The scalar sweeps of DiskSweep forth and back in the order of the batches, from y.
 template <int D>
 void check_against_scalar(int rows, int sweeps) {
-  const Prepared at(leaning(D, rows));
+  const Prepared at{leaning(D, rows)};
   const ContactProblem& p = at.problem;
   const ContactTiles order = symmetric_order(*at.delassus.disks());
   const Vector diagonal = at.delassus.diagonal();
@@ -202,7 +199,7 @@ TEST(SymmetricSweep, IsTheScalarSweepForthAndBackFromY) {
 
 template <int D>
 void check_paths(int rows) {
-  const Prepared at(leaning(D, rows));
+  const Prepared at{leaning(D, rows)};
   double turn = 0;
   const Vector portable = iterated<D>(at, {1, SimdPath::kPortable}, turn, 2);
   ASSERT_GT(portable.norm(), 0);
@@ -210,8 +207,7 @@ void check_paths(int rows) {
     if (!has_path(path)) continue;
     double other = 0;
     const Vector s = iterated<D>(at, {1, path}, other, 2);
-    const auto bytes = to_size(s.size()) * sizeof(double);
-    EXPECT_EQ(std::memcmp(s.data(), portable.data(), bytes), 0) << to_string(path);
+    EXPECT_TRUE(same_bits(s, portable)) << to_string(path);
     EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << to_string(path);
   }
 }
@@ -226,15 +222,14 @@ TEST(SymmetricSweep, HasTheSameBitsFromEveryPath) {
 /// `rows`: 30 as they fill the lanes, 40 along the rows, kWide in strips.
 void check_threads(int rows, std::initializer_list<int> all_sweeps) {
   SCOPED_TRACE(rows);
-  const Prepared at(leaning(2, rows));
+  const Prepared at{leaning(2, rows)};
   for (const int sweeps : all_sweeps) {
     double turn = 0;
     const Vector alone = iterated<2>(at, {}, turn, sweeps);
     for (const int threads : {2, 3, 4}) {
       double other = 0;
       const Vector s = iterated<2>(at, {threads, SimdPath::kAuto}, other, sweeps);
-      const auto bytes = to_size(s.size()) * sizeof(double);
-      EXPECT_EQ(std::memcmp(s.data(), alone.data(), bytes), 0) << sweeps << ", " << threads;
+      EXPECT_TRUE(same_bits(s, alone)) << sweeps << ", " << threads;
       EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << sweeps << ", " << threads;
     }
   }
@@ -270,7 +265,7 @@ TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreadsInSpace) {
 }
 
 TEST(SymmetricSweep, RefreshKeepsTheImpulse) {
-  const Prepared at(leaning(2, 12));
+  const Prepared at{leaning(2, 12)};
   SymmetricSweep<2> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, 2, {});
   sweep.reset(Vector::Zero(at.problem.num_rows()));
   for (int k = 0; k < 5; ++k) sweep.iterate(0.3);

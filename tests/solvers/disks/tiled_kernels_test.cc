@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,6 +21,7 @@
 #include "solvers/kernels/local_updates.h"
 #include "solvers/kernels/spectral_estimate.h"
 #include "solvers/solve.h"
+#include "tests/support/bit_hash.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"
 
@@ -97,12 +97,8 @@ ContactProblem rolling_spheres(ContactProblem plain) {
 
 struct Setting {
   ContactProblem problem;
-  DelassusOperator delassus;
-  ContactScaling scaling;
-  explicit Setting(ContactProblem p)
-      : problem(std::move(p)),
-        delassus(problem),
-        scaling(equilibrated_scaling(problem, delassus.diagonal())) {}
+  DelassusOperator delassus{problem};
+  ContactScaling scaling = equilibrated_scaling(problem, delassus.diagonal());
   const DiskStructure& disks() const { return *delassus.disks(); }
   std::optional<DiskStructure> rolling = rolling_bodies<kRollingDisks>(problem);
   std::optional<SphereStructure> rolling_in_space = rolling_bodies<kRollingSpheres>(problem);
@@ -151,13 +147,6 @@ Vector descended(const Setting& at, GradientMap map, const Execution& execution,
 
 const std::vector<int> kOneByOne(40, 1), kTogether{40}, kMixed{1, 2, 20, 7, 10};
 
-/// Bits, not values: -0 is not 0 and a NaN is itself.
-bool same_bits(const Vector& a, const Vector& b) {
-  return a.size() == b.size() &&
-         std::equal(a.data(), a.data() + a.size(), b.data(),
-                    [](double x, double y) { return std::memcmp(&x, &y, sizeof(double)) == 0; });
-}
-
 /// Of few bodies a side many lanes are empty. Cannonballs have normals along no axis.
 template <int D>
 std::vector<ContactProblem> packings() {
@@ -181,7 +170,7 @@ std::vector<ContactProblem> packings() {
 template <int D>
 void check_bits() {
   for (const ContactProblem& problem : packings<D>()) {
-    const Setting at(problem);
+    const Setting at{problem};
     ASSERT_TRUE(at.delassus.is_packed() || at.rolling || at.rolling_in_space);
     const Vector sweep = swept<D>(at, 1, {1, SimdPath::kPortable}, kOneByOne);
     const Vector relaxed = swept<D>(at, 1.5, {1, SimdPath::kPortable}, kOneByOne);
@@ -276,7 +265,7 @@ void sweep_in_order(const ContactTiles& tiles, int sweeps, const Relax& relax) {
 template <int D>
 void check_tiled_sweep(const ContactProblem& problem) {
   for (const double omega : {1.0, 1.4}) {
-    const Setting at(problem);
+    const Setting at{problem};
     const ContactTiles tiles = tile_contacts(at.bodies<D>());
     OneByOne sweep_of(at.problem, omega);
     sweep_in_order(tiles, 20, [&](int c) { sweep_of.relax(c); });
@@ -293,7 +282,7 @@ TEST(TiledKernels, ATiledSweepWithRollingFrictionIsThatOnWInItsOrder) {
 // that an iteration of one sweep each way has these two.
 template <int D>
 void check_symmetric_sweep(const ContactProblem& problem) {
-  const Setting at(problem);
+  const Setting at{problem};
   const ContactTiles tiles = symmetric_order(at.bodies<D>());
   OneByOne sweep_of(at.problem, 1.3);
   const auto lanes = static_cast<int>(tiles.contact.size());
@@ -314,7 +303,7 @@ TEST(TiledKernels, ASymmetricSweepWithRollingFrictionIsThatOnW) {
 // The tiled sweep is a Gauss-Seidel sweep in its own order: the scalar sweep in that order does the
 // same to rounding.
 TEST(TiledKernels, ATiledSweepIsTheScalarSweepInItsOrder) {
-  const Setting at(packing(2));
+  const Setting at{packing(2)};
   const ContactTiles tiles = tile_contacts(at.disks());
   DiskSweep<2> scalar(at.problem, at.disks());
   const Vector diagonal = at.delassus.diagonal();
@@ -330,7 +319,7 @@ TEST(TiledKernels, ATiledSweepIsTheScalarSweepInItsOrder) {
 
 // The given order in vectors is that of contact after contact: a body meets its contacts in turn.
 TEST(TiledKernels, TheGivenOrderIsContactAfterContact) {
-  const Setting at(packing(3, true, 6));
+  const Setting at{packing(3, true, 6)};
   TwoPassSweep<3, 6> general(at.problem);
   general.reset(at.zero());
   LocalUpdates<3> update(at.problem, at.delassus, {});
@@ -347,7 +336,7 @@ TEST(TiledKernels, TheGivenOrderIsContactAfterContact) {
 // For spheres, contact after contact by the general sweep: the block of W of a contact is diagonal,
 // so that one round of projections is the same as the kernel's exact solution.
 void check_sweep_of_spheres(const ContactProblem& problem) {
-  const Setting at(problem);
+  const Setting at{problem};
   const ContactTiles tiles = tile_contacts(at.bodies<3>());
   TwoPassSweep<3, 6> general(at.problem);
   general.reset(at.zero());
@@ -366,7 +355,7 @@ TEST(TiledKernels, ATiledSweepOfSpheresIsTheGeneralSweepInItsOrder) {
 template <ContactRows D>
 void check_gradient(const ContactProblem& problem) {
   for (const GradientMap map : {GradientMap::kSplit, GradientMap::kFollowed}) {
-    const Setting at(problem);
+    const Setting at{problem};
     WholeSpace space(at.problem);
     SpaceSums sums{space};
     GradientIteration<D, SpaceSums> plain(at.problem, sums, at.scaling);

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/problem_files/problem_file.h"
-#include "solvers/parallel/contact_owners.h"
 #include "solvers/parallel/disk_frontier.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
@@ -13,12 +12,6 @@
 
 namespace bipot {
 namespace {
-
-/// What this process has of a problem cut for all of them.
-ProblemPiece piece_of(const ContactProblem& p) {
-  const BodyNodes nodes = body_nodes(p);
-  return cut_piece(p, nodes, contact_owners(p, nodes, {}, mpi_group().size()), mpi_group().rank());
-}
 
 struct Iterated {
   Vector s;
@@ -51,7 +44,7 @@ void expect_iterates_of_the_whole(const ContactProblem& p, GradientMap map) {
   const Iterated one = iterate(whole, s0, map);
   EXPECT_GT(one.lambda.back(), 0.1);  // raised, by the energies alone
 
-  const ProblemPiece piece = piece_of(p);
+  const ProblemPiece piece = piece_here(p);
   DistributedSpace space(piece, mpi_group(), false);
   const auto disks = DiskFrontier<D>::structure(space);
   ASSERT_TRUE(disks);
@@ -92,12 +85,12 @@ TEST(DiskFrontier, AProcessWithoutContactsTakesPart) {
 }
 
 TEST(DiskFrontier, OtherBodiesAndWallsThatAllPushHaveNoStructure) {
-  const ProblemPiece spheres = piece_of(cubic_lattice(3));
+  const ProblemPiece spheres = piece_here(cubic_lattice(3));
   DistributedSpace space(spheres, mpi_group(), false);
   EXPECT_FALSE(space.disks());
   EXPECT_FALSE(DiskFrontier<2>::structure(space));
 
-  ProblemPiece pushed = piece_of(square_lattice(4));
+  ProblemPiece pushed = piece_here(square_lattice(4));
   pushed.everywhere_inverse_mass.push_back(1);
   pushed.everywhere_own_dof.push_back(-1);
   DistributedSpace with_wall(pushed, mpi_group(), false);

@@ -274,10 +274,8 @@ TEST(DistributedSolve, ABodyMayTouchAllProcesses) {
 
 TEST(DistributedSolve, ADrivenWallMayBeCutByAllProcesses) {
   const NamedProblem p{"compression", shipped_file("2d_isotropic_compression.hdf5")};
-  const BodyNodes nodes = body_nodes(p.problem);
-  ASSERT_FALSE(nodes.everywhere.empty());
-  const ContactOwners owners = contact_owners(p.problem, nodes, {}, mpi_group().size());
-  const ProblemPiece piece = cut_piece(p.problem, nodes, owners, mpi_group().rank());
+  ASSERT_FALSE(body_nodes(p.problem).everywhere.empty());
+  const ProblemPiece piece = piece_here(p.problem);
   EXPECT_FALSE(piece.everywhere.empty()) << "no contact of a driven wall is here";
   const SolverOptions few = first_iterations(20);
   const SolveResult one = solve("apgd", p.problem, few);
@@ -300,9 +298,7 @@ TEST(DistributedSolve, ADrivenWallMayBeCutByAllProcesses) {
 
 TEST(DistributedSolve, AnIterationIsOneExchangeAndOneReduction) {
   const ContactProblem p = triangular_lattice(16);
-  const BodyNodes nodes = body_nodes(p);
-  const ContactOwners owners = contact_owners(p, nodes, {}, mpi_group().size());
-  const ProblemPiece piece = cut_piece(p, nodes, owners, mpi_group().rank());
+  const ProblemPiece piece = piece_here(p);
   // What a process sends in one exchange: its contacts in the halos of others, d = 2 doubles each.
   std::vector<double> owner_of_copies;
   for (const ProcessGroup::RemoteItem& item : piece.copies) owner_of_copies.push_back(item.owner);
@@ -337,9 +333,7 @@ TEST(DistributedSolve, SplitMassesBoundTheOperator) {
   // s·W s <= s·W~ s for every s, which is what makes sweeps side by side converge; with the bodies'
   // whole masses on every process it does not hold: two processes that push a body the same way.
   const ContactProblem p = triangular_lattice(6);
-  const BodyNodes nodes = body_nodes(p);
-  const ContactOwners owners = contact_owners(p, nodes, {}, mpi_group().size());
-  const ProblemPiece piece = cut_piece(p, nodes, owners, mpi_group().rank());
+  const ProblemPiece piece = piece_here(p);
   const DelassusOperator whole(p);
   Vector u;
   int violated = 0;

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "solvers/parallel/contact_owners.h"
 #include "solvers/parallel/problem_piece.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
@@ -100,9 +99,7 @@ TEST(Exchange, SumsTextsAndListsAreTheSameEverywhere) {
 TEST(Exchange, EveryContactOfAnOwnedContactsBodyIsThereOnce) {
   ProcessGroup& group = mpi_group();
   const ContactProblem whole = triangular_lattice(9);
-  const BodyNodes nodes = body_nodes(whole);
-  const ContactOwners owners = contact_owners(whole, nodes, {}, group.size());
-  const ProblemPiece piece = cut_piece(whole, nodes, owners, group.rank());
+  const ProblemPiece piece = piece_here(whole);
   // All contacts have one owner: the numbers of all processes are 0, 1, ... without a gap.
   std::vector<double> numbers(piece.number.begin(), piece.number.end());
   numbers = group.gather(numbers);

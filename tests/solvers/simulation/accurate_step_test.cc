@@ -16,6 +16,7 @@
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_stepper.h"
 #include "solvers/simulation/step_solver.h"
+#include "tests/support/pendulum_angle.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -280,17 +281,8 @@ TEST(AccurateStep, SlidingInABowlIsOfTheSecondOrder) {
   Wall<2> bowl{.shape = Wall<2>::Shape::kHollowCircle, .radius = 0.1};
   scene.walls = {bowl};
   scene.bodies = {round_body<2>(length * Vec2(std::sin(start), -std::cos(start)), kRadius, 1)};
-  // The pendulum by Runge and Kutta's rule.
-  double angle = start, rate = 0;
-  const double h = 1e-4;
-  const auto pull = [&](double a) { return -9.81 / length * std::sin(a); };
-  for (int k = 0; k < 10000; ++k) {
-    const double a1 = rate, r1 = pull(angle), a2 = rate + 0.5 * h * r1,
-                 r2 = pull(angle + 0.5 * h * a1), a3 = rate + 0.5 * h * r2,
-                 r3 = pull(angle + 0.5 * h * a2), a4 = rate + h * r3, r4 = pull(angle + h * a3);
-    angle += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
-    rate += h / 6 * (r1 + 2 * r2 + 2 * r3 + r4);
-  }
+  const double angle =
+      pendulum_angle(start, 1, [&](double a, double) { return -9.81 / length * std::sin(a); });
   const Vec2 exact = length * Vec2(std::sin(angle), -std::cos(angle));
   std::vector<double> errors;
   std::vector<int> parts;
