@@ -131,6 +131,15 @@ TEST(Document, TextAlignsColumnsAndFitsTheTerminal) {
   EXPECT_TRUE(says(to_text(small_document()), "What `a < b` says, loudly: see the end, not"));
 }
 
+TEST(Document, MarksAreLettersInTextAndNotesOnPagesAreNot) {
+  Table table{.columns = {{"", "error"}}, .note = "Note.", .page_note = " Rest the pointer."};
+  table.add({Table::Cell("0.1").as("over")});
+  EXPECT_EQ(to_text(table), "error\n0.1*\nNote.\n");
+  Document page;
+  page.add(table);
+  EXPECT_TRUE(says(to_html(page), "Note. Rest the pointer."));
+}
+
 TEST(TextLines, BreakAtSpacesAndCountLetters) {
   EXPECT_EQ(letters("μ ≤ ½"), 5u);
   EXPECT_EQ(wrapped_lines("ab cd ef\ng", 5), (std::vector<std::string>{"ab cd", "ef", "g"}));

@@ -390,6 +390,8 @@ TEST(SceneFile, SpringsAndDashpots) {
   EXPECT_EQ(s.dem.substep, 1e-5);
   EXPECT_EQ(s.dem.safety, 0.2);
   EXPECT_EQ(parse(kDisk + kTime).model, Model::kNonsmooth);
+  expect_refused("model = 'dem'\n" + kDisk + "[dem]\noverlap = 0.1\n" + kTime,
+                 {"overlap = 0.1, expected a number in (0, 0.1)"});
 }
 
 TEST(SceneFile, SolverAndOutput) {
@@ -580,7 +582,7 @@ TEST(SceneFile, WhatDoesNotBelongInSpaceIsRefused) {
   refused("dim = 4\n", "expected 2 or 3, got 4");
   refused("dim = 2\n" + kSphere, "dim = 3");
   refused("dim = 3\n" + kDisk, "'disks'");
-  refused("rotate_degrees = 3\n" + kSphere, "'rotate_degrees'");
+  refused("rotate_degrees = 3\n" + kSphere, "turns scenes in the plane alone");
   refused(kSphere + "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n", "expected 3 numbers, got 2");
   refused(kSphere + "[[walls]]\ncenter = [0, 0, 0]\nradius = 1\n", "cylinder");
   refused(kSphere + "[[walls]]\nfrom = [0, 0, 0]\nto = [0, 0, 1]\n", "half-space");
