@@ -178,12 +178,8 @@ TEST(FourBars, JointsAreEqualityRowsOrPairsOfOppositeContacts) {
 
 // A point of 1 kg on a plane is led along at 0.3 m/s: it stops falling, and all friction opposes.
 TEST(Guide, LeavesAContactWithoutTangentialMotion) {
-  ContactProblem p{.dim = 2};
-  p.A.resize(2, 2);
-  p.A.setIdentity();
-  p.H = p.A;
-  p.v_free = p.u_free = Vec2(-2, 0);
-  p.mu = Vector::Constant(1, 0.5);
+  ContactProblem p =
+      unit_masses(2, Eigen::Matrix2d::Identity(), Vec2(-2, 0), Vector::Constant(1, 0.5));
   const Eigen::MatrixXd G = Eigen::RowVector2d(0, 1);
   p = with_equality_rows(p, G.sparseView(), Vector::Constant(1, 0.3));
   for (const SolverEntry& entry : solver_table()) {

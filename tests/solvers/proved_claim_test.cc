@@ -8,6 +8,7 @@
 #include "core/criterion/rounding_bound.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
@@ -15,15 +16,8 @@ namespace {
 /// One body of 1 kg with three contacts that push to both sides, u = v, -v, v; and another that a
 /// wall stops, s = 1 N s.
 ContactProblem pushed_to_both_sides() {
-  ContactProblem p{.dim = 1};
-  Eigen::MatrixXd H(2, 4);
-  H << 1, -1, 1, 0, 0, 0, 0, 1;
-  p.A = SparseMatrix(Eigen::MatrixXd::Identity(2, 2).sparseView());
-  p.H = SparseMatrix(H.sparseView());
-  p.v_free = Eigen::Vector2d(0, -1);
-  p.u_free = Eigen::Vector4d(0, 0, 0, -1);
-  p.mu = Vector::Zero(4);
-  return p;
+  const Eigen::MatrixXd H{{1, -1, 1, 0}, {0, 0, 0, 1}};
+  return unit_masses(1, H, Eigen::Vector2d(0, -1), Vector::Zero(4));
 }
 
 // v = 1 - 2^60 + 2^60 is 0 in double precision: all errors are 0. In truth v = 1, the third contact
@@ -77,10 +71,8 @@ TEST(ProvedClaim, AStartThatOnlyRoundingSupportsIsSolvedOn) {
 // The last thousandth of the tolerance counts: ε = 20 δ - 10 δ² for one contact of 1 kg, b = -1, s
 // = 1 - δ (G = δ (1 - δ), V = δ²/2, E = 1/2), and η = sqrt(10) δ is less.
 TEST(ProvedClaim, HasNoGrace) {
-  ContactProblem p{.dim = 1,
-                   .W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView()),
-                   .u_free = Vector::Constant(1, -1),
-                   .mu = Vector::Zero(1)};
+  const ContactProblem p = delassus_problem(1, Eigen::MatrixXd::Identity(1, 1),
+                                            Vector::Constant(1, -1), Vector::Zero(1));
   const double delta = std::ldexp(1.0, -30), epsilon = 20 * delta - 10 * delta * delta;
   const Vector s = Vector::Constant(1, 1 - delta);
   const ContactError error = contact_error(p, s);

@@ -70,6 +70,22 @@ FourBars four_bars() {
   return bars;
 }
 
+ContactProblem delassus_problem(int dim, const Eigen::MatrixXd& W, const Vector& b,
+                                const Vector& mu) {
+  return {.dim = dim, .W = SparseRows(W.sparseView()), .u_free = b, .mu = mu};
+}
+
+ContactProblem unit_masses(int dim, const Eigen::MatrixXd& H, const Vector& v_free,
+                           const Vector& mu) {
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(H.rows(), H.rows());
+  return {.dim = dim,
+          .A = A.sparseView(),
+          .H = H.sparseView(),
+          .v_free = v_free,
+          .u_free = H.transpose() * v_free,
+          .mu = mu};
+}
+
 ContactProblem local_form(const ContactProblem& problem) {
   ContactProblem p = problem;
   if (!p.has_delassus()) p.W = assemble_delassus(p.A, p.H, p.dim);

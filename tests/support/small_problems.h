@@ -29,6 +29,14 @@ struct FourBars {
 };
 FourBars four_bars();
 
+/// A problem given by W alone.
+ContactProblem delassus_problem(int dim, const Eigen::MatrixXd& W, const Vector& b,
+                                const Vector& mu);
+
+/// A problem of bodies whose masses and moments of inertia are 1; u_free is Hᵀ v_free.
+ContactProblem unit_masses(int dim, const Eigen::MatrixXd& H, const Vector& v_free,
+                           const Vector& mu);
+
 /// The same problem without A and H: W alone.
 ContactProblem local_form(const ContactProblem& problem);
 

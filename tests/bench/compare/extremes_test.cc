@@ -22,6 +22,7 @@
 #include "tests/support/markup_defect.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/refusal.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
@@ -121,10 +122,8 @@ TEST(IndependentCheck, ImpulsesThatPullAreNotOnTheCone) {
 
 // One contact of 1 kg, b = -1, s = 1 - δ: ε = 20 δ - 10 δ², see tests/solvers/proved_claim_test.cc.
 TEST(IndependentCheck, ConfirmsNoClaimBeyondTheTolerance) {
-  ContactProblem p{.dim = 1,
-                   .W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView()),
-                   .u_free = Vector::Constant(1, -1),
-                   .mu = Vector::Zero(1)};
+  const ContactProblem p = delassus_problem(1, Eigen::MatrixXd::Identity(1, 1),
+                                            Vector::Constant(1, -1), Vector::Zero(1));
   const double delta = std::ldexp(1.0, -30), epsilon = 20 * delta - 10 * delta * delta;
   const IndependentCheck check = independent_check(p, Vector::Constant(1, 1 - delta));
   EXPECT_NEAR(check.guarded, epsilon, 1e-15 * epsilon);
@@ -135,14 +134,8 @@ TEST(IndependentCheck, ConfirmsNoClaimBeyondTheTolerance) {
 
 // 2^-20 - 2^60 + 2^60: 81 digits, which quadruple precision has and extended precision has not.
 TEST(IndependentCheck, SeesWhatExtendedPrecisionRoundsAway) {
-  ContactProblem p{.dim = 1};
-  Eigen::MatrixXd H(1, 3);
-  H << 1, -1, 1;
-  p.A = SparseMatrix(Eigen::MatrixXd::Identity(1, 1).sparseView());
-  p.H = SparseMatrix(H.sparseView());
-  p.v_free = Vector::Constant(1, 0);
-  p.u_free = Vector::Zero(3);
-  p.mu = Vector::Zero(3);
+  const ContactProblem p =
+      unit_masses(1, Eigen::RowVector3d(1, -1, 1), Vector::Zero(1), Vector::Zero(3));
   const double large = std::ldexp(1.0, 60), small = std::ldexp(1.0, -20);
   const IndependentCheck check = independent_check(p, Eigen::Vector3d(small, large, large));
   EXPECT_EQ(check.u[0], small);

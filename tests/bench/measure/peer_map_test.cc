@@ -12,16 +12,8 @@ namespace {
 
 /// Two contacts that do not couple, W = diag(2, 1, 6, 3), mu = 0.5.
 ContactProblem two_contacts() {
-  ContactProblem p{.dim = 2};
-  p.W.resize(4, 4);
-  p.W.insert(0, 0) = 2;
-  p.W.insert(1, 1) = 1;
-  p.W.insert(2, 2) = 6;
-  p.W.insert(3, 3) = 3;
-  p.W.makeCompressed();
-  p.u_free = vec({-4, 0.5, 1, 0});
-  p.mu = vec({0.5, 0.5});
-  return p;
+  return delassus_problem(2, vec({2, 1, 6, 3}).asDiagonal().toDenseMatrix(), vec({-4, 0.5, 1, 0}),
+                          vec({0.5, 0.5}));
 }
 
 TEST(PeerNaturalMap, IsTheOneByHand) {

@@ -14,19 +14,15 @@
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/random_vector.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
 
-/// A problem given by W alone. dense: row-major, dim * mu.size() squared entries.
-ContactProblem local_problem(int dim, const Eigen::MatrixXd& W, const Vector& b, const Vector& mu) {
-  return ContactProblem{.dim = dim, .W = SparseRows(W.sparseView()), .u_free = b, .mu = mu};
-}
-
 /// One contact with W = diag(w).
 ContactProblem one_contact(const Vector& w, const Vector& b, double mu) {
-  return local_problem(static_cast<int>(w.size()), w.asDiagonal().toDenseMatrix(), b,
-                       Vector::Constant(1, mu));
+  return delassus_problem(static_cast<int>(w.size()), w.asDiagonal().toDenseMatrix(), b,
+                          Vector::Constant(1, mu));
 }
 
 Vector random_impulse(int dim, int contacts, PortableRandom& draw) {
@@ -344,13 +340,13 @@ TEST(ContactError, WorkWithoutAnyEnergyToCompareItWithIsInfinite) {
   Eigen::MatrixXd W(2, 2);
   W << 1, -1, -1, 1;
   const Vector mu = Vector::Zero(2);
-  const ContactError e = contact_error(local_problem(1, W, vec({0.5, 0.5}), mu), vec({1, 1}));
+  const ContactError e = contact_error(delassus_problem(1, W, vec({0.5, 0.5}), mu), vec({1, 1}));
   EXPECT_EQ(e.energy, 0);
   EXPECT_EQ(e.epsilon, kInfinity);
   EXPECT_EQ(e.eta, kInfinity);
   EXPECT_EQ(e.guarded(), kInfinity);
   // The same self-stress at rest is on the law: 0/0 = 0.
-  EXPECT_EQ(contact_error(local_problem(1, W, vec({0, 0}), mu), vec({1, 1})).guarded(), 0);
+  EXPECT_EQ(contact_error(delassus_problem(1, W, vec({0, 0}), mu), vec({1, 1})).guarded(), 0);
 }
 
 TEST(ContactError, NotANumberIsNotAnError) {
@@ -386,16 +382,16 @@ TEST(ContactError, RestitutionIsJudgedInPhysicalVariables) {
 
 TEST(ContactError, NamesTheWorstContact) {
   // Three contacts that do not see each other; the error is in the second.
-  const ContactProblem p = local_problem(2, Eigen::MatrixXd::Identity(6, 6),
-                                         vec({-1, 0, -1, 0, -1, 0}), Vector::Constant(3, 0.5));
+  const ContactProblem p = delassus_problem(2, Eigen::MatrixXd::Identity(6, 6),
+                                            vec({-1, 0, -1, 0, -1, 0}), Vector::Constant(3, 0.5));
   const ContactError e = contact_error(p, vec({1, 0, 1.5, 0, 1.1, 0}));
   EXPECT_EQ(e.worst_epsilon, 1);
   EXPECT_EQ(e.worst_eta, 1);
 }
 
 TEST(ContactError, CountsContactsByStatus) {
-  const ContactProblem p =
-      local_problem(2, Eigen::MatrixXd::Identity(8, 8), Vector::Zero(8), Vector::Constant(4, 0.5));
+  const ContactProblem p = delassus_problem(2, Eigen::MatrixXd::Identity(8, 8), Vector::Zero(8),
+                                            Vector::Constant(4, 0.5));
   const ContactCount count = count_contacts(p, vec({0, 0, 1, 0.2, 1, -0.5, 2, 1}));
   EXPECT_EQ(count.take_off, 1);
   EXPECT_EQ(count.stick, 1);

@@ -6,6 +6,7 @@
 
 #include "core/criterion/extended_error.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
@@ -67,12 +68,8 @@ TEST(RoundingBound, GrowsWithFrictionAndWithSelfStress) {
   // whatever S. |s|ᵀ|W||s| = (2 S + 1)².
   double previous = 0;
   for (const double stress : {1.0, 1e3, 1e6}) {
-    ContactProblem p{.dim = 1};
-    Eigen::MatrixXd W(2, 2);
-    W << 1, -1, -1, 1;
-    p.W = SparseRows(W.sparseView());
-    p.u_free = Eigen::Vector2d(-1, 1);
-    p.mu = Vector::Zero(2);
+    const ContactProblem p = delassus_problem(1, Eigen::Matrix2d{{1, -1}, {-1, 1}},
+                                              Eigen::Vector2d(-1, 1), Vector::Zero(2));
     const double bound =
         rounding_bound(p, Eigen::Vector2d(stress + 1, stress), Precision::kDouble).epsilon;
     EXPECT_GT(bound, std::ldexp(stress * stress, -53));

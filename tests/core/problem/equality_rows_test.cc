@@ -8,6 +8,7 @@
 #include "core/problem/delassus.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/refusal.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
@@ -104,12 +105,8 @@ TEST(EqualityRows, AGeneralMassMatrixIsTaken) {
 }
 
 TEST(EqualityRows, LenientEliminationTakesTheNearestVelocitiesAndRidsOfBlockedContacts) {
-  ContactProblem p{.dim = 1};
-  p.A.resize(2, 2);
-  p.A.setIdentity();
-  p.H = p.A;
-  p.v_free = p.u_free = Eigen::Vector2d(-1, -2);
-  p.mu = Vector::Zero(2);
+  ContactProblem p =
+      unit_masses(1, MatrixXd::Identity(2, 2), Eigen::Vector2d(-1, -2), Vector::Zero(2));
   MatrixXd G(2, 2);
   G << 1, 0, 1, 0;  // v_x = 3 and 4: 3.5
   p = with_equality_rows(p, G.sparseView(), Eigen::Vector2d(3, 4), true);
@@ -119,12 +116,8 @@ TEST(EqualityRows, LenientEliminationTakesTheNearestVelocitiesAndRidsOfBlockedCo
 }
 
 TEST(EqualityRows, DefectsAreRefusedWithTheRowOrTheContact) {
-  ContactProblem p{.dim = 1};
-  p.A.resize(2, 2);
-  p.A.setIdentity();
-  p.H = p.A;
-  p.v_free = p.u_free = Eigen::Vector2d(-1, -2);
-  p.mu = Vector::Zero(2);
+  ContactProblem p =
+      unit_masses(1, MatrixXd::Identity(2, 2), Eigen::Vector2d(-1, -2), Vector::Zero(2));
   const auto refusal = [&](const MatrixXd& G, const Vector& b) {
     return refusal_of<std::invalid_argument>(
         [&] { with_equality_rows(p, SparseRows(G.sparseView()), b); });

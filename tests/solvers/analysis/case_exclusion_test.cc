@@ -14,13 +14,8 @@ namespace {
 
 /// One mass of 1 kg between two walls, W alone: u_1 + u_2 = w_1 + w_2 whatever the impulses.
 ContactProblem between_walls(double w_1, double w_2) {
-  ContactProblem p{.dim = 1};
-  Eigen::MatrixXd W(2, 2);
-  W << 1, -1, -1, 1;
-  p.W = SparseRows(W.sparseView());
-  p.mu = Vector::Zero(2);
-  p.u_free = Eigen::Vector2d(w_1, w_2);
-  return p;
+  return delassus_problem(1, Eigen::Matrix2d{{1, -1}, {-1, 1}}, Eigen::Vector2d(w_1, w_2),
+                          Vector::Zero(2));
 }
 
 // y = (1, 1): y·W = 0, y·w = -3. No case has to be told from another; what reaches is beyond the

@@ -206,15 +206,8 @@ TEST(CertificateCheck, RefusesWhatDoesNotHold) {
 TEST(CertificateCheck, SeesWhatDoublePrecisionCannot) {
   // The terms 1, x and -1 leave x of a sum of absolutes 2. x = 2^-63 is within the rounding of 64
   // bits and 12 operations, 2^-59.4 of that sum: not taken for positive. x = 2^-55 is.
-  ContactProblem p{.dim = 1};
-  p.A.resize(3, 3);
-  p.A.setIdentity();
-  p.H.resize(3, 1);
-  for (int k = 0; k < 3; ++k) p.H.insert(k, 0) = 1;
-  p.H.makeCompressed();
-  p.mu = Vector::Zero(1);
-  p.u_free = Vector::Zero(1);
-  p.v_free = Vector::Zero(3);
+  const ContactProblem p =
+      unit_masses(1, Eigen::Vector3d::Ones(), Vector::Zero(3), Vector::Zero(1));
   Vector y(3);
   y << 1, 0x1p-63, -1;
   EXPECT_LE(opening_margin(p, y, 0), 0);

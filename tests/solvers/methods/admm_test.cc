@@ -79,19 +79,9 @@ TEST(Admm, AFewDozenIterationsSolveALattice) {
 
 // An eigenvalue of -0.01 is more than the first penalty: that is raised until the factor exists.
 TEST(Admm, RaisesThePenaltyOfAnIndefiniteOperator) {
-  ContactProblem p{.dim = 2};
-  p.W.resize(4, 4);
-  p.W.insert(0, 0) = 1;
-  p.W.insert(0, 2) = 1.01;
-  p.W.insert(1, 1) = 1;
-  p.W.insert(2, 0) = 1.01;
-  p.W.insert(2, 2) = 1;
-  p.W.insert(3, 3) = 1;
-  p.W.makeCompressed();
-  p.mu = Vector::Constant(2, 0.3);
-  p.u_free = Vector(4);
-  p.u_free << -1, 0, -0.5, 0;  // the first contact alone: s_n = 1, u_n = 0.51 at the second
-  const SolveResult r = run_admm(p);
+  const Eigen::Matrix4d W{{1, 0, 1.01, 0}, {0, 1, 0, 0}, {1.01, 0, 1, 0}, {0, 0, 0, 1}};
+  // The first contact alone: s_n = 1, u_n = 0.51 at the second.
+  const SolveResult r = run_admm(delassus_problem(2, W, vec({-1, 0, -0.5, 0}), vec({0.3, 0.3})));
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 

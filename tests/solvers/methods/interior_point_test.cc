@@ -403,17 +403,9 @@ TEST(InteriorPoint, IterationsDoNotDependOnTheUnits) {
 TEST(InteriorPoint, PolishRemovesTheImpulsesOfDegenerateContacts) {
   // Two bodies on the floor under gravity that also touch each other: that contact neither moves
   // nor pushes, and its impulse on the central path falls only as the square root of the product.
-  ContactProblem p{.dim = 1};
-  p.A.resize(4, 4);
-  p.A.setIdentity();
-  p.H.resize(4, 3);
-  p.H.insert(1, 0) = 1;   // body 1 (x, y) on the floor
-  p.H.insert(3, 1) = 1;   // body 2
-  p.H.insert(0, 2) = -1;  // touching side by side
-  p.H.insert(2, 2) = 1;
-  p.v_free = (Vector(4) << 0, -1, 0, -1).finished();
-  p.u_free = p.H.transpose() * p.v_free;
-  p.mu = Vector::Zero(3);
+  // Contacts: body 1 (x, y) on the floor, body 2, and both side by side.
+  const Eigen::MatrixXd H{{0, 0, -1}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
+  const ContactProblem p = unit_masses(1, H, Eigen::Vector4d(0, -1, 0, -1), Vector::Zero(3));
   const SolveResult r = solve("ipm", p, with({}, 1e-14));
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
   EXPECT_NEAR(r.s[0], 1, 1e-12);
