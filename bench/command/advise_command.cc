@@ -149,16 +149,14 @@ int run_advise(const AdviseFlags& flags) {
   const Provenance made = provenance("advise", typed_command());
   Json json = to_json(advice, made);
   json["exit_code"] = exit_code_of(advice.status);
-  if (!flags.json.empty()) write_json(json, flags.json);
+  const fs::path folder = flags.out;
   if (!flags.out.empty()) {
-    write_json(json, (fs::path(flags.out) / "advice.json").string());
-    write_text_file(fs::path(flags.out) / "advice.csv", advice_csv(advice));
-    write_text_file(fs::path(flags.out) / "advice.html", to_html(advice_document(advice, &made)));
+    write_json(json, (folder / "advice.json").string());
+    write_text_file(folder / "advice.csv", advice_csv(advice));
+    write_text_file(folder / "advice.html", to_html(advice_document(advice, &made)));
   }
-  if (!quiet) {
-    fmt::print("{}", flags.all ? to_text(advice_document(advice)) : advice_summary(advice));
-    if (!flags.out.empty()) fmt::print("{}\n", (fs::path(flags.out) / "advice.html").string());
-  }
+  flags.deliver(json, flags.all ? to_text(advice_document(advice)) : advice_summary(advice),
+                (folder / "advice.html").string());
   if (!flags.write.empty() && advice.choice >= 0) {
     write_scene(flags, text, path.string(), advice);
     if (!quiet) fmt::print("advice written into {}\n", flags.write);

@@ -1,7 +1,10 @@
 #include "bench/command/command_options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
 #include <system_error>
@@ -28,6 +31,14 @@ void OutputFlags::prepare(bool charts) const {
     if (failure) throw FileError(out, "", "cannot create: " + failure.message());
   }
   require_writable(json);
+}
+
+void OutputFlags::deliver(const Json& results, const std::string& text,
+                          const std::string& place) const {
+  if (!json.empty()) write_json(results, json);
+  if (silent()) return;
+  fmt::print("{}", text);
+  if (!out.empty() && !place.empty()) fmt::print("{}\n", place);
 }
 
 void add_output_flags(CommandDeclaration& command, OutputFlags& flags,

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -40,6 +41,10 @@ struct OutputFlags {
   /// Before the work: makes the folder, and looks whether the file can be written and, for `charts`
   /// in the folder, whether they can be drawn. Throws FileError.
   void prepare(bool charts = false) const;
+  /// After the work: writes the JSON if wanted. Unless silent, prints the text and, if there is a
+  /// folder, a last line on where the results are. Throws FileError.
+  void deliver(const nlohmann::ordered_json& results, const std::string& text,
+               const std::string& place = {}) const;
 };
 /// --out with this help, --json and --quiet. Empty help: no --out.
 void add_output_flags(CommandDeclaration& command, OutputFlags& flags,

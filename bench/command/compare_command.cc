@@ -131,11 +131,7 @@ int run_settings(const CompareFlags& flags, const std::vector<ProblemSource>& so
     write_text_file(folder / "report.html", to_html(page));
     write_figures(folder, page);
   }
-  if (!flags.json.empty()) write_json(to_json(page), flags.json);
-  if (!flags.silent()) {
-    fmt::print("{}", to_text(summary));
-    if (!flags.out.empty()) fmt::print("results in {}\n", flags.out);
-  }
+  flags.deliver(to_json(page), to_text(summary), "results in " + flags.out);
   return study.complete ? kExitConverged : kExitInterrupted;
 }
 
@@ -202,19 +198,16 @@ int run_compare(const CompareFlags& flags) {
     }
     write_report(options.out, comparison, context, more);
   }
-  if (!flags.json.empty()) {
-    Json table = to_json(comparison, context);
-    if (whole) table["whole_simulations"] = to_json(*whole);
-    write_json(table, flags.json);
+  Json table = to_json(comparison, context);
+  std::string text = to_text(comparison);
+  if (whole) {
+    table["whole_simulations"] = to_json(*whole);
+    text += "\nWhole simulations\n\n" + to_text(trade_document(*whole));
   }
-  if (!quiet) {
-    fmt::print("{}", to_text(comparison));
-    if (whole) fmt::print("\nWhole simulations\n\n{}", to_text(trade_document(*whole)));
-    if (!flags.out.empty()) {
-      fmt::print("results in {}, {} of {} rows from before\n", flags.out, comparison.rows_kept,
-                 comparison.rows.size() + comparison.warm_rows.size());
-    }
-  }
+  flags.deliver(
+      table, text,
+      fmt::format("results in {}, {} of {} rows from before", flags.out, comparison.rows_kept,
+                  comparison.rows.size() + comparison.warm_rows.size()));
   return comparison.complete && (!whole || whole->trade.complete) ? kExitConverged
                                                                   : kExitInterrupted;
 }

@@ -107,7 +107,7 @@ int random_sets(const ExtremesFlags& flags) {
   run(flags.random_scenes, "random scenes", "random-scenes", &run_random_scenes);
   if (!flags.out.empty()) write_text_file(fs::path(flags.out) / "random.csv", to_csv(findings));
   page.add(std::move(findings));
-  if (!flags.json.empty()) write_json(to_json(page), flags.json);
+  flags.deliver(to_json(page), "");
   if (InterruptGuard::requested()) return kExitInterrupted;
   return sound ? kExitConverged : kExitNotConverged;
 }

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -70,8 +68,7 @@ int run_leaderboard(const LeaderboardFlags& flags) {
     write_text_file(folder / "leaderboard.csv", to_csv(leaderboard_rows(board)));
     write_text_file(folder / "index.html", to_html(page));
   }
-  if (!flags.json.empty()) write_json(to_json(page), flags.json);
-  if (!flags.silent()) fmt::print("{}", to_text(summary));
+  flags.deliver(to_json(page), to_text(summary));
   return kExitConverged;
 }
 

@@ -14,7 +14,6 @@
 #include "bench/experiments/paper_item.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/report/build_info.h"
-#include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
@@ -138,10 +137,9 @@ int run_paper(const PaperFlags& flags) {
     report.items.push_back(std::move(entry));
   }
 
-  const bool quiet = flags.silent();
   const long total = static_cast<long>(
       std::count_if(names.begin(), names.end(), [&](const auto& name) { return chosen(name); }));
-  ProgressBar progress(total, quiet);
+  ProgressBar progress(total, flags.silent());
   const InterruptGuard interrupt;
   PaperItem::Context context{
       .out = folder, .quick = flags.quick, .interrupted = &InterruptGuard::requested};
@@ -179,8 +177,7 @@ int run_paper(const PaperFlags& flags) {
     write_report(folder, "results.json", report);
   }
   write_report(folder, "results.json", report);
-  if (!flags.json.empty()) write_json(to_json(report), flags.json);
-  if (!quiet) fmt::print("{}{}\n", summary, (folder / "index.html").string());
+  flags.deliver(to_json(report), summary, (folder / "index.html").string());
   if (InterruptGuard::requested()) return kExitInterrupted;
   return sound ? kExitConverged : kExitNotConverged;
 }

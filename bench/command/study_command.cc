@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,7 +8,6 @@
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
-#include "bench/report/json_output.h"
 #include "bench/study/study.h"
 #include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
@@ -91,8 +88,7 @@ int run_study(const StudyFlags& flags) {
   }
   write_figures(folder, page);
   write_text_file(folder / "index.html", to_html(page));
-  if (!flags.json.empty()) write_json(to_json(page), flags.json);
-  if (!flags.silent()) fmt::print("{}{}\n", to_text(page), (folder / "index.html").string());
+  flags.deliver(to_json(page), to_text(page), (folder / "index.html").string());
   return complete ? kExitConverged : kExitInterrupted;
 }
 

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -7,7 +5,6 @@
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/watched_trade.h"
-#include "bench/report/json_output.h"
 #include "bench/tradeoff/trade_request.h"
 
 namespace bipot {
@@ -80,14 +77,9 @@ CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
 
 int run_trade(const TradeFlags& flags) {
   flags.prepare(true);
-  const bool quiet = flags.silent();
-  const FinishedTrade finished = run_watched_trade(flags.request, quiet);
+  const FinishedTrade finished = run_watched_trade(flags.request, flags.silent());
   if (!flags.out.empty()) write_trade(flags.out, finished);
-  if (!flags.json.empty()) write_json(to_json(finished), flags.json);
-  if (!quiet) {
-    fmt::print("{}", to_text(trade_document(finished)));
-    if (!flags.out.empty()) fmt::print("results in {}\n", flags.out);
-  }
+  flags.deliver(to_json(finished), to_text(trade_document(finished)), "results in " + flags.out);
   return finished.trade.complete ? kExitConverged : kExitInterrupted;
 }
 

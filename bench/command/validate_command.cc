@@ -13,7 +13,6 @@
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/validation_report.h"
-#include "bench/report/json_output.h"
 #include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
 #include "solvers/registry.h"
@@ -120,13 +119,8 @@ int run_validate(const ValidateFlags& flags) {
     progress.update(total, "");
   }
   if (!flags.out.empty()) write_validation(flags.out, page);
-  if (!flags.json.empty()) write_json(to_json(to_report(page)), flags.json);
-  if (!flags.silent()) {
-    fmt::print("{}", to_text(page));
-    if (!flags.out.empty()) {
-      fmt::print("{}\n", (std::filesystem::path(flags.out) / "index.html").string());
-    }
-  }
+  flags.deliver(to_json(to_report(page)), to_text(page),
+                (std::filesystem::path(flags.out) / "index.html").string());
   if (!page.complete) return kExitInterrupted;
   return page.failed() == 0 ? kExitConverged : kExitNotConverged;
 }
