@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -15,13 +14,7 @@ namespace bipot {
 Parameters::Parameters(const std::map<std::string, std::string>& given,
                        std::span<const ParameterSpec> specs)
     : given_(given), specs_(specs) {
-  std::vector<std::string> names;
-  for (const ParameterSpec& s : specs) names.emplace_back(s.name);
-  for (const auto& [name, value] : given) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      throw std::invalid_argument(unknown_name_message("parameter", name, names));
-    }
-  }
+  for (const auto& [name, value] : given) find_named("parameter", name, specs);
   for (const ParameterSpec& s : specs) {  // every given value is checked, used or not
     if (s.kind == ParameterSpec::Kind::kChoice) {
       choice(s.name);

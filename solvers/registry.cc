@@ -30,11 +30,7 @@ std::vector<ParameterSpec> all_parameters(const SolverEntry& entry) {
   return all;
 }
 
-std::vector<std::string> solver_names() {
-  std::vector<std::string> names;
-  for (const SolverEntry& entry : solver_table()) names.emplace_back(entry.name);
-  return names;
-}
+std::vector<std::string> solver_names() { return names_of(solver_table()); }
 
 std::string unknown_solver_message(std::string_view name) {
   const auto lacks = [&](const char* option, const char* package) {

@@ -179,8 +179,7 @@ std::string unknown_name(const CommandNode& program, const std::vector<std::stri
                          meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant), name);
     }
     if (at != &program) continue;
-    std::vector<std::string> names;
-    for (const CommandNode& command : program.commands) names.push_back(command.name);
+    const std::vector<std::string> names = names_of(program.commands);
     const auto it = std::find(names.begin(), names.end(), word);
     if (it == names.end()) {
       return program.name + ": " + unknown_name_message("command", word, names);

@@ -5,16 +5,12 @@
 
 #include <stdexcept>
 
+#include "core/base/nearest_name.h"
+
 namespace bipot {
 namespace {
 
 using Words = std::vector<std::string>;
-
-Words names_of(const std::vector<CommandNode>& commands) {
-  Words names;
-  for (const CommandNode& command : commands) names.push_back(command.name);
-  return names;
-}
 
 /// What may follow a command: its visible flags, and the choices of its arguments.
 Words words_after(const CommandNode& command) {

@@ -89,11 +89,9 @@ ClaimReport::Item run_item(const PaperItem& item, const PaperItem::Context& cont
 CommandDeclaration add_paper(CommandLine& line, PaperFlags& flags) {
   CommandDeclaration command = line.add_command(
       "paper", "The paper's figures and tables, made again and checked, as a page");
-  std::string names;
-  for (const PaperItem& item : paper_items()) {
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", item.name);
-  }
-  command.option("--only NAMES", flags.only, "Items, separated by commas, of " + names);
+  command.option(
+      "--only NAMES", flags.only,
+      fmt::format("Items, separated by commas, of {}", fmt::join(names_of(paper_items()), ", ")));
   command.flag("--quick", flags.quick, "Small sizes, seconds");
   add_output_flags(
       command, flags,
@@ -109,13 +107,8 @@ CommandDeclaration add_paper(CommandLine& line, PaperFlags& flags) {
 
 int run_paper(const PaperFlags& flags) {
   const std::vector<PaperItem>& items = paper_items();
-  std::vector<std::string> names;
-  for (const PaperItem& item : items) names.emplace_back(item.name);
-  for (const std::string& name : flags.only) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      throw std::invalid_argument(unknown_name_message("item", name, names));
-    }
-  }
+  const std::vector<std::string> names = names_of(items);
+  for (const std::string& name : flags.only) require_name("item", name, names);
   const auto chosen = [&](std::string_view name) {
     return flags.only.empty() ||
            std::find(flags.only.begin(), flags.only.end(), name) != flags.only.end();

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,6 +13,7 @@
 #include "bench/command/progress_bar.h"
 #include "bench/study/study.h"
 #include "core/base/interrupt.h"
+#include "core/base/nearest_name.h"
 #include "core/files/atomic_file.h"
 
 namespace bipot {
@@ -28,13 +32,10 @@ struct StudyFlags : OutputFlags {
 CommandDeclaration add_study(CommandLine& line, StudyFlags& flags) {
   CommandDeclaration command = line.add_command(
       "study", "How exact must a contact solver be? Measures, and draws data/study anew");
-  std::string names;
-  std::vector<std::string> parts;
-  for (const Study::Part& part : Study::parts()) {
-    names += (names.empty() ? "" : ", ") + part.name;
-    parts.push_back(part.name);
-  }
-  command.option("--only PARTS", flags.only, "Parts, separated by commas, of " + names)
+  const std::vector<std::string> parts = names_of(Study::parts());
+  command
+      .option("--only PARTS", flags.only,
+              fmt::format("Parts, separated by commas, of {}", fmt::join(parts, ", ")))
       .one_of(parts);
   command.flag("--quick", flags.quick, "Small scenes, few seeds: minutes instead of hours");
   command.option("--rows FILE", flags.rows,

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "core/base/nearest_name.h"
 #include "core/scene/generators.h"
@@ -44,18 +43,10 @@ Disk striker(double side, double width, double height) {
 
 }  // namespace
 
-std::vector<std::string> moving_family_names() {
-  std::vector<std::string> names;
-  for (const MovingFamily& family : kFamilies) names.emplace_back(family.name);
-  return names;
-}
+std::vector<std::string> moving_family_names() { return names_of(kFamilies); }
 
 Scene<2> make_moving_scene(const std::string& name, int side, const FamilyOptions& options) {
-  const auto* family = std::find_if(std::begin(kFamilies), std::end(kFamilies),
-                                    [&](const MovingFamily& f) { return name == f.name; });
-  if (family == std::end(kFamilies)) {
-    throw std::invalid_argument(unknown_name_message("moving family", name, moving_family_names()));
-  }
+  const MovingFamily& family = find_named("moving family", name, kFamilies);
   Scene<2> scene{.title = fmt::format("{} {}", name, side), .source = "generated"};
   const bool tilted = name == "tilt";
   const double degrees = tilted && options.tilt_degrees == 0 ? 30 : options.tilt_degrees;
@@ -63,11 +54,11 @@ Scene<2> make_moving_scene(const std::string& name, int side, const FamilyOption
   scene.gravity = 9.81 * Vec2(std::sin(tilt), -std::cos(tilt));
   scene.materials = {"default"};
   scene.laws = {{.mu = options.mu, .e_n = options.e_n, .e_t = options.e_t}};
-  scene.step = family->step;
+  scene.step = family.step;
   scene.num_steps =
-      static_cast<int>(std::lround(family->steps * std::sqrt(static_cast<double>(side) / kSide)));
+      static_cast<int>(std::lround(family.steps * std::sqrt(static_cast<double>(side) / kSide)));
   // Room for two of the largest disks side by side.
-  const double width = std::max(family->width * side, 2.6);
+  const double width = std::max(family.width * side, 2.6);
   scene.bodies = random_filling(side * side, {{0.4, 1.0 / 3}, {0.5, 1.0 / 3}, {0.6, 1.0 / 3}},
                                 width, 0.05, options.seed, Vec2::Zero());
   double height = 0;
@@ -78,7 +69,7 @@ Scene<2> make_moving_scene(const std::string& name, int side, const FamilyOption
   if (name == "strike") scene.bodies.push_back(striker(side, width, height));
   scene.contact_distance = 1e-6 * smallest_radius(scene);
   scene.walls.push_back(half_space<2>(Vec2::Zero(), Vec2(0, 1), "floor"));
-  if (family->box) {
+  if (family.box) {
     scene.walls.push_back(half_space<2>(Vec2::Zero(), Vec2(1, 0), "left"));
     scene.walls.push_back(half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right"));
   }

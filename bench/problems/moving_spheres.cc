@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "core/base/nearest_name.h"
 #include "core/scene/scene_parts.h"
@@ -32,25 +31,17 @@ void add_side_walls(Scene<3>& scene, double width) {
 
 }  // namespace
 
-std::vector<std::string> moving_sphere_names() {
-  std::vector<std::string> names;
-  for (const SphereFamily& family : kSphereFamilies) names.emplace_back(family.name);
-  return names;
-}
+std::vector<std::string> moving_sphere_names() { return names_of(kSphereFamilies); }
 
 Scene<3> make_moving_spheres(const std::string& name, int side, const FamilyOptions& options) {
-  const auto* family = std::find_if(std::begin(kSphereFamilies), std::end(kSphereFamilies),
-                                    [&](const SphereFamily& f) { return name == f.name; });
-  if (family == std::end(kSphereFamilies)) {
-    throw std::invalid_argument(unknown_name_message("moving family", name, moving_sphere_names()));
-  }
+  const SphereFamily& family = find_named("moving family", name, kSphereFamilies);
   Scene<3> scene{.title = fmt::format("{} {}", name, side), .source = "generated"};
   const double tilt = options.tilt_degrees * std::numbers::pi / 180;
   scene.gravity = kGravity * Vec3(std::sin(tilt), 0, -std::cos(tilt));
   scene.materials = {"default"};
   scene.laws = {{.mu = options.mu, .e_n = options.e_n, .e_t = options.e_t}};
   scene.step = 0.005;
-  scene.num_steps = static_cast<int>(std::lround(family->steps * std::sqrt(side / 8.0)));
+  scene.num_steps = static_cast<int>(std::lround(family.steps * std::sqrt(side / 8.0)));
   const double width = std::max<double>(side, 2.6);  // two of the largest side by side
   scene.bodies =
       random_spheres(side * side * side, {{0.4, 1.0 / 3}, {0.5, 1.0 / 3}, {0.6, 1.0 / 3}},

@@ -286,19 +286,9 @@ void write_csv(const std::vector<Row>& rows, const std::string& path) {
   write_text_file(path, text);
 }
 
-std::vector<std::string> variant_names() {
-  std::vector<std::string> names;
-  for (const Variant& v : kVariants) names.emplace_back(v.name);
-  return names;
-}
-
 int run(const Flags& flags) {
   for (const std::string& solver : flags.solvers) require_solver(solver);
-  const std::vector<std::string> valid = variant_names();
-  for (const std::string& name : flags.variants) {
-    if (std::find(valid.begin(), valid.end(), name) != valid.end()) continue;
-    throw std::invalid_argument(unknown_name_message("variant", name, valid));
-  }
+  for (const std::string& name : flags.variants) find_named("variant", name, kVariants);
   const std::vector<ProblemSource> sources = expand_targets(flags.targets);
   const BuildInfo build = build_info();
   fmt::print("bipot {} ({}), {}, {} cores\n", build.version, build.commit, build.cpu, build.cores);

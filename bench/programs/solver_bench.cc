@@ -155,9 +155,7 @@ void register_rows(const BenchFlags& flags, std::vector<GrowthRow>& rows) {
   for (const std::string& solver : flags.solvers) require_solver(solver);
   const std::vector<std::string> valid = target_families();
   for (const std::string& family : flags.families) {
-    if (std::find(valid.begin(), valid.end(), family) == valid.end()) {
-      throw std::invalid_argument(unknown_name_message("family", family, valid));
-    }
+    require_name("family", family, valid);
     GrowthScene scene = flags.scene;
     scene.family = family;
     std::vector<int> sides = flags.sides;

@@ -249,13 +249,7 @@ class PythonSimulation {
       throw std::invalid_argument(fmt::format("wall {}: the scene has walls 0 to {}", k,
                                               static_cast<std::int64_t>(state_.walls.size()) - 1));
     }
-    const auto name = which.cast<std::string>();
-    std::vector<std::string> names;
-    for (Wall<D>& wall : state_.walls) {
-      if (wall.name == name) return wall;
-      names.push_back(wall.name);
-    }
-    throw std::invalid_argument(unknown_name_message("wall", name, names));
+    return find_named("wall", which.cast<std::string>(), state_.walls);
   }
 
  private:

@@ -48,4 +48,11 @@ std::string unknown_name_message(std::string_view kind, std::string_view name,
                      fmt::join(candidates, ", "));
 }
 
+void require_name(std::string_view kind, std::string_view name,
+                  const std::vector<std::string>& candidates) {
+  if (std::find(candidates.begin(), candidates.end(), name) == candidates.end()) {
+    throw std::invalid_argument(unknown_name_message(kind, name, candidates));
+  }
+}
+
 }  // namespace bipot

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,5 +15,26 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 /// candidate it proposes none.
 std::string unknown_name_message(std::string_view kind, std::string_view name,
                                  const std::vector<std::string>& candidates);
+
+/// Throws std::invalid_argument with that message unless `name` is one of the candidates.
+void require_name(std::string_view kind, std::string_view name,
+                  const std::vector<std::string>& candidates);
+
+/// The names of a table's entries.
+template <class Table>
+std::vector<std::string> names_of(const Table& table) {
+  std::vector<std::string> names;
+  for (const auto& entry : table) names.emplace_back(entry.name);
+  return names;
+}
+
+/// The first entry of that name. Throws as require_name.
+template <class Table>
+auto& find_named(std::string_view kind, std::string_view name, Table& table) {
+  for (auto& entry : table) {
+    if (entry.name == name) return entry;
+  }
+  throw std::invalid_argument(unknown_name_message(kind, name, names_of(table)));
+}
 
 }  // namespace bipot

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/nearest_name.h"
 #include "core/base/version.h"
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
@@ -54,9 +55,7 @@ void write_triangles(Hdf5File& file, const std::vector<Wall<3>>& walls) {
 template <int D>
 void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
   const auto any = [&](const auto& is) { return std::any_of(walls.begin(), walls.end(), is); };
-  std::vector<std::string> names;
-  for (const Wall<D>& w : walls) names.push_back(w.name);
-  file.write("/walls/name", names);
+  file.write("/walls/name", names_of(walls));
   write_ints(file, "/walls/shape", walls,
              [](const Wall<D>& w) { return static_cast<int>(w.shape); });
   write_ints(file, "/walls/motion", walls,

@@ -98,8 +98,7 @@ void read_materials(const SceneTable& root, Scene<D>& scene) {
 /// The wall that a group of disks is glued to.
 int wall_index(const Scene<2>& scene, const SceneTable& table) {
   const std::string name = table.word("wall", "");
-  std::vector<std::string> names;
-  for (const Wall<2>& w : scene.walls) names.push_back(w.name);
+  const std::vector<std::string> names = names_of(scene.walls);
   const auto it = std::find(names.begin(), names.end(), name);
   if (it == names.end()) table.fail("wall", unknown_name_message("wall", name, names));
   return static_cast<int>(it - names.begin());

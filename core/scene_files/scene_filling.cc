@@ -16,8 +16,7 @@ WallRoom<D> read_room(const SceneTable& table, const Scene<D>& scene) {
   if (!table.has("inside")) return {};
   const std::vector<std::string> wanted =
       table.is_array("inside") ? table.words("inside") : std::vector{table.word("inside", "")};
-  std::vector<std::string> names;
-  for (const Wall<D>& wall : scene.walls) names.push_back(wall.name);
+  const std::vector<std::string> names = names_of(scene.walls);
   for (const std::string& name : wanted) {
     if (std::find(names.begin(), names.end(), name) == names.end()) {
       table.fail("inside", unknown_name_message("wall", name, names));

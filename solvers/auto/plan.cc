@@ -25,7 +25,7 @@ namespace bipot {
 namespace {
 
 constexpr struct {
-  std::string_view word;
+  std::string_view name;
   PlanMark mark;
 } kMarks[] = {{"warm", kWarm},           {"cold", kCold},       {"disks", kDisks},
               {"no_disks", kNoDisks},    {"vectors", kVectors}, {"no_vectors", kNoVectors},
@@ -324,7 +324,7 @@ int AutoPlan::Row::Count::of(int contacts, double times) const {
 std::string mark_words(unsigned marks) {
   Names words;
   for (const auto& mark : kMarks) {
-    if (marks & mark.mark) words.emplace_back(mark.word);
+    if (marks & mark.mark) words.emplace_back(mark.name);
   }
   return fmt::format("{}", fmt::join(words, " "));
 }
@@ -332,14 +332,7 @@ std::string mark_words(unsigned marks) {
 unsigned marks_of_words(std::string_view words) {
   unsigned marks = 0;
   for (const std::string& word : words_of(words)) {
-    const auto* found = std::find_if(std::begin(kMarks), std::end(kMarks),
-                                     [&](const auto& mark) { return mark.word == word; });
-    if (found == std::end(kMarks)) {
-      Names valid;
-      for (const auto& mark : kMarks) valid.emplace_back(mark.word);
-      throw std::invalid_argument(unknown_name_message("property", word, valid));
-    }
-    marks |= found->mark;
+    marks |= find_named("property", word, kMarks).mark;
   }
   return marks;
 }
