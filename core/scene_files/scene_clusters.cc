@@ -54,20 +54,9 @@ std::vector<Placed> read_places(const SceneTable& table, const Scene<2>& scene, 
     return places;
   }
   if (table.has("degrees")) table.fail("degrees", "the clusters of a random group turn at random");
-  const int seed = table.integer("seed", 1);
-  if (seed < 0) table.fail("seed", "expected a non-negative integer");
-  const int count = table.natural("count");
-  require_possible(table, "count", count, "clusters");
-  PortableRandom random(static_cast<std::uint64_t>(seed));
-  const FillingPlace<2> place = read_filling_place(table, scene);
-  try {
-    for (const Disk& cell :
-         random_filling(count, {{reach, 1}}, place.base[0], table.number("spacing", 0.1),
-                        static_cast<std::uint64_t>(seed), place.corner, place.bounds)) {
-      places.push_back({cell.x, 2 * std::numbers::pi * random.uniform()});
-    }
-  } catch (const std::invalid_argument& e) {
-    table.fail("arrangement", e.what());
+  PortableRandom random(read_seed(table));
+  for (const Disk& cell : read_filling(table, scene, "clusters", reach)) {
+    places.push_back({cell.x, 2 * std::numbers::pi * random.uniform()});
   }
   return places;
 }
@@ -166,20 +155,9 @@ void place_in_space(const SceneTable& table, const Scene<3>& scene, double reach
   for (const char* key : {"degrees", "axis"}) {
     if (table.has(key)) table.fail(key, "the clusters of a random group turn at random");
   }
-  const int seed = table.integer("seed", 1);
-  if (seed < 0) table.fail("seed", "expected a non-negative integer");
-  const int count = table.natural("count");
-  require_possible(table, "count", count, "clusters");
-  const FillingPlace<3> place = read_filling_place(table, scene);
-  PortableRandom random(static_cast<std::uint64_t>(seed));
-  try {
-    for (const Sphere& cell :
-         random_spheres(count, {{reach, 1}}, place.base, table.number("spacing", 0.1),
-                        static_cast<std::uint64_t>(seed), place.corner, place.bounds)) {
-      add(cell.x, random_turn(random));
-    }
-  } catch (const std::invalid_argument& e) {
-    table.fail("arrangement", e.what());
+  PortableRandom random(read_seed(table));
+  for (const Sphere& cell : read_filling(table, scene, "clusters", reach)) {
+    add(cell.x, random_turn(random));
   }
 }
 

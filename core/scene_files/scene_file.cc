@@ -171,20 +171,7 @@ std::vector<Disk> read_group(const SceneTable& table, Scene<2>& scene) {
     }
     return disks;
   }
-  if (arrangement == "random") {
-    const int seed = table.integer("seed", 1);
-    if (seed < 0) table.fail("seed", "expected a non-negative integer");
-    const int count = table.natural("count");
-    require_possible(table, "count", count, "disks");
-    const std::vector<RadiusClass> classes = read_radii(table, count);
-    const FillingPlace<2> place = read_filling_place(table, scene);
-    try {
-      return random_filling(count, classes, place.base[0], table.number("spacing", 0.1),
-                            static_cast<std::uint64_t>(seed), place.corner, place.bounds);
-    } catch (const std::invalid_argument& e) {
-      table.fail("arrangement", e.what());
-    }
-  }
+  if (arrangement == "random") return read_filling(table, scene, "disks");
   const Vec2 corner = table.vec2("corner", Vec2::Zero());
   const double radius = table.positive("radius");
   const int rows = table.natural("rows");

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/scene/generators.h"
+#include "core/scene/sphere_generators.h"
 #include "core/scene/wall_room.h"
+#include "core/scene_files/scene_groups.h"
 
 namespace bipot {
 namespace {
@@ -33,7 +36,13 @@ WallRoom<D> read_room(const SceneTable& table, const Scene<D>& scene) {
   }
 }
 
-}  // namespace
+/// Where a random filling goes.
+template <int D>
+struct FillingPlace {
+  Vec<D> corner;    ///< lower left one                                                       [m]
+  Vec<D - 1> base;  ///< width, in 3D also depth                                              [m]
+  FillingBounds<D> bounds;
+};
 
 template <int D>
 FillingPlace<D> read_filling_place(const SceneTable& table, const Scene<D>& scene) {
@@ -74,7 +83,39 @@ FillingPlace<D> read_filling_place(const SceneTable& table, const Scene<D>& scen
   return place;
 }
 
-template FillingPlace<2> read_filling_place(const SceneTable&, const Scene<2>&);
-template FillingPlace<3> read_filling_place(const SceneTable&, const Scene<3>&);
+}  // namespace
+
+std::uint64_t read_seed(const SceneTable& table) {
+  const int seed = table.integer("seed", 1);
+  if (seed < 0) table.fail("seed", "expected a non-negative integer");
+  return static_cast<std::uint64_t>(seed);
+}
+
+template <int D>
+std::vector<Body<D>> read_filling(const SceneTable& table, const Scene<D>& scene,
+                                  std::string_view kind, std::optional<double> radius) {
+  const std::uint64_t seed = read_seed(table);
+  const int count = table.natural("count");
+  require_possible(table, "count", count, kind);
+  const std::vector<RadiusClass> classes =
+      radius ? std::vector<RadiusClass>{{*radius, 1}} : read_radii(table, count);
+  const FillingPlace<D> place = read_filling_place(table, scene);
+  const double spacing = table.number("spacing", 0.1);
+  try {
+    if constexpr (D == 2) {
+      return random_filling(count, classes, place.base[0], spacing, seed, place.corner,
+                            place.bounds);
+    } else {
+      return random_spheres(count, classes, place.base, spacing, seed, place.corner, place.bounds);
+    }
+  } catch (const std::invalid_argument& e) {
+    table.fail("arrangement", e.what());
+  }
+}
+
+template std::vector<Disk> read_filling(const SceneTable&, const Scene<2>&, std::string_view,
+                                        std::optional<double>);
+template std::vector<Sphere> read_filling(const SceneTable&, const Scene<3>&, std::string_view,
+                                          std::optional<double>);
 
 }  // namespace bipot

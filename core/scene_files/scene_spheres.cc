@@ -45,20 +45,7 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, Scene<3>& scene) {
     }
     return spheres;
   }
-  if (arrangement == "random") {
-    const int seed = table.integer("seed", 1);
-    if (seed < 0) table.fail("seed", "expected a non-negative integer");
-    const int count = table.natural("count");
-    require_possible(table, "count", count, "spheres");
-    const std::vector<RadiusClass> classes = read_radii(table, count);
-    const FillingPlace<3> place = read_filling_place(table, scene);
-    try {
-      return random_spheres(count, classes, place.base, table.number("spacing", 0.1),
-                            static_cast<std::uint64_t>(seed), place.corner, place.bounds);
-    } catch (const std::invalid_argument& e) {
-      table.fail("arrangement", e.what());
-    }
-  }
+  if (arrangement == "random") return read_filling(table, scene, "spheres");
   const Vec3 corner = table.maybe_vec<3>("corner").value_or(Vec3::Zero());
   const double radius = table.positive("radius");
   const int rows = table.natural("rows");
