@@ -1,57 +1,22 @@
 #include "core/problem/sphere_structure.h"
 
 #include <cmath>
-#include <limits>
-#include <vector>
 
-#include "core/base/types.h"
-#include "core/problem/body_rows.h"
+#include "core/problem/structure_reader.h"
 
 namespace bipot {
 namespace {
 
-constexpr double kTolerance = 16 * std::numeric_limits<double>::epsilon();
 constexpr int kOfBody = 6;  // degrees of freedom
-
-bool near(double x, double y, double size) { return std::abs(x - y) <= kTolerance * size; }
 
 double dot3(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-class SphereReader {
+class SphereReader : StructureReader<SphereStructure, 3, kOfBody> {
  public:
-  SphereReader(const ContactProblem& p, const Vector& mass, int walls)
-      : p_(p),
-        mass_(mass),
-        owners_{(p.num_dofs() - walls) / kOfBody},
-        wall_normal_(to_size(walls), Vec3::Zero()) {
-    out_.walls = walls;
-  }
+  using StructureReader::StructureReader;
 
   std::optional<SphereStructure> read() {
-    const int bodies = owners_.bodies;
-    for (int k = 0; k < bodies * kOfBody; ++k) {
-      if (mass_[k] != mass_[k / 3 * 3]) return {};
-    }
-    out_.contacts.reserve(to_size(p_.num_contacts()));
-    arm_.assign(to_size(bodies), kNaN);
-    for (int c = 0; c < p_.num_contacts(); ++c) {
-      if (!read_contact(c)) return {};
-    }
-    out_.bodies.resize(to_size(bodies + out_.walls) + 1);
-    for (int k = 0; k < bodies; ++k) {
-      SphereStructure::Body& body = out_.bodies[to_size(k)];
-      const double arm = arm_[to_size(k)];
-      body.inverse_mass = 1 / mass_[k * kOfBody];
-      if (arm != arm) continue;
-      body.inverse_inertia = arm * arm / mass_[k * kOfBody + 3];
-      body.arm = arm;
-    }
-    for (int k = bodies; k < out_.surroundings(); ++k) {
-      SphereStructure::Body& wall = out_.bodies[to_size(k)];
-      wall.inverse_mass = 1 / mass_[owners_.first_row(k)];
-      wall.inverse_inertia = -wall.inverse_mass;
-    }
-    return std::move(out_);
+    return read_all([this](int c) { return read_contact(c); });
   }
 
  private:
@@ -94,12 +59,13 @@ class SphereReader {
       if (!(length > 0)) return false;
       for (int x = 0; x < 3; ++x) {
         contact.frame[k][x] = force[x] / length;
-        if (spheres == 2 && !near(columns.side[k][1][x], -force[x], length)) return false;
+        if (spheres == 2 && !same_to_rounding(columns.side[k][1][x], -force[x], length))
+          return false;
       }
       for (int before = 0; before < k; ++before) {
-        if (!near(dot3(contact.frame[k], contact.frame[before]), 0, 1)) return false;
+        if (!same_to_rounding(dot3(contact.frame[k], contact.frame[before]), 0, 1)) return false;
       }
-      if (k == 2 && !near(length, contact.tangential, length)) return false;
+      if (k == 2 && !same_to_rounding(length, contact.tangential, length)) return false;
       (k == 0 ? contact.normal : contact.tangential) = length;
     }
     return true;
@@ -120,7 +86,7 @@ class SphereReader {
         for (int x = 0; x < 3; ++x) {
           const double expected = k == 0 ? 0 : -contact.tangential * arm * turn[x];
           const double size = k == 0 ? 0 : contact.tangential * std::abs(arm);
-          if (!near(torque[x], expected, size)) return false;
+          if (!same_to_rounding(torque[x], expected, size)) return false;
         }
       }
     }
@@ -129,22 +95,13 @@ class SphereReader {
 
   /// A driven wall: pushed by the normal force alone, with the normal of its contacts before.
   bool read_wall(const Columns& columns, const SphereStructure::Contact& contact) {
-    if (!near(std::abs(columns.side[0][1][0]), contact.normal, contact.normal)) return false;
+    if (!same_to_rounding(std::abs(columns.side[0][1][0]), contact.normal, contact.normal))
+      return false;
     for (int k = 1; k < 3; ++k) {
-      if (!near(columns.side[k][1][0], 0, contact.tangential)) return false;
+      if (!same_to_rounding(columns.side[k][1][0], 0, contact.tangential)) return false;
     }
-    Vec3& normal = wall_normal_[to_size(contact.j - owners_.bodies)];
-    const Vec3 n = Eigen::Map<const Vec3>(contact.frame[0]);
-    if (normal.isZero(0)) normal = n;
-    return (n - normal).lpNorm<Eigen::Infinity>() <= kTolerance;
+    return same_normal(contact.j, contact.frame[0]);
   }
-
-  const ContactProblem& p_;
-  const Vector& mass_;
-  const RowOwners<kOfBody> owners_;
-  SphereStructure out_;
-  std::vector<Vec3> wall_normal_;  // zero until a contact has shown it
-  std::vector<double> arm_;        // NaN until a contact has shown it
 };
 
 }  // namespace
