@@ -30,12 +30,6 @@ std::string ranked(const std::map<std::string, int>& counts, std::size_t longest
   return list.empty() ? "–" : list;
 }
 
-std::string law_label(const PowerLaw& law) {
-  if (!std::isfinite(law.exponent)) return "–";
-  if (!std::isfinite(law.confidence)) return fmt::format("{:.2f}", law.exponent);
-  return fmt::format("{:.2f} ± {:.2f}", law.exponent, law.confidence);
-}
-
 /// Statement on the uniqueness of the problem's answer.
 std::string uniqueness(const Comparison::Problem& p) {
   if (p.poor_reference()) {
@@ -383,8 +377,8 @@ class ComparisonPage {
       for (double tol : tols_) {
         for (const Growth& g : all) {
           if (g.series != name || g.solver != solver || g.tol != tol) continue;
-          cells.emplace_back(law_label(g.iterations));
-          cells.emplace_back(law_label(g.time));
+          cells.emplace_back(exponent_label(g.iterations));
+          cells.emplace_back(exponent_label(g.time));
         }
       }
       cells.resize(table.columns.size());

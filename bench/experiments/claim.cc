@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "bench/report/labels.h"
+
 namespace bipot {
 namespace {
 
@@ -152,12 +154,7 @@ std::string to_text(double value, const std::string& unit, int digits) {
   } else if (value == std::round(value) && std::abs(value) < 1e12) {
     text = grouped(fmt::format("{:.0f}", std::abs(value) == 0 ? 0 : value));
   } else {
-    text = fmt::format("{:.{}g}", value, digits);
-    const std::size_t e = text.find('e');
-    if (e != std::string::npos) {
-      const int exponent = std::stoi(text.substr(e + 1));
-      text = text.substr(0, e) + fmt::format("e{}", exponent);
-    }
+    text = short_exponent(fmt::format("{:.{}g}", value, digits));
     if (text.starts_with('-')) text = "−" + text.substr(1);
   }
   return unit.empty() ? text : text + "\u00a0" + unit;

@@ -18,9 +18,8 @@ constexpr double kFitFrom = 300;
 
 /// For narrow columns: "1.04 ± 0.03 (5)".
 std::string exponent(const PowerLaw& law) {
-  if (!std::isfinite(law.exponent)) return "–";
-  if (!std::isfinite(law.confidence)) return fmt::format("{:.2f} ({})", law.exponent, law.points);
-  return fmt::format("{:.2f} ± {:.2f} ({})", law.exponent, law.confidence, law.points);
+  const std::string label = exponent_label(law);
+  return std::isfinite(law.exponent) ? fmt::format("{} ({})", label, law.points) : label;
 }
 
 std::string tol_text(double tol) { return fmt::format("1e{:.0f}", std::log10(tol)); }

@@ -11,6 +11,7 @@
 #include "bench/experiments/stop_test_study.h"
 #include "bench/measure/problem_target.h"
 #include "bench/problems/scene_catalogue.h"
+#include "bench/report/labels.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
 
@@ -78,10 +79,7 @@ std::string short_number(double x) {
   if (std::isnan(x)) return "undefined";
   if (x == 0) return "0";
   if (x >= 0.01 && x < 1000) return fmt::format("{:.2g}", x);
-  std::string text = fmt::format("{:.0e}", x);
-  if (const std::size_t zero = text.find("e-0"); zero != std::string::npos) text.erase(zero + 2, 1);
-  if (const std::size_t plus = text.find("e+0"); plus != std::string::npos) text.erase(plus + 1, 2);
-  return text;
+  return short_exponent(fmt::format("{:.0e}", x));
 }
 
 std::vector<StopTestRow> select(const std::vector<StopTestRow>& rows,

@@ -1,5 +1,7 @@
 #include "bench/measure/statistics.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
@@ -71,6 +73,12 @@ PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& 
   law.confidence =
       student_t(0.95, law.points - 2) * std::sqrt(residual / (law.points - 2) / line.spread);
   return law;
+}
+
+std::string exponent_label(const PowerLaw& law) {
+  if (!std::isfinite(law.exponent)) return "–";
+  if (!std::isfinite(law.confidence)) return fmt::format("{:.2f}", law.exponent);
+  return fmt::format("{:.2f} ± {:.2f}", law.exponent, law.confidence);
 }
 
 double median(std::vector<double> x) {

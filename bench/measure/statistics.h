@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/types.h"
@@ -22,6 +23,8 @@ struct PowerLaw {
 /// Pairs that are not finite and positive are left out; with fewer than two different x all
 /// numbers are NaN.
 PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& y);
+/// The exponent with its confidence if there is one, "1.04 ± 0.03"; a dash without an exponent.
+std::string exponent_label(const PowerLaw& law);
 
 /// t such that |T| <= t with the given probability, for Student's distribution.
 double student_t(double probability, int degrees_of_freedom);

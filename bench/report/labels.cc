@@ -9,6 +9,12 @@
 
 namespace bipot {
 
+std::string short_exponent(const std::string& text) {
+  const std::size_t e = text.find('e');
+  if (e == std::string::npos) return text;
+  return fmt::format("{}e{}", text.substr(0, e), std::stoi(text.substr(e + 1)));
+}
+
 std::string tolerance_label(double tol) {
   if (!std::isfinite(tol)) return "–";
   if (tol >= 1e-2) return fmt::format("{:g}", tol);
@@ -50,9 +56,7 @@ std::string accuracy_label(double accuracy) {
 std::string compact_label(double x) {
   if (x == 0) return "0";
   if (!std::isfinite(x)) return "–";
-  const std::string text = fmt::format("{:.1e}", x);
-  const std::size_t e = text.find('e');
-  return fmt::format("{}e{}", text.substr(0, e), std::stoi(text.substr(e + 1)));
+  return short_exponent(fmt::format("{:.1e}", x));
 }
 
 std::string share_label(double x) {

@@ -4,6 +4,8 @@
 
 namespace bipot {
 
+/// The text of a number, 1.2e-5 where it has 1.2e-05.
+std::string short_exponent(const std::string& text);
 /// 1e-6 and not 1e-06; 0.01.
 std::string tolerance_label(double tol);
 /// Without digits after the point.
