@@ -18,7 +18,7 @@ SettledPile settle_pile(const SettledPile::Options& options) {
   SolverOptions solver{.tol = options.tol, .max_iterations = 1000};
   double initial = 0;
   SceneRunOptions<2> to_rest;
-  to_rest.steps = options.max_steps;
+  to_rest.steps = 3000;
   to_rest.solver = make_step_solver(require_solver("apgd"), solver);
   to_rest.on_step = [&](const SceneStep<2>& step) {
     const EnergyLedger& energy = step.report.energy;

@@ -6,6 +6,8 @@
 namespace bipot {
 namespace {
 
+constexpr double kLeastDelta = 1e-7;      // smallest proximal term, in units of 1/W
+constexpr double kNeighbourhood = 1e-3;   // smallest product over the mean one
 constexpr double kFirstDelta = 1e-3;      // first proximal term against a negative determinant
 constexpr double kShortStepDelta = 1e-5;  // the same, against a short step
 constexpr double kShortStep = 0.1, kLongStep = 0.7;
@@ -39,7 +41,7 @@ template <ContactRows D>
 StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z, InteriorRun& run,
                                  const ProximalInteriorPointOptions& options,
                                  InteriorState<D>& best) {
-  double delta = options.delta_floor;
+  double delta = kLeastDelta;
   double first_ratio = 0;  // of residual and products
   int holds = 0, tiny_steps = 0;
   double best_error = std::numeric_limits<double>::infinity();
@@ -59,7 +61,7 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     const double tau = system.mean_product(products);
     const double residual = system.residual_energy(z);
     if (k == 0) first_ratio = residual / tau;
-    const bool hold = residual > 10 * tau && delta > options.delta_floor;
+    const bool hold = residual > 10 * tau && delta > kLeastDelta;
     double target = tau;
     if (hold) {
       if (++holds % kHoldsBeforeRaise == 0) target = tau * std::clamp(residual / tau, 1.0, 1e3);
@@ -78,7 +80,7 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     }
     if (!d.ds.allFinite()) return StageEnd::kFailed;
 
-    const double floor = std::min(options.neighbourhood, 0.9 * centrality(system, products));
+    const double floor = std::min(kNeighbourhood, 0.9 * centrality(system, products));
     double t = std::min(1.0, kToBoundary * system.longest_step(z, d));
     while (t > kSmallestStep) {
       const Vector moved = system.products(z.X + t * d.dX, z.Y + t * d.dY);
@@ -109,7 +111,7 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
       return StageEnd::kStuck;
     }
     if (t < kShortStep) delta = std::max(5 * delta, kShortStepDelta);
-    if (t > kLongStep) delta = std::max(options.delta_floor, 0.1 * delta);
+    if (t > kLongStep) delta = std::max(kLeastDelta, 0.1 * delta);
     tiny_steps = t < kTinyStep ? tiny_steps + 1 : 0;
     if (tiny_steps >= 3) return StageEnd::kStuck;
   }

@@ -7,14 +7,12 @@ namespace bipot {
 
 struct ProximalInteriorPointOptions {
   int max_iterations = 150;
-  double neighbourhood = 1e-3;  ///< smallest product over the mean one
   int patience = 40;  ///< kStuck after this many iterations without halving the best error
   /// kStuck once error / best error exceeds this, if the best is below 1e-2: far away it may rise.
   double largest_growth = kInfinity;
   /// kSmallStart or kLargeStart if the error is above 1 after this many iterations; the stagnation
   /// test begins then. 0: it begins at once.
   int far_iterations = 0;
-  double delta_floor = 1e-7;  ///< smallest proximal term, in units of 1/W
 };
 
 /// Proximal interior point ("PIP"): infeasible Mehrotra predictor-corrector on the exact law, with

@@ -14,6 +14,7 @@ namespace bipot {
 namespace {
 
 constexpr double kShrink = 5;
+constexpr double kLeastKappa = 1e-3;  // below, the solve is given up
 // Factor of kappa after a solved step, by the fraction of its iteration limit that it needed.
 double growth(double effort) {
   if (effort <= 0.2) return 10;
@@ -134,7 +135,7 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
     }
     failed_at = kappa;
     kappa /= kShrink;
-    if (kappa < options.kappa_min) {
+    if (kappa < kLeastKappa) {
       run.end(SolveStatus::kStalled,
               fmt::format("the regularised problem is not solved even at kappa = {:.1e} ({}), "
                           "best error {:.2e}",

@@ -19,9 +19,8 @@ namespace bipot {
 /// one divides it, and the anchor stays unless the inner iterate is closer to the solution. The
 /// failed value is approached again by small factors only.
 struct ProximalOptions {
-  double kappa = 100;       ///< first value                                                [-]
-  double kappa_min = 1e-3;  ///< below: the solve is given up                               [-]
-  double kappa_max = 1e7;   ///< largest value                                              [-]
+  double kappa = 100;      ///< first value                                                 [-]
+  double kappa_max = 1e7;  ///< largest value                                               [-]
 };
 
 /// Outcome of one regularised problem.

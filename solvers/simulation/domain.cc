@@ -13,6 +13,8 @@
 namespace bipot {
 namespace {
 
+/// Cells are cut again if bodies and contacts of one process exceed this multiple of their mean.
+constexpr double kMostImbalance = 1.2;
 /// Growth of the imbalance since the last cut from which new cells are worth their messages.
 constexpr double kWorseThanAfterCut = 1.1;
 
@@ -154,7 +156,7 @@ void Domain<D>::settle() {
   counts_.imbalance = std::max(counts_.imbalance, uneven);
   if (after_cut_ == 0) after_cut_ = uneven;
   const bool asked = options_.cut_every > 0 && counts_.steps % options_.cut_every == 0;
-  if (asked || uneven > std::max(options_.most_imbalance, kWorseThanAfterCut * after_cut_)) {
+  if (asked || uneven > std::max(kMostImbalance, kWorseThanAfterCut * after_cut_)) {
     cells_ = cut_cells_again(state_, group_);
     after_cut_ = 0;
     ++counts_.cuts;

@@ -12,8 +12,6 @@
 namespace bipot {
 
 struct DomainOptions {
-  /// Cells are cut again if bodies and contacts of one process exceed this multiple of their mean.
-  double most_imbalance = 1.2;
   /// Called with each solution; may change it, alike on all processes.
   std::function<void(StepSolution&)> review;
   int cut_every = 0;  ///< number of steps after which cells are cut again in any case; 0: never
