@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "bench/measure/statistics.h"
 #include "core/base/types.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/simulation/scene_run.h"
 
 namespace bipot {
@@ -111,7 +111,7 @@ double coordination(const State<2>& state) {
 
 double covered_fraction(const State<2>& state, double area) {
   double sum = 0;
-  for (const Disk& d : state.bodies) sum += std::numbers::pi * d.radius * d.radius;
+  for (const Disk& d : state.bodies) sum += extent(d);
   for (const ContactOutcome<2>& o : state.contacts) {
     if (!(o.contact.gap < 0)) continue;
     const double a = state.bodies[static_cast<std::size_t>(o.contact.i)].radius;

@@ -34,7 +34,7 @@ Scene<2> pressed_cell(int count, double mu, std::uint64_t seed, const Experiment
   scene.bodies = random_filling(count, kSizes, width, 0.02, seed, Vec2::Zero());
   double top = 0;
   for (Disk& d : scene.bodies) {
-    give_mass(d, kDensity * std::numbers::pi * d.radius * d.radius);
+    give_density(d, kDensity);
     top = std::max(top, d.x[1] + d.radius);
   }
   scene.cell.in_x = scene.cell.in_y = true;
@@ -161,7 +161,7 @@ Scene<3> pressed_box(int count, double mu, std::uint64_t seed, const Experiment:
   scene.bodies = random_spheres(count, kSizes, Vec2(side, side), 0.02, seed, Vec3::Zero());
   Vec3 top = Vec3::Zero();
   for (Sphere& s : scene.bodies) {
-    give_mass(s, kDensity * 4 / 3 * std::numbers::pi * std::pow(s.radius, 3));
+    give_density(s, kDensity);
     top = top.cwiseMax(s.x + Vec3::Constant(s.radius));
   }
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,7 +1,6 @@
 #include "bench/problems/compression_scene.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <tuple>
 
@@ -27,7 +26,7 @@ Scene<2> compression_scene(const CompressionOptions& options) {
   scene.bodies = random_filling(options.count, {{0.8e-3, 0.25}, {0.9e-3, 0.5}, {kLargest, 0.25}},
                                 width, kSpacing, options.seed, Vec2::Zero());
   for (Disk& d : scene.bodies) {
-    give_mass(d, options.density * std::numbers::pi * d.radius * d.radius);
+    give_density(d, options.density);
   }
   // The lid rests on the last row of the filling's grid.
   const double pitch = 2 * kLargest * (1 + kSpacing);

@@ -27,17 +27,13 @@ constexpr MovingFamily kFamilies[] = {{"pour", 1, 0.005, 600, true},
                                       {"tilt", 1, 0.005, 700, true},
                                       {"strike", 1, 0.002, 1500, true}};
 
-double disk_mass(const Disk& disk, double density) {
-  return density * std::numbers::pi * disk.radius * disk.radius;
-}
-
 /// The heavy disk that follows the others.
 Disk striker(double side, double width, double height) {
   Disk disk;
   disk.radius = side / 16;
   disk.x = Vec2(0.5 * width, height + 5 * disk.radius);
   disk.v = Vec2(0, -60 * std::sqrt(side / kSide));
-  give_mass(disk, disk_mass(disk, 5000));
+  give_density(disk, 5000);
   return disk;
 }
 
@@ -63,7 +59,7 @@ Scene<2> make_moving_scene(const std::string& name, int side, const FamilyOption
                                 width, 0.05, options.seed, Vec2::Zero());
   double height = 0;
   for (Disk& disk : scene.bodies) {
-    give_mass(disk, disk_mass(disk, 1000));
+    give_density(disk, 1000);
     height = std::max(height, disk.x.y() + disk.radius);
   }
   if (name == "strike") scene.bodies.push_back(striker(side, width, height));

@@ -47,7 +47,7 @@ Scene<3> make_moving_spheres(const std::string& name, int side, const FamilyOpti
       random_spheres(side * side * side, {{0.4, 1.0 / 3}, {0.5, 1.0 / 3}, {0.6, 1.0 / 3}},
                      Vec2(width, width), 0.05, options.seed, Vec3::Zero());
   for (Sphere& sphere : scene.bodies) {
-    give_mass(sphere, kDensity * 4 / 3 * std::numbers::pi * std::pow(sphere.radius, 3));
+    give_density(sphere, kDensity);
   }
   scene.contact_distance = 1e-6 * smallest_radius(scene);
   scene.walls.push_back(flat_floor<3>());

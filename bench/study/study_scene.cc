@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "bench/experiments/packing.h"
@@ -37,7 +36,7 @@ Scene<2> shear_sample(const Study::Sample& sample) {
                                 to_size(sample.seed), Vec2::Zero());
   double top = 0;
   for (Disk& d : scene.bodies) {
-    give_mass(d, 1000 * std::numbers::pi * d.radius * d.radius);
+    give_density(d, 1000);
     top = std::max(top, d.x[1] + d.radius);
   }
   scene.cell.height.length = 1.01 * top;
@@ -60,7 +59,7 @@ Scene<2> drum_sample(const Study::Sample& sample) {
   scene.bodies =
       random_filling(sample.size, three_radii(0.025, 0.005, sample.spread), 1.4 * scale, 0.02,
                      to_size(sample.seed), Vec2(-0.7 * scale, -0.7 * scale), inside);
-  for (Disk& d : scene.bodies) give_mass(d, 1000 * std::numbers::pi * d.radius * d.radius);
+  for (Disk& d : scene.bodies) give_density(d, 1000);
   scene.walls[0].radius = radius;
   scene.walls[0].spin *= sample.drive;
   scene.num_steps = static_cast<int>((1 + 2.4 / scene.walls[0].spin) / scene.step);

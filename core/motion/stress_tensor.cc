@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "core/base/types.h"
 #include "core/motion/periodic_state.h"
 #include "core/scene/cluster_motion.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -22,9 +22,6 @@ template <int D>
 Vec<D> middle(const Body<D>& d, double step) {
   return d.x - 0.5 * step * d.v;
 }
-
-double extent(const Disk& d) { return std::numbers::pi * d.radius * d.radius; }
-double extent(const Sphere& s) { return 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius; }
 
 /// Force and geometry of a contact. Its tensor is f ⊗ l except for the antisymmetric part, which
 /// uses the lever arms of the step (MeanStress).

@@ -1,17 +1,10 @@
 #include "core/observables/measured_bodies.h"
 
-#include <numbers>
-
 #include "core/observables/cut_bodies.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene/sphere_union.h"
 
 namespace bipot {
-namespace {
-
-double whole(const Disk& d) { return std::numbers::pi * d.radius * d.radius; }
-double whole(const Sphere& s) { return 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius; }
-
-}  // namespace
 
 template <int D>
 MeasuredBodies<D> measured_bodies(const State<D>& state) {
@@ -25,7 +18,7 @@ MeasuredBodies<D> measured_bodies(const State<D>& state) {
     if (body < 0) {
       body = static_cast<int>(bodies.list.size());
       if (d.cluster < 0) {
-        bodies.list.push_back({d.x, d.v, d.spin, d.mass, whole(d), {}});
+        bodies.list.push_back({d.x, d.v, d.spin, d.mass, extent(d), {}});
       } else {
         const Cluster<D>& c = state.clusters.bodies[to_size(d.cluster)];
         bodies.list.push_back({c.x, c.v, c.spin, c.mass, c.size, {}});

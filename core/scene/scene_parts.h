@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -7,7 +9,7 @@
 
 namespace bipot {
 
-// Parts of scenes that programs and tests build.
+// Parts of scenes that programs and tests build, and sizes of bodies.
 
 inline constexpr double kGravity = 9.81;  ///< [m/s²]
 
@@ -31,6 +33,20 @@ inline void give_mass(Disk& disk, double mass) {
 inline void give_mass(Sphere& sphere, double mass) {
   sphere.mass = mass;
   sphere.inertia = 0.4 * mass * sphere.radius * sphere.radius;
+}
+
+/// Area [m²] or volume [m³].
+inline double extent(const Disk& d) { return std::numbers::pi * d.radius * d.radius; }
+inline double extent(const Sphere& s) {
+  return 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius;
+}
+
+/// Mass and inertia of a homogeneous body of this density, in 2D kg/m².
+inline void give_density(Disk& disk, double density) {
+  give_mass(disk, density * std::numbers::pi * disk.radius * disk.radius);
+}
+inline void give_density(Sphere& sphere, double density) {
+  give_mass(sphere, density * 4 / 3 * std::numbers::pi * std::pow(sphere.radius, 3));
 }
 
 /// A homogeneous disk or sphere.

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
-#include <numbers>
-
+#include "core/scene/scene_parts.h"
 #include "core/scene/sphere_generators.h"
 #include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_groups.h"
@@ -69,8 +68,7 @@ std::vector<Sphere> read_spheres(const SceneTable& table, Scene<3>& scene) {
   for (Sphere& s : spheres) {
     s.material = material;
     if (s.wall >= 0) continue;
-    const double volume = 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius;
-    s.mass = group.mass ? *group.mass : *group.density * volume;
+    s.mass = group.mass ? *group.mass : *group.density * extent(s);
     s.inertia = group.inertia.value_or(0.4 * s.mass * s.radius * s.radius);
     s.v += v;  // to that of a file
     s.spin += spin;
