@@ -298,25 +298,31 @@ void DelassusOperator::velocity(const Eigen::Ref<const Vector>& s, Vector& u) co
   }
 }
 
+double delassus_entry(const SparseMatrix& H, const Vector& inverse_mass, int row, int column) {
+  SparseMatrix::InnerIterator x(H, row), y(H, column);
+  double sum = 0;
+  while (x && y) {
+    if (x.row() == y.row()) {
+      sum += x.value() * y.value() * inverse_mass[x.row()];
+      ++x;
+      ++y;
+    } else if (x.row() < y.row()) {
+      ++x;
+    } else {
+      ++y;
+    }
+  }
+  return sum;
+}
+
 Eigen::MatrixXd DelassusOperator::diagonal_block(int contact) const {
   const int d = problem_.dim;
   Eigen::MatrixXd block = Eigen::MatrixXd::Zero(d, d);
   if (two_pass_) {
     for (int a = 0; a < d; ++a) {
       for (int b = 0; b < d; ++b) {
-        SparseMatrix::InnerIterator x(problem_.H, contact * d + a);
-        SparseMatrix::InnerIterator y(problem_.H, contact * d + b);
-        while (x && y) {
-          if (x.row() == y.row()) {
-            block(a, b) += x.value() * y.value() * prepared_->inverse_mass[x.row()];
-            ++x;
-            ++y;
-          } else if (x.row() < y.row()) {
-            ++x;
-          } else {
-            ++y;
-          }
-        }
+        block(a, b) =
+            delassus_entry(problem_.H, prepared_->inverse_mass, contact * d + a, contact * d + b);
       }
     }
   } else {

@@ -107,6 +107,9 @@ class DelassusOperator {
   mutable Vector velocity_;
 };
 
+/// An entry of W = Hᵀ A⁻¹ H, for a diagonal A.
+double delassus_entry(const SparseMatrix& H, const Vector& inverse_mass, int row, int column);
+
 /// v = v_free + A⁻¹ H s, the velocities after the step in the problem's own degrees of freedom
 /// (not scaled: row_scale is inside H), those of the given problem where equality rows were
 /// eliminated. Requires has_velocities().

@@ -32,20 +32,7 @@ int FewContacts::operator()(std::span<const int> contacts, Vector& s) {
 /// W(row, column), from W or from the columns of H (A is diagonal if W is not given).
 double FewContacts::entry(int row, int column) const {
   if (problem_.has_delassus()) return problem_.W.coeff(row, column);
-  SparseMatrix::InnerIterator x(problem_.H, row), y(problem_.H, column);
-  double sum = 0;
-  while (x && y) {
-    if (x.row() == y.row()) {
-      sum += x.value() * y.value() * inverse_mass_[x.row()];
-      ++x;
-      ++y;
-    } else if (x.row() < y.row()) {
-      ++x;
-    } else {
-      ++y;
-    }
-  }
-  return sum;
+  return delassus_entry(problem_.H, inverse_mass_, row, column);
 }
 
 template <int D>
