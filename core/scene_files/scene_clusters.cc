@@ -38,10 +38,9 @@ std::vector<Placed> read_places(const SceneTable& table, const Scene<2>& scene, 
   const std::string arrangement =
       table.one_of("arrangement", "single", {"single", "rectangular", "random"});
   if (arrangement == "single") {
-    const auto position = table.maybe_vec2("position");
-    if (!position) table.fail("position", "is missing");
+    const Vec2 position = table.vec<2>("position");
     // The place of the origin of the parts.
-    return {{*position + Eigen::Rotation2D<double>(turned) * centre, turned}};
+    return {{position + Eigen::Rotation2D<double>(turned) * centre, turned}};
   }
   std::vector<Placed> places;
   if (arrangement == "rectangular") {
@@ -137,9 +136,7 @@ void place_in_space(const SceneTable& table, const Scene<3>& scene, double reach
   const std::string arrangement =
       table.one_of("arrangement", "single", {"single", "cubic", "random"});
   if (arrangement == "single") {
-    const auto position = table.maybe_vec<3>("position");
-    if (!position) table.fail("position", "is missing");
-    add(*position + turn * centre, turn);
+    add(table.vec<3>("position") + turn * centre, turn);
     return;
   }
   if (arrangement == "cubic") {

@@ -150,9 +150,7 @@ std::vector<Disk> read_group(const SceneTable& table, Scene<2>& scene) {
   const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
   if (arrangement == "single") {
     Disk disk;
-    const auto position = table.maybe_vec2("position");
-    if (!position) table.fail("position", "is missing");
-    disk.x = *position;
+    disk.x = table.vec<2>("position");
     disk.radius = table.positive("radius");
     return {disk};
   }
@@ -297,11 +295,9 @@ void read_outside_forces(const SceneTable& root, Scene<D>& scene) {
     if (range.size() != 2 || !whole(range[0]) || !whole(range[1])) {
       table.fail("bodies", "expected the numbers of the first and the last body");
     }
-    const auto force = table.maybe_vec<D>("force");
-    if (!force) table.fail("force", "is missing");
     scene.forces.push_back({.first = static_cast<int>(range[0]),
                             .last = static_cast<int>(range[1]),
-                            .force = *force,
+                            .force = table.vec<D>("force"),
                             .time_factor = read_time_factor(table)});
     table.finish();
   }

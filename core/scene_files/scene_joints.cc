@@ -49,10 +49,9 @@ template <int D>
 void read_joints(const SceneTable& root, Scene<D>& scene) {
   for (const SceneTable& table : root.tables("pins")) {
     typename Scene<D>::Joint pin = read_joined(table, scene);
-    const auto point = table.maybe_vec<D>("point");
-    if (!point) table.fail("point", "is missing");
-    pin.at_i = on_body(scene, pin.i, *point);
-    pin.at_j = on_body(scene, pin.j, *point);
+    const Vec<D> point = table.vec<D>("point");
+    pin.at_i = on_body(scene, pin.i, point);
+    pin.at_j = on_body(scene, pin.j, point);
     scene.joints.push_back(pin);
     table.finish();
   }

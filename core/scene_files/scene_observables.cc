@@ -94,10 +94,9 @@ Vec3 first_side(const SceneTable& face, const Vec3& normal) {
 FluxFace read_face(const SceneTable& face) {
   using Shape = FluxFace::Shape;
   FluxFace read;
-  const auto point = face.maybe_vec<3>("point"), normal = face.maybe_vec<3>("normal");
-  if (!point) face.fail("point", "is missing");
+  read.point = face.vec<3>("point");
+  const auto normal = face.maybe_vec<3>("normal");
   if (!normal || normal->isZero(0)) face.fail("normal", "expected a direction that is not zero");
-  read.point = *point;
   read.normal = along_axis(*normal) ? Vec3(normal->cwiseSign()) : Vec3(normal->normalized());
   if (face.has("radius") && face.has("size")) {
     face.fail("size", "a face has a radius (a disk), or a size (a rectangle)");

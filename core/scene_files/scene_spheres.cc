@@ -28,9 +28,7 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, Scene<3>& scene) {
   const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
   if (arrangement == "single") {
     Sphere sphere;
-    const auto position = table.maybe_vec<3>("position");
-    if (!position) table.fail("position", "is missing");
-    sphere.x = *position;
+    sphere.x = table.vec<3>("position");
     sphere.radius = table.positive("radius");
     return {sphere};
   }

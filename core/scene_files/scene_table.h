@@ -134,6 +134,11 @@ class SceneTable {
     }
     return Vec<D>(values.data());
   }
+  template <int D>
+  Vec<D> vec(std::string_view key) const {
+    if (!has(key)) fail(key, "is missing");
+    return *maybe_vec<D>(key);
+  }
   std::optional<Vec2> maybe_vec2(std::string_view key) const { return maybe_vec<2>(key); }
   Vec2 vec2(std::string_view key, const Vec2& fallback) const {
     return maybe_vec2(key).value_or(fallback);

@@ -640,7 +640,7 @@ std::set<std::string> keys_in_the_source() {
     }
   }
   const std::regex access(
-      R"((?:has|maybe_number|number|positive|integer|natural|boolean|word|one_of|maybe_vec2|vec2|maybe_vec<[3D]>|numbers|words|table|tables)\(\"([a-z_]+)\")");
+      R"((?:has|maybe_number|number|positive|integer|natural|boolean|word|one_of|vec2|vec<[23D]>|numbers|words|table|tables)\(\"([a-z_]+)\")");
   std::set<std::string> keys;
   for (std::sregex_iterator it(source.begin(), source.end(), access), end; it != end; ++it) {
     keys.insert((*it)[1]);
