@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/portable_random.h"
+#include "core/base/triplets.h"
 #include "core/problem/delassus.h"
 
 namespace bipot {
@@ -80,7 +81,7 @@ void add_bodies(PortableRandom& draw, ContactProblem& p, int bodies,
   const int translations = p.dim == 3 ? 3 : 2;
   const int rotations = p.dim == 1 ? 0 : (p.dim == 2 ? 1 : 3);
   const int per_body = translations + rotations;
-  std::vector<Eigen::Triplet<double>> a, h;
+  Triplets a, h;
   for (int b = 0; b < bodies; ++b) {
     const double mass = mass_unit * draw.decades(0, spread);
     for (int k = 0; k < translations; ++k) a.emplace_back(b * per_body + k, b * per_body + k, mass);
@@ -107,10 +108,8 @@ void add_bodies(PortableRandom& draw, ContactProblem& p, int bodies,
       if (g.j >= 0) add(g.j, column, g.frame[k], g.arm_j, -1);
     }
   }
-  p.A.resize(bodies * per_body, bodies * per_body);
-  p.A.setFromTriplets(a.begin(), a.end());
-  p.H.resize(bodies * per_body, static_cast<Eigen::Index>(contacts.size()) * p.dim);
-  p.H.setFromTriplets(h.begin(), h.end());
+  p.A = from_triplets(bodies * per_body, bodies * per_body, a);
+  p.H = from_triplets(bodies * per_body, static_cast<Eigen::Index>(contacts.size()) * p.dim, h);
 }
 
 /// H diag(1/r), mu r_t / r_n, r = sqrt(1 + e): core/problem/contact_problem.h.

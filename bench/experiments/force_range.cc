@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/base/triplets.h"
 #include "solvers/analysis/linear_programme.h"
 
 namespace bipot {
@@ -20,7 +21,7 @@ std::vector<ForceRange> admissible_forces(const ContactProblem& problem) {
   // Unknowns: two edges (1, ±mu) for each contact in units of the largest load, and the load's
   // share x0 <= 1. The problem is homogeneous in them, so that an optimum has x0 = 1 if it has any.
   LinearProgramme programme;
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   const auto dof_scale = [&](Eigen::Index dof) { return 1 / std::sqrt(problem.A.coeff(dof, dof)); };
   for (int k = 0; k < contacts; ++k) {
     for (const int row : {2 * k, 2 * k + 1}) {
@@ -36,8 +37,7 @@ std::vector<ForceRange> admissible_forces(const ContactProblem& problem) {
   for (int dof = 0; dof < load.size(); ++dof) {
     if (load[dof] != 0) entries.emplace_back(dof, 2 * contacts, load[dof] / unit * dof_scale(dof));
   }
-  programme.A.resize(load.size(), 2 * contacts + 1);
-  programme.A.setFromTriplets(entries.begin(), entries.end());
+  programme.A = from_triplets(load.size(), 2 * contacts + 1, entries);
   programme.upper = Vector::Constant(2 * contacts + 1, kInfinity);
   programme.upper[2 * contacts] = 1;
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/base/triplets.h"
 #include "core/problem/delassus.h"
 #include "solvers/solve.h"
 
@@ -16,7 +17,7 @@ namespace {
 /// Contacts 2k and 2k + 1 push along the edges (1, ±mu) of the cone of contact k, unit length.
 ContactProblem edges(const ContactProblem& p) {
   ContactProblem q{.dim = 1, .A = p.A, .v_free = p.v_free};
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   entries.reserve(static_cast<std::size_t>(4 * p.H.nonZeros()));
   for (int k = 0; k < p.num_contacts(); ++k) {
     const double length = std::hypot(1, p.mu[k]);
@@ -29,8 +30,7 @@ ContactProblem edges(const ContactProblem& p) {
       }
     }
   }
-  q.H.resize(p.H.rows(), 2 * p.num_contacts());
-  q.H.setFromTriplets(entries.begin(), entries.end());
+  q.H = from_triplets(p.H.rows(), 2 * p.num_contacts(), entries);
   q.H.makeCompressed();
   q.mu = Vector::Zero(2 * p.num_contacts());
   q.u_free = q.H.transpose() * q.v_free;

@@ -9,13 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "core/base/triplets.h"
+
 namespace bipot {
 namespace {
 
 namespace py = pybind11;
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Indices = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
-using Triplets = std::vector<Eigen::Triplet<double, int>>;
 
 constexpr std::int64_t kLargest = std::numeric_limits<int>::max();
 
@@ -92,13 +93,6 @@ Numbers to_entries(py::handle given, std::string_view name) {
 }
 
 /// Sums duplicates.
-template <class Sparse>
-Sparse from_triplets(std::int64_t rows, std::int64_t columns, const Triplets& triplets) {
-  Sparse made(rows, columns);
-  made.setFromTriplets(triplets.begin(), triplets.end());
-  return made;
-}
-
 template <class Sparse>
 Sparse without_zeros(Sparse made) {
   made.prune([](Eigen::Index, Eigen::Index, double value) { return value != 0; });

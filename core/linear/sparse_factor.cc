@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "core/base/triplets.h"
 #include "core/linear/long_columns.h"
 
 namespace bipot {
@@ -94,16 +95,14 @@ Vector SparseCholesky::solve(const Eigen::Ref<const Vector>& b) const {
 }
 
 SparseMatrix SparseCholesky::solve(const SparseMatrix& B) const {
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   for (int k = 0; k < B.outerSize(); ++k) {
     const Vector x = solve(Vector(B.col(k)));
     for (Eigen::Index i = 0; i < x.size(); ++i) {
       if (x[i] != 0) entries.emplace_back(static_cast<int>(i), k, x[i]);
     }
   }
-  SparseMatrix X(B.rows(), B.cols());
-  X.setFromTriplets(entries.begin(), entries.end());
-  return X;
+  return from_triplets(B.rows(), B.cols(), entries);
 }
 
 std::size_t SparseCholesky::num_entries() const {

@@ -3,14 +3,13 @@
 #include <array>
 #include <utility>
 
+#include "core/base/triplets.h"
 #include "core/problem/equality_rows.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/joints.h"
 
 namespace bipot {
 namespace {
-
-using Triplets = std::vector<Eigen::Triplet<double>>;
 
 Vec2 turned_by(double angle, const Vec2& arm) { return Eigen::Rotation2D<double>(angle) * arm; }
 Vec3 turned_by(const Vec3& angle, const Vec3& arm) {
@@ -89,9 +88,7 @@ void append_columns(SparseMatrix& H, const Triplets& entries, Eigen::Index colum
       all.emplace_back(static_cast<int>(it.row()), k, it.value());
     }
   }
-  SparseMatrix wider(H.rows(), H.cols() + columns);
-  wider.setFromTriplets(all.begin(), all.end());
-  H = std::move(wider);
+  H = from_triplets(H.rows(), H.cols() + columns, all);
 }
 
 void append(Vector& x, const std::vector<double>& values) {
@@ -177,8 +174,8 @@ void add_pins(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D
     }
   }
   if (values.empty()) return;
-  SparseRows G(static_cast<Eigen::Index>(values.size()), p.H.rows());
-  G.setFromTriplets(entries.begin(), entries.end());
+  SparseRows G =
+      from_triplets<SparseRows>(static_cast<Eigen::Index>(values.size()), p.H.rows(), entries);
   Vector b;
   append(b, values);
   p = with_equality_rows(std::move(p), std::move(G), std::move(b), true);

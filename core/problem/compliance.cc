@@ -7,22 +7,22 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/base/triplets.h"
+
 namespace bipot {
 namespace {
 
 constexpr double kNoCompliance = 1e-12;  // of the largest eigenvalue of a block
 
 template <class Sparse>
-void append_rows(Sparse& matrix, int rows, int columns,
-                 const std::vector<Eigen::Triplet<double>>& more) {
-  std::vector<Eigen::Triplet<double>> entries = more;
+void append_rows(Sparse& matrix, int rows, int columns, const Triplets& more) {
+  Triplets entries = more;
   for (int k = 0; k < matrix.outerSize(); ++k) {
     for (typename Sparse::InnerIterator it(matrix, k); it; ++it) {
       entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(it.col()), it.value());
     }
   }
-  matrix = Sparse(rows, columns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
+  matrix = from_triplets<Sparse>(rows, columns, entries);
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ ContactProblem with_compliance(ContactProblem p, const SparseRows& R) {
     throw std::invalid_argument(
         fmt::format("R is {0} x {1}, expected {2} x {2}", R.rows(), R.cols(), m));
   }
-  std::vector<Eigen::Triplet<double>> wrenches, masses;
+  Triplets wrenches, masses;
   int dofs = p.num_dofs();
   for (int c = 0; c < p.num_contacts(); ++c) {
     Eigen::MatrixXd block = Eigen::MatrixXd::Zero(d, d);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/triplets.h"
 #include "core/linear/dense_factor.h"
 #include "core/problem/delassus.h"
 
@@ -16,7 +17,6 @@ namespace bipot {
 namespace {
 
 using Eigen::MatrixXd;
-using Triplets = std::vector<Eigen::Triplet<double>>;
 
 constexpr double kDependent = 1e-9;    // pivot of a row of unit norm
 constexpr double kContradicts = 1e-6;  // of the largest b
@@ -276,10 +276,8 @@ ContactProblem with_equality_rows(ContactProblem given, SparseRows G, Vector b, 
   for (int k = static_cast<int>(rows->free.size()); k < coordinates; ++k) {
     masses.emplace_back(k, k, 1.0);
   }
-  p.A.resize(coordinates, coordinates);
-  p.A.setFromTriplets(masses.begin(), masses.end());
-  p.H.resize(coordinates, old.H.cols());
-  p.H.setFromTriplets(wrenches.begin(), wrenches.end());
+  p.A = from_triplets(coordinates, coordinates, masses);
+  p.H = from_triplets(coordinates, old.H.cols(), wrenches);
   p.v_free = Vector::Zero(coordinates);
   p.v_free.head(static_cast<Eigen::Index>(rows->free.size())) = gathered(old.v_free, rows->free);
   const Vector momentum = old.A * old.v_free;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/file_error.h"
+#include "core/base/triplets.h"
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/problem/delassus.h"
@@ -18,8 +19,6 @@
 
 namespace bipot {
 namespace {
-
-using Triplets = std::vector<Eigen::Triplet<double>>;
 
 constexpr int kCompressedColumns = -1;
 constexpr int kCompressedRows = -2;
@@ -44,9 +43,7 @@ struct SparseGroup {
 
   template <class Sparse>
   Sparse build() const {
-    Sparse matrix(rows, columns);
-    matrix.setFromTriplets(entries.begin(), entries.end());  // sums duplicates
-    return matrix;
+    return from_triplets<Sparse>(rows, columns, entries);
   }
 };
 
@@ -156,8 +153,7 @@ ContactProblem without_tangents(const ContactProblem& p, int dofs) {
         if (it.row() < dofs) entries.emplace_back(static_cast<int>(it.row()), c, it.value());
       }
     }
-    q.H.resize(dofs, p.num_contacts());
-    q.H.setFromTriplets(entries.begin(), entries.end());
+    q.H = from_triplets(dofs, p.num_contacts(), entries);
     if (p.has_delassus()) q.W = assemble_delassus(q.A, q.H, 1);
   } else {
     Triplets entries;
@@ -166,8 +162,7 @@ ContactProblem without_tangents(const ContactProblem& p, int dofs) {
         if (it.col() % 2 == 0) entries.emplace_back(c, static_cast<int>(it.col()) / 2, it.value());
       }
     }
-    q.W.resize(p.num_contacts(), p.num_contacts());
-    q.W.setFromTriplets(entries.begin(), entries.end());
+    q.W = from_triplets<SparseRows>(p.num_contacts(), p.num_contacts(), entries);
   }
   return q;
 }
@@ -193,10 +188,8 @@ ContactProblem with_inert_tangents(const ContactProblem& p) {
       mass.emplace_back(dofs + c, dofs + c, 1 / w_nn[c]);
       wrench.emplace_back(dofs + c, 2 * c + 1, 1.0);
     }
-    q.A.resize(dofs + contacts, dofs + contacts);
-    q.A.setFromTriplets(mass.begin(), mass.end());
-    q.H.resize(dofs + contacts, 2 * contacts);
-    q.H.setFromTriplets(wrench.begin(), wrench.end());
+    q.A = from_triplets(dofs + contacts, dofs + contacts, mass);
+    q.H = from_triplets(dofs + contacts, 2 * contacts, wrench);
     q.v_free = Vector::Zero(dofs + contacts);
     q.v_free.head(dofs) = p.v_free;
   } else {
@@ -207,8 +200,7 @@ ContactProblem with_inert_tangents(const ContactProblem& p) {
       }
       entries.emplace_back(2 * c + 1, 2 * c + 1, w_nn[c]);
     }
-    q.W.resize(2 * contacts, 2 * contacts);
-    q.W.setFromTriplets(entries.begin(), entries.end());
+    q.W = from_triplets<SparseRows>(2 * contacts, 2 * contacts, entries);
   }
   return q;
 }

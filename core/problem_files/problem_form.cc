@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/triplets.h"
 #include "core/linear/dense_factor.h"
 #include "core/linear/sparse_factor.h"
 #include "core/problem/delassus.h"
@@ -111,7 +112,7 @@ ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Ve
   }
   const MatrixXd change = sides.transpose() * solved;  // the last column: of q
   const Eigen::Index count = change.rows() - 1;
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   Vector q_left = q;
   for (Eigen::Index k = 0; k < count; ++k) {
     q_left[touched[to_size(k)]] -= change(k, count);
@@ -120,8 +121,7 @@ ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Ve
       if (value != 0) entries.emplace_back(touched[to_size(k)], touched[to_size(l)], -value);
     }
   }
-  SparseRows correction(W.rows(), W.cols());
-  correction.setFromTriplets(entries.begin(), entries.end());
+  const SparseRows correction = from_triplets<SparseRows>(W.rows(), W.cols(), entries);
   return from_local_form(dim, SparseRows(W + correction), std::move(q_left), std::move(mu));
 }
 

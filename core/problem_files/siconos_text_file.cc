@@ -14,14 +14,12 @@
 
 #include "core/base/file_error.h"
 #include "core/base/number_text.h"
-#include "core/base/types.h"
+#include "core/base/triplets.h"
 #include "core/files/input_file.h"
 #include "core/problem_files/problem_form.h"
 
 namespace bipot {
 namespace {
-
-using Triplets = std::vector<Eigen::Triplet<double>>;
 
 /// Words of a text, separated by white space, with the line of each for messages.
 class Words {
@@ -136,9 +134,7 @@ struct TextMatrix {
 
   template <class Sparse>
   Sparse build() const {
-    Sparse matrix(rows, columns);
-    matrix.setFromTriplets(entries.begin(), entries.end());  // sums duplicates
-    return matrix;
+    return from_triplets<Sparse>(rows, columns, entries);
   }
 };
 
@@ -335,9 +331,7 @@ Sparse part_of(const TextMatrix& of, const std::vector<int>& place, const std::v
     if (equal[i] != rows_equal || equal[j] != columns_equal) continue;
     entries.emplace_back(place[i], place[j], entry.value());
   }
-  Sparse part(rows, columns);
-  part.setFromTriplets(entries.begin(), entries.end());
-  return part;
+  return from_triplets<Sparse>(rows, columns, entries);
 }
 
 /// M, q, and for each block row of M the type of its sub-problem, with mu for a contact.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/stopwatch.h"
+#include "core/base/triplets.h"
 #include "core/problem/delassus.h"
 #include "solvers/analysis/linear_programme.h"
 
@@ -129,7 +130,7 @@ class CaseSearch {
     }
     const int n = static_cast<int>(unknowns.size()), k = static_cast<int>(edges.size());
     LinearProgramme lp;
-    std::vector<Eigen::Triplet<double>> entries;
+    Triplets entries;
     lp.cost = Vector::Zero(n + k);
     lp.upper = Vector::Ones(n + k);
     for (int j = 0; j < n; ++j) {
@@ -144,8 +145,7 @@ class CaseSearch {
       entries.emplace_back(e, n + e, 1.0);
       lp.upper[n + e] = kInfinity;
     }
-    lp.A.resize(k, n + k);
-    lp.A.setFromTriplets(entries.begin(), entries.end());
+    lp.A = from_triplets(k, n + k, entries);
     const LinearProgramme::Optimum best =
         bipot::solve(lp, std::max(1e-3, seconds_ - watch_.seconds()));
     if (!best.found || !(best.value < -kSolvable)) return 0;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/stopwatch.h"
+#include "core/base/triplets.h"
 #include "core/linear/sparse_factor.h"
 #include "core/problem/coulomb_cone.h"
 #include "solvers/analysis/case_exclusion.h"
@@ -134,7 +135,7 @@ class Search {
   /// `work`: their work on the data, r·w over work_scale_. `contact` and `scale`: of each column.
   SparseMatrix columns(bool normals_only, Vector& work, std::vector<int>& contact,
                        std::vector<double>& scale) const {
-    std::vector<Eigen::Triplet<double>> entries;
+    Triplets entries;
     std::vector<double> works;
     int column = 0;
     Vector sum = Vector::Zero(wrench_.rows());
@@ -166,9 +167,7 @@ class Search {
     const double most = work.cwiseAbs().maxCoeff();
     if (most > 0) work /= most;
     work_scale_ = most > 0 ? most : 1;
-    SparseMatrix result(wrench_.rows(), column);
-    result.setFromTriplets(entries.begin(), entries.end());
-    return result;
+    return from_triplets(wrench_.rows(), column, entries);
   }
 
   /// Programme 1.
@@ -179,7 +178,7 @@ class Search {
     std::vector<double> scale;
     const SparseMatrix stress = columns(false, work, contact, scale);
     const Eigen::Index n = stress.cols(), k = stress.rows();
-    std::vector<Eigen::Triplet<double>> entries;
+    Triplets entries;
     for (int c = 0; c < stress.outerSize(); ++c) {
       for (SparseMatrix::InnerIterator it(stress, c); it; ++it) {
         entries.emplace_back(it.row(), it.col(), it.value());
@@ -187,8 +186,7 @@ class Search {
       if (work[c] != 0) entries.emplace_back(static_cast<int>(k), c, work[c]);
     }
     entries.emplace_back(static_cast<int>(k), static_cast<int>(n), 1.0);  // slack: r·w <= 0
-    lp.A.resize(k + 1, n + 1);
-    lp.A.setFromTriplets(entries.begin(), entries.end());
+    lp.A = from_triplets(k + 1, n + 1, entries);
     lp.cost = -Vector::Ones(n + 1);
     lp.cost[n] = 0;
     lp.upper = Vector::Ones(n + 1);

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/triplets.h"
+
 namespace bipot {
 namespace {
 
@@ -224,7 +226,7 @@ class DiskRecovery {
     ContactProblem made = p_;
     made.W = SparseRows();
     made.v_free = Vector::Zero(dofs);
-    std::vector<Eigen::Triplet<double>> mass, map;
+    Triplets mass, map;
     for (std::size_t k = 0; k < disks_.size(); ++k) {
       const int at = static_cast<int>(3 * k);
       const RecoveredDisk& disk = disks_[k];
@@ -247,10 +249,8 @@ class DiskRecovery {
         sign = -1;
       }
     }
-    made.A.resize(dofs, dofs);
-    made.A.setFromTriplets(mass.begin(), mass.end());
-    made.H.resize(dofs, p_.num_rows());
-    made.H.setFromTriplets(map.begin(), map.end());
+    made.A = from_triplets(dofs, dofs, mass);
+    made.H = from_triplets(dofs, p_.num_rows(), map);
     return made;
   }
   static bool turns(const RecoveredDisk& disk) { return disk.spin > kRounding * disk.light; }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/triplets.h"
+
 namespace bipot {
 namespace {
 
@@ -49,7 +51,7 @@ class WholeReader {
     if (rolls_ && dim_ == 6) p.mu_spin.resize(contacts_);
     p.u_free.resize(contacts_ * dim_);
     if (scaled_) p.row_scale.resize(contacts_ * dim_);
-    std::vector<Eigen::Triplet<double>> entries;
+    Triplets entries;
     for (std::size_t r = 0; r < buffers_.size(); ++r) {
       std::size_t at = kHead + kOfDof * to_size(dofs_of_[r]);
       for (int k = 0; k < contacts_of_[r]; ++k) {
@@ -71,8 +73,7 @@ class WholeReader {
         }
       }
     }
-    p.H.resize(mass_.size(), contacts_ * dim_);
-    p.H.setFromTriplets(entries.begin(), entries.end());
+    p.H = from_triplets(mass_.size(), contacts_ * dim_, entries);
     p.A = SparseMatrix(mass_.asDiagonal());
     p.v_free = v_free_;
     return p;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/base/types.h"
+#include "core/base/triplets.h"
 #include "core/criterion/rounding_bound.h"
 #include "solvers/registry.h"
 #include "solvers/solve_run.h"
@@ -24,7 +24,7 @@ ContactProblem some_problem(int dim = 2) { return manufactured_problem(dim, 12, 
 /// A column of disks on a floor, mu large: sticking, W_tt = 3 W_nn at the floor.
 ContactProblem sticking_column(int disks) {
   ContactProblem p{.dim = 2};
-  std::vector<Eigen::Triplet<double>> a, h;
+  Triplets a, h;
   for (int k = 0; k < disks; ++k) {
     for (int dof = 0; dof < 3; ++dof) {
       a.emplace_back(3 * k + dof, 3 * k + dof, dof == 2 ? 0.5 : 1.0);
@@ -39,10 +39,8 @@ ContactProblem sticking_column(int disks) {
       h.emplace_back(3 * k - 1, 2 * k + 1, -1);
     }
   }
-  p.A.resize(3 * disks, 3 * disks);
-  p.A.setFromTriplets(a.begin(), a.end());
-  p.H.resize(3 * disks, 2 * disks);
-  p.H.setFromTriplets(h.begin(), h.end());
+  p.A = from_triplets(3 * disks, 3 * disks, a);
+  p.H = from_triplets(3 * disks, 2 * disks, h);
   p.v_free = Vector::Zero(3 * disks);
   for (int k = 0; k < disks; ++k) {
     p.v_free[3 * k] = 0.1;  // a push to the side

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/base/portable_random.h"
-#include "core/base/types.h"
+#include "core/base/triplets.h"
 
 namespace bipot {
 
@@ -12,7 +12,7 @@ namespace bipot {
 /// neighbours by blocks without symmetry; `diagonal` added to the diagonal.
 inline SparseMatrix grid_matrix(int side, int block, unsigned seed, double diagonal) {
   PortableRandom draw(seed);
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   for (int a = 0; a < side * side; ++a) {
     for (int b = 0; b < side * side; ++b) {
       if (std::abs(a / side - b / side) > 1 || std::abs(a % side - b % side) > 1) continue;
@@ -25,9 +25,7 @@ inline SparseMatrix grid_matrix(int side, int block, unsigned seed, double diago
     }
   }
   const int n = side * side * block;
-  SparseMatrix A(n, n);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
+  return from_triplets(n, n, entries);
 }
 
 }  // namespace bipot

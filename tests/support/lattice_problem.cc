@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/triplets.h"
+
 namespace bipot {
 namespace {
 
@@ -65,8 +67,7 @@ class Builder {
       if (translation) p_.v_free[k] = fall[k % dofs_];
     }
     p_.A.makeCompressed();
-    p_.H.resize(n, m);
-    p_.H.setFromTriplets(entries_.begin(), entries_.end());
+    p_.H = from_triplets(n, m, entries_);
     p_.u_free = p_.H.transpose() * p_.v_free;
     p_.mu = Vector::Constant(contacts_, p_.dim == 1 ? 0 : o_.mu);
     if (o_.e_n != 0 || o_.e_t != 0) {
@@ -87,7 +88,7 @@ class Builder {
   const LatticeOptions& o_;
   ContactProblem p_;
   int dofs_ = 3, contacts_ = 0;
-  std::vector<Eigen::Triplet<double>> entries_;
+  Triplets entries_;
 };
 
 const double kHalf = 0.5, kRoot3Half = std::sqrt(3.0) / 2;

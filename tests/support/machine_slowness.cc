@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/stopwatch.h"
+#include "core/base/triplets.h"
 #include "core/linear/sparse_factor.h"
 
 namespace bipot {
@@ -17,7 +18,7 @@ constexpr double kNominalSeconds = 0.030;
 
 /// Laplacian of a square grid.
 SparseMatrix grid(int side) {
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   for (int i = 0; i < side; ++i) {
     for (int j = 0; j < side; ++j) {
       const int at = i * side + j;
@@ -28,9 +29,7 @@ SparseMatrix grid(int side) {
       if (j + 1 < side) entries.emplace_back(at + 1, at, -0.9);
     }
   }
-  SparseMatrix A(side * side, side * side);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
+  return from_triplets(side * side, side * side, entries);
 }
 
 double measure() {

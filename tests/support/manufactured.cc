@@ -1,6 +1,7 @@
 #include "tests/support/manufactured.h"
 
 #include "core/base/portable_random.h"
+#include "core/base/triplets.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "core/problem/equality_rows.h"
@@ -16,12 +17,11 @@ Manufactured make(int bodies, int contacts, unsigned seed, double mu) {
   Manufactured out;
   ContactProblem& p = out.problem;
   p.dim = D;
-  std::vector<Eigen::Triplet<double>> a, h;
+  Triplets a, h;
   for (int b = 0; b < bodies; ++b) {
     for (int k = 0; k < K; ++k) a.emplace_back(b * K + k, b * K + k, 0.5 + draw.uniform());
   }
-  p.A.resize(n, n);
-  p.A.setFromTriplets(a.begin(), a.end());
+  p.A = from_triplets(n, n, a);
   for (int c = 0; c < contacts; ++c) {
     // Every body is touched: first a chain, then random pairs.
     const int i = c % bodies;
@@ -33,8 +33,7 @@ Manufactured make(int bodies, int contacts, unsigned seed, double mu) {
       }
     }
   }
-  p.H.resize(n, m);
-  p.H.setFromTriplets(h.begin(), h.end());
+  p.H = from_triplets(n, m, h);
   p.W = assemble_delassus(p.A, p.H, D);
   p.mu = Vector::Constant(contacts, D == 1 ? 0.0 : mu);
   out.s = Vector::Zero(m);
@@ -76,7 +75,7 @@ Manufactured make_rolling(int bodies, int contacts, unsigned seed) {
   Manufactured out;
   ContactProblem& p = out.problem;
   p.dim = K;
-  std::vector<Eigen::Triplet<double>> a, h;
+  Triplets a, h;
   for (int k = 0; k < n; ++k) a.emplace_back(k, k, 0.5 + draw.uniform());
   for (int c = 0; c < contacts; ++c) {
     const int i = c % bodies, j = c < bodies - 1 ? c + 1 : draw.below(bodies);
@@ -87,10 +86,8 @@ Manufactured make_rolling(int bodies, int contacts, unsigned seed) {
       }
     }
   }
-  p.A.resize(n, n);
-  p.A.setFromTriplets(a.begin(), a.end());
-  p.H.resize(n, m);
-  p.H.setFromTriplets(h.begin(), h.end());
+  p.A = from_triplets(n, n, a);
+  p.H = from_triplets(n, m, h);
   p.W = assemble_delassus(p.A, p.H, K);
   p.mu = Vector::Constant(contacts, 0.3);
   p.mu_r = Vector::Constant(contacts, 0.2);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/triplets.h"
+
 namespace bipot {
 
 SideBySide side_by_side(const std::vector<ContactProblem>& parts) {
@@ -21,7 +23,7 @@ SideBySide side_by_side(const std::vector<ContactProblem>& parts) {
     }
   }
   const int d = p.dim;
-  std::vector<Eigen::Triplet<double>> a, h, w;
+  Triplets a, h, w;
   p.v_free.resize(dofs);
   p.u_free.resize(contacts * d);
   p.mu.resize(contacts);
@@ -56,14 +58,11 @@ SideBySide side_by_side(const std::vector<ContactProblem>& parts) {
     first_dof += part.num_dofs();
   }
   if (dofs > 0) {
-    p.A.resize(dofs, dofs);
-    p.A.setFromTriplets(a.begin(), a.end());
-    p.H.resize(dofs, contacts * d);
-    p.H.setFromTriplets(h.begin(), h.end());
+    p.A = from_triplets(dofs, dofs, a);
+    p.H = from_triplets(dofs, contacts * d, h);
   }
   if (!w.empty()) {
-    p.W.resize(contacts * d, contacts * d);
-    p.W.setFromTriplets(w.begin(), w.end());
+    p.W = from_triplets<SparseRows>(contacts * d, contacts * d, w);
   }
   return out;
 }

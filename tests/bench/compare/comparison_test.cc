@@ -15,6 +15,7 @@
 #include "bench/compare/comparison_rows.h"
 #include "bench/compare/warm_gain.h"
 #include "bench/measure/true_error.h"
+#include "core/base/triplets.h"
 #include "core/criterion/contact_error.h"
 #include "core/problem_files/fclib_file.h"
 #include "solvers/solve.h"
@@ -194,7 +195,7 @@ TEST(BodyRows, FindDrivenWallsBehindTheDisks) {
                    .u_free = Vector::Constant(8, -1),
                    .mu = Vector::Constant(4, 0.3)};
   p.A.setIdentity();
-  std::vector<Eigen::Triplet<double>> h;
+  Triplets h;
   for (int c = 0; c < 4; ++c) {
     const int disk = 3 * (c / 2), axis = c % 2;
     h.emplace_back(disk + axis, 2 * c, 1.0);
@@ -202,8 +203,7 @@ TEST(BodyRows, FindDrivenWallsBehindTheDisks) {
     h.emplace_back(disk + 1 - axis, 2 * c + 1, 1.0);
     h.emplace_back(disk + 2, 2 * c + 1, -0.5);
   }
-  p.H = SparseMatrix(10, 8);
-  p.H.setFromTriplets(h.begin(), h.end());
+  p.H = from_triplets(10, 8, h);
   ASSERT_EQ(validate(p), "");
   const auto rows = find_body_rows(p);
   ASSERT_TRUE(rows.has_value());

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/triplets.h"
 #include "core/linear/frontal_tree.h"
 #include "tests/support/grid_matrix.h"
 
@@ -17,14 +18,13 @@ using Edges = std::vector<std::pair<int, int>>;
 
 /// Fronts of the pattern with these edges, in the given order, whose factor has no other entries.
 Supernodes fronts_of(int n, const Edges& edges, const std::vector<std::int64_t>& entries) {
-  std::vector<Eigen::Triplet<double>> list;
+  Triplets list;
   for (int k = 0; k < n; ++k) list.emplace_back(k, k, 1.0);
   for (const auto& [i, j] : edges) {
     list.emplace_back(i, j, 1.0);
     list.emplace_back(j, i, 1.0);
   }
-  SparseMatrix A(n, n);
-  A.setFromTriplets(list.begin(), list.end());
+  const SparseMatrix A = from_triplets(n, n, list);
   std::vector<int> order(to_size(n));
   std::iota(order.begin(), order.end(), 0);
   return supernodes(A, order, entries);

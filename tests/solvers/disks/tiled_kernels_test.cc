@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/triplets.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
@@ -72,7 +73,7 @@ ContactProblem rolling_spheres(ContactProblem plain) {
   p.mu_spin *= 0.5;
   p.mu_r[0] = 0;
   p.u_free = Vector::Zero(2 * plain.num_rows());
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   for (int c = 0; c < plain.num_contacts(); ++c) {
     const SphereStructure::Contact& contact = spheres.contacts[to_size(c)];
     for (int k = 0; k < 3; ++k) {
@@ -90,8 +91,7 @@ ContactProblem rolling_spheres(ContactProblem plain) {
       }
     }
   }
-  p.H.resize(plain.num_dofs(), p.num_rows());
-  p.H.setFromTriplets(entries.begin(), entries.end());
+  p.H = from_triplets(plain.num_dofs(), p.num_rows(), entries);
   return p;
 }
 

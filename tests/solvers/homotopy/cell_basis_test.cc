@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/portable_random.h"
+#include "core/base/triplets.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -128,7 +129,7 @@ TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
   const Manufactured any = manufactured_problem(2, 200, kContacts, 5);
   const ContactProblem local = local_form(any.problem);
   LawProblem problem(local, Vector(local.W.diagonal()));
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   const auto couple = [&](int i, int k, double value) {
     entries.emplace_back(2 * i, 2 * k, value);
     entries.emplace_back(2 * k, 2 * i, value);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/triplets.h"
 #include "core/problem/delassus.h"
 #include "solvers/parallel/contact_owners.h"
 #include "solvers/parallel/distributed_solve.h"
@@ -214,7 +215,7 @@ ContactProblem wheel(std::vector<Vec3>& places) {
   constexpr int kRing = 24;
   ContactProblem p{.dim = 2};
   const int dofs = 3 * (kRing + 1), contacts = 2 * kRing;
-  std::vector<Eigen::Triplet<double>> H, A;
+  Triplets H, A;
   // The ring first, so that contacts belong to its disks and the middle is everybody's ghost.
   const int middle = 3 * kRing;
   p.v_free = Vector::Zero(dofs);
@@ -238,10 +239,8 @@ ContactProblem wheel(std::vector<Vec3>& places) {
   p.v_free[middle] = 1;
   p.v_free[middle + 1] = -2;
   p.v_free[middle + 2] = 0.5;
-  p.H.resize(dofs, 2 * contacts);
-  p.H.setFromTriplets(H.begin(), H.end());
-  p.A.resize(dofs, dofs);
-  p.A.setFromTriplets(A.begin(), A.end());
+  p.H = from_triplets(dofs, 2 * contacts, H);
+  p.A = from_triplets(dofs, dofs, A);
   p.mu = Vector::Constant(contacts, 0.4);
   p.u_free = p.H.transpose() * p.v_free;
   return p;

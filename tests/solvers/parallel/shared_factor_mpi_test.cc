@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/triplets.h"
 #include "core/problem_files/problem_file.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/solve.h"
@@ -27,8 +28,7 @@ const DistributedOptions kShared{.shared_factor_rows = 0};
 SparseMatrix banded(int size, int reach, unsigned seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> value(-1, 1);
-  SparseMatrix A(size, size);
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   for (int i = 0; i < size; ++i) {
     for (int j = 0; j < size; ++j) {
       if (i == j || std::abs(i - j) == reach || std::abs(i - j) == 1) {
@@ -36,8 +36,7 @@ SparseMatrix banded(int size, int reach, unsigned seed) {
       }
     }
   }
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
+  return from_triplets(size, size, entries);
 }
 
 /// On the first process, for its factor.

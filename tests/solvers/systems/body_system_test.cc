@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "core/base/triplets.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
 
@@ -12,16 +13,14 @@ namespace {
 
 /// A mass matrix that couples the degrees of freedom of each body, as tensors of inertia do.
 SparseMatrix coupled_masses(const ContactProblem& p, int of_body) {
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   for (int dof = 0; dof < p.num_dofs(); ++dof) {
     entries.emplace_back(dof, dof, 2 + 0.1 * dof);
     if (dof % of_body == 0) continue;
     entries.emplace_back(dof, dof - 1, 0.5);
     entries.emplace_back(dof - 1, dof, 0.5);
   }
-  SparseMatrix A(p.num_dofs(), p.num_dofs());
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
+  return from_triplets(p.num_dofs(), p.num_dofs(), entries);
 }
 
 TEST(BodySystem, IsTheDenseMatrixAndItsProducts) {
