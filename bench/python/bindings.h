@@ -10,6 +10,7 @@ void bind_problem(pybind11::module_& module);
 void bind_solve(pybind11::module_& module);
 void bind_judge(pybind11::module_& module);
 void bind_compare(pybind11::module_& module);
+void bind_state(pybind11::module_& module);
 void bind_simulation(pybind11::module_& module);
 void bind_advise(pybind11::module_& module);
 

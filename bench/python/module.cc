@@ -39,6 +39,7 @@ PYBIND11_MODULE(_bipot, module) {
   bipot::bind_solve(module);
   bipot::bind_judge(module);
   bipot::bind_compare(module);
+  bipot::bind_state(module);  // before its steps
   bipot::bind_simulation(module);
   bipot::bind_advise(module);
 }

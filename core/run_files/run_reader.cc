@@ -249,12 +249,9 @@ std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t d
   return contacts;
 }
 
-}  // namespace
-
-template <int D>
-State<D> read_state(const fs::path& run, int step) {
-  const fs::path folder = run_folder(run);
-  const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
+/// run.h5 of a run, open, and of a known version.
+Hdf5File open_run(const fs::path& folder) {
+  Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
   if (!fixed.exists("/format") || fixed.read_string("/format") != kRunFormat) {
     throw FileError(fixed.path(), "", "not the output of a run");
   }
@@ -264,7 +261,20 @@ State<D> read_state(const fs::path& run, int step) {
         fixed.path(), "/format_version",
         fmt::format("{} is not known, this program reads 1 to {}", version, kRunFormatVersion));
   }
-  if (const int in = fixed.exists("/dimensions") ? fixed.read_int("/dimensions") : 2; in != D) {
+  return fixed;
+}
+
+int dimensions_of(const Hdf5File& fixed) {
+  return fixed.exists("/dimensions") ? fixed.read_int("/dimensions") : 2;
+}
+
+}  // namespace
+
+template <int D>
+State<D> read_state(const fs::path& run, int step) {
+  const fs::path folder = run_folder(run);
+  const Hdf5File fixed = open_run(folder);
+  if (const int in = dimensions_of(fixed); in != D) {
     throw FileError(fixed.path(), "/dimensions",
                     fmt::format("a run in {} dimensions, expected one in {}", in, D));
   }
@@ -291,6 +301,12 @@ State<D> read_state(const fs::path& run, int step) {
   state.cell = read_state_cell(fixed, file);
   state.contacts = read_contacts<D>(file, state.bodies.size(), state.walls.size());
   return state;
+}
+
+AnyState read_any_state(const fs::path& run, int step) {
+  const bool disks = dimensions_of(open_run(run_folder(run))) == 2;
+  if (disks) return read_state<2>(run, step);
+  return read_state<3>(run, step);
 }
 
 template State<2> read_state<2>(const fs::path&, int);

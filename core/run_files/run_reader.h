@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <variant>
 
 #include "core/motion/state.h"
 #include "core/run_files/run_layout.h"
@@ -14,5 +15,9 @@ State<D> read_state(const std::filesystem::path& run, int step = -1);
 inline State<2> read_state(const std::filesystem::path& run, int step = -1) {
   return read_state<2>(run, step);
 }
+
+/// The same for a run of disks or of spheres, as the run has them.
+using AnyState = std::variant<State<2>, State<3>>;
+AnyState read_any_state(const std::filesystem::path& run, int step = -1);
 
 }  // namespace bipot

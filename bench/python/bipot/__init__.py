@@ -6,6 +6,7 @@
     rs = bipot.solve([p, p.update(v_free=v2)], threads=2)     # a list of results
     t = bipot.compare([p, "pile:18"], solvers=["apgd", mine], tols=[1e-2, 1e-6])
     for step in bipot.Simulation("scene.toml"): ...
+    for state in bipot.Run("out/scene"): ...                  # what `bipot run` wrote
 
 A problem of c contacts with d rows each (m = c d) asks for s with
 
@@ -43,6 +44,7 @@ except ModuleNotFoundError as error:
 from . import _display, _plot
 from ._advise import Advice, advise
 from ._compare import Comparison, compare, problems
+from ._run import Run
 from ._simulation import Simulation
 from ._solve import judge, read, solve, solvers, write
 
@@ -53,6 +55,7 @@ __all__ = [
     "JudgedContact",
     "Problem",
     "Result",
+    "Run",
     "Simulation",
     "SphereState",
     "SphereStep",

@@ -1,6 +1,6 @@
 """Pictures with matplotlib, which is imported when one is asked for."""
 
-from ._bipot import Result, SphereState, SphereStep, State, Step
+from ._bipot import Result, SphereState, State
 
 _STICK, _SLIP, _BODY = "#1f3b73", "#c8442c", "#d9dee8"
 
@@ -96,4 +96,4 @@ def _draw_walls(walls, seen, axes):
 
 
 Result.plot = plot_history
-State.plot = Step.plot = SphereState.plot = SphereStep.plot = plot_bodies
+State.plot = SphereState.plot = plot_bodies

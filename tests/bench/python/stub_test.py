@@ -14,7 +14,7 @@ STUB = pathlib.Path(bipot.__file__).parent / "_bipot.pyi"
 
 
 def members(cls):
-    return {name for name in vars(cls) if not name.startswith("_")}
+    return {name for base in cls.__mro__ for name in vars(base) if not name.startswith("_")}
 
 
 def test_the_stub_names_what_there_is():

@@ -1,0 +1,92 @@
+"""The folder of a run, read again."""
+
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+import bipot
+from conftest import DATA
+
+
+@pytest.fixture(params=["bouncing_ball", "four_spheres"])
+def folder(request, tmp_path):
+    text = (DATA / "scenes" / f"{request.param}.toml").read_text()
+    scene, out = tmp_path / "scene.toml", tmp_path / "out"
+    scene.write_text(text.split("[output]")[0] + "\n[output]\nevery = 2\n")
+    command = [os.environ["BIPOT_COMMAND"], "run", scene, "--steps", "6", "--no-page", "--out", out]
+    subprocess.run(command, check=True, capture_output=True)
+    return scene, out
+
+
+def test_the_states_are_those_of_the_simulation(folder):
+    scene, out = folder
+    run = bipot.Run(out)
+    assert run.steps == [0, 2, 4, 6] and len(run) == 4
+    taken = {step.step: step for step in bipot.Simulation(scene, num_steps=6)}
+    arrays = ["positions", "velocities", "spins", "radii", "masses"]
+    arrays.append("angles" if run[0].positions.shape[1] == 2 else "orientations")
+    for state in run[1:]:
+        step = taken[state.step]
+        assert isinstance(step, type(state)) and state.time == step.time
+        for name in arrays:
+            assert np.array_equal(getattr(state, name), getattr(step, name)), name
+        assert np.array_equal(state.contacts, step.contacts)
+        assert state.walls == step.walls
+    assert run[-1].step == 6 and run.at(2).step == 2
+    assert [state.step for state in run] == run.steps
+    assert bipot.Run(out / "run.h5").steps == run.steps
+
+
+def test_an_array_outlives_its_run(folder):
+    positions = bipot.Run(folder[1])[0].positions
+    assert np.isfinite(positions).all() and not positions.flags.writeable
+
+
+def test_tables_and_summary(folder):
+    run = bipot.Run(folder[1])
+    assert run.summary["status"] == "completed" and run.summary["steps"] == 6
+    ledger = run.table("ledger")
+    assert list(ledger["step"]) == [1, 2, 3, 4, 5, 6]
+    assert ledger["time"][-1] == pytest.approx(run[-1].time, rel=1e-8)
+    state = run[-1]
+    kinetic = 0.5 * (state.masses[:, None] * state.velocities**2).sum()
+    assert ledger["kinetic"][-1] >= 0.999 * kinetic > 0  # spins add to it
+    units = run.table("units")
+    assert {"ledger", "units"} <= set(run.tables)
+    row = list(zip(units["file"], units["column"])).index(("ledger.csv", "kinetic"))
+    assert units["unit"][row] == "J"
+
+
+def test_a_row_that_is_being_written_does_not_count(folder):
+    run = bipot.Run(folder[1])
+    ledger = folder[1] / "ledger.csv"
+    ledger.write_text(ledger.read_text()[:-3])
+    assert list(run.table("ledger")["step"]) == [1, 2, 3, 4, 5]
+    ledger.write_text(ledger.read_text().splitlines(keepends=True)[0])
+    assert list(run.table("ledger")["step"]) == []
+
+
+def test_what_is_refused(folder, tmp_path):
+    out = folder[1]
+    run = bipot.Run(out)
+    with pytest.raises(FileNotFoundError, match="not the folder of a run"):
+        bipot.Run(tmp_path)
+    with pytest.raises(ValueError, match="unknown table 'leger'.*ledger"):
+        run.table("leger")
+    with pytest.raises(OSError, match="no frame of step 3"):
+        run.at(3)
+    with pytest.raises(ValueError, match="negative"):
+        run.at(-1)
+    with pytest.raises(IndexError):
+        run[4]
+    (out / "summary.json").unlink()
+    with pytest.raises(FileNotFoundError):
+        run.summary
+
+
+def test_a_run_says_what_it_is(folder):
+    run = bipot.Run(folder[1])
+    assert repr(run) == f"<bipot.Run {folder[1]}: 4 frames>"
+    assert "ledger" in run._repr_html_()
