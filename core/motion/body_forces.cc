@@ -10,7 +10,7 @@ void add_body_forces(const Scene<D>& scene, double middle,
                      std::vector<Vec<D>>& v_free) {
   const double h = scene.step;
   for (const BodyForce<D>& f : scene.forces) {
-    const Vec<D> impulse = h * f.time_factor.at(middle) * f.force;
+    const Vec<D> impulse = h * f.time_factor.mean(middle - 0.5 * h, middle + 0.5 * h) * f.force;
     for (std::size_t i = to_size(f.first); i <= to_size(f.last); ++i) {
       v_free[i] += impulse / bodies[i].mass;
     }

@@ -15,8 +15,10 @@ bool has_body_forces(const Scene<D>& scene) {
 }
 
 /// Adds forces on bodies and drag to velocities without contacts. `v_free`: v + h g of each body.
-/// Forces are those at `middle` [s]. Drag acts exactly: with k = coefficient × radius / mass and the
-/// other accelerations a, v_free = w + (v - w) exp(-k h) + a (1 - exp(-k h))/k.
+/// Forces are means over the step around `middle` [s]. Drag acts exactly: with k = coefficient ×
+/// radius / mass and the other accelerations a,
+///
+///     v_free = w + (v - w) exp(-k h) + a (1 - exp(-k h))/k.
 template <int D>
 void add_body_forces(const Scene<D>& scene, double middle,
                      std::span<const std::type_identity_t<Body<D>>> bodies,
