@@ -26,7 +26,26 @@ void add_body_forces(const Scene<D>& scene, double middle,
   }
 }
 
+template <int D>
+void add_force_accelerations(const Scene<D>& scene, double time,
+                             std::span<const std::type_identity_t<Body<D>>> bodies,
+                             std::vector<Vec<D>>& a) {
+  for (const BodyForce<D>& f : scene.forces) {
+    const Vec<D> force = f.time_factor.at(time) * f.force;
+    for (std::size_t i = to_size(f.first); i <= to_size(f.last); ++i)
+      a[i] += force / bodies[i].mass;
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Body<D>& body = bodies[i];
+    a[i] += scene.drag.coefficient * body.radius / body.mass * (scene.drag.velocity - body.v);
+  }
+}
+
 template void add_body_forces(const Scene<2>&, double, std::span<const Disk>, std::vector<Vec2>&);
 template void add_body_forces(const Scene<3>&, double, std::span<const Sphere>, std::vector<Vec3>&);
+template void add_force_accelerations(const Scene<2>&, double, std::span<const Disk>,
+                                      std::vector<Vec2>&);
+template void add_force_accelerations(const Scene<3>&, double, std::span<const Sphere>,
+                                      std::vector<Vec3>&);
 
 }  // namespace bipot

@@ -24,4 +24,10 @@ void add_body_forces(const Scene<D>& scene, double middle,
                      std::span<const std::type_identity_t<Body<D>>> bodies,
                      std::vector<Vec<D>>& v_free);
 
+/// Adds their accelerations at a time [s] to those of the bodies.
+template <int D>
+void add_force_accelerations(const Scene<D>& scene, double time,
+                             std::span<const std::type_identity_t<Body<D>>> bodies,
+                             std::vector<Vec<D>>& a);
+
 }  // namespace bipot

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/motion/body_forces.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
@@ -102,6 +103,7 @@ Accelerations<D> free_accelerations(const Scene<D>& scene, const State<D>& state
                      : Vec<D>(wall.factor_rate * scene.walls[w].v);
   }
   a.bodies.assign(state.bodies.size(), gravity_at(scene, state.time));
+  if (has_body_forces(scene)) add_force_accelerations<D>(scene, state.time, state.bodies, a.bodies);
   for (std::size_t k = 0; k < state.bodies.size(); ++k) {
     const int wall = state.bodies[k].wall;
     if (wall >= 0) a.bodies[k] = a.walls[to_size(wall)];

@@ -17,7 +17,8 @@ struct Accelerations {
   double sides[3] = {0, 0, 0};  ///< of a periodic cell
 };
 
-/// Those without contacts: by gravity, by the forces that drive walls and sides, by schedules.
+/// Those without contacts: by gravity, by forces on bodies and drag, by the forces that drive walls
+/// and sides, by schedules.
 template <int D>
 Accelerations<D> free_accelerations(const Scene<D>& scene, const State<D>& state,
                                     const std::vector<Wall<D>>& walls);

@@ -123,6 +123,14 @@ struct AccurateStepper<D>::Inside {
           smooth(kFirst * scene.step) {
       cut.smallest = kInfinity;
     }
+    void begin_again() {
+      now = start;
+      sums.reject_all();
+      done = cut.misplaced = cut.misplaced_sum = 0;
+      last = shortest = smooth;
+      cut.smallest = kInfinity;
+      a.reset();
+    }
     const State<D> start;
     State<D> now;
     SummedParts<D> sums;
@@ -382,6 +390,10 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
     const PartError error = measure(step.now, next, chosen.h, last, step.a, a);
     if (rejects(error, chosen.h, next, step)) {
       step.sums.add_rejected(report);
+      // No part before the first one showed how its acceleration changes.
+      if (step.sums.count() == 1 && error.acceleration > kSlack && step.smooth < step.last) {
+        step.begin_again();
+      }
       continue;
     }
     step.now = std::move(next);

@@ -16,6 +16,13 @@ class SummedParts {
   /// `contacts`: of the state after the part.
   void add(const StepReport<D>& part, const std::vector<ContactOutcome<D>>& contacts);
   void add_rejected(const StepReport<D>& attempt) { attempts_.add_cost(attempt); }
+  /// Rejects all parts so far.
+  void reject_all() {
+    attempts_.add_cost(total_);
+    total_ = {};
+    contacts_.clear();
+    count_ = 0;
+  }
   int count() const { return count_; }
 
   /// The report of the step of size h from the state `before`; `state`, at the end of the last

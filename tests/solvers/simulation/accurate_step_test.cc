@@ -314,6 +314,35 @@ TEST(AccurateStep, ADrivenWallIsFollowedWithItsAcceleration) {
   }
 }
 
+TEST(AccurateStep, AForceDrivesADiskAgainstAWall) {
+  // 2 m/s² over 0.04 m: 0.4 m/s after 0.2 s, then back, slowed, to 0.4 · 0.1 - 0.01 m from the wall.
+  Scene<2> scene = one_law<2>({.e_n = 1});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
+  scene.bodies = {round_body<2>(Vec2(0.04 + kRadius, 0), kRadius, 2)};
+  scene.forces = {{.first = 0, .last = 0, .force = Vec2(-4, 0)}};
+  for (const double x : {1e-1, 1e-3}) {
+    const Ended<2> end = run(with_accuracy(scene, x, 0.3, 1));
+    EXPECT_NEAR(end.state.bodies[0].x[0], kRadius + 0.03, 0.1 * x * kRadius);
+    EXPECT_NEAR(end.state.bodies[0].v[0], 0.2, 1e-2 * x);
+    EXPECT_EQ(end.totals.cut.rejected(), 0);
+  }
+}
+
+TEST(AccurateStep, AForceThatSwingsMovesADiskAsDerived) {
+  // v = F/(m w) (1 - cos w t), so that the way is F/(m w) (t - sin(w t)/w): 7 m, of which
+  // about the share x may be wrong. The steps of 0.1 s are a third of a period.
+  constexpr double kTurn = 6 * std::numbers::pi, kForce = 300, kMass = 2;
+  Scene<2> scene = one_law<2>({});
+  scene.bodies = {round_body<2>(Vec2::Zero(), kRadius, kMass)};
+  scene.forces = {{.first = 0, .last = 0, .force = Vec2(kForce, 0)}};
+  scene.forces[0].time_factor.frequency = kTurn / (2 * std::numbers::pi);
+  const double t = 0.9, way = kForce / kMass / kTurn * (t - std::sin(kTurn * t) / kTurn);
+  for (const double x : {1e-3, 1e-4, 1e-5}) {
+    const Ended<2> end = run(with_accuracy(scene, x, 0.1, 9));
+    EXPECT_NEAR(end.state.bodies[0].x[0], way, 2 * x * way) << x;
+  }
+}
+
 TEST(AccurateStep, AVibratingPlateThrowsADisk) {
   // The plate's velocity v sin w t. The disk leaves it where w v cos w t = -g, with the velocity
   // and the height of the plate.
