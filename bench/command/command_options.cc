@@ -12,6 +12,7 @@
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
+#include "solvers/auto/plan.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -123,6 +124,10 @@ SolverChoice merged(const SolverChoice& base, const SolverFlags& flags) {
   if (flags.max_iterations) choice.max_iterations = *flags.max_iterations;
   if (flags.warm_start) choice.warm_start = *flags.warm_start;
   for (const auto& [name, value] : flags.parameters) choice.parameters[name] = value;
+  if (const auto plan = choice.parameters.find("plan");
+      choice.name == "auto" && plan != choice.parameters.end() && !plan->second.empty()) {
+    readable(plan->second, [&] { return read_plan(plan->second); });
+  }
   return choice;
 }
 

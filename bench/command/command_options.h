@@ -80,7 +80,8 @@ std::string parameter_flag(std::string_view name);
 void add_warm_start_flags(CommandDeclaration& command, SolverFlags& flags);
 
 /// The scene's choice with the entries of the command line. If the command line names another
-/// solver, parameters of the scene are dropped.
+/// solver, parameters of the scene are dropped. Throws FileError or std::invalid_argument for a plan
+/// that cannot be used.
 SolverChoice merged(const SolverChoice& base, const SolverFlags& flags);
 
 }  // namespace bipot

@@ -63,7 +63,8 @@ Json to_json(const ExistenceCertificate& c) {
 }
 
 Json summary(const SolveFlags& flags, const std::string& solver, const ContactProblem& problem,
-             const SolveResult& r, const Certificate& certificate, const Counts& counts) {
+             const SolveResult& r, const Certificate& certificate, const Counts& counts,
+             const std::string& explanation) {
   Json j{{"command", "solve"},
          {"version", program_version()},
          {"problem", flags.problem},
@@ -91,6 +92,7 @@ Json summary(const SolveFlags& flags, const std::string& solver, const ContactPr
   }
   if (certificate) j["existence"] = to_json(*certificate);
   if (counts) j["distributed"] = to_json(*counts);
+  if (!explanation.empty()) j["explanation"] = explanation;
   return j;
 }
 
@@ -282,13 +284,11 @@ void write_solution(const SolveTask& task, const SolveResult& result) {
   file.commit();
 }
 
-void explain(const SolveTask& task) {
+std::string explanation_of(const SolveTask& task) {
   if (task.choice.name != "auto") {
     throw std::invalid_argument("--explain explains the choice of --solver auto");
   }
-  if (task.flags.common.json == "-") return;
-  fmt::print("{}{}", explain_islands(task.file.problem),
-             explain_auto(task.file.problem, task.options));
+  return explain_islands(task.file.problem) + explain_auto(task.file.problem, task.options);
 }
 
 int run_solve(const SolveFlags& given) {
@@ -310,7 +310,8 @@ int run_solve(const SolveFlags& given) {
   const SolveFlags& flags = task.flags;
   const InterruptGuard interrupt;
   task.options.cancelled = &InterruptGuard::requested;
-  if (flags.explain) explain(task);
+  const std::string explanation = flags.explain ? explanation_of(task) : "";
+  if (flags.common.json != "-") fmt::print("{}", explanation);
   SolveResult result;
   Counts counts;
   if (on_several_processes() || flags.reproducible) {
@@ -332,7 +333,7 @@ int run_solve(const SolveFlags& given) {
     if (!history) throw FileError(flags.history, "", "cannot be written");
   }
   if (!flags.common.json.empty()) {
-    write_json(summary(flags, task.choice.name, problem, result, certificate, counts),
+    write_json(summary(flags, task.choice.name, problem, result, certificate, counts, explanation),
                flags.common.json);
   }
   if (result.status == SolveStatus::kInvalidInput) {

@@ -29,6 +29,7 @@
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene_files/scene_file.h"
+#include "solvers/auto/plan.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_start.h"
 #include "solvers/simulation/scene_stepper.h"
@@ -179,6 +180,7 @@ class PythonSimulation {
       return;
     }
     if (!callable) chosen_.entry = require_solver(own.name);
+    named_plan(own.parameters);
     SolverOptions options = to_options(own);
     options.cancelled = cancelled;
     stepper_.emplace(

@@ -68,10 +68,9 @@ IslandSolver plan_solver(const AutoPlan& plan) {
 }
 
 void solve_auto(SolveRun& run) {
-  const std::string file = run.parameters().text("plan");
   std::shared_ptr<const AutoPlan> own;
   try {
-    if (!file.empty()) own = read_plan(file);
+    own = named_plan(run.options().parameters);
   } catch (const std::exception& e) {
     return run.end(SolveStatus::kInvalidInput, e.what());
   }

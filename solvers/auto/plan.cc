@@ -385,6 +385,12 @@ std::shared_ptr<const AutoPlan> read_plan(const std::filesystem::path& path) {
   return last;
 }
 
+std::shared_ptr<const AutoPlan> named_plan(const std::map<std::string, std::string>& parameters) {
+  const auto named = parameters.find("plan");
+  if (named == parameters.end() || named->second.empty()) return nullptr;
+  return read_plan(named->second);
+}
+
 const AutoPlan& shipped_plan() {
   static const AutoPlan plan = parse_plan(shipped_plan_text(), "solvers/auto/plan.toml");
   return plan;

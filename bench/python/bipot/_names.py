@@ -3,6 +3,7 @@
 import functools
 import inspect
 import operator
+import os
 import reprlib
 
 from . import _bipot
@@ -132,8 +133,8 @@ def parameter_texts(parameters):
     """Values of solver parameters as the texts that solvers read; numbers to the last bit."""
     texts = {}
     for name, value in parameters.items():
-        if isinstance(value, str):
-            texts[name] = value
+        if isinstance(value, (str, os.PathLike)):
+            texts[name] = os.fspath(value)
         elif isinstance(value, bool) or not hasattr(value, "__float__"):
             raise TypeError(f"parameter {name} = {value!r}: expected a number or a text")
         else:

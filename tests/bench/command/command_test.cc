@@ -282,6 +282,8 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   const Outcome solved = bipot("solve " + problem + " --explain --plan " + plan);
   EXPECT_EQ(solved.exit_code, 0);
   EXPECT_TRUE(says(solved.out, plan + ": "));
+  const json told = json::parse(bipot("solve " + problem + " --explain --json -").out);
+  EXPECT_TRUE(says(told["explanation"].get<std::string>(), "contacts, d = "));
   EXPECT_EQ(code_of("solve " + problem + " --solver pgs --plan " + plan), 2);
   EXPECT_EQ(code_of("run four_spheres --steps 2 --plan " + plan + " --out " + path("run")), 0);
   std::ofstream(plan) << "[[class]]\nname = 'a'\nstages = [{solver = 'pgz'}]\n";
@@ -289,6 +291,11 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   EXPECT_EQ(faulty.exit_code, 2);
   EXPECT_TRUE(says(faulty.out, "plan.toml:3: unknown solver 'pgz'"));
   EXPECT_EQ(code_of("tune no_such_thing --out " + plan), 2);
+  // No contact arises in two steps of this scene: nothing but the check would read the plan.
+  const std::string run = "run drum --steps 2 --no-page --out " + path("none");
+  EXPECT_EQ(code_of(run + " --plan " + plan), 2);
+  EXPECT_EQ(code_of(run + " --plan " + path("missing.toml")), 4);
+  EXPECT_EQ(code_of("solve " + problem + " --plan " + path("missing.toml")), 4);
 }
 
 TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {

@@ -352,3 +352,8 @@ steps = 20
         slowed = np.array([3, 1]) - 0.2 * 9.81 * 0.2 * np.array([3, 2]) / 13**0.5
         assert np.allclose(a.velocities[0, :2], slowed, atol=1e-2)
         assert abs(a.velocities[0, 2]) < 1e-9
+
+
+def test_a_missing_plan_is_refused_before_the_first_step(tmp_path):
+    with pytest.raises(OSError, match="missing.toml: cannot be read"):
+        bipot.Simulation("drum", plan=tmp_path / "missing.toml")
