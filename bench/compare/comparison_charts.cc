@@ -217,7 +217,7 @@ Chart growth_chart(const std::vector<Growth>& all, const std::string& series, do
   const bool time = quantity == Growth::Measure::kTime;
   Chart chart{.title = fmt::format("{} against size, {} at {}", time ? "Time" : "Iterations",
                                    series, tolerance_label(tol)),
-              .x = {"number of disks", Chart::Axis::Kind::kLog},
+              .x = {"number of bodies", Chart::Axis::Kind::kLog},
               .y = {time ? "time" : "iterations",
                     time ? Chart::Axis::Kind::kLogSeconds : Chart::Axis::Kind::kLog}};
   for (const Growth& g : all) {

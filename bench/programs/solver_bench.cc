@@ -90,7 +90,7 @@ void solve_row(benchmark::State& state, const BenchFlags& flags, const GrowthSce
 
 void report_fits(const BenchFlags& flags, const std::vector<GrowthRow>& rows, std::FILE* out) {
   const std::vector<GrowthFit> fits = fit_growth(rows, flags.fit_from);
-  fmt::print(out, "\nExponents in the number of disks, 95 % confidence, from {:g} disks on\n",
+  fmt::print(out, "\nExponents in the number of bodies, 95 % confidence, from {:g} bodies on\n",
              flags.fit_from);
   fmt::print(out, "{:<11} {:<10} {:>6}  {:<24}  {:<24}  {}\n", "family", "solver", "tol",
              "iterations", "time", "not met");
@@ -124,10 +124,10 @@ void add_options(CLI::App& app, BenchFlags& flags) {
          "and of spheres cannonballs, cubic")
       ->delimiter(',');
   app.add_option("--tol", flags.tolerances, "Tolerances of the guarded error")->delimiter(',');
-  CLI::Option* side = app.add_option("--side", flags.sides, "Disks along a side; rows of a pyramid")
+  CLI::Option* side = app.add_option("--side", flags.sides, "Bodies along a side; rows of a pyramid")
                           ->delimiter(',')
                           ->check(CLI::PositiveNumber);
-  app.add_option("--sizes", flags.sizes, "Numbers of disks; the nearest side is taken")
+  app.add_option("--sizes", flags.sizes, "Numbers of bodies; the nearest side is taken")
       ->delimiter(',')
       ->check(CLI::PositiveNumber)
       ->excludes(side);
@@ -139,7 +139,7 @@ void add_options(CLI::App& app, BenchFlags& flags) {
   app.add_option("--threads", flags.limits.threads, "Threads of the solver")
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", flags.scene.seed, "Seed of masses, gaps and piles");
-  app.add_option("--fit-from", flags.fit_from, "Fewest disks of a problem that enters the fits");
+  app.add_option("--fit-from", flags.fit_from, "Fewest bodies of a problem that enters the fits");
   app.add_option("--fit-out", flags.fit_out, "Rows and fits as JSON")->type_name("FILE");
 }
 
