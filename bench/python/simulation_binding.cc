@@ -58,6 +58,7 @@ struct SimulationChoice {
   std::map<std::string, std::string> parameters;
   std::optional<double> step, friction;
   std::optional<int> num_steps;
+  std::optional<std::filesystem::path> restart;  ///< a run, from whose last frame it goes on
 };
 
 /// A scene that Python runs step by step.
@@ -68,6 +69,10 @@ class PythonSimulation {
   PythonSimulation(Scene<D> scene, std::string text, const SimulationChoice& choice)
       : scene_(std::move(scene)), text_(std::move(text)) {
     choose(choice);
+    if (choice.restart) {
+      go_on_from(*choice.restart);
+      return;
+    }
     check_start(scene_, {}, 1);
     state_ = initial_state(scene_);
   }
@@ -148,6 +153,14 @@ class PythonSimulation {
   /// Another thread, or a solver in Python, may call during a step.
   void require_rest() const {
     if (stepping_) throw std::runtime_error("the simulation is in the middle of a step");
+  }
+
+  void go_on_from(const std::filesystem::path& run) {
+    state_ = read_state<D>(run);
+    if (const std::string mismatch = restart_mismatch(scene_, state_); !mismatch.empty()) {
+      throw std::invalid_argument(
+          fmt::format("{} does not fit the scene: {}", run.string(), mismatch));
+    }
   }
 
   void choose(const SimulationChoice& choice) {
@@ -296,7 +309,8 @@ py::object make_simulation(const std::string& scene, const std::optional<std::st
                            std::optional<int> max_iterations, std::optional<bool> warm_start,
                            std::map<std::string, std::string> parameters,
                            std::optional<double> step, std::optional<int> num_steps,
-                           std::optional<double> friction, std::optional<double> accuracy) {
+                           std::optional<double> friction, std::optional<double> accuracy,
+                           std::optional<std::filesystem::path> restart) {
   const SimulationChoice choice{.solver = solver,
                                 .tol = tol,
                                 .max_iterations = max_iterations,
@@ -304,7 +318,8 @@ py::object make_simulation(const std::string& scene, const std::optional<std::st
                                 .parameters = std::move(parameters),
                                 .step = step,
                                 .friction = friction,
-                                .num_steps = num_steps};
+                                .num_steps = num_steps,
+                                .restart = std::move(restart)};
   const std::string source = given ? scene : find_scene(scene).string();
   std::string text = given ? *given : content_of(source);
   AnyScene read = parse_any_scene(text, source, accuracy);
@@ -349,7 +364,7 @@ void bind_simulation(py::module_& module) {
   module.def("make_simulation", &make_simulation, py::arg("scene"), py::arg("text"),
              py::arg("solver"), py::arg("tol"), py::arg("max_iterations"), py::arg("warm_start"),
              py::arg("parameters"), py::arg("step"), py::arg("num_steps"), py::arg("friction"),
-             py::arg("accuracy"));
+             py::arg("accuracy"), py::arg("restart"));
 }
 
 }  // namespace bipot

@@ -80,6 +80,9 @@ class Run(Sequence[Any]):
             raise ValueError(f"step = {step} is negative")
         return _bipot.read_run_state(self.folder, step)
 
+    def __fspath__(self) -> str:
+        return str(self.folder)
+
     def __len__(self) -> int:
         return len(self.steps)
 

@@ -10,7 +10,7 @@ from typing import Any, Iterator, Mapping
 from . import _bipot
 from ._bipot import SphereState, SphereStep, State, Step
 from ._display import table
-from ._names import flag, integer, number, optional, parameter_texts, refuse_unknown, text
+from ._names import flag, integer, number, optional, parameter_texts, refuse_unknown, text, wrong_type
 from ._solve import Solver
 from ._toml import to_toml
 
@@ -23,7 +23,14 @@ _OPTIONS = [
     "num_steps",
     "friction",
     "accuracy",
+    "restart",
 ]
+
+
+def _path(value: Any, name: str) -> str:
+    if not isinstance(value, (str, os.PathLike)):
+        raise wrong_type(name, "a path", value)
+    return os.fspath(value)
 
 
 class _SceneText(str):
@@ -65,6 +72,8 @@ class Simulation:
     solver: a name, or a callable f(problem, tol, callback) -> s (see `compare`); the scene's own
         where it is None, as are tol, max_iterations, warm_start (from the step before), step [s],
         num_steps, friction (of all pairs) and accuracy. Other options are the solver's parameters.
+    restart: the folder of a run of this scene, or a `Run`: the simulation goes on from its last
+        frame, to the same number of steps.
         A scene of springs and dashpots (model dem) gets rigid contacts where a solver is named.
 
     copy.deepcopy and pickle keep the state bit for bit, with walls as Python set them.
@@ -85,6 +94,7 @@ class Simulation:
         num_steps: int | None = None,
         friction: float | None = None,
         accuracy: float | None = None,
+        restart: str | os.PathLike[str] | None = None,
         **parameters: float | int | str,
     ) -> None:
         refuse_unknown(parameters, [*_OPTIONS, *_bipot.parameter_names("")])
@@ -98,6 +108,7 @@ class Simulation:
             num_steps=optional(integer, num_steps, "num_steps"),
             friction=optional(number, friction, "friction"),
             accuracy=optional(number, accuracy, "accuracy"),
+            restart=optional(_path, restart, "restart"),
         )
         if isinstance(scene, Mapping):
             scene = _SceneText(to_toml(scene))
@@ -111,6 +122,7 @@ class Simulation:
 
     def _make(self, source: str, text: str | None) -> None:
         self._native = _bipot.make_simulation(source, text, **self._options)
+        self._options["restart"] = None  # copies have the state
 
     @classmethod
     def from_text(cls, toml: str, **options: Any) -> Simulation:

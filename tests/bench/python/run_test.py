@@ -1,5 +1,6 @@
 """The folder of a run, read again."""
 
+import copy
 import os
 import subprocess
 
@@ -37,6 +38,30 @@ def test_the_states_are_those_of_the_simulation(folder):
     assert run[-1].step == 6 and run.at(2).step == 2
     assert [state.step for state in run] == run.steps
     assert bipot.Run(out / "run.h5").steps == run.steps
+
+
+def test_a_simulation_goes_on_from_a_run(folder):
+    scene, out = folder
+    whole = list(bipot.Simulation(scene, num_steps=9))
+    for run in [out, out / "run.h5", bipot.Run(out)]:
+        sim = bipot.Simulation(scene, num_steps=9, restart=run)
+        assert sim.steps_done == 6
+        copied = copy.deepcopy(sim)
+        for going_on in [sim, copied]:
+            steps = list(going_on)
+            assert [step.step for step in steps] == [7, 8, 9]
+            assert np.array_equal(steps[-1].positions, whole[-1].positions)
+            assert np.array_equal(steps[-1].contacts, whole[-1].contacts)
+
+
+def test_a_run_of_another_scene_is_refused(folder, tmp_path):
+    told = "does not fit the scene: it has 1 disks|a run in 3 dimensions"
+    with pytest.raises((ValueError, OSError), match=told):
+        bipot.Simulation("drum", restart=folder[1])
+    with pytest.raises(OSError, match="a run is named by its folder"):
+        bipot.Simulation("drum", restart=tmp_path / "none")
+    with pytest.raises(TypeError, match="restart"):
+        bipot.Simulation("drum", restart=3)
 
 
 def test_an_array_outlives_its_run(folder):
