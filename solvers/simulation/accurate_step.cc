@@ -123,11 +123,12 @@ struct AccurateStepper<D>::Inside {
           smooth(kFirst * scene.step) {
       cut.smallest = kInfinity;
     }
-    void begin_again() {
+    void begin_again(double whole) {
       now = start;
       sums.reject_all();
       done = cut.misplaced = cut.misplaced_sum = 0;
-      last = shortest = smooth;
+      smooth = first = std::min(smooth, 0.5 * first);
+      last = shortest = whole;
       cut.smallest = kInfinity;
       a.reset();
     }
@@ -139,6 +140,7 @@ struct AccurateStepper<D>::Inside {
     double shortest;                    // of all parts
     double last;                        // size of the last one, of its impulses
     double smooth;                      // size that smooth motion allows
+    double first = smooth;              // of the first part
     std::string smooth_by = "none";     // why
     double shrink = 1;                  // after rejected parts
     std::string shrunk_by;              // why
@@ -390,9 +392,11 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
     const PartError error = measure(step.now, next, chosen.h, last, step.a, a);
     if (rejects(error, chosen.h, next, step)) {
       step.sums.add_rejected(report);
-      // No part before the first one showed how its acceleration changes.
-      if (step.sums.count() == 1 && error.acceleration > kSlack && step.smooth < step.last) {
-        step.begin_again();
+      // The first part was not judged by its acceleration, and the second one against it alone. By
+      // this change both may have been too long.
+      const double of_last = error.acceleration * std::pow(step.last / chosen.h, 2);
+      if (step.sums.count() > 0 && step.sums.count() <= 2 && of_last > kSlack) {
+        step.begin_again(scene.step);
       }
       continue;
     }
