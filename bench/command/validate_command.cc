@@ -116,11 +116,12 @@ int run_validate(const ValidateFlags& flags) {
       std::erase_if(result.rows, [&](const ValidationRow& row) { return !asked_for(flags, row); });
       page.add(std::move(result));
     }
-    progress.update(total, "");
+    if (page.complete) progress.update(total, "");
   }
   if (!flags.out.empty()) write_validation(flags.out, page);
-  flags.deliver(to_json(to_report(page)), to_text(page),
-                (std::filesystem::path(flags.out) / "index.html").string());
+  Json json = to_json(to_report(page));
+  if (!page.complete) json["all_items_done"] = false;
+  flags.deliver(json, to_text(page), (std::filesystem::path(flags.out) / "index.html").string());
   if (!page.complete) return kExitInterrupted;
   return page.failed() == 0 ? kExitConverged : kExitNotConverged;
 }

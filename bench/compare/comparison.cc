@@ -186,7 +186,9 @@ class ProblemRows {
   /// Without the problem if no row was missing and the reference is kept.
   Comparison::Problem summary() {
     if (!prepared_) {
-      if (auto kept = store_.reference(source_.name)) {
+      // A scene takes its steps again; all other problems are looked at, as they may have changed.
+      const bool scene = !source_.series.empty() || source_.target.ends_with(".toml");
+      if (auto kept = store_.reference(source_.name); kept && scene) {
         reference_ = std::move(*kept);
       } else {
         prepare();
@@ -241,17 +243,23 @@ class ProblemRows {
       problem_ = {};
       return;
     }
-    if (auto kept = store_.reference(source_.name);
-        kept && kept->s.size() == problem_.problem.num_rows()) {
+    const auto refuse_another = [&](const std::string& why) {
+      throw std::invalid_argument(
+          fmt::format("{}: problem {} is not the one that the rows there were made for ({}): name "
+                      "another folder",
+                      options_.out.string(), source_.name, why));
+    };
+    if (auto kept = store_.reference(source_.name)) {
+      if (kept->s.size() != problem_.problem.num_rows()) {
+        refuse_another(fmt::format("{} rows, now {}", kept->s.size(), problem_.problem.num_rows()));
+      }
       reference_ = std::move(*kept);
       const double before = reference_.error.guarded();
       reference_.error = contact_error(problem_.problem, reference_.s);
       if (std::isfinite(before) &&
           !(reference_.error.guarded() <= 10 * before + ReferenceSolution::kTarget)) {
-        throw std::invalid_argument(
-            fmt::format("{}: problem {} is not the one that the rows there were made for (its "
-                        "reference had the error {:.1e}, now {:.1e}): name another folder",
-                        options_.out.string(), source_.name, before, reference_.error.guarded()));
+        refuse_another(fmt::format("its reference had the error {:.1e}, now {:.1e}", before,
+                                   reference_.error.guarded()));
       }
     } else {
       reference_ =

@@ -124,9 +124,10 @@ void add_options(CLI::App& app, BenchFlags& flags) {
          "and of spheres cannonballs, cubic")
       ->delimiter(',');
   app.add_option("--tol", flags.tolerances, "Tolerances of the guarded error")->delimiter(',');
-  CLI::Option* side = app.add_option("--side", flags.sides, "Bodies along a side; rows of a pyramid")
-                          ->delimiter(',')
-                          ->check(CLI::PositiveNumber);
+  CLI::Option* side =
+      app.add_option("--side", flags.sides, "Bodies along a side; rows of a pyramid")
+          ->delimiter(',')
+          ->check(CLI::PositiveNumber);
   app.add_option("--sizes", flags.sizes, "Numbers of bodies; the nearest side is taken")
       ->delimiter(',')
       ->check(CLI::PositiveNumber)

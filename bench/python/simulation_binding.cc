@@ -28,6 +28,7 @@
 #include "core/base/nearest_name.h"
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/wall_motion.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/auto/plan.h"
 #include "solvers/registry.h"
@@ -214,6 +215,14 @@ template <int D>
 void set_wall(PythonSimulation<D>& self, const py::object& which, const py::object& velocity,
               const py::object& force) {
   Wall<D>& wall = self.wall(which);
+  const auto number = &wall - self.state().walls.data();
+  if (has_schedule(self.scene().walls[to_size(number)])) {
+    throw std::invalid_argument(fmt::format(
+        "wall '{}' moves by the scene's schedule, which Python cannot change", wall.name));
+  }
+  if (velocity.is_none() && force.is_none()) {
+    throw std::invalid_argument("set_wall: give a velocity or a force");
+  }
   using Motion = typename Wall<D>::Motion;
   const auto require = [&](Motion motion, const char* what, const char* key) {
     if (wall.motion == motion) return;

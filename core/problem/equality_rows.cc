@@ -152,7 +152,7 @@ void factor(EqualityRows& rows, EqualityRows::Part& part, const std::vector<int>
   part.basis = mass.matrixU().solve(left);
   part.particular = mass.matrixU().solve(smallest);
   part.multipliers_map =
-      norms.cwiseInverse().asDiagonal() * mass.matrixL().solve(inverse.transpose()).transpose();
+      norms.cwiseInverse().asDiagonal() * mass.matrixU().solve(inverse.transpose()).transpose();
 }
 
 Vector gathered(const Vector& x, const std::vector<int>& at) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <system_error>
 
 #include "core/base/number_text.h"
@@ -33,6 +34,38 @@ fs::path frame_path(const fs::path& folder, int step) {
 
 std::string bodies_group(const Hdf5File& file) {
   return file.exists("/disks") ? "/disks/" : "/bodies/";
+}
+
+void remove_run(const fs::path& folder) {
+  const auto remove = [](const fs::path& file) {
+    std::error_code error;
+    fs::remove(file, error);
+    if (error) throw FileError(file, "", "cannot remove: " + error.message());
+  };
+  const auto files_in = [](const fs::path& place) {
+    std::vector<fs::path> files;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(place, none)) files.push_back(entry.path());
+    return files;
+  };
+  constexpr std::array kFiles = {"run.h5",     "run.xdmf",     "film.bin",   "index.html",
+                                 "ledger.csv", "gates.csv",    "walls.csv",  "trajectory.csv",
+                                 "units.csv",  "summary.json", "run.log",    "start.png",
+                                 "slice.svg",  "slice.png",    "stress.svg", "stress.png"};
+  // With one file for each quantity.
+  constexpr std::array kKinds = {"observables", "profile", "forces"};
+  for (const fs::path& file : files_in(folder)) {
+    const std::string name = file.filename().string();
+    const auto begins = [&](const char* kind) { return name.starts_with(kind); };
+    if (std::find(kFiles.begin(), kFiles.end(), name) != kFiles.end() ||
+        std::any_of(kKinds.begin(), kKinds.end(), begins)) {
+      remove(file);
+    }
+  }
+  for (const int step : steps_in_folder(folder)) remove(frame_path(folder, step));
+  for (const fs::path& file : files_in(folder / "problems")) {
+    if (file.filename().string().starts_with("step_")) remove(file);
+  }
 }
 
 std::vector<int> steps_in_folder(const fs::path& folder) {

@@ -25,6 +25,9 @@ std::filesystem::path frame_path(const std::filesystem::path& folder, int step);
 /// The group of the bodies in run.h5 or a frame: "/bodies/", in files of version 1 "/disks/".
 std::string bodies_group(const Hdf5File& file);
 
+/// Removes the files of a run from its folder; others stay. Throws FileError.
+void remove_run(const std::filesystem::path& folder);
+
 /// Steps of the frames in the folder of a run, increasing; empty if there is no such folder.
 std::vector<int> steps_in_folder(const std::filesystem::path& folder);
 

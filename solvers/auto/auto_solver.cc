@@ -15,16 +15,24 @@
 namespace bipot {
 namespace {
 
+ProblemTraits traits_of(SolveRun& run) {
+  if (run.space().whole() != nullptr) {
+    return traits_of(run.problem(), run.delassus(), run.options());
+  }
+  // A process without contacts does not know whether those of the others roll.
+  double rolling[1] = {run.problem().rolls() ? 1.0 : 0.0};
+  run.space().sum(rolling);
+  const int dim = run.problem().dim;
+  const bool rolls = rolling[0] > 0;
+  return {.dim = rolls ? (dim == 6 ? 3 : 2) : dim,
+          .tol = run.options().tol,
+          .marks = kInParallel,
+          .rolls = rolls};
+}
+
 /// `attempted`: the impulse that an attempt left, whose stages are not run again; or empty.
 void race_plan(const AutoPlan& plan, SolveRun& run, const Vector& attempted, bool only_attempt) {
-  const SolverOptions& options = run.options();
-  const ProblemTraits traits = run.space().whole() != nullptr
-                                   ? traits_of(run.problem(), run.delassus(), options)
-                                   : ProblemTraits{.dim = run.problem().plain_dim(),
-                                                   .tol = options.tol,
-                                                   .marks = kInParallel,
-                                                   .rolls = run.problem().rolls()};
-  const std::vector<AutoStage> stages = plan_stages(plan, traits);
+  const std::vector<AutoStage> stages = plan_stages(plan, traits_of(run));
   run.take(race_stages(run, stages, attempted, [&](const AutoStage& stage) {
     if (only_attempt) return stage.before_cutting;
     return !(attempted.size() != 0 && stage.on_whole_only);

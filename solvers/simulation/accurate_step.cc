@@ -54,21 +54,43 @@ bool pushed(const std::vector<ContactOutcome<D>>& contacts, int i, int j) {
   return c != nullptr && c->status != ContactStatus::kTakeOff;
 }
 
-/// The next time at which a wall or gravity changes by schedule.
+/// The next time at which a wall, gravity or the rate of a force changes by schedule.
 template <int D>
 double next_change(const Scene<D>& scene, double time, double resolution) {
   double next = kInfinity;
   const auto add = [&](double at) {
     if (at > time + resolution) next = std::min(next, at);
   };
+  const auto add_table = [&](const TimeFactor& factor) {
+    const auto& times = factor.times;
+    const auto after = std::upper_bound(times.begin(), times.end(), time + resolution);
+    if (after != times.end()) add(*after);
+  };
   for (const Wall<D>& wall : scene.walls) {
     for (const double at : {wall.starts, wall.stops, wall.removed}) add(at);
+    if (wall.motion == Wall<D>::Motion::kDriven) add_table(wall.time_factor);
   }
+  for (const BodyForce<D>& force : scene.forces) add_table(force.time_factor);
   if (scene.tilt.rate != 0) {
     add(scene.tilt.starts);
     add(scene.tilt.stops);
   }
   return next;
+}
+
+/// Over a whole period the mean of a force that swings is zero: parts of a quarter see it.
+template <int D>
+double quarter_period(const Scene<D>& scene) {
+  double fastest = 0;
+  for (const Wall<D>& wall : scene.walls) {
+    if (wall.motion == Wall<D>::Motion::kDriven) {
+      fastest = std::max(fastest, wall.time_factor.frequency);
+    }
+  }
+  for (const BodyForce<D>& force : scene.forces) {
+    fastest = std::max(fastest, force.time_factor.frequency);
+  }
+  return 0.25 / fastest;
 }
 
 /// What a part of a step did wrong, over the accuracy.
@@ -92,6 +114,8 @@ struct AccurateStepper<D>::Inside {
   Scene<D> part;  // the scene with the size of a part as its step, without gates
   TimeStepper<D> stepper;
   ClosingPairs<D> closings;
+  const double longest;  // part
+  const double radius;   // the smallest
 
   Inside(const Scene<D>& whole, const SceneRunOptions<D>& choice, StepSolver solver,
          std::function<bool()> over)
@@ -100,7 +124,9 @@ struct AccurateStepper<D>::Inside {
         is_over(std::move(over)),
         part(without_gates(whole)),
         stepper(part, std::move(solver), choice.explicit_delassus, choice.threads),
-        closings(part, choice.threads) {
+        closings(part, choice.threads),
+        longest(quarter_period(whole)),
+        radius(smallest_radius(whole)) {
     stepper.refuse_passages();
   }
   static Scene<D> without_gates(Scene<D> scene) {
@@ -254,14 +280,21 @@ PartError AccurateStepper<D>::Inside::measure(const State<D>& before, const Stat
     return error;
   }
   if (!a_before) return error;
+  const auto add = [&](double change, double way, double size) {
+    error.acceleration =
+        std::max(error.acceleration, 0.5 * h * h * change / (x * (way + x * size)));
+  };
   for (std::size_t k = 0; k < ways.size(); ++k) {
     const Body<D>& body = after.bodies[k];
     if (body.wall >= 0) continue;
-    const double change =
-        std::max((a_after.bodies[k] - a_before->bodies[k]).norm(),
-                 body.radius * size_of(Spin<D>(a_after.spins[k] - a_before->spins[k])));
-    error.acceleration =
-        std::max(error.acceleration, 0.5 * h * h * change / (x * (ways[k] + x * body.radius)));
+    add(std::max((a_after.bodies[k] - a_before->bodies[k]).norm(),
+                 body.radius * size_of(Spin<D>(a_after.spins[k] - a_before->spins[k]))),
+        ways[k], body.radius);
+  }
+  for (std::size_t w = 0; w < after.walls.size(); ++w) {
+    if (after.walls[w].motion != Wall<D>::Motion::kDriven) continue;
+    add((a_after.walls[w] - a_before->walls[w]).norm(),
+        0.5 * h * (before.walls[w].v + after.walls[w].v).norm(), radius);
   }
   return error;
 }
@@ -276,14 +309,14 @@ auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
   }
   const double left =
       std::min(whole - step.done, next_change(scene, now.time, kEnd * whole) - now.time);
-  double h = std::min(step.smooth, left);
+  double h = std::min({step.smooth, left, longest});
   const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time);
   Accelerations<D> without_contacts;
   if (!step.a) without_contacts = free_accelerations(scene, now, walls);
   const std::vector<Closing<D>> closing =
       closings.find(now, walls, step.a ? *step.a : without_contacts, now.contacts, h);
   std::string by = place(now, closing, h);
-  if (by.empty()) by = h == step.smooth ? step.smooth_by : "none";
+  if (by.empty()) by = h == longest ? "acceleration" : h == step.smooth ? step.smooth_by : "none";
   if (step.shrink < 1) {
     h *= step.shrink;
     by = step.shrunk_by;

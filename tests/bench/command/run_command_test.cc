@@ -107,10 +107,17 @@ TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
   // The folder of another run is not a place to go on to.
   ASSERT_EQ(code_of(run + "3 --out other"), 0);
   EXPECT_EQ(code_of(run + "1 --restart out/sliding_cylinder --out other"), 2);
+  for (const char* name : {"gates.csv", "observables_x.png", "summary.json", "notes.txt"}) {
+    std::ofstream(path(std::string("out/sliding_cylinder/") + name)) << "{}";
+  }
   const Outcome over = whole_output(run + "2 --overwrite");
   EXPECT_EQ(over.exit_code, 0);
   EXPECT_TRUE(says(over.out, "results in   out/sliding_cylinder\n"));
   EXPECT_EQ(read_state<2>(path("out/sliding_cylinder")).step, 2);
+  EXPECT_FALSE(fs::exists(path("out/sliding_cylinder/gates.csv")));
+  EXPECT_FALSE(fs::exists(path("out/sliding_cylinder/observables_x.png")));
+  EXPECT_GT(content(path("out/sliding_cylinder/summary.json")).size(), 2u);
+  EXPECT_EQ(content(path("out/sliding_cylinder/notes.txt")), "{}");
 }
 
 TEST_F(RunCommand, ARunOutOfTimeSaysHowToGoOn) {

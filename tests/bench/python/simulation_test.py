@@ -357,3 +357,14 @@ steps = 20
 def test_a_missing_plan_is_refused_before_the_first_step(tmp_path):
     with pytest.raises(OSError, match="missing.toml: cannot be read"):
         bipot.Simulation("drum", plan=tmp_path / "missing.toml")
+
+
+def test_a_wall_with_a_schedule_keeps_it():
+    wall = dict(name="lid", point=[0, 0], normal=[0, 1], velocity=[0, 1], times=[0, 1], factors=[1, 1])
+    disk = dict(position=[0, 2], radius=0.5, mass=1)
+    scene = dict(gravity=[0, 0], time=dict(step=1e-3, steps=5), disks=[disk], walls=[wall])
+    sim = bipot.Simulation(scene)
+    with pytest.raises(ValueError, match="wall 'lid' moves by the scene's schedule"):
+        sim.set_wall("lid", velocity=(0, 7))
+    with pytest.raises(ValueError, match="give a velocity or a force"):
+        bipot.Simulation("square_lattice").set_wall(0)

@@ -102,6 +102,10 @@ TEST(EqualityRows, AGeneralMassMatrixIsTaken) {
   EXPECT_LE((MatrixXd(assemble_delassus(p.A, p.H, 1)) - W).norm(), 1e-14);
   EXPECT_LE((body_velocities(p, Eigen::Vector2d(2, 0)) - Eigen::Vector3d(5.5, -2.5, -5)).norm(),
             1e-14);
+  // A (v - v_free) = H s + G^T lambda.
+  const Vector change = body_velocities(p, Eigen::Vector2d(2, 0)) - Eigen::Vector3d(7, 1, -5);
+  const Vector impulse = G.transpose() * multipliers(p, Eigen::Vector2d(2, 0));
+  EXPECT_LE((A * change - H * Eigen::Vector2d(2, 0) - impulse).norm(), 1e-14);
 }
 
 TEST(EqualityRows, LenientEliminationTakesTheNearestVelocitiesAndRidsOfBlockedContacts) {

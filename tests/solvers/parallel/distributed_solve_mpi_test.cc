@@ -105,6 +105,19 @@ TEST(DistributedSolve, RollingFrictionIsJudgedAndSolvedAsOnOneProcess) {
   }
 }
 
+TEST(DistributedSolve, AProcessWithoutAContactLearnsThatThoseOfTheOthersRoll) {
+  for (const int rows : {3, 6}) {
+    ContactProblem problem;
+    for (unsigned seed = 1; problem.num_contacts() == 0 || problem.u_free[0] >= 0; ++seed) {
+      problem = manufactured_rolling(rows, 4, 1, seed).problem;  // until the contact closes
+    }
+    problem.W = SparseRows();
+    const SolverOptions options{.tol = 1e-4};
+    expect_solved({"one contact, rows " + std::to_string(rows), problem},
+                  distributed_solve("auto", problem, options, mpi_group()), options.tol, "auto");
+  }
+}
+
 TEST(DistributedSolve, VelocitiesAreThoseOfOneProcessWhereTheyAreUnique) {
   // Without friction the energy is a convex quadratic, strictly convex in the velocities of the
   // bodies: these are unique. Its excess over the least one is at most of the size of the guarded

@@ -343,6 +343,43 @@ TEST(AccurateStep, AForceThatSwingsMovesADiskAsDerived) {
   }
 }
 
+TEST(AccurateStep, AForceOfManyPeriodsAStepIsSeen) {
+  // 100 N on 1 kg at 100 Hz, on a disk and on a wall; a tenth of the step is a period. After whole
+  // periods v = 0 again, and the way is F t/(m w) = 0.0796 m.
+  constexpr double kFrequency = 100, kTurn = 2 * std::numbers::pi * kFrequency;
+  Scene<2> scene = one_law<2>({});
+  scene.bodies = {round_body<2>(Vec2(0, 50), kRadius, 1)};
+  scene.forces = {{.first = 0, .last = 0, .force = Vec2(0, 100)}};
+  scene.forces[0].time_factor.frequency = kFrequency;
+  scene.walls = {flat_floor<2>()};
+  scene.walls[0].motion = Wall<2>::Motion::kDriven;
+  scene.walls[0].direction = Vec2(0, 1);
+  scene.walls[0].force = 100;
+  scene.walls[0].mass = 1;
+  scene.walls[0].time_factor.frequency = kFrequency;
+  const double way = 100 / kTurn * 0.5;
+  for (const double x : {1e-1, 1e-2, 1e-3}) {
+    const Ended<2> end = run(with_accuracy(scene, x, 0.1, 5));
+    EXPECT_NEAR(end.state.bodies[0].x[1], 50 + way, x * (way + kRadius)) << x;
+    EXPECT_NEAR(end.state.walls[0].a[1], way, x * (way + kRadius)) << x;
+  }
+}
+
+TEST(AccurateStep, OppositePulsesWithinAPartAreSeen) {
+  // 9 N on 1 kg for 0.01 s, then -9 N: triangles that rise for 5 ms. Each changes v by 0.045 m/s.
+  // The way of the middle of the first to that of the second is 0.01 · 0.045 m.
+  Scene<2> scene = one_law<2>({});
+  scene.bodies = {round_body<2>(Vec2::Zero(), kRadius, 1)};
+  scene.forces = {{.first = 0, .last = 0, .force = Vec2(9, 0)}};
+  scene.forces[0].time_factor.times = {0, 0.005, 0.01, 0.015, 0.02};
+  scene.forces[0].time_factor.factors = {0, 1, 0, -1, 0};
+  for (const double x : {1e-1, 1e-3}) {
+    const Ended<2> end = run(with_accuracy(scene, x, 0.5, 2));
+    EXPECT_NEAR(end.state.bodies[0].x[0], 0.01 * 0.045, x * kRadius) << x;
+    EXPECT_NEAR(end.state.bodies[0].v[0], 0, 1e-13) << x;
+  }
+}
+
 TEST(AccurateStep, AVibratingPlateThrowsADisk) {
   // The plate's velocity v sin w t. The disk leaves it where w v cos w t = -g, with the velocity
   // and the height of the plate.
