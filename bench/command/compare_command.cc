@@ -208,6 +208,12 @@ int run_compare(const CompareFlags& flags) {
       table, text,
       fmt::format("results in {}, {} of {} rows from before", flags.out, comparison.rows_kept,
                   comparison.rows.size() + comparison.warm_rows.size()));
+  bool any = comparison.problems.empty();
+  for (const Comparison::Problem& p : comparison.problems) {
+    any = any || p.defect.empty();
+    if (!p.defect.empty()) fmt::print(stderr, "bipot: {}: {}\n", p.name, p.defect);
+  }
+  if (!any) return kExitBadInput;
   return comparison.complete && (!whole || whole->trade.complete) ? kExitConverged
                                                                   : kExitInterrupted;
 }

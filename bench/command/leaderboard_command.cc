@@ -9,6 +9,7 @@
 #include "bench/command/progress_bar.h"
 #include "bench/compare/leaderboard_report.h"
 #include "bench/problems/scene_catalogue.h"
+#include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
 #include "solvers/registry.h"
 
@@ -52,13 +53,15 @@ int run_leaderboard(const LeaderboardFlags& flags) {
   for (const std::string& solver : flags.solvers) require_solver(solver);
   const std::vector<ProblemSource> problems = expand_targets(flags.problems);
   flags.prepare(true);
+  const InterruptGuard interrupt;
   ProgressBar progress(static_cast<long>(problems.size()), flags.silent());
   long done = 0;
   const Leaderboard board =
       make_leaderboard({flags.folders.begin(), flags.folders.end()}, problems,
                        {.solvers = flags.no_solvers ? std::vector<std::string>() : flags.solvers,
                         .tol = flags.tol,
-                        .time_limit = flags.time_limit},
+                        .time_limit = flags.time_limit,
+                        .cancelled = &InterruptGuard::requested},
                        [&](const std::string& problem) { progress.update(++done, problem); });
   const Document summary = leaderboard_document(board, provenance("leaderboard", typed_command()));
   Document page = summary, entries;
@@ -70,7 +73,7 @@ int run_leaderboard(const LeaderboardFlags& flags) {
     write_text_file(folder / "index.html", to_html(page));
   }
   flags.deliver(to_json(page), to_text(summary));
-  return kExitConverged;
+  return board.complete ? kExitConverged : kExitInterrupted;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/page/run_movie.h"
+#include "core/base/interrupt.h"
 
 namespace bipot {
 namespace {
@@ -32,6 +33,7 @@ CommandDeclaration add_movie(CommandLine& line, MovieFlags& flags) {
 }
 
 int run_movie(const MovieFlags& flags) {
+  const InterruptGuard interrupt;
   const auto file = write_run_movie(flags.run, flags.file, flags.frames_a_second);
   fmt::print("{}\n", file.string());
   return kExitConverged;

@@ -196,7 +196,7 @@ std::unique_ptr<FolderLock> claim_folder(const RunFlags& flags, const RunFolderO
         fmt::format("{} holds a run of {} steps: --restart {} or --overwrite", folder.string(),
                     steps.back(), folder.string()));
   }
-  if (flags.overwrite) remove_run(folder);
+  if (!options.resume && (!steps.empty() || fs::exists(folder / "run.h5"))) remove_run(folder);
   return lock;
 }
 

@@ -113,7 +113,8 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
     for (const std::string& solver : ours.solvers) {
       Leaderboard::Entry entry = entry_of("bipot " + solver);
       const CpuStopwatch watch;
-      const SolveResult result = solve_within(solver, p, ours.tol, ours.time_limit);
+      const SolveResult result =
+          solve_within(solver, p, ours.tol, ours.time_limit, {}, ours.cancelled);
       entry.seconds = watch.seconds();
       if (result.status == SolveStatus::kInvalidInput) {
         entry.defect = result.message;
@@ -121,6 +122,12 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
         judge_into(p, result.s, entry);
       }
       board.entries.push_back(std::move(entry));
+    }
+    if (ours.cancelled && ours.cancelled()) {
+      std::erase_if(board.entries, [&](const Leaderboard::Entry& e) { return e.problem == name; });
+      board.problems.pop_back();
+      board.complete = false;
+      break;
     }
     if (on_problem) on_problem(name);
   }

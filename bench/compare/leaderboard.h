@@ -27,12 +27,14 @@ struct Leaderboard {
   struct Ours {
     std::vector<std::string> solvers;
     double tol = 1e-6;
-    double time_limit = 10;  ///< CPU seconds of one solve
+    double time_limit = 10;                ///< CPU seconds of one solve
+    std::function<bool()> cancelled = {};  ///< true: the board ends with the problem before
   };
 
   std::vector<std::string> who;  ///< in the order of the folders, then our solvers
   std::vector<std::string> problems;
   std::vector<Entry> entries;  ///< problem by problem
+  bool complete = true;
 };
 
 /// Judges the impulses of each folder: of a problem a file of its name with the ending npy, csv,

@@ -8,10 +8,10 @@
 namespace bipot {
 
 SolveResult solve_within(const std::string& solver, const ContactProblem& problem, double tol,
-                         double seconds, const Vector& s0) {
+                         double seconds, const Vector& s0, const std::function<bool()>& cancelled) {
   CpuLimit limit(seconds);
   SolverOptions o{.tol = tol, .time_limit = CpuLimit::kWallFactor * seconds, .s0 = s0};
-  o.cancelled = [&limit] { return limit(); };
+  o.cancelled = [&] { return limit() || (cancelled && cancelled()); };
   SolveResult r = solve(solver, problem, o);
   if (r.status == SolveStatus::kInterrupted && limit.reached()) r.status = SolveStatus::kTimeLimit;
   return r;

@@ -9,9 +9,10 @@
 namespace bipot {
 
 /// Solves within `seconds` of CPU time (CpuLimit); beyond it the status is kTimeLimit. `s0` may be
-/// empty.
+/// empty. `cancelled`: true ends it as interrupted.
 SolveResult solve_within(const std::string& solver, const ContactProblem& problem, double tol,
-                         double seconds, const Vector& s0 = {});
+                         double seconds, const Vector& s0 = {},
+                         const std::function<bool()>& cancelled = {});
 
 /// A limit on CPU time for inner loops: other work on the machine must not change the result of a
 /// solver. It asks the system once in a millisecond at most.

@@ -10,6 +10,7 @@
 
 #include "bench/page/run_frames.h"
 #include "bench/report/program.h"
+#include "core/base/interrupt.h"
 #include "core/files/hdf5_file.h"
 #include "core/pictures/flat_view.h"
 #include "core/pictures/force_picture.h"
@@ -103,6 +104,7 @@ void draw_frames(const fs::path& run_path, const fs::path& pictures, const Scene
   const RunFrames<D> run = read_frames<D>(run_path, scene.step);
   ForcePictureOptions options = scales(run, scene);
   for (std::size_t k = 0; k < run.film.frames.size(); ++k) {
+    if (InterruptGuard::requested()) throw Interrupted();
     const FilmFrame& frame = run.film.frames[k];
     Shown at = shown(scene, shown_state(run, frame, scene.step));
     options.fill.values = at.speeds;

@@ -296,9 +296,10 @@ from.)")
             out["imbalance"] = e.imbalance;
             out["elastic"] = e.elastic;
             out["cohesion_loss"] = e.cohesion_loss;
+            out["passed"] = e.passed;
             return out;
           },
-          "kinetic, potential, wall_work, friction_loss, shock_loss, imbalance, elastic, cohesion_loss [J].")
+          "kinetic, potential, wall_work, friction_loss, shock_loss, imbalance, elastic, cohesion_loss, passed [J].")
       .def("__repr__", [](const PythonStep& s) {
         return fmt::format("<bipot.{} {} at t = {:g} s: {}, {}>", D == 2 ? "Step" : "SphereStep",
                            s.report.step, s.report.time, counted(s.report.contacts, "contact"),

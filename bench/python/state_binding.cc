@@ -181,6 +181,7 @@ void bind_bodies(StateClass<D>& bound) {
                 const double parts[] = {q.w(), q.x(), q.y(), q.z()};
                 for (int c = 0; c < 4; ++c) to(static_cast<py::ssize_t>(k), c) = parts[c];
               }
+              rows.attr("setflags")(py::arg("write") = false);
               return rows;
             },
             "(n, 4), unit quaternions (w, x, y, z); a copy.");

@@ -307,7 +307,8 @@ std::string SceneTrade::what_is_needed() const {
 std::string SceneTrade::answer() const {
   if (tols.size() < 2) {
     return fmt::format(
-        "Undecided: {} completed {}, so that nothing can be compared{}.", solver,
+        "Undecided: {} completed {}, so that nothing can be compared{}.",
+        solver.empty() ? "the run" : solver,
         tols.empty() ? "no tolerance" : "only tolerance " + tolerance_label(tols.front()),
         what_is_needed());
   }

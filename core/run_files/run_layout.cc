@@ -48,19 +48,16 @@ void remove_run(const fs::path& folder) {
     for (const auto& entry : fs::directory_iterator(place, none)) files.push_back(entry.path());
     return files;
   };
-  constexpr std::array kFiles = {"run.h5",     "run.xdmf",     "film.bin",   "index.html",
-                                 "ledger.csv", "gates.csv",    "walls.csv",  "trajectory.csv",
-                                 "units.csv",  "summary.json", "run.log",    "start.png",
-                                 "slice.svg",  "slice.png",    "stress.svg", "stress.png"};
-  // With one file for each quantity.
-  constexpr std::array kKinds = {"observables", "profile", "forces"};
+  constexpr std::array kFiles = {
+      "run.h5",       "run.xdmf",        "film.bin",   "index.html",       "ledger.csv",
+      "gates.csv",    "walls.csv",       "units.csv",  "trajectory.csv",   "profile.csv",
+      "forces.csv",   "forces_mean.csv", "forces.svg", "profile_mean.csv", "forces.png",
+      "summary.json", "run.log",         "slice.svg",  "stress.svg",       "start.png",
+      "slice.png",    "stress.png"};
   for (const fs::path& file : files_in(folder)) {
     const std::string name = file.filename().string();
-    const auto begins = [&](const char* kind) { return name.starts_with(kind); };
-    if (std::find(kFiles.begin(), kFiles.end(), name) != kFiles.end() ||
-        std::any_of(kKinds.begin(), kKinds.end(), begins)) {
-      remove(file);
-    }
+    const bool chart = name.starts_with("observables");  // or its table
+    if (chart || std::find(kFiles.begin(), kFiles.end(), name) != kFiles.end()) remove(file);
   }
   for (const int step : steps_in_folder(folder)) remove(frame_path(folder, step));
   for (const fs::path& file : files_in(folder / "problems")) {

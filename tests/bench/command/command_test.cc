@@ -239,6 +239,8 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   EXPECT_TRUE(says(second.out, "12 of 12 rows from before"));
   EXPECT_EQ(content(path("out/comparison.csv")), table);
   EXPECT_EQ(code_of("compare no_such_thing"), 2);
+  const std::string no_problem = write("no_problem.hdf5", "hi");
+  EXPECT_EQ(code_of("compare " + no_problem + " --solvers pgs --tols 1e-2 --quiet"), 2);
   EXPECT_EQ(code_of("compare square:4 --solvers pgz"), 2);
   EXPECT_EQ(code_of("compare square:4 --out /proc/nowhere"), 4);
 }

@@ -33,6 +33,7 @@ def test_the_states_are_those_of_the_simulation(folder):
         assert isinstance(step, type(state)) and state.time == step.time
         for name in arrays:
             assert np.array_equal(getattr(state, name), getattr(step, name)), name
+            assert not getattr(state, name).flags.writeable, name
         assert np.array_equal(state.contacts, step.contacts)
         assert state.walls == step.walls
     assert run[-1].step == 6 and run.at(2).step == 2
