@@ -59,7 +59,8 @@ int end_of(pid_t process, const std::string& program, double patience) {
     if (asked || since.seconds() > patience) {
       kill(process, SIGKILL);
       waitpid(process, &status, 0);
-      throw FileError(program, "", asked ? "interrupted" : "does not end");
+      if (asked) throw Interrupted();
+      throw FileError(program, "", "does not end");
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
