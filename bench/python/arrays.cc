@@ -92,7 +92,6 @@ Numbers to_entries(py::handle given, std::string_view name) {
   return entries;
 }
 
-/// Sums duplicates.
 template <class Sparse>
 Sparse without_zeros(Sparse made) {
   made.prune([](Eigen::Index, Eigen::Index, double value) { return value != 0; });

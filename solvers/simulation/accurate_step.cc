@@ -78,7 +78,8 @@ double next_change(const Scene<D>& scene, double time, double resolution) {
   return next;
 }
 
-/// Over a whole period the mean of a force that swings is zero: parts of a quarter see it.
+/// Of the fastest force that swings [s]. Over a whole period its mean is zero: parts of a quarter
+/// see it.
 template <int D>
 double quarter_period(const Scene<D>& scene) {
   double fastest = 0;
@@ -90,7 +91,7 @@ double quarter_period(const Scene<D>& scene) {
   for (const BodyForce<D>& force : scene.forces) {
     fastest = std::max(fastest, force.time_factor.frequency);
   }
-  return 0.25 / fastest;
+  return fastest > 0 ? 0.25 / fastest : kInfinity;
 }
 
 /// What a part of a step did wrong, over the accuracy.
@@ -114,8 +115,8 @@ struct AccurateStepper<D>::Inside {
   Scene<D> part;  // the scene with the size of a part as its step, without gates
   TimeStepper<D> stepper;
   ClosingPairs<D> closings;
-  const double longest;  // part
-  const double radius;   // the smallest
+  const double longest;  // part [s]
+  const double radius;   // the smallest [m]
 
   Inside(const Scene<D>& whole, const SceneRunOptions<D>& choice, StepSolver solver,
          std::function<bool()> over)

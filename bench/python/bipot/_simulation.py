@@ -176,8 +176,8 @@ class Simulation:
         """From the next step on: velocity (x, y), in space (x, y, z) [m/s], of a wall that the scene moves by a
         `velocity`, force [N] along the direction of one that it drives by a `force`.
 
-        The wall keeps it until it is set again. Raises ValueError for a wall that does not exist or
-        moves otherwise.
+        The wall keeps it until it is set again. Raises ValueError for a wall that does not exist,
+        moves otherwise, or follows a schedule of the scene.
         """
         which = wall if isinstance(wall, str) else integer(wall, "wall")
         self._native.set_wall(which, velocity, force)

@@ -77,6 +77,17 @@ TEST(Leaderboard, JudgesWhatIsThereAndSaysWhatIsNot) {
   EXPECT_TRUE(says(text, "2d_triangular_lattice"));  // a family
 }
 
+TEST(Leaderboard, EndsWithTheLastWholeProblemWhenInterrupted) {
+  int asked = 0;
+  const Leaderboard board = make_leaderboard(
+      {}, two_problems(), {.solvers = {"pgs"}, .cancelled = [&] { return asked > 0; }},
+      [&](const std::string&) { ++asked; });
+  EXPECT_FALSE(board.complete);
+  EXPECT_EQ(board.problems, std::vector<std::string>{"2d_sliding_cylinder"});
+  ASSERT_EQ(board.entries.size(), 1u);
+  EXPECT_TRUE(board.entries[0].solves(1e-6));
+}
+
 TEST(Leaderboard, RefusesFoldersThatAreNoContestants) {
   const TemporaryFolder folder;
   fs::create_directories(folder / "empty");

@@ -155,6 +155,20 @@ def test_reports_and_rows_are_files(tmp_path):
     assert again["cpu_min"].tolist() == t["cpu_min"].tolist()
 
 
+def test_another_problem_of_the_same_name_is_refused(tmp_path):
+    def blocks(v, contacts=1):
+        A = np.eye(2 * contacts)
+        return bipot.Problem(A=A, H=A, v_free=[-1, v] * contacts, mu=[0.5] * contacts)
+
+    options = dict(solvers=["pgs"], tols=[1e-2], out=tmp_path / "rows", **QUICK)
+    t = bipot.compare(blocks(0.75), **options)
+    assert bipot.compare(blocks(0.75), **options)["cpu_min"].tolist() == t["cpu_min"].tolist()
+    with pytest.raises(ValueError, match="problem_0 is not the one that the rows there were made for"):
+        bipot.compare(blocks(0.1), **options)
+    with pytest.raises(ValueError, match=r"made for \(2 rows, now 4\)"):
+        bipot.compare(blocks(0.75, contacts=2), **options)
+
+
 def test_warm_rows_follow_the_cold_ones(tmp_path, lattice):
     s = bipot.solve(lattice, tol=1e-8).s
     bipot.write(lattice, tmp_path / "p.hdf5", guesses=[s])
