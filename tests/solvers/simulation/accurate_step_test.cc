@@ -328,6 +328,18 @@ TEST(AccurateStep, AForceDrivesADiskAgainstAWall) {
   }
 }
 
+TEST(AccurateStep, AForceIsForeseenInTheFirstPart) {
+  // 2 m/s² over 0.5 mm from rest: an impact after 0.0224 s, within the first part, of 0.03 s. The disk
+  // then rests at the wall.
+  Scene<2> scene = one_law<2>({});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
+  scene.bodies = {round_body<2>(Vec2(5e-4 + kRadius, 0), kRadius, 2)};
+  scene.forces = {{.first = 0, .last = 0, .force = Vec2(-4, 0)}};
+  const Ended<2> end = run(with_accuracy(scene, 1e-3, 0.3, 1));
+  EXPECT_NEAR(end.state.bodies[0].x[0], kRadius, 1e-3 * kRadius);
+  EXPECT_EQ(end.totals.cut.rejected(), 0);
+}
+
 TEST(AccurateStep, AForceThatSwingsMovesADiskAsDerived) {
   // v = F/(m w) (1 - cos w t), so that the way is F/(m w) (t - sin(w t)/w): 7 m, of which
   // the share x may be wrong. The steps of 0.1 s are a third of a period.
