@@ -58,6 +58,7 @@ constexpr Description kDatasets[] = {
     {"/walls/triangles", "number of triangles of each wall"},
     {"/walls/triangle", "corners of the triangles relative to the point a of their wall"},
     {"/walls/spin", "of a circle or cylinder about its axis"},
+    {"/walls/belt", "velocity of the surface of a belt"},
     {"/walls/across", "velocity of a driven wall across its direction"},
     {"/walls/a", "point of the wall: on the plane, first end, centre"},
     {"/walls/b", "second end of a segment"},

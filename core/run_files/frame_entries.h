@@ -40,6 +40,13 @@ template <int D>
 bool read_population(const Hdf5File& frame, std::vector<Body<D>>& bodies,
                      Population<D>& population);
 
+/// Writes what moves walls beside their velocity: forces, spins and belts; the last two if a wall of
+/// the `scene` has them. Run.h5 has those of the scene, frames those of that moment where a wall has
+/// a schedule. Throws FileError.
+template <int D>
+void write_wall_drives(Hdf5File& file, const std::vector<Wall<D>>& walls,
+                       const std::vector<Wall<D>>& scene);
+
 /// Writes the body in run.h5 for frames without bodies: radius 0, at x, at rest. Readers of
 /// run.xdmf need at least one.
 template <int D>

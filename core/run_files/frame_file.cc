@@ -123,6 +123,19 @@ void write_velocities(Hdf5File& file, const std::vector<Body<D>>& bodies) {
 }  // namespace
 
 template <int D>
+void write_wall_drives(Hdf5File& file, const std::vector<Wall<D>>& walls,
+                       const std::vector<Wall<D>>& scene) {
+  const auto any = [&](const auto& is) { return std::any_of(scene.begin(), scene.end(), is); };
+  write_doubles(file, "/walls/force", "N", walls, [](const Wall<D>& w) { return w.force; });
+  if (any([](const Wall<D>& w) { return w.is_circle() || w.is_surface(); })) {
+    write_doubles(file, "/walls/spin", "rad/s", walls, [](const Wall<D>& w) { return w.spin; });
+  }
+  if (any([](const Wall<D>& w) { return !w.belt.isZero(0); })) {
+    write_vectors(file, "/walls/belt", "m/s", walls, [](const Wall<D>& w) { return w.belt; });
+  }
+}
+
+template <int D>
 MeanStress<D> stress_of_sample(const State<D>& state, double step) {
   return sample_stress<D>(state, step, sample_measure(state, step), contact_moments(state));
 }
@@ -171,6 +184,7 @@ void write_frame_file(const std::filesystem::path& path, const Scene<D>& scene,
     write_ints(file, "/walls/motion", walls,
                [](const Wall<D>& w) { return static_cast<int>(w.motion); });
     write_ints(file, "/walls/present", walls, [](const Wall<D>& w) { return w.present ? 1 : 0; });
+    write_wall_drives(file, walls, scene.walls);
   }
   if constexpr (D == 2) write_rims(file, walls);
 
@@ -237,5 +251,9 @@ template void write_frame_file(const std::filesystem::path&, const Scene<2>&, co
                                const MeanStress<2>&);
 template void write_frame_file(const std::filesystem::path&, const Scene<3>&, const State<3>&,
                                const MeanStress<3>&);
+template void write_wall_drives(Hdf5File&, const std::vector<Wall<2>>&,
+                                const std::vector<Wall<2>>&);
+template void write_wall_drives(Hdf5File&, const std::vector<Wall<3>>&,
+                                const std::vector<Wall<3>>&);
 
 }  // namespace bipot

@@ -63,7 +63,6 @@ void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
   write_ints(file, "/walls/material", walls, [](const Wall<D>& w) { return w.material; });
   write_vectors(file, "/walls/normal", "1", walls, [](const Wall<D>& w) { return w.normal; });
   write_vectors(file, "/walls/direction", "1", walls, [](const Wall<D>& w) { return w.direction; });
-  write_doubles(file, "/walls/force", "N", walls, [](const Wall<D>& w) { return w.force; });
   write_doubles(file, "/walls/mass", "kg", walls, [](const Wall<D>& w) { return w.mass; });
   if (any([](const Wall<D>& w) { return w.shape == Wall<D>::Shape::kCone; })) {
     write_doubles(file, "/walls/radius_b", "m", walls, [](const Wall<D>& w) { return w.radius_b; });
@@ -71,14 +70,11 @@ void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
   if constexpr (D == 3) write_triangles(file, walls);
   if (any([](const Wall<D>& w) { return w.is_circle() || w.is_surface(); })) {
     write_doubles(file, "/walls/radius", "m", walls, [](const Wall<D>& w) { return w.radius; });
-    write_doubles(file, "/walls/spin", "rad/s", walls, [](const Wall<D>& w) { return w.spin; });
   }
   if (any([](const Wall<D>& w) { return !w.across.isZero(0); })) {
     write_vectors(file, "/walls/across", "m/s", walls, [](const Wall<D>& w) { return w.across; });
   }
-  if (any([](const Wall<D>& w) { return !w.belt.isZero(0); })) {
-    write_vectors(file, "/walls/belt", "m/s", walls, [](const Wall<D>& w) { return w.belt; });
-  }
+  write_wall_drives(file, walls, walls);
 }
 
 /// Writes the parameters of the spring-dashpot model for this scene.

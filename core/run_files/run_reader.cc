@@ -120,7 +120,6 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   const auto wall_material = fixed.read_ints("/walls/material", count);
   const auto normal = fixed.read_doubles("/walls/normal", D * count);
   const auto direction = fixed.read_doubles("/walls/direction", D * count);
-  const auto force = fixed.read_doubles("/walls/force", count);
   const auto wall_mass = fixed.read_doubles("/walls/mass", count);
   const auto a = frame.read_doubles("/walls/a", D * count);
   const auto b = frame.read_doubles("/walls/b", D * count);
@@ -131,10 +130,13 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   };
   const auto radius = optional(fixed, "/walls/radius", count);
   const auto radius_b = optional(fixed, "/walls/radius_b", count);
-  const auto spin = optional(fixed, "/walls/spin", count);
   const auto across = optional(fixed, "/walls/across", D * count);
-  const auto belt = optional(fixed, "/walls/belt", D * count);
   const bool changes = frame.exists("/walls/present");
+  // Frames of earlier versions do not have them.
+  const Hdf5File& drives = frame.exists("/walls/force") ? frame : fixed;
+  const auto force = drives.read_doubles("/walls/force", count);
+  const auto spin = optional(drives, "/walls/spin", count);
+  const auto belt = optional(drives, "/walls/belt", D * count);
   const auto present =
       changes ? frame.read_ints("/walls/present", count) : std::vector<int>(count, 1);
   const auto motion_now = changes ? frame.read_ints("/walls/motion", count) : motion;

@@ -156,6 +156,36 @@ TEST(RunOutput, AStateIsReadBackBitForBit) {
   EXPECT_THROW(read_state(folder / "out/frames/00000000.h5"), FileError);  // not a run
 }
 
+// Run.h5 keeps the values of the scene.
+TEST(RunOutput, WallsWithAScheduleHaveTheForceSpinAndBeltOfTheFrame) {
+  const TemporaryFolder folder;
+  Scene<2> scene = awkward_scene();
+  scene.walls[1].starts = 0.5;
+  scene.walls[2].belt = Vec2(0.8, -0.6) / 3;
+  scene.walls.push_back({.name = "wheel",
+                         .shape = Wall<2>::Shape::kSolidCircle,
+                         .motion = Wall<2>::Motion::kMoving,
+                         .a = Vec2(0, 5),
+                         .radius = 1,
+                         .spin = 2});
+  State<2> state = awkward_state(scene, 2);
+  state.walls[1].force = 7.0 / 3;
+  state.walls[2].belt.setZero();
+  state.walls[3].spin = 6;
+  {
+    RunWriter<2> writer(folder / "out", scene, "");
+    writer.frame(state);
+  }
+  const State<2> read = read_state(folder / "out");
+  EXPECT_EQ(read.walls[1].force, 7.0 / 3);
+  EXPECT_EQ(read.walls[2].belt, Vec2(0, 0));
+  EXPECT_EQ(read.walls[3].spin, 6);
+  const Hdf5File fixed(folder / "out/run.h5", Hdf5File::Mode::kRead);
+  EXPECT_EQ(fixed.read_doubles("/walls/force")[1], 5.0 / 3);
+  EXPECT_EQ(fixed.read_doubles("/walls/spin")[3], 2);
+  EXPECT_EQ(fixed.read_doubles("/walls/belt")[4], 0.8 / 3);
+}
+
 TEST(RunOutput, ARunGoesOnFromAFrameWithTheSameBits) {
   const TemporaryFolder folder;
   Scene<2> scene = parse_scene(std::string(kBox) + R"(
