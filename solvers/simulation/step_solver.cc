@@ -33,11 +33,18 @@ SolverOptions options_now(const RunSolver& run, Vector s0) {
   return options;
 }
 
+/// Throws std::invalid_argument if no problem could be solved so. `probe`: of a problem without
+/// contacts.
+void require_not_refused(const SolveResult& probe) {
+  if (probe.status == SolveStatus::kInvalidInput) throw std::invalid_argument(probe.message);
+}
+
 }  // namespace
 
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options) {
-  return [&entry, options = in_a_run(std::move(options), entry.name)](const ContactProblem& problem,
-                                                                      Vector s0) {
+  options = in_a_run(std::move(options), entry.name);
+  require_not_refused(solve(entry, ContactProblem{}, options));
+  return [&entry, options = std::move(options)](const ContactProblem& problem, Vector s0) {
     SolverOptions from_start = options;
     from_start.s0 = std::move(s0);
     return to_step_solution(solve(entry, problem, std::move(from_start)));
@@ -62,8 +69,7 @@ StepSolution to_step_solution(SolveResult result) {
 
 void RunSolver::check() const {
   const auto lone = processes != nullptr ? lone_process() : nullptr;
-  const SolveResult probe = solve_with(*this, ContactProblem{}, options, lone.get());
-  if (probe.status == SolveStatus::kInvalidInput) throw std::invalid_argument(probe.message);
+  require_not_refused(solve_with(*this, ContactProblem{}, options, lone.get()));
 }
 
 SolveResult RunSolver::solve(const ContactProblem& problem, Vector s0) const {

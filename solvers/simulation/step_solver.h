@@ -11,7 +11,8 @@ namespace bipot {
 
 /// A StepSolver for the time stepper: runs `entry` with `options` on every step's problem, from the
 /// given start. Failed: kNumericalFailure, kDiverged; refused: kInvalidInput; cut short:
-/// kTimeLimit, kInterrupted; converged: the successful statuses.
+/// kTimeLimit, kInterrupted; converged: the successful statuses. Throws std::invalid_argument if the
+/// solver refuses the options for every problem.
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options);
 
 /// Converts the result of a solve for a time stepper.

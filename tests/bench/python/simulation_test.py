@@ -250,7 +250,11 @@ def test_bad_scenes_and_options_are_refused(tmp_path):
     with pytest.raises(TypeError, match="did you mean 'friction'"):
         bipot.Simulation("square_lattice", frictoin=0.3)
     with pytest.raises(ValueError, match="unknown parameter"):
-        bipot.Simulation("square_lattice", solver="ipm", omega=1.2).advance()
+        bipot.Simulation("square_lattice", solver="ipm", omega=1.2)
+    with pytest.raises(ValueError, match="tol = 0, expected a positive"):
+        bipot.Simulation("square_lattice", tol=0)
+    with pytest.raises(ValueError, match="max_iterations = -1"):
+        bipot.Simulation("square_lattice", max_iterations=-1)
     with pytest.raises(ValueError):
         bipot.Simulation("square_lattice", step=-1.0)
     with pytest.raises(ValueError):
