@@ -10,6 +10,7 @@
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
 #include "bench/python/python_state.h"
+#include "core/motion/population.h"
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
 
@@ -164,7 +165,18 @@ void bind_bodies(StateClass<D>& bound) {
   bound.def_property_readonly("positions", vectors(&Body<D>::x), "(n, 2), in 3D (n, 3) [m]")
       .def_property_readonly("velocities", vectors(&Body<D>::v), "(n, 2), in 3D (n, 3) [m/s]")
       .def_property_readonly("radii", scalars(&Body<D>::radius), "(n,) [m]")
-      .def_property_readonly("masses", scalars(&Body<D>::mass), "(n,) [kg]");
+      .def_property_readonly("masses", scalars(&Body<D>::mass), "(n,) [kg]")
+      .def_property_readonly(
+          "numbers",
+          [](const PythonState<D>& self) {
+            const int n = static_cast<int>(self.state.bodies.size());
+            py::array_t<std::int64_t> numbers(n);
+            auto to = numbers.template mutable_unchecked<1>();
+            for (int k = 0; k < n; ++k) to(k) = body_number(self.state, k);
+            numbers.attr("setflags")(py::arg("write") = false);
+            return numbers;
+          },
+          "(n,), numbers that bodies keep while others come and go; a copy.");
   if constexpr (D == 2) {
     bound.def_property_readonly("angles", scalars(&Disk::angle), "(n,) [rad]")
         .def_property_readonly("spins", scalars(&Disk::spin), "(n,) [rad/s]");

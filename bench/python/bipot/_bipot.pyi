@@ -141,6 +141,7 @@ class _State:
     spins: Final[Array]
     radii: Final[Array]
     masses: Final[Array]
+    numbers: Final[npt.NDArray[np.int64]]
     contacts: Final[npt.NDArray[np.void]]
     walls: Final[list[dict[str, Any]]]
 

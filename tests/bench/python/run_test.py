@@ -116,3 +116,16 @@ def test_a_run_says_what_it_is(folder):
     run = bipot.Run(folder[1])
     assert repr(run) == f"<bipot.Run {folder[1]}: 4 frames>"
     assert "ledger" in run._repr_html_()
+
+
+def test_bodies_keep_their_numbers_through_gates(tmp_path):
+    out = tmp_path / "out"
+    command = [os.environ["BIPOT_COMMAND"], "run", "hopper", "--steps", "400", "--no-page", "--out"]
+    subprocess.run([*command, out], check=True, capture_output=True)
+    first, last = bipot.Run(out)[0], bipot.Run(out)[-1]
+    count = len(first.positions)
+    assert np.array_equal(first.numbers, np.arange(count))
+    stayed = last.numbers < count
+    assert stayed.sum() < count and not stayed.all()
+    assert np.array_equal(last.radii[stayed], first.radii[last.numbers[stayed]])
+    assert not last.numbers.flags.writeable
