@@ -259,6 +259,9 @@ ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vecto
   ContactErrorEvaluator evaluate(problem);
   ImpulseVerdict verdict;
   verdict.error = evaluate(s);
+  if (!std::isfinite(verdict.error.energy)) {
+    throw std::invalid_argument("the energy of these impulses is beyond double precision");
+  }
   verdict.s = evaluate.impulse();
   verdict.u = evaluate.velocity();
   verdict.count = count_contacts(problem, verdict.s);

@@ -188,6 +188,7 @@ TEST(ImpulseVerdict, RefusesWhatIsNoImpulse) {
   EXPECT_EQ(refusal(vec({1, 0, 0})), "s has size 3, expected 2 = 1 contacts x 2");
   EXPECT_EQ(refusal(vec({1, kNaN})), "s[1] = nan is not finite");
   EXPECT_EQ(refusal(vec({kInfinity, 0})), "s[0] = inf is not finite");
+  EXPECT_EQ(refusal(vec({1e200, 0})), "the energy of these impulses is beyond double precision");
 }
 
 TEST(ImpulseVerdict, NoContactsAreNoError) {
