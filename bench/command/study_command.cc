@@ -12,6 +12,7 @@
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/study/study.h"
+#include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
 #include "core/files/atomic_file.h"
@@ -76,6 +77,7 @@ int run_study(const StudyFlags& flags) {
         [&](long done, long, const std::string& what) { progress.update(done, what); });
   }
   const Study::Measured measured = Study::read(rows);
+  if (flags.draw && measured.empty()) throw FileError(rows, "", "has no measurements");
   Document page;
   page.title = "How exact must a contact solver be?";
   page.made = provenance("study", typed_command());

@@ -550,6 +550,7 @@ TEST_F(Command, StudyDrawsItsRowsAgain) {
             0);
   EXPECT_EQ(read_text_file(folder_ / "again" / "answers_speed.svg"), drawn);
   EXPECT_EQ(code_of("study --only no_such_part"), 2);
+  EXPECT_EQ(code_of("study --draw --rows " + path("none.csv") + " --out " + path("none")), 4);
 }
 
 TEST_F(Command, ValidateLeavesAPageAndAnExitCode) {
