@@ -1,5 +1,7 @@
 #include "bench/page/page_data.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -11,7 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostCurvePoints = 2400;
 constexpr std::size_t kMostMarks = 2000;
 
 }  // namespace
@@ -45,10 +46,15 @@ Json page_marks(const fs::path& folder, const std::vector<CurveTable>& curves) {
   if (!curves.empty() && curves.front().file == "ledger") {
     const CurveTable& ledger = curves.front();
     const std::vector<double>*step = ledger.column("step"), *time = ledger.column("time"),
-          *converged = ledger.column("converged");
+          *converged = ledger.column("converged"), *overlap = ledger.column("overlap");
     for (std::size_t k = 0; step && time && converged && k < step->size(); ++k) {
       if (marks.size() == kMostMarks) break;
       if ((*converged)[k] == 0) marks.push_back({"unsolved", (*step)[k], (*time)[k]});
+    }
+    if (step && time && overlap && !overlap->empty()) {
+      const auto most = std::max_element(overlap->begin(), overlap->end());
+      const auto k = static_cast<std::size_t>(most - overlap->begin());
+      if (*most > kDeepOverlap) marks.push_back({"overlap", (*step)[k], (*time)[k], *most});
     }
   }
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -60,11 +66,11 @@ Json page_marks(const fs::path& folder, const std::vector<CurveTable>& curves) {
   return marks;
 }
 
-std::string packed_curves(const std::vector<CurveTable>& curves, Json& about) {
+std::string packed_curves(const std::vector<CurveTable>& curves, std::size_t points, Json& about) {
   about["curves"] = Json::array();
   std::string bytes;
   for (const CurveTable& table : curves) {
-    const CurveTable thin = thinned_curves(table, kMostCurvePoints);
+    const CurveTable thin = thinned_curves(table, points);
     const std::size_t rows = thin.columns.front().size();
     about["curves"].push_back({{"file", table.file},
                                {"part", table.part},
@@ -79,18 +85,46 @@ std::string packed_curves(const std::vector<CurveTable>& curves, Json& about) {
   return bytes;
 }
 
-void describe_frames(const std::vector<FilmFrame>& frames, Json& about) {
-  Json &list = about["frames"] = Json::array(), &walls = about["wall_places"] = Json::array();
+namespace {
+
+/// Ends and presence of walls, from the origin of the grid on.
+std::vector<double> from_origin(std::vector<double> walls, const FilmGrid& grid, std::size_t dim) {
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    const std::size_t column = k % (2 * dim + 1);
+    if (column < 2 * dim) walls[k] -= grid.origin[column % dim];
+  }
+  return walls;
+}
+
+/// Angles to 1e-4 rad: short texts.
+std::vector<double> rounded(const std::vector<float>& angles) {
+  std::vector<double> short_ones;
+  for (const float angle : angles) {
+    short_ones.push_back(std::round(1e4 * static_cast<double>(angle)) / 1e4);
+  }
+  return short_ones;
+}
+
+}  // namespace
+
+void describe_frames(const Film& film, std::size_t dim, Json& about) {
+  const std::vector<FilmFrame>& frames = film.frames;
+  const bool turning = !frames.empty() && !frames.back().wall_turn.empty();
+  const bool periodic = !frames.empty() && frames.front().cell[0] != 0;
+  Json list = Json::array(), walls = Json::array(), turns = Json::array(), cells = Json::array();
   const FilmFrame* before = nullptr;
   for (const FilmFrame& frame : frames) {
     list.push_back({frame.step, frame.time, frame.number.size(), frame.i.size()});
     const bool same = before != nullptr && before->walls == frame.walls;
-    walls.push_back(same ? Json() : Json(frame.walls));
+    walls.push_back(same ? Json() : Json(from_origin(frame.walls, film.grid, dim)));
+    if (turning) turns.push_back(rounded(frame.wall_turn));
+    if (periodic) cells.push_back(frame.cell);
     before = &frame;
   }
-  if (frames.empty() || frames.front().cell[0] == 0) return;
-  Json& cells = about["cells"] = Json::array();
-  for (const FilmFrame& frame : frames) cells.push_back(frame.cell);
+  about["frames"] = std::move(list);
+  about["wall_places"] = std::move(walls);
+  if (turning) about["wall_turns"] = std::move(turns);
+  if (periodic) about["cells"] = std::move(cells);
 }
 
 }  // namespace bipot

@@ -7,7 +7,7 @@
 
 #include "bench/page/page_curves.h"
 #include "bench/report/json_output.h"
-#include "core/run_files/film_frame.h"
+#include "core/run_files/film.h"
 
 namespace bipot {
 
@@ -20,14 +20,18 @@ std::string base64(std::string_view bytes);
 /// summary.json of a run; null if there is none, or none that is whole.
 Json page_summary(const std::filesystem::path& folder);
 
-/// Steps that a reader must know of: unsolved, by the ledger; with several exact answers, by the
-/// folders of `solve --several` in that of the run.
+/// Steps that a reader must know of: unsolved and of the largest overlap, by the ledger; with
+/// several exact answers, by the folders of `solve --several` in that of the run.
 Json page_marks(const std::filesystem::path& folder, const std::vector<CurveTable>& curves);
 
-/// Columns in single precision, one after the other; their description goes into `about`.
-std::string packed_curves(const std::vector<CurveTable>& curves, Json& about);
+/// Most points of a curve: of a whole run, and of one that goes on, which are sent again and again.
+inline constexpr std::size_t kCurvePoints = 10000, kLiveCurvePoints = 2400;
+
+/// Columns in single precision, one after the other, with at most so many points; their description
+/// goes into `about`.
+std::string packed_curves(const std::vector<CurveTable>& curves, std::size_t points, Json& about);
 
 /// What changes from frame to frame and is short, into `about`.
-void describe_frames(const std::vector<FilmFrame>& frames, Json& about);
+void describe_frames(const Film& film, std::size_t dim, Json& about);
 
 }  // namespace bipot

@@ -15,7 +15,7 @@ namespace {
 template <int D>
 void add_frames(const std::filesystem::path& folder, double step, int after, Json& update) {
   const RunFrames<D> run = read_frames<D>(folder, step, after);
-  describe_frames(run.film.frames, update);
+  describe_frames(run.film, D, update);
   update["steps"] = run.film.steps;
   update["bodies"] = run.bodies.size();
   update["frame_data"] = packed_text(packed_frames(run.bodies, run.film.frames, D, run.gates));
@@ -34,7 +34,8 @@ std::string page_update(const std::filesystem::path& folder, int after, bool end
   }
   const std::vector<CurveTable> curves = read_curves(folder);
   update["marks"] = page_marks(folder, curves);
-  update["curve_data"] = packed_text(packed_curves(curves, update));
+  update["curve_data"] =
+      packed_text(packed_curves(curves, ended ? kCurvePoints : kLiveCurvePoints, update));
   return json_text(update);
 }
 

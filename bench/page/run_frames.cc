@@ -42,12 +42,13 @@ RunFrames<D> read_frames(const fs::path& folder, double step, int after) {
   run.walls = first.walls;
   run.film = read_film(folder, after);
   if (run.film.frames.empty() && after < 0) {
-    double smallest = kInfinity;
-    for (const Body<D>& body : first.bodies) smallest = std::min(smallest, body.radius);
-    run.film.quantum = smallest < kInfinity ? smallest / 1024 : 1e-6;
+    Scene<D> scene;
+    scene.bodies = first.bodies;
+    scene.cell = first.cell;
+    run.film.grid = film_grid(scene);
     for (const int k : steps) {
       run.film.frames.push_back(
-          film_frame(read_state<D>(folder, k), run.film.quantum, step, run.gates));
+          film_frame(read_state<D>(folder, k), run.film.grid, step, run.gates));
     }
   }
   describe_bodies(first, run);
@@ -77,7 +78,7 @@ State<D> shown_state(const RunFrames<D>& run, const FilmFrame& frame, double ste
     body.radius = static_cast<double>(known.radius);
     body.mass = static_cast<double>(known.mass);
     for (int c = 0; c < D; ++c) {
-      body.x[c] = frame.x[k * widths.x + to_size(c)] * run.film.quantum;
+      body.x[c] = run.film.grid.position(frame.x[k * widths.x + to_size(c)], to_size(c));
       body.v[c] = log_value(frame.v[k * widths.x + to_size(c)]);
     }
     index[frame.number[k]] = static_cast<int>(k);

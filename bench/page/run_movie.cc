@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -80,7 +81,7 @@ ForcePictureOptions scales(const RunFrames<D>& run, const Scene<D>& scene) {
   options.take_off = false;
   options.fill.label = "speed";
   options.fill.unit = "m/s";
-  std::vector<double> forces, speeds;
+  std::vector<double> strongest, speeds;
   Box<2> view;
   const std::size_t stride = std::max<std::size_t>(1, run.film.frames.size() / kSamples);
   for (std::size_t k = 0; k < run.film.frames.size(); k += stride) {
@@ -89,12 +90,14 @@ ForcePictureOptions scales(const RunFrames<D>& run, const Scene<D>& scene) {
     view.include(box.lower);
     view.include(box.upper);
     speeds.insert(speeds.end(), at.speeds.begin(), at.speeds.end());
+    std::vector<double> forces;
     for (const auto& c : at.state.contacts) {
       if (c.s_n > 0) forces.push_back(c.s_n / scene.step);
     }
+    if (!forces.empty()) strongest.push_back(quantile(std::move(forces), 0.99));
   }
   options.view = view;
-  options.full_force = quantile(std::move(forces), 0.99);
+  options.full_force = quantile(std::move(strongest), 0.6);  // as the page: shocks aside
   options.fill.high = quantile(std::move(speeds), 0.99);
   return options;
 }
@@ -103,13 +106,15 @@ template <int D>
 void draw_frames(const fs::path& run_path, const fs::path& pictures, const Scene<D>& scene) {
   const RunFrames<D> run = read_frames<D>(run_path, scene.step);
   ForcePictureOptions options = scales(run, scene);
+  const int decimals = std::max(4, static_cast<int>(std::ceil(-std::log10(scene.step))));
   for (std::size_t k = 0; k < run.film.frames.size(); ++k) {
     if (InterruptGuard::requested()) throw Interrupted();
     const FilmFrame& frame = run.film.frames[k];
     Shown at = shown(scene, shown_state(run, frame, scene.step));
     options.fill.values = at.speeds;
     draw_force_picture(pictures / fmt::format("{:06d}.png", k), at.scene, at.state,
-                       fmt::format("t = {:.4f} s, step {:06d}", frame.time, frame.step), options);
+                       fmt::format("t = {:.{}f} s, step {:06d}", frame.time, decimals, frame.step),
+                       options);
   }
 }
 
@@ -141,8 +146,10 @@ fs::path write_run_movie(const fs::path& run, fs::path file, int frames_a_second
                                  "-i",         (pictures.path() / "%06d.png").string(),
                                  "-vf",        filter};
   if (!gif) words.insert(words.end(), {"-pix_fmt", "yuv420p", "-movflags", "+faststart"});
-  words.push_back(file.string());
+  const fs::path made = pictures.path() / file.filename();
+  words.push_back(made.string());
   run_program(words, "", kFfmpeg, kPatience);
+  fs::copy_file(made, file, fs::copy_options::overwrite_existing);
   return file;
 }
 

@@ -40,7 +40,12 @@ Json numbers(const Eigen::Matrix<double, N, 1>& x) {
 }
 
 template <int D>
-Json walls_json(const std::vector<Wall<D>>& walls, const std::vector<std::string>& materials) {
+Json walls_json(const std::vector<Wall<D>>& walls, const Hdf5File& fixed) {
+  const std::vector<std::string> materials = fixed.read_strings("/materials/name");
+  // Those of the scene: the walls of a frame may stand at the time.
+  const std::vector<double> spins = fixed.exists("/walls/spin")
+                                        ? fixed.read_doubles("/walls/spin", walls.size())
+                                        : std::vector<double>(walls.size(), 0.0);
   Json list = Json::array();
   constexpr const char* kShapes[] = {"plane", "segment", "hollow", "solid", "mesh", "cone"};
   for (const Wall<D>& wall : walls) {
@@ -49,7 +54,7 @@ Json walls_json(const std::vector<Wall<D>>& walls, const std::vector<std::string
                     {"shape", kShapes[static_cast<int>(wall.shape)]},
                     {"normal", numbers(wall.normal)},
                     {"radius", wall.radius},
-                    {"spin", wall.spin},
+                    {"turns", spins[list.size()] != 0},
                     {"material", material < materials.size() ? materials[material] : ""}});
     if constexpr (D == 3) {
       if (!wall.is_surface()) continue;
@@ -65,18 +70,20 @@ Json walls_json(const std::vector<Wall<D>>& walls, const std::vector<std::string
   return list;
 }
 
-/// Regions of outlets and inlets, which only the scene's text has.
-Json gates_json(const std::string& scene_text, const std::string& source) {
+/// Regions of outlets and inlets from the origin of the grid on, which only the scene's text has.
+Json gates_json(const std::string& scene_text, const std::string& source, const FilmGrid& grid) {
   Json list = Json::array();
   std::visit(
-      [&](const auto& scene) {
+      [&]<int D>(const Scene<D>& scene) {
+        const Eigen::Map<const Vec<D>> origin(grid.origin.data());
+        const auto place = [&](const Vec<D>& x) { return numbers<D>(x - origin); };
         for (const auto& outlet : scene.outlets) {
           Json entry{{"kind", "outlet"}, {"name", outlet.name}};
           if (outlet.box) {
-            entry["lower"] = numbers(outlet.lower);
-            entry["upper"] = numbers(outlet.upper);
+            entry["lower"] = place(outlet.lower);
+            entry["upper"] = place(outlet.upper);
           } else {
-            entry["point"] = numbers(outlet.point);
+            entry["point"] = place(outlet.point);
             entry["normal"] = numbers(outlet.normal);
           }
           list.push_back(std::move(entry));
@@ -84,12 +91,26 @@ Json gates_json(const std::string& scene_text, const std::string& source) {
         for (const auto& inlet : scene.inlets) {
           list.push_back({{"kind", "inlet"},
                           {"name", inlet.name},
-                          {"lower", numbers(inlet.lower)},
-                          {"upper", numbers(inlet.upper)}});
+                          {"lower", place(inlet.lower)},
+                          {"upper", place(inlet.upper)}});
         }
       },
       parse_any_scene(scene_text, source));
   return list;
+}
+
+/// Says so where bodies lie beyond the grid of the film.
+void note_lost_bodies(const Film& film, Json& about) {
+  for (const FilmFrame& frame : film.frames) {
+    const bool lost = std::any_of(frame.x.begin(), frame.x.end(), [](std::int32_t place) {
+      return std::abs(place) == FilmGrid::kLast;
+    });
+    if (!lost) continue;
+    about["notes"].push_back(fmt::format(
+        "From t = {:.4g} s on bodies are drawn at {:.3g} m from the start that are farther away.",
+        frame.time, FilmGrid::kLast * film.grid.quantum));
+    return;
+  }
 }
 
 /// The deflated frames, fewer or with fewer contacts where they would take more than `most` bytes
@@ -127,8 +148,8 @@ std::string fitted_frames(RunFrames<D>& run, std::size_t most, Json& about) {
     about["notes"].push_back(
         fmt::format("Contacts below {:.3g} N are left out: {}.", weakest, limit));
   }
-  describe_frames(frames, about);
   run.film.frames = std::move(frames);
+  describe_frames(run.film, D, about);
   return packed;
 }
 
@@ -154,7 +175,10 @@ template <int D>
 PageText page_text(const fs::path& folder, const Hdf5File& fixed, std::size_t most_bytes,
                    Json about) {
   RunFrames<D> run = read_frames<D>(folder, about["time_step"].get<double>());
-  about["quantum"] = run.film.quantum;
+  about["quantum"] = run.film.grid.quantum;
+  about["origin"] =
+      std::vector<double>(run.film.grid.origin.begin(), run.film.grid.origin.begin() + D);
+  note_lost_bodies(run.film, about);
   // Few frames of many steps: the film was full of bytes before it was full of frames (film.h).
   const std::vector<FilmFrame>& frames = run.film.frames;
   const int every = frames.size() > 2 ? frames[1].step - frames[0].step : 1;
@@ -165,18 +189,20 @@ PageText page_text(const fs::path& folder, const Hdf5File& fixed, std::size_t mo
   }
   about["gates"] = run.gates;
   about["bodies"] = run.bodies.size();
-  about["walls"] = walls_json(run.walls, fixed.read_strings("/materials/name"));
+  about["walls"] = walls_json(run.walls, fixed);
   about["openings"] = Json::array();
   if (run.gates) {
     try {
-      about["openings"] = gates_json(about["scene"].get<std::string>(), about["source"]);
+      about["openings"] =
+          gates_json(about["scene"].get<std::string>(), about["source"], run.film.grid);
     } catch (const SceneFileError& e) {
       about["notes"].push_back(fmt::format("Outlets and inlets are not drawn: {}", e.what()));
     }
   }
   const std::vector<CurveTable> curves = read_curves(folder);
   about["marks"] = page_marks(folder, curves);
-  const std::string curve_text = packed_text(packed_curves(curves, about));
+  const std::string curve_text = packed_text(
+      packed_curves(curves, about["live"].get<bool>() ? kLiveCurvePoints : kCurvePoints, about));
   const PageFiles files = page_files();
   const std::size_t rest = files.page.size() + files.style.size() + files.script.size() +
                            curve_text.size() + script_json(about).size();

@@ -2,16 +2,20 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
+#include <numbers>
 #include <utility>
+
+#include "core/scene/wall_motion.h"
 
 namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kFilmMark = "bipot film 1\n";
+constexpr std::string_view kFilmMark = "bipot film 2\n", kEarlierMark = "bipot film 1\n";
 
 template <class T>
 std::string_view bytes_of(const T& value) {
@@ -41,8 +45,9 @@ Film read_film(const fs::path& folder, int after) {
   };
   std::string mark(kFilmMark.size(), '\0');
   in.read(mark.data(), static_cast<std::streamsize>(mark.size()));
+  if (in && mark == kEarlierMark) return film;
   if (in && mark != kFilmMark) throw FileError(path, "", "not a film of this version");
-  if (!in || !take(film.quantum)) return film;  // killed at the start
+  if (!in || !take(film.grid)) return film;  // killed at the start
   std::uint32_t size = 0;
   std::int32_t step = 0;  // with which a frame begins
   std::string bytes;
@@ -67,10 +72,9 @@ Film read_film(const fs::path& folder, int after) {
 
 template <int D>
 FilmRecorder<D>::FilmRecorder(fs::path folder, const Scene<D>& scene, int resume_after)
-    : path_(folder / kFilmFile), scene_(scene), quantum_(film_quantum(scene)) {
+    : path_(folder / kFilmFile), scene_(scene), grid_(film_grid(scene)) {
   Film before = film_up_to(folder, resume_after);
-  // Positions keep their quantum: one film has one.
-  if (before.quantum != quantum_) before.frames.clear();
+  if (before.grid != grid_) before.frames.clear();  // one film has one grid
   // Distances tell how often steps were taken; the first and the last may stand anywhere.
   const auto& frames = before.frames;
   if (frames.size() > 3) every_ = std::max(1, frames[2].step - frames[1].step);
@@ -91,7 +95,7 @@ void FilmRecorder<D>::rewrite(const std::vector<FilmFrame>& frames) {
   file_.reset(std::fopen(draft.c_str(), "wb"));
   if (!file_) throw FileError(path_, "", std::string("cannot write: ") + std::strerror(errno));
   write(kFilmMark);
-  write(bytes_of(quantum_));
+  write(bytes_of(grid_));
   frames_ = bytes_ = 0;
   for (const FilmFrame& frame : frames) {
     const std::string bytes = to_bytes(frame);
@@ -121,7 +125,15 @@ void FilmRecorder<D>::finish(const State<D>& last) {
 template <int D>
 void FilmRecorder<D>::add(const State<D>& state) {
   if (state.step <= last_) return;
-  const std::string bytes = to_bytes(film_frame(state, quantum_, scene_.step, scene_.has_gates()));
+  FilmFrame frame = film_frame(state, grid_, scene_.step, scene_.has_gates());
+  const auto turns = [](const Wall<D>& wall) { return wall.spin != 0; };
+  if (std::any_of(scene_.walls.begin(), scene_.walls.end(), turns)) {
+    for (const Wall<D>& wall : scene_.walls) {
+      const double turned = turned_angle(wall, state.time);
+      frame.wall_turn.push_back(static_cast<float>(std::remainder(turned, 2 * std::numbers::pi)));
+    }
+  }
+  const std::string bytes = to_bytes(frame);
   write(bytes_of(static_cast<std::uint32_t>(bytes.size())));
   write(bytes);
   if (std::fflush(file_.get()) != 0) {

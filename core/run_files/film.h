@@ -42,19 +42,19 @@ class FilmRecorder {
   std::filesystem::path path_;
   const Scene<D>& scene_;
   std::unique_ptr<std::FILE, Close> file_;
-  double quantum_;             // of the positions [m]
+  FilmGrid grid_;
   int every_ = 1, last_ = -1;  // steps
   std::size_t frames_ = 0, bytes_ = 0;
 };
 
 struct Film {
-  double quantum = 0;  ///< of the positions [m]
+  FilmGrid grid;
   std::vector<FilmFrame> frames;
   std::vector<int> steps;  ///< of all frames, of those left out as well
 };
 
 /// The film of a run, in which a frame that is cut off at the end does not count; without frames if
-/// the run has none. `after`: frames up to that step are left out. The run may go on meanwhile.
+/// the run has none of this version. `after`: frames up to that step are left out. The run may go on meanwhile.
 /// Throws FileError.
 Film read_film(const std::filesystem::path& folder, int after = -1);
 

@@ -1,9 +1,9 @@
 #include "core/run_files/film_frame.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -13,11 +13,6 @@ namespace {
 constexpr double kOctave = 327;  // codes of log_code in an octave
 constexpr double kLowest = -50;  // power of two of the smallest magnitude
 constexpr int kMagnitudes = 0x7fff;
-
-std::int32_t rounded(double x) {
-  constexpr double kLargest = std::numeric_limits<std::int32_t>::max();
-  return static_cast<std::int32_t>(std::lround(std::clamp(x, -kLargest, kLargest)));
-}
 
 /// A number in [-1, 1] in 16 bits.
 std::uint16_t unit_code(double x) {
@@ -129,14 +124,29 @@ Vec3 direction_value(std::uint16_t first, std::uint16_t second) {
   return Vec3(x, y, z).normalized();
 }
 
-template <int D>
-double film_quantum(const Scene<D>& scene) {
-  const double radius = smallest_radius(scene);
-  return std::isfinite(radius) ? radius / 1024 : 1e-6;
+std::int32_t FilmGrid::place(double x, std::size_t component) const {
+  constexpr double last = kLast;
+  return static_cast<std::int32_t>(
+      std::lround(std::clamp((x - origin[component]) / quantum, -last, last)));
 }
 
 template <int D>
-FilmFrame film_frame(const State<D>& state, double quantum, double step, bool gates) {
+FilmGrid film_grid(const Scene<D>& scene) {
+  FilmGrid grid;
+  const double radius = smallest_radius(scene);
+  if (!std::isfinite(radius)) return {.quantum = 1e-6};
+  Eigen::AlignedBox<double, D> box;
+  for (const Body<D>& body : scene.bodies) box.extend(body.x);
+  for (const Inlet<D>& inlet : scene.inlets) box.extend(inlet.lower).extend(inlet.upper);
+  grid.quantum = std::max(radius / 1024, 8 * box.sizes().maxCoeff() / FilmGrid::kLast);
+  if (scene.cell.periodic()) return grid;  // from the corner of the cell
+  const Vec<D> middle = box.center();
+  std::copy(middle.begin(), middle.end(), grid.origin.begin());
+  return grid;
+}
+
+template <int D>
+FilmFrame film_frame(const State<D>& state, const FilmGrid& grid, double step, bool gates) {
   FilmFrame frame;
   frame.step = state.step;
   frame.time = state.time;
@@ -160,7 +170,7 @@ FilmFrame film_frame(const State<D>& state, double quantum, double step, bool ga
     if (state.cell.periodic()) {
       x.template head<2>() = wrapped(state.cell, body.x.template head<2>());
     }
-    for (const double place : x) frame.x.push_back(rounded(place / quantum));
+    for (int c = 0; c < D; ++c) frame.x.push_back(grid.place(x[c], to_size(c)));
     add_turn(frame.turn, body);
     add_logs(frame.v, body.v);
     add_logs(frame.spin, body.spin);
@@ -185,6 +195,7 @@ std::string to_bytes(const FilmFrame& frame) {
   bytes.append(reinterpret_cast<const char*>(&frame.time), sizeof frame.time);
   bytes.append(reinterpret_cast<const char*>(frame.cell.data()), sizeof frame.cell);
   put(bytes, frame.walls);
+  put(bytes, frame.wall_turn);
   put(bytes, frame.number);
   put(bytes, frame.radius);
   put(bytes, frame.mass);
@@ -207,6 +218,7 @@ FilmFrame frame_of_bytes(std::string_view bytes) {
   reader.take(frame.time);
   reader.take(frame.cell);
   reader.take(frame.walls);
+  reader.take(frame.wall_turn);
   reader.take(frame.number);
   reader.take(frame.radius);
   reader.take(frame.mass);
@@ -221,9 +233,9 @@ FilmFrame frame_of_bytes(std::string_view bytes) {
   return frame;
 }
 
-template double film_quantum(const Scene<2>&);
-template double film_quantum(const Scene<3>&);
-template FilmFrame film_frame(const State<2>&, double, double, bool);
-template FilmFrame film_frame(const State<3>&, double, double, bool);
+template FilmGrid film_grid(const Scene<2>&);
+template FilmGrid film_grid(const Scene<3>&);
+template FilmFrame film_frame(const State<2>&, const FilmGrid&, double, bool);
+template FilmFrame film_frame(const State<3>&, const FilmGrid&, double, bool);
 
 }  // namespace bipot

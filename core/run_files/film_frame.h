@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,7 +26,7 @@ std::array<std::uint16_t, 2> direction_code(const Vec3& n);
 Vec3 direction_value(std::uint16_t first, std::uint16_t second);
 
 /// A state for the eye: what a player shows, in few bits. Data of D components stand one body or
-/// contact after the other. Positions are multiples of a quantum and lie in the periodic cell.
+/// contact after the other. Positions are places of a grid and lie in the periodic cell.
 struct FilmFrame {
   /// Components of a frame's vectors in D dimensions.
   struct Widths {
@@ -39,10 +40,11 @@ struct FilmFrame {
   double time = 0;                              ///< [s]
   std::array<double, 3> cell{};                 ///< width, height, offset; 0: none      [m]
   std::vector<double> walls;                    ///< a, b and presence (1, 0) of each    [m]
+  std::vector<float> wall_turn;                 ///< of each; empty where none turns     [rad]
   std::vector<std::int32_t> number;             ///< of each body in the run, increasing
   std::vector<float> radius, mass;              ///< only where bodies come or go        [m, kg]
   std::vector<std::uint8_t> material;           ///< likewise
-  std::vector<std::int32_t> x;                  ///< [quantum]
+  std::vector<std::int32_t> x;                  ///< places of the grid
   std::vector<std::uint16_t> turn;              ///< angle_code; 3D: x, y, z of the quaternion
   std::vector<std::uint16_t> v, spin;           ///< log_code                        [m/s, rad/s]
   std::vector<std::int32_t> i, j;               ///< numbers of bodies, increasing (i, j)
@@ -52,14 +54,29 @@ struct FilmFrame {
   std::vector<std::uint8_t> status;             ///< ContactStatus
 };
 
-/// Step of the positions of a run: 1/1024 of its smallest radius. [m]
+/// The positions of a film: whole numbers of `quantum` from `origin`, up to `kLast` in size.
+struct FilmGrid {
+  static constexpr std::int32_t kLast = std::numeric_limits<std::int32_t>::max();
+  double quantum = 0;                 ///< [m]
+  std::array<double, 3> origin = {};  ///< [m]
+
+  bool operator==(const FilmGrid&) const = default;
+  /// The nearest place to x; beyond the grid its last one.
+  std::int32_t place(double x, std::size_t component) const;
+  double position(std::int32_t place, std::size_t component) const {
+    return origin[component] + place * quantum;
+  }
+};
+
+/// The grid of a run, about the middle of its bodies. Its step is 1/1024 of the smallest radius, or
+/// what lets the grid hold eight times the size of the scene.
 template <int D>
-double film_quantum(const Scene<D>& scene);
+FilmGrid film_grid(const Scene<D>& scene);
 
 /// `step`: size of the time step, by which impulses become forces [s]. `gates`: bodies may come or
-/// go.
+/// go. Without the turns of walls, which depend on the scene.
 template <int D>
-FilmFrame film_frame(const State<D>& state, double quantum, double step, bool gates);
+FilmFrame film_frame(const State<D>& state, const FilmGrid& grid, double step, bool gates);
 
 /// The frame as bytes, little end first, and back. Throws std::invalid_argument for other bytes.
 std::string to_bytes(const FilmFrame& frame);

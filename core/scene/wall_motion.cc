@@ -1,5 +1,7 @@
 #include "core/scene/wall_motion.h"
 
+#include <algorithm>
+
 namespace bipot {
 namespace {
 
@@ -53,6 +55,13 @@ std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
 }
 
 template <int D>
+double turned_angle(const Wall<D>& scene_wall, double time) {
+  const double from = scene_wall.starts, to = std::min(time, scene_wall.stops);
+  if (!(to > from)) return 0;
+  return scene_wall.spin * scene_wall.time_factor.mean(from, to) * (to - from);
+}
+
+template <int D>
 Vec<D> driven_velocity(const Wall<D>& wall, double speed) {
   Vec<D> v = speed * wall.direction;
   if (!wall.across.isZero(0)) v += wall.across;
@@ -90,6 +99,7 @@ Vec<D> prescribed_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D
 
 template std::vector<Wall<2>> walls_at(const std::vector<Wall<2>>&, const std::vector<Wall<2>>&,
                                        double, double);
+template double turned_angle(const Wall<2>&, double);
 template Vec2 driven_velocity(const Wall<2>&, double);
 template double driven_speed(const Wall<2>&);
 template double wall_kinetic_energy(const Wall<2>&);
@@ -98,6 +108,7 @@ template Vec2 surface_velocity<2>(const Wall<2>&, const Vec2&, const Vec2&);
 template Vec2 prescribed_velocity<2>(const Wall<2>&, const Vec2&);
 template std::vector<Wall<3>> walls_at(const std::vector<Wall<3>>&, const std::vector<Wall<3>>&,
                                        double, double);
+template double turned_angle(const Wall<3>&, double);
 template Vec3 driven_velocity(const Wall<3>&, double);
 template double driven_speed(const Wall<3>&);
 template double wall_kinetic_energy(const Wall<3>&);

@@ -22,6 +22,10 @@ template <int D>
 std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
                               const std::vector<Wall<D>>& now, double time, double span = 0);
 
+/// Angle by which a wall of the scene has turned about its axis from time 0 on.             [rad]
+template <int D>
+double turned_angle(const Wall<D>& scene_wall, double time);
+
 /// Velocity of a driven wall with `speed` along its direction. [m/s]
 template <int D>
 Vec<D> driven_velocity(const Wall<D>& wall, double speed);

@@ -77,7 +77,7 @@ function contactSums(run, frame, term) {
 const QUANTITIES = {
   speed: {unit: 'm/s', of: (run, f) => magnitudes(f.v, f.count, run.dim)},
   // Trace of the stress of contact forces on a body: a Σ f_n over D times its area or volume.
-  pressure: {unit: 'Pa', of: (run, f) => contactSums(run, f, run.dim === 2
+  pressure: {label: 'contact pressure', unit: 'Pa', of: (run, f) => contactSums(run, f, run.dim === 2
     ? (k, a) => LOG[f.fn[k]] / (2 * Math.PI * a) : (k, a) => LOG[f.fn[k]] / (4 * Math.PI * a * a))},
   'force': {label: 'largest force', unit: 'N', of: (run, f) => {
     const most = new Float32Array(f.count);
@@ -122,8 +122,8 @@ function rangeOf(run, name) {
   }
   let high = quantity.cyclic ? 360 : quantile(values, name === 'mass' ? 1 : 0.99);
   let low = 0;
-  if (name === 'mass') low = Math.min(...run.mass.filter(m => m > 0));
-  if (!(high > low)) high = Math.max(...values, low) || 1;
+  if (name === 'mass') low = run.mass.reduce((least, m) => m > 0 ? Math.min(least, m) : least, Infinity);
+  if (!(high > low)) high = largest(values, low) || 1;
   if (quantity.whole) high = Math.max(1, Math.round(high));
   if (quantity.both && run.dim === 2) low = -high;
   return run.ranges[name] = [low, high];

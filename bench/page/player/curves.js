@@ -32,13 +32,14 @@ function chartsOf(run, tables) {
     const chart = (title, unit, names, more = {}) => {
       const lines = names.filter(n => c[n.of || n]).map(n => ({name: nameAndUnit(n.name || n)[0], values: n.values || c[n]}));
       names.forEach(n => used.add(n.of || n));
-      if (lines.length) charts.push({title, unit, shown: lines.some(varies), time: c.time, lines, ...more});
+      const shown = lines.some(varies), thinned = ledger.allRows > ledger.rows;
+      if (lines.length) charts.push({title, unit, shown, time: c.time, lines, thinned, ...more});
     };
     chart('Kinetic energy', 'J', ['kinetic', 'elastic']);
     chart('Potential energy', 'J', ['potential']);
     chart('Energy lost', 'J', [{of: 'friction_loss', name: 'by friction', values: c.friction_loss},
       {of: 'shock_loss', name: 'by shocks', values: c.shock_loss}, {of: 'wall_work', name: 'work of walls', values: c.wall_work}]);
-    chart('Contacts', '', ['contacts', {of: 'active', name: 'that push', values: c.active}]);
+    chart('Contacts', '', ['contacts', {of: 'active', name: 'with a force', values: c.active}]);
     chart('Iterations', '', ['iterations']);
     if (c.epsilon && run.about.model === 'nscd') {
       const worst = c.epsilon.map((x, k) => Math.max(x, c.eta[k]));
@@ -60,7 +61,7 @@ function chartsOf(run, tables) {
       const key = `${table.file}/${name}`;
       if (!byName.has(key)) {
         byName.set(key, {title: nameAndUnit(name)[0], unit: table.units[name], shown: table.file === 'walls' && /^reaction/.test(name),
-          time: table.columns.time, lines: []});
+          time: table.columns.time, lines: [], thinned: table.allRows > table.rows});
       }
       byName.get(key).lines.push({name: table.part || nameAndUnit(name)[0], values: table.columns[name], time: table.columns.time});
     }
@@ -175,6 +176,7 @@ class CurvePanel {
         {...axis, size: 62, ...(chart.log ? {filter: decades, grid: {...axis.grid, filter: decades}, ticks: {...axis.ticks, filter: decades}} : {}), values: (u, ticks) => ticks.map(x => x === null ? '' : chart.log ? '1e' + Math.round(Math.log10(x)) : compact(x))}],
       series,
       hooks: {
+        setScale: [() => this.place([chart])],
         setCursor: [u => this.showValues(chart, u.cursor.idx)],
         setSelect: [u => {
           if (u.select.width > 3) this.zoom([u.posToVal(u.select.left, 'x'), u.posToVal(u.select.left + u.select.width, 'x')]);
@@ -207,8 +209,13 @@ class CurvePanel {
   showValues(chart, row) {
     if (!chart.values) return;
     const at = row ?? nearest(chart.time, this.time ?? 0);
-    chart.lines.forEach((line, k) => chart.values[k].textContent =
-      (chart.lines.length > 1 || line.name !== chart.title ? line.name + ' ' : '') + textOf(line.values[at]));
+    // Of a thinned table two rows have the extremes of many.
+    const rows = chart.thinned ? [at - at % 2, at - at % 2 + 1] : [at];
+    chart.lines.forEach((line, k) => {
+      const texts = new Set(rows.map(at => textOf(line.values[at])));
+      const name = chart.lines.length > 1 || line.name !== chart.title ? line.name + ' ' : '';
+      chart.values[k].textContent = name + [...texts].join(' … ');
+    });
   }
   /** All charts show this stretch of time; null: the whole. */
   zoom(range) {
@@ -226,11 +233,12 @@ class CurvePanel {
     this.place();
     for (const chart of this.charts) if (chart.plot && chart.plot.cursor.idx == null) this.showValues(chart, null);
   }
-  place() {
-    for (const {plot, now} of this.charts) {
+  /** Moves the bars to the player's time. */
+  place(charts = this.charts) {
+    for (const {plot, now} of charts) {
       if (!plot || !now) continue;
       const x = plot.valToPos(this.time ?? 0, 'x');
-      now.hidden = !(x >= -1 && x <= plot.over.clientWidth + 1);
+      now.hidden = !(x >= -1 && x <= plot.bbox.width / uPlot.pxRatio + 1);
       now.style.transform = `translateX(${x - 0.75}px)`;
     }
   }
@@ -240,7 +248,8 @@ class CurvePanel {
     for (const chart of shown) {
       for (const line of chart.lines) {
         const unit = chart.unit ? ` [${chart.unit}]` : '';
-        columns.push(['time [s]', line.time || chart.time], [`${chart.title}: ${line.name}${unit}`, line.values]);
+        const extremes = chart.thinned ? ', extremes of several steps' : '';
+        columns.push(['time [s]', line.time || chart.time], [`${chart.title}: ${line.name}${unit}${extremes}`, line.values]);
       }
     }
     const rows = Math.max(...columns.map(([, values]) => values.length));
@@ -264,7 +273,7 @@ function dataOf(chart) {
 function logRange(low, high, level) {
   if (low === null || low === undefined) return [level / 10, level * 10];
   const decade = (x, round) => 10 ** round(Math.log10(x));
-  return [decade(Math.max(low, level * 1e-5), Math.floor), decade(Math.max(high, level * 1.5), Math.ceil)];
+  return [decade(Math.max(low, Math.min(level * 1e-5, high)), Math.floor), decade(Math.max(high, level * 1.5), Math.ceil)];
 }
 /** Keeps the marks of an axis at powers of ten, at most one in every second decade of many. */
 function decades(u, marks) {

@@ -104,7 +104,7 @@ async function readRun(about, text, progress) {
     }
     const places = f && !about.gates ? all : placesBefore(before.number, number);
     walls = about.wall_places[f] || walls;
-    const frame = {step, time, count, contacts, number, walls, cell: about.cells && about.cells[f]};
+    const frame = {step, time, count, contacts, number, walls, turns: about.wall_turns?.[f], cell: about.cells && about.cells[f]};
     frame.x = addDifferences(reader.longs(D * count), before.x, places, D);
     frame.turn = addDifferences(reader.words(S * count), before.turn, places, S);
     frame.v = addDifferences(reader.words(D * count), before.v, places, D);
@@ -156,7 +156,7 @@ function indexOf(frame, number) {
   return -1;
 }
 
-/** Components of a body or contact. */
+/** Place of a body, from the origin of the run on. */
 function placeOf(run, frame, k) {
   const x = [];
   for (let c = 0; c < run.dim; ++c) x.push(frame.x[c * frame.count + k] * run.quantum);

@@ -13,24 +13,15 @@ function overlapShares(run, ledger) {
   return c?.penetration && run.smallest < Infinity ? c.penetration.map(x => x / run.smallest) : null;
 }
 
-/** Largest way of a body in one step, over the smallest radius, and its frame. */
-function longestWay(run) {
-  let {most, at} = run.longest || {most: 0, at: null};
-  for (const frame of run.frames) {
-    if (frame.step <= run.longest?.upTo) continue;
-    const speed = magnitudes(frame.v, frame.count, run.dim);
-    for (let k = 0; k < frame.count; ++k) {
-      if (speed[k] > most) most = speed[k], at = {frame, number: frame.number[k]};
-    }
-  }
-  run.longest = {most, at, upTo: run.frames.at(-1).step};
-  return {radii: most * run.about.time_step / run.smallest, at};
-}
+/** Step after which the summary counts: that of a restart, else 0. */
+const summaryFrom = summary => summary ? Math.max(0, summary.last_step - summary.steps) : 0;
+
+/** A word of a command, for a shell. */
+const quoted = word => /^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
 
 /** Warnings, the gravest first: {bad, text, time}. */
-function warningsOf(run, tables) {
+function warningsOf(run) {
   const {about} = run, {summary} = about, warnings = [];
-  const ledger = tables.find(table => table.file === 'ledger');
   const unsolved = about.marks.filter(([kind]) => kind === 'unsolved');
   if (about.live) {
     // It has no summary yet.
@@ -39,11 +30,12 @@ function warningsOf(run, tables) {
   } else if (!summary) {
     const last = run.frames.at(-1);
     warnings.push({bad: true, text: `The run has not come to its end: there is no summary. Frames go to step ${last.step} of ${about.num_steps}. ` +
-      `To go on: bipot run ${about.source} --restart ${about.folder}`});
+      `To go on: bipot run ${quoted(about.source)} --restart ${quoted(about.folder)}`});
   } else if (!['completed', 'nothing to do', 'not converged'].includes(summary.status)) {
     warnings.push({bad: true, text: `${summary.status}: ${summary.message || `the run ended after step ${summary.last_step}`}`});
   }
-  const count = summary ? summary.steps - summary.steps_converged : unsolved.length;
+  const earlier = unsolved.filter(([, step]) => step <= summaryFrom(summary)).length;
+  const count = summary ? earlier + summary.steps - summary.steps_converged : unsolved.length;
   if (count > 0) {
     const first = unsolved[0], step = first ? first[1] : summary.first_unconverged_step;
     warnings.push({bad: true, text: `${count} ${count === 1 ? 'step was' : 'steps were'} not solved to the tolerance ${textOf(about.tol, 1)}, first step ${step}` +
@@ -54,18 +46,10 @@ function warningsOf(run, tables) {
     warnings.push({text: `${several.length} ${several.length === 1 ? 'step has' : 'steps have'} several exact answers; the run took one of them.`,
       time: several[0][2]});
   }
-  const overlap = overlapShares(run, ledger);
-  if (overlap) {
-    let row = 0;
-    overlap.forEach((x, k) => { if (x > overlap[row]) row = k; });
-    if (overlap[row] > 0.05) {
-      warnings.push({text: `Bodies overlap by up to ${textOf(100 * overlap[row], 3)} % of the smaller radius (step ${Math.round(ledger.columns.step[row])}). ` +
-        'A smaller time step makes it smaller.', time: ledger.columns.time[row]});
-    }
-  }
-  const {radii, at} = longestWay(run);
-  if (radii > 1 && at && !about.accuracy) {
-    warnings.push({text: `Body ${at.number} moves by ${textOf(radii, 2)} smallest radii in one step: it may pass through others. See the key travel.`, time: at.frame.time});
+  for (const [kind, step, time, share] of about.marks) {
+    if (kind !== 'overlap') continue;
+    warnings.push({text: `Bodies overlap by up to ${textOf(100 * share, 3)} % of the smaller radius (step ${step}). ` +
+      'A smaller time step makes it smaller.', time});
   }
   for (const text of summary?.warnings || []) {
     if (typeof text === 'string') warnings.push({text});
@@ -74,13 +58,14 @@ function warningsOf(run, tables) {
   return warnings;
 }
 
-function fillHead(run, tables, jump) {
+function fillHead(run, jump) {
   const {about} = run, {summary} = about, last = run.frames.at(-1);
   const state = about.live ? 'running' : summary ? summary.status : 'no summary';
   const good = ['completed', 'nothing to do', 'running'].includes(state);
   const facts = [element('span', state, {className: `chip ${good ? 'good' : 'bad'}`})];
   const fact = text => facts.push(element('span', text));
-  fact(summary ? `${summary.steps} of ${summary.steps_planned} steps to t = ${textOf(summary.time, 4)} s` : `step ${last.step} of ${about.num_steps}, t = ${textOf(last.time, 4)} s`);
+  const from = summaryFrom(summary), since = from > 0 ? ` since step ${from}` : '';
+  fact(summary ? `${summary.steps} of ${summary.steps_planned} steps${since}, to t = ${textOf(summary.time, 4)} s` : `step ${last.step} of ${about.num_steps}, t = ${textOf(last.time, 4)} s`);
   fact(`${last.count} ${run.dim === 2 ? 'disk' : 'sphere'}${last.count === 1 ? '' : 's'}`);
   if (summary?.accuracy) {
     const {asked, parts, rejected, smallest_part, misplaced} = summary.accuracy;
@@ -91,12 +76,12 @@ function fillHead(run, tables, jump) {
   else {
     fact(`asked: ${about.solver} to ${textOf(about.tol, 1)}`);
     if (summary && Number.isFinite(summary.epsilon ?? NaN)) {
-      fact(`reached: max(ε, η) ${textOf(Math.max(summary.epsilon, summary.eta ?? 0), 2)} at worst, step ${summary.worst_step}`);
+      fact(`reached: max(ε, η) ${textOf(Math.max(summary.epsilon, summary.eta ?? 0), 2)} at worst${since}, step ${summary.worst_step}`);
     }
   }
-  if (summary?.seconds) fact(`computed in ${textOf(summary.seconds.total, 2)} s`);
+  if (summary?.seconds) fact(`computed in ${textOf(summary.seconds.total, 2)} s${since}`);
   document.getElementById('status').replaceChildren(...facts);
-  const list = warningsOf(run, tables).map(({bad, text, time}) => {
+  const list = warningsOf(run).map(({bad, text, time}) => {
     const item = element('li', text, {className: bad ? 'bad' : ''});
     if (time !== undefined) {
       const link = element('a', `Show t = ${textOf(time, 4)} s`, {href: `#t=${Number(time.toPrecision(7))}`});
@@ -111,12 +96,13 @@ function fillHead(run, tables, jump) {
 
 /** Scene file, origin, keys, and the next commands. */
 function fillFoot(run) {
-  const {about} = run, {summary} = about, scene = about.source;
+  const {about} = run, {summary} = about, scene = quoted(about.source), folder = quoted(about.folder);
   const known = rows => element('dl', rows.filter(([, value]) => value !== undefined && value !== '')
     .flatMap(([name, value]) => [element('dt', name), element('dd', String(value))]));
   const fold = (title, content, open = false) => element('details', [element('summary', title), ...[content].flat()], {open});
-  const next = [`bipot run ${scene} --restart ${about.folder} --steps ${Math.max(100, Math.round(about.num_steps / 4))}`,
-    `bipot advise ${scene}`, `paraview ${about.folder}/run.xdmf`];
+  const left = about.num_steps - run.frames.at(-1).step;
+  const next = [`bipot run ${scene} --restart ${folder} --steps ${left > 0 ? left : Math.max(100, Math.round(about.num_steps / 4))}`,
+    `bipot advise ${scene}`, `paraview ${folder}/run.xdmf`];
   const keys = [['Space', 'play, pause'], ['← →', 'one frame; with Shift ten'], ['Home End', 'first, last frame'], ['+ −', 'closer, farther; also the wheel or two fingers'],
     ['F', 'fit'], ['Esc', 'let go of the body'], [run.dim === 2 ? 'Drag' : 'Drag, Shift and drag', run.dim === 2 ? 'move the picture' : 'turn, move the picture']];
   document.getElementById('about-run').replaceChildren(

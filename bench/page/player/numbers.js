@@ -47,6 +47,11 @@ function nameAndUnit(column) {
   return [found[1].replaceAll('_', ' '), (found[2] || '').replace(/([a-z])2\b/g, '$1²').replace(/([a-z])3\b/g, '$1³')];
 }
 
+/** The largest of any number of values, and at least the other. */
+function largest(values, least = 0) {
+  return values.reduce((most, x) => Math.max(most, x), least);
+}
+
 /** The value that a share of the numbers does not exceed. */
 function quantile(values, share) {
   if (!values.length) return 0;

@@ -13,7 +13,7 @@ class PlaneView {
 
   /** Box that shows what happens: bodies of all times but strays, segments, circles. */
   wholeBox() {
-    const {run} = this, xs = [], ys = [], box = [Infinity, Infinity, -Infinity, -Infinity];
+    const {run} = this, left = [], right = [], below = [], above = [], box = [Infinity, Infinity, -Infinity, -Infinity];
     const include = (x, y) => {
       box[0] = Math.min(box[0], x), box[1] = Math.min(box[1], y);
       box[2] = Math.max(box[2], x), box[3] = Math.max(box[3], y);
@@ -22,14 +22,14 @@ class PlaneView {
     run.frames.forEach((frame, f) => {
       if (f % stride) return;
       for (let k = 0; k < frame.count; ++k) {
-        xs.push(frame.x[k] * run.quantum), ys.push(frame.x[frame.count + k] * run.quantum);
+        const [x, y] = placeOf(run, frame, k), r = run.radius[frame.number[k]];
+        left.push(x - r), right.push(x + r), below.push(y - r), above.push(y + r);
       }
     });
-    const margin = Math.max(...run.radius, 0);
-    if (xs.length) {
-      const stray = xs.length > 5000 ? 0.002 : 0;
-      include(quantile(xs, stray) - margin, quantile(ys, stray) - margin);
-      include(quantile(xs, 1 - stray) + margin, quantile(ys, 1 - stray) + margin);
+    if (left.length) {
+      const stray = left.length > 5000 ? 0.002 : 0;
+      include(quantile(left, stray), quantile(below, stray));
+      include(quantile(right, 1 - stray), quantile(above, 1 - stray));
     }
     for (const frame of [run.frames[0], run.frames.at(-1)]) {
       run.about.walls.forEach((wall, w) => {
@@ -37,7 +37,7 @@ class PlaneView {
         if (!present) return;
         if (wall.shape === 'segment') include(ax, ay), include(bx, by);
         if (wall.radius > 0) include(ax - wall.radius, ay - wall.radius), include(ax + wall.radius, ay + wall.radius);
-        if (wall.shape === 'plane' && xs.length) {  // the foot of the box on the wall, if it is near
+        if (wall.shape === 'plane' && left.length) {  // the foot of the box on the wall, if it is near
           const [nx, ny] = wall.normal, cx = (box[0] + box[2]) / 2, cy = (box[1] + box[3]) / 2;
           const away = (cx - ax) * nx + (cy - ay) * ny;
           if (Math.abs(away) < Math.max(box[2] - box[0], box[3] - box[1])) include(cx - away * nx, cy - away * ny);
@@ -95,6 +95,7 @@ class PlaneView {
   turn(dx, dy) { this.drag(dx, dy); }
 
   draw(frame, look) {
+    if (!this.canvas.width || !this.canvas.height) return;
     const {pen, run} = this, {colours} = look;
     const ratio = this.ratio, {width, height} = this.size();
     if (look.centred && look.picked?.body !== undefined) {
@@ -152,7 +153,7 @@ class PlaneView {
     const W = this.canvas.width, H = this.canvas.height, far = 2 * (W + H);
     const walls = run.about.walls.map((wall, w) => {
       const [ax, ay, bx, by, present] = frame.walls.slice(5 * w, 5 * w + 5);
-      return {...wall, a: [this.X(ax), this.Y(ay)], b: [this.X(bx), this.Y(by)], present};
+      return {...wall, a: [this.X(ax), this.Y(ay)], b: [this.X(bx), this.Y(by)], present, turned: frame.turns?.[w]};
     }).filter(wall => wall.present);
     const planes = walls.filter(wall => wall.shape === 'plane');
     // The line of a half-plane through the foot of the canvas' middle, so that it covers the canvas.
@@ -211,10 +212,10 @@ class PlaneView {
     pen.lineWidth = 2.5 * ratio;
     pen.beginPath();
     pen.arc(...wall.a, r, 0, 2 * Math.PI);
-    if (wall.spin) {
-      const angle = wall.spin * frame.time, out = hollow ? 1 : -1;
+    if (wall.turns && wall.turned !== undefined) {
+      const out = hollow ? 1 : -1;
       for (let k = 0; k < 12; ++k) {
-        const at = -angle + k * Math.PI / 6, c = Math.cos(at), s = Math.sin(at);
+        const at = -wall.turned + k * Math.PI / 6, c = Math.cos(at), s = Math.sin(at);
         pen.moveTo(wall.a[0] + r * c, wall.a[1] + r * s);
         pen.lineTo(wall.a[0] + (r + out * band) * c, wall.a[1] + (r + out * band) * s);
       }

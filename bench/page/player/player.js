@@ -107,6 +107,7 @@ class Player {
     $('scrub').addEventListener('input', () => { this.pause(); this.go(Number($('scrub').value)); });
     $('scrub').addEventListener('change', () => this.writeLink());
     for (const speed of SPEEDS) $('speed').append(element('option', `${speed} ×`, {value: speed, selected: speed === 1}));
+    $('speed').title = `× ${FRAMES_A_SECOND} frames a second`;
     $('speed').addEventListener('change', () => this.speed = Number($('speed').value));
     for (const name of usefulQuantities(run)) {
       const {label, unit} = QUANTITIES[name];
@@ -238,7 +239,7 @@ class Player {
         ++contacts;
         if (carries(frame, c)) ++pushing;
       }
-      const rows = [['place', vector(placeOf(run, frame, k), 'm')], ['radius', `${textOf(run.radius[b], 4)} m`],
+      const rows = [['place', vector(placeOf(run, frame, k).map((x, c) => x + run.about.origin[c]), 'm')], ['radius', `${textOf(run.radius[b], 4)} m`],
         ['mass', run.cluster[b] >= 0 ? `of cluster ${run.cluster[b]}` : run.glued[b] ? 'of its wall' : `${textOf(run.mass[b], 4)} kg`], ['speed', `${textOf(Math.hypot(...v))} m/s`],
         ['velocity', vector(v, 'm/s')], ['spin', D === 2 ? `${textOf(spin[0])} rad/s` : vector(spin, 'rad/s')],
         ['contacts', `${contacts}, ${pushing} with a force`], ['contact force', vector(force, 'N')], ['its size', `${textOf(Math.hypot(...force))} N`]];
@@ -303,21 +304,22 @@ class Player {
     if (quantity.kinds) {
       const names = look.colour === 'material' ? run.about.materials : [];
       parts.push(...names.map((text, k) => {
-        const mark = element('i', [], {className: 'box'});
+        const mark = element('i', [], {className: 'box', inks: [cssOf(colours.kinds[k % colours.kinds.length])]});
         mark.style.background = cssOf(colours.kinds[k % colours.kinds.length]);
         return element('span', [mark, text || `material ${k}`], {className: 'key'});
       }));
     } else if (!quantity.plain) {
       const [low, high] = rangeOf(run, look.colour);
       const list = quantity.cyclic ? colours.cyclic : quantity.both && run.dim === 2 ? colours.both : colours.rising;
-      const bar = element('i', []);
+      const bar = element('i', [], {inks: list.map(cssOf)});
       bar.style.background = `linear-gradient(90deg, ${list.map(cssOf).join(', ')})`;
-      parts.push(element('span', [element('span', `${name} ${textOf(low, 2)}`), bar,
-        element('span', `${textOf(high)} ${quantity.unit}${quantity.cyclic || look.colour === 'mass' ? '' : ' or more'}`)], {className: 'ramp'}));
+      const number = x => quantity.whole ? String(x) : textOf(x);
+      parts.push(element('span', [element('span', `${name} ${number(low)}${low < 0 ? ' or less' : ''}`), bar,
+        element('span', `${number(high)} ${quantity.unit}${quantity.cyclic || look.colour === 'mass' ? '' : ' or more'}`)], {className: 'ramp'}));
     }
     if (look.chains) {
       const key = (colour, text, dots) => {
-        const mark = element('i', [], {className: dots ? 'dots' : ''});
+        const mark = element('i', [], {className: dots ? 'dots' : '', inks: [colour]});
         mark.style.borderColor = colour;
         return element('span', [mark, text], {className: 'key'});
       };
@@ -325,12 +327,12 @@ class Player {
       run.tension ??= run.frames.some(f => f.fn.some(code => LOG[code] < 0));
       if (run.tension) parts.push(key(colours.tension, 'tension'));
       if (look.open) parts.push(key(colours.open, 'opens', true));
-      parts.push(element('span', `full width ${textOf(fullForce(run))} N`, {className: 'soft'}));
+      parts.push(element('span', `full width ${textOf(fullForce(run))} N or more`, {className: 'soft'}));
     }
     $('legend').replaceChildren(...parts);
   }
   showHead() {
-    fillHead(this.run, this.tables, time => this.goToTime(time));
+    fillHead(this.run, time => this.goToTime(time));
   }
   /** A bar of a round length. */
   showScale() {
@@ -354,7 +356,7 @@ class Player {
     const colours = {unsolved: this.look.colours.dark ? '#ff9b92' : '#b3261e', several: this.look.colours.inlet};
     for (const [kind, step] of run.about.marks) {
       const after = steps.findIndex(s => s >= step);
-      if (after < 0) continue;
+      if (after < 0 || !colours[kind]) continue;
       const share = after ? (after - (steps[after] - step) / (steps[after] - steps[after - 1])) / (steps.length - 1) : 0;
       pen.fillStyle = colours[kind];
       pen.fillRect(thumb + share * (width - 2 * thumb) - 1, 0, 2, 7);
@@ -388,9 +390,31 @@ class Player {
     pen.font = '600 13px system-ui, sans-serif';
     pen.fillText(`${this.run.about.title} · t = ${textOf(this.frame.time, 4)} s · step ${this.frame.step}`, 12, 18);
     pen.font = '12px system-ui, sans-serif';
-    pen.fillText($('legend').innerText.replace(/\s+/g, ' '), 12, 38);
+    this.drawLegend(pen, 12, 38);
     const blob = await new Promise(done => whole.toBlob(done, 'image/png'));
     download(blob, `step_${String(this.frame.step).padStart(6, '0')}.png`);
+  }
+  /** The legend and the scale of lengths, from a point on the base line on. */
+  drawLegend(pen, x, y) {
+    const write = text => {
+      pen.fillStyle = this.look.colours.ink;
+      pen.fillText(text, x, y);
+      x += pen.measureText(text).width + 6;
+    };
+    const bar = (inks, width) => {
+      const ramp = pen.createLinearGradient(x, 0, x + width, 0);
+      inks.forEach((ink, k) => ramp.addColorStop(k / Math.max(1, inks.length - 1), ink));
+      pen.fillStyle = ramp;
+      pen.fillRect(x, y - 8, width, 8);
+      x += width + 6;
+    };
+    for (const part of $('legend').children) {
+      for (const piece of part.childNodes) piece.inks ? bar(piece.inks, piece.inks.length > 1 ? 70 : 16) : write(piece.textContent);
+      x += 8;
+    }
+    const [line, length] = $('scale').children;
+    bar([this.look.colours.ink], parseFloat(line.style.width));
+    write(length.textContent);
   }
   async copyLink() {
     this.writeLink();

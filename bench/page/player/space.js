@@ -134,7 +134,7 @@ class SpaceView {
   }
 
   wholeBox() {
-    const {run} = this, box = {lower: [], upper: []}, margin = Math.max(...run.radius, 0);
+    const {run} = this, box = {lower: [], upper: []}, margin = largest(run.radius);
     const stride = Math.max(1, Math.floor(run.frames.length / 40));
     for (let c = 0; c < 3; ++c) {
       const values = [];
@@ -381,7 +381,7 @@ class SpaceView {
         return;
       }
       if (wall.radius > 0 && wall.shape !== 'plane') {
-        this.cylinder(wall, a, frame.time, lower, upper, line);
+        this.cylinder(wall, a, frame.turns?.[w] || 0, lower, upper, line);
         return;
       }
       const corners = planeInBox(a, wall.normal, lower, upper);
@@ -430,7 +430,7 @@ class SpaceView {
     }
   }
 
-  cylinder(wall, a, time, lower, upper, line) {
+  cylinder(wall, a, turned, lower, upper, line) {
     const axis = unit3(wall.normal), u = unit3(cross3(axis, Math.abs(axis[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0])), v = cross3(axis, u);
     // Ends: where the box ends along the axis.
     let low = Infinity, high = -Infinity;
@@ -444,7 +444,7 @@ class SpaceView {
       for (let k = 0; k < parts; ++k) line(point(2 * Math.PI * k / parts, along), point(2 * Math.PI * (k + 1) / parts, along), undefined, alpha);
     }
     for (let k = 0; k < 12; ++k) {
-      const angle = 2 * Math.PI * k / 12 + wall.spin * time;
+      const angle = 2 * Math.PI * k / 12 + turned;
       line(point(angle, low), point(angle, high), undefined, 0.3);
     }
   }

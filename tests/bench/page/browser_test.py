@@ -52,7 +52,8 @@ def tip(page):
     return lines[0], rows
 
 
-ON_SCREEN = """(x => {
+ON_SCREEN = """(absolute => {
+  const x = absolute.map((part, c) => part - bipotPlayer.run.about.origin[c]);
   const view = bipotPlayer.view, box = document.getElementById('stage').getBoundingClientRect();
   let place;
   if (bipotPlayer.run.dim === 2) place = view.toScreen(...x);

@@ -73,14 +73,14 @@ State<2> touching(const Scene<2>& scene) {
 
 TEST(FilmFrame, KeepsAStateWithinItsBounds) {
   const Scene<2> scene = two_disks();
-  const double quantum = film_quantum(scene);
-  EXPECT_DOUBLE_EQ(quantum, 0.25 / 1024);
+  const FilmGrid grid = film_grid(scene);
+  EXPECT_DOUBLE_EQ(grid.quantum, 0.25 / 1024);
   const FilmFrame frame =
-      frame_of_bytes(to_bytes(film_frame(touching(scene), quantum, scene.step, false)));
+      frame_of_bytes(to_bytes(film_frame(touching(scene), grid, scene.step, false)));
   EXPECT_EQ(frame.step, 4);
   EXPECT_EQ(frame.time, 0.04);
   ASSERT_EQ(frame.x.size(), 4u);
-  EXPECT_NEAR(frame.x[2] * quantum, 3, quantum / 2);
+  EXPECT_NEAR(grid.position(frame.x[2], 0), 3, grid.quantum / 2);
   EXPECT_NEAR(log_value(frame.v[2]), -2, 2 * 1.07e-3);
   EXPECT_NEAR(log_value(frame.spin[1]), -3, 3 * 1.07e-3);
   EXPECT_NEAR(angle_value(frame.turn[1]), 7 - 2 * std::numbers::pi, 5e-5);
@@ -95,12 +95,56 @@ TEST(FilmFrame, KeepsAStateWithinItsBounds) {
   EXPECT_THROW(frame_of_bytes(bytes + "x"), std::invalid_argument);
 }
 
+// Places a millimetre apart, 5e6 m from the origin of the scene.
+TEST(FilmFrame, KeepsPlacesFarFromTheOrigin) {
+  Scene<2> scene = two_disks();
+  for (Disk& disk : scene.bodies) disk.x += Vec2(5e6, -5e6);
+  State<2> state = initial_state(scene);
+  state.bodies[1].x[0] += 1e-3;
+  const FilmGrid grid = film_grid(scene);
+  const FilmFrame frame = film_frame(state, grid, scene.step, false);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_NEAR(grid.position(frame.x[k], k % 2), state.bodies[k / 2].x[k % 2], grid.quantum / 2);
+  }
+  EXPECT_EQ(grid.place(1e300, 0), FilmGrid::kLast);
+}
+
+// Grains of 1 µm over 10 m: the grid holds 80 m, by steps that are larger than 1/1024 radius.
+TEST(FilmFrame, ItsGridHoldsTheWholeScene) {
+  Scene<2> scene = two_disks();
+  scene.bodies[0].radius = 1e-6;
+  scene.bodies[1].x[0] = 10;
+  const FilmGrid grid = film_grid(scene);
+  EXPECT_NEAR(grid.quantum * FilmGrid::kLast, 80, 1e-6);
+  EXPECT_NEAR(grid.position(grid.place(40, 0), 0), 40, grid.quantum / 2);
+}
+
 /// Records the steps from `first` to `last`.
 void record(FilmRecorder<2>& film, State<2> state, int first, int last) {
   for (int k = first; k <= last; ++k) {
     state.step = k;
     film.step(state);
   }
+}
+
+// 6 rad/s from 0.03 s on: 0.12 rad after 0.05 s, in which a wall without spin has not turned.
+TEST(Film, HasTheTurnsOfWalls) {
+  const TemporaryFolder folder;
+  Scene<2> scene = two_disks();
+  Wall<2> wheel{.shape = Wall<2>::Shape::kSolidCircle, .motion = Wall<2>::Motion::kMoving};
+  wheel.radius = 1;
+  wheel.spin = 6;
+  wheel.starts = 0.03;
+  scene.walls.push_back(wheel);
+  State<2> state = touching(scene);
+  state.step = 5;
+  state.time = 0.05;
+  FilmRecorder<2> film(folder.path(), scene);
+  film.step(state);
+  const std::vector<float> turns = read_film(folder.path()).frames.at(0).wall_turn;
+  ASSERT_EQ(turns.size(), 2u);
+  EXPECT_EQ(turns[0], 0);
+  EXPECT_NEAR(turns[1], 0.12, 1e-6);
 }
 
 TEST(Film, ThinsSoThatAnyLengthHasFourToEightHundredFrames) {
