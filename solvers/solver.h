@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,7 +15,8 @@
 
 namespace bipot {
 
-class SolveRun;  // solvers/solve_run.h
+class SolveRun;   // solvers/solve_run.h
+struct AutoPlan;  // solvers/auto/plan.h
 
 enum class SolveStatus {
   kNotRun,
@@ -60,6 +62,8 @@ struct SolverOptions {
   std::optional<bool> islands;
   Execution execution;  ///< threads and instructions: the result's bits do not depend on them
   std::map<std::string, std::string> parameters;  ///< e.g. {"omega", "1.6"}; see SolverEntry
+  /// Of `auto`, read once for many solves; null: the parameter `plan` names its file.
+  std::shared_ptr<const AutoPlan> plan;
   std::function<bool()> cancelled;  ///< polled at every iteration; true ends the solve, for Ctrl-C
   std::function<void(const IterationRecord&)> on_iteration;  ///< history, at the judged iterations
 };

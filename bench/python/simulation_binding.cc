@@ -30,7 +30,6 @@
 #include "core/run_files/run_reader.h"
 #include "core/scene/wall_motion.h"
 #include "core/scene_files/scene_file.h"
-#include "solvers/auto/plan.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_start.h"
 #include "solvers/simulation/scene_stepper.h"
@@ -194,7 +193,6 @@ class PythonSimulation {
       return;
     }
     if (!callable) chosen_.entry = require_solver(own.name);
-    named_plan(own.parameters);
     SolverOptions options = to_options(own);
     options.cancelled = cancelled;
     stepper_.emplace(
@@ -281,8 +279,8 @@ void bind_step(py::module_& module) {
           "max(epsilon, eta).")
       .def_readonly(
           "problem", &PythonStep::problem,
-          R"(The contact problem that it solved; its guess is the impulse that the solver started
-from.)")
+          R"(The contact problem that it solved, of a step in parts the first unsolved or the last one; its
+guess is the impulse that the solver started from.)")
       .def_property_readonly(
           "energy",
           [](const PythonStep& s) {

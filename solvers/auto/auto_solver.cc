@@ -76,9 +76,9 @@ IslandSolver plan_solver(const AutoPlan& plan) {
 }
 
 void solve_auto(SolveRun& run) {
-  std::shared_ptr<const AutoPlan> own;
+  std::shared_ptr<const AutoPlan> own = run.options().plan;
   try {
-    own = named_plan(run.options().parameters);
+    if (!own) own = named_plan(run.options().parameters);
   } catch (const std::exception& e) {
     return run.end(SolveStatus::kInvalidInput, e.what());
   }

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <mutex>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -374,15 +373,7 @@ std::shared_ptr<const AutoPlan> read_plan(const std::filesystem::path& path) {
   std::ostringstream text;
   text << file.rdbuf();
   if (!file.is_open() || !file) throw FileError(path, "", "cannot be read");
-  static std::mutex mutex;
-  static std::string last_text;
-  static std::shared_ptr<const AutoPlan> last;
-  const std::lock_guard lock(mutex);
-  if (last == nullptr || last->source != path.string() || last_text != text.str()) {
-    last = std::make_shared<AutoPlan>(parse_plan(text.str(), path.string()));
-    last_text = text.str();
-  }
-  return last;
+  return std::make_shared<AutoPlan>(parse_plan(text.str(), path.string()));
 }
 
 std::shared_ptr<const AutoPlan> named_plan(const std::map<std::string, std::string>& parameters) {

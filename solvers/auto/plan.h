@@ -102,8 +102,7 @@ inline constexpr std::string_view kShippedList = "shipped";
 
 /// Throws std::invalid_argument, "source:line: reason".
 AutoPlan parse_plan(std::string_view text, const std::string& source);
-/// Also throws FileError. A file with the text of the last one is not parsed again: each step of a
-/// run asks for its plan.
+/// Also throws FileError.
 std::shared_ptr<const AutoPlan> read_plan(const std::filesystem::path& path);
 /// The plan that a solver's parameter `plan` names; null without one. Throws as read_plan.
 std::shared_ptr<const AutoPlan> named_plan(const std::map<std::string, std::string>& parameters);

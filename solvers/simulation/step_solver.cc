@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/nearest_name.h"
+#include "solvers/auto/plan.h"
 #include "solvers/solve.h"
 
 namespace bipot {
@@ -96,6 +97,7 @@ SolverOptions to_options(const SolverChoice& choice) {
   options.stop = parse_stop_test(choice.stop);
   options.max_iterations = choice.max_iterations;
   options.parameters = choice.parameters;
+  options.plan = named_plan(choice.parameters);
   return options;
 }
 

@@ -38,7 +38,8 @@ struct RunSolver {
 /// The stop test of that name. Throws std::invalid_argument for an unknown one.
 StopTest parse_stop_test(const std::string& name);
 
-/// Options for solve() from a scene's choice; no time limit, no start. Throws as parse_stop_test.
+/// Options for solve() from a scene's choice; no time limit, no start. Reads the plan of `auto`, so
+/// that later changes of its file change no run. Throws as parse_stop_test and read_plan.
 SolverOptions to_options(const SolverChoice& choice);
 
 }  // namespace bipot
