@@ -61,9 +61,10 @@ void RunFolder<D>::step(const SceneStep<D>& step) {
       (options_.problems == Problems::kFailed && !step.report.converged)) {
     write_problem(step.problem, step.start, step.report);
     if constexpr (D == 2) {
-      // Ropes, and some of Poisson's second phase, are contacts without a place.
+      // Ropes, and some of Poisson's second phase, are contacts without a place; the state has the
+      // contacts of the whole step.
       const std::size_t contacts = to_size(step.problem.num_contacts());
-      if (contacts > 0 && contacts == step.state.contacts.size()) {
+      if (contacts > 0 && contacts == step.state.contacts.size() && !step.cut) {
         write_geometry(problem_path(step.report.step), scene_, step.state);
       }
     }

@@ -120,7 +120,7 @@ SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
       }
     }
     const SceneStep<D> step{state, report, domain != nullptr ? problem : stepper.problem(),
-                            stepper.start()};
+                            stepper.start(), stepper.parts() > 1 || report.cut.parts > 1};
     if (files) files->step(step);
     run.output_seconds += output.seconds();
     const bool go_on = !options.on_step || options.on_step(step);

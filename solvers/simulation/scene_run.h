@@ -22,8 +22,9 @@ template <int D>
 struct SceneStep {
   const State<D>& state;  ///< after the step
   const StepReport<D>& report;
-  const ContactProblem& problem;  ///< of the step; without contacts for the model dem
+  const ContactProblem& problem;  ///< of the step or a part of it: SceneStepper::problem()
   const Vector& start;            ///< impulse from which the solver started; empty: none
+  bool cut = false;               ///< the step was taken in parts
 };
 
 /// Sums and extremes over the steps of a run.

@@ -136,12 +136,30 @@ bool SceneStepper<D>::is_over() const {
 }
 
 template <int D>
+SceneRunOptions<D> SceneStepper<D>::options_of_parts() {
+  cut_.emplace();
+  cut_is_unsolved_ = false;
+  SceneRunOptions<D> options = options_;
+  options.solver = [this](const ContactProblem& problem, const Vector& start) {
+    StepSolution solution = options_.solver(problem, start);
+    if (!cut_is_unsolved_) {
+      cut_ = problem;
+      start_ = start;
+      cut_is_unsolved_ = !solution.converged;
+    }
+    return solution;
+  };
+  return options;
+}
+
+template <int D>
 StepReport<D> SceneStepper<D>::advance(State<D>& state) {
   parts_ = 1;
+  cut_.reset();
   if (springs_) return springs_->advance(state);
   if (accurate_) return accurate_->advance(state);
   if (const int halvings = travel_halvings(scene_, state); halvings > 0) {
-    SplitStep<D> split = advance_in_equal_parts(scene_, options_, state, halvings);
+    SplitStep<D> split = advance_in_equal_parts(scene_, options_of_parts(), state, halvings);
     parts_ = split.parts;
     return std::move(split.report);
   }
@@ -149,6 +167,7 @@ StepReport<D> SceneStepper<D>::advance(State<D>& state) {
   if (takes_unsolved() && !splits_passages) return rigid_->advance(state);
   State<D> next = state;
   StepReport<D> whole;
+  bool unsolved = true;
   try {
     whole = rigid_->advance(next);
     if (whole.converged || takes_unsolved()) {
@@ -160,10 +179,10 @@ StepReport<D> SceneStepper<D>::advance(State<D>& state) {
     }
   } catch (const StepFailure& failure) {
     const bool passed = failure.kind == StepFailure::Kind::kPassage && splits_passages;
-    const bool unsolved = failure.may_yield() && options_.on_failure == OnFailure::kSmallerStep;
+    unsolved = failure.may_yield() && options_.on_failure == OnFailure::kSmallerStep;
     if (!passed && !unsolved) throw;
   }
-  SplitStep<D> split = advance_in_parts(scene_, options_, state);
+  SplitStep<D> split = advance_in_parts(scene_, unsolved ? options_ : options_of_parts(), state);
   parts_ = split.parts;
   split.report.add_cost(whole);
   return std::move(split.report);

@@ -30,11 +30,12 @@ class SceneStepper {
   /// True if the run is cancelled or its time is over, on any process.
   bool is_over() const;
 
-  /// Problem of the last step or part; without contacts for the model dem.
+  /// Problem of the last step; without contacts for the model dem. Of a step that was cut: the
+  /// first one that was not solved, of the whole step or of a part, else that of the last part.
   const ContactProblem& problem() const {
-    return accurate_ ? accurate_->problem() : rigid_ ? rigid_->problem() : none_;
+    return cut_ ? *cut_ : accurate_ ? accurate_->problem() : rigid_ ? rigid_->problem() : none_;
   }
-  /// Impulse from which the solver of the last step started; empty: none.
+  /// Impulse from which the solver of that problem started; empty: none.
   const Vector& start() const { return start_; }
   /// Number of parts of the last step that failed as a whole or has a `travel`.
   int parts() const { return parts_; }
@@ -47,6 +48,8 @@ class SceneStepper {
   /// Marks the answer to a problem that was not solved, if this provably has no solution; the same
   /// on all processes. `problem` is asked for by the first one only, of all of them.
   void seek_proof(const std::function<ContactProblem()>& problem, StepSolution& solution);
+  /// The options with a solver that remembers problem() of a step that is cut from now on.
+  SceneRunOptions<D> options_of_parts();
   /// True if a step is taken although its problem was not solved.
   bool takes_unsolved() const {
     return options_.on_failure == OnFailure::kContinue ||
@@ -64,6 +67,8 @@ class SceneStepper {
   int parts_ = 1;
   double proof_seconds_ = 0;  // used
   Vector start_;
+  std::optional<ContactProblem> cut_;  // problem() of a step that was cut
+  bool cut_is_unsolved_ = false;
   ContactProblem none_;
 };
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
 #include "core/motion/spring_dashpot_setup.h"
@@ -213,6 +215,43 @@ TEST(SceneRun, TheStartIsWhatTheStepBeforeLeft) {
   };
   state = initial_state(scene);
   run_scene(scene, state, options);
+}
+
+// A disk comes down at 1 m/s, 5 mm in each half of a step. In the second half of step 20 its middle
+// would be 2 mm in the floor.
+TEST(SceneRun, AStepThatIsCutHasTheProblemOfItsLastPart) {
+  Scene<2> scene = two_landings();
+  scene.bodies = {round_body<2>(Vec2(0, 0.2455), 0.05, 2, Vec2(0, -1))};
+  scene.travel = 0.1;
+  scene.num_steps = 20;
+  State<2> state = initial_state(scene);
+  SceneRunOptions<2> options;
+  options.on_step = [&](const SceneStep<2>& step) {
+    EXPECT_TRUE(step.cut);
+    EXPECT_EQ(step.problem.num_contacts(), step.report.step == 20 ? 1 : 0) << step.report.step;
+    if (step.report.step == 20) {
+      EXPECT_NEAR(step.problem.u_free[0], -1, 1e-12);
+    }
+    return true;
+  };
+  EXPECT_EQ(run_scene(scene, state, options).totals.converged, 20);
+  EXPECT_NEAR(state.bodies[0].v[1], 0, 1e-12);
+}
+
+TEST(SceneRun, ItsPlanIsReadOnce) {
+  const TemporaryFolder folder;
+  const auto plan = folder / "plan.toml";
+  std::ofstream(plan) << "[[class]]\nname = \"all\"\nstages = [{solver = \"pgs\"}]\n";
+  Scene<2> scene = falling_disks(20);
+  scene.solver = {.name = "auto", .tol = 1e-4, .parameters = {{"plan", plan.string()}}};
+  SceneRunOptions<2> options;
+  options.on_step = [&](const SceneStep<2>&) {
+    std::filesystem::remove(plan);
+    return true;
+  };
+  State<2> state = initial_state(scene);
+  EXPECT_EQ(run_scene(scene, state, options).totals.converged, 20);
+  EXPECT_THROW(run_scene(scene, state, options), FileError);  // before the first step
 }
 
 TEST(SceneRun, SpringsRunThroughTheSameCall) {
