@@ -135,7 +135,7 @@ class AnswerSearch {
     for (const Recipe& r :
          {Recipe{"pgs", kSweeps}, Recipe{"apgd", kGradients}, Recipe{"ipm", kInteriors},
           Recipe{"newton", kNewtons}, Recipe{"admm", kSplittings}, Recipe{"homotopy", kPivots},
-          Recipe{"anderson", kSweeps}}) {
+          Recipe{"anderson", kSweeps}, Recipe{"convex", kGradients}}) {
       if (usable(r.solver)) list.push_back(r);
     }
     const int solvers = static_cast<int>(list.size());
@@ -346,14 +346,15 @@ class AnswerSearch {
       d.kinetic = kinetic == 0 ? 0 : kinetic / found_.answers.front().kinetic;
     }
     const auto x = bodies_of(a.impulse.s), y = bodies_of(b.impulse.s);
-    if (x && y && rows_->bodies > 0) {
-      const double speed = x->velocity.colwise().norm().maxCoeff();
-      const double mean = x->resultant.colwise().norm().mean();
+    const auto first = bodies_of(found_.answers.front().impulse.s);
+    if (first && x && y && rows_->bodies > 0) {
+      const double speed = first->velocity.colwise().norm().maxCoeff();
+      const double mean = first->resultant.colwise().norm().mean();
       if (speed > 0) {
         d.body_velocity = (x->velocity - y->velocity).colwise().norm().maxCoeff() / speed;
       }
       if (mean > 0) d.force = (x->resultant - y->resultant).colwise().norm().maxCoeff() / mean;
-      const double total = x->resultant.rowwise().sum().norm();
+      const double total = first->resultant.rowwise().sum().norm();
       if (total > 0) {
         d.total = (x->resultant - y->resultant).rowwise().sum().norm() / total;
       }
