@@ -38,7 +38,9 @@ const Accuracy::Measure Accuracy::kMeasures[6] = {
 
 Accuracy MeasuredError::bound() const {
   Accuracy sum = error;
-  for (const auto& [m, key, name] : Accuracy::kMeasures) sum.*m += std::fmax(bar.*m, 0);
+  for (const auto& [m, key, name] : Accuracy::kMeasures) {
+    if (std::isfinite(bar.*m)) sum.*m += bar.*m;
+  }
   return sum;
 }
 
@@ -48,6 +50,13 @@ Accuracy MeasuredError::least() const {
     if (!std::isnan(error.*m)) least.*m = std::max(0.0, error.*m - std::fmax(bar.*m, 0));
   }
   return least;
+}
+
+bool bars_known(const MeasuredError& measured, const Accuracy& goal) {
+  return std::none_of(std::begin(Accuracy::kMeasures), std::end(Accuracy::kMeasures),
+                      [&](const auto& q) {
+                        return !std::isnan(goal.*q.value) && std::isinf(measured.bar.*q.value);
+                      });
 }
 
 double share_of(const Accuracy& error, const Accuracy& goal) {
@@ -60,8 +69,9 @@ double share_of(const Accuracy& error, const Accuracy& goal) {
 
 std::string with_bar(double error, double bar) {
   if (std::isnan(error)) return "not measured";
-  return std::isnan(bar) ? compact_label(error)
-                         : fmt::format("{} ± {}", compact_label(error), compact_label(bar));
+  if (std::isnan(bar)) return compact_label(error);
+  return fmt::format("{} ± {}", compact_label(error),
+                     std::isinf(bar) ? "unknown" : compact_label(bar));
 }
 
 std::string error_against(const MeasuredError& measured, const Accuracy& goal) {
@@ -134,6 +144,7 @@ Advice::StepChoice choose_step(const std::vector<Advice::StepTrial>& steps, cons
                                                         : met || share(i) < share(choice.index));
     if (better && (met || !choice.met)) choice = {i, met};
   }
+  choice.met = choice.met && bars_known(steps[to_size(choice.index)].error, goal);
   return choice;
 }
 

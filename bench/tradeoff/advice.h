@@ -34,11 +34,13 @@ double share_of(const Accuracy& error, const Accuracy& goal);
 struct MeasuredError {
   Accuracy error, bar;
 
-  Accuracy bound() const;  ///< error + bar
+  Accuracy bound() const;  ///< error + bar; the error alone where the bar is infinite
   Accuracy least() const;  ///< error - bar, at least 0
 };
+/// No required quantity has an infinite bar.
+bool bars_known(const MeasuredError& measured, const Accuracy& goal);
 
-/// "3.6e-2 ± 1e-2"
+/// "3.6e-2 ± 1e-2", "3.6e-2 ± unknown"
 std::string with_bar(double error, double bar);
 /// Of the quantities with a goal: "energy 3.6e-2 ± 1e-2 of 5.0e-2, wall load not measured of 1e-2".
 std::string error_against(const MeasuredError& measured, const Accuracy& goal);
@@ -54,7 +56,8 @@ struct Advice {
   };
   struct StepChoice {
     int index = -1;
-    bool met = false;  ///< the step leaves at least a tenth of every goal to the solver
+    /// The step leaves at least a tenth of every goal to the solver; its bars are known.
+    bool met = false;
   };
   /// One solver at one tolerance over all stretches, each step from the errors of those before.
   struct SolverTrial {
@@ -75,6 +78,7 @@ struct Advice {
     int steps_planned = 0, steps_run = 0;
     int contact_steps = 0;  ///< of those run, with contacts
     int contacts_max = 0;
+    int stretches = 0;            ///< to choose from
     double overhead_seconds = 0;  ///< CPU of a step besides its solve: detection, assembly   [s]
     double overlap = 0;           ///< largest, over the smaller radius
     std::string note;             ///< why the run ended early; empty: it did not
@@ -93,7 +97,7 @@ struct Advice {
   };
   /// Errors of time steps over stretches. Steps of 4, 2, 1, ½, ¼ of the scene's are compared with
   /// the finest that time allows (⅛, 1/16 for small overlaps), all solved tightly. Steps beyond the
-  /// limit of the overlap are left out. Differences are scaled by r/(r - 1), r the ratio of the
+  /// limit of the overlap are left out, and those that do not divide the scene's time. Differences are scaled by r/(r - 1), r the ratio of the
   /// steps, as the reference has an error of first order as well. The overlap is the larger of that
   /// of the stretches and of that of the sampled run, in proportion to the step. Accuracies from a
   /// third of the allowed overlap on, which cut steps of a frame, are compared with the same

@@ -36,6 +36,19 @@ std::string beyond_goal(const Advice& advice) {
       apart);
 }
 
+/// What would narrow the bars.
+std::string what_helps(const Advice::Options& options, const Advice& advice) {
+  const std::string time = fmt::format("--time-limit {:g}", 4 * options.time_limit);
+  const int used = advice.steps.windows;
+  if (advice.steps.windows_dropped > 0) return "give " + time;
+  if (used < advice.sample.stretches) {
+    return fmt::format("give --samples {} {}",
+                       std::min(Advice::kMoreSamples * used, int{Advice::kMostSamples}), time);
+  }
+  return fmt::format("the scene has no more stretches: let it run for more than {:g} s{}",
+                     advice.duration, options.window > 0 ? ", or give a shorter --window" : "");
+}
+
 }  // namespace
 
 void conclude(const Advice::Options& options, Advice& advice) {
@@ -74,6 +87,8 @@ void conclude(const Advice::Options& options, Advice& advice) {
                     shorter * (advice.accuracy > 0 ? advice.accuracy : advice.step_size));
   } else if (advice.step.index < 0) {
     advice.message = "the error of the time step could not be measured in time: " + more;
+  } else if (!settled && !bars_known(advice.step_error, advice.goal)) {
+    advice.message = "means over a single stretch have no error bars";
   } else if (!advice.step.met) {
     const Advice::StepTrial& large = advice.steps.steps.front();
     double small = large.step;
@@ -113,10 +128,7 @@ void conclude(const Advice::Options& options, Advice& advice) {
   }
   if (advice.status == Advice::Status::kUndecided &&
       advice.message.find(more) == std::string::npos) {
-    advice.message += fmt::format(
-        ": give --samples {} --time-limit {:g}",
-        std::min(Advice::kMoreSamples * advice.steps.windows, int{Advice::kMostSamples}),
-        4 * options.time_limit);
+    advice.message += ": " + what_helps(options, advice);
   }
   advice.message += beyond_goal(advice);
 }

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/base/types.h"
+
 namespace bipot {
 namespace {
 
@@ -83,6 +85,20 @@ TEST(Advice, TheBarCounts) {
   EXPECT_DOUBLE_EQ(error.bound().force, 1.2e-2);
   EXPECT_EQ(error.least().force, 0);
   EXPECT_EQ(error_against(error, force(1e-2)), "force 5.0e-3 ± 7.0e-3 of 1.0e-2");
+}
+
+TEST(Advice, WithoutABarTheMeasuredErrorsChooseAndNothingIsMet) {
+  std::vector<Advice::StepTrial> steps = {step(4e-3, 3, kInfinity), step(2e-3, 7e-3, kInfinity),
+                                          step(1e-3, 5e-3, kInfinity), step(1e-2, 1e-4, kInfinity)};
+  steps[3].accuracy = 0.1;
+  steps[3].seconds = 1;
+  // The equal steps miss 2e-3 by what was measured, and the accuracy does not.
+  EXPECT_EQ(choose_step(steps, force(2e-3)).index, 3);
+  EXPECT_EQ(choose_step(steps, force(1e-2)).index, 2);
+  EXPECT_FALSE(choose_step(steps, force(1e-2)).met);
+  EXPECT_FALSE(bars_known(steps[0].error, force(1e-2)));
+  EXPECT_TRUE(bars_known(steps[0].error, {.energy = 1e-2}));
+  EXPECT_EQ(error_against(steps[0].error, force(1e-2)), "force 3.0e0 ± unknown of 1.0e-2");
 }
 
 TEST(Advice, AMissedGoalNamesTheLargestStepNearTheBest) {

@@ -183,6 +183,30 @@ TEST(Advise, TakesMoreStretchesWhereOneHasNoBar) {
   EXPECT_GT(advice.steps.windows, 2);
 }
 
+// 10 steps are one stretch, whatever is asked for. Four times the step would be 3 steps of 0.04 s.
+TEST(Advise, OneStretchClaimsNothingAndNamesWhatWould) {
+  Scene<2> scene = lattice();
+  scene.num_steps = 10;
+  Advice::Options options = quick(1e-2);
+  options.goal = {.energy = 5e-2, .load = 5e-2};
+  options.samples = 28;
+  const Advice advice = advise(scene, options);
+  ASSERT_GE(advice.choice, 0) << advice.message;
+  EXPECT_EQ(advice.status, Advice::Status::kUndecided);
+  EXPECT_TRUE(says(advice.message, "a single stretch have no error bars")) << advice.message;
+  EXPECT_TRUE(says(advice.message, "let it run for more than 0.1 s")) << advice.message;
+  EXPECT_FALSE(says(advice.message, "--samples")) << advice.message;
+  EXPECT_NEAR(advice.num_steps * advice.step_size, 0.1, 1e-15);
+  EXPECT_DOUBLE_EQ(advice.steps.steps.front().step, 0.02);
+  EXPECT_TRUE(std::isfinite(advice.spread.load));
+  const std::string text = to_text(advice_document(advice));
+  EXPECT_FALSE(says(text, "–")) << text;
+  for (const Advice::SolverTrial& t : advice.trials) {
+    if (t.verdict == Advice::SolverTrial::Verdict::kMissed) continue;
+    EXPECT_LE(share_of(t.error.error, advice.goal), 1);
+  }
+}
+
 TEST(Advise, SaysThatNothingTouches) {
   Scene<2> scene = drop();
   scene.bodies[0].x[1] += 10;
