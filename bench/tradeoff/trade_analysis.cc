@@ -141,7 +141,7 @@ void time_step_error(const SceneTrade& s, std::size_t q, SceneTrade::Errors& e) 
 }
 
 /// Solvers at the tightest tolerance of the first one, with another outcome.
-void choice_error(SceneTrade& s, std::size_t q, SceneTrade::Errors& e) {
+void choice_error(const SceneTrade& s, std::size_t q, SceneTrade::Errors& e) {
   const double scale = s.scene->quantities[q].scale(e.reference);
   const SceneTrade::Cell* own = s.find({.solver = s.solver, .tol = s.tols.back()});
   for (const SceneTrade::Cell& cell : s.cells) {
@@ -150,8 +150,9 @@ void choice_error(SceneTrade& s, std::size_t q, SceneTrade::Errors& e) {
     if (setting.tol != s.tols.back() || !cell.done()) continue;
     const double apart = std::abs(cell.means[q] - own->means[q]) / scale;
     if (!std::isfinite(apart)) continue;
-    if (!(apart <= std::fmax(e.choice, 0))) s.other_solver = setting.solver;
-    e.choice = std::fmax(e.choice, apart);
+    if (apart <= e.choice) continue;
+    e.choice = apart;
+    e.other_solver = setting.solver;
   }
 }
 
@@ -250,25 +251,27 @@ double SceneTrade::worst_error(const Cell& cell, std::size_t* which) const {
 }
 
 std::string SceneTrade::choice_sentence() const {
-  // Negligible errors are not reported.
   const Errors* most = nullptr;
   std::size_t which = 0;
   for (std::size_t q = 0; q < quantities.size(); ++q) {
     const Errors& e = quantities[q];
-    if (!(e.choice > e.negligible) || (most != nullptr && e.choice <= most->choice)) continue;
+    if (!e.bound_by_choice() || (most != nullptr && e.choice <= most->choice)) continue;
     most = &e;
     which = q;
   }
   if (most == nullptr) return {};
   std::string text =
       fmt::format(" At tolerance {} {} ends {:.2g} % away in '{}'", tolerance_label(tols.back()),
-                  other_solver, 100 * most->choice, scene->quantities[which].name);
+                  most->other_solver, 100 * most->choice, scene->quantities[which].name);
   const std::size_t count = most->solver_error.size();
   const bool beyond = count > 1 && most->choice > 3 * most->solver_error[count - 2];
   text +=
-      beyond ? ", more than tolerances explain: steps of this scene have several exact answers. No "
-               "digits below that are paid for."
-             : "; no digits below that are paid for.";
+      beyond
+          ? fmt::format(
+                ", more than tolerances of {} explain: several exact answers of a step, chaos, or "
+                "a count at its threshold. No digits below that are paid for.",
+                solver)
+          : "; no digits below that are paid for.";
   return text;
 }
 
@@ -343,6 +346,10 @@ std::string SceneTrade::answer() const {
                                             : fmt::format(" ('{}' decides): ", decided_by);
     text += "from there on the solver's error is below that of the time step";
     if (scene->replicas > 1) text += ", below what nearby runs differ by";
+    if (std::any_of(quantities.begin(), quantities.end(),
+                    [](const Errors& e) { return e.bound_by_choice(); })) {
+      text += ", below what solvers differ by";
+    }
     if (!quantities.empty() && quantities[0].negligible > 0) {
       text += fmt::format(" or below {} of the outcome", tolerance_label(quantities[0].negligible));
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,11 +44,14 @@ struct SceneTrade {
     /// every step to it and still end elsewhere chose other answers. NaN if no other solver
     /// completed it.
     double choice = kNaN;
+    std::string other_solver;          ///< which
     std::vector<double> solver_error;  ///< of each tolerance of SceneTrade::tols, to the tightest
     double negligible = 0;             ///< of Trade::Options
     /// Bound for the solver's error: max(step_error, noise, negligible, choice where it is known);
     /// NaN if step_error is.
     double bound() const;
+    /// Other solvers alone set the bound.
+    bool bound_by_choice() const { return choice > std::max({step_error, noise, negligible}); }
     /// Loosest tolerance from which on every solver error is below the bound; none from one
     /// tolerance alone, which is compared with nothing.
     std::optional<double> sufficient_tol;
@@ -61,7 +65,6 @@ struct SceneTrade {
   /// The tightest of the quantities' sufficient tolerances; none where the errors are unknown.
   std::optional<double> sufficient_tol;
   std::string decided_by;                             ///< the quantity
-  std::string other_solver;                           ///< behind the largest choice; empty: none
   double cpu_sufficient = kNaN, cpu_tightest = kNaN;  ///< per simulated second
 
   const Cell* find(const RunSetting& setting) const;

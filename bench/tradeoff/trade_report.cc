@@ -76,7 +76,11 @@ Table error_table(const SceneTrade& s) {
             .tipped(e.reference_kind),
         Table::Cell(e.step_error).tipped(e.step_error_kind)};
     if (nearby) cells.emplace_back(e.noise);
-    if (other) cells.emplace_back(e.choice);
+    if (other) {
+      cells.push_back(Table::Cell(e.choice).shown(
+          std::isnan(e.choice) ? "–"
+                               : fmt::format("{} {}", compact_label(e.choice), e.other_solver)));
+    }
     for (const double x : e.solver_error) {
       cells.push_back(Table::Cell(x).as(x <= e.bound() ? "" : "over"));
     }
@@ -88,10 +92,9 @@ Table error_table(const SceneTrade& s) {
       "else from shorter steps. ";
   if (nearby) table.note += "Nearby runs: twice the standard error of a difference of two means. ";
   if (other) {
-    table.note += fmt::format(
-        "Other solver: difference{} at the tightest tolerance, where steps with several exact "
-        "answers show; a dash where none completed it. ",
-        s.other_solver.empty() ? "" : " of " + s.other_solver);
+    table.note +=
+        "Other solver: largest difference at the tightest tolerance, where several exact answers "
+        "of a step, chaos and counts at a threshold show; a dash where none completed it. ";
   }
   table.note +=
       "Solver: difference to the tightest tolerance at the same time step; marked where it matters: "

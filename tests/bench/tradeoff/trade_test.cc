@@ -139,10 +139,39 @@ TEST(TradeAnalysis, WhatOtherExactAnswersDoIsAFloor) {
   const Trade trade = with_witness(alone, 1.02);
   const SceneTrade s = analyse_trade(trade).at(0);
   EXPECT_NEAR(s.quantities[0].choice, 0.02, 1e-5);
-  EXPECT_EQ(s.other_solver, "apgd");
+  EXPECT_EQ(s.quantities[0].other_solver, "apgd");
   EXPECT_EQ(*s.sufficient_tol, 1e-2);
   EXPECT_TRUE(says(s.answer(), "several exact answers"));
+  EXPECT_TRUE(says(s.answer(), "below what solvers differ by"));
   EXPECT_TRUE(says(s.answer(), "No digits below that are paid for"));
+}
+
+TEST(TradeAnalysis, ADifferenceBelowThatOfNearbyRunsIsNoOtherAnswer) {
+  // Replicas at ±0.03 and the witness's at ±0.03 + 0.02: less than 0.085.
+  const auto value = [](double tol, double, int r) {
+    return 1 + 0.5 * tol + (r == 0 ? 0.03 : -0.03);
+  };
+  Trade trade = with_witness(with_witness(manufactured(2, 0, value), 1.05), 0.99);
+  trade.rows.back().replica = 1;
+  const SceneTrade s = analyse_trade(trade).at(0);
+  EXPECT_NEAR(s.quantities[0].choice, 0.02, 1e-5);
+  EXPECT_FALSE(says(s.answer(), "apgd")) << s.answer();
+  EXPECT_FALSE(says(s.answer(), "solvers differ")) << s.answer();
+}
+
+TEST(TradeAnalysis, EachOutcomeNamesTheSolverThatEndsFurthestAwayInIt) {
+  // Of two outcomes, apgd is 0.1 away in the first and ipm 0.02 in the second.
+  Trade trade = with_witness(
+      with_witness(manufactured(1, 0, [](double tol, double, int) { return 1 + 0.5 * tol; }), 1.1),
+      1.0);
+  trade.rows.back().setting.solver = "ipm";
+  trade.scenes[0].quantities.push_back({.name = "r", .unit = "m", .meaning = "manufactured"});
+  for (Trade::Row& row : trade.rows) row.values.push_back(1);
+  trade.rows.back().values[1] = 1.02;
+  const SceneTrade s = analyse_trade(trade).at(0);
+  EXPECT_EQ(s.quantities[0].other_solver, "apgd");
+  EXPECT_EQ(s.quantities[1].other_solver, "ipm");
+  EXPECT_TRUE(says(s.answer(), "apgd ends 10 % away in 'q'")) << s.answer();
 }
 
 TEST(TradeAnalysis, AWitnessThatAgreesChangesNothing) {
