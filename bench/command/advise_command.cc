@@ -168,7 +168,7 @@ int run_advise(const AdviseFlags& flags) {
     const fs::path plan = default_plan_file(targets);
     const int tuned = tune_targets(targets, {}, std::move(measure), kLeastRows, plan, quiet);
     if (tuned != kExitConverged) return tuned;
-    if (!quiet) fmt::print("bipot run {} --plan {}\n", flags.scene, plan.string());
+    if (!quiet) fmt::print("{}\n", run_command_of(advice, plan.string()));
   }
   return exit_code_of(advice.status);
 }

@@ -348,7 +348,7 @@ std::string typed_command(const std::vector<std::string>& targets) {
       continue;
     }
     if (std::find(targets.begin(), targets.end(), word) == targets.end()) {
-      line += word.find(' ') == std::string::npos ? ' ' + word : " '" + word + '\'';
+      line += ' ' + shell_word(word);
     } else if (!std::exchange(named, true)) {
       line += " {}";
     }

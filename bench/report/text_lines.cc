@@ -72,6 +72,17 @@ std::vector<Span> spans_of(std::string_view text) {
   return spans;
 }
 
+std::string shell_word(std::string_view text) {
+  const auto plain = [](unsigned char c) {
+    return c >= 0x80 || std::isalnum(c) != 0 ||
+           std::string_view("_-+=.,/:@%").find(c) != std::string_view::npos;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return std::string(text);
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + '\'';
+}
+
 std::string escape_markup(std::string_view text) {
   std::string out;
   for (const char c : text) {

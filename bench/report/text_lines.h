@@ -22,6 +22,9 @@ struct Span {
 /// Unpaired marks hold to the end. A link to anywhere else is plain text.
 std::vector<Span> spans_of(std::string_view text);
 
+/// A word for a shell: in single quotes where another character than those of plain names is in it.
+std::string shell_word(std::string_view text);
+
 /// & < > " as entities.
 std::string escape_markup(std::string_view text);
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "bench/report/labels.h"
+#include "bench/report/text_lines.h"
 #include "core/motion/time_stepping.h"
 
 namespace bipot {
@@ -225,9 +226,9 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
     if (!std::isnan(a.goal.penetration)) {
       // Each step begins with a tenth of its size: longer ones cost less.
       const double steps = std::max(1.0, std::round(0.1 * a.duration / a.scene_step));
-      line("or",
-           fmt::format("bipot run {} --accuracy {:.2g} --step-size {:g} --steps {:g}", a.scene,
-                       std::clamp(a.goal.penetration / 3, 1e-6, 0.3), a.duration / steps, steps));
+      line("or", fmt::format("bipot run {} --accuracy {:.2g} --step-size {:g} --steps {:g}",
+                             shell_word(a.scene), std::clamp(a.goal.penetration / 3, 1e-6, 0.3),
+                             a.duration / steps, steps));
     }
     return lines;
   }
@@ -318,15 +319,17 @@ Json to_json(const Advice& a, const Provenance& made) {
   return j;
 }
 
-std::string run_command_of(const Advice& a) {
+std::string run_command_of(const Advice& a, const std::string& plan) {
   if (a.choice < 0) return {};
   const Advice::SolverTrial& t = a.trials[to_size(a.choice)];
-  std::string line = fmt::format("bipot run {} --solver {} --tol {}", a.scene, t.solver.solver,
-                                 tolerance_label(t.tol));
-  for (const auto& [name, value] : t.solver.parameters) {
+  const SolverVariant solver =
+      plan.empty() ? t.solver : SolverVariant{"auto", "auto", {{"plan", plan}}};
+  std::string line = fmt::format("bipot run {} --solver {} --tol {}", shell_word(a.scene),
+                                 solver.solver, tolerance_label(t.tol));
+  for (const auto& [name, value] : solver.parameters) {
     std::string flag = name;
     std::replace(flag.begin(), flag.end(), '_', '-');
-    line += fmt::format(" --{} {}", flag, value);
+    line += fmt::format(" --{} {}", flag, shell_word(value));
   }
   if (a.accuracy > 0) line += fmt::format(" --accuracy {:.2g}", a.accuracy);
   if (a.step_size != a.scene_step) {

@@ -20,8 +20,9 @@ Document advice_document(const Advice& advice, const Provenance* made = nullptr)
 /// The solvers that were tried, with their errors.
 std::string advice_csv(const Advice& advice);
 
-/// The command that runs the scene as advised; empty without a choice.
-std::string run_command_of(const Advice& advice);
+/// The command that runs the scene as advised, with this plan for `auto` instead of the solver if one
+/// is named; empty without a choice.
+std::string run_command_of(const Advice& advice, const std::string& plan = {});
 
 /// The errors, each with its name, of the quantities with a goal: "force error 1.2e-03, energy
 /// error not measured". Of a goal itself as well.

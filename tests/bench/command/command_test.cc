@@ -329,6 +329,13 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
   ASSERT_NE(command, std::string::npos) << five.out;
   const std::string line = five.out.substr(command + 6, five.out.find('\n', command) - command - 6);
   EXPECT_EQ(code_of(line + " --out " + path("as_advised")), 0) << line;
+  const std::size_t last = five.out.rfind("bipot run ");
+  const std::string planned = five.out.substr(last + 6, five.out.find('\n', last) - last - 6);
+  const json with_plan = json_of(planned + " --json -");
+  const json advised = json_in(path("advice/advice.json"))["advice"];
+  EXPECT_EQ(with_plan["tol"], advised["tol"]);
+  EXPECT_EQ(with_plan["steps"], advised["steps"]);
+  EXPECT_EQ(with_plan["solver"], "auto");
   EXPECT_TRUE(says(content(path("advice/advice.html")), "Step and tolerance"));
   EXPECT_TRUE(says(content(path("advice/advice.csv")), "choice,solver,tol,"));
   EXPECT_EQ(code_of("advise " + scene + " --force-error 1e-2 --json /proc/nowhere/a.json"), 4);

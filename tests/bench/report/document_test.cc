@@ -41,6 +41,13 @@ Document small_document() {
   return d;
 }
 
+TEST(TextLines, WordsForAShellAreQuotedWhereTheyMust) {
+  EXPECT_EQ(shell_word("data/süß-2.toml:steps=30"), "data/süß-2.toml:steps=30");
+  EXPECT_EQ(shell_word("my scene.toml"), "'my scene.toml'");
+  EXPECT_EQ(shell_word("it's $1"), "'it'\\''s $1'");
+  EXPECT_EQ(shell_word(""), "''");
+}
+
 TEST(Document, PageIsWellFormedAndNeedsNoOtherFile) {
   Document d = small_document();
   Chart chart{.title = "t"};

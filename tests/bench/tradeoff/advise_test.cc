@@ -106,6 +106,22 @@ TEST(Advise, AGoalOnForcesAsksForFinerStepsThroughAShock) {
   EXPECT_LT(smallest.error.error.force, 0.5 * largest.error.error.force);
 }
 
+TEST(Advise, ItsCommandsAreForAShellAndAPlanKeepsTheAdvice) {
+  Advice advice;
+  advice.scene = "my süß scene.toml";
+  advice.scene_step = 1e-3;
+  advice.step_size = 2e-3;
+  advice.num_steps = 50;
+  advice.trials = {{.solver = {"pgs omega=1.5", "pgs", {{"omega", "1.5"}}}, .tol = 1e-2}};
+  advice.choice = 0;
+  const std::string length = " --step-size 0.002 --steps 50";
+  EXPECT_EQ(run_command_of(advice),
+            "bipot run 'my süß scene.toml' --solver pgs --tol 0.01 --omega 1.5" + length);
+  EXPECT_EQ(
+      run_command_of(advice, "its plan.toml"),
+      "bipot run 'my süß scene.toml' --solver auto --tol 0.01 --plan 'its plan.toml'" + length);
+}
+
 TEST(Advise, TheScenesStepIsKeptOnRequest) {
   Advice::Options options = quick(1e-2);
   options.keep_step = true;
