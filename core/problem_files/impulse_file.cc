@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <optional>
 #include <stdexcept>
@@ -22,6 +23,7 @@ namespace {
 struct TextTable {
   std::vector<double> values;  // row by row
   std::size_t columns = 1;
+  std::vector<std::string> names;  // of the last columns, from the line before the numbers
 
   std::size_t rows() const { return columns == 0 ? 0 : values.size() / columns; }
 };
@@ -72,7 +74,10 @@ TextTable read_text(const std::filesystem::path& path) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
     ++number;
     if (words.empty() || words.front().starts_with('#')) continue;
-    if (table.values.empty() && !number_of(words.front())) continue;  // a line of names
+    if (table.values.empty() && !number_of(words.front())) {
+      table.names.assign(words.begin(), words.end());
+      continue;
+    }
     if (columns == 0) columns = words.size();
     even = even && words.size() == columns;
     for (const std::string_view word : words) {
@@ -95,14 +100,14 @@ TextTable read_table(const std::filesystem::path& path) {
       throw FileError(path, "", fmt::format("{} dimensions, expected 1 or 2", array.shape.size()));
     }
     const std::size_t columns = array.shape.size() == 2 ? array.shape[1] : 1;
-    return {std::move(array.values), columns};
+    return {std::move(array.values), columns, {}};
   }
   if (Hdf5File::is_hdf5(path)) {
     const Hdf5File file(path, Hdf5File::Mode::kRead);
     if (!file.exists("/solution/r")) {
       throw FileError(path, "/solution/r", "is missing: the file has no impulses");
     }
-    return {file.read_doubles("/solution/r"), 1};
+    return {file.read_doubles("/solution/r"), 1, {}};
   }
   return read_text(path);
 }
@@ -122,7 +127,7 @@ void strip(TextTable& table, std::size_t contacts, std::size_t dim) {
   std::vector<double>& x = table.values;
   const std::size_t size = contacts * dim;
   if (table.columns == dim + 1 && table.rows() == contacts && counts(table)) {
-    TextTable impulses{{}, dim};
+    TextTable impulses{{}, dim, table.names};
     for (std::size_t k = 0; k < x.size(); ++k) {
       if (k % table.columns != 0) impulses.values.push_back(x[k]);
     }
@@ -130,6 +135,36 @@ void strip(TextTable& table, std::size_t contacts, std::size_t dim) {
   } else if (x.size() == size + 1 && !x.empty() && x[0] == static_cast<double>(size)) {
     x.erase(x.begin());
     table.columns = 1;
+  }
+}
+
+/// The component in the name of a column: "n", "s_n", "rn", "Normal"; t1 and t2 are t and s.
+std::optional<char> component_of(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (name.starts_with("normal")) return 'n';
+  if (name.starts_with("tangent") || name == "t1") return 't';
+  if (name == "t2") return 's';
+  const bool known =
+      name.size() <= 3 && std::string_view("nts").find(name.back()) != std::string::npos;
+  return known ? std::optional(name.back()) : std::nullopt;
+}
+
+/// Names that say another order than the one the columns are read in are refused.
+void check_names(const std::filesystem::path& path, const TextTable& table, std::size_t dim,
+                 const ImpulseLayout& layout) {
+  if (table.columns != dim || table.names.size() < dim) return;
+  const std::string expected =
+      layout.components.empty() ? std::string("nts").substr(0, dim) : layout.components;
+  const auto names = table.names.end() - static_cast<std::ptrdiff_t>(dim);
+  for (std::size_t k = 0; k < dim; ++k) {
+    const std::string& name = names[static_cast<std::ptrdiff_t>(k)];
+    const std::optional<char> said = component_of(name);
+    if (!said || *said == expected[k]) continue;
+    throw FileError(path, "",
+                    fmt::format("column {} is named '{}', but the columns are read as '{}': give "
+                                "the order of the components",
+                                k + 1, name, expected));
   }
 }
 
@@ -187,6 +222,7 @@ Vector read_impulses(const std::filesystem::path& path, const ContactProblem& pr
                     fmt::format("s has size {}, expected {} = {} contacts x {}",
                                 table.values.size(), problem.num_rows(), contacts, dim));
   }
+  check_names(path, table, file_dim, layout);
   Vector s = arrange(table, contacts, file_dim, layout);
   if (!with_tangents) return s;
   Vector normals(problem.num_rows());

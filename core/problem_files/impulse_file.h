@@ -28,7 +28,8 @@ struct ImpulseLayout {
 ///   - .npy: m values; or c x d or d x c, whose shape gives the order unless c = d;
 ///   - FCLIB HDF5: /solution/r;
 ///   - text: m numbers between spaces, commas or semicolons. Allowed are a line of names before
-///     them, lines that begin with #, and a first column that counts contacts from 0 or 1 (CSV);
+///     them, lines that begin with #, and a first column that counts contacts from 0 or 1 (CSV).
+///     Names of normal and tangential columns must be in the order of the components;
 ///   - text of Siconos: the size before the numbers, or "size = m; data= [...]".
 /// A frictionless problem takes m = c values, or 2c with tangential values 0 (FCLIB's form). Throws
 /// FileError for any other file or other sizes, and std::invalid_argument for an inconsistent

@@ -71,6 +71,19 @@ TEST_F(ImpulseFile, LayoutsOfOtherCodesAreUndone) {
   EXPECT_EQ(read("1 -2\n3 -4\n", problem(2, 2)), vec({1, -2, 3, -4}));
 }
 
+TEST_F(ImpulseFile, NamesOfColumnsMustSayTheOrder) {
+  for (const char* names : {"t,n", "contact,s_t,s_n", "Tangential,Normal", "f,rn"}) {
+    const std::string table = std::string(names) + "\n-2,1\n-4,3\n-6,5\n";
+    EXPECT_TRUE(says(refusal(table, kThree), "give the order of the components")) << names;
+    EXPECT_EQ(read(table, kThree, {.components = "tn"}), kImpulses);
+  }
+  EXPECT_TRUE(says(refusal("n,t\n1,-2\n3,-4\n5,-6\n", kThree, {.components = "tn"}), "'n'"));
+  EXPECT_TRUE(says(refusal("n,t2,t1\n1,2,3\n4,5,6\n", problem(3, 2)), "column 2"));
+  EXPECT_EQ(read("n,t1,t2\n1,2,3\n4,5,6\n", problem(3, 2)), vec({1, 2, 3, 4, 5, 6}));
+  // Other names say nothing.
+  EXPECT_EQ(read("impulse,other\n1,-2\n3,-4\n5,-6\n", kThree), kImpulses);
+}
+
 TEST_F(ImpulseFile, FrictionlessProblemsTakeNormalsOrInertTangents) {
   EXPECT_EQ(read("1 2 3", problem(1, 3)), vec({1, 2, 3}));
   EXPECT_EQ(read("1 0 2 0 3 0", problem(1, 3)), vec({1, 2, 3}));
