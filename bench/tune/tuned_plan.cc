@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "bench/report/labels.h"
+
 namespace bipot {
 namespace {
 
@@ -59,7 +61,8 @@ std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
 
 TunedPlan::Regret regret_row(const std::string& name, std::vector<double> ratios, int of) {
   TunedPlan::Regret row{.name = name, .solved = static_cast<int>(ratios.size()), .of = of};
-  if (ratios.empty()) return row;
+  if (of == 0) return row;
+  ratios.resize(to_size(of), kInfinity);
   std::sort(ratios.begin(), ratios.end());
   row.median = ratios[ratios.size() / 2];
   row.ninth_tenth = ratios[std::min(ratios.size() - 1, ratios.size() * 9 / 10)];
@@ -186,9 +189,9 @@ std::string regret_text(const TunedPlan& plan) {
   std::string text = fmt::format("{:<32} {:>9} {:>8} {:>8} {:>8}\n", "time over the best row's",
                                  "solved", "median", "9 of 10", "worst");
   for (const TunedPlan::Regret& row : plan.regret) {
-    text += fmt::format("{:<32} {:>9} {:>8.2f} {:>8.2f} {:>8.2f}\n", row.name,
-                        fmt::format("{}/{}", row.solved, row.of), row.median, row.ninth_tenth,
-                        row.worst);
+    text += fmt::format("{:<32} {:>9} {:>8} {:>8} {:>8}\n", row.name,
+                        fmt::format("{}/{}", row.solved, row.of), ratio_label(row.median),
+                        ratio_label(row.ninth_tenth), ratio_label(row.worst));
   }
   return text;
 }

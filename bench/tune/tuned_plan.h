@@ -13,7 +13,7 @@ struct TunedPlan {
   /// Times of one way to solve the instances, over those of the best variant on each.
   struct Regret {
     std::string name;
-    double median = kNaN, ninth_tenth = kNaN, worst = kNaN;  ///< of the solved ones
+    double median = kNaN, ninth_tenth = kNaN, worst = kNaN;  ///< unsolved: infinite
     int solved = 0;
     int of = 0;  ///< instances that some variant solves, and this one could run
   };

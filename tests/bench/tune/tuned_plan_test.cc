@@ -77,6 +77,10 @@ TEST(TunedPlan, AnUnknownSceneCostsThePlanAndThePresentOne) {
   EXPECT_DOUBLE_EQ(plan.regret[0].worst, (0.05 + 3) / 2);
   EXPECT_DOUBLE_EQ(plan.regret[1].worst, (0.05 + 2) / 2);
   EXPECT_EQ(plan.regret[4].solved, 30);
+  // Of 40 instances assor leaves 10 unsolved: more than a tenth.
+  EXPECT_EQ(plan.regret[4].median, 1);
+  EXPECT_EQ(plan.regret[4].ninth_tenth, kInfinity);
+  EXPECT_EQ(plan.regret[4].worst, kInfinity);
 }
 
 /// Of one scene, problems are left out: every one is like the others.
