@@ -69,7 +69,7 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
                              const std::vector<ProblemSource>& problems,
                              const Leaderboard::Ours& ours,
                              const std::function<void(const std::string&)>& on_problem) {
-  Leaderboard board;
+  Leaderboard board{.tol = ours.tol};
   std::vector<Submission> submissions;
   for (const fs::path& folder : folders) {
     submissions.push_back(read_submission(folder));
@@ -78,6 +78,16 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
         problems.begin(), problems.end(),
         [&](const ProblemSource& problem) { return made.file_of(problem.name).has_value(); });
     if (!any) throw std::invalid_argument(folder.string() + ": no impulse of these problems");
+    for (const auto& [name, seconds] : made.seconds) {
+      const bool known =
+          made.file_of(name).has_value() ||
+          std::any_of(problems.begin(), problems.end(),
+                      [&, &name = name](const ProblemSource& p) { return p.name == name; });
+      if (!known) {
+        throw FileError((made.folder / "times.csv").string(), "",
+                        fmt::format("'{}' is none of the problems and has no impulse", name));
+      }
+    }
     board.who.push_back(made.name());
   }
   for (const std::string& solver : ours.solvers) board.who.push_back("bipot " + solver);

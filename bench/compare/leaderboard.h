@@ -34,14 +34,16 @@ struct Leaderboard {
   std::vector<std::string> who;  ///< in the order of the folders, then our solvers
   std::vector<std::string> problems;
   std::vector<Entry> entries;  ///< problem by problem
+  double tol = 1e-6;           ///< of our solvers
   bool complete = true;
 };
 
 /// Judges the impulses of each folder: of a problem a file of its name with the ending npy, csv,
 /// hdf5, txt or dat (core/problem_files/impulse_file.h), and, in times.csv, lines
-/// "problem,seconds". The name of a folder is that of its contestant. Throws FileError for a folder
-/// or problem that cannot be read, std::invalid_argument for two contestants of one name and for a
-/// folder without any impulse of the problems.
+/// "problem,seconds" for these problems and others with an impulse. The name of a folder is that of
+/// its contestant. Throws FileError for a folder or problem that cannot be read,
+/// std::invalid_argument for two contestants of one name and for a folder without any impulse of the
+/// problems.
 Leaderboard make_leaderboard(const std::vector<std::filesystem::path>& folders,
                              const std::vector<ProblemSource>& problems,
                              const Leaderboard::Ours& ours,

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "bench/measure/statistics.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
@@ -23,13 +22,25 @@ std::vector<const Leaderboard::Entry*> entries_of(const Leaderboard& board,
   return made;
 }
 
+/// The median where missing values are infinite.
+double median_of_all(std::vector<double> x) {
+  for (double& value : x) value = std::isfinite(value) ? value : kInfinity;
+  std::sort(x.begin(), x.end());
+  return x.empty() ? kNaN : 0.5 * (x[(x.size() - 1) / 2] + x[x.size() / 2]);
+}
+
 Table solved_counts(const Leaderboard& board) {
   Table table{.columns = {{.key = "who", .name = "contestant"}},
               .key = "solved",
               .caption = fmt::format("Solved, of {} problems", board.problems.size()),
               .note =
                   "Solved to T: max(ε, η, distance to the cone) at most T. A problem without "
-                  "an impulse is not solved. Times are those of the contestants."};
+                  "an impulse is not solved. Times are those of the contestants. In medians a "
+                  "missing error or time is infinite."};
+  if (std::any_of(board.who.begin(), board.who.end(),
+                  [](const std::string& who) { return who.starts_with("bipot "); })) {
+    table.note += fmt::format(" Solvers of bipot were asked for {}.", tolerance_label(board.tol));
+  }
   for (const double tol : kBoardTols) {
     const std::string label = tolerance_label(tol);
     table.columns.push_back({.key = "solved_" + label, .name = label, .show = count_label});
@@ -48,8 +59,8 @@ Table solved_counts(const Leaderboard& board) {
       errors.push_back(e->guarded);
       seconds.push_back(e->seconds);
     }
-    cells.emplace_back(median(errors));
-    cells.emplace_back(median(seconds));
+    cells.emplace_back(median_of_all(errors));
+    cells.emplace_back(median_of_all(seconds));
     table.add(std::move(cells));
   }
   return table;

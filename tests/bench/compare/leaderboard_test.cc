@@ -75,6 +75,13 @@ TEST(Leaderboard, JudgesWhatIsThereAndSaysWhatIsNot) {
   const std::string text = to_text(leaderboard_document(board, Provenance{}));
   EXPECT_TRUE(says(text, "Solved, of 2 problems"));
   EXPECT_TRUE(says(text, "2d_triangular_lattice"));  // a family
+  EXPECT_TRUE(says(text, "were asked for 1e-6.")) << text;
+  // One of two impulses of "rough" and one of two times of "exact" are missing: infinite medians.
+  const Document page = leaderboard_document(board, Provenance{});
+  const Json table = to_json(page)["solved"];
+  EXPECT_EQ(table[1]["error"], kInfinity);
+  EXPECT_LT(table[0]["error"], 1e-9);
+  EXPECT_EQ(table[0]["seconds"], kInfinity);
 }
 
 TEST(Leaderboard, EndsWithTheLastWholeProblemWhenInterrupted) {
@@ -100,6 +107,15 @@ TEST(Leaderboard, RefusesFoldersThatAreNoContestants) {
   EXPECT_TRUE(says(refused({folder / "one", folder / "one"}), "two contestants are called one"));
   std::ofstream(folder / "one" / "times.csv") << "problem,seconds\n2d_sliding_cylinder,soon\n";
   EXPECT_TRUE(says(refused({folder / "one"}), "'soon' is no time in seconds"));
+  const auto times = [&](const std::string& problem) {
+    std::ofstream(folder / "one" / "times.csv") << "problem,seconds\n" << problem << ",1\n";
+    return refused({folder / "one"});
+  };
+  EXPECT_TRUE(says(times("2d_sliding_cilinder"), "none of the problems and has no impulse"));
+  // Another problem that was solved, and one of these that was not.
+  write_numbers(folder / "one" / "3d_other.csv", Vector{{1}});
+  EXPECT_TRUE(says(times("3d_other"), "nothing was thrown"));
+  EXPECT_TRUE(says(times("2d_triangular_lattice"), "nothing was thrown"));
 }
 
 }  // namespace
