@@ -217,7 +217,7 @@ Chart growth_chart(const std::vector<Growth>& all, const std::string& series, do
   const bool time = quantity == Growth::Measure::kTime;
   Chart chart{.title = fmt::format("{} against size, {} at {}", time ? "Time" : "Iterations",
                                    series, tolerance_label(tol)),
-              .x = {"number of bodies", Chart::Axis::Kind::kLog},
+              .x = {"degrees of freedom", Chart::Axis::Kind::kLog},
               .y = {time ? "time" : "iterations",
                     time ? Chart::Axis::Kind::kLogSeconds : Chart::Axis::Kind::kLog}};
   for (const Growth& g : all) {
@@ -228,12 +228,12 @@ Chart growth_chart(const std::vector<Growth>& all, const std::string& series, do
     for (const Growth::Point& p : g.points) {
       if (!std::isfinite(p.time)) continue;
       points.points.push_back(
-          {p.bodies, time ? p.time : p.iterations, !p.solved,
+          {p.dofs, time ? p.time : p.iterations, !p.solved,
            fmt::format("{} on {}: {}{} iterations, {}", g.solver, p.problem,
                        p.solved ? "" : "not solved, ", p.iterations, seconds_label(p.time))});
       if (!p.solved) continue;
-      from = std::min(from, p.bodies);
-      to = std::max(to, p.bodies);
+      from = std::min(from, p.dofs);
+      to = std::max(to, p.dofs);
     }
     if (points.points.empty()) continue;
     chart.series.push_back(std::move(points));

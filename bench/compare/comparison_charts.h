@@ -31,7 +31,7 @@ Chart tolerance_chart(const Comparison& comparison, const Comparison::Problem& p
 /// Guarded error against iteration.
 Chart history_chart(const Comparison& comparison, const Comparison::Problem& problem);
 
-/// One series at one tolerance against the number of disks, with the fitted powers.
+/// One series at one tolerance against the degrees of freedom, with the fitted powers.
 Chart growth_chart(const std::vector<Growth>& all, const std::string& series, double tol,
                    Growth::Measure quantity);
 

@@ -243,20 +243,19 @@ std::vector<Growth> growth(const Comparison& comparison) {
     for (const std::string& solver : solvers_of(comparison)) {
       for (double tol : tolerances_of(comparison)) {
         Growth made{.series = name, .solver = solver, .tol = tol};
-        std::vector<double> bodies, iterations, times;
+        std::vector<double> sizes, iterations, times;
         for (const Comparison::Problem* problem : series[name]) {
           const Comparison::Row* row = row_of(comparison, problem->name, solver, tol);
           if (row == nullptr) continue;
-          // A disk has three degrees of freedom.
-          const double n = problem->dofs / 3.0;
+          const double n = problem->dofs;
           made.points.push_back({problem->name, n, row->iterations, row->time(), row->solved()});
           if (!row->solved()) continue;
-          bodies.push_back(n);
+          sizes.push_back(n);
           iterations.push_back(row->iterations);
           times.push_back(row->time());
         }
-        made.iterations = fit_power_law(bodies, iterations);
-        made.time = fit_power_law(bodies, times);
+        made.iterations = fit_power_law(sizes, iterations);
+        made.time = fit_power_law(sizes, times);
         all.push_back(std::move(made));
       }
     }

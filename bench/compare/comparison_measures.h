@@ -94,7 +94,7 @@ struct Growth {
   enum class Measure { kIterations, kTime };
   struct Point {
     std::string problem;
-    double bodies = 0;  ///< disks
+    double dofs = 0;  ///< degrees of freedom
     int iterations = 0;
     double time = 0;
     bool solved = false;

@@ -350,8 +350,8 @@ class ComparisonPage {
     if (all.empty()) return;
     page_.heading("Growth with size", "growth");
     page_.say(
-        "Problems that differ in size alone. Iterations and time are fitted by N^p, N the number "
-        "of disks, over the sizes that the solver solved; p is given with its 95 % confidence "
+        "Problems that differ in size alone. Iterations and time are fitted by N^p, N the degrees "
+        "of freedom, over the sizes that the solver solved; p is given with its 95 % confidence "
         "(Student's t), which needs three sizes. Empty markers were not solved and are not fitted; "
         "a solver that was out of time is not tried on larger sizes.");
     std::vector<std::string> names;
@@ -394,7 +394,7 @@ class ComparisonPage {
         figure(growth_chart(all, name, tol, quantity),
                fmt::format("{} at tolerance {}, {}.", time ? "Time" : "Iterations",
                            tolerance_label(tol), name),
-               fmt::format("{} in comparison.csv, dofs / 3 in comparison.json",
+               fmt::format("{} in comparison.csv, dofs in comparison.json",
                            time ? "cpu_min" : "iterations"),
                command_of(targets));
       }
