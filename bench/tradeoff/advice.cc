@@ -219,12 +219,13 @@ double loose_tolerance(const Accuracy& goal) {
   return std::clamp(0.1 * smallest_goal(goal), 1e-9, 1e-2);
 }
 
-std::vector<SolverVariant> promising_solvers(int contacts) {
+std::vector<SolverVariant> promising_solvers(int contacts, int dim) {
   constexpr int kPivoting = 60;      // beyond it, pivoting is never the fastest
   constexpr int kSplitting = 20000;  // beyond it, its factors take too long to set up
   std::vector<SolverVariant> variants;
   const auto add_if = [&](bool wanted, SolverVariant variant) {
-    if (wanted && find_solver(variant.solver) != nullptr) variants.push_back(std::move(variant));
+    const SolverEntry* entry = find_solver(variant.solver);
+    if (wanted && entry != nullptr && dim <= entry->max_dim) variants.push_back(std::move(variant));
   };
   add_if(true, {"auto", "auto", {}});
   add_if(true, {"apgd", "apgd", {}});

@@ -193,8 +193,8 @@ double tight_tolerance(const Accuracy& goal);
 /// not enter errors. If it is too loose, contacts at rest come and go.
 double loose_tolerance(const Accuracy& goal);
 
-/// Solvers of this build worth a trial on problems with this number of contacts.
-std::vector<SolverVariant> promising_solvers(int contacts);
+/// Solvers of this build worth a trial on problems with this number of contacts of this dimension.
+std::vector<SolverVariant> promising_solvers(int contacts, int dim);
 
 std::string_view to_string(Advice::Status status);
 

@@ -59,7 +59,9 @@ Advice::SolverTrial Adviser<D>::try_solver(const SolverVariant& variant, double 
 template <int D>
 void Adviser<D>::try_solvers() {
   std::vector<SolverVariant> variants = options_.solvers;
-  if (variants.empty()) variants = promising_solvers(advice_.sample.contacts_max);
+  if (variants.empty()) {
+    variants = promising_solvers(advice_.sample.contacts_max, scene_.has_friction() ? D : 1);
+  }
   for (const SolverVariant& variant : variants) warm_up(require_solver(variant.solver));
   Samples reference = chosen_runs();
   double reference_tol = tight_, best = kInfinity;  // CPU seconds of all stretches

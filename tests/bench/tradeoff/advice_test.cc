@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/types.h"
@@ -173,6 +174,15 @@ TEST(Advice, ExpectedErrorIsThatOfStepAndSolver) {
   EXPECT_EQ(expected_error(advice).error.penetration, 4e-2);
   advice.run = {.steps = 10, .steps_planned = 10, .overlap = 2e-2};
   EXPECT_EQ(expected_error(advice).error.penetration, 2e-2);
+}
+
+TEST(Advice, SolversAreTriedOnTheDimensionsThatTheyTake) {
+  const auto lemke = [](const SolverVariant& variant) { return variant.solver == "lemke"; };
+  for (const int dim : {1, 2, 3}) {
+    const std::vector<SolverVariant> tried = promising_solvers(10, dim);
+    EXPECT_EQ(std::count_if(tried.begin(), tried.end(), lemke), dim < 3) << dim;
+    EXPECT_GT(tried.size(), 4u);
+  }
 }
 
 TEST(Advice, ParetoLeavesOutWhatIsBeatenInBoth) {
