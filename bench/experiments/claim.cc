@@ -107,12 +107,15 @@ Claim& Findings::check(std::string name, double measured, std::string unit, std:
 Claim& Findings::test(std::string name, double measured, std::string unit, std::string quantity,
                       std::string expected, const Expectation& range, double bar,
                       std::string bar_is, int digits) {
-  const double off = range.scale * range.error(measured);
+  const double off = range.scale * range.error(measured), widest = kWidestBar * range.scale;
   Claim& claim = check(std::move(name), measured, std::move(unit), std::move(quantity),
-                       std::move(expected), decide(off, bar), digits);
+                       std::move(expected), decide(off, bar, widest), digits);
   claim.bar = bar;
   claim.bar_is = std::move(bar_is);
-  if (!claim.holds) claim.reason = "too few samples: off by more than one bar, less than two";
+  if (!claim.holds) {
+    claim.reason = off > bar ? "too few samples: off by more than one bar, less than two"
+                             : "too few samples: the error bar is wider than half of the scale";
+  }
   return claim;
 }
 

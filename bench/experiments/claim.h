@@ -27,10 +27,13 @@ struct Expectation {
   double error(double value) const;
 };
 
+/// An error bar that is wider than this fraction of the scale decides nothing.
+constexpr double kWidestBar = 0.5;
+
 /// Verdict on a value that lies `off` outside of what is expected. `bar`: half width of its 95 %
 /// error bar, in the unit of `off`. Within one bar it holds. Beyond two, where chance does not lead,
 /// it is refuted. Between them, or with a bar wider than `widest`, it is undecided: none.
-std::optional<bool> decide(double off, double bar, double widest = kInfinity);
+std::optional<bool> decide(double off, double bar, double widest);
 
 /// Expected value of a quantity, its source, and the measured value. A row of `bipot paper` and of
 /// `bipot validate`.

@@ -64,8 +64,6 @@ std::vector<Experiment> validation_experiments() {
 
 namespace {
 
-// A row whose error bar is wider than this fraction of its scale is undecided.
-constexpr double kWidestBar = 0.5;
 // Fraction of the steps that may miss the tolerance in a run that counts at that tolerance.
 constexpr double kMayMiss = 0.01;
 

@@ -43,6 +43,16 @@ TEST(ClaimReport, PlaceholdersBecomeNumbersWithUnits) {
   EXPECT_EQ(result.claims[0].command, "bipot paper");
 }
 
+TEST(ClaimReport, ABarWiderThanHalfTheLimitDecidesNothing) {
+  Findings result;
+  const Expectation flat = Expectation::between(-5.7, 5.7, 5.7);
+  EXPECT_EQ(result.test("a", 0.97, "°", "slope", "below", flat, 2, "seeds").holds, true);
+  const Claim& wide = result.test("b", 0.97, "°", "slope", "below", flat, 8, "seeds");
+  EXPECT_FALSE(wide.holds.has_value());
+  EXPECT_TRUE(says(wide.reason, "wider than half"));
+  EXPECT_EQ(result.test("c", 30, "°", "slope", "below", flat, 8, "seeds").holds, false);
+}
+
 TEST(ClaimReport, MistakesInAnItemAreRefused) {
   const auto refused = [](Findings result) {
     EXPECT_THROW(complete(result, "c"), std::invalid_argument);
