@@ -166,7 +166,7 @@ Chart cost_chart(const Advice& a) {
   chart.y = {"CPU of a solve", Chart::Axis::Kind::kLogSeconds};
   for (const Advice::SolverTrial& t : a.trials) {
     const double share = share_of(t.error.error, a.goal);
-    if (t.solved < t.stretches || !(share > 0)) continue;
+    if (t.solved < t.stretches) continue;
     if (chart.series.empty() || chart.series.back().name != t.solver.label) {
       chart.series.push_back({t.solver.label, static_cast<int>(chart.series.size()), {}});
     }
@@ -188,9 +188,10 @@ std::string confidence(const Advice& a) {
       fmt::format("\nstretches that it was chosen on, that of the deepest overlap among them: {}",
                   a.steps.windows);
   if (a.run.steps > 0) {
-    text += fmt::format("\nthe run as advised: {} of {} steps, largest overlap {} in step {}",
-                        a.run.steps, a.run.steps_planned, share_label(a.run.overlap),
-                        a.run.overlap_step);
+    text += fmt::format("\nthe run as advised: {} of {} steps, ", a.run.steps, a.run.steps_planned);
+    text += a.run.overlap > 0 ? fmt::format("largest overlap {} in step {}",
+                                            share_label(a.run.overlap), a.run.overlap_step)
+                              : "no overlap";
   }
   if (share_of(a.spread, a.goal) > 0) {
     text += "\ntwo tight runs of the same stretches, started differently: " +
@@ -363,7 +364,8 @@ Document advice_document(const Advice& a, const Provenance* made) {
     if (made != nullptr) {
       d.add(plane_table(a));
       d.add(Figure{.chart = cost_chart(a),
-                   .caption = "Filled: the choice. Left of 1 the goal is met, step aside."});
+                   .caption = "Filled: the choice. Left of 1 the goal is met, step aside. An error "
+                              "of 0 stands on the axis."});
     }
     d.heading("Time step");
     d.say(fmt::format(

@@ -132,6 +132,7 @@ RunRecord run_setting(const Scene<D>& made, State<D>& state, const RunSetting& s
     record.status = record.steps_converged < record.steps ? "not converged" : "completed";
   } else if (limits.stopped()) {
     record.status = "interrupted";
+    record.message = fmt::format("after {} of {} steps", record.steps, scene.num_steps);
   } else {
     record.status = "time limit";
     if (watch.seconds() > limits.cpu_seconds) {

@@ -11,6 +11,8 @@
 namespace bipot {
 namespace {
 
+constexpr double kRounding = 1e-12;  // relative errors of an outcome that are nobody's
+
 std::vector<SceneTrade::Cell> cells_of(const Trade& trade, const Trade::Scene& scene) {
   std::vector<SceneTrade::Cell> cells;
   std::vector<std::vector<const Trade::Row*>> rows;
@@ -322,14 +324,20 @@ std::string SceneTrade::answer() const {
         what_is_needed());
   }
   bool all_same = true;
+  double step = 0, floor = 0;
   for (const Errors& e : quantities) {
+    step = std::fmax(step, e.step_error);
+    floor = std::max(e.negligible, kRounding);
     for (const double x : e.solver_error) all_same &= x == 0;
   }
   if (all_same) {
     return fmt::format(
         "Every tolerance from {} to {} gives the same outcomes to the last bit: {} "
-        "solves these contacts exactly. Only the time step matters.{}",
-        tolerance_label(tols.front()), tolerance_label(tols.back()), solver, accuracy_sentence());
+        "solves these contacts exactly. {}{}",
+        tolerance_label(tols.front()), tolerance_label(tols.back()), solver,
+        step > floor ? "Only the time step matters."
+                     : fmt::format("The time step adds less than {}.", tolerance_label(floor)),
+        accuracy_sentence());
   }
   const double ratio = cpu_tightest / cpu_sufficient;
   std::string text;

@@ -98,12 +98,12 @@ std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
       const double worst = s.worst_error(*cell, &q);
       const std::string note = fmt::format("{}: {} per simulated second", cell->setting.label(),
                                            seconds_label(cell->cpu_per_second));
-      if (worst > 0) {
+      if (worst >= 0) {
         in_error.points.push_back(
             {cell->cpu_per_second, worst, false,
              note + fmt::format(", {} {:.1e}", s.scene->quantities[q].name, worst)});
       }
-      if (cell->penetration > 0) {
+      if (cell->penetration >= 0) {
         in_depth.points.push_back({cell->cpu_per_second, cell->penetration, false,
                                    note + fmt::format(", overlap {:.1e}", cell->penetration)});
       }
@@ -124,7 +124,7 @@ std::vector<Figure> trade_charts(const SceneTrade& scene) {
                     .caption = "Below the line the solver is better than the outcome needs."});
   charts.push_back({.chart = std::move(error),
                     .caption = "What cost buys: the outcome that is furthest from the reference. "
-                               "The reference itself has no marker."});
+                               "An error of 0, as the reference has, stands on the axis."});
   charts.push_back({.chart = std::move(depth),
                     .caption = "How deep bodies enter each other, and what that costs."});
   std::erase_if(charts, [](const Figure& f) {

@@ -114,6 +114,8 @@ TEST(Advise, ItsCommandsAreForAShellAndAPlanKeepsTheAdvice) {
   advice.num_steps = 50;
   advice.trials = {{.solver = {"pgs omega=1.5", "pgs", {{"omega", "1.5"}}}, .tol = 1e-2}};
   advice.choice = 0;
+  advice.run = {.steps = 50, .steps_planned = 50, .overlap_step = -1};
+  EXPECT_TRUE(says(to_text(advice_document(advice)), "50 of 50 steps, no overlap"));
   const std::string length = " --step-size 0.002 --steps 50";
   EXPECT_EQ(run_command_of(advice),
             "bipot run 'my süß scene.toml' --solver pgs --tol 0.01 --omega 1.5" + length);
@@ -375,6 +377,17 @@ steps = 60
     }
     EXPECT_TRUE(measured) << mu;
   }
+}
+
+TEST(RunSetting, AnInterruptedRunSaysWhereItEnded) {
+  const Scene<2> scene = lattice();
+  State<2> state = initial_state(scene);
+  int steps = 0;
+  const RunRecord run = run_setting(
+      scene, state, {.solver = "auto", .tol = 1e-4}, {.cancelled = [&] { return steps >= 3; }},
+      {.before_step = {}, .on_step = [&](const auto&) { return ++steps < 3; }});
+  EXPECT_EQ(run.status, "interrupted");
+  EXPECT_EQ(run.message, "after 3 of 40 steps");
 }
 
 TEST(Advise, EndsWhenInterrupted) {

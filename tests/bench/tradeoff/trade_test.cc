@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/tradeoff/trade_analysis.h"
+#include "bench/tradeoff/trade_charts.h"
 #include "bench/tradeoff/trade_report.h"
 #include "core/base/types.h"
 #include "core/motion/spring_dashpot.h"
@@ -335,6 +336,27 @@ TEST(TradeRun, FailuresAndTimeOutsStayInTheTable) {
   EXPECT_EQ(trade.rows[9].status, "completed");
   options.targets.push_back(options.targets[0]);
   EXPECT_THROW(run_trade(options), std::invalid_argument);  // two scenes of one name
+}
+
+TEST(TradeAnalysis, WhereStepAndToleranceAddNothingThatIsSaid) {
+  const auto answer = [](double slope, double negligible) {
+    const auto value = [slope](double, double factor, int) { return 1 + slope * factor; };
+    return analyse_trade(manufactured(1, negligible, value)).at(0).answer();
+  };
+  EXPECT_TRUE(says(answer(0.01, 1e-4), "Only the time step matters"));
+  EXPECT_TRUE(says(answer(1e-14, 0), "The time step adds less than 1e-12")) << answer(1e-14, 0);
+  EXPECT_FALSE(says(answer(1e-5, 1e-4), "Only the time step matters"));
+}
+
+TEST(TradeAnalysis, ChartsKeepRunsWithoutError) {
+  // Only the loosest tolerance errs, and there is no overlap.
+  Trade trade = manufactured(1, 0, [](double tol, double, int) { return tol > 0.05 ? 1.5 : 1; });
+  for (Trade::Row& row : trade.rows) row.penetration = 0;
+  const std::vector<SceneTrade> scenes = analyse_trade(trade);
+  const std::vector<Figure> charts = trade_charts(scenes.at(0));
+  ASSERT_EQ(charts.size(), 2u);  // with no other error there is nothing to compare with
+  EXPECT_EQ(charts[0].chart->series.at(0).points.size(), 4u);
+  EXPECT_EQ(charts[1].chart->series.at(0).points.size(), 4u);
 }
 
 TEST(TradeAnalysis, OneCompletedToleranceDecidesNothing) {
