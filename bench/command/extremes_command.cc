@@ -107,8 +107,10 @@ int random_sets(const ExtremesFlags& flags) {
   run(flags.random_scenes, "random scenes", "random-scenes", &run_random_scenes);
   if (!flags.out.empty()) write_text_file(fs::path(flags.out) / "random.csv", to_csv(findings));
   page.add(std::move(findings));
-  flags.deliver(to_json(page), "");
-  if (InterruptGuard::requested()) return kExitInterrupted;
+  Json json = to_json(page);
+  json["complete"] = !InterruptGuard::requested();
+  flags.deliver(json, "");
+  if (!json["complete"]) return kExitInterrupted;
   return sound ? kExitConverged : kExitNotConverged;
 }
 

@@ -22,6 +22,10 @@ std::filesystem::path default_plan_file(const std::vector<std::string>& targets)
 int tune_targets(const std::vector<std::string>& targets, const TargetOptions& scenes,
                  MeasureOptions options, int least_rows, const std::filesystem::path& plan,
                  bool quiet) {
+  if (plan.has_parent_path()) {
+    std::error_code failure;  // told by what is written
+    std::filesystem::create_directories(plan.parent_path(), failure);
+  }
   require_writable(plan.string());
   if (options.file.empty()) {
     options.file = plan;

@@ -85,6 +85,7 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
     if (finite) cell.message += fmt::format(" (independent check {:.2e})", check.guarded);
   } else if (claimed) {
     cell.end = ExtremeCell::kSolved;
+    cell.steps_solved = 1;
   } else {
     cell.end = verdict == Existence::kNone ? ExtremeCell::kNone
                : floor > options.tol       ? ExtremeCell::kBeyond

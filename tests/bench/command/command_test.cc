@@ -292,6 +292,9 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   const Outcome faulty = bipot("solve " + problem + " --json - --plan " + plan);
   EXPECT_EQ(faulty.exit_code, 2);
   EXPECT_TRUE(says(faulty.out, "plan.toml:3: unknown solver 'pgz'"));
+  EXPECT_EQ(code_of("tune square:4 --solvers pgs --tols 1e-2 --least-rows 1 -q --out " +
+                    path("new/folder/plan.toml")),
+            0);
   EXPECT_EQ(code_of("tune no_such_thing --out " + plan), 2);
   // No contact arises in two steps of this scene: nothing but the check would read the plan.
   const std::string run = "run drum --steps 2 --no-page --out " + path("none");
@@ -383,6 +386,12 @@ TEST_F(Command, InterruptedMeasurementsSaySoAndLeaveValidFiles) {
   EXPECT_EQ(json_in(path("compare.json"))["complete"], false);
   EXPECT_EQ(json_in(compare + "/comparison.json")["complete"], false);
   EXPECT_GT(fs::file_size(compare + "/report.html"), 100u);
+
+  EXPECT_EQ(
+      interrupted("extremes --random-problems 100000 --solver auto --json " + path("random.json"))
+          .exit_code,
+      5);
+  EXPECT_EQ(json_in(path("random.json"))["complete"], false);
 
   EXPECT_EQ(
       interrupted("trade compaction --json " + path("trade.json") + " --out " + trade).exit_code,
@@ -538,6 +547,9 @@ TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
   const Outcome matrix = bipot("extremes --only s --solver auto,pgs --quick --out " + path("out"));
   EXPECT_EQ(matrix.exit_code, 0) << matrix.out;
   expect_files("out", {"extremes.csv", "extremes.html", "extremes.json", "extremes.md"});
+  for (const json& row : json_in(path("out/extremes.json"))["cells"]) {
+    EXPECT_EQ(row["steps_solved"] == row["steps"], row["end"] == "solved") << row;
+  }
   EXPECT_EQ(code_of("extremes --only no_such_case"), 2);
   const Outcome sets =
       bipot("extremes --random-problems 6 --random-scenes 2 --solver auto --out " + path("out"));
