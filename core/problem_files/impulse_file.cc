@@ -222,8 +222,8 @@ Vector read_impulses(const std::filesystem::path& path, const ContactProblem& pr
                     fmt::format("s has size {}, expected {} = {} contacts x {}",
                                 table.values.size(), problem.num_rows(), contacts, dim));
   }
-  check_names(path, table, file_dim, layout);
   Vector s = arrange(table, contacts, file_dim, layout);
+  check_names(path, table, file_dim, layout);
   if (!with_tangents) return s;
   Vector normals(problem.num_rows());
   for (Eigen::Index c = 0; c < normals.size(); ++c) {

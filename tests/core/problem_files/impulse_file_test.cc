@@ -80,6 +80,8 @@ TEST_F(ImpulseFile, NamesOfColumnsMustSayTheOrder) {
   EXPECT_TRUE(says(refusal("n,t\n1,-2\n3,-4\n5,-6\n", kThree, {.components = "tn"}), "'n'"));
   EXPECT_TRUE(says(refusal("n,t2,t1\n1,2,3\n4,5,6\n", problem(3, 2)), "column 2"));
   EXPECT_EQ(read("n,t1,t2\n1,2,3\n4,5,6\n", problem(3, 2)), vec({1, 2, 3, 4, 5, 6}));
+  EXPECT_TRUE(says(refusal("n,t,s\n1,2,3\n4,5,6\n", problem(3, 2), {.components = "n"}),
+                   "expected the letters"));
   // Other names say nothing.
   EXPECT_EQ(read("impulse,other\n1,-2\n3,-4\n5,-6\n", kThree), kImpulses);
 }
