@@ -70,9 +70,11 @@ Json walls_json(const std::vector<Wall<D>>& walls, const Hdf5File& fixed) {
   return list;
 }
 
-/// Regions of outlets and inlets from the origin of the grid on, which only the scene's text has.
-Json gates_json(const std::string& scene_text, const std::string& source, const FilmGrid& grid) {
-  Json list = Json::array();
+/// What only the scene's text has: regions of outlets and inlets, and joints. Places are from the
+/// origin of the grid on.
+void add_openings_and_joints(const std::string& scene_text, const std::string& source,
+                             const FilmGrid& grid, Json& about) {
+  Json list = Json::array(), joints = Json::array();
   std::visit(
       [&]<int D>(const Scene<D>& scene) {
         const Eigen::Map<const Vec<D>> origin(grid.origin.data());
@@ -94,9 +96,18 @@ Json gates_json(const std::string& scene_text, const std::string& source, const 
                           {"lower", place(inlet.lower)},
                           {"upper", place(inlet.upper)}});
         }
+        for (const auto& joint : scene.joints) {
+          const bool ground = joint.j < 0;
+          joints.push_back({{"i", joint.i},
+                            {"j", joint.j},
+                            {"at_i", numbers<D>(joint.at_i)},
+                            {"at_j", ground ? place(joint.at_j) : numbers<D>(joint.at_j)},
+                            {"rope", joint.is_rope()}});
+        }
       },
       parse_any_scene(scene_text, source));
-  return list;
+  about["openings"] = std::move(list);
+  about["joints"] = std::move(joints);
 }
 
 /// Says so where bodies lie beyond the grid of the film.
@@ -191,12 +202,15 @@ PageText page_text(const fs::path& folder, const Hdf5File& fixed, std::size_t mo
   about["bodies"] = run.bodies.size();
   about["walls"] = walls_json(run.walls, fixed);
   about["openings"] = Json::array();
-  if (run.gates) {
+  about["joints"] = Json::array();
+  const std::string scene = about["scene"].get<std::string>();
+  const auto names = [&](const char* word) { return scene.find(word) != std::string::npos; };
+  if (run.gates || names("pins") || names("ropes")) {
     try {
-      about["openings"] =
-          gates_json(about["scene"].get<std::string>(), about["source"], run.film.grid);
+      add_openings_and_joints(scene, about["source"], run.film.grid, about);
     } catch (const SceneFileError& e) {
-      about["notes"].push_back(fmt::format("Outlets and inlets are not drawn: {}", e.what()));
+      about["notes"].push_back(
+          fmt::format("Outlets, inlets, pins and ropes are not drawn: {}", e.what()));
     }
   }
   const std::vector<CurveTable> curves = read_curves(folder);

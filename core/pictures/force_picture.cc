@@ -207,6 +207,11 @@ class Picture {
           const ForcePictureOptions& options)
       : scene_(scene), state_(state), options_(options), friction_(scene.has_friction()) {
     box_ = options.view.value_or(view_box(state.bodies, state.walls));
+    for (const Scene<2>::Joint& joint : scene.joints) {
+      const auto [from, to] = joint_points<2>(joint, state.bodies);
+      box_.include(from);
+      box_.include(to);
+    }
     for (const auto& [a, b] : cell_outline(state.cell, box_)) {
       box_.include(a);
       box_.include(b);

@@ -162,6 +162,25 @@ function placeOf(run, frame, k) {
   for (let c = 0; c < run.dim; ++c) x.push(frame.x[c * frame.count + k] * run.quantum);
   return x;
 }
+/** A vector that turns with a body. */
+function turnedWith(run, frame, k, x) {
+  const n = frame.count;
+  if (run.dim === 2) {
+    const c = COS[frame.turn[k]], s = SIN[frame.turn[k]];
+    return [c * x[0] - s * x[1], s * x[0] + c * x[1]];
+  }
+  const q = [0, 1, 2].map(c => frame.turn[c * n + k] / 32767 - 1), w = Math.sqrt(Math.max(0, 1 - q[0] ** 2 - q[1] ** 2 - q[2] ** 2));
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const t = cross(q, x).map(part => 2 * part), u = cross(q, t);
+  return x.map((part, c) => part + w * t[c] + u[c]);
+}
+/** Lines that show a joint: a rope between its ends, a pin from the centres to its point. */
+function jointLines(run, frame, {i, j, at_i, at_j, rope}) {
+  const end = (body, arm) => body < 0 ? arm : placeOf(run, frame, body).map((x, c) => x + turnedWith(run, frame, body, arm)[c]);
+  const from = end(i, at_i), to = end(j, at_j);
+  if (rope) return [[from, to]];
+  return [i, j].filter(body => body >= 0).map(body => [placeOf(run, frame, body), from]);
+}
 function logsOf(codes, count, k) {
   const x = [];
   for (let at = k; at < codes.length; at += count) x.push(LOG[codes[at]]);

@@ -26,6 +26,9 @@ class PlaneView {
         left.push(x - r), right.push(x + r), below.push(y - r), above.push(y + r);
       }
     });
+    for (const frame of [run.frames[0], run.frames.at(-1)]) {
+      run.about.joints.flatMap(joint => jointLines(run, frame, joint)).forEach(line => include(...line[1]));
+    }
     if (left.length) {
       const stray = left.length > 5000 ? 0.002 : 0;
       include(quantile(left, stray), quantile(below, stray));
@@ -121,6 +124,7 @@ class PlaneView {
     if (look.chains) this.drawChains(frame, look, colours);
     this.raster.end(pen);
     if (frame.cell) this.drawCell(frame, colours);
+    if (look.walls) this.drawJoints(frame, colours);
     if (look.arrows) this.drawArrows(frame, colours);
     if (look.picked) this.drawPicked(frame, look, colours);
   }
@@ -221,6 +225,24 @@ class PlaneView {
       }
     }
     pen.stroke();
+  }
+
+  /** Ropes, and pins with their point. */
+  drawJoints(frame, colours) {
+    const {pen, run, ratio} = this;
+    pen.strokeStyle = pen.fillStyle = colours.wall;
+    pen.lineWidth = 2 * ratio;
+    for (const joint of run.about.joints) {
+      for (const [from, to] of jointLines(run, frame, joint)) {
+        pen.beginPath();
+        pen.moveTo(this.X(from[0]), this.Y(from[1]));
+        pen.lineTo(this.X(to[0]), this.Y(to[1]));
+        pen.stroke();
+        pen.beginPath();
+        pen.arc(this.X(to[0]), this.Y(to[1]), 3.5 * ratio, 0, 2 * Math.PI);
+        pen.fill();
+      }
+    }
   }
 
   drawOpenings(colours) {

@@ -250,7 +250,7 @@ class SpaceView {
     }
     const images = look.spheres === 'none' ? [] : this.images(frame, look);
     if (look.spheres === 'solid') this.drawSpheres(frame, [...visible, ...images], paint, camera, look, false);
-    if (look.chains || look.arrows || look.picked) this.drawTubes(frame, look, colours, camera);
+    if (look.chains || look.arrows || look.picked || run.about.joints.length) this.drawTubes(frame, look, colours, camera);
     gl.enable(gl.BLEND);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
@@ -330,6 +330,11 @@ class SpaceView {
         }
         const width = Math.min(1, force / full) * thick;
         add(a, b, Math.max(width, 0.015 * run.meanRadius), forceColour(frame, k, {stick, slip, tension}));
+      }
+    }
+    if (look.walls) {
+      for (const [from, to] of run.about.joints.flatMap(joint => jointLines(run, frame, joint))) {
+        add(from, to, 0.08 * run.meanRadius, rgbOf(colours.wall));
       }
     }
     if (look.arrows) {
