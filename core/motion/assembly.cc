@@ -90,7 +90,7 @@ DofMap number_dofs(const Scene<D>& scene, std::span<const Body<D>> disks,
   for (int k = 0; k < 3; ++k) {
     if (cell->side(k).motion != CellSide::Motion::kDriven) continue;
     const bool used = std::any_of(contacts.begin(), contacts.end(), [&](const auto& c) {
-      return (k == 0 ? c.image_x : c.image_y) != 0;
+      return !side_share(*cell, k, c.image_x, c.image_y).isZero(0);
     });
     if (used) dofs.side[k] = dofs.size++;
   }
@@ -126,10 +126,11 @@ SparseMatrix diagonal_matrix(const Vector& diagonal) {
 
 /// Number of degrees of freedom of the cell at which a contact has entries.
 template <int D>
-int sides_of(const Contact<D>& contact, const DofMap& dofs) {
+int sides_of(const Contact<D>& contact, const DofMap& dofs, const PeriodicCell* cell) {
   int count = 0;
   for (int k = 0; k < 3; ++k) {
-    if (dofs.side[k] >= 0 && (k == 0 ? contact.image_x : contact.image_y) != 0) ++count;
+    if (dofs.side[k] < 0) continue;
+    if (!side_share(*cell, k, contact.image_x, contact.image_y).isZero(0)) ++count;
   }
   return count;
 }
@@ -163,12 +164,12 @@ void add_spin(ColumnWriter& columns, int row, double arm, const Vec3& n, const V
 /// Number of entries of H in the columns of a contact.
 template <int D>
 int entries_of(const Contact<D>& contact, std::span<const Body<D>> disks, const DofMap& dofs,
-               int d) {
+               const PeriodicCell* cell, int d) {
   const int turning = std::max(0, d - D);  // rows of rolling
   d -= turning;
   int of_disk = D + (d - 1) * (D + kSpins<D>)+turning * kSpins<D>;
   const int w = wall_of<D>(contact, disks);
-  const int of_cell = d * sides_of(contact, dofs);
+  const int of_cell = d * sides_of(contact, dofs, cell);
   // In a cluster the normal force turns the body as well.
   const int of_normal = kSpins<D> * ((disks[to_size(contact.i)].cluster >= 0 ? 1 : 0) +
                                      (w < 0 && disks[to_size(contact.j)].cluster >= 0 ? 1 : 0));
@@ -385,10 +386,10 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
       columns.add(l, -axis.dot(wall->direction) / r);
     }
     for (int side = 0; side < 3; ++side) {
-      if (dofs.side[side] < 0 || (side == 0 ? contact.image_x : contact.image_y) == 0) continue;
-      const double share =
-          side_share(side, contact.image_x, contact.image_y, axis.template head<2>());
-      columns.add(dofs.side[side], -share / r);
+      if (dofs.side[side] < 0) continue;
+      const Vec2 share = side_share(*in.cell.cell, side, contact.image_x, contact.image_y);
+      if (share.isZero(0)) continue;
+      columns.add(dofs.side[side], -share.dot(axis.template head<2>()) / r);
     }
     columns.close();
   }
@@ -501,7 +502,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
   std::vector<int> start(to_size(num_contacts) + 1, 0);
   run_pieces(threads, num_contacts, [&](int begin, int end) {
     for (std::size_t c = to_size(begin); c < to_size(end); ++c) {
-      start[c + 1] = entries_of<D>(contacts[c], disks, dofs, d);
+      start[c + 1] = entries_of<D>(contacts[c], disks, dofs, cell.cell, d);
     }
   });
   std::partial_sum(start.begin(), start.end(), start.begin());

@@ -114,6 +114,11 @@ Accelerations<D> free_accelerations(const Scene<D>& scene, const State<D>& state
     if (side.motion != CellSide::Motion::kDriven) continue;
     a.sides[k] = stress_force(state.cell, k) / side.mass;
   }
+  const PeriodicCell& cell = state.cell;  // the derivative of offset_rate()
+  if (cell.width.motion == CellSide::Motion::kDriven) {
+    a.sides[2] += (cell.offset.length * a.sides[0] + cell.offset.speed * cell.width.speed) /
+                  cell.width.length;
+  }
   return a;
 }
 
@@ -138,6 +143,7 @@ Accelerations<D> mean_accelerations(const Scene<D>& scene, const State<D>& befor
   for (int k = 0; k < 3; ++k) {
     a.sides[k] = (after.cell.side(k).speed - before.cell.side(k).speed) / h;
   }
+  a.sides[2] = (after.cell.offset_rate() - before.cell.offset_rate()) / h;
   return a;
 }
 

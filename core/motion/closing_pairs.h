@@ -14,7 +14,7 @@ struct Accelerations {
   std::vector<Vec<D>> bodies;
   std::vector<Spin<D>> spins;  ///< of the bodies
   std::vector<Vec<D>> walls;
-  double sides[3] = {0, 0, 0};  ///< of a periodic cell
+  double sides[3] = {0, 0, 0};  ///< of the lengths of a periodic cell
 };
 
 /// Those without contacts: by gravity, by forces on bodies and drag, by the forces that drive walls

@@ -22,12 +22,14 @@ double stress_force(const PeriodicCell& cell, int side) {
                      : s.stress * cell.width.length;
 }
 
-double side_share(int side, int kx, int ky, const Vec2& axis) {
-  return side == 0 ? kx * axis[0] : side == 1 ? ky * axis[1] : ky * axis[0];
+Vec2 side_share(const PeriodicCell& cell, int side, int kx, int ky) {
+  return side == 0 ? Vec2(kx + ky * cell.carried(), 0) : side == 1 ? Vec2(0, ky) : Vec2(ky, 0);
 }
 
 void move_cell(PeriodicCell& cell, double dt) {
-  for (int k = 0; k < 3; ++k) cell.side(k).length += dt * cell.side(k).speed;
+  cell.offset.length += dt * cell.offset_rate();
+  cell.width.length += dt * cell.width.speed;
+  cell.height.length += dt * cell.height.speed;
 }
 
 double cell_kinetic_energy(const PeriodicCell& cell) {
@@ -67,7 +69,7 @@ Vec2 homogeneous_velocity(const PeriodicCell& cell, const Vec2& x) {
   if (!cell.in_x || !cell.deforms()) return Vec2::Zero();
   const double f_y = cell.in_y ? x[1] / cell.height.length : 0;
   const double f_x = (x[0] - f_y * cell.offset.length) / cell.width.length;
-  return Vec2(f_x * cell.width.speed + f_y * cell.offset.speed, f_y * cell.height.speed);
+  return cell.shift_velocity(f_x, f_y);
 }
 
 std::string check_cell(const PeriodicCell& cell) {

@@ -12,7 +12,7 @@ struct CellSide {
   enum class Motion { kFixed, kMoving, kDriven };
   Motion motion = Motion::kFixed;
   double length = 0;  ///< [m]
-  double speed = 0;   ///< of the length                                                   [m/s]
+  double speed = 0;   ///< of the length; of the offset without what the width carries     [m/s]
   double stress = 0;  ///< driven: pressure (width, height) or shear stress (offset)       [Pa]
   double mass = 0;    ///< driven: > 0; energy is 1/2 mass speed²                          [kg]
 };
@@ -21,6 +21,12 @@ struct CellSide {
 /// of a body lies at x + kx p_x + ky p_y and moves with v + kx dp_x/dt + ky dp_y/dt. The second
 /// part is the velocity jump across the cell. Coordinates of bodies are not wrapped: a body that
 /// leaves the cell keeps its coordinates, and its cell is computed where it is needed.
+///
+/// A driven width stretches the whole lattice along x, so it carries the offset along. With h =
+/// [p_x p_y] and L = dh/dt h⁻¹ the speeds of the sides are then width L_xx, height L_yy and height
+/// L_xy. As area σ:L is the power of the contacts, their conjugate forces are height σ_xx, width
+/// σ_yy and width σ_xy. At a given offset that of the width would be height σ_xx - offset σ_xy, with
+/// a σ_xy that may be a reaction. [ours]
 struct PeriodicCell {
   bool in_x = false, in_y = false;  ///< in_y only together with in_x
   CellSide width, height, offset;
@@ -31,8 +37,14 @@ struct PeriodicCell {
   Vec2 shift(int kx, int ky) const {
     return Vec2(kx * width.length + ky * offset.length, ky * height.length);
   }
-  Vec2 shift_velocity(int kx, int ky) const {
-    return Vec2(kx * width.speed + ky * offset.speed, ky * height.speed);
+  /// What a growing width carries the offset along. [m/m]
+  double carried() const {
+    return width.motion == CellSide::Motion::kDriven ? offset.length / width.length : 0;
+  }
+  /// d offset/dt. [m/s]
+  double offset_rate() const { return offset.speed + carried() * width.speed; }
+  Vec2 shift_velocity(double kx, double ky) const {
+    return Vec2(kx * width.speed + ky * offset_rate(), ky * height.speed);
   }
   CellSide& side(int k) { return k == 0 ? width : k == 1 ? height : offset; }
   const CellSide& side(int k) const { return k == 0 ? width : k == 1 ? height : offset; }
@@ -49,10 +61,10 @@ Vec<D> in_dimensions(const Vec2& x) {
 /// Generalised force of the stress on the three sides: -p_x height, -p_y width, shear width. [N]
 double stress_force(const PeriodicCell& cell, int side);
 
-/// Derivative of the velocity of image (kx, ky) along the axis with respect to the speed of a side.
-double side_share(int side, int kx, int ky, const Vec2& axis);
+/// Derivative of the velocity of image (kx, ky) with respect to the speed of a side.
+Vec2 side_share(const PeriodicCell& cell, int side, int kx, int ky);
 
-/// Moves each side by dt times its speed.
+/// Moves each side by dt times its rate.
 void move_cell(PeriodicCell& cell, double dt);
 
 /// 1/2 Σ mass speed² of driven sides.                                                      [J]

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <tuple>
 
@@ -177,6 +178,88 @@ TEST(Periodic, PressureOnARow) {
   const Mat2 stress = sample_stress(end, scene.step, area, contact_moments(end)).total();
   EXPECT_NEAR(stress(0, 0), 30, 1e-7);
   EXPECT_NEAR(std::abs(stress(1, 1)) + std::abs(stress(0, 1)), 0, 1e-12);
+}
+
+/// 3 x 3 disks of radius 0.1 m: rows that touch, columns that touch and lean by `angle`; a cell of
+/// 0.6 m x 0.6 sin(angle), offset by 0.6 cos(angle). Both pressures act.
+Scene<2> leaning_lattice(double angle, double p_x, double p_y, const ContactLaw& law) {
+  PeriodicCell cell = cell_of(0.6, 0.6 * std::sin(angle), 0.6 * std::cos(angle));
+  for (const int k : {0, 1}) {
+    cell.side(k).motion = CellSide::Motion::kDriven;
+    cell.side(k).stress = k == 0 ? p_x : p_y;
+    cell.side(k).mass = 3;
+  }
+  Scene<2> scene = periodic_scene(cell, law);
+  for (int k = 0; k < 9; ++k) {
+    const double row = k / 3;
+    const Vec2 x(0.1 + 0.2 * (k % 3 + row * std::cos(angle)), 0.1 + 0.2 * row * std::sin(angle));
+    scene.bodies.push_back(round_body<2>(x, 0.1, 2));
+  }
+  scene.num_steps = 5;
+  return scene;
+}
+
+Mat2 stress_at_end(const Scene<2>& scene) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-13);
+  });
+  EXPECT_LT(kinetic_energy(end), 1e-12);
+  const double area = sample_measure(end, scene.step);
+  return sample_stress(end, scene.step, area, contact_moments(end)).total();
+}
+
+TEST(Periodic, TheStressOfALeaningCellIsTheAppliedOne) {
+  // Columns without friction carry force along themselves: with e = (cos, sin) their stress is
+  // c e ⊗ e, c sin² = p_y. So at a fixed offset σ_xy = p_y cot 70°. The rows carry the rest of p_x.
+  const double angle = std::numbers::pi * 70 / 180;
+  Scene<2> scene = leaning_lattice(angle, 300, 200, {});
+  const Mat2 fixed = stress_at_end(scene);
+  EXPECT_NEAR(fixed(0, 0), 300, 1e-6);
+  EXPECT_NEAR(fixed(1, 1), 200, 1e-6);
+  EXPECT_NEAR(fixed(0, 1), 200 / std::tan(angle), 1e-6);
+  // Friction carries a given shear stress, which pulls to the right: σ_xy = -30 Pa, as compression
+  // counts positive. Both friction forces are 0.54 or less of their normal forces.
+  scene = leaning_lattice(angle, 200, 200, {.mu = 0.9});
+  scene.cell.offset.motion = CellSide::Motion::kDriven;
+  scene.cell.offset.stress = 30;
+  scene.cell.offset.mass = 3;
+  const Mat2 given = stress_at_end(scene);
+  EXPECT_NEAR(given(0, 0), 200, 1e-6);
+  EXPECT_NEAR(given(1, 1), 200, 1e-6);
+  EXPECT_NEAR(given(0, 1), -30, 1e-6);
+  EXPECT_NEAR(given(1, 0), -30, 1e-6);
+}
+
+TEST(Periodic, ADrivenWidthKeepsTheLean) {
+  // An empty cell: dL_xy/dt = 0 at offset_speed 0, so offset/width stays; the work is the kinetic
+  // energy of both sides.
+  Scene<2> scene = leaning_lattice(1, 300, 200, {});
+  scene.bodies.resize(1);
+  scene.bodies[0].radius = 0.01;
+  scene.num_steps = 20;
+  const State<2> end = solved_run(scene);
+  const double lean = std::cos(1.0);
+  EXPECT_LT(end.cell.width.length, 0.59);
+  EXPECT_NEAR(end.cell.offset.length / end.cell.width.length, lean, 1e-14);
+  EXPECT_NEAR(end.wall_work, kinetic_energy(end), 1e-12);
+  EXPECT_EQ(end.cell.offset.speed, 0);
+}
+
+TEST(Periodic, WorkOnALeaningCellBalances) {
+  // Impulses act at the middle of the step, where the images move by the mean of both velocities:
+  // the ledger closes to rounding while the cell widens, is pressed together and sheared.
+  Scene<2> scene = leaning_lattice(1.2, 300, 200, {.mu = 0.3});
+  scene.cell.offset.motion = CellSide::Motion::kMoving;
+  scene.cell.offset.speed = 0.4;
+  scene.cell.width.speed = 0.3;
+  scene.solver.tol = 1e-6;  // the ledger closes whatever the impulses are
+  scene.contact_distance = 1e-3;
+  scene.num_steps = 10;
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-12);
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-12);
+  });
+  EXPECT_GT(std::abs(end.cell.width.length - 0.6), 1e-4);
 }
 
 TEST(Periodic, AnEmptyCellFollowsItsStress) {
