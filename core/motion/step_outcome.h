@@ -24,6 +24,8 @@ struct StepOutcome {
   double friction_loss = 0;                 ///< dissipated by tangential impulses, moments [J]
   double shock_loss = 0;                    ///< dissipated by normal impulses, but cohesion [J]
   double cohesion_loss = 0;                 ///< taken by cohesion                         [J]
+  double joint_loss = 0;                    ///< part of shock_loss: by pins and ropes     [J]
+  double from_rest = 0;  ///< with joints: energy that forces alone give bodies at rest    [J]
   Vec<D> external = Vec<D>::Zero();  ///< impulse on disks and driven walls from all else [N s]
 };
 

@@ -14,6 +14,7 @@
 #include "core/base/release.h"
 #include "core/base/stopwatch.h"
 #include "core/motion/impact_law.h"
+#include "core/motion/joint_rows.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/neighbours.h"
 #include "core/motion/outside_changes.h"
@@ -111,6 +112,7 @@ struct TimeStepper<D>::Inside {
   AssembledStep assembled;              // without neighbours
   std::optional<Scene<D>> step_laws;    // with_step_laws(), but for Newton's law
   std::optional<ContactProblem> phase;  // of Poisson's law: solved last
+  JointEnergy joint_energy;
 
   const ContactProblem& problem() const {
     return neighbours != nullptr ? neighbours->problem() : assembled.problem;
@@ -394,6 +396,8 @@ void TimeStepper<D>::Inside::close_ledger(const State<D>& before, const Midpoint
   if (!std::isfinite(report.energy.kinetic + report.energy.potential)) {
     throw StepFailure(StepFailure::Kind::kNumerical, before, "the energy is not finite");
   }
+  const std::string made = joint_energy.add<D>(outcome, now.kinetic);
+  if (!made.empty()) throw StepFailure(StepFailure::Kind::kNumerical, before, made);
   report.momentum = now.momentum;
   report.momentum_imbalance = report.momentum - then.momentum - outcome.external;
 }
