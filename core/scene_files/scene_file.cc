@@ -308,7 +308,7 @@ void read_outside_forces(const SceneTable& root, Scene<D>& scene) {
   table->finish();
 }
 
-/// Turns bodies, walls and forces about the origin; gravity stays: a tilted box.
+/// Turns bodies, walls, forces and lines about the origin; gravity stays: a tilted box.
 void rotate(Scene<2>& scene, double degrees) {
   const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180);
   for (Disk& d : scene.bodies) {
@@ -338,6 +338,12 @@ void rotate(Scene<2>& scene, double degrees) {
     if (w.belt != Vec2::Zero()) w.belt = turn * w.belt;
   }
   for (BodyForce<2>& force : scene.forces) force.force = turn * force.force;
+  if (scene.observables) {
+    for (FluxLine& line : scene.observables->crossings) {
+      line.a = turn * line.a;
+      line.b = turn * line.b;
+    }
+  }
   scene.drag.velocity = turn * scene.drag.velocity;
 }
 
@@ -370,12 +376,14 @@ void read_bodies(const SceneTable& root, Scene<3>& scene) {
   read_clusters(root, scene);
 }
 
-void read_cell_and_turn(const SceneTable& root, Scene<2>& scene) {
-  scene.cell = read_cell(root);
-  if (const auto degrees = root.maybe_number("rotate_degrees")) {
-    if (scene.cell.periodic()) root.fail("rotate_degrees", "a periodic cell does not turn");
-    rotate(scene, *degrees);
+void turn(const SceneTable& root, Scene<2>& scene) {
+  const auto degrees = root.maybe_number("rotate_degrees");
+  if (!degrees) return;
+  if (scene.cell.periodic()) root.fail("rotate_degrees", "a periodic cell does not turn");
+  if (scene.observables && scene.observables->profile) {
+    root.fail("rotate_degrees", "a profile lies along an axis and does not turn");
   }
+  rotate(scene, *degrees);
 }
 
 template <int D>
@@ -396,7 +404,7 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   read_gates(root, D == 2 && root.has("rotate_degrees"), scene);
   read_outside_forces(root, scene);
   if constexpr (D == 2) {
-    read_cell_and_turn(root, scene);
+    scene.cell = read_cell(root);
   } else {
     scene.cell = read_cell_in_space(root);
     if (root.has("rotate_degrees")) root.fail("rotate_degrees", "turns scenes in the plane alone");
@@ -412,6 +420,7 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   read_output(root, scene);
   if constexpr (D == 2) {
     scene.observables = read_observables(root);
+    turn(root, scene);
   } else {
     scene.observables = read_observables_in_space(root, scene.cell);
   }

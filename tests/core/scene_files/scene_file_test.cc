@@ -242,6 +242,17 @@ TEST(SceneFile, ForcesAndDragTurnWithTheScene) {
   EXPECT_TRUE(s.drag.velocity.isApprox(Vec2(0, 3)));
 }
 
+TEST(SceneFile, LinesOfFluxTurnWithTheSceneAndProfilesRefuseTo) {
+  const Scene<2> s =
+      parse("rotate_degrees = 90\n[observables]\nlines = [{from = [0, -1], to = [2, 1]}]\n" +
+            kDisk + kTime);
+  EXPECT_TRUE(s.observables->crossings[0].a.isApprox(Vec2(1, 0)));
+  EXPECT_TRUE(s.observables->crossings[0].b.isApprox(Vec2(-1, 2)));
+  expect_refused("rotate_degrees = 90\n[observables]\nprofile = \"y\"\nprofile_range = [0, 1]\n" +
+                     kDisk + kTime,
+                 {"'rotate_degrees'", "profile"});
+}
+
 TEST(SceneFile, Circles) {
   const std::string circle = "[[walls]]\ncenter = [1, 2]\nradius = 3\n";
   const Scene<2> s = parse(circle + "hollow = true\nspin = -4\n" + circle + kTime);
