@@ -161,6 +161,80 @@ std::vector<std::size_t> outer_candidates(const State<2>& state, double step, co
   return candidates;
 }
 
+/// Marks the disks that extend farthest in some direction: all that have a part of the hull.
+class OuterDisks {
+ public:
+  OuterDisks(const State<2>& state, double step, const std::vector<std::size_t>& among,
+             double margin)
+      : among_(among), margin_(margin) {
+    for (const Disk& d : state.bodies) {
+      centres_.push_back(centre_at_middle(d, step));
+      radii_.push_back(d.radius);
+    }
+    outer_.resize(radii_.size());
+    const Vec2 axes[] = {Vec2::UnitX(), Vec2::UnitY(), -Vec2::UnitX(), -Vec2::UnitY()};
+    std::array<std::size_t, 4> far{};
+    for (std::size_t k = 0; k < 4; ++k) far[k] = farthest(axes[k]);
+    for (std::size_t k = 0; k < 4; ++k) {
+      between(axes[k], far[k], axes[(k + 1) % 4], far[(k + 1) % 4]);
+    }
+  }
+  bool contain(std::size_t disk) const { return outer_[disk]; }
+
+ private:
+  double reach(std::size_t k, const Vec2& u) const { return centres_[k].dot(u) + radii_[k]; }
+  std::size_t farthest(const Vec2& u) const {
+    return *std::max_element(among_.begin(), among_.end(), [&](std::size_t k, std::size_t l) {
+      return reach(k, u) < reach(l, u);
+    });
+  }
+
+  /// The direction in the arc in which one disk extends farthest beyond disk a: 0 if none does.
+  Vec2 beyond(std::size_t a, const Vec2& from, const Vec2& to) const {
+    double most = margin_;
+    Vec2 best = Vec2::Zero();
+    for (const std::size_t k : among_) {
+      const Vec2 d = centres_[k] - centres_[a];
+      const double length = d.norm();
+      if (length + radii_[k] - radii_[a] <= most) continue;
+      if (!(cross(from, d) > 0 && cross(d, to) > 0)) continue;
+      most = length + radii_[k] - radii_[a];
+      best = d / length;
+    }
+    return best;
+  }
+
+  /// Finds the outer disks between two directions, where a and b extend farthest. Other disks are
+  /// sought where a and b extend equally far, on the outer side of their tangent.
+  void between(const Vec2& from, std::size_t a, const Vec2& to, std::size_t b) {
+    outer_[a] = outer_[b] = true;
+    if (a == b) {
+      const Vec2 u = beyond(a, from, to);
+      if (u.isZero(0)) return;
+      const std::size_t c = farthest(u);
+      if (c == a) return;  // beyond by rounding alone
+      between(from, a, u, c);
+      between(u, c, to, a);
+      return;
+    }
+    const Vec2 d = centres_[b] - centres_[a];
+    const double length = d.norm(), along = (radii_[a] - radii_[b]) / length;
+    if (!(std::abs(along) < 1)) return;  // one is in the other, to rounding
+    const Vec2 u = (along * d + std::sqrt(1 - along * along) * Vec2(d[1], -d[0])) / length;
+    if (!(cross(from, u) > 0 && cross(u, to) > 0)) return;  // both extend equally far, to rounding
+    const std::size_t c = farthest(u);
+    const bool none = reach(c, u) <= reach(a, u) + margin_;
+    between(from, a, u, none ? a : c);
+    between(u, none ? b : c, to, b);
+  }
+
+  const std::vector<std::size_t>& among_;
+  double margin_;
+  std::vector<Vec2> centres_;
+  std::vector<double> radii_;
+  std::vector<bool> outer_;
+};
+
 /// Andrew's monotone chain.
 double hull_area(std::vector<Vec2> points) {
   const auto less = [](const Vec2& a, const Vec2& b) {
@@ -198,20 +272,17 @@ double sample_measure(const State<2>& state, double step) {
   }
   if (const double drum = drum_area(state, step); std::isfinite(drum)) return drum;
   // Only disks that extend farthest in some direction have points on the hull.
+  constexpr double kRounding = 1e-14;
   std::array<Vec2, kRimPoints> directions;
   for (int k = 0; k < kRimPoints; ++k) {
     const double angle = 2 * std::numbers::pi * k / kRimPoints;
     directions[static_cast<std::size_t>(k)] = Vec2(std::cos(angle), std::sin(angle));
   }
   const std::vector<std::size_t> candidates = outer_candidates(state, step, box);
-  std::vector<std::size_t> outer;
-  for (const Vec2& direction : directions) {
-    outer.push_back(farthest_disk(state, step, direction, candidates));
-  }
-  std::sort(outer.begin(), outer.end());
-  outer.erase(std::unique(outer.begin(), outer.end()), outer.end());
+  const OuterDisks outer(state, step, candidates, kRounding * box.size().maxCoeff());
   std::vector<Vec2> rim;
-  for (const std::size_t k : outer) {
+  for (const std::size_t k : candidates) {
+    if (!outer.contain(k)) continue;
     for (const Vec2& direction : directions) {
       rim.emplace_back(centre_at_middle(state.bodies[k], step) +
                        state.bodies[k].radius * direction);
