@@ -332,24 +332,39 @@ template <int D>
 MeanStress<D> window_stress(const State<D>& state, double step, const Box<D>& window,
                             std::span<const std::type_identity_t<Spin<D>>> moments) {
   MeanStress<D> stress;
-  const std::vector<Vec2> shifts = image_shifts(state.cell);
+  const Box<2> region{.lower = window.lower.template head<2>(),
+                      .upper = window.upper.template head<2>()};
+  const PeriodicCell& cell = state.cell;
   std::vector<Link<D>> links = collect_links(state, step);
   if (!state.clusters.empty()) end_in_clusters(state, links, arms_at_middle(state, step));
+  Box<2> contents;
   for (const Link<D>& link : links) {
-    for (const Vec2& image : shifts) {
-      const Vec<D> shift = in_dimensions<D>(image);
+    contents.include(link.from.template head<2>());
+    contents.include(link.to.template head<2>());
+  }
+  const std::vector<CellNumber> images = images_over(cell, contents, region);
+  for (const Link<D>& link : links) {
+    for (const auto& [kx, ky] : images) {
+      const Vec<D> shift = in_dimensions<D>(cell.shift(kx, ky));
       const double share = share_inside<D>(link.from + shift, link.to + shift, window);
       if (share > 0) stress.contact += share * (link.tensor() + link.lever);
     }
   }
   std::vector<Body<D>> inside;
-  for (const Centre<D>& centre : centres(state, step, moments)) {
-    const Vec<D>& x = centre.body.x;
-    const bool in =
-        (x.array() >= window.lower.array()).all() && (x.array() < window.upper.array()).all();
-    if (!in) continue;
-    inside.push_back(centre.body);
-    stress.spin += spin_part(centre.moment, step);
+  const std::vector<Centre<D>> bodies = centres(state, step, moments);
+  contents = {};
+  for (const Centre<D>& centre : bodies) contents.include(centre.body.x.template head<2>());
+  for (const auto& [kx, ky] : images_over(cell, contents, region)) {
+    for (const Centre<D>& centre : bodies) {
+      Body<D> body = centre.body;
+      body.x += in_dimensions<D>(cell.shift(kx, ky));
+      const bool in = (body.x.array() >= window.lower.array()).all() &&
+                      (body.x.array() < window.upper.array()).all();
+      if (!in) continue;
+      body.v += in_dimensions<D>(cell.shift_velocity(kx, ky));
+      inside.push_back(body);
+      stress.spin += spin_part(centre.moment, step);
+    }
   }
   const Vec<D> mean = mean_velocity<D>(inside);
   for (const Body<D>& d : inside) stress.kinetic += kinetic_part(d, mean);

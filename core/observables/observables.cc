@@ -82,14 +82,18 @@ template <int D>
 double disks_area(const State<D>& placed, const MeasuredBodies<D>& bodies,
                   const ObservableChoice<D>& choice) {
   double sum = 0;
+  if (!choice.window) {
+    for (const MeasuredBody<D>& body : bodies.list) sum += body.size;
+    return sum;
+  }
+  const auto& [lower, upper] = *choice.window;
+  const std::vector<CellNumber> images =
+      images_over(placed.cell, extent_of_bodies(placed),
+                  {.lower = lower.template head<2>(), .upper = upper.template head<2>()});
   for (const MeasuredBody<D>& body : bodies.list) {
-    if (!choice.window) {
-      sum += body.size;
-      continue;
-    }
-    for (const Vec2& shift : image_shifts(placed.cell)) {
-      sum += part_in_box<D>(placed, body, in_dimensions<D>(shift), choice.window->first,
-                            choice.window->second);
+    for (const auto& [kx, ky] : images) {
+      const Vec<D> shift = in_dimensions<D>(placed.cell.shift(kx, ky));
+      sum += part_in_box<D>(placed, body, shift, lower, upper);
     }
   }
   return sum;
@@ -299,14 +303,20 @@ Profile<D> observe_profile(const State<D>& state, double step,
     const double bin = std::floor((at - chosen.low) / width);
     return static_cast<int>(std::clamp(bin, -1.0, static_cast<double>(chosen.bins)));
   };
+  Box<D> whole = section;
+  whole.lower[a] = chosen.low;
+  whole.upper[a] = chosen.high;
+  const std::vector<CellNumber> images = images_over(
+      placed.cell, extent_of_bodies(placed),
+      {.lower = whole.lower.template head<2>(), .upper = whole.upper.template head<2>()});
   for (const MeasuredBody<D>& body : measured_bodies(placed).list) {
     double lowest = kInfinity, highest = -kInfinity;
     for (const std::size_t i : body.parts) {
       lowest = std::min(lowest, placed.bodies[i].x[a] - placed.bodies[i].radius);
       highest = std::max(highest, placed.bodies[i].x[a] + placed.bodies[i].radius);
     }
-    for (const Vec2& image : image_shifts(placed.cell)) {
-      const Vec<D> shift = in_dimensions<D>(image);
+    for (const auto& [kx, ky] : images) {
+      const Vec<D> shift = in_dimensions<D>(placed.cell.shift(kx, ky));
       const int first = std::max(0, bin_at(lowest + shift[a]));
       const int last = std::min(chosen.bins - 1, bin_at(highest + shift[a]));
       for (int bin = first; bin <= last; ++bin) {
@@ -350,8 +360,13 @@ double mass_flux(const State<2>& state, const FluxLine& line) {
   const double length = (line.b - line.a).norm();
   double flux = 0;
   std::vector<std::pair<double, double>> chords;  // of the line in the body's disks
+  Box<2> ends;
+  ends.include(line.a);
+  ends.include(line.b);
+  const std::vector<CellNumber> images = images_over(placed.cell, extent_of_bodies(placed), ends);
   for (const MeasuredBody<2>& body : measured_bodies(placed).list) {
-    for (const Vec2& shift : image_shifts(placed.cell)) {
+    for (const auto& [kx, ky] : images) {
+      const Vec2 shift = placed.cell.shift(kx, ky);
       chords.clear();
       for (const std::size_t i : body.parts) {
         const Disk& d = placed.bodies[i];

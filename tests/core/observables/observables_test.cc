@@ -199,6 +199,37 @@ TEST(Observables, OfAPeriodicRowAreThoseOfEveryCell) {
   EXPECT_NEAR(part.stress.contact(0, 0), 5, 1e-12);
 }
 
+TEST(Observables, OfAWindowLongerThanTheCellAreThoseOfTheCell) {
+  // 2 x 3 cells of 0.5 m x 0.4 m, offset by 0.1 m, with one disk of 1 kg. Its images move with the
+  // cell, 0.4 m/s faster for each cell further up.
+  State<2> state;
+  state.cell.in_x = state.cell.in_y = true;
+  state.cell.width.length = 0.5;
+  state.cell.height = {.motion = CellSide::Motion::kMoving, .length = 0.4, .speed = 0.4};
+  state.cell.offset.length = 0.1;
+  state.bodies = {round_body<2>(Vec2(0.1, 0.1), 0.05, 1)};
+  Scene<2> scene = one_law<2>({});
+  scene.step = 1e-3;
+  ObservableChoice<2> choice;
+  choice.window = {Vec2(0, 0), Vec2(1, 1.2)};
+  const Observables<2> seen = observe(scene, state, choice);
+  EXPECT_NEAR(seen.solid_fraction, std::numbers::pi * 0.0025 / 0.2, 1e-12);
+  // Speeds along y 0, 0.4 and 0.8 m/s, twice: Σ m (v - 0.4)² = 4 · 0.16 J over 1.2 m².
+  EXPECT_NEAR(seen.stress.kinetic(1, 1), 0.64 / 1.2, 1e-12);
+  // Cut below the middle of the third row: two rows and a half.
+  choice.window = {Vec2(0, 0), Vec2(1, 0.9)};
+  EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 5 * std::numbers::pi * 0.0025 / 0.9,
+              1e-12);
+  // A line through the middle of both disks of the third row, in a cell that stands: chords of
+  // 0.1 m, at 3 m/s.
+  state.cell.height = {.length = 0.4};
+  state.bodies[0].v = Vec2(0, 3);
+  FluxLine line;
+  line.a = Vec2(0, 0.9);
+  line.b = Vec2(1, 0.9);
+  EXPECT_NEAR(mass_flux(state, line), 2 * 0.1 * 3 / (std::numbers::pi * 0.0025), 1e-10);
+}
+
 TEST(Observables, FilesAndTheirMeans) {
   const TemporaryFolder folder;
   const std::string text =
