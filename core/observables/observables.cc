@@ -317,6 +317,7 @@ Profile<D> observe_profile(const State<D>& state, double step,
     }
     for (const auto& [kx, ky] : images) {
       const Vec<D> shift = in_dimensions<D>(placed.cell.shift(kx, ky));
+      const Vec<D> v = body.v + in_dimensions<D>(placed.cell.shift_velocity(kx, ky));
       const int first = std::max(0, bin_at(lowest + shift[a]));
       const int last = std::min(chosen.bins - 1, bin_at(highest + shift[a]));
       for (int bin = first; bin <= last; ++bin) {
@@ -324,9 +325,9 @@ Profile<D> observe_profile(const State<D>& state, double step,
         const double part = part_in_box<D>(placed, body, shift, box.lower, box.upper);
         const std::size_t b = to_size(bin);
         area[b] += part;
-        profile.velocity[b] += part * body.v;
+        profile.velocity[b] += part * v;
         profile.spin[b] += part * body.spin;
-        square[b] += part * body.v.squaredNorm();
+        square[b] += part * v.squaredNorm();
       }
     }
   }
@@ -367,6 +368,7 @@ double mass_flux(const State<2>& state, const FluxLine& line) {
   for (const MeasuredBody<2>& body : measured_bodies(placed).list) {
     for (const auto& [kx, ky] : images) {
       const Vec2 shift = placed.cell.shift(kx, ky);
+      const double across = (body.v + placed.cell.shift_velocity(kx, ky)).dot(left);
       chords.clear();
       for (const std::size_t i : body.parts) {
         const Disk& d = placed.bodies[i];
@@ -380,7 +382,7 @@ double mass_flux(const State<2>& state, const FluxLine& line) {
       if (chords.empty()) continue;
       const double density = body.mass / body.size;
       if (body.parts.size() == 1) {
-        flux += density * (chords[0].second - chords[0].first) * body.v.dot(left);
+        flux += density * (chords[0].second - chords[0].first) * across;
         continue;
       }
       // Overlaps count once. A point at s along the line crosses it with v + spin (s - s_centre).
@@ -391,8 +393,7 @@ double mass_flux(const State<2>& state, const FluxLine& line) {
         const double first = std::max(begin, reached);
         reached = std::max(reached, last);
         if (!(last > first)) continue;
-        flux += density * (last - first) *
-                (body.v.dot(left) + body.spin * (0.5 * (first + last) - centre));
+        flux += density * (last - first) * (across + body.spin * (0.5 * (first + last) - centre));
       }
     }
   }
@@ -418,9 +419,15 @@ double mass_flux(const State<3>& state, const FluxFace& face) {
     }
   }
   double flux = 0;
+  const Box<2> extent = extent_of_bodies(placed);
+  Box<2> whole = extent;
+  whole.include(Vec2::Zero());
+  whole.include(placed.cell.shift(1, 1));
+  const std::vector<CellNumber> images = images_over(placed.cell, extent, whole);
   for (const Sphere& s : placed.bodies) {
-    for (const Vec2& shift : image_shifts(placed.cell)) {
-      const Vec3 x = s.x + in_dimensions<3>(shift) - face.point;
+    for (const auto& [kx, ky] : images) {
+      const Vec3 x = s.x + in_dimensions<3>(placed.cell.shift(kx, ky)) - face.point;
+      const Vec3 v = s.v + in_dimensions<3>(placed.cell.shift_velocity(kx, ky));
       const double off = x.dot(face.normal);
       if (std::abs(off) >= s.radius) continue;
       const double section = std::sqrt(s.radius * s.radius - off * off);  // a disk
@@ -429,7 +436,7 @@ double mass_flux(const State<3>& state, const FluxFace& face) {
                               ? area_in_disk(at.norm(), section, face.radius)
                               : area_in_rectangle(at, section, low, high);
       flux +=
-          s.mass / (4 * std::numbers::pi / 3 * std::pow(s.radius, 3)) * area * s.v.dot(face.normal);
+          s.mass / (4 * std::numbers::pi / 3 * std::pow(s.radius, 3)) * area * v.dot(face.normal);
     }
   }
   return flux;

@@ -220,14 +220,15 @@ TEST(Observables, OfAWindowLongerThanTheCellAreThoseOfTheCell) {
   choice.window = {Vec2(0, 0), Vec2(1, 0.9)};
   EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 5 * std::numbers::pi * 0.0025 / 0.9,
               1e-12);
-  // A line through the middle of both disks of the third row, in a cell that stands: chords of
-  // 0.1 m, at 3 m/s.
-  state.cell.height = {.length = 0.4};
+  // A line through the middle of both disks of the third row: chords of 0.1 m, at 3 + 0.8 m/s.
   state.bodies[0].v = Vec2(0, 3);
   FluxLine line;
   line.a = Vec2(0, 0.9);
   line.b = Vec2(1, 0.9);
-  EXPECT_NEAR(mass_flux(state, line), 2 * 0.1 * 3 / (std::numbers::pi * 0.0025), 1e-10);
+  EXPECT_NEAR(mass_flux(state, line), 2 * 0.1 * 3.8 / (std::numbers::pi * 0.0025), 1e-10);
+  choice.profile = ProfileChoice{.axis = 1, .bins = 3, .low = 0, .high = 1.2};
+  const Profile<2> rows = observe_profile(state, scene.step, choice);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(rows.velocity[to_size(k)][1], 3 + 0.4 * k, 1e-12);
 }
 
 TEST(Observables, FilesAndTheirMeans) {
