@@ -97,11 +97,11 @@ struct Advice {
   };
   /// Errors of time steps over stretches. Steps of 4, 2, 1, ½, ¼ of the scene's are compared with
   /// the finest that time allows (⅛, 1/16 for small overlaps), all solved tightly. Steps beyond the
-  /// limit of the overlap are left out, and those that do not divide the scene's time. Differences are scaled by r/(r - 1), r the ratio of the
-  /// steps, as the reference has an error of first order as well. The overlap is the larger of that
-  /// of the stretches and of that of the sampled run, in proportion to the step. Accuracies from a
-  /// third of the allowed overlap on, which cut steps of a frame, are compared with the same
-  /// reference.
+  /// limit of the overlap are left out, and those that miss the scene's time by more than 1 %.
+  /// Differences are scaled by r/(r - 1), r the ratio of the steps, as the reference has an error of
+  /// first order as well. The overlap is the larger of that of the stretches and of that of the
+  /// sampled run, in proportion to the step. Accuracies from a third of the allowed overlap on,
+  /// which cut steps of a frame, are compared with the same reference.
   struct StepStudy {
     double window = 0;             ///< [s]: a fiftieth of the run, at least 16 of the scene's steps
     int windows = 0;               ///< stretches that all entries of `steps` were measured on

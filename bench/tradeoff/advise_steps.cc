@@ -46,8 +46,9 @@ void Adviser<D>::study_time_step() {
   for (double factor : {2.0, 4.0, 0.25, 0.125, 0.0625}) {
     if (options_.stopped()) return;
     if (options_.keep_step && factor > 1) continue;
-    // Trials take the scene's time.
-    if (factor > 1 && scene_.num_steps % static_cast<int>(factor) != 0) continue;
+    // Trials take the scene's time, to a hundredth.
+    const double steps = scene_.num_steps / factor;
+    if (std::abs(std::round(steps) - steps) > 0.01 * steps) continue;
     // Steps that the overlap forbids, and finer ones than it asks for.
     if (factor > 1 && factor * overlap > advice_.goal.penetration) continue;
     if (factor < 0.1 && !(0.25 * overlap > advice_.goal.penetration)) continue;

@@ -153,7 +153,7 @@ std::optional<char> component_of(std::string name) {
 /// Names that say another order than the one the columns are read in are refused.
 void check_names(const std::filesystem::path& path, const TextTable& table, std::size_t dim,
                  const ImpulseLayout& layout) {
-  if (table.columns != dim || table.names.size() < dim) return;
+  if (dim < 2 || table.columns != dim || table.names.size() < dim) return;
   const std::string expected =
       layout.components.empty() ? std::string("nts").substr(0, dim) : layout.components;
   const auto names = table.names.end() - static_cast<std::ptrdiff_t>(dim);

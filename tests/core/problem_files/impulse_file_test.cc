@@ -88,6 +88,7 @@ TEST_F(ImpulseFile, NamesOfColumnsMustSayTheOrder) {
 
 TEST_F(ImpulseFile, FrictionlessProblemsTakeNormalsOrInertTangents) {
   EXPECT_EQ(read("1 2 3", problem(1, 3)), vec({1, 2, 3}));
+  EXPECT_EQ(read("s\n1\n2\n3\n", problem(1, 3)), vec({1, 2, 3}));  // any name
   EXPECT_EQ(read("1 0 2 0 3 0", problem(1, 3)), vec({1, 2, 3}));
   EXPECT_TRUE(says(refusal("1 0 2 7 3 0", problem(1, 3)), "tangential impulse 7, expected 0"));
   EXPECT_EQ(read("", problem(2, 0)).size(), 0);
