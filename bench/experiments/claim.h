@@ -19,8 +19,10 @@ struct Expectation {
   static Expectation equal(double value) {
     return {value, value, value == 0 ? 1 : std::abs(value)};
   }
-  static Expectation at_least(double low, double scale = 1) { return {low, kInfinity, scale}; }
-  static Expectation at_most(double high, double scale = 1) { return {-kInfinity, high, scale}; }
+  static Expectation at_least(double low) { return at_least(low, equal(low).scale); }
+  static Expectation at_most(double high) { return at_most(high, equal(high).scale); }
+  static Expectation at_least(double low, double scale) { return {low, kInfinity, scale}; }
+  static Expectation at_most(double high, double scale) { return {-kInfinity, high, scale}; }
   static Expectation between(double low, double high, double scale) { return {low, high, scale}; }
 
   /// Distance of a value from the interval, relative to the scale: 0 inside, NaN for NaN.

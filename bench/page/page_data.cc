@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostMarks = 2000;
+constexpr std::size_t kMostMarks = 20000;
 
 }  // namespace
 

@@ -10,6 +10,7 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/report/labels.h"
 #include "core/motion/spring_dashpot_setup.h"
+#include "solvers/auto/plan.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 
@@ -87,14 +88,17 @@ RunRecord run_setting(const Scene<D>& made, State<D>& state, const RunSetting& s
       .steps = scene.num_steps, .cancelled = out_of_time, .before_step = observer.before_step};
   bool gave_up = false;
   if (!setting.dem()) {
-    const SolverEntry& entry = require_solver(setting.solver);
-    SolverOptions solver{
-        .tol = setting.tol, .parameters = setting.parameters, .cancelled = out_of_time};
-    options.explicit_delassus = entry.needs_delassus;
+    RunSolver solver{.solver = setting.solver,
+                     .options = {.tol = setting.tol,
+                                 .parameters = setting.parameters,
+                                 .plan = named_plan(setting.parameters),
+                                 .cancelled = out_of_time}};
+    options.explicit_delassus = require_solver(setting.solver).needs_delassus;
     options.solver = [&, solver](const ContactProblem& p, const Vector& s0) mutable {
+      solver.watch = Stopwatch();
       if (limits.seconds_left) solver.time_limit = limits.seconds_left();
       const CpuStopwatch clock;
-      StepSolution solution = make_step_solver(entry, solver)(p, s0);
+      StepSolution solution = to_step_solution(solver.solve(p, s0));
       if (p.num_contacts() > 0) {
         record.solve_cpu += clock.seconds();
         ++record.solves;

@@ -1,8 +1,5 @@
 #include "core/motion/joint_rows.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -202,28 +199,6 @@ void add_joint_outcome(const AssembledStep& step, const Vector& s, const Vector&
   }
 }
 
-template <int D>
-std::string JointEnergy::add(const StepOutcome<D>& outcome, double kinetic) {
-  constexpr double kMost = 0.1;
-  // From rest, kinetic energy is of the order of what the step misses until some steps are done.
-  constexpr double kFirstSteps = 10;
-  const double made = made_ - outcome.joint_loss;
-  const double largest =
-      std::max({largest_, kinetic, kFirstSteps * kFirstSteps * outcome.from_rest});
-  if (made - least_ > kMost * largest) {  // the step is not taken
-    return fmt::format(
-        "pins and ropes made {:.3g} J, with a kinetic energy of {:.3g} J at most: bodies turn too far "
-        "in a step, shorten it",
-        made - least_, largest);
-  }
-  made_ = made;
-  least_ = std::min(least_, made);
-  largest_ = largest;
-  return {};
-}
-
-template std::string JointEnergy::add(const StepOutcome<2>&, double);
-template std::string JointEnergy::add(const StepOutcome<3>&, double);
 template void add_ropes(const Scene<2>&, std::span<const Disk>, const ClusterInput<2>&,
                         AssembledStep&);
 template void add_ropes(const Scene<3>&, std::span<const Sphere>, const ClusterInput<3>&,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <type_traits>
 
 #include "core/motion/assembly.h"
@@ -21,7 +20,7 @@ namespace bipot {
 // midpoints: there a point that runs at v on a circle of radius l is h² v²/(8 l) inside it. This is
 // one Newton step of SHAKE (Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 1977). What it
 // leaves, the next step puts right by a velocity of gap/h: where bodies turn too far in a step,
-// this makes energy without end. JointEnergy sees it. [ours]
+// this makes energy without end (solvers/simulation/joint_energy.h). [ours]
 
 /// Adds the ropes to the problem, as its last contacts; for bodies at mid-step.
 template <int D>
@@ -33,19 +32,6 @@ void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<
 template <int D>
 void add_pins(const Scene<D>& scene, std::span<const std::type_identity_t<Body<D>>> bodies,
               const ClusterInput<D>& clusters, AssembledStep& step);
-
-/// Watches the energy that joints make. It goes back and forth, to the second order in the step,
-/// unless bodies turn too far in it.
-class JointEnergy {
- public:
-  /// `kinetic`: after the step [J]. Empty, or a sentence for a run that cannot be trusted: since
-  /// its least value, what the joints made has grown by a tenth of the largest kinetic energy.
-  template <int D>
-  std::string add(const StepOutcome<D>& outcome, double kinetic);
-
- private:
-  double made_ = 0, least_ = 0, largest_ = 0;  // [J]
-};
 
 /// Adds what the joints did in a step: s, v as of step_outcome(). What they dissipate, by shocks
 /// and to rounding of the above, is a shock loss.

@@ -221,7 +221,9 @@ class OuterDisks {
     const double length = d.norm(), along = (radii_[a] - radii_[b]) / length;
     if (!(std::abs(along) < 1)) return;  // one is in the other, to rounding
     const Vec2 u = (along * d + std::sqrt(1 - along * along) * Vec2(d[1], -d[0])) / length;
-    if (!(cross(from, u) > 0 && cross(u, to) > 0)) return;  // both extend equally far, to rounding
+    // At an end of the arc both may extend equally far, to rounding: one has all of the arc.
+    if (!(cross(from, u) > 0)) return between(from, b, to, b);
+    if (!(cross(u, to) > 0)) return between(from, a, to, a);
     const std::size_t c = farthest(u);
     const bool none = reach(c, u) <= reach(a, u) + margin_;
     between(from, a, u, none ? a : c);

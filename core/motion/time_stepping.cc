@@ -112,7 +112,6 @@ struct TimeStepper<D>::Inside {
   AssembledStep assembled;              // without neighbours
   std::optional<Scene<D>> step_laws;    // with_step_laws(), but for Newton's law
   std::optional<ContactProblem> phase;  // of Poisson's law: solved last
-  JointEnergy joint_energy;
 
   const ContactProblem& problem() const {
     return neighbours != nullptr ? neighbours->problem() : assembled.problem;
@@ -396,8 +395,8 @@ void TimeStepper<D>::Inside::close_ledger(const State<D>& before, const Midpoint
   if (!std::isfinite(report.energy.kinetic + report.energy.potential)) {
     throw StepFailure(StepFailure::Kind::kNumerical, before, "the energy is not finite");
   }
-  const std::string made = joint_energy.add<D>(outcome, now.kinetic);
-  if (!made.empty()) throw StepFailure(StepFailure::Kind::kNumerical, before, made);
+  report.joint_loss = outcome.joint_loss;
+  report.from_rest = outcome.from_rest;
   report.momentum = now.momentum;
   report.momentum_imbalance = report.momentum - then.momentum - outcome.external;
 }

@@ -82,6 +82,8 @@ struct StepReport {
   int passages = 0;                            ///< pairs that went through each other
   std::string passage;                         ///< the first of them (core/motion/passage.h)
   double wall_pushes = 0;                      ///< Σ |s| of the contacts with walls [N s]
+  double joint_loss = 0;                       ///< part of the shock loss, by joints [J]
+  double from_rest = 0;  ///< with joints: energy that forces alone give bodies at rest [J]
   StepParts cut;
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
 

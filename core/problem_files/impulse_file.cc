@@ -143,7 +143,7 @@ std::optional<char> component_of(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (name.starts_with("normal")) return 'n';
-  if (name.starts_with("tangent") || name == "t1") return 't';
+  if (name.starts_with("tangent") || name == "t1") return name.ends_with('2') ? 's' : 't';
   if (name == "t2") return 's';
   const bool known =
       name.size() <= 3 && std::string_view("nts").find(name.back()) != std::string::npos;

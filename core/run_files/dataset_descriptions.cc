@@ -68,7 +68,7 @@ constexpr Description kDatasets[] = {
     {"/cell/stress", "that drives the sides: width, height, offset"},
     {"/cell/mass", "of the sides: width, height, offset"},
     {"/cell/lengths", "width, height, offset; in 3D width, depth"},
-    {"/cell/speeds", "rates of the lengths"},
+    {"/cell/speeds", "rates of the lengths; of the offset without what a driven width carries"},
     {"/time", "after the step"},
     {"/wall_work", "work of moving and driven walls since step 0"},
     {"/friction_loss", "dissipated by tangential impulses since step 0"},

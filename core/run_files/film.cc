@@ -74,7 +74,9 @@ template <int D>
 FilmRecorder<D>::FilmRecorder(fs::path folder, const Scene<D>& scene, int resume_after)
     : path_(folder / kFilmFile), scene_(scene), grid_(film_grid(scene)) {
   Film before = film_up_to(folder, resume_after);
-  if (before.grid != grid_) before.frames.clear();  // one film has one grid
+  // One film has one grid; bodies that a start moved apart were elsewhere when it was made.
+  if (before.grid.quantum == grid_.quantum) grid_ = before.grid;
+  if (before.grid != grid_) before.frames.clear();
   // Distances tell how often steps were taken; the first and the last may stand anywhere.
   const auto& frames = before.frames;
   if (frames.size() > 3) every_ = std::max(1, frames[2].step - frames[1].step);

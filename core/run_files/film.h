@@ -54,8 +54,8 @@ struct Film {
 };
 
 /// The film of a run, in which a frame that is cut off at the end does not count; without frames if
-/// the run has none of this version. `after`: frames up to that step are left out. The run may go on meanwhile.
-/// Throws FileError.
+/// the run has none of this version. `after`: frames up to that step are left out. The run may go
+/// on meanwhile. Throws FileError.
 Film read_film(const std::filesystem::path& folder, int after = -1);
 
 }  // namespace bipot

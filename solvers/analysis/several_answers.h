@@ -23,8 +23,8 @@ struct Answer {
     kLeft,      ///< a solve from 1 % away ended at another answer, not joined to this one
     kUnknown    ///< no solve from 1 % away reached an exact answer, or time was up
   };
-  /// Difference of two answers of a problem, relative to the first one found. Undefined measures are NaN: those of bodies need the
-  /// rows of rigid bodies in H (body_rows.h).
+  /// Difference of two answers of a problem, relative to the first one found. Undefined measures
+  /// are NaN: those of bodies need the rows of rigid bodies in H (body_rows.h).
   struct Difference {
     double velocity = kNaN;  ///< ‖v - v'‖_A / ‖v - v_free‖_A of the first answer      [-]
     double body_velocity = kNaN;  ///< largest |v_b - v_b'| over the largest |v_b|, translations [-]

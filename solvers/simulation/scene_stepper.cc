@@ -154,6 +154,17 @@ SceneRunOptions<D> SceneStepper<D>::options_of_parts() {
 
 template <int D>
 StepReport<D> SceneStepper<D>::advance(State<D>& state) {
+  if (scene_.joints.empty()) return take(state);
+  State<D> next = state;
+  StepReport<D> report = take(next);
+  const std::string made = joint_energy_.add(report);
+  if (!made.empty()) throw StepFailure(StepFailure::Kind::kNumerical, state, made);
+  state = std::move(next);
+  return report;
+}
+
+template <int D>
+StepReport<D> SceneStepper<D>::take(State<D>& state) {
   parts_ = 1;
   cut_.reset();
   if (springs_) return springs_->advance(state);

@@ -6,6 +6,7 @@
 #include "core/motion/spring_dashpot.h"
 #include "solvers/simulation/accurate_step.h"
 #include "solvers/simulation/domain.h"
+#include "solvers/simulation/joint_energy.h"
 #include "solvers/simulation/scene_run.h"
 #include "solvers/simulation/step_solver.h"
 
@@ -48,6 +49,8 @@ class SceneStepper {
   /// Marks the answer to a problem that was not solved, if this provably has no solution; the same
   /// on all processes. `problem` is asked for by the first one only, of all of them.
   void seek_proof(const std::function<ContactProblem()>& problem, StepSolution& solution);
+  /// advance() without a look at the energy that joints make.
+  StepReport<D> take(State<D>& state);
   /// The options with a solver that remembers problem() of a step that is cut from now on.
   SceneRunOptions<D> options_of_parts();
   /// True if a step is taken although its problem was not solved.
@@ -67,6 +70,7 @@ class SceneStepper {
   int parts_ = 1;
   double proof_seconds_ = 0;  // used
   Vector start_;
+  JointEnergy joint_energy_;
   std::optional<ContactProblem> cut_;  // problem() of a step that was cut
   bool cut_is_unsolved_ = false;
   ContactProblem none_;

@@ -55,6 +55,8 @@ void SummedParts<D>::add(const StepReport<D>& part,
       total_.overlap_pair = before.overlap_pair;
     }
     total_.travel += before.travel;
+    total_.joint_loss += before.joint_loss;
+    total_.from_rest += before.from_rest;
     total_.passages += before.passages;
     if (before.passages > 0) total_.passage = before.passage;
     total_.contacts = std::max(total_.contacts, before.contacts);

@@ -112,7 +112,7 @@ TEST(Pin, AnEvenRotationKeepsItsEnergyAtLongSteps) {
 
 // Two light links, 1.05 m and 0.7 m, the masses at the far ends of both from their joint: it snaps
 // when they come in line. Energy begins with m g y and I w²/2: -19.54 J, and cannot grow. A step of
-// 0.01 s does not see the snap. The run ended with 1e13 J.
+// 0.01 s does not see the snap.
 TEST(Pin, AStepTooLongForItsBodiesFails) {
   Scene<2> scene = parse_scene(R"(
 time = {step = 1e-2, duration = 4}
@@ -121,19 +121,22 @@ disks = [{position = [0.3, -0.5], radius = 0.05, mass = 2},
 pins = [{bodies = [0, 1], point = [1.3, -0.5]}, {bodies = [0], point = [0.25, -0.5]}]
 )",
                                "test");
-  double most = -kInfinity;
-  try {
-    solved_run(scene, [&](const State<2>&, const StepReport<2>& r) {
-      most = std::max(most, energy(r.energy));
-    });
-    ADD_FAILURE() << "the run went on";
-  } catch (const StepFailure& e) {
-    EXPECT_EQ(e.kind, StepFailure::Kind::kNumerical);
-    EXPECT_NE(std::string(e.what()).find("pins and ropes made"), std::string::npos) << e.what();
+  for (const double travel : {0.0, 0.5}) {  // in whole steps, in parts of them
+    scene.travel = travel;
+    double most = -kInfinity;
+    try {
+      solved_run(scene, [&](const State<2>&, const StepReport<2>& r) {
+        most = std::max(most, energy(r.energy));
+      });
+      ADD_FAILURE() << "the run went on";
+    } catch (const StepFailure& e) {
+      EXPECT_EQ(e.kind, StepFailure::Kind::kNumerical);
+      EXPECT_NE(std::string(e.what()).find("pins and ropes made"), std::string::npos) << e.what();
+    }
+    // Falling by 0.05 m and 1.75 m at most gives 35.3 J; with what was made, a tenth of the kinetic
+    // energy, this is 35.4/0.9 J.
+    EXPECT_LE(most, -19.54 + 4);
   }
-  // Falling by 0.05 m and 1.75 m at most gives 35.3 J; with what was made, a tenth of the kinetic
-  // energy, this is 35.4/0.9 J.
-  EXPECT_LE(most, -19.54 + 4);
 }
 
 /// A disk pinned to the ground, and one pinned to it, both to the right at rest.

@@ -81,5 +81,18 @@ TEST(SampleArea, HasEveryDiskThatProtrudes) {
   }
 }
 
+TEST(SampleArea, HasADiskBetweenTwoThatExtendEquallyFar) {
+  // Two disks of radius 1 stand on a line, 10 apart; their hull is 20 + pi. At 45 degrees below the
+  // second, d = 0.8 sqrt(2) away, a third of radius r = 0.15 does not reach the line. With t² = d² -
+  // (1 - r)² and cos(phi) = (1 - r)/d its hull with the second is (1 + r) t + pi - phi + r² phi.
+  const double d = 0.8 * std::numbers::sqrt2, r = 0.15, phi = std::acos((1 - r) / d);
+  const double more = (1 + r) * std::sqrt(d * d - (1 - r) * (1 - r)) - phi + r * r * phi;
+  for (const double side : {-1.0, 1.0}) {
+    State<2> state;
+    state.bodies = {still_disk(0, 0, 1), still_disk(10, 0, 1), still_disk(10.8, 0.8 * side, r)};
+    EXPECT_NEAR(sample_measure(state, 1e-3), 20 + std::numbers::pi + more, 2e-3) << side;
+  }
+}
+
 }  // namespace
 }  // namespace bipot

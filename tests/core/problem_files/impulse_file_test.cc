@@ -79,7 +79,11 @@ TEST_F(ImpulseFile, NamesOfColumnsMustSayTheOrder) {
   }
   EXPECT_TRUE(says(refusal("n,t\n1,-2\n3,-4\n5,-6\n", kThree, {.components = "tn"}), "'n'"));
   EXPECT_TRUE(says(refusal("n,t2,t1\n1,2,3\n4,5,6\n", problem(3, 2)), "column 2"));
-  EXPECT_EQ(read("n,t1,t2\n1,2,3\n4,5,6\n", problem(3, 2)), vec({1, 2, 3, 4, 5, 6}));
+  for (const char* names :
+       {"n,t1,t2", "normal,tangent1,tangent2", "Normal,Tangential_1,Tangential_2"}) {
+    const std::string table = std::string(names) + "\n1,2,3\n4,5,6\n";
+    EXPECT_EQ(read(table, problem(3, 2)), vec({1, 2, 3, 4, 5, 6})) << names;
+  }
   EXPECT_TRUE(says(refusal("n,t,s\n1,2,3\n4,5,6\n", problem(3, 2), {.components = "n"}),
                    "expected the letters"));
   // Other names say nothing.

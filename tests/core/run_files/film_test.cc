@@ -192,6 +192,23 @@ TEST(Film, GoesOnAfterARestartWithoutLaterFrames) {
   EXPECT_EQ(found.frames.back().step, 510);
 }
 
+// A start that moved overlapping bodies apart; the scene that goes on has them where they were.
+TEST(Film, KeepsItsGridThroughARestart) {
+  const TemporaryFolder folder;
+  Scene<2> scene = two_disks();
+  const State<2> state = touching(scene);
+  {
+    FilmRecorder<2> film(folder.path(), scene);
+    record(film, state, 0, 10);
+  }
+  const FilmGrid grid = film_grid(scene);
+  scene.bodies[1].x[0] -= 0.1;
+  FilmRecorder<2> film(folder.path(), scene, 10);
+  record(film, state, 11, 12);
+  EXPECT_EQ(read_film(folder.path()).frames.size(), 13u);
+  EXPECT_EQ(read_film(folder.path()).grid, grid);
+}
+
 TEST(Film, AFrameThatIsCutOffDoesNotCount) {
   const TemporaryFolder folder;
   const Scene<2> scene = two_disks();
