@@ -20,8 +20,8 @@ struct Leaderboard {
     double guarded = kNaN, epsilon = kNaN, eta = kNaN, cone = kNaN;  ///< ImpulseVerdict's
     double quadruple = kNaN;  ///< max(ε, η) by independent_check()
     double seconds = kNaN;    ///< as submitted
-    /// guarded <= tol.
-    bool solves(double tol) const { return guarded <= tol; }
+    /// guarded <= within.
+    bool solves(double within) const { return guarded <= within; }
   };
   /// Solvers of this project that take part.
   struct Ours {
