@@ -1,7 +1,6 @@
 #include "bench/page/page_data.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -96,15 +95,6 @@ std::vector<double> from_origin(std::vector<double> walls, const FilmGrid& grid,
   return walls;
 }
 
-/// Angles to 1e-4 rad: short texts.
-std::vector<double> rounded(const std::vector<float>& angles) {
-  std::vector<double> short_ones;
-  for (const float angle : angles) {
-    short_ones.push_back(std::round(1e4 * static_cast<double>(angle)) / 1e4);
-  }
-  return short_ones;
-}
-
 }  // namespace
 
 void describe_frames(const Film& film, std::size_t dim, Json& about) {
@@ -117,7 +107,7 @@ void describe_frames(const Film& film, std::size_t dim, Json& about) {
     list.push_back({frame.step, frame.time, frame.number.size(), frame.i.size()});
     const bool same = before != nullptr && before->walls == frame.walls;
     walls.push_back(same ? Json() : Json(from_origin(frame.walls, film.grid, dim)));
-    if (turning) turns.push_back(rounded(frame.wall_turn));
+    if (turning) turns.push_back(frame.wall_turn);
     if (periodic) cells.push_back(frame.cell);
     before = &frame;
   }

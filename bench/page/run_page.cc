@@ -246,7 +246,7 @@ PageText page_of(const fs::path& folder, std::size_t most_bytes, bool live) {
   Json about{{"dim", dim},
              {"title", title.empty() ? fs::path(source).stem().string() : title},
              {"source", source},
-             {"folder", folder.string()},
+             {"words", {{"scene", shell_word(source)}, {"folder", shell_word(folder.string())}}},
              {"scene", fixed.read_string("/scene")},
              {"version", fixed.read_string("/version")},
              {"commit", build_info().commit},

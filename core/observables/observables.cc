@@ -419,11 +419,14 @@ double mass_flux(const State<3>& state, const FluxFace& face) {
     }
   }
   double flux = 0;
-  const Box<2> extent = extent_of_bodies(placed);
-  Box<2> whole = extent;
-  whole.include(Vec2::Zero());
-  whole.include(placed.cell.shift(1, 1));
-  const std::vector<CellNumber> images = images_over(placed.cell, extent, whole);
+  // A plane has the part of one cell.
+  const double half = face.shape == FluxFace::Shape::kPlane  ? placed.cell.shift(1, 1).norm()
+                      : face.shape == FluxFace::Shape::kDisk ? face.radius
+                                                             : 0.5 * face.size.norm();
+  Box<2> region;
+  region.include(face.point.head<2>() - Vec2::Constant(half));
+  region.include(face.point.head<2>() + Vec2::Constant(half));
+  const std::vector<CellNumber> images = images_over(placed.cell, extent_of_bodies(placed), region);
   for (const Sphere& s : placed.bodies) {
     for (const auto& [kx, ky] : images) {
       const Vec3 x = s.x + in_dimensions<3>(placed.cell.shift(kx, ky)) - face.point;

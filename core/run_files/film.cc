@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <fstream>
-#include <numbers>
 #include <utility>
 
 #include "core/scene/wall_motion.h"
@@ -131,8 +129,7 @@ void FilmRecorder<D>::add(const State<D>& state) {
   const auto turns = [](const Wall<D>& wall) { return wall.spin != 0; };
   if (std::any_of(scene_.walls.begin(), scene_.walls.end(), turns)) {
     for (const Wall<D>& wall : scene_.walls) {
-      const double turned = turned_angle(wall, state.time);
-      frame.wall_turn.push_back(static_cast<float>(std::remainder(turned, 2 * std::numbers::pi)));
+      frame.wall_turn.push_back(angle_code(turned_angle(wall, state.time)));
     }
   }
   const std::string bytes = to_bytes(frame);

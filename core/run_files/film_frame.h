@@ -40,7 +40,7 @@ struct FilmFrame {
   double time = 0;                              ///< [s]
   std::array<double, 3> cell{};                 ///< width, height, offset; 0: none      [m]
   std::vector<double> walls;                    ///< a, b and presence (1, 0) of each    [m]
-  std::vector<float> wall_turn;                 ///< of each; empty where none turns     [rad]
+  std::vector<std::uint16_t> wall_turn;         ///< angle_code; empty where none turns
   std::vector<std::int32_t> number;             ///< of each body in the run, increasing
   std::vector<float> radius, mass;              ///< only where bodies come or go        [m, kg]
   std::vector<std::uint8_t> material;           ///< likewise

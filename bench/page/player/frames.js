@@ -104,7 +104,7 @@ async function readRun(about, text, progress) {
     }
     const places = f && !about.gates ? all : placesBefore(before.number, number);
     walls = about.wall_places[f] || walls;
-    const frame = {step, time, count, contacts, number, walls, turns: about.wall_turns?.[f], cell: about.cells && about.cells[f]};
+    const frame = {step, time, count, contacts, number, walls, turns: about.wall_turns?.[f].map(code => code * 2 * Math.PI / 65536), cell: about.cells && about.cells[f]};
     frame.x = addDifferences(reader.longs(D * count), before.x, places, D);
     frame.turn = addDifferences(reader.words(S * count), before.turn, places, S);
     frame.v = addDifferences(reader.words(D * count), before.v, places, D);
@@ -170,8 +170,7 @@ function turnedWith(run, frame, k, x) {
     return [c * x[0] - s * x[1], s * x[0] + c * x[1]];
   }
   const q = [0, 1, 2].map(c => frame.turn[c * n + k] / 32767 - 1), w = Math.sqrt(Math.max(0, 1 - q[0] ** 2 - q[1] ** 2 - q[2] ** 2));
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-  const t = cross(q, x).map(part => 2 * part), u = cross(q, t);
+  const t = cross3(q, x).map(part => 2 * part), u = cross3(q, t);
   return x.map((part, c) => part + w * t[c] + u[c]);
 }
 /** Lines that show a joint: a rope between its ends, a pin from the centres to its point. */

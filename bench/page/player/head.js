@@ -16,9 +16,6 @@ function overlapShares(run, ledger) {
 /** Step after which the summary counts: that of a restart, else 0. */
 const summaryFrom = summary => summary ? Math.max(0, summary.last_step - summary.steps) : 0;
 
-/** A word of a command, for a shell. */
-const quoted = word => /^[\w@%+=:,./-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
-
 /** Warnings, the gravest first: {bad, text, time}. */
 function warningsOf(run) {
   const {about} = run, {summary} = about, warnings = [];
@@ -30,7 +27,7 @@ function warningsOf(run) {
   } else if (!summary) {
     const last = run.frames.at(-1);
     warnings.push({bad: true, text: `The run has not come to its end: there is no summary. Frames go to step ${last.step} of ${about.num_steps}. ` +
-      `To go on: bipot run ${quoted(about.source)} --restart ${quoted(about.folder)}`});
+      `To go on: bipot run ${about.words.scene} --restart ${about.words.folder}`});
   } else if (!['completed', 'nothing to do', 'not converged'].includes(summary.status)) {
     warnings.push({bad: true, text: `${summary.status}: ${summary.message || `the run ended after step ${summary.last_step}`}`});
   }
@@ -96,7 +93,7 @@ function fillHead(run, jump) {
 
 /** Scene file, origin, keys, and the next commands. */
 function fillFoot(run) {
-  const {about} = run, {summary} = about, scene = quoted(about.source), folder = quoted(about.folder);
+  const {about} = run, {summary} = about, {scene, folder} = about.words;
   const known = rows => element('dl', rows.filter(([, value]) => value !== undefined && value !== '')
     .flatMap(([name, value]) => [element('dt', name), element('dd', String(value))]));
   const fold = (title, content, open = false) => element('details', [element('summary', title), ...[content].flat()], {open});

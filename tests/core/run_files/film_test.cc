@@ -141,10 +141,10 @@ TEST(Film, HasTheTurnsOfWalls) {
   state.time = 0.05;
   FilmRecorder<2> film(folder.path(), scene);
   film.step(state);
-  const std::vector<float> turns = read_film(folder.path()).frames.at(0).wall_turn;
+  const std::vector<std::uint16_t> turns = read_film(folder.path()).frames.at(0).wall_turn;
   ASSERT_EQ(turns.size(), 2u);
   EXPECT_EQ(turns[0], 0);
-  EXPECT_NEAR(turns[1], 0.12, 1e-6);
+  EXPECT_NEAR(angle_value(turns[1]), 0.12, 5e-5);
 }
 
 TEST(Film, ThinsSoThatAnyLengthHasFourToEightHundredFrames) {
