@@ -196,7 +196,7 @@ template <int D>
 }
 
 template <int D, GradientMap kMap>
-void project(const GradientTask<D>& task, GradientSums& sums) {
+[[gnu::flatten]] void project(const GradientTask<D>& task, GradientSums& sums) {
   const GradientTask<D> a = task;
   const Lanes beta = all(a.beta);
   Lanes along[kParts] = {}, change2[kParts] = {};

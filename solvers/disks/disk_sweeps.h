@@ -42,7 +42,7 @@ template <bool kBack, int D, class Solve>
 }
 
 template <int D, bool kRelaxed>
-void sweep_batches(const SweepTask<D>& task) {
+[[gnu::flatten]] void sweep_batches(const SweepTask<D>& task) {
   // A copy: the compiler cannot know that the stores leave the task unchanged.
   const SweepTask<D> a = task;
   const Lanes omega = all(a.omega);
@@ -104,7 +104,7 @@ void sweep(const SweepTask<D>& task) {
 
 /// kOuter: starts from y in the forward sweep, computes sums at the end of the backward sweep.
 template <int D, bool kBack, bool kOuter>
-void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
+[[gnu::flatten]] void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
   const SymmetricTask<D> a = task;
   const Lanes omega = all(a.omega), beta = all(a.beta);
   // Lists from memory are prefetched. Hardware does not predict the bodies of batches in descending
