@@ -9,7 +9,6 @@ import re
 import sys
 
 MOST_WORDS, MOST_WORDS_OF_README, MOST_WORDS_OF_SENTENCE, SHOWN = 26000, 1000, 25, 20
-STUDY, MOST_WORDS_OF_STUDY = pathlib.Path("data/study"), 4500  # a paper, counted by itself
 UNWANTED = ["../shared", "throwaway", "this tree", "today's"]
 ABBREVIATIONS = ("Fig.", "Figs.", "Eq.", "e.g.", "i.e.", "al.", "vs.", "cf.", "No.", "p.", "pp.")
 
@@ -104,12 +103,10 @@ for page in pages:
         if places:
             faults.append(f"{page}: “{word}” in line {', '.join(places)}")
 words = {page: len(text.split()) for page, text in text_of.items()}
-study = sum(words.pop(page) for page in pages if STUDY in page.parents)
-if study > MOST_WORDS_OF_STUDY:
-    faults.append(f"{STUDY}: {study} words, more than {MOST_WORDS_OF_STUDY}")
-if sum(words.values()) > MOST_WORDS:
+total = sum(words.values())
+if total > MOST_WORDS:
     longest = sorted(words, key=words.get, reverse=True)[:SHOWN]
-    faults.append(f"all documents: {sum(words.values())} words, more than {MOST_WORDS}; the longest:\n" +
+    faults.append(f"all documents: {total} words, more than {MOST_WORDS}; the longest:\n" +
                   "\n".join(f"    {words[page]:6} {page}" for page in longest))
 if words[pathlib.Path("README.md")] > MOST_WORDS_OF_README:
     faults.append(f"README.md: {words[pathlib.Path('README.md')]} words, more than {MOST_WORDS_OF_README}")
@@ -125,6 +122,6 @@ if long:
                   "\n".join(f"    {number:4} in {page}" for page, number in of_page.items()) + "\n" +
                   "\n".join(f"    {n} words, {page}:{line}: {sentence}" for n, page, line, sentence in long[:SHOWN]))
 print("\n".join(faults))
-print(f"{len(pages)} documents, {sum(words.values())} words, {count} sentences, {len(faults)} faults")
+print(f"{len(pages)} documents, {total} words, {count} sentences, {len(faults)} faults")
 sys.exit(bool(faults))
 PYTHON
