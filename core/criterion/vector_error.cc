@@ -248,6 +248,9 @@ void PieceSums::add(const PieceSums& later) {
   }
 }
 
+// g++ chooses among the levels where it compiles a call: a call from another source would always
+// take the default.
+namespace {
 #define BIPOT_KERNEL_OF(how, width, project_name, sum_name, d)                   \
   how void project_name(const ContactArrays& p, int begin, int end, double* s) { \
     Kernel<width, d>::project(p, begin, end, s);                                 \
@@ -255,9 +258,9 @@ void PieceSums::add(const PieceSums& later) {
   how PieceSums sum_name(const ContactArrays& p, int begin, int end) {           \
     return Kernel<width, d>::sum(p, begin, end);                                 \
   }
-#define BIPOT_KERNEL(how, width)                                           \
-  BIPOT_KERNEL_OF(how, width, project_on_plane_cones, sum_plane_errors, 2) \
-  BIPOT_KERNEL_OF(how, width, project_on_space_cones, sum_space_errors, 3)
+#define BIPOT_KERNEL(how, width)                                 \
+  BIPOT_KERNEL_OF(how, width, project_on_plane, sum_of_plane, 2) \
+  BIPOT_KERNEL_OF(how, width, project_on_space, sum_of_space, 3)
 #ifdef BIPOT_LEVELS
 BIPOT_KERNEL(__attribute__((target("arch=x86-64-v4"))), 8)
 BIPOT_KERNEL(__attribute__((target("arch=x86-64-v3"))), 4)
@@ -267,5 +270,19 @@ BIPOT_KERNEL(, 2)
 #endif
 #undef BIPOT_KERNEL
 #undef BIPOT_KERNEL_OF
+}  // namespace
+
+void project_on_plane_cones(const ContactArrays& p, int begin, int end, double* s) {
+  project_on_plane(p, begin, end, s);
+}
+PieceSums sum_plane_errors(const ContactArrays& p, int begin, int end) {
+  return sum_of_plane(p, begin, end);
+}
+void project_on_space_cones(const ContactArrays& p, int begin, int end, double* s) {
+  project_on_space(p, begin, end, s);
+}
+PieceSums sum_space_errors(const ContactArrays& p, int begin, int end) {
+  return sum_of_space(p, begin, end);
+}
 
 }  // namespace bipot
