@@ -109,68 +109,55 @@ double enclosed_area(const State<2>& state, double step, const Box<2>& disks) {
   return polygon.size() < 3 ? kNaN : polygon_area(polygon);
 }
 
-/// The disk that extends farthest in a direction, the first of several.
-std::size_t farthest_disk(const State<2>& state, double step, const Vec2& direction,
-                          const std::vector<std::size_t>& among) {
-  std::size_t farthest = 0;
-  double reach = -kInfinity;
-  for (const std::size_t k : among) {
-    const double here =
-        centre_at_middle(state.bodies[k], step).dot(direction) + state.bodies[k].radius;
-    if (here > reach) {
-      reach = here;
-      farthest = k;
+/// A polygon of sixteen points of the hull, which are among its rim points. Only places outside of
+/// it, to rounding, may belong to the hull.
+class InnerPolygon {
+ public:
+  InnerPolygon(const std::vector<Vec2>& centres, const std::vector<double>& radii,
+               const std::vector<Vec2>& directions, const Box<2>& box)
+      : margin_(1e-9 * box.size().maxCoeff()) {
+    constexpr std::size_t kStride = kRimPoints / 16;
+    std::vector<Vec2> corners;  // anticlockwise
+    for (std::size_t at = 0; at < directions.size(); at += kStride) {
+      std::size_t farthest = 0;
+      double reach = -kInfinity;
+      for (std::size_t k = 0; k < centres.size(); ++k) {
+        const double here = centres[k].dot(directions[at]) + radii[k];
+        if (here > reach) {
+          reach = here;
+          farthest = k;
+        }
+      }
+      corners.emplace_back(centres[farthest] + radii[farthest] * directions[at]);
+    }
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Vec2 along = corners[(k + 1) % corners.size()] - corners[k];
+      const double length = along.norm();
+      if (length > 0) sides_.push_back({corners[k], Vec2(-along[1], along[0]) / length});
     }
   }
-  return farthest;
-}
-
-/// Disks that may extend farthest in some direction, in their order. Excluded are those that lie,
-/// by more than rounding, within a polygon of sixteen points of the hull.
-std::vector<std::size_t> outer_candidates(const State<2>& state, double step, const Box<2>& box) {
-  constexpr int kCorners = 16;
-  constexpr double kRounding = 1e-9;
-  std::vector<std::size_t> all(state.bodies.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  std::array<Vec2, kCorners> corners;  // anticlockwise
-  for (int k = 0; k < kCorners; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kCorners;
-    const Vec2 direction(std::cos(angle), std::sin(angle));
-    const Disk& d = state.bodies[farthest_disk(state, step, direction, all)];
-    corners[static_cast<std::size_t>(k)] = centre_at_middle(d, step) + d.radius * direction;
+  /// True if a circle lies within it.
+  bool contains(const Vec2& centre, double radius) const {
+    return sides_.size() >= 3 && std::all_of(sides_.begin(), sides_.end(), [&](const Side& s) {
+             return (centre - s.from).dot(s.inward) > radius + margin_;
+           });
   }
+
+ private:
   struct Side {
     Vec2 from, inward;
   };
-  std::vector<Side> sides;
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const Vec2 along = corners[(k + 1) % corners.size()] - corners[k];
-    const double length = along.norm();
-    if (length > 0) sides.push_back({corners[k], Vec2(-along[1], along[0]) / length});
-  }
-  const double margin = kRounding * box.size().maxCoeff();
-  std::vector<std::size_t> candidates;
-  for (const std::size_t k : all) {
-    const Vec2 x = centre_at_middle(state.bodies[k], step);
-    const double room = state.bodies[k].radius + margin;
-    const bool within = sides.size() >= 3 && std::all_of(sides.begin(), sides.end(), [&](auto& s) {
-                          return (x - s.from).dot(s.inward) > room;
-                        });
-    if (!within) candidates.push_back(k);
-  }
-  return candidates;
-}
+  double margin_;
+  std::vector<Side> sides_;
+};
 
 /// Marks the disks that extend farthest in some direction: all that have a part of the hull.
 class OuterDisks {
  public:
-  OuterDisks(const State<2>& state, double step, const std::vector<std::size_t>& among,
-             double margin)
-      : among_(among), margin_(margin) {
-    for (const Disk& d : state.bodies) {
-      centres_.push_back(centre_at_middle(d, step));
-      radii_.push_back(d.radius);
-    }
+  /// Keeps references to all. `among`: the disks that may be outer ones.
+  OuterDisks(const std::vector<Vec2>& centres, const std::vector<double>& radii,
+             const std::vector<std::size_t>& among, double margin)
+      : among_(among), margin_(margin), centres_(centres), radii_(radii) {
     outer_.resize(radii_.size());
     const Vec2 axes[] = {Vec2::UnitX(), Vec2::UnitY(), -Vec2::UnitX(), -Vec2::UnitY()};
     std::array<std::size_t, 4> far{};
@@ -232,8 +219,8 @@ class OuterDisks {
 
   const std::vector<std::size_t>& among_;
   double margin_;
-  std::vector<Vec2> centres_;
-  std::vector<double> radii_;
+  const std::vector<Vec2>& centres_;
+  const std::vector<double>& radii_;
   std::vector<bool> outer_;
 };
 
@@ -273,21 +260,31 @@ double sample_measure(const State<2>& state, double step) {
     return enclosed;
   }
   if (const double drum = drum_area(state, step); std::isfinite(drum)) return drum;
-  // Only disks that extend farthest in some direction have points on the hull.
-  constexpr double kRounding = 1e-14;
-  std::array<Vec2, kRimPoints> directions;
+  std::vector<Vec2> directions;
   for (int k = 0; k < kRimPoints; ++k) {
     const double angle = 2 * std::numbers::pi * k / kRimPoints;
-    directions[static_cast<std::size_t>(k)] = Vec2(std::cos(angle), std::sin(angle));
+    directions.emplace_back(std::cos(angle), std::sin(angle));
   }
-  const std::vector<std::size_t> candidates = outer_candidates(state, step, box);
-  const OuterDisks outer(state, step, candidates, kRounding * box.size().maxCoeff());
+  std::vector<Vec2> centres;
+  std::vector<double> radii;
+  for (const Disk& d : state.bodies) {
+    centres.push_back(centre_at_middle(d, step));
+    radii.push_back(d.radius);
+  }
+  const InnerPolygon inner(centres, radii, directions, box);
+  std::vector<std::size_t> candidates;
+  for (std::size_t k = 0; k < centres.size(); ++k) {
+    if (!inner.contains(centres[k], radii[k])) candidates.push_back(k);
+  }
+  // Only disks that extend farthest in some direction have points on the hull.
+  constexpr double kRounding = 1e-14;
+  const OuterDisks outer(centres, radii, candidates, kRounding * box.size().maxCoeff());
   std::vector<Vec2> rim;
   for (const std::size_t k : candidates) {
     if (!outer.contain(k)) continue;
     for (const Vec2& direction : directions) {
-      rim.emplace_back(centre_at_middle(state.bodies[k], step) +
-                       state.bodies[k].radius * direction);
+      const Vec2 point = centres[k] + radii[k] * direction;
+      if (!inner.contains(point, 0)) rim.push_back(point);
     }
   }
   return hull_area(std::move(rim));
