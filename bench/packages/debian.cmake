@@ -24,6 +24,8 @@ if(BIPOT_WITH_PYTHON)
 print(f'python3 (>= {v[0]}.{v[1]}), python3 (<< {v[0]}.{v[1] + 1}), python3-numpy, python3-scipy')"
     OUTPUT_VARIABLE CPACK_DEBIAN_PACKAGE_DEPENDS OUTPUT_STRIP_TRAILING_WHITESPACE)
   string(APPEND CPACK_DEBIAN_PACKAGE_RECOMMENDS ", python3-matplotlib")
+  set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
+    ${CMAKE_SOURCE_DIR}/bench/packages/postinst ${CMAKE_SOURCE_DIR}/bench/packages/prerm)
 endif()
 foreach(component IN LISTS components)
   list(APPEND CPACK_INSTALL_CMAKE_PROJECTS ${CMAKE_BINARY_DIR} bipot ${component} /)

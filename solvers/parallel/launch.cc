@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#ifdef BIPOT_WITH_PETSC
 #include "core/base/number_text.h"
+#ifdef BIPOT_WITH_PETSC
 #include "solvers/parallel/petsc_group.h"
 #endif
 
