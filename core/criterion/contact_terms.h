@@ -186,14 +186,97 @@ template <class Real, int D, class Friction>
   return c.s[0] + positive_part(Real(-c.u[0])) == 0;
 }
 
+/// tau = s - rho û.
+template <class Real, int D, class Friction>
+[[gnu::always_inline]] inline FrameVector<Real, D> natural_step(
+    const PhysicalContact<Real, D, Friction>& c, const Real& rho) {
+  FrameVector<Real, D> tau = c.u;
+  tau[0] = modified_normal(c.u[0], c.slip, c.mu);
+  each_component<D>([&](int k) { tau[k] = c.s[k] - rho * tau[k]; });
+  return tau;
+}
+
+/// |a - b| - |b| of the parts from kFirst on of a = s and b = rho u, where `length` is |a - b|. The
+/// difference of the two would have the rounding of |b|, which may be far larger than a.
+template <int kFirst, int kCount, class V, class Real>
+[[gnu::always_inline]] inline Real lengthening(const V& s, const V& u, const Real& rho,
+                                               const Real& length, const Real& speed) {
+  if constexpr (kCount == 1) {
+    const Real b = absolute(Real(rho * u[kFirst])), minus = -s[kFirst];
+    const Real along = select(u[kFirst] < 0, minus, s[kFirst]);
+    const Real first = -along, second = along - 2 * b;
+    return select(first > second, first, second);
+  } else {
+    const Real product = s[kFirst] * (s[kFirst] - 2 * rho * u[kFirst]) +
+                         s[kFirst + 1] * (s[kFirst + 1] - 2 * rho * u[kFirst + 1]);
+    const Real both = length + rho * speed;
+    return select(both > 0, Real(product / both), Real{});
+  }
+}
+
+/// P_K(s - rho û), where onto_cone() of the step would have the rounding of rho |u_t|: of a contact
+/// that slides much faster than it approaches this may exceed s_n. The slip formula of
+/// onto_cone() is (s_n - rho u_n + mu (|tau_t| - rho |u_t|)) / (1 + mu²).
+template <class Real, int D>
+[[gnu::always_inline]] inline FrameVector<Real, D> natural_point(
+    const PhysicalContact<Real, D, Real>& c, const Real& rho) {
+  FrameVector<Real, D> tau = natural_step(c, rho);
+  if constexpr (D == 1) {
+    tau[0] = positive_part(tau[0]);
+  } else {
+    const Real length = tangential_norm<D>(tau);
+    const Real edge =
+        (c.s[0] - rho * c.u[0] + c.mu * lengthening<1, D - 1>(c.s, c.u, rho, length, c.slip)) /
+        (1 + c.mu * c.mu);
+    tau[0] = positive_part(select(edge > tau[0], edge, tau[0]));
+    const Real radius = c.mu * tau[0];
+    if constexpr (D == 2) {
+      tau[1] = cut_off(tau[1], radius);
+    } else {
+      const Real shrink = select(length > radius, Real(radius / length), Real(Real{} + 1));
+      tau[1] = shrink * tau[1];
+      tau[2] = shrink * tau[2];
+    }
+  }
+  return tau;
+}
+
+/// The same with rolling friction: for a set S of parts
+/// (s_n - rho u_n + Σ_S mu_g (|tau_g| - rho |u_g|) - Σ_not S rho mu_g |u_g|) / (1 + Σ_S mu_g²).
+template <class Real, int D>
+inline FrameVector<Real, D> natural_point(const PhysicalContact<Real, D, RollingFriction<Real>>& c,
+                                          const Real& rho) {
+  FrameVector<Real, D> tau = natural_step(c, rho);
+  Real longer[3], kept[3], bounds[3];
+  int parts = 0;
+  each_bounded<D>(c.mu, [&](auto first, auto count, const Real& bound) {
+    const Real speed = part_norm<first(), count()>(c.u);
+    longer[parts] =
+        lengthening<first(), count()>(c.s, c.u, rho, Real(part_norm<first(), count()>(tau)), speed);
+    kept[parts] = rho * speed;
+    bounds[parts++] = bound;
+  });
+  Real most{};
+  for (int set = 0; set < 1 << parts; ++set) {
+    Real pushed = c.s[0] - rho * c.u[0], weight = Real{} + 1;
+    for (int k = 0; k < parts; ++k) {
+      const bool in = (set >> k & 1) != 0;
+      pushed = pushed + bounds[k] * (in ? longer[k] : Real(-kept[k]));
+      if (in) weight = weight + bounds[k] * bounds[k];
+    }
+    const Real crossing = pushed / weight;
+    if (crossing > most) most = crossing;
+  }
+  tau[0] = most;
+  cut_off_parts<D>(tau, c.mu);
+  return tau;
+}
+
 /// N = s - P_K(s - rho û).
 template <class Real, int D, class Friction>
 [[gnu::always_inline]] inline FrameVector<Real, D> natural_map(
     const PhysicalContact<Real, D, Friction>& c, const Real& rho) {
-  FrameVector<Real, D> step = c.u;
-  step[0] = modified_normal(c.u[0], c.slip, c.mu);
-  each_component<D>([&](int k) { step[k] = c.s[k] - rho * step[k]; });
-  return c.s - onto_cone<D>(step, c.mu);
+  return c.s - natural_point(c, rho);
 }
 
 /// ½ W_nn |N|².

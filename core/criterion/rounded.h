@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/problem/coulomb_cone.h"
+#include "core/criterion/contact_terms.h"
 
 namespace bipot {
 
@@ -76,31 +76,36 @@ Rounded tangential_norm(const FrameVector<Rounded, D>& x) {
   return norm_of(x, 1);
 }
 
-/// A projection lengthens no difference. The error of each component is at most the norm of the
-/// errors of tau, plus some roundings of its own, those of mu included.
-template <int D, class Friction>
-FrameVector<Rounded, D> rounded_projection(const FrameVector<Rounded, D>& tau,
-                                           const Friction& friction, double roundings) {
-  FrameVector<double, D> values;
-  for (int k = 0; k < D; ++k) values[k] = tau[k].value;
-  values = onto_cone<D>(values, friction);
-  const Rounded norm = norm_of(tau, 0);
+/// A projection lengthens no difference. The error of each component of the natural map's point is
+/// at most the norm of the errors of tau, plus some roundings, those of mu included. (They count the
+/// rounding of rho |u_t| too, which is more than there is: where that matters, wider precision
+/// decides.)
+template <int D, class Friction, class Values>
+FrameVector<Rounded, D> rounded_point(const PhysicalContact<Rounded, D, Friction>& c,
+                                      const Rounded& rho, const Values& friction,
+                                      double roundings) {
+  PhysicalContact<double, D, Values> values{{}, {}, c.slip.value, friction, 0, 0, 0};
+  for (int k = 0; k < D; ++k) {
+    values.s[k] = c.s[k].value;
+    values.u[k] = c.u[k].value;
+  }
+  const FrameVector<double, D> point = natural_point(values, rho.value);
+  const Rounded norm = norm_of(natural_step(c, rho), 0);
   const double error = norm.error + roundings * Rounded::kUnit * norm.value;
   FrameVector<Rounded, D> s;
-  for (int k = 0; k < D; ++k) s[k] = {values[k], error};
+  for (int k = 0; k < D; ++k) s[k] = {point[k], error};
   return s;
 }
-
 template <int D>
-FrameVector<Rounded, D> onto_cone(const FrameVector<Rounded, D>& tau, const Rounded& mu) {
-  return rounded_projection(tau, mu.value, 12);
+FrameVector<Rounded, D> natural_point(const PhysicalContact<Rounded, D, Rounded>& c,
+                                      const Rounded& rho) {
+  return rounded_point(c, rho, c.mu.value, 24);
 }
 template <int D>
-FrameVector<Rounded, D> onto_cone(const FrameVector<Rounded, D>& tau,
-                                  const RollingFriction<Rounded>& friction) {
-  return rounded_projection(
-      tau, RollingFriction<double>{friction.slide.value, friction.roll.value, friction.spin.value},
-      40);
+FrameVector<Rounded, D> natural_point(
+    const PhysicalContact<Rounded, D, RollingFriction<Rounded>>& c, const Rounded& rho) {
+  return rounded_point(
+      c, rho, RollingFriction<double>{c.mu.slide.value, c.mu.roll.value, c.mu.spin.value}, 80);
 }
 template <int kFirst, int kCount, int D>
 Rounded part_norm(const FrameVector<Rounded, D>& x) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/base/large_pages.h"
@@ -393,6 +394,12 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
     }
     columns.close();
   }
+  // What a solve leaves of an approach gets smaller in every step. Once it is below the rounding of
+  // the sliding velocity, no tolerance on it can be proved.
+  double& approach = p.u_free[c * d];
+  const double slip =
+      std::min(d, D) < 2 ? 0 : p.u_free.segment(c * d + 1, std::min(d, D) - 1).norm();
+  if (std::abs(approach) < std::numeric_limits<double>::epsilon() * slip) approach = 0;
   if (!p.rolls()) return;
   const Spin<D> turning = a.spin - (with_disk ? b->spin : spin_of(*wall));
   write_rolling<D>(in.clusters, a, b, turning, law, contact_frame<D>(contact.n), c, k,

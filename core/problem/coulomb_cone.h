@@ -133,11 +133,18 @@ inline auto part_norm(const V& x) {
 }
 
 /// Each bounded part of s cut off at its coefficient times s_n.
-template <int D, class Friction>
-inline void cut_off_parts(Local<D>& s, const Friction& friction) {
-  each_bounded<D>(friction, [&](auto first, auto count, double bound) {
-    const double norm = part_norm<first(), count()>(s), radius = bound * s[0];
-    if (norm > radius) s.template segment<count()>(first()) *= radius / norm;
+template <int D, class V, class Friction>
+inline void cut_off_parts(V& s, const Friction& friction) {
+  each_bounded<D>(friction, [&](auto first, auto count, const auto& bound) {
+    using Real = std::decay_t<decltype(s[0])>;
+    const Real radius = bound * s[0];
+    if constexpr (count() == 1) {
+      s[first()] = cut_off<Real>(s[first()], radius);
+    } else {
+      const Real length = part_norm<first(), count()>(s);
+      if (!(length > radius)) return;
+      for (int k = first(); k < first() + count(); ++k) s[k] = s[k] * (radius / length);
+    }
   });
 }
 
@@ -165,16 +172,7 @@ inline V onto_cone(const V& tau, const RollingFriction<Real>& friction) {
     const Real crossing = pushed / weight;
     if (crossing > s[0]) s[0] = crossing;
   }
-  each_bounded<D>(friction, [&](auto first, auto count, const Real& bound) {
-    const Real radius = bound * s[0];
-    if constexpr (count() == 1) {
-      s[first()] = cut_off<Real>(s[first()], radius);
-    } else {
-      const Real length = part_norm<first(), count()>(tau);
-      if (!(length > radius)) return;
-      for (int k = first(); k < first() + count(); ++k) s[k] = s[k] * (radius / length);
-    }
-  });
+  cut_off_parts<D>(s, friction);
   return s;
 }
 

@@ -37,7 +37,7 @@ std::vector<Real> terms_of(unsigned seed, double mu) {
   r[0] = positive(random);
   for (int k = 1; k < D; ++k) r[k] = k == 1 ? positive(random) : r[1];
   const Real w_nn = positive(random), rho_nn = 1 / w_nn;
-  const auto on_cone = physical_projection(true, as<Real>(s), as<Real>(r), Real(mu));
+  const auto on_cone = as<Real>(physical_projection(true, s, r, mu));
   const auto contact = physical_contact(true, on_cone, as<Real>(u), as<Real>(b), as<Real>(r),
                                         Real(mu), w_nn, rho_nn);
   return sums_of(contact, rho_nn, Real(b[0]));
@@ -52,11 +52,13 @@ std::vector<Real> rolling_terms_of(unsigned seed) {
   for (auto* x : {&s, &u, &b}) each_component<K>([&](int k) { (*x)[k] = any(random); });
   r[0] = positive(random);
   for (int k = 1; k < K; ++k) r[k] = 1.25;
-  const Real w_nn = positive(random), rho_nn = 1 / w_nn, arm = positive(random);
+  const Real w_nn = positive(random), rho_nn = 1 / w_nn;
+  const double length = positive(random);
+  const Real arm = length;
   const RollingFriction<double> given{positive(random), positive(random), positive(random)};
   const auto friction = over_arm(as_number<Real>(given), arm);
   const auto on_cone =
-      physical_projection(true, times_arm<K>(as<Real>(s), Real(1 / arm)), as<Real>(r), friction);
+      as<Real>(physical_projection(true, times_arm<K>(s, 1 / length), r, over_arm(given, length)));
   const auto contact =
       physical_contact(true, on_cone, times_arm<K>(as<Real>(u), arm),
                        times_arm<K>(as<Real>(b), arm), as<Real>(r), friction, w_nn, rho_nn);
@@ -127,6 +129,54 @@ TEST(ContactTerms, ARoundedContactTakesOffWhereThatIsCertain) {
   EXPECT_GT(sums.natural.error, 0);
   c.s[0] = {1e-3, 1e-6};
   EXPECT_FALSE(takes_off(c));
+}
+
+/// A contact slides with the velocity 1 and approaches with d. For s = 0 the point is
+/// rho d / (1 + mu²) (1, -mu), hence |N| = rho d / sqrt(1 + mu²). For s = rho d (1, -mu) it is s and the
+/// same once more. Once the approach has stopped, u_n = 0, this s is the law.
+template <class Real, int D>
+void expect_exact_for_slow_approach() {
+  const double mu = 0.3, rho = 0.7;
+  for (const double d : {1e-3, 1e-12, 1e-20, 1e-40, 1e-80}) {
+    PhysicalContact<Real, D> c{{}, {}, Real(1), Real(mu), Real(1 / rho), Real(rho), Real{}};
+    c.u[0] = -d;
+    c.u[D - 1] = 1;
+    const auto length = [&] {
+      const FrameVector<Real, D> N = natural_map(c, c.rho_nn);
+      return static_cast<double>(root<Real>(dot(N, N) / Real(d) / Real(d)));
+    };
+    EXPECT_NEAR(length(), rho / std::sqrt(1 + mu * mu), 1e-14) << d;
+    c.s[0] = rho * d;
+    c.s[D - 1] = -mu * rho * d;
+    EXPECT_NEAR(length(), rho / std::sqrt(1 + mu * mu), 1e-14) << d;
+    c.u[0] = 0;
+    EXPECT_NEAR(length(), 0, 1e-15) << d;
+  }
+}
+
+// Where rho |u_t| is beyond all digits of s_n, their difference would be rounding alone.
+TEST(ContactTerms, TheNaturalMapOfASlowApproachIsExact) {
+  expect_exact_for_slow_approach<double, 2>();
+  expect_exact_for_slow_approach<double, 3>();
+  expect_exact_for_slow_approach<long double, 3>();
+  expect_exact_for_slow_approach<Quadruple, 2>();
+}
+
+// With rolling friction (mu_r = 0.1, the contact rolls with the velocity 2 as well) the point is
+// rho d / (1 + mu² + mu_r²) (1, -mu, -mu_r), and |N| = rho d / sqrt(1 + mu² + mu_r²).
+TEST(ContactTerms, TheNaturalMapOfASlowRollingApproachIsExact) {
+  const double mu = 0.3, mu_r = 0.1, rho = 0.7;
+  for (const double d : {1e-3, 1e-20, 1e-60}) {
+    constexpr ContactRows kRows(3, true);
+    const RollingFriction<double> friction{mu, mu_r, 0};
+    PhysicalContact<double, kRows, RollingFriction<double>> c{
+        {}, {}, mu + 2 * mu_r, friction, 1 / rho, rho, 0};
+    c.u[0] = -d;
+    c.u[1] = 1;
+    c.u[2] = -2;
+    const auto N = natural_map(c, rho);
+    EXPECT_NEAR(std::sqrt(dot(N, N)) / d, rho / std::sqrt(1 + mu * mu + mu_r * mu_r), 1e-14) << d;
+  }
 }
 
 }  // namespace

@@ -194,6 +194,19 @@ TEST(Assembly, OneDiskOnAFloorHasItsKnownOperator) {
   EXPECT_EQ(p.mu[0], 0.3);
 }
 
+/// A disk slides along a wall with the velocity 1: of an approach below 2^-52 nothing is left.
+TEST(Assembly, AnApproachBelowTheRoundingOfTheSlipIsNone) {
+  const Scene<2> scene = unit_step_scene(0.3, 0, 0);
+  for (const double approach : {1e-12, 1e-15, 1e-17, 1e-60}) {
+    Bodies b;
+    b.bodies = {disk_at(0.5, 0, 0.5, Vec2(-approach, 1))};
+    b.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0))};
+    const ContactProblem p = b.assemble(scene).problem;
+    EXPECT_EQ(p.u_free[0], approach > 0x1p-52 ? -approach : 0);
+    EXPECT_EQ(p.u_free[1], 1);
+  }
+}
+
 TEST(Assembly, RestitutionReversesOneContact) {
   // u_n⁺ = -e_n u_n⁻ for a head-on shock of two disks, whatever the masses.
   for (const double e_n : {0.0, 0.3, 1.0}) {
