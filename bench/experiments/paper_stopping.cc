@@ -376,8 +376,7 @@ class StopTestItem {
         "{raw42_rest_met} of {raw42_rest_asked} solves. In motion it is fooled by penetration, "
         "which it clips away: in {raw42_fooled} of {raw42_chains} pairs of scene and solver it "
         "reports 1e-8 while the velocity is wrong by more than 1 %. Its spread is a factor "
-        "{raw42_motion_spread}, that of the difference {difference_motion_spread}. Where everything "
-        "touches and slides (the tilted pile) it foretells the error about as well as the guarded ε.",
+        "{raw42_motion_spread}, that of the difference {difference_motion_spread}.",
         "The guarded ε holds what the paper claims for its test: the velocity error over the "
         "tolerance lies between {guarded_rest_smallest} and {guarded_rest_largest} at rest, with a "
         "spread of a factor {guarded_rest_spread} (difference: {difference_rest_spread}), and "

@@ -34,7 +34,9 @@ class Parts {
     try {
       const StepReport<D> report = stepper.advance(next);
       if (report.converged || accept) {
+        const int whole_steps = state_.step;  // messages count these
         state_ = std::move(next);
+        state_.step = whole_steps;
         sums_.add(report, state_.contacts);
         return;
       }
@@ -50,7 +52,7 @@ class Parts {
     }
     if (halvings == 0) {
       throw StepFailure(StepFailure::Kind::kNotConverged, state_,
-                        fmt::format("not solved with a step of {:.3g} s either: {}", h, why));
+                        fmt::format("not solved with a part of {:.3g} s: {}", h, why));
     }
     take(0.5 * h, halvings - 1);
     take(0.5 * h, halvings - 1);

@@ -238,6 +238,21 @@ TEST(SceneRun, AStepThatIsCutHasTheProblemOfItsLastPart) {
   EXPECT_NEAR(state.bodies[0].v[1], 0, 1e-12);
 }
 
+/// Its last part lands, after others that were taken: the failure names the whole step.
+TEST(SceneRun, AFailureInAPartNamesTheWholeStep) {
+  Scene<2> scene = two_landings();
+  scene.bodies = {round_body<2>(Vec2(0, 0.2455), 0.05, 2, Vec2(0, -1))};
+  scene.travel = 0.1;
+  scene.num_steps = 20;
+  State<2> state = initial_state(scene);
+  const SceneRun<2> run =
+      run_scene(scene, state, {.solver = gives_up_beyond(0), .on_failure = OnFailure::kStop});
+  EXPECT_EQ(run.end, SceneRun<2>::End::kFailed);
+  EXPECT_EQ(state.step, 19);
+  ASSERT_TRUE(run.failure.has_value());
+  EXPECT_TRUE(says(run.failure->what(), "step 20 at t = ")) << run.failure->what();
+}
+
 TEST(SceneRun, ItsPlanIsReadOnce) {
   const TemporaryFolder folder;
   const auto plan = folder / "plan.toml";
