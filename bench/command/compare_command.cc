@@ -48,10 +48,12 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
   CommandDeclaration command = line.add_command(
       "compare", "Solvers on problems at tolerances: time against true error, as a report");
   command.option("targets", flags.targets,
-                 "Problem file, folder of them, scene, family as square:30, triangular:30, "
-                 "pyramid:20, random:20, pile:32, impact:32, pour:32, collapse:32, tilt:32, "
-                 "strike:32, in space cannonballs:6, cubic:6, pour3d:8, pipe:8, shear3d:8 (with "
-                 ":mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark");
+                 "Problem file, folder of them, scene, benchmark, or family: square:30, "
+                 "triangular:30, trapezoid:30, diluted:30, pyramid:20, random:20 (with "
+                 ":mu=0.5:tilt=10:ratio=1e4:e=0.5:seed=2); pile:32, impact:32 (mu, tilt, seed); "
+                 "moving pour:32, collapse:32, tilt:32 (its tilt: angle), strike:32, in space "
+                 "pour3d:8, pipe:8, shear3d:8 (mu, tilt, e, seed); cannonballs:6, cubic:6 (mu, "
+                 "tilt)");
   command
       .option("--settings NAME", flags.settings,
               "In place of solvers and tolerances: defaults of popular codes, judged (targets: "

@@ -111,6 +111,15 @@ bool is_of_spheres(const Family& family) { return contains(sphere_family_names()
 
 bool is_pile(const Family& family) { return family.name == "pile" || family.name == "impact"; }
 
+/// Names of the options that a family takes.
+std::vector<std::string> options_of(const Family& family) {
+  if (is_of_spheres(family)) return {"mu", "tilt"};
+  if (is_pile(family)) return {"mu", "tilt", "seed"};
+  if (family.name == "tilt") return {"mu", "angle", "tilt", "e", "seed"};  // tilt: the same angle
+  if (is_moving(family)) return {"mu", "tilt", "e", "seed"};
+  return {"mu", "tilt", "ratio", "e", "seed"};
+}
+
 Family parse_family(const std::string& target) {
   const std::vector<std::string> parts = split(target, ':');
   Family family{.name = parts[0]};
@@ -120,16 +129,20 @@ Family parse_family(const std::string& target) {
         fmt::format("target {}: side = {}, expected an integer in [1, 2000]", target, parts[1]));
   }
   family.side = static_cast<int>(side);
+  const std::vector<std::string> known = options_of(family);
   for (std::size_t i = 2; i < parts.size(); ++i) {
     const std::size_t equals = parts[i].find('=');
     const std::string key = parts[i].substr(0, equals);
     const double value = parse_number(
         target, equals == std::string::npos ? std::string() : parts[i].substr(equals + 1));
     FamilyOptions& o = family.options;
+    if (!contains(known, key)) {
+      throw std::invalid_argument(fmt::format("target {}: {} takes {}, not '{}'", target,
+                                              family.name, fmt::join(known, ", "), key));
+    }
     if (key == "mu" && value >= 0) {
       o.mu = value;
-    } else if ((key == "tilt" || (key == "angle" && family.name == "tilt")) &&
-               std::abs(value) <= 180) {
+    } else if ((key == "tilt" || key == "angle") && std::abs(value) <= 180) {
       o.tilt_degrees = value;
     } else if (key == "ratio" && value >= 1) {
       o.mass_ratio = value;
@@ -139,23 +152,10 @@ Family parse_family(const std::string& target) {
       o.e_n = o.e_t = value;
     } else {
       throw std::invalid_argument(fmt::format(
-          "target {}: '{}'; expected mu >= 0, tilt in degrees, ratio >= 1, seed or e in [0, 1]",
+          "target {}: '{}'; expected mu >= 0, an angle in [-180, 180] degrees, ratio >= 1, e in "
+          "[0, 1], or seed, an integer of at least 0",
           target, parts[i]));
     }
-  }
-  if (is_pile(family) && (family.options.mass_ratio != 1 || family.options.e_n != 0)) {
-    throw std::invalid_argument(
-        fmt::format("target {}: a settled pile takes mu, tilt and seed alone", target));
-  }
-  if (is_moving(family) && family.options.mass_ratio != 1) {
-    throw std::invalid_argument(
-        fmt::format("target {}: a moving scene takes mu, tilt, e and seed alone", target));
-  }
-  const FamilyOptions& o = family.options;
-  if (is_of_spheres(family) &&
-      (o.mass_ratio != 1 || o.e_n != 0 || o.seed != FamilyOptions().seed)) {
-    throw std::invalid_argument(
-        fmt::format("target {}: a lattice of spheres takes mu and tilt alone", target));
   }
   if (is_moving(family) && bodies_in(family.name, family.side) > 1e6) {
     throw std::invalid_argument(fmt::format("target {}: more than a million bodies", target));

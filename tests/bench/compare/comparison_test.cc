@@ -442,9 +442,15 @@ TEST(Comparison, NamesProblemsWithSeveralVelocities) {
 }
 
 TEST(ComparisonTargets, AreCheckedBeforeAnythingRuns) {
-  for (const char* bad : {"no_such_scene", "squre:10", "square:0", "square:ten", "square",
-                          "square:10:mu=-1", "square:10:speed=3", "pile:5:ratio=2"}) {
+  for (const char* bad :
+       {"no_such_scene", "squre:10", "square:0", "square:ten", "square", "square:10:mu=-1",
+        "square:10:speed=3", "square:10:angle=3", "pile:5:ratio=2", "pour:5:ratio=2",
+        "cubic:3:seed=2", "tilt:5:angle=200"}) {
     EXPECT_THROW(expand_targets({bad}), std::invalid_argument) << bad;
+  }
+  for (const char* good : {"triangular:32:mu=0.5:tilt=10:ratio=1e4:e=0.5:seed=2", "pile:4:seed=2",
+                           "tilt:5:angle=20:e=0.5", "cubic:3:tilt=10"}) {
+    EXPECT_NO_THROW(expand_targets({good})) << good;
   }
   EXPECT_THROW(expand_targets({"square:4", "square:4"}), std::invalid_argument);
   const auto shared = [](const char* folder) {
