@@ -80,6 +80,7 @@ CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
   CommandDeclaration command = line.add_command(
       "advise", "Which solver, tolerance and time step a scene needs, tried on the scene itself");
   command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
+      .suggest(names_of(shipped_scenes()))
       .required();
   const auto goal = [&](const char* name, double& value, const char* help) {
     command.option(std::string(name) + " X", value, help);

@@ -17,12 +17,12 @@
 namespace bipot {
 namespace {
 
-/// "{a,b}" of a type's name, without braces; empty: no choices.
-std::vector<std::string> choices_of(const CLI::Option* option) {
+/// "{a,b}" of a type's name, without braces; empty: no choices. Suggestions are between < and >.
+std::vector<std::string> choices_of(const CLI::Option* option, char begin = '{', char end = '}') {
   const std::string type = option->get_type_name();
-  const std::size_t open = type.find('{');
+  const std::size_t open = type.find(begin);
   if (open == std::string::npos) return {};
-  return CLI::detail::split(type.substr(open + 1, type.find('}') - open - 1), ',');
+  return CLI::detail::split(type.substr(open + 1, type.find(end) - open - 1), ',');
 }
 
 /// What stands for the value of an option in the help; empty: a flag.
@@ -149,6 +149,8 @@ CommandNode::Option node_of(const CLI::Option* option) {
   }
   node.value = value_of(option);
   node.choices = choices_of(option);
+  node.open = node.choices.empty();
+  if (node.open) node.choices = choices_of(option, '<', '>');
   node.help = option->get_description();
   node.hidden = option->get_group().empty();
   return node;
@@ -192,6 +194,13 @@ std::string unknown_name(const CommandNode& program, const std::vector<std::stri
              : program.name + ": name a command (" + program.name + " --help lists them)";
 }
 
+/// The program, and the command that the words name first.
+std::string named_command(const CommandNode& program, const std::vector<std::string>& words) {
+  const std::vector<std::string> names = names_of(program.commands);
+  const auto named = std::find_first_of(words.begin(), words.end(), names.begin(), names.end());
+  return program.name + (named == words.end() ? "" : " " + *named);
+}
+
 }  // namespace
 
 CommandDeclaration::Option& CommandDeclaration::Option::required() {
@@ -228,7 +237,8 @@ CommandDeclaration::Option& CommandDeclaration::Option::one_of(
 
 CommandDeclaration::Option& CommandDeclaration::Option::suggest(
     const std::vector<std::string>& values) {
-  option_->type_name("{" + fmt::format("{}", fmt::join(values, ",")) + "}");
+  const auto any = [](const std::string&) { return std::string(); };
+  option_->check(CLI::Validator(any, fmt::format("<{}>", fmt::join(values, ","))));
   return *this;
 }
 
@@ -284,7 +294,9 @@ CommandLine::~CommandLine() = default;
 
 CommandDeclaration CommandLine::add_command(const std::string& name,
                                             const std::string& description) {
-  return CommandDeclaration(app_->add_subcommand(name, description));
+  CLI::App* const command = app_->add_subcommand(name, description);
+  command->footer("");  // that of the program would be repeated
+  return CommandDeclaration(command);
 }
 
 CommandNode CommandLine::tree() const { return node_of(app_.get()); }
@@ -292,16 +304,16 @@ CommandNode CommandLine::tree() const { return node_of(app_.get()); }
 CommandLine::Parsed CommandLine::parse(int argc, const char* const* argv) {
   typed_words.assign(argv + 1, argv + argc);
   CommandDeclaration help = add_command("help", "Explain a command");
-  help.option("command", asked_, "Name of a command");
   help.flag("--man", manual_page_, "Print the manual page instead");
   add_command("version", "Print the version");
   add_command("completion", "Print a script that completes commands and flags in a shell")
-      .option("shell", shell_, "Name of the shell")
+      .option("shell", shell_, fmt::format("Its name: {}", fmt::join(completion_shells(), ", ")))
       .required()
       .one_of(completion_shells());
+  help.option("command", asked_, "Name of a command").one_of(names_of(tree().commands));
   // Questions in other words.
   std::vector<std::string> words = typed_words;
-  if (!words.empty() && words[0] == "version") words = {"--version"};
+  if (words == std::vector<std::string>{"version"}) words = {"--version"};
   if (words == std::vector<std::string>{"help"}) words = {"--help"};
   if (words.size() == 2 && words[0] == "help" && !words[1].starts_with('-')) {
     if (const std::string unknown = unknown_name(tree(), {words[1]}); !unknown.empty()) {
@@ -319,14 +331,17 @@ CommandLine::Parsed CommandLine::answered_or_refused(std::vector<std::string> wo
   try {
     app_->parse(std::move(words));
   } catch (const CLI::ParseError& e) {
-    const bool answers = e.get_exit_code() == 0;
-    const std::string unknown = answers ? std::string() : unknown_name(tree(), in_order);
-    if (!unknown.empty()) {
-      fmt::print(stderr, "{}\n", unknown);
-      return {Parsed::Outcome::kRefused, unknown};
+    if (e.get_exit_code() == 0) {
+      app_->exit(e);
+      return {Parsed::Outcome::kAnswered, {}};
     }
-    if (app_->exit(e) == 0) return {Parsed::Outcome::kAnswered, {}};
-    return {Parsed::Outcome::kRefused, e.what()};
+    std::string refusal = unknown_name(tree(), in_order);
+    if (refusal.empty()) {
+      const std::string name = named_command(tree(), in_order);
+      refusal = fmt::format("{}: {} ({} --help explains)", name, e.what(), name);
+    }
+    fmt::print(stderr, "{}\n", refusal);
+    return {Parsed::Outcome::kRefused, refusal};
   }
   if (manual_page_) fmt::print("{}", manual_page(tree(), version_));
   if (!shell_.empty()) fmt::print("{}", completion_script(tree(), shell_));

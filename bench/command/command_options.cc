@@ -72,11 +72,14 @@ void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
 }
 
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
-  command.option("--solver NAME", flags.name, "One of `bipot list solvers`").group(kSolverGroup);
+  command.option("--solver NAME", flags.name, "One of `bipot list solvers`")
+      .suggest(solver_names())
+      .group(kSolverGroup);
   command.option("--tol NUMBER", flags.tol, "Tolerance of the stop test")
       .positive()
       .group(kSolverGroup);
   command.option("--stop NAME", flags.stop, "Stop test: guarded, raw42 or impulse")
+      .suggest({"guarded", "raw42", "impulse"})
       .group(kSolverGroup);
   command.option("--max-iterations N", flags.max_iterations, "Iteration limit of one solve")
       .not_negative()

@@ -12,7 +12,8 @@ struct CommandNode {
   struct Option {
     std::vector<std::string> names;    ///< "--out", "-q"; of an argument its name without dashes
     std::string value;                 ///< what stands for its value: FILE, a|b; empty: a flag
-    std::vector<std::string> choices;  ///< its only values; empty: any
+    std::vector<std::string> choices;  ///< values to propose
+    bool open = true;                  ///< others are taken as well
     std::string help;
     bool argument = false;
     bool hidden = false;  ///< works, but the help does not show it

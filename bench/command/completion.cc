@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/base/nearest_name.h"
@@ -11,6 +12,13 @@ namespace bipot {
 namespace {
 
 using Words = std::vector<std::string>;
+
+/// Whether a file may be the first argument of the command.
+bool takes_files(const CommandNode& command) {
+  const auto first = std::find_if(command.options.begin(), command.options.end(),
+                                  [](const CommandNode::Option& o) { return o.argument; });
+  return first != command.options.end() && first->open;
+}
 
 /// What may follow a command: its visible flags, and the choices of its arguments.
 Words words_after(const CommandNode& command) {
@@ -42,14 +50,20 @@ std::string escaped(const std::string& text, const std::string& special) {
 
 std::string bash_script(const CommandNode& program) {
   std::string choices, words;
+  Words values;  // flags before any value: a file
   for (const CommandNode& command : program.commands) {
-    words += fmt::format("      {}) words={} ;;\n", command.name,
-                         quoted(fmt::format("{}", fmt::join(words_after(command), " "))));
+    words += fmt::format("      {}) words={}{} ;;\n", command.name,
+                         quoted(fmt::format("{}", fmt::join(words_after(command), " "))),
+                         takes_files(command) ? " files=yes" : "");
     for (const CommandNode::Option& option : command.options) {
-      if (option.argument || option.choices.empty()) continue;
+      if (option.argument || option.value.empty()) continue;
       for (const std::string& name : option.names) {
-        choices += fmt::format("    '{} {}') words='{}' ;;\n", command.name, name,
-                               fmt::join(option.choices, " "));
+        const std::string typed = quoted(command.name + " " + name);
+        if (option.choices.empty()) {
+          values.push_back(typed);
+        } else {
+          choices += fmt::format("    {}) words='{}' ;;\n", typed, fmt::join(option.choices, " "));
+        }
       }
     }
   }
@@ -57,20 +71,22 @@ std::string bash_script(const CommandNode& program) {
       "# Completion of {0} for bash: source <({0} completion bash)\n"
       "_{0}() {{\n"
       "  local word=\"${{COMP_WORDS[COMP_CWORD]}}\" before=\"${{COMP_WORDS[COMP_CWORD-1]}}\"\n"
-      "  local command='' words='' k\n"
+      "  local command='' words='' files='' k\n"
       "  for ((k = 1; k < COMP_CWORD; ++k)); do\n"
       "    case \"${{COMP_WORDS[k]}}\" in {1}) command=\"${{COMP_WORDS[k]}}\"; break ;; esac\n"
       "  done\n"
-      "  case \"$command $before\" in\n{2}  esac\n"
-      "  if [ -z \"$words\" ]; then\n"
-      "    case \"$command\" in\n      '') words={3} ;;\n{4}    esac\n"
-      "  fi\n"
-      "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
-      "  [ ${{#COMPREPLY[@]}} -gt 0 ] || COMPREPLY=($(compgen -f -- \"$word\"))\n"
+      "  case \"$command $before\" in\n{2}    {5}) ;;\n"
+      "    *) case \"$command\" in\n      '') words={3} ;;\n{4}    esac ;;\n"
+      "  esac\n"
+      "  [ \"$words\" ] || files=yes\n"
+      // A line each: names of files may have spaces.
+      "  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\"\n"
+      "    [ -z \"$files\" ] || compgen -f -- \"$word\")\n"
       "}}\n"
       "complete -o filenames -F _{0} {0}\n",
       program.name, fmt::join(names_of(program.commands), "|"), choices,
-      quoted(fmt::format("{}", fmt::join(words_after(program), " "))), words);
+      quoted(fmt::format("{}", fmt::join(words_after(program), " "))), words,
+      fmt::join(values, "|"));
 }
 
 std::string zsh_script(const CommandNode& program) {
@@ -93,11 +109,8 @@ std::string zsh_script(const CommandNode& program) {
       if (option.argument)
         choices.insert(choices.end(), option.choices.begin(), option.choices.end());
     }
-    cases +=
-        " \\\n        " +
-        quoted("*:argument:" + (choices.empty() ? std::string("_files")
-                                                : fmt::format("({})", fmt::join(choices, " ")))) +
-        " ;;\n";
+    cases += fmt::format(" \\\n        '*:argument:{{compadd -- {}{}}}' ;;\n",
+                         fmt::join(choices, " "), takes_files(command) ? "; _files" : "");
   }
   return fmt::format(
       "#compdef {0}\n"
@@ -129,7 +142,8 @@ std::string fish_script(const CommandNode& program) {
       }
       if (!option.value.empty() && !option.argument) text += " -r";
       if (!option.choices.empty()) {
-        text += fmt::format(" -f -a '{}'", fmt::join(option.choices, " "));
+        text += fmt::format("{} -a '{}'", option.argument && option.open ? "" : " -f",
+                            fmt::join(option.choices, " "));
       }
       text += " -d " + quoted(escaped(option.help, "\\")) + "\n";
     }

@@ -28,7 +28,7 @@ struct LeaderboardFlags : OutputFlags {
 
 CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
   CommandDeclaration command =
-      line.add_command("leaderboard", "Judges impulses of anybody for many problems, on one page");
+      line.add_command("leaderboard", "Judge impulses of anybody for many problems, on one page");
   command
       .option("folders", flags.folders,
               "Folder of a contestant: PROBLEM.npy, .csv or .hdf5 for each problem, and times.csv "

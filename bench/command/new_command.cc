@@ -20,11 +20,9 @@ struct NewFlags {
 };
 
 CommandDeclaration add_new(CommandLine& line, NewFlags& flags) {
-  std::vector<std::string> names;
-  for (const auto& path : scene_templates()) names.push_back(path.stem().string());
   CommandDeclaration command = line.add_command("new", "Print a scene to begin with");
   command.option("template", flags.name, "Name of a scene; without it they are listed")
-      .suggest(names);
+      .suggest(names_of(scene_templates()));
   command.footer("Example:\n  bipot new heap > my.toml");
   return command;
 }

@@ -460,6 +460,7 @@ CommandDeclaration add_run(CommandLine& line, RunFlags& flags) {
   CommandDeclaration command =
       line.add_command("run", "Run a scene: time steps, files, pictures, summary");
   command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
+      .suggest(names_of(shipped_scenes()))
       .required();
   command
       .option("--steps N", flags.steps,

@@ -5,6 +5,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/watched_trade.h"
+#include "bench/problems/scene_catalogue.h"
 #include "bench/tradeoff/trade_request.h"
 
 namespace bipot {
@@ -17,9 +18,11 @@ struct TradeFlags : OutputFlags {
 CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
   CommandDeclaration command = line.add_command(
       "trade", "Whole simulations: what a tolerance, a time step and springs cost and buy");
-  command.option("scenes", flags.request.scenes,
-                 "Scene files or names of shipped scenes, each with :steps=N behind it for "
-                 "another length (default: a set of them)");
+  command
+      .option("scenes", flags.request.scenes,
+              "Scene files or names of shipped scenes, each with :steps=N behind it for "
+              "another length (default: a set of them)")
+      .suggest(names_of(shipped_scenes()));
   command
       .option("--solvers NAMES", flags.request.solvers,
               "Solvers; the first one runs the time steps too")

@@ -52,18 +52,23 @@ std::vector<std::filesystem::path> shipped_scenes() { return shipped_files("scen
 std::vector<std::filesystem::path> scene_templates() { return shipped_files("templates", ".toml"); }
 std::vector<std::filesystem::path> shipped_problems() { return shipped_files("problems", ".hdf5"); }
 
+std::vector<std::string> names_of(const std::vector<std::filesystem::path>& files) {
+  std::vector<std::string> names;
+  for (const auto& file : files) names.push_back(file.stem().string());
+  return names;
+}
+
 std::filesystem::path find_scene(const std::string& path_or_name) {
   const bool there = std::filesystem::exists(path_or_name);
   const bool file = there && !std::filesystem::is_directory(path_or_name);
-  std::vector<std::string> names;
   for (const std::filesystem::path& scene : shipped_scenes()) {
-    names.push_back(scene.stem().string());
     // Results of a scene often stand in a folder of its name, which is no scene.
-    if (names.back() == path_or_name && !file) return scene;
+    if (scene.stem() == path_or_name && !file) return scene;
   }
   if (!there) {
-    throw std::invalid_argument(path_or_name + ": no such file; " +
-                                unknown_name_message("shipped scene", path_or_name, names));
+    throw std::invalid_argument(
+        path_or_name + ": no such file; " +
+        unknown_name_message("shipped scene", path_or_name, names_of(shipped_scenes())));
   }
   try {
     require_regular_file(path_or_name);

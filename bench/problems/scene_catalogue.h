@@ -16,6 +16,9 @@ std::vector<std::filesystem::path> shipped_scenes();
 /// Commented scenes to begin with, in data/templates, sorted by name.
 std::vector<std::filesystem::path> scene_templates();
 
+/// The names of such files, as a user gives them.
+std::vector<std::string> names_of(const std::vector<std::filesystem::path>& files);
+
 /// Files in data/problems, sorted by name.
 std::vector<std::filesystem::path> shipped_problems();
 

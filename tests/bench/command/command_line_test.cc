@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
@@ -39,6 +41,10 @@ TEST(CommandLine, UnknownCommandsAndFlagsNameTheNearest) {
   expect_said("solve --zzz", 2, {"bipot solve: unknown flag '--zzz' (bipot solve --help"});
   expect_said("-v", 2, {"unknown flag '-v'", "'--version'"});
   expect_said("", 2, {"name a command"});
+  expect_said("run drum --tol", 2, {"bipot run: --tol: 1 required"});
+  expect_said("leaderboard", 2, {"bipot leaderboard: folders is required"});
+  expect_said("list nonsense", 2, {"bipot list: what: nonsense not in"});
+  expect_said("compare pile:3:ratio=2", 2, {"pile takes mu, tilt, seed, not 'ratio'"});
 }
 
 TEST(CommandLine, TheSameQuestionHasManyForms) {
@@ -49,6 +55,9 @@ TEST(CommandLine, TheSameQuestionHasManyForms) {
   EXPECT_EQ(said("help run").out, said("run --help").out);
   expect_said("help run", 0, {"bipot run", "--step-size"});
   expect_said("help nonsense", 2, {"unknown command 'nonsense'"});
+  expect_said("version --help", 0, {"Print the version"});
+  expect_said("completion --help", 0, {"bash, zsh, fish"});
+  EXPECT_FALSE(says(said("completion --help").out, "Exit codes"));
 }
 
 TEST(CommandLine, ListAloneNamesEverything) {
@@ -66,7 +75,8 @@ TEST(CommandLine, ShellsCompleteFromTheDeclarations) {
   const auto completed = [](const std::string& words) {
     return run_command_line(
                "bash -c 'source <(" BIPOT_COMMAND " completion bash); COMP_WORDS=(bipot " + words +
-                   "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _bipot; echo \"${COMPREPLY[@]}\"'",
+                   "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _bipot; printf \"%s\\n\" "
+                   "\"${COMPREPLY[@]}\"'",
                "")
         .out;
   };
@@ -75,6 +85,16 @@ TEST(CommandLine, ShellsCompleteFromTheDeclarations) {
   EXPECT_EQ(completed("run --model n"), "nscd\n");
   EXPECT_EQ(completed("list p"), "problems\n");
   EXPECT_EQ(completed("new he"), "heap\n");
+  EXPECT_EQ(completed("help ju"), "judge\n");
+  EXPECT_EQ(completed("run squ"), "square_lattice\n");
+  EXPECT_EQ(completed("solve x --solver apg"), "apgd\n");
+  EXPECT_EQ(completed("run x --stop ra"), "raw42\n");
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a scene.toml") << "";
+  const std::string scene = (folder / "a scene.toml").string(), part = (folder / "a").string();
+  for (const char* before : {"run ", "run x --restart ", "solve x --out "}) {
+    EXPECT_EQ(completed(before + part), scene + "\n") << before;
+  }
   for (const char* shell : {"zsh", "fish"}) {
     expect_said(std::string("completion ") + shell, 0, {"bipot", "step-size", "nscd dem"});
   }
@@ -118,6 +138,8 @@ TEST(CommandLine, TheManualPageHasEveryCommandAndIsSound) {
                        "");
   EXPECT_FALSE(says(page.out, "warning")) << page.out;
   EXPECT_TRUE(says(page.out, "COMMANDS"));
+  const std::string codes = "Exit codes:";
+  EXPECT_EQ(page.out.find(codes), page.out.rfind(codes));  // once
 }
 
 TEST_F(Command, EveryTemplateRunsWithoutChange) {
