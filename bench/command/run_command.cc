@@ -232,6 +232,17 @@ void write_page_or_say(const fs::path& folder) {
   }
 }
 
+/// False: charts cannot be drawn, which costs nothing else.
+bool can_draw(bool quiet) {
+  try {
+    require_plotting_tool();
+    return true;
+  } catch (const FileError& e) {
+    if (!quiet) fmt::print(stderr, "bipot: warning: charts are left out: {}\n", e.what());
+    return false;
+  }
+}
+
 struct RunOutcome {
   std::string status;
   ExitCode exit_code;
@@ -383,9 +394,10 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   if (!flags.restart.empty() && *prepared.options.steps == 0) {
     return is_speaker() ? nothing_to_do(flags, scene, state, quiet) : int{kExitConverged};
   }
+  bool draws = false;
   together([&] {
     if (!is_speaker()) return;
-    if (scene.observables) require_plotting_tool();
+    if (scene.observables) draws = can_draw(flags.common.quiet);
     require_writable(flags.common.json);  // may lie in the folder that was just made
   });
 
@@ -402,7 +414,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   if (run.domains) run_processes().largest(peak);
   const auto [status, exit_code] = outcome_of(run);
   if (!is_speaker()) return exit_code;
-  if (scene.observables) draw_observables(folder);
+  if (scene.observables) write_observable_charts(folder, draws);
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", short_reason(run.failure->what()));
     using Kind = StepFailure::Kind;

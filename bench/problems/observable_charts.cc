@@ -12,6 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using Charts = std::vector<std::pair<std::string, Chart>>;  // each with the name of its files
+
 Chart::Series column_over(const NumberTable& table, const std::string& x, const std::string& y,
                           const std::string& name, int style) {
   Chart::Series series{.name = name, .style = style};
@@ -36,7 +38,7 @@ bool has_column(const NumberTable& table, const std::string& name) {
   return std::find(table.names.begin(), table.names.end(), name) != table.names.end();
 }
 
-void draw_profile(const fs::path& folder) {
+void add_profile(const fs::path& folder, Charts& charts) {
   const NumberTable profile = read_number_table(folder / "profile_mean.csv");
   Chart velocity{.title = "mean velocity across the bins", .x = {.label = "position [m]"}};
   velocity.y.label = "velocity [m/s]";
@@ -46,7 +48,7 @@ void draw_profile(const fs::path& folder) {
                                           std::string("along ") + axis,
                                           static_cast<int>(velocity.series.size())));
   }
-  write_chart_files(folder, "observables_velocity", velocity);
+  charts.emplace_back("observables_velocity", velocity);
   Chart stress{.title = "mean stress across the bins", .x = {.label = "position [m]"}};
   stress.y.label = "stress [Pa]";
   for (const std::string component : {"xx", "yy", "zz", "xy", "xz", "yz"}) {
@@ -54,15 +56,15 @@ void draw_profile(const fs::path& folder) {
     stress.series.push_back(column_over(profile, "position", "stress_" + component, component,
                                         static_cast<int>(stress.series.size())));
   }
-  write_chart_files(folder, "observables_stress", stress);
+  charts.emplace_back("observables_stress", stress);
   Chart fraction{.title = "mean solid fraction across the bins", .x = {.label = "position [m]"}};
   fraction.y.label = "solid fraction";
   fraction.series = {column_over(profile, "position", "solid_fraction", "solid fraction", 0)};
   fraction.key = Chart::Key::kNone;
-  write_chart_files(folder, "observables_fraction", fraction);
+  charts.emplace_back("observables_fraction", fraction);
 }
 
-void draw_forces(const fs::path& folder) {
+void add_forces(const fs::path& folder, Charts& charts) {
   const NumberTable forces = read_number_table(folder / "forces_mean.csv");
   Chart chart{.title = "distribution of normal forces", .x = {.label = "force / mean force"}};
   chart.y = {.label = "probability density", .kind = Chart::Axis::Kind::kLog};
@@ -78,22 +80,23 @@ void draw_forces(const fs::path& folder) {
   }
   chart.series = {series};
   chart.key = Chart::Key::kNone;
-  write_chart_files(folder, "observables_forces", chart);
+  charts.emplace_back("observables_forces", chart);
 }
 
 }  // namespace
 
-void draw_observables(const fs::path& folder) {
+void write_observable_charts(const fs::path& folder, bool draw) {
   const NumberTable rows = read_number_table(folder / "observables.csv");
-  write_chart_files(folder, "observables_state",
-                    over_time(rows, "state of the packing",
-                              {{"coordination", "coordination"},
-                               {"coordination_without_rattlers", "without rattlers"},
-                               {"solid_fraction", "solid fraction"},
-                               {"sliding_share", "share of sliding contacts"}}));
-  write_chart_files(folder, "observables_flow",
-                    over_time(rows, "state of flow",
-                              {{"friction", "τ/P"}, {"inertial_number", "inertial number"}}));
+  Charts charts;
+  charts.emplace_back("observables_state",
+                      over_time(rows, "state of the packing",
+                                {{"coordination", "coordination"},
+                                 {"coordination_without_rattlers", "without rattlers"},
+                                 {"solid_fraction", "solid fraction"},
+                                 {"sliding_share", "share of sliding contacts"}}));
+  charts.emplace_back("observables_flow",
+                      over_time(rows, "state of flow",
+                                {{"friction", "τ/P"}, {"inertial_number", "inertial number"}}));
   std::vector<std::pair<std::string, std::string>> fluxes;
   for (const std::string& name : rows.names) {
     if (name.rfind("flux_", 0) == 0) fluxes.emplace_back(name, name.substr(5));
@@ -102,10 +105,13 @@ void draw_observables(const fs::path& folder) {
     Chart chart = over_time(
         rows, has_column(rows, "stress_zz") ? "flux through faces" : "flux through lines", fluxes);
     chart.y.label = "flux [kg/s]";
-    write_chart_files(folder, "observables_flux", chart);
+    charts.emplace_back("observables_flux", chart);
   }
-  if (fs::exists(folder / "profile_mean.csv")) draw_profile(folder);
-  draw_forces(folder);
+  if (fs::exists(folder / "profile_mean.csv")) add_profile(folder, charts);
+  add_forces(folder, charts);
+  for (const auto& [name, chart] : charts) {
+    draw ? write_chart_files(folder, name, chart) : write_chart_data(folder, name, chart);
+  }
 }
 
 }  // namespace bipot

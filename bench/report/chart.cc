@@ -503,14 +503,12 @@ std::vector<std::string> to_svg(std::span<const Chart> charts) {
   return out;
 }
 
-void write_chart_files(const std::filesystem::path& folder, const std::string& name,
-                       const Chart& chart) {
-  const std::string script = Script(chart, false).write();
-  write_text_file(folder / (name + ".svg"), run_gnuplot(script));
+void write_chart_data(const std::filesystem::path& folder, const std::string& name,
+                      const Chart& chart) {
   // The output is named after the terminal.
   write_text_file(folder / (name + ".gp"),
                   fmt::format("# gnuplot {0}.gp makes {0}.svg.\nset output {1}\n{2}", name,
-                              in_quotes(name + ".svg"), script));
+                              in_quotes(name + ".svg"), Script(chart, false).write()));
   std::string csv = "series,x,y,note\n";
   for (const Chart::Series& series : chart.series) {
     for (const Chart::Point& p : series.points) {
@@ -518,6 +516,12 @@ void write_chart_files(const std::filesystem::path& folder, const std::string& n
     }
   }
   write_text_file(folder / (name + ".csv"), csv);
+}
+
+void write_chart_files(const std::filesystem::path& folder, const std::string& name,
+                       const Chart& chart) {
+  write_chart_data(folder, name, chart);
+  write_text_file(folder / (name + ".svg"), run_gnuplot(Script(chart, false).write()));
 }
 
 void require_plotting_tool() {

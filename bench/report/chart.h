@@ -65,8 +65,11 @@ std::string to_svg(const Chart& chart);
 /// Many at once, by one run of gnuplot; equal charts get different ids.
 std::vector<std::string> to_svg(std::span<const Chart> charts);
 
-/// Writes into an existing folder: name.svg; name.csv, a line for each point with series, x, y and
-/// note; and name.gp, from which `gnuplot name.gp` makes the SVG again. Throws FileError.
+/// Writes into an existing folder: name.csv, a line for each point with series, x, y and note; and
+/// name.gp, from which `gnuplot name.gp` makes name.svg. Needs no gnuplot. Throws FileError.
+void write_chart_data(const std::filesystem::path& folder, const std::string& name,
+                      const Chart& chart);
+/// The same, and then name.svg. Throws FileError.
 void write_chart_files(const std::filesystem::path& folder, const std::string& name,
                        const Chart& chart);
 

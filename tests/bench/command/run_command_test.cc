@@ -126,6 +126,17 @@ TEST_F(RunCommand, ARunOutOfTimeSaysHowToGoOn) {
   EXPECT_TRUE(says(cut.out, "--restart cut goes on\n"));
 }
 
+TEST_F(RunCommand, WithoutGnuplotNothingButChartsIsMissing) {
+  const Outcome run = run_command_line("PATH=/nowhere " BIPOT_COMMAND,
+                                       "run dam_break --steps 10 --no-page --out out 2>&1 #");
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  const std::string warning = "charts are left out: gnuplot";
+  EXPECT_TRUE(says(run.out, warning)) << run.out;
+  EXPECT_EQ(run.out.find(warning), run.out.rfind(warning));
+  expect_files("out", {"observables_state.csv", "observables_state.gp", "summary.json"});
+  EXPECT_FALSE(fs::exists("out/observables_state.svg"));
+}
+
 TEST_F(RunCommand, TwoRunsDoNotWriteIntoOneFolder) {
   const std::string run =
       std::string("run compaction --tol 1e-6 --time-limit 20 -q --out ") + path("one");
