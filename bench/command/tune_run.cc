@@ -32,6 +32,11 @@ int tune_targets(const std::vector<std::string>& targets, const TargetOptions& s
     options.file.replace_extension(".csv");
   }
   const std::vector<ProblemSource> sources = expand_targets(targets, scenes);
+  const auto no_rows = [&] {
+    return std::invalid_argument(options.file.string() +
+                                 " has no rows: name targets, whose solves are measured");
+  };
+  if (sources.empty() && !std::filesystem::exists(options.file)) throw no_rows();
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
   const long solves = static_cast<long>(2 * sources.size() * (options.variants.size() + 1));
@@ -45,6 +50,7 @@ int tune_targets(const std::vector<std::string>& targets, const TargetOptions& s
     fmt::print(stderr, "bipot: stopped; the same command goes on from {}\n", options.file.string());
     return kExitInterrupted;
   }
+  if (rows.empty()) throw no_rows();
   const TunedPlan made = tune_plan(rows, options.variants, least_rows);
   if (made.classes.empty()) {
     throw std::invalid_argument(options.file.string() + ": no solver solved any of the problems");

@@ -40,6 +40,7 @@ struct Submission {
 
 Submission read_submission(fs::path folder) {
   if (!folder.has_filename()) folder = folder.parent_path();
+  if (!fs::exists(folder)) throw FileError(folder.string(), "", "no such folder");
   if (!fs::is_directory(folder)) throw FileError(folder.string(), "", "is not a folder");
   Submission made{.folder = folder, .seconds = {}};
   const fs::path times = folder / "times.csv";

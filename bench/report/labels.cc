@@ -64,6 +64,8 @@ std::string share_label(double x) {
   return x >= 1e-4 ? fmt::format("{:.2g} %", 100 * x) : compact_label(x);
 }
 
+std::string overlap_label(double x) { return fmt::format("{:.3g} %", 100 * x); }
+
 std::string value_label(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "–"; }
 
 }  // namespace bipot

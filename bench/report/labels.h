@@ -24,6 +24,8 @@ std::string accuracy_label(double accuracy);
 std::string compact_label(double x);
 /// Per cent if that is short, from 1e-4 on; else as compact_label.
 std::string share_label(double x);
+/// An overlap over the smaller radius with the digits that a run prints: 5.04 %.
+std::string overlap_label(double x);
 /// Four digits; a dash if not finite.
 std::string value_label(double x);
 

@@ -190,7 +190,7 @@ std::string confidence(const Advice& a) {
   if (a.run.steps > 0) {
     text += fmt::format("\nthe run as advised: {} of {} steps, ", a.run.steps, a.run.steps_planned);
     text += a.run.overlap > 0 ? fmt::format("largest overlap {} in step {}",
-                                            share_label(a.run.overlap), a.run.overlap_step)
+                                            overlap_label(a.run.overlap), a.run.overlap_step)
                               : "no overlap";
   }
   if (share_of(a.spread, a.goal) > 0) {
@@ -243,7 +243,7 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   const MeasuredError expected = expected_error(a);
   std::string error = error_against(expected, a.goal) + whose;
   if (std::isnan(a.goal.penetration) && expected.error.penetration > kDeepOverlap) {
-    error += fmt::format("; overlaps up to {}", share_label(expected.error.penetration));
+    error += fmt::format("; overlaps up to {}", overlap_label(expected.error.penetration));
   }
   line("expected error", std::move(error));
   line("cost", fmt::format("{} a step, {} for the {:g} s of the scene ({} steps), files aside{}",

@@ -82,7 +82,7 @@ void conclude(const Advice::Options& options, Advice& advice) {
     const double shorter = 0.9 * advice.goal.penetration / run.overlap;
     advice.message =
         fmt::format("the run as advised has an overlap of {} in step {}; try {} {:.1g}",
-                    share_label(run.overlap), run.overlap_step,
+                    overlap_label(run.overlap), run.overlap_step,
                     advice.accuracy > 0 ? "--accuracy" : "--step-size",
                     shorter * (advice.accuracy > 0 ? advice.accuracy : advice.step_size));
   } else if (advice.step.index < 0) {

@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 fs::path run_folder(const fs::path& run) {
   const bool named = fs::is_directory(run);
   if (!named && run.filename() != "run.h5") {
+    if (!fs::exists(run)) throw FileError(run, "", "no such folder or file");
     throw FileError(run, "", "a run is named by its folder or by the run.h5 in it");
   }
   const fs::path folder = named ? run : run.has_parent_path() ? run.parent_path() : fs::path(".");

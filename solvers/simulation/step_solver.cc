@@ -61,7 +61,8 @@ StepSolution to_step_solution(SolveResult result) {
   step.cut_short =
       result.status == SolveStatus::kTimeLimit || result.status == SolveStatus::kInterrupted;
   step.message = to_string(result.status);
-  if (!step.cut_short) step.message += ": " + result.message;
+  const bool said = result.message.starts_with(step.message);
+  if (!step.cut_short) step.message = said ? result.message : step.message + ": " + result.message;
   step.s = std::move(result.s);
   step.error = result.error;
   step.iterations = result.iterations;

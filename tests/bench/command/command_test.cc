@@ -296,6 +296,8 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
                     path("new/folder/plan.toml")),
             0);
   EXPECT_EQ(code_of("tune no_such_thing --out " + plan), 2);
+  EXPECT_EQ(code_of("tune --out " + path("none.toml")), 2);
+  for (const char* none : {"none.toml", "none.csv"}) EXPECT_FALSE(fs::exists(path(none))) << none;
   // No contact arises in two steps of this scene: nothing but the check would read the plan.
   const std::string run = "run drum --steps 2 --no-page --out " + path("none");
   EXPECT_EQ(code_of(run + " --plan " + plan), 2);
@@ -408,6 +410,7 @@ TEST_F(Command, TimeLimitLeavesTheLastWholeStep) {
   const json j =
       json_of("run compaction --tol 1e-6 --time-limit 1.5 --json - --out " + path("out"), 1);
   EXPECT_EQ(j["status"], "time limit");
+  EXPECT_EQ(j["message"], "");                  // the status says all
   EXPECT_EQ(j["steps"], j["steps_converged"]);  // the step that was cut short is not taken
   EXPECT_EQ(read_state(path("out")).step, j["steps"]);
 }

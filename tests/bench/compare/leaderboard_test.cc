@@ -101,7 +101,7 @@ TEST(Leaderboard, RefusesFoldersThatAreNoContestants) {
   const auto refused = [&](const std::vector<fs::path>& folders) {
     return refusal_of([&] { make_leaderboard(folders, two_problems(), {}); });
   };
-  EXPECT_TRUE(says(refused({folder / "nowhere"}), "is not a folder"));
+  EXPECT_TRUE(says(refused({folder / "nowhere"}), "no such folder"));
   EXPECT_TRUE(says(refused({folder / "empty"}), "no impulse of these problems"));
   write_numbers(folder / "one" / "2d_sliding_cylinder.csv", Vector{{1, 0.1}});
   EXPECT_TRUE(says(refused({folder / "one", folder / "one"}), "two contestants are called one"));

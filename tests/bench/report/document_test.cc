@@ -147,6 +147,11 @@ TEST(Document, MarksAreLettersInTextAndNotesOnPagesAreNot) {
   EXPECT_TRUE(says(to_html(page), "Note. Rest the pointer."));
 }
 
+TEST(Labels, AnOverlapHasTheDigitsOfARun) {
+  EXPECT_EQ(overlap_label(0.0504), "5.04 %");
+  EXPECT_EQ(overlap_label(0.113), "11.3 %");
+}
+
 TEST(TextLines, BreakAtSpacesAndCountLetters) {
   EXPECT_EQ(letters("μ ≤ ½"), 5u);
   EXPECT_EQ(wrapped_lines("ab cd ef\ng", 5), (std::vector<std::string>{"ab cd", "ef", "g"}));

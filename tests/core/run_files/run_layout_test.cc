@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -25,7 +26,7 @@ TEST(RunLayout, RefusesOtherNames) {
   std::ofstream(folder / "ledger.csv") << "step\n";
   EXPECT_THROW(run_folder(folder / "ledger.csv"), FileError);
   EXPECT_THROW(run_folder(folder / "frames/00000000.h5"), FileError);
-  EXPECT_THROW(run_folder(folder / "nothing"), FileError);
+  EXPECT_TRUE(says(refusal_of([&] { run_folder(folder / "nothing"); }), "no such folder or file"));
   EXPECT_THROW(run_folder(""), FileError);
 }
 
