@@ -34,6 +34,11 @@ execute_process(COMMAND ${prefix}/bin/bipot list scenes OUTPUT_VARIABLE scenes $
 if(NOT scenes MATCHES "compaction")
   message(FATAL_ERROR "the installed command does not list the installed scenes: ${scenes}")
 endif()
+foreach(name fuzz make_problems.sh make_collection.py)  # of the sources alone
+  if(EXISTS ${prefix}/share/bipot/${name})
+    message(FATAL_ERROR "${name} is installed")
+  endif()
+endforeach()
 foreach(file man/man1/bipot.1 bash-completion/completions/bipot zsh/site-functions/_bipot
     fish/vendor_completions.d/bipot.fish)
   file(READ ${prefix}/share/${file} text)

@@ -14,8 +14,8 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libopenblas0-serial, gnuplot-nox")
-# What find_package(bipot) asks for.
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, coinor-libclp-dev, libcairo2-dev, libeigen3-dev, libfmt-dev, libhdf5-dev, libpetsc-real-dev, libsuitesparse-dev, libtomlplusplus-dev, pkg-config")
+# What find_package(bipot) asks for; for bipot movie and several processes, ffmpeg and openmpi-bin.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, coinor-libclp-dev, ffmpeg, libcairo2-dev, libeigen3-dev, libfmt-dev, libhdf5-dev, libpetsc-real-dev, libsuitesparse-dev, libtomlplusplus-dev, openmpi-bin, pkg-config")
 set(components program library)
 if(BIPOT_WITH_PYTHON)
   # Debian's Python looks for packages in another folder below /usr than below /usr/local.

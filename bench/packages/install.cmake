@@ -12,7 +12,8 @@ if(SKBUILD)  # a wheel, whose prefix is the folder of Python packages (pyproject
 endif()
 install(TARGETS bipot RUNTIME DESTINATION ${bin} COMPONENT program)
 install(DIRECTORY data/ DESTINATION ${share}/bipot COMPONENT program
-  PATTERN collection EXCLUDE PATTERN study EXCLUDE)
+  PATTERN collection EXCLUDE PATTERN study EXCLUDE PATTERN fuzz EXCLUDE
+  REGEX "/make_[^/]*$" EXCLUDE)
 # The command writes its own manual page and the completion of shells, from what it declares.
 set(pages ${CMAKE_BINARY_DIR}/generated_pages)
 file(MAKE_DIRECTORY ${pages})
