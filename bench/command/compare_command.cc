@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/command/command_options.h"
@@ -110,6 +111,17 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
 }
 
 int run_settings(const CompareFlags& flags, const std::vector<ProblemSource>& sources) {
+  const CompareFlags none;
+  const std::pair<const char*, bool> others[] = {{"--solvers", flags.solvers != none.solvers},
+                                                 {"--tols", flags.tols != none.tols},
+                                                 {"--repeat", flags.repeat != none.repeat},
+                                                 {"--min-time", flags.min_time != none.min_time},
+                                                 {"--try-all", flags.try_all},
+                                                 {"--whole-runs", !flags.whole_runs.empty()},
+                                                 {"--threads", flags.threads != none.threads}};
+  for (const auto& [name, given] : others) {
+    if (given) throw std::invalid_argument(std::string(name) + " has no effect with --settings");
+  }
   SettingStudy::Options options{.warm = flags.warm, .overlaps = flags.targets.empty()};
   options.time_limit = flags.time_limit.value_or(flags.quick ? 0.5 : options.time_limit);
   options.reference_time_limit = flags.reference_time_limit.value_or(options.reference_time_limit);

@@ -251,6 +251,10 @@ TEST_F(Command, JudgesPopularSettingsAndSubmittedImpulses) {
   EXPECT_EQ(j["settings"].size(), 8u);
   EXPECT_GT(j["tolerances"].size(), 4u);
   expect_files("set", {"settings.csv", "popular.svg", "report.html"});
+  for (const char* const flag : {"--tols 1e-3", "--solvers apgd", "--repeat 3", "--min-time 1",
+                                 "--try-all", "--whole-runs pyramid", "--threads 2"}) {
+    EXPECT_EQ(code_of(fmt::format("compare square:4 --settings popular --quick {}", flag)), 2);
+  }
   EXPECT_EQ(code_of("compare"), 2);
   const std::string problem = path("set") + ".hdf5";
   fs::copy_file(source_folder() / "data/problems/2d_triangular_lattice.hdf5", problem);
