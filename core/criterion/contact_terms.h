@@ -256,8 +256,8 @@ inline FrameVector<Real, D> natural_point(const PhysicalContact<Real, D, Rolling
     kept[parts] = rho * speed;
     bounds[parts++] = bound;
   });
-  Real most{};
-  for (int set = 0; set < 1 << parts; ++set) {
+  tau[0] = positive_part(tau[0]);  // that of the empty set, or of take-off
+  for (int set = 1; set < 1 << parts; ++set) {
     Real pushed = c.s[0] - rho * c.u[0], weight = Real{} + 1;
     for (int k = 0; k < parts; ++k) {
       const bool in = (set >> k & 1) != 0;
@@ -265,9 +265,8 @@ inline FrameVector<Real, D> natural_point(const PhysicalContact<Real, D, Rolling
       if (in) weight = weight + bounds[k] * bounds[k];
     }
     const Real crossing = pushed / weight;
-    if (crossing > most) most = crossing;
+    if (crossing > tau[0]) tau[0] = crossing;
   }
-  tau[0] = most;
   cut_off_parts<D>(tau, c.mu);
   return tau;
 }

@@ -60,6 +60,8 @@ def test_a_run_of_another_scene_is_refused(folder, tmp_path):
     with pytest.raises((ValueError, OSError), match=told):
         bipot.Simulation("drum", restart=folder[1])
     with pytest.raises(OSError, match="a run is named by its folder"):
+        bipot.Simulation("drum", restart=folder[0])
+    with pytest.raises(OSError, match="none: no such folder or file"):
         bipot.Simulation("drum", restart=tmp_path / "none")
     with pytest.raises(TypeError, match="restart"):
         bipot.Simulation("drum", restart=3)
