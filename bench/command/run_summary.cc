@@ -24,13 +24,13 @@ const SpringDashpotSetup* springs_of(const RunSummary<D>& s) {
   return s.run.springs.get();
 }
 
-/// Cause of a failed step, else of the worst step that did not converge. Of a run that was cut short
-/// the status says all.
+/// Cause of a failed step, else of the worst step that did not converge. Why a run was cut short, the
+/// status says.
 template <int D>
 std::string message_of(const RunSummary<D>& s) {
   const SceneTotals<D>& t = s.run.totals;
-  if (s.run.end == SceneRun<D>::End::kCancelled) return {};
-  if (s.run.failure) return s.run.failure->what();
+  const bool cut_short = s.run.end == SceneRun<D>::End::kCancelled;
+  if (s.run.failure && !cut_short) return s.run.failure->what();
   return t.worst_unconverged < 0 ? "" : fmt::format("step {}: {}", t.worst_unconverged, t.message);
 }
 

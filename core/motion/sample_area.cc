@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -110,7 +109,7 @@ double enclosed_area(const State<2>& state, double step, const Box<2>& disks) {
 }
 
 /// A polygon of sixteen points of the hull, which are among its rim points. Only places outside of
-/// it, to rounding, may belong to the hull.
+/// it, to rounding, may lie on the edge of the hull.
 class InnerPolygon {
  public:
   InnerPolygon(const std::vector<Vec2>& centres, const std::vector<double>& radii,
