@@ -24,8 +24,8 @@ const SpringDashpotSetup* springs_of(const RunSummary<D>& s) {
   return s.run.springs.get();
 }
 
-/// Cause of a failed step, else of the worst step that did not converge. Why a run was cut short, the
-/// status says.
+/// Cause of a failed step, else of the worst step that did not converge. The status says why a run
+/// was cut short.
 template <int D>
 std::string message_of(const RunSummary<D>& s) {
   const SceneTotals<D>& t = s.run.totals;

@@ -111,6 +111,7 @@ void write_observable_charts(const fs::path& folder, bool draw) {
   add_forces(folder, charts);
   for (const auto& [name, chart] : charts) {
     draw ? write_chart_files(folder, name, chart) : write_chart_data(folder, name, chart);
+    if (!draw) fs::remove(folder / (name + ".svg"));  // of an earlier part
   }
 }
 

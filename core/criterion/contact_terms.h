@@ -220,25 +220,16 @@ template <int kFirst, int kCount, class V, class Real>
 template <class Real, int D>
 [[gnu::always_inline]] inline FrameVector<Real, D> natural_point(
     const PhysicalContact<Real, D, Real>& c, const Real& rho) {
-  FrameVector<Real, D> tau = natural_step(c, rho);
+  const FrameVector<Real, D> tau = natural_step(c, rho);
   if constexpr (D == 1) {
-    tau[0] = positive_part(tau[0]);
+    return onto_cone<D>(tau, c.mu);
   } else {
     const Real length = tangential_norm<D>(tau);
     const Real edge =
         (c.s[0] - rho * c.u[0] + c.mu * lengthening<1, D - 1>(c.s, c.u, rho, length, c.slip)) /
         (1 + c.mu * c.mu);
-    tau[0] = positive_part(select(edge > tau[0], edge, tau[0]));
-    const Real radius = c.mu * tau[0];
-    if constexpr (D == 2) {
-      tau[1] = cut_off(tau[1], radius);
-    } else {
-      const Real shrink = select(length > radius, Real(radius / length), Real(Real{} + 1));
-      tau[1] = shrink * tau[1];
-      tau[2] = shrink * tau[2];
-    }
+    return cone_point<D>(tau, c.mu, length, edge);
   }
-  return tau;
 }
 
 /// The same with rolling friction: for a set S of parts

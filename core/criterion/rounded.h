@@ -77,9 +77,9 @@ Rounded tangential_norm(const FrameVector<Rounded, D>& x) {
 }
 
 /// A projection lengthens no difference. The error of each component of the natural map's point is
-/// at most the norm of the errors of tau, plus some roundings, those of mu included. (They count the
-/// rounding of rho |u_t| too, which is more than there is: where that matters, wider precision
-/// decides.)
+/// at most the norm of the errors of tau, plus some roundings of tau and of s, those of mu
+/// included. (They count the rounding of rho |u_t| too, which is more than there is: where that
+/// matters, wider precision decides.)
 template <int D, class Friction, class Values>
 FrameVector<Rounded, D> rounded_point(const PhysicalContact<Rounded, D, Friction>& c,
                                       const Rounded& rho, const Values& friction,
@@ -91,7 +91,8 @@ FrameVector<Rounded, D> rounded_point(const PhysicalContact<Rounded, D, Friction
   }
   const FrameVector<double, D> point = natural_point(values, rho.value);
   const Rounded norm = norm_of(natural_step(c, rho), 0);
-  const double error = norm.error + roundings * Rounded::kUnit * norm.value;
+  const double size = norm.value + norm_of(c.s, 0).value;
+  const double error = norm.error + roundings * Rounded::kUnit * size;
   FrameVector<Rounded, D> s;
   for (int k = 0; k < D; ++k) s[k] = {point[k], error};
   return s;

@@ -248,9 +248,6 @@ void PieceSums::add(const PieceSums& later) {
   }
 }
 
-// g++ chooses among the levels where it compiles a call: a call from another source would always
-// take the default.
-namespace {
 #define BIPOT_KERNEL_OF(how, width, project_name, sum_name, d)                   \
   how void project_name(const ContactArrays& p, int begin, int end, double* s) { \
     Kernel<width, d>::project(p, begin, end, s);                                 \
@@ -261,6 +258,7 @@ namespace {
 #define BIPOT_KERNEL(how, width)                                 \
   BIPOT_KERNEL_OF(how, width, project_on_plane, sum_of_plane, 2) \
   BIPOT_KERNEL_OF(how, width, project_on_space, sum_of_space, 3)
+namespace {
 #ifdef BIPOT_LEVELS
 BIPOT_KERNEL(__attribute__((target("arch=x86-64-v4"))), 8)
 BIPOT_KERNEL(__attribute__((target("arch=x86-64-v3"))), 4)
@@ -268,10 +266,12 @@ BIPOT_KERNEL(__attribute__((target("default"))), 2)
 #else
 BIPOT_KERNEL(, 2)
 #endif
+}  // namespace
 #undef BIPOT_KERNEL
 #undef BIPOT_KERNEL_OF
-}  // namespace
 
+// g++ chooses among the levels where it compiles a call: a call from another source would always
+// take the default.
 void project_on_plane_cones(const ContactArrays& p, int begin, int end, double* s) {
   project_on_plane(p, begin, end, s);
 }

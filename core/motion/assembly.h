@@ -59,6 +59,8 @@ struct AssembledStep {
 ///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),
 ///   symmetric form of data/manual/explanation/method.md §3.
 ///
+/// A normal entry of u_free below the rounding of the contact's tangential ones is set to 0.
+///
 /// In a periodic cell v_j is that of the image. A driven side of the cell is a degree of freedom,
 /// like a driven wall, and comes after these.
 ///

@@ -76,31 +76,39 @@ template <int D, class V>
   }
 }
 
+/// The projection (34) for D > 1, from `length` = |tau_t| and `edge`, the normal part in the slip
+/// case. The normal part of the three cases is the largest of 0, tau_n and `edge`. The tangential
+/// part is tau_t cut off at the edge. No branch, since statuses cannot be predicted.
+template <int D, class V, class Real>
+[[gnu::always_inline]] inline V cone_point(V tau, const Real& mu, const Real& length,
+                                           const Real& edge) {
+  tau[0] = positive_part(select(edge > tau[0], edge, tau[0]));
+  const Real radius = mu * tau[0];
+  if constexpr (D == 2) {
+    tau[1] = cut_off<Real>(tau[1], radius);
+  } else {
+    const Real shrink = select(length > radius, Real(radius / length), Real(Real{} + 1));
+    tau[1] = shrink * tau[1];
+    tau[2] = shrink * tau[2];
+  }
+  return tau;
+}
+
 /// Projection (34) of tau on the Coulomb cone K_mu = {|s_t| <= mu s_n}, Euclidean metric.
 /// Three cases: take-off (tau in the polar cone: 0), stick (tau in the cone: tau), slip (on the
 /// edge). The result of the slip case satisfies |s_t| = mu s_n up to one rounding.
 template <int D, class V, class Real>
 [[gnu::always_inline]] inline V onto_cone(const V& tau, const Real& mu) {
-  V s;
-  // The normal part of the three cases is the largest of 0, tau_n and the slip formula. The
-  // tangential part is tau_t cut off at the edge. No branch, since statuses cannot be predicted.
   if constexpr (D == 1) {
+    V s;
     s[0] = positive_part<Real>(tau[0]);
-  } else if constexpr (D == 2) {
-    const Real tn = tau[0], tt = tau[1];
-    const Real edge = (tn + mu * absolute(tt)) / (1 + mu * mu);
-    s[0] = positive_part(select(edge > tn, edge, tn));
-    s[1] = cut_off(tt, Real(mu * s[0]));
+    return s;
   } else {
-    const Real tn = tau[0], tt = tangential_norm<D>(tau);
-    const Real edge = (tn + mu * tt) / (1 + mu * mu);
-    s[0] = positive_part(select(edge > tn, edge, tn));
-    const Real radius = mu * s[0];
-    const Real shrink = select(tt > radius, Real(radius / tt), Real(Real{} + 1));
-    s[1] = shrink * tau[1];
-    s[2] = shrink * tau[2];
+    using Number = std::decay_t<decltype(tau[0])>;  // mu may be an int
+    const Number length = tangential_norm<D>(tau);
+    const Number edge = (tau[0] + mu * length) / (1 + mu * mu);
+    return cone_point<D>(tau, Number(mu), length, edge);
   }
-  return s;
 }
 
 /// Calls f(first, count, coefficient) for the parts of a contact's D rows that friction bounds. The

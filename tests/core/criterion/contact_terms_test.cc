@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <type_traits>
 
 #include "core/criterion/rounded.h"
 
@@ -14,6 +15,16 @@ FrameVector<Real, D> as(const FrameVector<double, D>& x) {
   FrameVector<Real, D> y;
   each_component<D>([&](int k) { y[k] = Real(x[k]); });
   return y;
+}
+
+/// The projection in wider precision is that in double, to the rounding of the latter.
+template <class Real, int D, class Friction>
+void expect_projects(const FrameVector<double, D>& s, const FrameVector<double, D>& r,
+                     const Friction& friction, const FrameVector<double, D>& projected) {
+  if constexpr (!std::is_same_v<Real, Rounded>) {  // which judges given impulses alone
+    const auto wide = physical_projection(true, as<Real>(s), as<Real>(r), friction);
+    for (int k = 0; k < D; ++k) EXPECT_NEAR(static_cast<double>(wide[k]), projected[k], 1e-13);
+  }
 }
 
 template <class Real, class Contact>
@@ -37,7 +48,9 @@ std::vector<Real> terms_of(unsigned seed, double mu) {
   r[0] = positive(random);
   for (int k = 1; k < D; ++k) r[k] = k == 1 ? positive(random) : r[1];
   const Real w_nn = positive(random), rho_nn = 1 / w_nn;
-  const auto on_cone = as<Real>(physical_projection(true, s, r, mu));
+  const FrameVector<double, D> projected = physical_projection(true, s, r, mu);
+  expect_projects<Real>(s, r, Real(mu), projected);
+  const auto on_cone = as<Real>(projected);
   const auto contact = physical_contact(true, on_cone, as<Real>(u), as<Real>(b), as<Real>(r),
                                         Real(mu), w_nn, rho_nn);
   return sums_of(contact, rho_nn, Real(b[0]));
@@ -57,8 +70,11 @@ std::vector<Real> rolling_terms_of(unsigned seed) {
   const Real arm = length;
   const RollingFriction<double> given{positive(random), positive(random), positive(random)};
   const auto friction = over_arm(as_number<Real>(given), arm);
-  const auto on_cone =
-      as<Real>(physical_projection(true, times_arm<K>(s, 1 / length), r, over_arm(given, length)));
+  const FrameVector<double, K> over = times_arm<K>(s, 1 / length);
+  const FrameVector<double, K> projected =
+      physical_projection(true, over, r, over_arm(given, length));
+  expect_projects<Real>(over, r, friction, projected);
+  const auto on_cone = as<Real>(projected);
   const auto contact =
       physical_contact(true, on_cone, times_arm<K>(as<Real>(u), arm),
                        times_arm<K>(as<Real>(b), arm), as<Real>(r), friction, w_nn, rho_nn);
@@ -132,8 +148,8 @@ TEST(ContactTerms, ARoundedContactTakesOffWhereThatIsCertain) {
 }
 
 /// A contact slides with the velocity 1 and approaches with d. For s = 0 the point is
-/// rho d / (1 + mu²) (1, -mu), hence |N| = rho d / sqrt(1 + mu²). For s = rho d (1, -mu) it is s and the
-/// same once more. Once the approach has stopped, u_n = 0, this s is the law.
+/// rho d / (1 + mu²) (1, -mu), hence |N| = rho d / sqrt(1 + mu²). For s = rho d (1, -mu) it is s and
+/// the same once more. Once the approach has stopped, u_n = 0, this s is the law.
 template <class Real, int D>
 void expect_exact_for_slow_approach() {
   const double mu = 0.3, rho = 0.7;
@@ -162,21 +178,30 @@ TEST(ContactTerms, TheNaturalMapOfASlowApproachIsExact) {
   expect_exact_for_slow_approach<Quadruple, 2>();
 }
 
-// With rolling friction (mu_r = 0.1, the contact rolls with the velocity 2 as well) the point is
-// rho d / (1 + mu² + mu_r²) (1, -mu, -mu_r), and |N| = rho d / sqrt(1 + mu² + mu_r²).
-TEST(ContactTerms, TheNaturalMapOfASlowRollingApproachIsExact) {
-  const double mu = 0.3, mu_r = 0.1, rho = 0.7;
+/// A contact slides with the velocity 1, rolls with 2, spins and approaches with d: for s = 0 the
+/// point is rho d / (1 + Σ mu_g²) (1, -mu_g, ..), and |N| = rho d / sqrt(1 + Σ mu_g²), where a part
+/// that does not move has no share.
+template <ContactRows K>
+void expect_exact_for_slow_rolling(const RollingFriction<double>& friction, double spin) {
+  const double rho = 0.7;
+  double sum = 1 + friction.slide * friction.slide + friction.roll * friction.roll;
+  if (spin != 0) sum += friction.spin * friction.spin;
   for (const double d : {1e-3, 1e-20, 1e-60}) {
-    constexpr ContactRows kRows(3, true);
-    const RollingFriction<double> friction{mu, mu_r, 0};
-    PhysicalContact<double, kRows, RollingFriction<double>> c{
-        {}, {}, mu + 2 * mu_r, friction, 1 / rho, rho, 0};
+    PhysicalContact<double, K, RollingFriction<double>> c{{}, {}, 0, friction, 1 / rho, rho, 0};
     c.u[0] = -d;
     c.u[1] = 1;
-    c.u[2] = -2;
+    c.u[1 + K.tangents()] = -2;
+    if constexpr (K == 6) c.u[5] = spin;
+    c.slip = friction_speed<K>(c.u, friction);
     const auto N = natural_map(c, rho);
-    EXPECT_NEAR(std::sqrt(dot(N, N)) / d, rho / std::sqrt(1 + mu * mu + mu_r * mu_r), 1e-14) << d;
+    EXPECT_NEAR(std::sqrt(dot(N, N)) / d, rho / std::sqrt(sum), 1e-14) << d;
   }
+}
+
+TEST(ContactTerms, TheNaturalMapOfASlowRollingApproachIsExact) {
+  expect_exact_for_slow_rolling<ContactRows(3, true)>({0.3, 0.1, 0}, 0);
+  expect_exact_for_slow_rolling<ContactRows(6, true)>({0.3, 0.1, 0.2}, 3);
+  expect_exact_for_slow_rolling<ContactRows(6, true)>({0.3, 0.1, 0.2}, 0);
 }
 
 }  // namespace

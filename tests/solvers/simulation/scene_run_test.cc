@@ -217,13 +217,18 @@ TEST(SceneRun, TheStartIsWhatTheStepBeforeLeft) {
   run_scene(scene, state, options);
 }
 
-// A disk comes down at 1 m/s, 5 mm in each half of a step. In the second half of step 20 its middle
-// would be 2 mm in the floor.
-TEST(SceneRun, AStepThatIsCutHasTheProblemOfItsLastPart) {
+/// A disk comes down at 1 m/s, 5 mm in each half of a step. In the second half of step 20 its middle
+/// would be 2 mm in the floor.
+Scene<2> landing_in_the_last_part() {
   Scene<2> scene = two_landings();
   scene.bodies = {round_body<2>(Vec2(0, 0.2455), 0.05, 2, Vec2(0, -1))};
   scene.travel = 0.1;
   scene.num_steps = 20;
+  return scene;
+}
+
+TEST(SceneRun, AStepThatIsCutHasTheProblemOfItsLastPart) {
+  const Scene<2> scene = landing_in_the_last_part();
   State<2> state = initial_state(scene);
   SceneRunOptions<2> options;
   options.on_step = [&](const SceneStep<2>& step) {
@@ -238,12 +243,8 @@ TEST(SceneRun, AStepThatIsCutHasTheProblemOfItsLastPart) {
   EXPECT_NEAR(state.bodies[0].v[1], 0, 1e-12);
 }
 
-/// Its last part lands, after others that were taken: the failure names the whole step.
 TEST(SceneRun, AFailureInAPartNamesTheWholeStep) {
-  Scene<2> scene = two_landings();
-  scene.bodies = {round_body<2>(Vec2(0, 0.2455), 0.05, 2, Vec2(0, -1))};
-  scene.travel = 0.1;
-  scene.num_steps = 20;
+  const Scene<2> scene = landing_in_the_last_part();
   State<2> state = initial_state(scene);
   const SceneRun<2> run =
       run_scene(scene, state, {.solver = gives_up_beyond(0), .on_failure = OnFailure::kStop});
