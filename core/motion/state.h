@@ -41,6 +41,8 @@ struct State {
   std::vector<ContactOutcome<D>> contacts;  ///< of the last step, sorted by (i, j); warm start
   /// Accumulated since step 0, for the ledger                                  [J]
   double wall_work = 0, friction_loss = 0, shock_loss = 0, cohesion_loss = 0;
+  /// The next step begins with 2^halvings parts, because earlier ones were not solved with fewer.
+  int halvings = 0;
 };
 
 template <int D>

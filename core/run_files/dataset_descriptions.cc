@@ -73,6 +73,7 @@ constexpr Description kDatasets[] = {
     {"/wall_work", "work of moving and driven walls since step 0"},
     {"/friction_loss", "dissipated by tangential impulses since step 0"},
     {"/shock_loss", "dissipated by normal impulses since step 0"},
+    {"/halvings", "the next step begins with 2^halvings parts: --on-failure smaller-step"},
     {"/cohesion_loss", "taken by cohesion since step 0, less what it gave"},
     {"/outlets/count", "bodies that left since step 0"},
     {"/outlets/mass", "that left since step 0"},

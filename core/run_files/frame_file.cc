@@ -155,6 +155,7 @@ void write_frame_file(const std::filesystem::path& path, const Scene<D>& scene,
     file.write_attribute(name, "unit", "J");
   }
 
+  if (state.halvings > 0) file.write("/halvings", state.halvings);
   if (scene.has_cohesion()) {
     file.write("/cohesion_loss", state.cohesion_loss);
     file.write_attribute("/cohesion_loss", "unit", "J");

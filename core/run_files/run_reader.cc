@@ -296,6 +296,7 @@ State<D> read_state(const fs::path& run, int step) {
   state.wall_work = file.read_double("/wall_work");
   state.friction_loss = file.read_double("/friction_loss");
   state.shock_loss = file.read_double("/shock_loss");
+  if (file.exists("/halvings")) state.halvings = file.read_int("/halvings");
   if (file.exists("/cohesion_loss")) state.cohesion_loss = file.read_double("/cohesion_loss");
   state.bodies = read_disks<D>(fixed, file, state.population);
   read_clusters(file, state);

@@ -65,6 +65,10 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
             .processes = options_.processes,
             .reproducible = options_.reproducible};
     own_.options.cancelled = options_.cancelled;
+    if (options_.on_failure == OnFailure::kSmallerStep &&
+        scene.solver.max_iterations == SolverChoice{}.max_iterations) {
+      own_.options.max_iterations = kAttemptIterations;
+    }
     own_.options.execution.threads = options_.threads;
     options_.explicit_delassus =
         options_.processes == nullptr && require_solver(own_.solver).needs_delassus;
@@ -169,12 +173,18 @@ StepReport<D> SceneStepper<D>::take(State<D>& state) {
   cut_.reset();
   if (springs_) return springs_->advance(state);
   if (accurate_) return accurate_->advance(state);
-  if (const int halvings = travel_halvings(scene_, state); halvings > 0) {
-    SplitStep<D> split = advance_in_equal_parts(scene_, options_of_parts(), state, halvings);
-    parts_ = split.parts;
-    return std::move(split.report);
-  }
+  const bool splits_unsolved = options_.on_failure == OnFailure::kSmallerStep;
   const bool splits_passages = options_.on_tunnel == OnTunnel::kSmallerStep;
+  const auto in_parts = [&](const SceneRunOptions<D>& options, int halvings, int most_halvings) {
+    SplitStep<D> split = advance_in_parts(scene_, options, state, halvings, most_halvings);
+    parts_ = split.parts;
+    if (splits_unsolved) state.halvings = split.next_halvings;
+    return std::move(split.report);
+  };
+  const int travel = travel_halvings(scene_, state);
+  const int most = travel + (splits_unsolved || splits_passages ? kMostHalvings : 0);
+  const int halvings = splits_unsolved ? std::clamp(state.halvings, travel, most) : travel;
+  if (halvings > 0) return in_parts(options_of_parts(), halvings, most);
   if (takes_unsolved() && !splits_passages) return rigid_->advance(state);
   State<D> next = state;
   StepReport<D> whole;
@@ -190,13 +200,12 @@ StepReport<D> SceneStepper<D>::take(State<D>& state) {
     }
   } catch (const StepFailure& failure) {
     const bool passed = failure.kind == StepFailure::Kind::kPassage && splits_passages;
-    unsolved = failure.may_yield() && options_.on_failure == OnFailure::kSmallerStep;
+    unsolved = failure.may_yield() && splits_unsolved;
     if (!passed && !unsolved) throw;
   }
-  SplitStep<D> split = advance_in_parts(scene_, unsolved ? options_ : options_of_parts(), state);
-  parts_ = split.parts;
-  split.report.add_cost(whole);
-  return std::move(split.report);
+  StepReport<D> report = in_parts(unsolved ? options_ : options_of_parts(), 1, most);
+  report.add_cost(whole);
+  return report;
 }
 
 template <int D>

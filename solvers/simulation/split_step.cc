@@ -13,6 +13,9 @@
 namespace bipot {
 namespace {
 
+// A solve with fewer is easy: a part of twice the length may succeed.
+constexpr int kEasyIterations = kAttemptIterations / 3;
+
 /// The parts of one step so far.
 template <int D>
 class Parts {
@@ -20,7 +23,7 @@ class Parts {
   Parts(const Scene<D>& scene, const SceneRunOptions<D>& options, State<D> start)
       : scene_(scene), options_(options), state_(std::move(start)) {}
 
-  void take(double h, int halvings) {
+  void take(double h, int halvings, int most_halvings) {
     Scene<D> part = scene_;
     part.step = h;
     part.outlets.clear();  // bodies come and go between whole steps
@@ -30,6 +33,11 @@ class Parts {
     const bool accept = options_.on_failure == OnFailure::kContinue ||
                         options_.on_failure == OnFailure::kUnlessUnsolvable;
     State<D> next = state_;
+    for (ContactOutcome<D>& c : next.contacts) {
+      c.s_n *= h / contacts_step_;
+      c.s_t *= h / contacts_step_;
+      c.moment *= h / contacts_step_;
+    }
     std::string why;
     try {
       const StepReport<D> report = stepper.advance(next);
@@ -37,6 +45,9 @@ class Parts {
         const int whole_steps = state_.step;  // messages count these
         state_ = std::move(next);
         state_.step = whole_steps;
+        contacts_step_ = h;
+        deepest_ = std::max(deepest_, halvings);
+        iterations_ = std::max(iterations_, report.iterations);
         sums_.add(report, state_.contacts);
         return;
       }
@@ -44,24 +55,25 @@ class Parts {
       why = report.message;
     } catch (const StepFailure& failure) {
       if (failure.kind == StepFailure::Kind::kPassage) {
-        if (options_.on_tunnel != OnTunnel::kSmallerStep || halvings == 0) throw;
+        if (options_.on_tunnel != OnTunnel::kSmallerStep || halvings == most_halvings) throw;
       } else if (!failure.may_yield() || accept) {
         throw;
       }
       why = failure.what();
     }
-    if (halvings == 0) {
+    if (halvings == most_halvings) {
       throw StepFailure(StepFailure::Kind::kNotConverged, state_,
                         fmt::format("not solved with a part of {:.3g} s: {}", h, why));
     }
-    take(0.5 * h, halvings - 1);
-    take(0.5 * h, halvings - 1);
+    take(0.5 * h, halvings + 1, most_halvings);
+    take(0.5 * h, halvings + 1, most_halvings);
   }
 
   SplitStep<D> finish(State<D>& state) {
     const State<D> before = std::exchange(state, std::move(state_));
     const int parts = sums_.count();
-    return {sums_.finish(before, scene_.step, state), parts};
+    const int next = deepest_ - (iterations_ <= kEasyIterations ? 1 : 0);
+    return {sums_.finish(before, scene_.step, state), parts, next};
   }
 
  private:
@@ -69,16 +81,18 @@ class Parts {
   const SceneRunOptions<D>& options_;
   State<D> state_;
   SummedParts<D> sums_;
+  double contacts_step_ = scene_.step;  // in which the impulses of state_ arose          [s]
+  int deepest_ = 0, iterations_ = 0;    // largest of the parts taken: halvings, iterations
 };
 
 }  // namespace
 
 template <int D>
 SplitStep<D> advance_in_parts(const Scene<D>& scene, const SceneRunOptions<D>& options,
-                              State<D>& state) {
+                              State<D>& state, int halvings, int most_halvings) {
   Parts<D> parts(scene, options, with_changed_population(scene, state));
-  parts.take(0.5 * scene.step, kMostHalvings - 1);
-  parts.take(0.5 * scene.step, kMostHalvings - 1);
+  const int count = 1 << halvings;
+  for (int k = 0; k < count; ++k) parts.take(scene.step / count, halvings, most_halvings);
   return parts.finish(state);
 }
 
@@ -108,24 +122,11 @@ int travel_halvings(const Scene<D>& scene, const State<D>& state) {
           speed, scene.travel, 1 << kMostTravelHalvings));
 }
 
-template <int D>
-SplitStep<D> advance_in_equal_parts(const Scene<D>& scene, const SceneRunOptions<D>& options,
-                                    State<D>& state, int halvings) {
-  Parts<D> parts(scene, options, with_changed_population(scene, state));
-  const int count = 1 << halvings;
-  const bool further =
-      options.on_failure == OnFailure::kSmallerStep || options.on_tunnel == OnTunnel::kSmallerStep;
-  for (int k = 0; k < count; ++k) parts.take(scene.step / count, further ? kMostHalvings : 0);
-  return parts.finish(state);
-}
-
 template int travel_halvings(const Scene<2>&, const State<2>&);
 template int travel_halvings(const Scene<3>&, const State<3>&);
-template SplitStep<2> advance_in_equal_parts(const Scene<2>&, const SceneRunOptions<2>&, State<2>&,
-                                             int);
-template SplitStep<3> advance_in_equal_parts(const Scene<3>&, const SceneRunOptions<3>&, State<3>&,
-                                             int);
-template SplitStep<2> advance_in_parts(const Scene<2>&, const SceneRunOptions<2>&, State<2>&);
-template SplitStep<3> advance_in_parts(const Scene<3>&, const SceneRunOptions<3>&, State<3>&);
+template SplitStep<2> advance_in_parts(const Scene<2>&, const SceneRunOptions<2>&, State<2>&, int,
+                                       int);
+template SplitStep<3> advance_in_parts(const Scene<3>&, const SceneRunOptions<3>&, State<3>&, int,
+                                       int);
 
 }  // namespace bipot

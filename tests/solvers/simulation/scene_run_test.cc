@@ -117,6 +117,71 @@ TEST(SceneRun, IterationsOfAttemptsThatWereNotTakenCount) {
   EXPECT_EQ(run.totals.last.iterations, 50);
 }
 
+/// A disk at rest, m g = 20 N, in steps of 0.01 s. Problems of more than 0.004 s are given up, so
+/// that each step takes four quarters, of 0.05 N s each.
+struct RestingDisk {
+  Scene<2> scene = one_law<2>({});
+  std::vector<double> starts;  // s_n, of each solve
+  int iterations = 0;          // of each solve
+
+  RestingDisk() {
+    scene.gravity = Vec2(0, -10);
+    scene.step = 0.01;
+    scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+    scene.bodies = {round_body<2>(Vec2(0, 0.5), 0.5, 2)};
+  }
+  SceneRun<2> run(State<2>& state, int steps, RunFolderOptions folder = {}) {
+    scene.num_steps = steps;
+    SceneRunOptions<2> options{.on_failure = OnFailure::kSmallerStep, .folder = std::move(folder)};
+    options.solver = [this, solver = make_step_solver(require_solver("pgs"), {})](
+                         const ContactProblem& p, const Vector& s0) {
+      StepSolution solution = solver(p, s0);
+      starts.push_back(s0.size() > 0 ? s0[0] : 0.0);
+      solution.iterations = iterations;
+      solution.converged = p.u_free[0] > -0.04;  // -g h
+      return solution;
+    };
+    return run_scene(scene, state, options);
+  }
+};
+
+TEST(SceneRun, AStepBeginsWithAsManyPartsAsTheOneBefore) {
+  RestingDisk disk;
+  disk.iterations = kAttemptIterations;
+  State<2> state = initial_state(disk.scene);
+  ASSERT_EQ(disk.run(state, 2).totals.converged, 2);
+  // Whole, half, two quarters, half, two quarters; then four quarters.
+  ASSERT_EQ(disk.starts.size(), 11u);
+  EXPECT_EQ(state.halvings, 2);
+  EXPECT_NEAR(state.contacts[0].s_n, 0.2, 1e-8);
+  // The impulses of a step begin the next, in proportion to the lengths.
+  for (std::size_t k = 7; k < 11; ++k) EXPECT_NEAR(disk.starts[k], 0.05, 1e-8) << k;
+}
+
+TEST(SceneRun, AfterEasyPartsFewerAreTried) {
+  RestingDisk disk;
+  disk.iterations = 10;
+  State<2> state = initial_state(disk.scene);
+  ASSERT_EQ(disk.run(state, 2).totals.converged, 2);
+  // Seven as above; then half, two quarters, half, two quarters.
+  EXPECT_EQ(disk.starts.size(), 13u);
+  EXPECT_EQ(state.halvings, 1);
+  EXPECT_NEAR(disk.starts[7], 0.1, 1e-8);
+}
+
+TEST(SceneRun, ARestartBeginsWithThePartsOfTheLastStep) {
+  const TemporaryFolder folder;
+  RestingDisk disk;
+  disk.iterations = kAttemptIterations;
+  State<2> state = initial_state(disk.scene);
+  disk.run(state, 1, {.folder = folder.path() / "run"});
+  State<2> read = read_state(folder.path() / "run");
+  EXPECT_EQ(read.halvings, 2);
+  disk.starts.clear();
+  ASSERT_EQ(disk.run(read, 1).totals.converged, 1);
+  EXPECT_EQ(disk.starts.size(), 4u);
+}
+
 TEST(SceneRun, AStepThatIsNotSolvedEndsTheRunOnRequest) {
   const Scene<2> scene = two_landings();
   for (const OnFailure what : {OnFailure::kStop, OnFailure::kSmallerStep}) {
@@ -313,7 +378,7 @@ TEST(SplitStep, LetsBodiesLeaveOnceAStep) {
   State<2> state = initial_state(scene);
   for (int k = 0; k < 21; ++k) {
     const SplitStep<2> split = advance_in_parts<2>(
-        scene, {.solver = sweeps, .on_failure = OnFailure::kSmallerStep}, state);
+        scene, {.solver = sweeps, .on_failure = OnFailure::kSmallerStep}, state, 1, kMostHalvings);
     EXPECT_EQ(split.parts, 2);
     EXPECT_EQ(state.bodies.size(), state.step < 21 ? 2u : 1u) << state.step;
   }
