@@ -152,6 +152,11 @@ std::vector<AutoStage> plan_stages(const AutoPlan& plan, const ProblemTraits& pr
   return planner.stages();
 }
 
+std::vector<AutoStage> serving_stages(const AutoPlan& plan, const ProblemTraits& problem) {
+  std::vector<AutoStage> stages = plan_stages(plan, problem);
+  return stages.empty() ? plan_stages(shipped_plan(), problem) : stages;
+}
+
 std::string explain_auto(const ContactProblem& p, const SolverOptions& options) {
   if (const auto bodies = recovered_disks(p)) {
     return "W is that of disks: they are recovered\n" + explain_auto(*bodies, options);
@@ -166,7 +171,7 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
                                  warm ? "warm" : "cold", options.tol);
   text += class_in_words(plan, problem);
   int number = 0;
-  for (const AutoStage& stage : plan_stages(plan, problem)) {
+  for (const AutoStage& stage : serving_stages(plan, problem)) {
     const std::string budget =
         stage.max_iterations == AutoStage::kUnlimited
             ? "(no limit)"

@@ -32,7 +32,7 @@ ProblemTraits traits_of(SolveRun& run) {
 
 /// `attempted`: the impulse that an attempt left, whose stages are not run again; or empty.
 void race_plan(const AutoPlan& plan, SolveRun& run, const Vector& attempted, bool only_attempt) {
-  const std::vector<AutoStage> stages = plan_stages(plan, traits_of(run));
+  const std::vector<AutoStage> stages = serving_stages(plan, traits_of(run));
   run.take(race_stages(run, stages, attempted, [&](const AutoStage& stage) {
     if (only_attempt) return stage.before_cutting;
     return !(attempted.size() != 0 && stage.on_whole_only);

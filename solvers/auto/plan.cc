@@ -209,7 +209,9 @@ class PlanReader {
     std::string name = text_at(table, key);
     const bool known = std::find(list_names_.begin(), list_names_.end(), name) != list_names_.end();
     if (!known && name != kShippedList) {
-      fail(*table.get(key), unknown_name_message("list", name, list_names_));
+      Names known_names = list_names_;
+      known_names.emplace_back(kShippedList);
+      fail(*table.get(key), unknown_name_message("list", name, known_names));
     }
     return name;
   }

@@ -71,7 +71,8 @@ class Race {
     best_error_ = space_.error(best_.s).guarded();
     if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
     start_error_ = best_error_;
-    if (best.size() == 0) return;
+    goes_on_ = best.size() != 0;
+    if (!goes_on_) return;
     const double error = space_.error(best).guarded();
     if (error < best_error_) {
       best_.s = best;
@@ -87,7 +88,7 @@ class Race {
       any = true;
       if (finished(stage)) break;
     }
-    return any ? finish() : SolveResult();
+    return any || goes_on_ ? finish() : SolveResult();
   }
 
  private:
@@ -234,7 +235,8 @@ class Race {
   double best_error_ = 0, start_error_ = 0;
   int iterations_ = 0;
   SolveStatus last_ = SolveStatus::kIterationLimit;
-  bool ended_ = false;  // by the caller or the clock
+  bool ended_ = false;    // by the caller or the clock
+  bool goes_on_ = false;  // from an attempt
   std::string trail_;
 };
 

@@ -96,6 +96,23 @@ TEST(Plan, TheFirstClassWhoseConditionsHoldServes) {
   EXPECT_EQ(marks_of_words(mark_words(inside.marks)), inside.marks);
 }
 
+TEST(Plan, WhereAClassHasNoStageTheShippedPlanServes) {
+  const ContactProblem p = shipped_file("2d_pour12_170.hdf5");
+  const TemporaryFolder folder;
+  const std::string path = (folder / "own.toml").string();
+  const SolverOptions options{.tol = 1e-4, .parameters = {{"plan", path}}};
+  for (const char* stage : {"", "{solver = \"pgs\", contacts = [10000, inf]}"}) {
+    std::ofstream(path) << with_stage(stage);
+    const SolveResult result = solve("auto", p, options);
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << stage << result.message;
+  }
+  // The attempt on the whole was all that there is.
+  std::ofstream(path) << with_stage("{solver = \"pgs\", most = 3, whole = \"only\"}");
+  const SolveResult result = solve("auto", p, options);
+  EXPECT_EQ(result.status, SolveStatus::kIterationLimit) << result.message;
+  EXPECT_TRUE(says(result.message, "none was run"));
+}
+
 TEST(Plan, BudgetsGrowWithContactsAndRepetitions) {
   const AutoPlan plan = parse_plan(
       "[list.round]\nstages = [{solver = \"apgd\", from = \"0.5 best\", least = 7, most = [2, 0.5]}]\n"
