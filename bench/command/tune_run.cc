@@ -31,6 +31,7 @@ int tune_targets(const std::vector<std::string>& targets, const TargetOptions& s
     options.file = plan;
     options.file.replace_extension(".csv");
   }
+  require_apart({{"--rows", options.file.string()}}, {{"--out", plan.string()}});
   const std::vector<ProblemSource> sources = expand_targets(targets, scenes);
   const auto no_rows = [&] {
     return std::invalid_argument(options.file.string() +
@@ -40,6 +41,7 @@ int tune_targets(const std::vector<std::string>& targets, const TargetOptions& s
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
   const long solves = static_cast<long>(2 * sources.size() * (options.variants.size() + 1));
+  const std::size_t known = read_measured_rows(options.file).size();
   std::vector<MeasuredRow> rows;
   {
     ProgressBar progress(solves, quiet);
@@ -53,15 +55,17 @@ int tune_targets(const std::vector<std::string>& targets, const TargetOptions& s
   if (rows.empty()) throw no_rows();
   const TunedPlan made = tune_plan(rows, options.variants, least_rows);
   if (made.classes.empty()) {
-    throw std::invalid_argument(options.file.string() + ": no solver solved any of the problems");
+    fmt::print(stderr, "bipot: {}: no solver solved any of the problems\n", options.file.string());
+    return kExitNotConverged;
   }
   const std::string commit = provenance("tune", typed_command()).build.commit;
   write_text_file(plan.string(),
                   plan_text(made, fmt::format("# {}\n# {} rows; commit {}\n", typed_command(),
                                               rows.size(), commit)));
   if (!quiet) {
-    fmt::print("{}\n{} classes in {}, {} rows in {}\n", regret_text(made), made.classes.size(),
-               plan.string(), rows.size(), options.file.string());
+    fmt::print("{}\n{} class{} in {}, {} rows in {}, {} of them from before\n", regret_text(made),
+               made.classes.size(), made.classes.size() == 1 ? "" : "es", plan.string(),
+               rows.size(), options.file.string(), known);
   }
   return kExitConverged;
 }

@@ -14,8 +14,8 @@ std::filesystem::path default_plan_file(const std::vector<std::string>& targets)
 
 /// Measures the targets, computes a plan for `auto`, and writes it to `plan`. Unless quiet, progress
 /// and regret are printed. Empty `options.file`: the rows go beside the plan. A stopped measurement
-/// keeps its rows, and no plan is written. Returns an ExitCode. Throws std::invalid_argument if no
-/// solver solved anything, and FileError.
+/// keeps its rows, and no plan is written, nor where no solver solved anything. Returns an ExitCode.
+/// Throws std::invalid_argument if there are no rows, and FileError.
 int tune_targets(const std::vector<std::string>& targets, const TargetOptions& scenes,
                  MeasureOptions options, int least_rows, const std::filesystem::path& plan,
                  bool quiet);

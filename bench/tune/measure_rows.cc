@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -182,6 +183,7 @@ std::vector<TunedVariant> tuned_variants(const std::vector<std::string>& solvers
     }
     if (!listed) made.push_back({name, 0});
   }
+  if (made.empty()) throw std::invalid_argument("solvers: a plan is made of others than auto");
   return made;
 }
 

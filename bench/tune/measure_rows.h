@@ -17,7 +17,7 @@ struct TunedVariant {
 };
 
 /// The variants of these solvers; empty: of all solvers of this build but those of other codes.
-/// Throws std::invalid_argument for an unknown name.
+/// Throws std::invalid_argument for an unknown name, and for auto alone.
 std::vector<TunedVariant> tuned_variants(const std::vector<std::string>& solvers);
 
 struct MeasureOptions {

@@ -279,8 +279,10 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   for (const char* words : {"tuned, scenes left out", "auto, present plan", "ipm"}) {
     EXPECT_TRUE(says(first.out, words));
   }
+  EXPECT_TRUE(says(first.out, "12 rows in " + path("plan.csv") + ", 0 of them from before"));
   const std::string rows = content(path("plan.csv")), text = content(plan);
   EXPECT_TRUE(says(text, "[[class]]"));
+  EXPECT_TRUE(says(bipot(arguments).out, ", 12 of them from before"));
   EXPECT_EQ(bipot(arguments + " -q").out, "");
   EXPECT_EQ(content(path("plan.csv")), rows);
   EXPECT_EQ(content(plan).substr(text.find('\n')), text.substr(text.find('\n')));  // from the rows
@@ -301,7 +303,14 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
             0);
   EXPECT_EQ(code_of("tune no_such_thing --out " + plan), 2);
   EXPECT_EQ(code_of("tune --out " + path("none.toml")), 2);
+  EXPECT_EQ(code_of("tune square:4 --solvers auto --out " + path("none.toml")), 2);
+  EXPECT_EQ(code_of("tune square:4 --solvers pgs --out " + path("none.csv")), 2);  // the rows
   for (const char* none : {"none.toml", "none.csv"}) EXPECT_FALSE(fs::exists(path(none))) << none;
+  const std::string hopeless =
+      "tune pyramid:8 --solvers pgs --tols 1e-12 --time-limit 1e-6 -q --out " + path("hard.toml");
+  EXPECT_EQ(code_of(hopeless), 1);
+  EXPECT_FALSE(fs::exists(path("hard.toml")));
+  EXPECT_TRUE(fs::exists(path("hard.csv")));
   // No contact arises in two steps of this scene: nothing but the check would read the plan.
   const std::string run = "run drum --steps 2 --no-page --out " + path("none");
   EXPECT_EQ(code_of(run + " --plan " + plan), 2);
