@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "bench/measure/statistics.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
@@ -64,8 +65,8 @@ TunedPlan::Regret regret_row(const std::string& name, std::vector<double> ratios
   if (of == 0) return row;
   ratios.resize(to_size(of), kInfinity);
   std::sort(ratios.begin(), ratios.end());
-  row.median = ratios[ratios.size() / 2];
-  row.ninth_tenth = ratios[std::min(ratios.size() - 1, ratios.size() * 9 / 10)];
+  row.median = quantile(ratios, 0.5);
+  row.ninth_tenth = quantile(ratios, 0.9);
   row.worst = ratios.back();
   return row;
 }

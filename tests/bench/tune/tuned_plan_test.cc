@@ -83,6 +83,17 @@ TEST(TunedPlan, AnUnknownSceneCostsThePlanAndThePresentOne) {
   EXPECT_EQ(plan.regret[4].worst, kInfinity);
 }
 
+/// Ten instances, on which pgs takes 1 to 10 times as long as assor.
+TEST(TunedPlan, NineOfTenHaveAtMostTheNinthRegret) {
+  std::vector<MeasuredRow> rows = rows_of_scenes();
+  rows.resize(30);
+  for (std::size_t k = 0; k < 10; ++k) rows[3 * k + 1].seconds = static_cast<double>(k + 1);
+  const TunedPlan plan = tune_plan(rows, kVariants, 10);
+  EXPECT_EQ(plan.regret[3].median, 5);
+  EXPECT_EQ(plan.regret[3].ninth_tenth, 9);
+  EXPECT_EQ(plan.regret[3].worst, 10);
+}
+
 /// Of one scene, problems are left out: every one is like the others.
 TEST(TunedPlan, OneSceneIsCheckedByItsProblems) {
   std::vector<MeasuredRow> rows = rows_of_scenes();
