@@ -178,8 +178,9 @@ std::string plan_text(const TunedPlan& plan, const std::string& comment) {
       const std::string most = v.power == 0
                                    ? fmt::format("{:.0f}", std::ceil(more))
                                    : fmt::format("[{:.4g}, {:g}, 1]", 1.02 * more, v.power);
-      text +=
-          fmt::format("  {{solver = \"{}\"{}, most = {}}},\n", v.name.substr(0, space), with, most);
+      // Measured on the whole: there it comes before the shipped stages, and not again on islands.
+      text += fmt::format("  {{solver = \"{}\"{}, most = {}, whole = \"only\"}},\n",
+                          v.name.substr(0, space), with, most);
     }
     text += fmt::format("  {{list = \"{}\"}},\n]\n", kShippedList);
   }

@@ -49,6 +49,7 @@ TEST(TunedPlan, IsAPlanFileThatGoesOnAsTheShippedPlan) {
   EXPECT_EQ(stages[0].solver->name, "assor");
   EXPECT_EQ(stages[0].parameters, "sweeps=4");
   EXPECT_EQ(stages[0].max_iterations, 30);
+  EXPECT_TRUE(stages[0].before_cutting && stages[0].on_whole_only);
   EXPECT_EQ(stages.size(), plan_stages(shipped_plan(), problem).size() + 1);
 }
 
