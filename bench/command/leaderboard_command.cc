@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -51,6 +54,9 @@ CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
 
 int run_leaderboard(const LeaderboardFlags& flags) {
   for (const std::string& solver : flags.solvers) require_solver(solver);
+  if (flags.no_solvers && flags.solvers != LeaderboardFlags().solvers) {
+    throw std::invalid_argument("--solvers has no effect with --no-solvers");
+  }
   const std::vector<ProblemSource> problems = expand_targets(flags.problems);
   flags.prepare(true);
   const InterruptGuard interrupt;
@@ -73,6 +79,11 @@ int run_leaderboard(const LeaderboardFlags& flags) {
     write_text_file(folder / "index.html", to_html(page));
   }
   flags.deliver(to_json(page), to_text(summary));
+  for (const Leaderboard::Entry& e : board.entries) {
+    if (!e.defect.empty() && e.defect != Leaderboard::Entry::kNoImpulse) {
+      fmt::print(stderr, "bipot: {}, {}: {}\n", e.who, e.problem, e.defect);
+    }
+  }
   return board.complete ? kExitConverged : kExitInterrupted;
 }
 

@@ -15,7 +15,9 @@
 #include "core/base/file_error.h"
 #include "core/base/number_text.h"
 #include "core/criterion/impulse_verdict.h"
+#include "core/files/input_file.h"
 #include "core/problem_files/impulse_file.h"
+#include "solvers/registry.h"
 
 namespace bipot {
 namespace {
@@ -45,7 +47,11 @@ Submission read_submission(fs::path folder) {
   Submission made{.folder = folder, .seconds = {}};
   const fs::path times = folder / "times.csv";
   if (!fs::exists(times)) return made;
-  for (const auto& row : read_csv_table(times, "problem,seconds", 2)) {
+  // Written by hand or on another system: the last line may lack its end.
+  std::string text = read_text_file(times);
+  std::erase(text, '\r');
+  if (!text.ends_with('\n')) text += '\n';
+  for (const auto& row : csv_table_of(text, times, "problem,seconds", 2)) {
     const auto seconds = whole_number<double>(row[1]);
     if (!(seconds >= 0.0)) {
       throw FileError(times.string(), "", fmt::format("'{}' is no time in seconds", row[1]));
@@ -91,7 +97,10 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
     }
     board.who.push_back(made.name());
   }
-  for (const std::string& solver : ours.solvers) board.who.push_back("bipot " + solver);
+  for (const std::string& solver : ours.solvers) {
+    board.who.push_back("bipot " + solver);
+    warm_up(require_solver(solver));
+  }
   for (auto it = board.who.begin(); it != board.who.end(); ++it) {
     if (std::count(board.who.begin(), it, *it) > 0) {
       throw std::invalid_argument(fmt::format("two contestants are called {}", *it));
@@ -111,7 +120,7 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
       if (time != submission.seconds.end()) entry.seconds = time->second;
       const auto impulses = submission.file_of(name);
       if (!impulses) {
-        entry.defect = "no impulse";
+        entry.defect = Leaderboard::Entry::kNoImpulse;
       } else {
         try {
           judge_into(p, read_impulses(*impulses, p), entry);

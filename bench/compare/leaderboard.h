@@ -14,6 +14,7 @@ namespace bipot {
 struct Leaderboard {
   /// One contestant on one problem.
   struct Entry {
+    static constexpr const char* kNoImpulse = "no impulse";
     std::string who, problem;
     int contacts = 0;
     std::string defect;  ///< why there is no verdict: no file, or one that cannot be read

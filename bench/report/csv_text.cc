@@ -37,16 +37,23 @@ std::vector<std::string> split_csv_line(std::string_view line) {
 
 std::vector<std::vector<std::string>> read_csv_table(const std::filesystem::path& path,
                                                      std::string_view header, std::size_t columns) {
-  const std::string text = read_text_file(path);
+  return csv_table_of(read_text_file(path), path, header, columns);
+}
+
+std::vector<std::vector<std::string>> csv_table_of(std::string_view text,
+                                                   const std::filesystem::path& path,
+                                                   std::string_view header, std::size_t columns) {
   std::vector<std::vector<std::string>> rows;
   std::size_t begin = 0;
   for (int number = 1;; ++number) {
     const std::size_t end = text.find('\n', begin);
     if (end == std::string::npos) break;
-    const std::string_view line = std::string_view(text).substr(begin, end - begin);
+    const std::string_view line = text.substr(begin, end - begin);
     begin = end + 1;
     if (number == 1) {
-      if (line != header) throw FileError(path, "line 1", "not a table of this version");
+      if (line != header) {
+        throw FileError(path, "line 1", fmt::format("expected the names {}", header));
+      }
       continue;
     }
     rows.push_back(split_csv_line(line));

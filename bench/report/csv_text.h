@@ -20,6 +20,11 @@ std::vector<std::string> split_csv_line(std::string_view line);
 std::vector<std::vector<std::string>> read_csv_table(const std::filesystem::path& path,
                                                      std::string_view header, std::size_t columns);
 
+/// The same of a text that was read from `path`.
+std::vector<std::vector<std::string>> csv_table_of(std::string_view text,
+                                                   const std::filesystem::path& path,
+                                                   std::string_view header, std::size_t columns);
+
 /// Opens such a file for further rows. A row that was cut off is removed; a new file gets the first
 /// line. Throws FileError.
 std::ofstream open_csv_table(const std::filesystem::path& path, std::string_view header);

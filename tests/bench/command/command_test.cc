@@ -268,6 +268,11 @@ TEST_F(Command, JudgesPopularSettingsAndSubmittedImpulses) {
   EXPECT_EQ(board["solved"][0]["solved_1e-8"], 1);
   expect_files("board", {"leaderboard.csv", "index.html"});
   EXPECT_EQ(code_of("leaderboard " + path("nowhere")), 4);
+  std::ofstream(path("mine/set.csv")) << "1 2 3\n";  // comes before the other
+  const std::string without =
+      "leaderboard " + path("mine") + " --problems " + problem + " --no-solvers";
+  EXPECT_TRUE(says(bipot(without + " 2>&1 | cat").out, "mine, set: "));
+  EXPECT_EQ(code_of(without + " --solvers pgs"), 2);
 }
 
 TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {

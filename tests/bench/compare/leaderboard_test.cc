@@ -84,6 +84,20 @@ TEST(Leaderboard, JudgesWhatIsThereAndSaysWhatIsNot) {
   EXPECT_EQ(table[0]["seconds"], kInfinity);
 }
 
+TEST(Leaderboard, ReadsTimesWithEndsOfWindowsAndWithoutTheLastEnd) {
+  const TemporaryFolder folder;
+  write_numbers(folder / "one" / "2d_sliding_cylinder.csv", Vector{{1, 0.1}});
+  for (const char* text : {"problem,seconds\r\n2d_sliding_cylinder,0.25\r\n",
+                           "problem,seconds\n2d_sliding_cylinder,0.25"}) {
+    std::ofstream(folder / "one" / "times.csv") << text;
+    const Leaderboard board = make_leaderboard({folder / "one"}, two_problems(), {});
+    EXPECT_EQ(entry(board, "one", "2d_sliding_cylinder").seconds, 0.25) << text;
+  }
+  std::ofstream(folder / "one" / "times.csv") << "problem, seconds\n2d_sliding_cylinder, 0.25\n";
+  EXPECT_TRUE(says(refusal_of([&] { make_leaderboard({folder / "one"}, two_problems(), {}); }),
+                   "expected the names problem,seconds"));
+}
+
 TEST(Leaderboard, EndsWithTheLastWholeProblemWhenInterrupted) {
   int asked = 0;
   const Leaderboard board = make_leaderboard(
