@@ -590,6 +590,9 @@ TEST_F(Command, StudyDrawsItsRowsAgain) {
             0);
   EXPECT_EQ(read_text_file(folder_ / "again" / "answers_speed.svg"), drawn);
   EXPECT_EQ(code_of("study --only no_such_part"), 2);
+  EXPECT_EQ(code_of("study --draw --only depth --rows " + path("out/rows.csv") + " --out " +
+                    path("none")),
+            4);
   EXPECT_EQ(code_of("study --draw --rows " + path("none.csv") + " --out " + path("none")), 4);
 }
 
