@@ -83,7 +83,7 @@ CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
       .suggest(names_of(shipped_scenes()))
       .required();
   const auto goal = [&](const char* name, double& value, const char* help) {
-    command.option(std::string(name) + " X", value, help);
+    command.option(std::string(name) + " X", value, help).positive();
   };
   goal("--force-error", flags.goal.force,
        "Largest error of the mean contact force on a body, over the largest such force");
@@ -141,6 +141,8 @@ int run_advise(const AdviseFlags& flags) {
   options.window = flags.window.value_or(0);
   options.samples = flags.samples;
   options.keep_step = flags.keep_step;
+  // Refused before the work, not after it.
+  if (flags.tune) tuned_variants(flags.solvers);
   const bool quiet = flags.silent();
   if (!quiet) options.say = [](const std::string& stage) { fmt::print(stderr, "{} ...\n", stage); };
   const InterruptGuard interrupt;
@@ -158,6 +160,9 @@ int run_advise(const AdviseFlags& flags) {
   }
   flags.deliver(json, flags.all ? to_text(advice_document(advice)) : advice_summary(advice),
                 (folder / "advice.html").string());
+  if (advice.choice < 0 && (flags.tune || !flags.write.empty())) {
+    fmt::print(stderr, "bipot: no solver was chosen: neither a scene nor a plan is written\n");
+  }
   if (!flags.write.empty() && advice.choice >= 0) {
     write_scene(flags, text, path.string(), advice);
     if (!quiet) fmt::print("advice written into {}\n", flags.write);

@@ -250,7 +250,9 @@ std::string rewritten(const Scene<D>& before, const std::string& text, const std
   }
   if (before.solver.stop != "guarded") editor.apply({"solver", "stop", quoted("guarded")});
   if (changes.parameters != before.solver.parameters) {
-    editor.apply({"solver", "parameters", parameters_text(changes.parameters)});
+    if (!changes.parameters.contains("plan")) editor.apply({"solver", "plan", quoted(""), true});
+    editor.apply(
+        {"solver", "parameters", parameters_text(changes.parameters), changes.parameters.empty()});
   }
 
   const auto after = std::get<Scene<D>>(parse_any_scene(editor.text(), source));

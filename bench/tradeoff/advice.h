@@ -134,6 +134,7 @@ struct Advice {
   double scene_step = 0;                ///< [s]
   double duration = 0;                  ///< of the scene                                        [s]
   bool warm_start = true;               ///< of the scene, in all trials
+  bool other_stop = false;              ///< of the scene, not the guarded one of the trials
   bool cohesion_without_range = false;  ///< of the scene: in impacts it grows with the time step
 
   Sample sample;

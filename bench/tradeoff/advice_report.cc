@@ -332,6 +332,7 @@ std::string run_command_of(const Advice& a, const std::string& plan) {
     std::replace(flag.begin(), flag.end(), '_', '-');
     line += fmt::format(" --{} {}", flag, shell_word(value));
   }
+  if (a.other_stop) line += " --stop guarded";
   if (a.accuracy > 0) line += fmt::format(" --accuracy {:.2g}", a.accuracy);
   if (a.step_size != a.scene_step) {
     line += fmt::format(" --step-size {} --steps {}", a.step_size, a.num_steps);
@@ -370,14 +371,14 @@ Document advice_document(const Advice& a, const Provenance* made) {
     d.heading("Time step");
     d.say(fmt::format(
         "Error that the step alone makes, solved tightly, over {} stretch{} of {:g} s, against "
-        "steps of {:g} s.",
+        "steps of {:g} s. Bold, in a text with * behind: with its ± above the goal.",
         a.steps.windows, a.steps.windows == 1 ? "" : "es", a.steps.window,
         a.steps.finest * a.scene_step));
     d.add(step_table(a));
     d.heading("Solvers");
     d.say(fmt::format(
-        "Error that the solver adds over the same stretches, and mean CPU time of a solve. *: "
-        "nothing is better in both time and error. Left to the solver: {}.",
+        "Error that the solver adds over the same stretches, and mean CPU time of a solve. * in "
+        "front: nothing is better in both time and error. Left to the solver: {}.",
         error_text(a.budget, a.goal)));
     d.add(trial_table(a));
     d.heading("How far to trust it");

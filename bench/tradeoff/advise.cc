@@ -28,6 +28,10 @@ void check_request(const Scene<D>& scene, const Advice::Options& options) {
         "the scene asks for springs and dashpots (model dem), which solve no contact problem: "
         "there is no solver to advise");
   }
+  if (const double end = scene.num_steps * scene.step; options.window > 1.001 * end) {
+    throw std::invalid_argument(fmt::format(
+        "a window of {:g} s is longer than the {:g} s of the scene", options.window, end));
+  }
   if (options.samples < 1) throw std::invalid_argument("at least one stretch must be sampled");
   for (const SolverVariant& variant : options.solvers) require_solver(variant.solver);
 }
@@ -68,6 +72,7 @@ Adviser<D>::Adviser(const Scene<D>& scene, const Advice::Options& options)
   advice_.num_steps = scene.num_steps;
   advice_.duration = scene.num_steps * scene.step;
   advice_.warm_start = scene.solver.warm_start;
+  advice_.other_stop = scene.solver.stop != "guarded";
   advice_.cohesion_without_range = scene.has_cohesion() && scene.cohesion_range == 0;
 }
 

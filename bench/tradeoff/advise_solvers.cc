@@ -62,7 +62,12 @@ void Adviser<D>::try_solvers() {
   if (variants.empty()) {
     variants = promising_solvers(advice_.sample.contacts_max, scene_.has_friction() ? D : 1);
   }
-  for (const SolverVariant& variant : variants) warm_up(require_solver(variant.solver));
+  for (SolverVariant& variant : variants) {
+    warm_up(require_solver(variant.solver));
+    // A run by the scene's own solver has the scene's parameters, its plan among them.
+    if (variant.solver != scene_.solver.name) continue;
+    variant.parameters.insert(scene_.solver.parameters.begin(), scene_.solver.parameters.end());
+  }
   Samples reference = chosen_runs();
   double reference_tol = tight_, best = kInfinity;  // CPU seconds of all stretches
   int solves = 0;

@@ -362,6 +362,8 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
   EXPECT_TRUE(says(content(path("advice/advice.html")), "Step and tolerance"));
   EXPECT_TRUE(says(content(path("advice/advice.csv")), "choice,solver,tol,"));
   EXPECT_EQ(code_of("advise " + scene + " --force-error 1e-2 --json /proc/nowhere/a.json"), 4);
+  EXPECT_EQ(code_of("advise " + scene + " --energy nan"), 2);
+  EXPECT_EQ(code_of("advise " + scene + " --solvers auto --tune"), 2);
 }
 
 TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {

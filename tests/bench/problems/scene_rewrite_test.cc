@@ -66,6 +66,22 @@ every = 5
 )");
 }
 
+TEST(SceneRewrite, APlanStaysWithAutoAndGoesWithOthers) {
+  const std::string text =
+      kHead + "[time]\nstep = 1e-4\nsteps = 100\n\n[solver]\nplan = \"mine.toml\"\ntol = 1e-8\n";
+  const SolverChoice before = parse_scene(text, "t.toml").solver;
+  SceneChanges wanted = changes();
+  EXPECT_EQ(parse_scene(rewrite_scene(text, "t.toml", wanted), "t.toml").solver.parameters,
+            wanted.parameters);
+  wanted.parameters.clear();
+  EXPECT_TRUE(says(rewrite_scene(text, "t.toml", wanted), "plan was \"mine.toml\"\nplan = \"\""));
+  wanted.solver = "auto";
+  wanted.parameters = before.parameters;
+  const std::string kept = rewrite_scene(text, "t.toml", wanted);
+  EXPECT_EQ(parse_scene(kept, "t.toml").solver.parameters, before.parameters);
+  EXPECT_TRUE(says(kept, "plan = \"mine.toml\"\n"));
+}
+
 TEST(SceneRewrite, AddsWhatIsNotThere) {
   const std::string text = kHead + "[time]\nstep = 1e-4\nduration = 0.01\n";
   const std::string written = rewrite_scene(text, "t.toml", changes());

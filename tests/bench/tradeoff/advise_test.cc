@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
+#include <string>
 
 #include "bench/problems/moving_scene.h"
 #include "bench/problems/scene_catalogue.h"
@@ -119,9 +121,30 @@ TEST(Advise, ItsCommandsAreForAShellAndAPlanKeepsTheAdvice) {
   const std::string length = " --step-size 0.002 --steps 50";
   EXPECT_EQ(run_command_of(advice),
             "bipot run 'my süß scene.toml' --solver pgs --tol 0.01 --omega 1.5" + length);
+  advice.other_stop = true;
+  EXPECT_TRUE(says(run_command_of(advice), " --omega 1.5 --stop guarded --step-size"));
+  advice.other_stop = false;
   EXPECT_EQ(
       run_command_of(advice, "its plan.toml"),
       "bipot run 'my süß scene.toml' --solver auto --tol 0.01 --plan 'its plan.toml'" + length);
+}
+
+/// `bipot run --solver NAME` keeps the scene's parameters where NAME is the scene's own solver.
+TEST(Advise, TheScenesSolverIsTriedWithTheScenesParameters) {
+  Scene<2> scene = lattice();
+  scene.solver.name = "pgs";
+  scene.solver.parameters = {{"omega", "0.7"}, {"order", "symmetric"}};
+  Advice::Options options = quick(1e-2);
+  options.solvers = {
+      {"pgs", "pgs", {}}, {"pgs omega=1.5", "pgs", {{"omega", "1.5"}}}, {"apgd", "apgd", {}}};
+  const Advice advice = advise(scene, options);
+  ASSERT_GE(advice.choice, 0);
+  for (const Advice::SolverTrial& trial : advice.trials) {
+    std::map<std::string, std::string> expected = scene.solver.parameters;
+    if (trial.solver.label == "pgs omega=1.5") expected["omega"] = "1.5";
+    if (trial.solver.label == "apgd") expected.clear();
+    EXPECT_EQ(trial.solver.parameters, expected) << trial.solver.label;
+  }
 }
 
 TEST(Advise, TheScenesStepIsKeptOnRequest) {
@@ -236,6 +259,10 @@ TEST(Advise, SaysThatNothingTouches) {
 TEST(Advise, RefusesGoalsWithoutMeaning) {
   EXPECT_THROW(advise(lattice(), quick(0)), std::invalid_argument);
   EXPECT_THROW(advise(lattice(), quick(-1)), std::invalid_argument);
+  Advice::Options longer = quick(1e-2);
+  longer.window = 0.5;
+  EXPECT_TRUE(says(refusal_of<std::invalid_argument>([&] { advise(lattice(), longer); }),
+                   "a window of 0.5 s is longer than the 0.4 s of the scene"));
   Advice::Options unknown = quick(1e-2);
   unknown.solvers = {{"pgz", "pgz", {}}};
   EXPECT_THROW(advise(lattice(), unknown), std::invalid_argument);
