@@ -34,6 +34,11 @@ std::string file_stem(const std::string& name) {
   return stem;
 }
 
+/// Of a problem that cannot be read. It may be mended before the comparison goes on.
+bool is_unread(const Comparison::Row& row) {
+  return row.dim == 0 && row.status == to_string(SolveStatus::kInvalidInput);
+}
+
 /// Limits that all rows of a folder have in common.
 Json limits_json(const Comparison::Options& o) {
   return {{"time_limit", o.time_limit},
@@ -67,6 +72,7 @@ ComparisonStore::ComparisonStore(const Comparison::Options& options) : folder_(o
   const fs::path rows = folder_ / "rows.csv", histories = folder_ / "history.csv";
   if (fs::exists(rows)) {
     for (Comparison::Row& row : read_csv_rows(rows)) {
+      if (is_unread(row)) continue;
       const std::string key = key_of(row.problem, row.solver, row.tol, row.warm != 0);
       rows_.insert_or_assign(key, std::move(row));
     }
@@ -88,7 +94,7 @@ const Comparison::Row* ComparisonStore::find(const std::string& problem, const s
 
 void ComparisonStore::append(const Comparison::Row& row, const Comparison::History& history) {
   if (!history.points.empty()) histories_[{history.problem, history.solver}] = history;
-  if (folder_.empty()) return;
+  if (folder_.empty() || is_unread(row)) return;
   if (!history.problem.empty()) history_file_ << to_csv(history) << std::flush;
   rows_file_ << to_csv(row) << std::endl;
   if (!rows_file_ || !history_file_) throw FileError(folder_ / "rows.csv", "", "cannot be written");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -23,6 +24,7 @@
 #include "tests/support/naive_error.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -303,6 +305,21 @@ TEST(Comparison, ShowsSolversThatRefuseAProblem) {
   EXPECT_TRUE(says(row.message, "at most"));
   EXPECT_TRUE(std::isnan(row.guarded));
   EXPECT_EQ(row_of(c, "apgd", 1e-2).status, "converged");
+}
+
+TEST(Comparison, AProblemThatCouldNotBeReadIsReadWhenItGoesOn) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "mended.hdf5";
+  std::ofstream(file) << "hi";
+  Comparison::Options options = quick({"pgs"}, {1e-4});
+  options.out = folder / "out";
+  const auto status = [&] {
+    return compare(expand_targets({file.string()}), options).rows[0].status;
+  };
+  EXPECT_EQ(status(), "invalid input");
+  std::filesystem::copy_file(source_folder() / "data/problems/2d_sliding_cylinder.hdf5", file,
+                             std::filesystem::copy_options::overwrite_existing);
+  EXPECT_EQ(status(), "converged");
 }
 
 TEST(Comparison, GoesOnWhereItWasStopped) {
