@@ -35,7 +35,9 @@ int tune_targets(const std::vector<std::string>& targets, const TargetOptions& s
   const std::vector<ProblemSource> sources = expand_targets(targets, scenes);
   const auto no_rows = [&] {
     return std::invalid_argument(options.file.string() +
-                                 " has no rows: name targets, whose solves are measured");
+                                 (sources.empty()
+                                      ? " has no rows: name targets, whose solves are measured"
+                                      : " has no rows: nothing touches in the targets"));
   };
   if (sources.empty() && !std::filesystem::exists(options.file)) throw no_rows();
   const InterruptGuard interrupt;

@@ -315,6 +315,11 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
       "tune pyramid:8 --solvers pgs --tols 1e-12 --time-limit 1e-6 -q --out " + path("hard.toml");
   EXPECT_EQ(code_of(hopeless), 1);
   EXPECT_FALSE(fs::exists(path("hard.toml")));
+  const std::string apart = write(
+      "apart.toml",
+      "time = { step = 1e-3, steps = 2 }\n[[disks]]\nposition = [0, 0]\nradius = 1\nmass = 1\n");
+  EXPECT_TRUE(says(bipot("tune " + apart + " --out " + path("free.toml") + " 2>&1 | cat").out,
+                   "nothing touches in the targets"));
   EXPECT_TRUE(fs::exists(path("hard.csv")));
   // No contact arises in two steps of this scene: nothing but the check would read the plan.
   const std::string run = "run drum --steps 2 --no-page --out " + path("none");

@@ -72,6 +72,10 @@ TEST(MeasureRows, TheLooserToleranceIsMetOnTheWay) {
   EXPECT_GT(loose, 0);
   EXPECT_GT(tight, loose);
   EXPECT_THROW(tuned_variants({"apgt"}), std::invalid_argument);
+  EXPECT_THROW(tuned_variants({"apgd", "ipm", "apgd"}), std::invalid_argument);
+  options.tols = {1e-2, 1e-2};
+  options.file = folder / "once.csv";
+  EXPECT_EQ(measure_rows({source}, options).size(), 3u);  // of auto and two of apgd, cold
 }
 
 }  // namespace
