@@ -54,6 +54,26 @@ bool pushed(const std::vector<ContactOutcome<D>>& contacts, int i, int j) {
   return c != nullptr && c->status != ContactStatus::kTakeOff;
 }
 
+/// The contacts of a state but those with walls that start or stop now. They do not last: the
+/// velocity of the wall jumps.
+template <int D>
+std::vector<ContactOutcome<D>> lasting_contacts(const Scene<D>& scene, const State<D>& state,
+                                                double resolution) {
+  const auto jumps = [&](int k) {
+    const std::size_t bodies = state.bodies.size(), at = to_size(k);
+    const int w = at < bodies ? state.bodies[at].wall : static_cast<int>(at - bodies);
+    if (w < 0) return false;
+    const Wall<D>& wall = scene.walls[to_size(w)];
+    return std::abs(state.time - wall.starts) <= resolution ||
+           std::abs(state.time - wall.stops) <= resolution;
+  };
+  std::vector<ContactOutcome<D>> contacts = state.contacts;
+  std::erase_if(contacts, [&](const ContactOutcome<D>& c) {
+    return jumps(c.contact.i) || jumps(c.contact.j);
+  });
+  return contacts;
+}
+
 /// The next time at which a wall, gravity or the rate of a force changes by schedule.
 template <int D>
 double next_change(const Scene<D>& scene, double time, double resolution) {
@@ -181,10 +201,11 @@ struct AccurateStepper<D>::Inside {
 
   std::string impact(const State<D>& state, int i, int j) const;
   std::string place(const State<D>& now, const std::vector<Closing<D>>& closing, double& h) const;
-  PartError measure(const State<D>& before, const State<D>& after, double h, double last,
+  PartError measure(const State<D>& before, const std::vector<ContactOutcome<D>>& lasting,
+                    const State<D>& after, double h, double last,
                     const std::optional<Accelerations<D>>& a_before,
                     const Accelerations<D>& a_after);
-  Part next_part(const Step& step);
+  Part next_part(const Step& step, const std::vector<ContactOutcome<D>>& lasting);
   std::string take(const Step& step, double h, State<D>& next, StepReport<D>& report);
   bool rejects(const PartError& error, double h, const State<D>& next, Step& step) const;
   void go_on(const Part& taken, const PartError& error, const Accelerations<D>& a,
@@ -231,8 +252,9 @@ std::string AccurateStepper<D>::Inside::place(const State<D>& now,
 /// drift: after a start from rest or an impact, velocities are along contacts as they were in its
 /// middle, and no short part undoes that.
 template <int D>
-PartError AccurateStepper<D>::Inside::measure(const State<D>& before, const State<D>& after,
-                                              double h, double last,
+PartError AccurateStepper<D>::Inside::measure(const State<D>& before,
+                                              const std::vector<ContactOutcome<D>>& lasting,
+                                              const State<D>& after, double h, double last,
                                               const std::optional<Accelerations<D>>& a_before,
                                               const Accelerations<D>& a_after) {
   const double x = scene.accuracy;
@@ -260,7 +282,7 @@ PartError AccurateStepper<D>::Inside::measure(const State<D>& before, const Stat
     const auto [i, j] = std::pair(c.contact.i, c.contact.j);
     const Pair pair{i, j, c.contact.image_x, c.contact.image_y};
     const double start = gap(before, pair);
-    if (!pushed(before.contacts, i, j)) {
+    if (!pushed(lasting, i, j)) {
       error.hit = true;
       misplace(i, j, std::max(std::min(start, 0.0) - c.contact.gap, 0.0));
       continue;
@@ -302,7 +324,8 @@ PartError AccurateStepper<D>::Inside::measure(const State<D>& before, const Stat
 
 /// The size of the next part, and what limits it.
 template <int D>
-auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
+auto AccurateStepper<D>::Inside::next_part(const Step& step,
+                                           const std::vector<ContactOutcome<D>>& lasting) -> Part {
   const double whole = scene.step, smallest = kSmallest * whole;
   const State<D>& now = step.now;
   if (is_over()) {
@@ -311,11 +334,12 @@ auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
   const double left =
       std::min(whole - step.done, next_change(scene, now.time, kEnd * whole) - now.time);
   double h = std::min({step.smooth, left, longest});
-  const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time);
+  // Rounding must not keep a wall at rest that starts now.
+  const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time + kEnd * whole);
   Accelerations<D> without_contacts;
   if (!step.a) without_contacts = free_accelerations(scene, now, walls);
   const std::vector<Closing<D>> closing =
-      closings.find(now, walls, step.a ? *step.a : without_contacts, now.contacts, h);
+      closings.find(now, walls, step.a ? *step.a : without_contacts, lasting, h);
   std::string by = place(now, closing, h);
   if (by.empty()) by = h == longest ? "acceleration" : h == step.smooth ? step.smooth_by : "none";
   if (step.shrink < 1) {
@@ -411,7 +435,9 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
   Step step(scene, with_changed_population(scene, state));
   if (scene.has_gates()) closings.forget();
   while (step.done < scene.step) {
-    const Part chosen = next_part(step);
+    const std::vector<ContactOutcome<D>> lasting =
+        lasting_contacts(scene, step.now, kEnd * scene.step);
+    const Part chosen = next_part(step, lasting);
     State<D> next = step.now;
     StepReport<D> report;
     if (const std::string failed = take(step, chosen.h, next, report); !failed.empty()) {
@@ -423,7 +449,7 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
     }
     const Accelerations<D> a = mean_accelerations(scene, step.now, next, chosen.h);
     const double last = step.done > 0 ? step.last : kFirst * scene.step;
-    const PartError error = measure(step.now, next, chosen.h, last, step.a, a);
+    const PartError error = measure(step.now, lasting, next, chosen.h, last, step.a, a);
     if (rejects(error, chosen.h, next, step)) {
       step.sums.add_rejected(report);
       // The first part was not judged by its acceleration, and the second one against it alone. By

@@ -589,5 +589,27 @@ TEST(AccurateStep, WallsStartInTheMiddleOfAStep) {
   EXPECT_NEAR(end.state.bodies[0].x[0], kRadius + 0.035, 1e-2 * kRadius);
 }
 
+template <int D>
+void throw_by_a_floor_that_starts() {
+  // The ball rests. The floor starts within the fourth step, at 2 m/s, and the ball leaves it at
+  // (1 + e) times that. A part with this impact at its beginning misplaces the ball by x/2.
+  constexpr double kStarts = 0.0337, kBounce = 0.7, kFlight = 0.1 - kStarts;
+  const double thrown = (1 + kBounce) * 2 * kFlight - 0.5 * 9.81 * kFlight * kFlight;
+  Scene<D> scene = ball<D>(kBounce);
+  scene.bodies[0].x[D - 1] = kRadius;
+  scene.walls[0].motion = Wall<D>::Motion::kMoving;
+  scene.walls[0].v = 2 * Vec<D>::Unit(D - 1);
+  scene.walls[0].starts = kStarts;
+  for (const double x : {1e-2, 1e-4}) {
+    const Ended<D> end = run(with_accuracy(scene, x, 0.01, 10));
+    EXPECT_NEAR(end.state.bodies[0].x[D - 1], kRadius + thrown, x * kRadius) << x;
+    EXPECT_EQ(end.totals.cut.rejected(), 0) << x;
+  }
+}
+TEST(AccurateStep, AFloorThatStartsThrowsWhatRestsOnIt) {
+  throw_by_a_floor_that_starts<2>();
+  throw_by_a_floor_that_starts<3>();
+}
+
 }  // namespace
 }  // namespace bipot
