@@ -170,9 +170,9 @@ std::string passage_advice(const Scene<D>& scene, const State<D>& state,
   if (springs != nullptr) {
     const double part = springs->substep / scene.step * path;
     return fmt::format(
-        "  1. disks move {:.3g} of the smallest radius in a substep; try --substep {:.2g}\n"
+        "  1. {}s move {:.3g} of the smallest radius in a substep; try --substep {:.2g}\n"
         "  --on-tunnel warn goes on\n",
-        part, (part > 0.5 ? 0.5 / part : 0.5) * springs->substep);
+        kBodyName<D>, part, (part > 0.5 ? 0.5 / part : 0.5) * springs->substep);
   }
   std::string text = fmt::format(
       "  1. {}s move {:.3g} of the smallest radius in a step; try --step-size {:.2g}\n"
@@ -252,7 +252,9 @@ std::string EnergyGrowth::warning(const Scene<D>& scene) const {
       "bipot: warning: contacts created energy in {} step{}, most in step {}: {:.3g} J (kinetic then "
       "{:.3g} J). {}\n",
       steps_, steps_ == 1 ? "" : "s", step_, largest_, energy_,
-      scene.project_overlaps
+      scene.model == Model::kSpringDashpot
+          ? "It is the error of the substeps: try a smaller --substep"
+      : scene.project_overlaps
           ? "Lifting bodies out of overlaps is booked there: data/manual/explanation/method.md §4"
       : scene.impact != ContactLaw::Impact::kFremond && coefficients_differ(scene)
           ? "Newton's and Poisson's laws may do so where e_n, e_t or those of materials differ, "

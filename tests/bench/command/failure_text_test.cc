@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/scene/scene_parts.h"
+#include "tests/support/refusal.h"
 
 namespace bipot {
 namespace {
@@ -24,6 +26,33 @@ TEST(EnergyGrowth, RoundingOfARestIsNoGrowth) {
   EXPECT_EQ(warning(1e-25), "");
   EXPECT_EQ(warning(1e-13), "");
   EXPECT_NE(warning(1e-9), "");
+}
+
+TEST(EnergyGrowth, OfSpringsComesFromTheSubsteps) {
+  // By default e_t = 0 is not e_n, which means nothing to springs.
+  Scene<3> scene = one_law<3>({.mu = 0.3, .e_n = 0.5});
+  scene.model = Model::kSpringDashpot;
+  scene.bodies = {round_body<3>(Vec3::Zero(), 0.1, 1)};
+  EnergyGrowth growth(scene, initial_state(scene));
+  StepReport<3> report;
+  report.energy.kinetic = 1;
+  report.energy.shock_loss = -1e-3;
+  growth.add(scene, report);
+  const std::string warning = growth.warning(scene);
+  EXPECT_TRUE(says(warning, "--substep")) << warning;
+  EXPECT_FALSE(says(warning, "coefficients")) << warning;
+  EXPECT_FALSE(says(warning, "Newton")) << warning;
+}
+
+TEST(PassageAdvice, NamesTheBodiesAlsoWithSprings) {
+  // 2 m/s over 1e-3 s are 0.02 radii of 0.1 m.
+  Scene<3> scene = one_law<3>({});
+  scene.step = 1e-3;
+  scene.bodies = {round_body<3>(Vec3::Zero(), 0.1, 1, Vec3(2, 0, 0))};
+  SpringDashpotSetup springs;
+  springs.substep = scene.step;
+  const std::string advice = passage_advice(scene, initial_state(scene), &springs, false);
+  EXPECT_TRUE(says(advice, "spheres move 0.02 of the smallest radius")) << advice;
 }
 
 }  // namespace
