@@ -84,6 +84,7 @@ void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
                        : !flags.dump_problems.empty()      ? "--dump-problems"
                        : !flags.on_failure.empty()         ? "--on-failure"
                        : flags.on_tunnel == "smaller-step" ? "--on-tunnel smaller-step"
+                       : flags.reproducible                ? "--reproducible"
                                                            : nullptr;
     if (flag != nullptr) {
       throw std::invalid_argument(fmt::format(

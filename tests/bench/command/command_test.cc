@@ -485,6 +485,8 @@ TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
   // Unstable substeps, flags of the other model and a stiffness that gives way are refused.
   EXPECT_EQ(code_of("run square_lattice --model dem --substep 1e-3"), 2);
   EXPECT_EQ(code_of("run square_lattice --model dem --tol 1e-3"), 2);
+  const json sums = json_of("run square_lattice --model dem --reproducible --json -", 2);
+  EXPECT_TRUE(says(sums["message"], "--reproducible has no meaning under --model dem"));
   EXPECT_EQ(code_of("run square_lattice --stiffness 1e6"), 2);
   EXPECT_EQ(code_of("run square_lattice --model dem --stiffness 1e3 --steps 100"), 3);
 }
