@@ -54,24 +54,13 @@ bool pushed(const std::vector<ContactOutcome<D>>& contacts, int i, int j) {
   return c != nullptr && c->status != ContactStatus::kTakeOff;
 }
 
-/// The contacts of a state but those with walls that start or stop now. They do not last: the
-/// velocity of the wall jumps.
+/// Whether a wall starts or stops now: its velocity jumps, so that no contact lasts.
 template <int D>
-std::vector<ContactOutcome<D>> lasting_contacts(const Scene<D>& scene, const State<D>& state,
-                                                double resolution) {
-  const auto jumps = [&](int k) {
-    const std::size_t bodies = state.bodies.size(), at = to_size(k);
-    const int w = at < bodies ? state.bodies[at].wall : static_cast<int>(at - bodies);
-    if (w < 0) return false;
-    const Wall<D>& wall = scene.walls[to_size(w)];
-    return std::abs(state.time - wall.starts) <= resolution ||
-           std::abs(state.time - wall.stops) <= resolution;
-  };
-  std::vector<ContactOutcome<D>> contacts = state.contacts;
-  std::erase_if(contacts, [&](const ContactOutcome<D>& c) {
-    return jumps(c.contact.i) || jumps(c.contact.j);
+bool a_wall_jumps(const Scene<D>& scene, double time, double resolution) {
+  return std::any_of(scene.walls.begin(), scene.walls.end(), [&](const Wall<D>& wall) {
+    return (wall.starts > 0 && std::abs(time - wall.starts) <= resolution) ||
+           std::abs(time - wall.stops) <= resolution;
   });
-  return contacts;
 }
 
 /// The next time at which a wall, gravity or the rate of a force changes by schedule.
@@ -119,7 +108,7 @@ struct PartError {
   double misplaced = 0;  // largest displacement by an impact
   int i = -1, j = -1;    // the pair
   double drift = 0, acceleration = 0;
-  bool hit = false;  // it had an impact
+  bool hit = false;  // it had an impact, or a wall jumped
 
   double smooth() const { return std::max(drift, acceleration); }
   const char* smooth_kind() const { return drift > acceleration ? "drift" : "acceleration"; }
@@ -192,6 +181,7 @@ struct AccurateStepper<D>::Inside {
     double shrink = 1;                  // after rejected parts
     std::string shrunk_by;              // why
     std::optional<Accelerations<D>> a;  // of the last part, if it had no impact
+    bool jump = false;                  // of a wall, now
   };
   struct Part {
     double h;
@@ -201,11 +191,9 @@ struct AccurateStepper<D>::Inside {
 
   std::string impact(const State<D>& state, int i, int j) const;
   std::string place(const State<D>& now, const std::vector<Closing<D>>& closing, double& h) const;
-  PartError measure(const State<D>& before, const std::vector<ContactOutcome<D>>& lasting,
-                    const State<D>& after, double h, double last,
-                    const std::optional<Accelerations<D>>& a_before,
+  PartError measure(const Step& step, const State<D>& after, double h,
                     const Accelerations<D>& a_after);
-  Part next_part(const Step& step, const std::vector<ContactOutcome<D>>& lasting);
+  Part next_part(const Step& step);
   std::string take(const Step& step, double h, State<D>& next, StepReport<D>& report);
   bool rejects(const PartError& error, double h, const State<D>& next, Step& step) const;
   void go_on(const Part& taken, const PartError& error, const Accelerations<D>& a,
@@ -252,17 +240,16 @@ std::string AccurateStepper<D>::Inside::place(const State<D>& now,
 /// drift: after a start from rest or an impact, velocities are along contacts as they were in its
 /// middle, and no short part undoes that.
 template <int D>
-PartError AccurateStepper<D>::Inside::measure(const State<D>& before,
-                                              const std::vector<ContactOutcome<D>>& lasting,
-                                              const State<D>& after, double h, double last,
-                                              const std::optional<Accelerations<D>>& a_before,
+PartError AccurateStepper<D>::Inside::measure(const Step& step, const State<D>& after, double h,
                                               const Accelerations<D>& a_after) {
-  const double x = scene.accuracy;
+  const State<D>& before = step.now;
+  const double x = scene.accuracy, last = step.done > 0 ? step.last : kFirst * scene.step;
   using Pair = typename NearPairs<D>::Pair;
   const auto gap = [&](const State<D>& state, const Pair& pair) {
     return pair_place<D>(state.bodies, state.walls, state.cell, pair).gap;
   };
   PartError error;
+  error.hit = step.jump;
   const auto misplace = [&](int i, int j, double overlap) {
     const double way = (1 + pair_law(scene, after.bodies, after.walls, i, j).e_n) * overlap;
     if (way < 2 * scene.contact_distance) return;
@@ -282,7 +269,7 @@ PartError AccurateStepper<D>::Inside::measure(const State<D>& before,
     const auto [i, j] = std::pair(c.contact.i, c.contact.j);
     const Pair pair{i, j, c.contact.image_x, c.contact.image_y};
     const double start = gap(before, pair);
-    if (!pushed(lasting, i, j)) {
+    if (step.jump || !pushed(before.contacts, i, j)) {
       error.hit = true;
       misplace(i, j, std::max(std::min(start, 0.0) - c.contact.gap, 0.0));
       continue;
@@ -302,7 +289,7 @@ PartError AccurateStepper<D>::Inside::measure(const State<D>& before,
     error.drift = 0;
     return error;
   }
-  if (!a_before) return error;
+  if (!step.a) return error;
   const auto add = [&](double change, double way, double size) {
     error.acceleration =
         std::max(error.acceleration, 0.5 * h * h * change / (x * (way + x * size)));
@@ -310,13 +297,13 @@ PartError AccurateStepper<D>::Inside::measure(const State<D>& before,
   for (std::size_t k = 0; k < ways.size(); ++k) {
     const Body<D>& body = after.bodies[k];
     if (body.wall >= 0) continue;
-    add(std::max((a_after.bodies[k] - a_before->bodies[k]).norm(),
-                 body.radius * size_of(Spin<D>(a_after.spins[k] - a_before->spins[k]))),
+    add(std::max((a_after.bodies[k] - step.a->bodies[k]).norm(),
+                 body.radius * size_of(Spin<D>(a_after.spins[k] - step.a->spins[k]))),
         ways[k], body.radius);
   }
   for (std::size_t w = 0; w < after.walls.size(); ++w) {
     if (after.walls[w].motion != Wall<D>::Motion::kDriven) continue;
-    add((a_after.walls[w] - a_before->walls[w]).norm(),
+    add((a_after.walls[w] - step.a->walls[w]).norm(),
         0.5 * h * (before.walls[w].v + after.walls[w].v).norm(), radius);
   }
   return error;
@@ -324,8 +311,7 @@ PartError AccurateStepper<D>::Inside::measure(const State<D>& before,
 
 /// The size of the next part, and what limits it.
 template <int D>
-auto AccurateStepper<D>::Inside::next_part(const Step& step,
-                                           const std::vector<ContactOutcome<D>>& lasting) -> Part {
+auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
   const double whole = scene.step, smallest = kSmallest * whole;
   const State<D>& now = step.now;
   if (is_over()) {
@@ -339,7 +325,8 @@ auto AccurateStepper<D>::Inside::next_part(const Step& step,
   Accelerations<D> without_contacts;
   if (!step.a) without_contacts = free_accelerations(scene, now, walls);
   const std::vector<Closing<D>> closing =
-      closings.find(now, walls, step.a ? *step.a : without_contacts, lasting, h);
+      closings.find(now, walls, step.a ? *step.a : without_contacts,
+                    step.jump ? std::vector<ContactOutcome<D>>() : now.contacts, h);
   std::string by = place(now, closing, h);
   if (by.empty()) by = h == longest ? "acceleration" : h == step.smooth ? step.smooth_by : "none";
   if (step.shrink < 1) {
@@ -435,9 +422,9 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
   Step step(scene, with_changed_population(scene, state));
   if (scene.has_gates()) closings.forget();
   while (step.done < scene.step) {
-    const std::vector<ContactOutcome<D>> lasting =
-        lasting_contacts(scene, step.now, kEnd * scene.step);
-    const Part chosen = next_part(step, lasting);
+    step.jump = a_wall_jumps(scene, step.now.time, kEnd * scene.step);
+    if (step.jump) step.a.reset();
+    const Part chosen = next_part(step);
     State<D> next = step.now;
     StepReport<D> report;
     if (const std::string failed = take(step, chosen.h, next, report); !failed.empty()) {
@@ -448,8 +435,7 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
       continue;
     }
     const Accelerations<D> a = mean_accelerations(scene, step.now, next, chosen.h);
-    const double last = step.done > 0 ? step.last : kFirst * scene.step;
-    const PartError error = measure(step.now, lasting, next, chosen.h, last, step.a, a);
+    const PartError error = measure(step, next, chosen.h, a);
     if (rejects(error, chosen.h, next, step)) {
       step.sums.add_rejected(report);
       // The first part was not judged by its acceleration, and the second one against it alone. By

@@ -611,5 +611,24 @@ TEST(AccurateStep, AFloorThatStartsThrowsWhatRestsOnIt) {
   throw_by_a_floor_that_starts<3>();
 }
 
+TEST(AccurateStep, ADrivenWallStartsWithItsSpeedAndStops) {
+  // From 0.033 s to 0.087 s at 0.5 m/s and 8 N / 2 kg, beside a disk that lies on a floor.
+  constexpr double kTime = 0.087 - 0.033;
+  Scene<2> scene = ball<2>(0);
+  scene.bodies[0].x[1] = kRadius;
+  scene.walls.push_back(half_space<2>(Vec2(1, 0), Vec2(-1, 0), "press"));
+  Wall<2>& press = scene.walls[1];
+  press.motion = Wall<2>::Motion::kDriven;
+  press.direction = Vec2(-1, 0);
+  press.v = Vec2(-0.5, 0);
+  press.force = 8;
+  press.mass = 2;
+  press.starts = 0.033;
+  press.stops = 0.087;
+  const Ended<2> end = run(with_accuracy(scene, 1e-5, 0.01, 10));
+  EXPECT_NEAR(end.state.walls[1].a[0], 1 - 0.5 * kTime - 0.5 * 4 * kTime * kTime, 1e-12);
+  EXPECT_EQ(end.totals.cut.rejected(), 0);
+}
+
 }  // namespace
 }  // namespace bipot
