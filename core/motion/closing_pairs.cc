@@ -229,9 +229,7 @@ void ClosingPairs<D>::visit_walls(const State<D>& state, const std::vector<Wall<
 template <int D>
 std::vector<Closing<D>> ClosingPairs<D>::find(const State<D>& state,
                                               const std::vector<Wall<D>>& walls,
-                                              const Accelerations<D>& a,
-                                              const std::vector<ContactOutcome<D>>& touching,
-                                              double& h) {
+                                              const Accelerations<D>& a, double& h) {
   const std::vector<Body<D>>& bodies = state.bodies;
   const PeriodicCell& cell = state.cell;
   Vec<D> common = Vec<D>::Zero(), common_a = Vec<D>::Zero();
@@ -272,15 +270,6 @@ std::vector<Closing<D>> ClosingPairs<D>::find(const State<D>& state,
 
   std::vector<Closing<D>> found;
   const double touch = scene_.contact_distance;
-  auto pushed = touching.begin();
-  const auto pushes = [&](int i, int j) {
-    const auto before = [&](const ContactOutcome<D>& c) {
-      return std::tie(c.contact.i, c.contact.j) < std::tie(i, j);
-    };
-    while (pushed != touching.end() && before(*pushed)) ++pushed;
-    return pushed != touching.end() && pushed->contact.i == i && pushed->contact.j == j &&
-           pushed->status != ContactStatus::kTakeOff;
-  };
   const auto add = [&](const Closing<D>& c) {
     if (c.time < h) found.push_back(c);
   };
@@ -299,7 +288,6 @@ std::vector<Closing<D>> ClosingPairs<D>::find(const State<D>& state,
     const double distance2 = from.squaredNorm();
     if (distance2 > reach * reach) continue;
     const PairPlace<D> place = between<D>(from, std::sqrt(distance2), radii);
-    if (place.gap <= touch && pushes(pair.i, pair.j)) continue;
     add(closing<D>(pair.i, pair.j, place, v, da, touch));
   }
   const auto count = bodies.size();
@@ -307,12 +295,10 @@ std::vector<Closing<D>> ClosingPairs<D>::find(const State<D>& state,
   for (std::size_t w = 0; w < walls.size(); ++w) {
     wall_ways.push_back(way((walls[w].v - common).norm(), (a.walls[w] - common_a).norm(), h));
   }
-  pushed = touching.begin();
   visit_walls(state, walls, [&](const typename NearPairs<D>::Pair& pair) {
     const std::size_t i = to_size(pair.i), w = to_size(pair.j) - count;
     const PairPlace<D> place = pair_place<D>(bodies, walls, cell, pair);
     if (place.gap > ways_[i] + wall_ways[w]) return;
-    if (place.gap <= touch && pushes(pair.i, pair.j)) return;
     const Vec<D> v = across_axis<D>(bodies[i].v - walls[w].v, walls[w]);
     add(closing<D>(pair.i, pair.j, place, v, a.bodies[i] - a.walls[w], touch));
   });

@@ -66,13 +66,11 @@ class ClosingPairs {
  public:
   explicit ClosingPairs(const Scene<D>& scene, int threads = 1);
 
-  /// The collisions within h of pairs that do not touch; sorted by time. Pairs of `touching` that
-  /// pushed (status) and whose gap is at most the scene's contact distance are left out. `walls`:
-  /// as they are in the part. h becomes shorter where bodies are too fast to look so far ahead: in
-  /// large scenes and cells.
+  /// The collisions within h, sorted by time. Pairs whose gap is at most the scene's contact
+  /// distance collide now if they approach. `walls`: as they are in the part. h becomes shorter
+  /// where bodies are too fast to look so far ahead: in large scenes and cells.
   std::vector<Closing<D>> find(const State<D>& state, const std::vector<Wall<D>>& walls,
-                               const Accelerations<D>& a,
-                               const std::vector<ContactOutcome<D>>& touching, double& h);
+                               const Accelerations<D>& a, double& h);
   /// The pairs that overlap in a state.
   std::vector<typename NearPairs<D>::Pair> overlapping(const State<D>& state);
   /// To be called where bodies came or went.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,7 @@ constexpr double kSlack = 1.5;              // errors up to this multiple of the
 constexpr double kAim = 0.9;                // of the accuracy, where smooth motion decides
 constexpr double kGrowth = 3, kDrop = 0.2;  // from a part to the next
 constexpr double kHit = 0.02;               // of the accuracy: from here on a part had an impact
+constexpr double kApproach = 10;            // drift by a velocity that only an impact leaves
 constexpr double kEnd = 1e-9;               // relative; a part that nearly reaches the end does
 
 double size_of(double spin) { return std::abs(spin); }
@@ -54,7 +56,7 @@ bool pushed(const std::vector<ContactOutcome<D>>& contacts, int i, int j) {
   return c != nullptr && c->status != ContactStatus::kTakeOff;
 }
 
-/// Whether a wall starts or stops now: its velocity jumps, so that no contact lasts.
+/// Whether a wall starts or stops now: its velocity jumps.
 template <int D>
 bool a_wall_jumps(const Scene<D>& scene, double time, double resolution) {
   return std::any_of(scene.walls.begin(), scene.walls.end(), [&](const Wall<D>& wall) {
@@ -185,13 +187,14 @@ struct AccurateStepper<D>::Inside {
   };
   struct Part {
     double h;
-    bool ends;       // the step, or a time of a scheduled change
-    std::string by;  // what limits it
+    bool ends;                         // the step, or a time of a scheduled change
+    std::string by;                    // what limits it
+    std::vector<Closing<D>> closings;  // within it, and maybe later
   };
 
   std::string impact(const State<D>& state, int i, int j) const;
   std::string place(const State<D>& now, const std::vector<Closing<D>>& closing, double& h) const;
-  PartError measure(const Step& step, const State<D>& after, double h,
+  PartError measure(const Step& step, const Part& taken, const State<D>& after,
                     const Accelerations<D>& a_after);
   Part next_part(const Step& step);
   std::string take(const Step& step, double h, State<D>& next, StepReport<D>& report);
@@ -236,12 +239,27 @@ std::string AccurateStepper<D>::Inside::place(const State<D>& now,
   return limit == nullptr ? std::string() : impact(now, limit->i, limit->j);
 }
 
+/// The speed at which a pair that touches approaches where a part begins, else 0. `closings` are
+/// sorted.
+template <int D>
+double approach_speed(const std::vector<Closing<D>>& closings, int i, int j) {
+  const auto at =
+      std::lower_bound(closings.begin(), closings.end(), std::tuple(0.0, i, j),
+                       [](const Closing<D>& c, const std::tuple<double, int, int>& key) {
+                         return std::tuple(c.time, c.i, c.j) < key;
+                       });
+  const bool found = at != closings.end() && at->time == 0 && at->i == i && at->j == j;
+  return found ? at->speed : 0;
+}
+
 /// Compares the states before and after a part of size h. The size of the part before it counts for
 /// drift: after a start from rest or an impact, velocities are along contacts as they were in its
 /// middle, and no short part undoes that.
 template <int D>
-PartError AccurateStepper<D>::Inside::measure(const Step& step, const State<D>& after, double h,
+PartError AccurateStepper<D>::Inside::measure(const Step& step, const Part& taken,
+                                              const State<D>& after,
                                               const Accelerations<D>& a_after) {
+  const double h = taken.h;
   const State<D>& before = step.now;
   const double x = scene.accuracy, last = step.done > 0 ? step.last : kFirst * scene.step;
   using Pair = typename NearPairs<D>::Pair;
@@ -269,15 +287,18 @@ PartError AccurateStepper<D>::Inside::measure(const Step& step, const State<D>& 
     const auto [i, j] = std::pair(c.contact.i, c.contact.j);
     const Pair pair{i, j, c.contact.image_x, c.contact.image_y};
     const double start = gap(before, pair);
-    if (step.jump || !pushed(before.contacts, i, j)) {
-      error.hit = true;
-      misplace(i, j, std::max(std::min(start, 0.0) - c.contact.gap, 0.0));
-      continue;
-    }
     const double way =
         (1 + 0.5 * last / h) *
             (ways[to_size(i)] + (to_size(j) < ways.size() ? ways[to_size(j)] : 0.0)) +
         x * pair_radius(after.bodies, after.walls, i, j);
+    // What lasts has no velocity along the normal where the part before ended. An impact on both
+    // sides, or a wall that starts, leaves one in a pair that pushed.
+    if (!pushed(before.contacts, i, j) ||
+        h * approach_speed(taken.closings, i, j) > kApproach * x * way) {
+      error.hit = true;
+      misplace(i, j, std::max(std::min(start, 0.0) - c.contact.gap, 0.0));
+      continue;
+    }
     error.drift = std::max(error.drift, std::abs(gap(after, pair) - start) / (x * way));
   }
   for (const Pair& pair : closings.overlapping(after)) {
@@ -324,9 +345,8 @@ auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
   const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time + kEnd * whole);
   Accelerations<D> without_contacts;
   if (!step.a) without_contacts = free_accelerations(scene, now, walls);
-  const std::vector<Closing<D>> closing =
-      closings.find(now, walls, step.a ? *step.a : without_contacts,
-                    step.jump ? std::vector<ContactOutcome<D>>() : now.contacts, h);
+  std::vector<Closing<D>> closing =
+      closings.find(now, walls, step.a ? *step.a : without_contacts, h);
   std::string by = place(now, closing, h);
   if (by.empty()) by = h == longest ? "acceleration" : h == step.smooth ? step.smooth_by : "none";
   if (step.shrink < 1) {
@@ -341,7 +361,7 @@ auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
                                   "the step / 2^20: give a larger accuracy or a shorter step",
                                   scene.accuracy, h, by));
   }
-  return {h, ends, by};
+  return {h, ends, by, std::move(closing)};
 }
 
 /// Takes a part; `next` is the state after it. The reason if it failed and is to be halved, else
@@ -435,7 +455,7 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
       continue;
     }
     const Accelerations<D> a = mean_accelerations(scene, step.now, next, chosen.h);
-    const PartError error = measure(step, next, chosen.h, a);
+    const PartError error = measure(step, chosen, next, a);
     if (rejects(error, chosen.h, next, step)) {
       step.sums.add_rejected(report);
       // The first part was not judged by its acceleration, and the second one against it alone. By

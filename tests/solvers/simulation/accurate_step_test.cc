@@ -247,6 +247,22 @@ TEST(AccurateStep, AChainOfCollisionsIsFollowed) {
   }
 }
 
+TEST(AccurateStep, ABlowThrowsBackWhatHasJustBounced) {
+  // The second disk meets the first one 0.24 µs after its bounce. With x r / ((1 + e) 1 m/s) =
+  // 0.6 µs both fall into one part: the pair with the wall pushes, and approaches again.
+  Scene<2> scene = one_law<2>({.e_n = 0.7});
+  scene.bodies = {round_body<2>(Vec2(kRadius + 1e-3, 0), kRadius, 1, Vec2(-1, 0)),
+                  round_body<2>(Vec2(3 * kRadius + 5e-3 + 1.36e-6, 0), kRadius, 1, Vec2(-5, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0)), half_space<2>(Vec2(0.2, 0), Vec2(-1, 0))};
+  EXPECT_EQ(run(with_accuracy(scene, 1e-4, 0.01, 2)).totals.cut.rejected(), 0);
+  int collisions = 0;
+  const std::vector<double> exact = places(scene, 0.02, collisions);
+  const Ended<2> end = run(with_accuracy(scene, 1e-5, 0.01, 2));
+  for (std::size_t k = 0; k < exact.size(); ++k) {
+    EXPECT_NEAR(end.state.bodies[k].x[0], exact[k], 1e-5 * kRadius);
+  }
+}
+
 TEST(AccurateStep, RollingDownASlopeIsExactAndPartsGrow) {
   const double angle = 20 * std::numbers::pi / 180, time = 0.5;
   for (const double x : {1e-1, 1e-4}) {
