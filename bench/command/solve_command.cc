@@ -275,12 +275,11 @@ void write_solution(const SolveTask& task, const SolveResult& result) {
   if (path.empty()) return;
   if (task.replaces_solution) std::filesystem::remove(path);
   if (problem.num_contacts() == 0) return;  // FCLIB has no empty problem
-  std::optional<Vector> v;
-  if (problem.has_velocities()) v = body_velocities(problem, result.s);
-  if (std::filesystem::exists(path)) return write_fclib_solution(path, result.s, result.u, v);
+  // The velocities v follow from the form of the file, which may not be that of the problem.
+  if (std::filesystem::exists(path)) return write_fclib_solution(path, result.s, result.u);
   AtomicFile file(path);
   write_fclib(file.draft(), problem, task.file.info);
-  write_fclib_solution(file.draft(), result.s, result.u, v);
+  write_fclib_solution(file.draft(), result.s, result.u);
   file.commit();
 }
 
@@ -332,15 +331,16 @@ int run_solve(const SolveFlags& given) {
     history.close();
     if (!history) throw FileError(flags.history, "", "cannot be written");
   }
+  const bool refused = result.status == SolveStatus::kInvalidInput;
+  if (!refused) write_solution(task, result);  // before the JSON, which a failure would double
   if (!flags.common.json.empty()) {
     write_json(summary(flags, task.choice.name, problem, result, certificate, counts, explanation),
                flags.common.json);
   }
-  if (result.status == SolveStatus::kInvalidInput) {
+  if (refused) {
     fmt::print(stderr, "bipot: {}: {}\n", flags.problem, result.message);
     return kExitBadInput;
   }
-  write_solution(task, result);
   if (!flags.common.quiet && flags.common.json != "-") {
     print_summary(flags, task.choice.name, problem, result, certificate, counts);
   }

@@ -170,6 +170,26 @@ TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
   EXPECT_EQ(code_of("solve " + a + " --solution " + write("no.hdf5", "not HDF5")), 2);
 }
 
+// M = diag(2, 4), H = I, f = (2, 8) and w = (-9, 0.5) have W = diag(1/2, 1/4) and q = (-8, 2.5). With
+// mu = 0.3 the contact slips: u_n = 0 gives s_n = 16, s_t = -4.8, u_t = 2.5 - 1.2, and
+// v = (1, 2) + (8, -1.2).
+TEST_F(Command, SolutionsGoIntoTheOtherFormOfTheProblem) {
+  const std::string M = "0\n2\n2\n2\t2\n2 0\n0 4\n", H = "0\n2\n2\n2\t2\n1 0\n0 1\n";
+  const std::string W = "0\n2\n2\n2\t2\n0.5 0\n0 0.25\n";
+  const std::string global = write("g.dat", "2\n1\n" + M + H + "2 8\n-9 0.5\n0.3\n");
+  const std::string local = write("l.dat", "2\n1\n" + W + "-8 2.5\n0.3\n");
+  const std::string of_global = path("g.hdf5"), of_local = path("l.hdf5");
+  ASSERT_EQ(code_of("solve -q " + global + " --solution " + of_global), 0);
+  ASSERT_EQ(code_of("solve -q " + local + " --solution " + of_local), 0);
+  for (const std::string& flags :
+       {global + " --solution " + of_local, local + " --solution " + of_global}) {
+    EXPECT_EQ(json_of("solve " + flags + " --json -")["status"], "converged") << flags;
+  }
+  EXPECT_LE((*read_problem(of_local).r - Eigen::Vector2d(16, -4.8)).norm(), 1e-6);
+  EXPECT_FALSE(read_problem(of_local).v.has_value());
+  EXPECT_LE((*read_problem(of_global).v - Eigen::Vector2d(9, 0.8)).norm(), 1e-6);
+}
+
 // Neither the problem nor another result is overwritten, and nothing is removed before the solve.
 TEST_F(Command, ResultsDoNotReplaceTheInputOrEachOther) {
   const std::string problem = path("problem.hdf5"), out = path("out");
