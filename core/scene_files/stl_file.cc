@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <sstream>
@@ -33,8 +34,19 @@ std::vector<Triangle> read_binary(const std::filesystem::path& path, const std::
   return triangles;
 }
 
+std::string lowered(std::string word) {
+  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return word;
+}
+
+bool begins_with_solid(const std::string& text) {
+  std::string word;
+  std::istringstream(text) >> word;
+  return lowered(word) == "solid";
+}
+
 /// solid NAME, then facets `facet normal x y z outer loop vertex x y z ... endloop endfacet`, then
-/// endsolid; several solids may follow each other.
+/// endsolid; several solids may follow each other. A line ends the names.
 std::vector<Triangle> read_text(const std::filesystem::path& path, const std::string& bytes) {
   std::istringstream file(bytes);
   std::vector<Triangle> triangles;
@@ -46,25 +58,32 @@ std::vector<Triangle> read_text(const std::filesystem::path& path, const std::st
       refuse(path, fmt::format("line {}: {}", line, why));
     };
     std::istringstream words(text);
-    if (!(words >> word)) continue;
-    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (word == "solid") {
-      open = true;
-    } else if (!open) {
-      refuse_line("expected 'solid'");
-    } else if (word == "vertex") {
-      Vec3 x;
-      if (!(words >> x[0] >> x[1] >> x[2]) || !x.allFinite()) refuse_line("expected three numbers");
-      loop.push_back(x);
-    } else if (word == "endfacet") {
-      if (loop.size() != 3) refuse_line("a facet needs three vertices");
-      triangles.push_back({loop[0], loop[1], loop[2]});
-      loop.clear();
-    } else if (word == "endsolid") {
-      if (!loop.empty()) refuse_line("the last facet has no end");
-      open = false;
-    } else if (word != "facet" && word != "outer" && word != "endloop") {
-      refuse_line("no word of an STL file");
+    while (words >> word) {
+      word = lowered(word);
+      if (word == "solid") {
+        open = true;
+        break;
+      }
+      if (!open) refuse_line("expected 'solid'");
+      if (word == "vertex") {
+        Vec3 x;
+        if (!(words >> x[0] >> x[1] >> x[2]) || !x.allFinite()) {
+          refuse_line("expected three numbers");
+        }
+        loop.push_back(x);
+      } else if (word == "endfacet") {
+        if (loop.size() != 3) refuse_line("a facet needs three vertices");
+        triangles.push_back({loop[0], loop[1], loop[2]});
+        loop.clear();
+      } else if (word == "endsolid") {
+        if (!loop.empty()) refuse_line("the last facet has no end");
+        open = false;
+        break;
+      } else if (word == "normal") {
+        for (int k = 0; k < 3; ++k) words >> word;
+      } else if (word != "facet" && word != "outer" && word != "loop" && word != "endloop") {
+        refuse_line("no word of an STL file");
+      }
     }
   }
   if (open) refuse(path, "ends before 'endsolid'");
@@ -74,11 +93,12 @@ std::vector<Triangle> read_text(const std::filesystem::path& path, const std::st
 }  // namespace
 
 std::vector<Triangle> read_stl(const std::filesystem::path& path) {
-  const std::string bytes = read_text_file(path);
+  std::string bytes = read_text_file(path);
   std::uint32_t count = 0;
   if (bytes.size() >= kHead) std::memcpy(&count, bytes.data() + kHead - 4, sizeof count);
   const bool binary = bytes.size() >= kHead && bytes.size() == kHead + kRecord * count;
-  if (!binary && !bytes.starts_with("solid")) {
+  if (!binary && bytes.starts_with("\xEF\xBB\xBF")) bytes.erase(0, 3);  // mark of some editors
+  if (!binary && !begins_with_solid(bytes)) {
     refuse(path, bytes.size() < kHead
                      ? std::string("is no STL file")
                      : fmt::format("{} bytes, but {} triangles need {}: damaged, or no STL file",

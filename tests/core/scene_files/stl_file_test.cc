@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -63,6 +64,21 @@ TEST(StlFile, BothFormsGiveTheSameTrianglesAndDropThoseWithoutArea) {
   }
 }
 
+TEST(StlFile, ATextMayBreakItsLinesAnywhere) {
+  const TemporaryFolder folder;
+  const std::string facet =
+      "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 2.5e-1 0 endloop endfacet";
+  std::string large = kText;
+  for (char& c : large) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (const std::string& text : {"solid one\n" + facet + "\nendsolid one\n", large,
+                                  "\r\n  " + kText, "\xEF\xBB\xBF" + kText}) {
+    write(folder / "a.stl", text);
+    const auto triangles = read_stl(folder / "a.stl");
+    ASSERT_EQ(triangles.size(), 1u) << text;
+    EXPECT_EQ(triangles[0][2], Vec3(0, 0.25, 0)) << text;
+  }
+}
+
 TEST(StlFile, ADamagedFileIsRefused) {
   const TemporaryFolder folder;
   const auto refused = [&](const std::string& bytes, const char* why) {
@@ -83,6 +99,7 @@ TEST(StlFile, ADamagedFileIsRefused) {
   refused(without(kText, "endsolid two faces"), "ends before 'endsolid'");
   refused(without(kText, "      vertex 1 0 0\n"), "line 7: a facet needs three vertices");
   refused(without(kText, " 2.5e-1 0"), "line 6: expected three numbers");
+  refused("solid a\n vertex 0 0 0 1\nendsolid\n", "line 2: no word of an STL file");
   refused("solid a\nfacets\nendsolid\n", "line 2: no word of an STL file");
   refused("solid a\nendsolid\n", "has no triangle with an area");
 }
