@@ -25,4 +25,19 @@ std::optional<Number> whole_number(std::string_view text) {
   return x;
 }
 
+/// The number that other programs print as this whole text: a plus may stand before it. Beyond the
+/// largest double it is infinite, below the smallest 0.
+inline std::optional<double> printed_number(std::string_view text) {
+  const bool plus = text.starts_with('+') && !text.starts_with("+-");
+  if (plus) text.remove_prefix(1);
+  double x = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
+  if (end != text.data() + text.size()) return std::nullopt;
+  if (error == std::errc::result_out_of_range) {
+    const bool small = text.find_first_of("eE") < text.rfind('-') && text.rfind('-') != text.npos;
+    return small ? 0 : (text.starts_with('-') ? -kInfinity : kInfinity);
+  }
+  return error == std::errc() ? std::optional(x) : std::nullopt;
+}
+
 }  // namespace bipot

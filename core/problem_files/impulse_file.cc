@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "core/base/file_error.h"
+#include "core/base/number_text.h"
 #include "core/files/hdf5_file.h"
 #include "core/files/input_file.h"
 #include "core/problem_files/npy_file.h"
@@ -27,14 +27,6 @@ struct TextTable {
 
   std::size_t rows() const { return columns == 0 ? 0 : values.size() / columns; }
 };
-
-std::optional<double> number_of(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double x = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return x;
-}
 
 std::vector<std::string_view> words_of(std::string_view line) {
   constexpr std::string_view kSeparators = " \t\r,;";
@@ -74,14 +66,14 @@ TextTable read_text(const std::filesystem::path& path) {
     rest.remove_prefix(std::min(end + 1, rest.size()));
     ++number;
     if (words.empty() || words.front().starts_with('#')) continue;
-    if (table.values.empty() && !number_of(words.front())) {
+    if (table.values.empty() && !printed_number(words.front())) {
       table.names.assign(words.begin(), words.end());
       continue;
     }
     if (columns == 0) columns = words.size();
     even = even && words.size() == columns;
     for (const std::string_view word : words) {
-      const std::optional<double> x = number_of(word);
+      const std::optional<double> x = printed_number(word);
       if (!x) {
         throw FileError(path, fmt::format("line {}", number),
                         fmt::format("'{}' is not a number", word));

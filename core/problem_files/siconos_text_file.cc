@@ -43,17 +43,10 @@ class Words {
   }
 
   double number(std::string_view what) {
-    std::string_view w = word(what);
-    const std::string_view whole = w;
-    if (w.starts_with('+')) w.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
-    const bool all = end == w.data() + w.size();
-    if (all && error == std::errc::result_out_of_range) {
-      return underflows(w) ? 0 : kInfinity;
-    }
-    if (error != std::errc() || !all) fail(fmt::format("{}: '{}' is not a number", what, whole));
-    return value;
+    const std::string_view w = word(what);
+    const auto value = printed_number(w);
+    if (!value) fail(fmt::format("{}: '{}' is not a number", what, w));
+    return *value;
   }
 
   int integer(std::string_view what, int lowest = 0) {
@@ -113,10 +106,6 @@ class Words {
 
  private:
   static bool is_space(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
-  static bool underflows(std::string_view w) {
-    const auto e = w.find_first_of("eE");
-    return e != std::string_view::npos && e + 1 < w.size() && w[e + 1] == '-';
-  }
   void skip_space() {
     while (at_ < text_.size() && is_space(text_[at_])) ++at_;
   }

@@ -92,17 +92,23 @@ class RecordReader {
   }
 
  private:
-  double number_of(const std::string& key, std::string number) const {
-    std::replace(number.begin(), number.end(), 'D', 'e');
-    if (number.ends_with('\r')) number.pop_back();
-    const auto value = whole_number<double>(number);
+  /// Numbers of Fortran, as 0.5000000D-01; beyond 99 the exponent has no letter, as 0.5000000-100.
+  double number_of(const std::string& key, const std::string& text) const {
+    std::string number = text.substr(0, text.find('\r'));
+    for (char& c : number) {
+      if (c == 'D' || c == 'd' || c == 'E') c = 'e';
+    }
+    const std::size_t sign = number.find_last_of("+-");
+    if (sign != std::string::npos && sign > 0 && number.find('e') == std::string::npos) {
+      number.insert(sign, "e");
+    }
+    const auto value = printed_number(number);
     if (!value || !std::isfinite(*value)) {
-      refuse(fmt::format("{}: '{}' is no finite number", key, number));
+      refuse(fmt::format("{}: '{}' is no finite number", key, text));
     }
     return *value;
   }
 
-  /// Numbers of Fortran, as 0.5000000D-01.
   void read_entries(std::string text, Entries& to) const {
     for (std::size_t at = text.find('='); at != std::string::npos; at = text.find('=', at + 1)) {
       const std::size_t last = text.find_last_not_of(' ', at - (at > 0 ? 1 : 0));
@@ -194,11 +200,16 @@ std::vector<PositionRow> read_lmgc90_bodies(const std::filesystem::path& path, i
     const std::filesystem::path other = path.parent_path() / name;
     if (!std::filesystem::exists(other)) return;
     RecordReader file(other, dim);
+    std::vector<bool> met(row_of.size());
     while (file.next(record)) {
       if (record.number < 1 || to_size(record.number) > row_of.size()) {
         file.refuse(
             fmt::format("there is no body {} in {}", record.number, path.filename().string()));
       }
+      if (met[to_size(record.number - 1)]) {
+        file.refuse(fmt::format("body {} stands there twice", record.number));
+      }
+      met[to_size(record.number - 1)] = true;
       const int row = row_of[to_size(record.number - 1)];
       if (row >= 0) take(file, rows[to_size(row)]);
     }

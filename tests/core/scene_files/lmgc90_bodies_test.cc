@@ -74,6 +74,22 @@ TEST(Lmgc90Bodies, ASphereTurnsInItsOwnFrame) {
   EXPECT_EQ(rows[0].spin, Vec3(2, 3, 1));
 }
 
+// A body at rest may have velocities of 1e-100 and less.
+TEST(Lmgc90Bodies, NumbersAreThoseOfFortran) {
+  const TemporaryFolder folder;
+  const auto x_of = [&](const std::string& x) {
+    put_file(folder / "BODIES.DAT", disk_record(x, kDiskLine));
+    return read_lmgc90_bodies(folder / "BODIES.DAT", 2).at(0).x[0];
+  };
+  EXPECT_EQ(x_of("0.1500000-100"), 0.15e-100);
+  EXPECT_EQ(x_of("-0.1500000-309"), -0.15e-309);
+  EXPECT_EQ(x_of("0.1500000+100"), 0.15e100);
+  EXPECT_EQ(x_of("0.1500000-400"), 0);
+  EXPECT_EQ(x_of("0.15d-01"), 0.015);
+  EXPECT_EQ(x_of("0.15E-01"), 0.015);
+  EXPECT_EQ(x_of("+0.15D+02"), 15);
+}
+
 /// A record of DRV_DOF.DAT: one line of each degree, its numbers after the degree.
 std::string driven_record(const std::string& body, const std::vector<std::string>& of) {
   std::string text = "$bdyty\n " + body + "\n$nodty\n NO3xx      1\n$dofty  numbr [CT......+...]\n";
@@ -163,6 +179,8 @@ TEST(Lmgc90Bodies, WhatItCannotTakeIsRefusedWithTheLine) {
   EXPECT_TRUE(says(refused(disk, 3), ":2: expected RBDY3, got RBDY2"));
   EXPECT_TRUE(says(refused(disk_record("0.1D+00", kDiskLine + kWallLine), 2),
                    ":10: body 1 has 2 contactors: give it as a table of [[clusters]]"));
+  EXPECT_TRUE(says(refused(disk_record("0.1-", kDiskLine), 2), "is no finite number"));
+  EXPECT_TRUE(says(refused(disk_record("0.1D+400", kDiskLine), 2), "is no finite number"));
   EXPECT_TRUE(says(refused(disk_record("0.1X+00", kDiskLine), 2), "is no finite number"));
   EXPECT_TRUE(says(refused(disk.substr(0, disk.size() - 7), 2), "the last body has no end"));
   const auto driven = [&](const std::vector<std::string>& of) {
@@ -173,7 +191,10 @@ TEST(Lmgc90Bodies, WhatItCannotTakeIsRefusedWithTheLine) {
   EXPECT_TRUE(says(driven({zero, zero}), "body 1: 2 degrees of freedom are driven, of 3"));
   EXPECT_TRUE(says(driven({zero, zero, "1 1 6.28 0 1 0"}), "only constant values are possible"));
   EXPECT_TRUE(says(driven({zero, zero, "1 0"}), "a degree of freedom and six numbers"));
-  EXPECT_TRUE(says(driven({zero, zero, "evolution my.dat"}), "is no finite number"));
+  EXPECT_TRUE(says(driven({zero, zero, "evolution my.dat"}), "'evolution' is no finite number"));
+  const std::string held = driven_record("RBDY2      1", {zero, zero, zero});
+  put_file(folder / "DRV_DOF.DAT", held + held);
+  EXPECT_TRUE(says(refused(disk, 2), "body 1 stands there twice"));
 }
 
 }  // namespace
