@@ -71,6 +71,9 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
                     {"spin_x", [](PositionRow& r) { return &r.spin[0]; }, false, 0},
                     {"spin_y", [](PositionRow& r) { return &r.spin[1]; }, false, 0},
                     {"spin_z", [](PositionRow& r) { return &r.spin[2]; }, false, 0}});
+    if (std::find(head.begin(), head.end(), "spin") != head.end()) {
+      refuse_line(path, 1, "has a column spin: spheres have spin_x, spin_y and spin_z");
+    }
   } else {
     columns.push_back({"spin", [](PositionRow& r) { return &r.spin[2]; }, false, 0});
     if (std::find(head.begin(), head.end(), "z") != head.end()) {
@@ -80,6 +83,9 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
   for (Column& column : columns) {
     const auto it = std::find(head.begin(), head.end(), column.name);
     column.at = static_cast<std::size_t>(it - head.begin());
+    if (std::count(it, head.end(), column.name) > 1) {
+      refuse_line(path, 1, fmt::format("has two columns '{}'", column.name));
+    }
     if (it == head.end() && column.required) {
       refuse_line(path, 1,
                   fmt::format("no column '{}' among {}", column.name, fmt::join(head, ", ")));
@@ -97,7 +103,7 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
     PositionRow& row = rows.emplace_back();
     for (const Column& column : columns) {
       const std::string_view cell = cells[column.at];
-      const auto value = whole_number<double>(cell);
+      const auto value = printed_number(cell);
       if (!value || !std::isfinite(*value)) {
         refuse_line(path, line, fmt::format("{}: '{}' is no finite number", column.name, cell));
       }

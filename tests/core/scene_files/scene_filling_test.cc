@@ -151,6 +151,10 @@ TEST(SceneFilling, PositionsComeFromAFileBesideTheScene) {
   refused("[[disks]]\n", "p.csv:2: 2 columns");
   positions("x,y,radius\n1,2,0\n");
   refused("[[disks]]\n", "radius: 0 is not positive");
+  positions("x,y,z,radius,spin\n1,2,3,0.1,5\n");
+  refused("[[spheres]]\n", "p.csv:1: has a column spin: spheres have spin_x");
+  positions("x,y,radius,X\n1,2,0.1,3\n");
+  refused("[[disks]]\n", "p.csv:1: has two columns 'x'");
   std::filesystem::remove(folder / "p.csv");
   refused("[[disks]]\n", "p.csv: ");
   positions("x,y,radius\n1,2,0.25\n");
