@@ -117,6 +117,7 @@ void SceneStepper<D>::seek_proof(const std::function<ContactProblem()>& problem,
 
 template <int D>
 State<D>& SceneStepper<D>::begin(State<D>& state) {
+  if (options_.on_failure != OnFailure::kSmallerStep) state.halvings = 0;  // of another run
   if (rigid_ || springs_ || accurate_) return state;
   DomainOptions choice;
   choice.review = [this](StepSolution& solution) {

@@ -1,5 +1,6 @@
 #include "solvers/simulation/scene_run.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -180,6 +181,28 @@ TEST(SceneRun, ARestartBeginsWithThePartsOfTheLastStep) {
   disk.starts.clear();
   ASSERT_EQ(disk.run(read, 1).totals.converged, 1);
   EXPECT_EQ(disk.starts.size(), 4u);
+  // Other runs forget them.
+  run_scene(disk.scene, read, {.steps = 1});
+  EXPECT_EQ(read.halvings, 0);
+}
+
+/// Each sweep takes a thousandth of the error off: to 1e-8 it needs some 18 000.
+TEST(SceneRun, WhereAStepMayBeCutTheScenesSolverHasFewIterationsByDefault) {
+  RestingDisk disk;
+  disk.scene.num_steps = 1;
+  disk.scene.solver.name = "pgs";
+  disk.scene.solver.parameters = {{"omega", "0.001"}};
+  const auto run = [&](OnFailure what) {
+    State<2> state = initial_state(disk.scene);
+    return run_scene(disk.scene, state, {.on_failure = what});
+  };
+  const SceneRun<2> cut = run(OnFailure::kSmallerStep);
+  EXPECT_EQ(cut.end, SceneRun<2>::End::kFailed);
+  EXPECT_TRUE(says(cut.failure->what(), fmt::format("iteration limit {}", kAttemptIterations)));
+  EXPECT_EQ(run(OnFailure::kStop).totals.converged, 1);
+  disk.scene.solver.max_iterations = 100000;
+  EXPECT_EQ(run(OnFailure::kSmallerStep).totals.split, 0);
+  EXPECT_EQ(run(OnFailure::kSmallerStep).totals.converged, 1);
 }
 
 TEST(SceneRun, AStepThatIsNotSolvedEndsTheRunOnRequest) {
