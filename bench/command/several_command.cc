@@ -32,6 +32,7 @@ namespace fs = std::filesystem;
 int exit_code_of(const SeveralAnswers& found) {
   if (found.status == SolveStatus::kInvalidInput) return kExitBadInput;
   if (found.status == SolveStatus::kInterrupted) return kExitInterrupted;
+  if (found.status == SolveStatus::kNothingToDo) return kExitConverged;
   return found.answers.empty() || found.status == SolveStatus::kTimeLimit ? kExitNotConverged
                                                                           : kExitConverged;
 }

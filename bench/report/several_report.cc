@@ -83,6 +83,7 @@ Json answer_json(const Answer& answer) {
 }
 
 std::string conclusion(const SeveralAnswers& found) {
+  if (found.status == SolveStatus::kNothingToDo) return "One answer: no impulses.\n";
   if (found.answers.empty()) {
     return fmt::format("No start reached a guarded error of {:.0e}, so nothing is known.\n",
                        DistinctAnswers::kTrusted);

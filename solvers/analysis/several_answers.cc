@@ -30,6 +30,7 @@ struct Recipe {
 };
 constexpr int kSweeps = 2000, kGradients = 5000, kSplittings = 3000, kNewtons = 400;
 constexpr int kPivots = 30000, kInteriors = 400;
+constexpr int kFromGuess = 2;  // starts from the guess, by the first solvers of the list
 constexpr double kPerturbation = 0.01;
 constexpr double kAtRest = 1e-9;  // velocity over the largest one without impulses
 // Largest number of perturbed answers: each costs a solve.
@@ -123,12 +124,21 @@ class AnswerSearch {
     return made;
   }
 
-  /// The solvers of the list from zero, then the guess, then shuffled orders and random multiples
+  /// The guess, the solvers of the list from zero, then shuffled orders and random multiples
   /// alternately.
   Recipe recipe_of(int k, std::string& from, Vector& s0) {
+    const auto begin_at_guess = [&] {
+      from = "guess";
+      s0 = options_.guess;
+    };
+    const bool guess = options_.guess.size() > 0;
     if (!options_.solver.empty()) {
       const Recipe own{options_.solver.c_str(), kSweeps + kGradients, options_.parameters};
-      if (k > 0) s0 = start_away(k, from);
+      if (k > 0) {
+        s0 = start_away(k, from);
+      } else if (guess) {
+        begin_at_guess();
+      }
       return own;
     }
     std::vector<Recipe> list;
@@ -138,15 +148,14 @@ class AnswerSearch {
           Recipe{"anderson", kSweeps}, Recipe{"convex", kGradients}}) {
       if (usable(r.solver)) list.push_back(r);
     }
+    if (guess && k < kFromGuess) {
+      begin_at_guess();
+      return list[to_size(k)];
+    }
+    if (guess) k -= kFromGuess;
     const int solvers = static_cast<int>(list.size());
     if (k < solvers) return list[to_size(k)];
     k -= solvers;
-    if (options_.guess.size() > 0 && k < 2) {
-      from = "guess";
-      s0 = options_.guess;
-      return list[to_size(k)];
-    }
-    if (options_.guess.size() > 0) k -= 2;
     if (k % 3 == 0) {
       return {"pgs",
               kSweeps,
@@ -473,6 +482,9 @@ SeveralAnswers find_several_answers(const ContactProblem& problem,
   if (!options.solver.empty() && find_solver(options.solver) == nullptr) {
     refused.message = unknown_solver_message(options.solver);
     return refused;
+  }
+  if (problem.num_contacts() == 0) {
+    return {.status = SolveStatus::kNothingToDo, .message = "no contacts"};
   }
   return AnswerSearch(problem, options).run();
 }

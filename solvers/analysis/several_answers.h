@@ -66,7 +66,8 @@ struct SeveralAnswers {
     std::uint64_t seed = 1;  ///< of orders, multiples and perturbations
     double tol = 1e-11;      ///< guarded error that every start is driven to
     double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of everything
-    Vector guess;  ///< impulse of the previous step, one more kind of start; empty: none   [N s]
+    Vector
+        guess;  ///< impulse of the previous step, where the first starts begin; empty: none [N s]
     std::string solver;                             ///< every start by this one; empty: by several
     std::map<std::string, std::string> parameters;  ///< of that one
     std::function<bool()> cancelled;                ///< true ends the search
@@ -83,8 +84,8 @@ struct SeveralAnswers {
   double seconds = 0;                   ///< wall
 };
 
-/// Searches for several exact answers of one problem. Starts: solvers from s = 0, other orders of
-/// contacts, random multiples of the impulses of an answer. Each is improved by its own solver and
+/// Searches for several exact answers of one problem. Starts: the guess, solvers from s = 0, other
+/// orders of contacts, random multiples of the impulses of an answer. Each is improved by its own solver and
 /// finished by exact ones (`homotopy` for d <= 2 from the impulse as it is, `ipm`, `newton`).
 /// Impulses that reach DistinctAnswers::kTrusted are compared by DistinctAnswers. From each answer,
 /// an impulse 1 % away is solved again. Answers whose segment is exact at 1/4, 1/2, 3/4 as well
@@ -94,7 +95,7 @@ struct SeveralAnswers {
 /// The number of answers is a lower bound. Limits are in iterations, so that the same seed gives
 /// the same bits unless the time limit acts. Status: kConverged if every start reached an exact
 /// answer, kStalled if only some did, kTimeLimit, kInterrupted, kInvalidInput with the reason,
-/// kNothingToDo.
+/// kNothingToDo without contacts.
 SeveralAnswers find_several_answers(const ContactProblem& problem,
                                     const SeveralAnswers::Options& options);
 

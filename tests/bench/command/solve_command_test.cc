@@ -135,6 +135,10 @@ TEST_F(Command, SolveLooksForSeveralAnswers) {
   EXPECT_EQ(code_of("solve " + problem + " --several 3 --explain"), 2);
   EXPECT_EQ(code_of("solve " + problem + " --several 3 --warm"), 2);  // has no guess
   EXPECT_EQ(interrupted("solve " + problem + " --several 5000").exit_code, 5);
+  std::ofstream(path("no_contacts.dat")) << "2\n0\n0\n0 0\n0 0\n";
+  const json none = json_of("solve " + path("no_contacts.dat") + " --several 3 --json -");
+  EXPECT_EQ(none["status"], "nothing to do");
+  EXPECT_EQ(none["exit_code"], 0);
 }
 
 TEST_F(Command, DumpedStepsAreDrawnWithTheirAnswers) {

@@ -133,6 +133,14 @@ TEST(SeveralAnswers, BeginsAtTheGuessToo) {
       std::count_if(found.starts.begin(), found.starts.end(),
                     [](const SeveralAnswers::Start& s) { return s.from == "guess"; });
   EXPECT_EQ(from_guess, 2);
+  // However few starts: they were asked to begin there.
+  options.starts = 1;
+  for (const char* solver : {"", "pgs"}) {
+    options.solver = solver;
+    const SeveralAnswers one = find_several_answers(several.problem, options);
+    ASSERT_FALSE(one.starts.empty());
+    EXPECT_EQ(one.starts[0].from, "guess");
+  }
   options.guess = Vector::Zero(3);
   EXPECT_EQ(find_several_answers(several.problem, options).status, SolveStatus::kInvalidInput);
 }
@@ -165,6 +173,13 @@ TEST(SeveralAnswers, StopsWhenAsked) {
   EXPECT_LT(cut.starts.size(), 1000u);
   EXPECT_EQ(find_several_answers(p, {.starts = 0}).status, SolveStatus::kInvalidInput);
   EXPECT_EQ(find_several_answers(p, {.tol = 1e-6}).status, SolveStatus::kInvalidInput);
+}
+
+TEST(SeveralAnswers, WithoutContactsThereIsNothingToDo) {
+  for (const int dim : {1, 2, 3}) {
+    const SeveralAnswers found = find_several_answers({.dim = dim}, {.starts = 3});
+    EXPECT_EQ(found.status, SolveStatus::kNothingToDo) << found.message;
+  }
 }
 
 TEST(SeveralAnswers, NothingToDoIsOneAnswer) {
