@@ -95,7 +95,8 @@ int random_sets(const ExtremesFlags& flags) {
     if (!flags.silent()) fmt::print("{}", to_text(result, what));
     for (const RandomSets::Finding& f : result.findings) {
       const std::string again =
-          fmt::format("bipot extremes --{} 1 --seed {} --first {}{}", flag, flags.seed, f.index,
+          fmt::format("bipot extremes --{} 1 --seed {} --first {} --tol {} --time-limit {}{}", flag,
+                      flags.seed, f.index, options.tol, options.time_limit,
                       f.solver.empty() ? "" : " --solver " + f.solver);
       findings.add({what, f.kind, f.index, f.solver, f.message, again});
       if (!flags.silent() && f.kind != "planted, not solved" && f.kind != "exists, not solved") {

@@ -218,7 +218,7 @@ const ExtremeCell* ExtremeMatrix::find(const std::string& name, const std::strin
 }
 
 ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options) {
-  ExtremeMatrix matrix{.solvers = options.solvers};
+  ExtremeMatrix matrix{.solvers = options.solvers, .tol = options.tol};
   for (const std::string& name : options.solvers) require_solver(name);
   std::vector<std::string> names;
   for (ExtremeCase& c : extreme_cases()) {

@@ -50,6 +50,7 @@ struct ExtremeMatrix {
   };
   std::vector<ExtremeCase> cases;
   std::vector<std::string> solvers;
+  double tol = kNaN;                   ///< that was asked for
   std::vector<ExtremeCell> cells;      ///< case by case, solver by solver
   std::vector<std::string> existence;  ///< of each case, in words; empty for runs
   std::vector<Existence> verdicts;     ///< likewise

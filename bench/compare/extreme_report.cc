@@ -73,7 +73,7 @@ void add_case(const ExtremeMatrix& m, std::size_t k, Document& whole) {
   if (const ExtremeCell* first = m.find(c.name, m.solvers.front())) {
     ExtremeCell any = *first;
     any.solver = "NAME";
-    terms.entries.emplace_back("again", '`' + cell_command(any) + '`');
+    terms.entries.emplace_back("again", '`' + cell_command(m, any) + '`');
   }
   page.add(std::move(terms));
   Table table{.columns = {{.name = "solver"},
@@ -100,9 +100,9 @@ void add_case(const ExtremeMatrix& m, std::size_t k, Document& whole) {
 
 }  // namespace
 
-std::string cell_command(const ExtremeCell& cell) {
-  return fmt::format("bipot extremes --only {} --solver {} --time-limit {:g}", cell.name,
-                     cell.solver, cell.time_limit);
+std::string cell_command(const ExtremeMatrix& m, const ExtremeCell& cell) {
+  return fmt::format("bipot extremes --only {} --solver {} --tol {} --time-limit {}", cell.name,
+                     cell.solver, m.tol, cell.time_limit);
 }
 
 Table cells_table(const ExtremeMatrix& m) {
@@ -132,7 +132,7 @@ Table cells_table(const ExtremeMatrix& m) {
                  cell.cpu_seconds, cell.steps_solved, cell.steps, to_string(m.verdicts[k]),
                  m.floors[k],
                  cell.end == ExtremeCell::kSolved && !solved_by_others(m, cell.name).empty(),
-                 cell.message, cell_command(cell)});
+                 cell.message, cell_command(m, cell)});
     }
   }
   return table;
@@ -158,7 +158,7 @@ std::string to_text(const ExtremeMatrix& m) {
   }
   for (const ExtremeCell& cell : m.cells) {
     if (cell.end != ExtremeCell::kWrong) continue;
-    text += fmt::format("wrong: {}: {}: {}\n", cell_command(cell), cell.status, cell.message);
+    text += fmt::format("wrong: {}: {}: {}\n", cell_command(m, cell), cell.status, cell.message);
   }
   return text;
 }
@@ -191,12 +191,13 @@ std::string to_markdown(const ExtremeMatrix& m) {
 Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
   Document page{.title = "Contact solvers at the extremes", .made = made};
   page.say(fmt::format(
-      "{} cases, {} solvers, each asked for a guarded error of 1e-8 within its time limit: {} "
+      "{} cases, {} solvers, each asked for a guarded error of {} within its time limit: {} "
       "cells solved, {} not solved, {} beyond double precision, {} proved to have no solution, {} "
       "wrong (false claims, NaN, crashes, hangs, energy against theory).{}",
-      m.cases.size(), m.solvers.size(), count_cells(m, ExtremeCell::kSolved),
-      count_cells(m, ExtremeCell::kUnsolved), count_cells(m, ExtremeCell::kBeyond),
-      count_cells(m, ExtremeCell::kNone), count_cells(m, ExtremeCell::kWrong),
+      m.cases.size(), m.solvers.size(), tolerance_label(m.tol),
+      count_cells(m, ExtremeCell::kSolved), count_cells(m, ExtremeCell::kUnsolved),
+      count_cells(m, ExtremeCell::kBeyond), count_cells(m, ExtremeCell::kNone),
+      count_cells(m, ExtremeCell::kWrong),
       m.complete ? "" : " The measurement was stopped before its end."));
   const auto missed = std::count_if(m.cases.begin(), m.cases.end(), [&](const ExtremeCase& c) {
     return !solved_by_others(m, c.name).empty();

@@ -7,8 +7,8 @@
 
 namespace bipot {
 
-/// The command that repeats one cell.
-std::string cell_command(const ExtremeCell& cell);
+/// The command that repeats one cell of the matrix.
+std::string cell_command(const ExtremeMatrix& matrix, const ExtremeCell& cell);
 
 /// A row for each cell: extremes.csv.
 Table cells_table(const ExtremeMatrix& matrix);

@@ -115,12 +115,12 @@ void add_violent_cases(std::vector<ExtremeCase>& cases) {
                      Scene<2> scene = tower({1, 1e-310}, {0.5});
                      return first_step(scene);
                    }});
-  cases.push_back(
-      {.name = "huge_data",
-       .what = "one contact, W = 1e-150, w = -1e150: an energy of 1e450 J",
-       .known = "s = 1e300, whose energy is beyond the largest number: a status that says so",
-       .expect = Expect::kOpen,
-       .problem = [] { return one_normal(1e-150, -1e150); }});
+  cases.push_back({.name = "huge_data",
+                   .what = "one contact, W = 1e-150, w = -1e150: an energy of 1e450 J",
+                   .known = "s = 1e300, whose energy is beyond the largest number: nothing false "
+                            "may be said",
+                   .expect = Expect::kOpen,
+                   .problem = [] { return one_normal(1e-150, -1e150); }});
   const std::string digits =
       "the exact W has a solution; the rounded one is slightly indefinite: no theory says it has one";
   cases.push_back(

@@ -14,6 +14,7 @@
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_sets.h"
 #include "bench/measure/independent_check.h"
+#include "bench/report/labels.h"
 #include "core/criterion/contact_error.h"
 #include "core/criterion/extended_error.h"
 #include "solvers/registry.h"
@@ -305,7 +306,9 @@ TEST(ExtremeReport, SaysWhatAutoMissesAndOthersSolve) {
 }
 
 TEST(ExtremeReport, EveryCellStandsInTheTableAndThePage) {
-  ExtremeMatrix m = measure_extremes(of("units_usual"));
+  ExtremeMatrix::Options options = of("units_usual");
+  options.tol = 1e-6;
+  ExtremeMatrix m = measure_extremes(options);
   m.cells.back().end = ExtremeCell::kWrong;
   m.cells.back().message = "a <planted> fault";
   const std::string csv = to_csv(cells_table(m)), text = to_text(m);
@@ -317,7 +320,8 @@ TEST(ExtremeReport, EveryCellStandsInTheTableAndThePage) {
   EXPECT_EQ(json["cells"][1]["end"], "wrong");
   EXPECT_EQ(json["cases"][0]["name"], "units_usual");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
-  EXPECT_TRUE(says(csv, "bipot extremes --only units_usual --solver pgs"));
+  EXPECT_TRUE(says(csv, "bipot extremes --only units_usual --solver pgs --tol 1e-06"));
+  EXPECT_TRUE(says(page, "a guarded error of " + tolerance_label(1e-6)));
   EXPECT_TRUE(says(text, "wrong: bipot extremes --only units_usual --solver pgs"));
   EXPECT_TRUE(says(page, "a &lt;planted&gt; fault"));
   EXPECT_FALSE(says(page, "a <planted>"));
