@@ -114,13 +114,17 @@ void judge(ValidationRow& row) {
   claim.measured = best.seen.value;
   claim.bar = best.seen.bar + row.allowed * scale;
   claim.holds = decide(std::max(0.0, best.error - row.allowed), bar, kWidestBar);
-  if (!claim.holds) {
+  const std::string off =
+      fmt::format("off by {} of its scale at {}, {} are allowed", compact_label(best.error),
+                  tolerance_label(best.tol), compact_label(row.allowed + bar));
+  if (!claim.holds && bar > kWidestBar) {
     claim.reason = fmt::format("the error bar at {} is {} of its scale: too few samples to say",
                                tolerance_label(best.tol), compact_label(bar));
+  } else if (!claim.holds) {
+    claim.reason = fmt::format("{}, {} with a second error bar: too few samples to say", off,
+                               compact_label(row.allowed + 2 * bar));
   } else if (!*claim.holds) {
-    claim.reason =
-        fmt::format("off by {} of its scale at {}, {} are allowed", compact_label(best.error),
-                    tolerance_label(best.tol), compact_label(row.allowed + bar));
+    claim.reason = off;
     if (to_size(row.best) + 1 < row.points.size()) {
       const ValidationRow::Point& tighter = row.points[to_size(row.best) + 1];
       claim.reason += fmt::format(", and at {} {}", tolerance_label(tighter.tol),
