@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -52,7 +53,8 @@ std::string_view without_brackets(const std::filesystem::path& path, std::string
 }
 
 TextTable read_text(const std::filesystem::path& path) {
-  const std::string content = read_text_file(path);
+  std::string content = read_text_file(path);
+  if (content.starts_with("\xEF\xBB\xBF")) content.erase(0, 3);  // the mark of spreadsheets
   if (content.find('\0') != std::string::npos) {
     throw FileError(path, "", "neither a text file nor .npy nor HDF5");
   }
@@ -112,6 +114,15 @@ bool counts(const TextTable& table) {
     if (table.values[row * table.columns] != first + static_cast<double>(row)) return false;
   }
   return true;
+}
+
+/// True for contact numbers and normals of a frictionless problem, not normals and inert tangents.
+bool numbers_normals(const TextTable& table, std::size_t contacts) {
+  if (table.columns != 2 || table.rows() != contacts || !counts(table)) return false;
+  for (std::size_t row = 0; row < contacts; ++row) {
+    if (table.values[2 * row + 1] != 0) return true;
+  }
+  return false;
 }
 
 /// Removes a column of contact numbers and a leading size.
@@ -206,7 +217,8 @@ Vector read_impulses(const std::filesystem::path& path, const ContactProblem& pr
   Hdf5File::check_structure(path);
   TextTable table = read_table(path);
   const std::size_t contacts = to_size(problem.num_contacts()), dim = to_size(problem.dim);
-  const bool with_tangents = dim == 1 && table.values.size() >= 2 * contacts && contacts > 0;
+  const bool with_tangents = dim == 1 && table.values.size() >= 2 * contacts && contacts > 0 &&
+                             !numbers_normals(table, contacts);
   const std::size_t file_dim = with_tangents ? 2 : dim;
   strip(table, contacts, file_dim);
   if (table.values.size() != contacts * file_dim) {
@@ -216,6 +228,11 @@ Vector read_impulses(const std::filesystem::path& path, const ContactProblem& pr
   }
   Vector s = arrange(table, contacts, file_dim, layout);
   check_names(path, table, file_dim, layout);
+  for (Eigen::Index k = 0; k < s.size(); ++k) {
+    if (!std::isfinite(s[k])) {
+      throw FileError(path, "", fmt::format("s[{}] = {} is not finite", k, s[k]));
+    }
+  }
   if (!with_tangents) return s;
   Vector normals(problem.num_rows());
   for (Eigen::Index c = 0; c < normals.size(); ++c) {

@@ -41,7 +41,9 @@ const Vector kImpulses = vec({1, -2, 3, -4, 5, -6});
 TEST_F(ImpulseFile, TextIsReadInAllItsForms) {
   for (const char* text :
        {"1 -2 3 -4 5 -6", "1\n-2\n3\n-4\n5\n-6\n", "1,-2\n3,-4\n5,-6\n", "1; -2\n3; -4\n5; -6",
-        "s_n,s_t\n1,-2\n3,-4\n5,-6\n",                 // names
+        "s_n,s_t\n1,-2\n3,-4\n5,-6\n",  // names
+        "\xEF\xBB\xBF"
+        "1,-2\n3,-4\n5,-6\n",                          // the mark of a spreadsheet
         "# a comment\n\n1 -2\r\n3 -4\r\n+5 -6e0\r\n",  // and another system's line ends
         "contact,n,t\n0,1,-2\n1,3,-4\n2,5,-6\n",       // contacts counted from 0
         ",n,t\n1,1,-2\n2,3,-4\n3,5,-6\n",              // and from 1
@@ -95,6 +97,10 @@ TEST_F(ImpulseFile, FrictionlessProblemsTakeNormalsOrInertTangents) {
   EXPECT_EQ(read("s\n1\n2\n3\n", problem(1, 3)), vec({1, 2, 3}));  // any name
   EXPECT_EQ(read("1 0 2 0 3 0", problem(1, 3)), vec({1, 2, 3}));
   EXPECT_TRUE(says(refusal("1 0 2 7 3 0", problem(1, 3)), "tangential impulse 7, expected 0"));
+  // Numbers of the contacts beside the normals.
+  EXPECT_EQ(read("contact,n\n0,5\n1,0\n2,7\n", problem(1, 3)), vec({5, 0, 7}));
+  EXPECT_EQ(read("1 5\n2 6\n3 7\n", problem(1, 3)), vec({5, 6, 7}));
+  EXPECT_EQ(read("1 0\n2 0\n3 0\n", problem(1, 3)), vec({1, 2, 3}));  // inert tangents
   EXPECT_EQ(read("", problem(2, 0)).size(), 0);
 }
 
@@ -116,6 +122,7 @@ TEST_F(ImpulseFile, RefusalsSayWhatIsWrong) {
   EXPECT_TRUE(says(refusal("1 2 3 4 5 6", kThree, {.components = "nn"}), "components 'nn'"));
   EXPECT_TRUE(says(refusal("1 2 3 4 5 6", kThree, {.negated = "s"}), "letters of 'nt'"));
   EXPECT_TRUE(says(refusal(std::string("\0\1", 2), kThree), "neither a text file"));
+  EXPECT_TRUE(says(refusal("1 2 3 nan 5 6", kThree), "impulses.txt: s[3] = nan is not finite"));
   EXPECT_THROW(read_impulses(folder_ / "nothing", kThree), FileError);
   EXPECT_THROW(read_impulses(folder_.path(), kThree), FileError);
 }
