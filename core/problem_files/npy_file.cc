@@ -102,12 +102,13 @@ NpyArray read_npy(const std::filesystem::path& path) {
   const std::string_view bytes = all.substr(begin + length);
 
   NpyArray array{.shape = parse_shape(path, entry(path, header, "shape"))};
-  const std::string_view type = entry(path, header, "descr").substr(0, 5);
+  const std::string_view descr = entry(path, header, "descr"), type = descr.substr(0, 5);
   const std::size_t width = type == "'<f8'" || type == "'<i8'" ? 8 : 4;
   if (type != "'<f8'" && type != "'<f4'" && type != "'<i8'" && type != "'<i4'") {
     throw FileError(path, "header",
-                    fmt::format("elements of type {}: expected float64 or float32, little-endian",
-                                entry(path, header, "descr").substr(0, 8)));
+                    fmt::format("elements of type {}: expected float64, float32, int64 or int32, "
+                                "little-endian",
+                                descr.substr(0, descr.find_first_of(",}"))));
   }
   // Extents whose product overflows would seem small.
   std::size_t count = 1;

@@ -84,8 +84,9 @@ TEST_F(NpyFile, FortranOrderIsTurned) {
 
 TEST_F(NpyFile, RefusesWhatItCannotRead) {
   const std::string two = bytes({1.0, 2.0});
-  EXPECT_TRUE(says(refusal(npy(">f8", "False", "(2,)", two)), "elements of type '>f8'"));
-  EXPECT_TRUE(says(refusal(npy("<c16", "False", "(1,)", two)), "elements of type '<c16'"));
+  EXPECT_TRUE(says(refusal(npy(">f8", "False", "(2,)", two)), "elements of type '>f8': expected"));
+  EXPECT_TRUE(
+      says(refusal(npy("<c16", "False", "(1,)", two)), "elements of type '<c16': expected"));
   EXPECT_TRUE(says(refusal(npy("<f8", "False", "(3,)", two)),
                    "16 bytes of elements, the shape asks for 3"));
   EXPECT_TRUE(says(refusal(npy("<f8", "False", "(1,)", two)), "16 bytes of elements"));
