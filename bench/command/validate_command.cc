@@ -36,14 +36,23 @@ bool asked_for(const ValidateFlags& flags, const ValidationRow& row) {
 
 std::vector<Experiment> chosen_experiments(const ValidateFlags& flags) {
   std::vector<Experiment> all = validation_experiments();
-  std::vector<std::string> names;
+  std::vector<std::string> names, quick_names;
   for (const Experiment& e : all) {
-    for (const ValidationRow& row : e.rows) names.push_back(row.claim.name);
+    for (const ValidationRow& row : e.rows) {
+      names.push_back(row.claim.name);
+      if (!e.quick_tols.empty()) quick_names.push_back(row.claim.name);
+    }
   }
+  const auto begins_none = [](const std::vector<std::string>& of, const std::string& wanted) {
+    return std::none_of(of.begin(), of.end(),
+                        [&](const std::string& name) { return name.starts_with(wanted); });
+  };
   for (const std::string& wanted : flags.only) {
-    if (std::none_of(names.begin(), names.end(),
-                     [&](const std::string& name) { return name.starts_with(wanted); })) {
+    if (begins_none(names, wanted)) {
       throw std::invalid_argument(unknown_name_message("row", wanted, names));
+    }
+    if (flags.quick && begins_none(quick_names, wanted)) {
+      throw std::invalid_argument(wanted + " has no short form: leave out --quick");
     }
   }
   std::erase_if(all, [&](const Experiment& e) {
@@ -121,9 +130,8 @@ int run_validate(const ValidateFlags& flags) {
     if (page.complete) progress.update(total, "");
   }
   if (!flags.out.empty()) write_validation(flags.out, page);
-  Json json = to_json(to_report(page));
-  if (!page.complete) json["all_items_done"] = false;
-  flags.deliver(json, to_text(page), (std::filesystem::path(flags.out) / "index.html").string());
+  flags.deliver(to_json(to_report(page)), to_text(page),
+                (std::filesystem::path(flags.out) / "index.html").string());
   if (!page.complete) return kExitInterrupted;
   return page.failed() == 0 ? kExitConverged : kExitNotConverged;
 }

@@ -252,7 +252,7 @@ std::string to_string(ClaimReport::Item::Status status) { return Json(status).ge
 Json to_json(const ClaimReport& report) {
   Json json{{"command", report.command}};
   int checks = 0, held = 0;
-  bool all_done = true;
+  bool all_done = report.complete;
   Json items = Json::array();
   for (ClaimReport::Item item : report.items) {
     checks += item.checks();

@@ -36,6 +36,7 @@ struct ClaimReport {
   std::string command;      ///< of the last run
   std::vector<Item> items;  ///< in the order of the page
   std::string title, introduction;
+  bool complete = true;  ///< false: stopped before items were begun that it does not name
 };
 std::string to_string(ClaimReport::Item::Status status);
 

@@ -208,7 +208,8 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
 
 ClaimReport to_report(const ValidationPage& page) {
   ClaimReport report{.command = page.command,
-                     .title = "Bipot: physics, checked: at which tolerance does it break?"};
+                     .title = "Bipot: physics, checked: at which tolerance does it break?",
+                     .complete = page.complete};
   report.introduction = fmt::format(
       "{} of {} rows hold, {} are undecided.{} Each row is an observable that theory, a proof or "
       "published work says something of. Every step is solved by `{}`, without islands, to the "

@@ -426,6 +426,9 @@ TEST_F(Command, InterruptedMeasurementsSaySoAndLeaveValidFiles) {
   EXPECT_EQ(json_in(path("trade.json"))["complete"], false);
   EXPECT_EQ(json_in(trade + "/trade.json")["complete"], false);
 
+  EXPECT_EQ(interrupted("validate --quick --out " + path("validate")).exit_code, 5);
+  EXPECT_EQ(json_in(path("validate/validate.json"))["all_items_done"], false);
+
   EXPECT_EQ(interrupted("advise compaction --force-error 1e-2 --json " + advice).exit_code, 5);
   EXPECT_EQ(json_in(advice)["status"], "interrupted");
   EXPECT_EQ(json_in(advice)["exit_code"], 5);
@@ -619,6 +622,7 @@ TEST_F(Command, ValidateLeavesAPageAndAnExitCode) {
   EXPECT_EQ(claim["holds"], true);
   EXPECT_FALSE(claim["source"].empty());
   EXPECT_EQ(code_of("validate --only no_such_row"), 2);
+  EXPECT_EQ(code_of("validate --quick --only disk_,brazil_nut"), 2);  // it has no short form
   EXPECT_EQ(code_of("validate --solver no_such_solver"), 2);
   // What does not hold is said, with the reason.
   const Outcome bad = bipot("validate --quick --only three_disks --max-iterations 1");
