@@ -250,6 +250,18 @@ void Hdf5File::check_structure(const std::filesystem::path& path) {
     const Handle made(H5Dget_create_plist(dataset), H5Pclose);
     const H5D_layout_t layout = H5Pget_layout(made);
     const hsize_t stored = H5Dget_storage_size(dataset), needed = count * H5Tget_size(type);
+    for (int k = 0; k < H5Pget_nfilters(made); ++k) {
+      char filter[64] = "";
+      std::size_t values = 0;
+      const H5Z_filter_t id = H5Pget_filter2(made, static_cast<unsigned>(k), nullptr, &values,
+                                             nullptr, sizeof filter, filter, nullptr);
+      if (H5Zfilter_avail(id) <= 0) {
+        throw FileError(path, name,
+                        fmt::format("is packed by the filter {} '{}', which is not installed here; "
+                                    "gzip can be read",
+                                    id, filter));
+      }
+    }
     if (layout == H5D_CHUNKED) continue;
     if ((layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) || H5Pget_external_count(made) != 0) {
       throw FileError(path, name, "is not stored in the file");

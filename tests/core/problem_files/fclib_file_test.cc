@@ -142,6 +142,12 @@ TEST_P(RoundTrip, TheRowScaleOfRestitutionIsKept) {
 
 INSTANTIATE_TEST_SUITE_P(Dimensions, RoundTrip, testing::Values(1, 2, 3));
 
+TEST(FclibFile, AFilterThatIsMissingIsNamed) {
+  const std::filesystem::path path = source_folder() / "data/fuzz/hdf5/unknown_filter.hdf5";
+  const std::string message = refusal_of<FileError>([&] { read_problem(path); });
+  EXPECT_TRUE(says(message, "/fclib_local/W/x: is packed by the filter 511 'own'")) << message;
+}
+
 TEST(FclibFile, ADatasetThatClaimsMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
   // Found by tests/fuzz/hdf5_fuzz.cc: a header whose extent is 8e14 values in a file of 16 kB.
   const std::filesystem::path path = source_folder() / "data/fuzz/hdf5/claims_many_values.hdf5";
