@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -29,6 +30,10 @@ std::span<const double> span(const Vector& x) {
 
 Vector read_vector(const Hdf5File& file, const std::string& name) {
   const std::vector<double> values = file.read_doubles(name);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isfinite(values[k])) continue;
+    throw FileError(file.path(), name, fmt::format("element {} = {} is not finite", k, values[k]));
+  }
   return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
@@ -69,6 +74,9 @@ SparseGroup read_matrix(const Hdf5File& file, const std::string& group) {
     if (row < 0 || row >= matrix.rows || column < 0 || column >= matrix.columns) {
       refuse(fmt::format("entry {} at ({}, {}) of a {} x {} matrix", k, row, column, matrix.rows,
                          matrix.columns));
+    }
+    if (!std::isfinite(x[k])) {
+      refuse(fmt::format("entry {} at ({}, {}) = {} is not finite", k, row, column, x[k]));
     }
     matrix.entries.emplace_back(row, column, x[k]);
   };
@@ -342,7 +350,6 @@ void read_impulses(const Hdf5File& file, const Stored& stored, int dofs, Problem
       throw FileError(file.path(), name,
                       fmt::format("has {} elements, expected {}", x.size(), size));
     }
-    if (!x.allFinite()) throw FileError(file.path(), name, "not finite");
     return x;
   };
   if (file.exists("/solution")) {

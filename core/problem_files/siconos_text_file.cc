@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -46,6 +47,7 @@ class Words {
     const std::string_view w = word(what);
     const auto value = printed_number(w);
     if (!value) fail(fmt::format("{}: '{}' is not a number", what, w));
+    if (!std::isfinite(*value)) fail(fmt::format("{} = {} is not finite", what, *value));
     return *value;
   }
 

@@ -268,7 +268,7 @@ TEST_F(Storage, BrokenOnesAreRefusedWithTheReason) {
   write(20, p, i, x);
   expect("/W: p has 5 elements, 20 are needed");
   write(-2, p, i, {1, std::numeric_limits<double>::quiet_NaN(), 1, 6, 3, 2, 7, 8});
-  expect("W(0, 0) = nan is not finite");
+  expect("/W: entry 1 at (0, 0) = nan is not finite");
   write(-2, p, i, {1, -4, -1, 6, 3, 2, 7, 8});
   expect("W_nn of contact 0 = -5 is not positive");
 }
@@ -297,14 +297,16 @@ TEST_F(Storage, OtherDefectsAreRefusedWithTheReason) {
   expect([](Hdf5File& f) { f.write("/fclib_local/spacedim", 3); }, "is 4 x 4, expected 6 x 6");
   expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/mu", three); }, "expected 6 x 6");
   expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/q", three); }, "size of q is 3");
-  expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/q", infinite); }, "u_free[1] = inf");
+  expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/q", infinite); },
+         "/vectors/q: element 1 = inf is not finite");
   expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/mu", negative); }, "mu[1] = -0.5");
   expect([](Hdf5File& f) { f.write("/fclib_local/W/n", 2000000000); }, "expected 4 x 4");
   expect([](Hdf5File& f) { f.write("/fclib_local/W/nz", "sparse"); }, "/W/nz: not integers");
   expect([&](Hdf5File& f) { f.write("/bipot/row_scale", three); }, "row_scale has size 3");
   expect([](Hdf5File& f) { f.write("/bipot/dim", 1); }, "there is friction");
   expect([&](Hdf5File& f) { f.write("/solution/r", one); }, "/solution/r: has 1 elements");
-  expect([&](Hdf5File& f) { f.write("/solution/r", infinite); }, "/solution/r: not finite");
+  expect([&](Hdf5File& f) { f.write("/solution/r", infinite); },
+         "/solution/r: element 1 = inf is not finite");
   expect([](Hdf5File& f) { f.create_group("/solution"); }, "/solution/r: missing");
   expect(
       [](Hdf5File& f) {

@@ -151,8 +151,8 @@ TEST_F(SiconosText, DefectsAreRefusedWithLineAndReason) {
   expect_refusal("2\n1\n0\n2\n2\n2\t2\n1 0\n0 x\n", "line 8: matrix entry: 'x' is not a number");
   expect_refusal("2\n1\n0\n2\n2\n3\t3\n1 0\n0 1\n", "3 x 3, its header says 2 x 2");
   expect_refusal("2\n1\n0\n2\n2\n2\t2\n1 0\n0 1\n1 2\n", "2 numbers after the matrix");
-  expect_refusal("2\n1\n0\n2\n2\n2\t2\n1 0\n0 1\n1 nan\n0.5\n", "u_free[1] = nan is not finite");
-  expect_refusal("2\n1\n0\n2\n2\n2\t2\n1 0\n0 1\n1 1e999\n0.5\n", "u_free[1] = inf");
+  expect_refusal("2\n1\n0\n2\n2\n2\t2\n1 0\n0 1\n1 nan\n0.5\n", "line 9: q = nan is not finite");
+  expect_refusal("2\n1\n0\n2\n2\n2\t2\n1 0\n0 1\n1 1e999\n0.5\n", "line 9: q = inf");
   expect_refusal("2\n1\n0\n3\n3\n3\t3\n1 0 0\n0 1 0\n 0 0 1\n1 1\n0.5\n", "rows of W is 3");
   expect_refusal("2\n900000000\n0\n2\n2\n2\t2\n1 0\n0 1\n", "more than the file can hold");
   expect_refusal("2\n1\n1\n2\n900000000\n0\n1 1\n0.5\n", "columns of a matrix: more than the file");
