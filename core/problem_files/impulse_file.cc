@@ -160,7 +160,7 @@ void check_names(const std::filesystem::path& path, const TextTable& table, std:
   const std::string expected =
       layout.components.empty() ? std::string("nts").substr(0, dim) : layout.components;
   const auto names = table.names.end() - static_cast<std::ptrdiff_t>(dim);
-  for (std::size_t k = 0; k < dim; ++k) {
+  for (std::size_t k = 0; k < expected.size(); ++k) {
     const std::string& name = names[static_cast<std::ptrdiff_t>(k)];
     const std::optional<char> said = component_of(name);
     if (!said || *said == expected[k]) continue;
@@ -172,6 +172,7 @@ void check_names(const std::filesystem::path& path, const TextTable& table, std:
 }
 
 /// Position in the file of component k (0: normal) of a contact, from the letters of the layout.
+/// Moments of rolling in space have no letters and keep their places.
 std::vector<std::size_t> component_places(const ImpulseLayout& layout, std::size_t dim) {
   const std::string standard = std::string("nts").substr(0, dim);
   const std::string letters = layout.components.empty() ? standard : layout.components;
@@ -187,6 +188,7 @@ std::vector<std::size_t> component_places(const ImpulseLayout& layout, std::size
   }
   std::vector<std::size_t> places;
   for (const char c : standard) places.push_back(letters.find(c));
+  while (places.size() < dim) places.push_back(places.size());
   return places;
 }
 
@@ -200,7 +202,7 @@ Vector arrange(const TextTable& table, std::size_t contacts, std::size_t dim,
   Vector s(static_cast<Eigen::Index>(contacts * dim));
   for (std::size_t c = 0; c < contacts; ++c) {
     for (std::size_t k = 0; k < dim; ++k) {
-      const bool negated = layout.negated.find("nts"[k]) != std::string::npos;
+      const bool negated = k < 3 && layout.negated.find("nts"[k]) != std::string::npos;
       const std::size_t from = by_contact ? c * dim + place[k] : place[k] * contacts + c;
       s[static_cast<Eigen::Index>(c * dim + k)] =
           (negated ? -1 : 1) * layout.factor * table.values[from];

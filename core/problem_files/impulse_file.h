@@ -16,7 +16,8 @@ struct ImpulseLayout {
     kComponent  ///< all contacts' first components, then all second ones, ...
   };
   Order order = Order::kContact;
-  /// Order of the components: a permutation of "n", "nt" or "nts"; empty: that order.
+  /// Order of the components: a permutation of "n", "nt" or "nts"; empty: that order. Moments of
+  /// rolling in space follow.
   std::string components;
   /// Components with the opposite sign, such as "t"; empty: none.
   std::string negated;

@@ -104,6 +104,20 @@ TEST_F(ImpulseFile, FrictionlessProblemsTakeNormalsOrInertTangents) {
   EXPECT_EQ(read("", problem(2, 0)).size(), 0);
 }
 
+TEST_F(ImpulseFile, MomentsOfRollingKeepTheirPlaces) {
+  for (const int rows : {3, 6}) {
+    const Manufactured m = manufactured_rolling(rows, 5, 8, 3);
+    const auto file = folder_ / "solved.hdf5";
+    write_fclib(file, m.problem, {});
+    write_fclib_solution(file, m.s, m.u);
+    EXPECT_EQ(read_impulses(file, m.problem), m.s) << rows;
+  }
+  const Vector s = vec({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
+  const char* names = "t,n,s,m_t,m_s,m_n\n2,-1,3,4,5,6\n8,-7,9,10,11,12\n";
+  EXPECT_EQ(read(names, problem(6, 2), {.components = "tns", .negated = "n"}), s);
+  EXPECT_EQ(read("1 7\n2 8\n3 9\n4 10\n5 11\n6 12\n", problem(6, 2)), s);
+}
+
 TEST_F(ImpulseFile, TheSolutionOfAnFclibFileIsReadBack) {
   for (int dim = 1; dim <= 3; ++dim) {
     const Manufactured m = manufactured_problem(dim, 5, 8, 3);
