@@ -177,6 +177,12 @@ void judge_contacts(const ContactProblem& p, const Vector& given, const ErrorWei
   }
 }
 
+/// Angle between a and -b [rad].
+double off_opposite(const Vector& a, const Vector& b) {
+  const Vector x = a.normalized(), y = b.normalized();
+  return 2 * std::atan2((x + y).norm(), (x - y).norm());
+}
+
 }  // namespace
 
 std::string_view to_string(ContactFault::Kind kind) {
@@ -233,7 +239,9 @@ std::string sentence(const JudgedContact& c) {
                             s_t / (c.mu * c.s[0]));
         break;
       case Kind::kNotOpposed:
-        text += fmt::format("slides at {:.1e} m/s, which s_t does not oppose", f.size);
+        text +=
+            fmt::format("slides at {:.1e} m/s, which s_t does not oppose: {:.1e} rad off", f.size,
+                        off_opposite(c.s.segment(1, c.tangents), c.u.segment(1, c.tangents)));
         break;
       case Kind::kBeyondRolling:
         text += fmt::format("its moment is {:.1e} N m s beyond rolling friction", f.size);

@@ -118,8 +118,11 @@ TEST(ImpulseVerdict, SaysThatFrictionDoesNotOppose) {
   // In space: at right angles to the slip, u_t = (0, 0.8 + 0.5) and s_t = (0.5, 0) less the 0.5
   // that b_t takes away.
   const ContactProblem p = one_contact_problem(3, 1, 1, 0.5, -1, vec({-0.5, 0.8}));
-  const ContactFault across = only_fault(judge(p, vec({1, 0.5, 0})));
+  const ImpulseVerdict right_angle = judge(p, vec({1, 0.5, 0}));
+  const ContactFault across = only_fault(right_angle);
   EXPECT_EQ(across.kind, Kind::kNotOpposed);
+  EXPECT_EQ(sentence(right_angle.worst[0]),
+            "contact 0: slides at 8.0e-01 m/s, which s_t does not oppose: 1.6e+00 rad off");
   EXPECT_DOUBLE_EQ(across.energy, 0.5 * 0.8);
 }
 
