@@ -61,6 +61,10 @@ void ProgressBar::update(long done, const std::string& note) {
   std::fflush(stderr);
 }
 
+void ProgressBar::say(const std::string& lines) {
+  if (!quiet_) fmt::print(stderr, "{}{}", terminal_ ? "\r\033[K" : "", lines);
+}
+
 void ProgressBar::RemainingTime::add(long done, double seconds) {
   constexpr long kMarks = 200;  // of the whole
   const Mark now{done, seconds};

@@ -42,6 +42,8 @@ class ProgressBar {
 
   /// `done` of total are finished; `note` follows the bar, as far as there is room.
   void update(long done, const std::string& note);
+  /// Lines of their own, above the bar.
+  void say(const std::string& lines);
 
  private:
   long total_;

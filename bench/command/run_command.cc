@@ -355,8 +355,19 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
   const bool speaks = is_speaker() && !quiet;
   TakenSteps<D> taken;
   EnergyGrowth growth(scene, state);
-  RunProgress progress(*options.steps, !speaks, is_speaker() ? options.folder.folder : fs::path(),
-                       options.folder.resume);
+  const bool can_cut = scene.model == Model::kNonsmooth && !smaller_steps;
+  RunProgress progress(
+      *options.steps,
+      {.quiet = !speaks,
+       .folder = is_speaker() ? options.folder.folder : fs::path(),
+       .resume = options.folder.resume,
+       .step = state.step,
+       .time = state.time,
+       .tol = scene.solver.tol,
+       .hint = can_cut ? "--on-failure smaller-step takes such a step in parts; --time-limit "
+                         "SECONDS ends the run"
+                       : "--time-limit SECONDS ends the run"});
+  options.on_iteration = [&progress](const IterationRecord& record) { progress.judged(record); };
   options.on_step = [&, first = state.step](const SceneStep<D>& step) {
     const StepReport<D>& report = step.report;
     growth.add(scene, report);

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "core/motion/time_stepping.h"
+#include "solvers/solver.h"
 
 namespace bipot {
 
@@ -112,7 +113,8 @@ struct SceneRunOptions {
   RunFolderOptions folder;    ///< written by the first process
   /// Called before each step; may change the impulses from which the step starts.
   std::function<void(State<D>&)> before_step;
-  std::function<bool(const SceneStep<D>&)> on_step;  ///< false ends the run after this step
+  std::function<bool(const SceneStep<D>&)> on_step;          ///< false ends the run after this step
+  std::function<void(const IterationRecord&)> on_iteration;  ///< of the scene's own solver
 };
 
 template <int D>

@@ -65,6 +65,7 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
             .processes = options_.processes,
             .reproducible = options_.reproducible};
     own_.options.cancelled = options_.cancelled;
+    own_.options.on_iteration = options_.on_iteration;
     if (options_.on_failure == OnFailure::kSmallerStep &&
         scene.solver.max_iterations == SolverChoice{}.max_iterations) {
       own_.options.max_iterations = kAttemptIterations;

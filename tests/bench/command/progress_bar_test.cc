@@ -2,9 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
 #include "bench/command/help_text.h"
+#include "bench/command/run_progress.h"
 #include "bench/report/text_lines.h"
 #include "tests/support/refusal.h"
+#include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
@@ -40,6 +47,27 @@ TEST(ProgressLine, FitsTheTerminalAndControlsNothing) {
   }
   const std::string narrow = progress_line(400, 1000, 75, note, 40);
   EXPECT_TRUE(says(narrow, "40 %  about 75 s  t = 0.41"));
+}
+
+TEST(RunProgress, TellsOfAStepThatTakesLong) {
+  const TemporaryFolder folder;
+  testing::internal::CaptureStderr();
+  {
+    RunProgress progress(100, {.folder = folder.path(),
+                               .step = 6,
+                               .time = 0.25,
+                               .tol = 1e-8,
+                               .hint = "give up",
+                               .patience = 0.05});
+    progress.judged({.error = {.epsilon = 2e-3, .eta = 1e-3}});
+    std::this_thread::sleep_for(std::chrono::milliseconds(350));
+  }
+  for (const std::string& told :
+       {testing::internal::GetCapturedStderr(), file_text(folder / "run.log")}) {
+    EXPECT_TRUE(says(told, "step 7 at t = 0.25 s: 0 s so far, error 2.0e-03, tolerance 1e-08"));
+    EXPECT_EQ(told.find("give up"), told.rfind("give up"));
+    EXPECT_GE(std::count(told.begin(), told.end(), '\n'), 3);
+  }
 }
 
 TEST(HelpText, ReasonsAreShort) {
