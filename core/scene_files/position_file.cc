@@ -71,14 +71,18 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
                     {"spin_x", [](PositionRow& r) { return &r.spin[0]; }, false, 0},
                     {"spin_y", [](PositionRow& r) { return &r.spin[1]; }, false, 0},
                     {"spin_z", [](PositionRow& r) { return &r.spin[2]; }, false, 0}});
-    if (std::find(head.begin(), head.end(), "spin") != head.end()) {
-      refuse_line(path, 1, "has a column spin: spheres have spin_x, spin_y and spin_z");
-    }
   } else {
     columns.push_back({"spin", [](PositionRow& r) { return &r.spin[2]; }, false, 0});
-    if (std::find(head.begin(), head.end(), "z") != head.end()) {
-      refuse_line(path, 1, "has a column z: spheres need [[spheres]]");
-    }
+  }
+  const std::vector<std::string> of_others =
+      dim == 3 ? std::vector<std::string>{"spin"}
+               : std::vector<std::string>{"z", "vz", "spin_x", "spin_y", "spin_z"};
+  for (const std::string& other : of_others) {
+    if (std::find(head.begin(), head.end(), other) == head.end()) continue;
+    refuse_line(path, 1,
+                fmt::format("has a column {}: {}", other,
+                            dim == 3 ? "spheres have spin_x, spin_y and spin_z"
+                                     : "spheres need [[spheres]]"));
   }
   for (Column& column : columns) {
     const auto it = std::find(head.begin(), head.end(), column.name);
