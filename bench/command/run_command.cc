@@ -417,6 +417,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
     if (const std::string walls = unbalanced_walls(scene); !walls.empty()) {
       fmt::print(stderr, "bipot: warning: {}", walls);
     }
+    if (!scene.caution.empty()) fmt::print(stderr, "bipot: warning: {}\n", scene.caution);
   }
   const InterruptGuard interrupt;
   prepared.options.time_limit -= watch.seconds();

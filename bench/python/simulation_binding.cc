@@ -332,6 +332,11 @@ py::object make_simulation(const std::string& scene, const std::optional<std::st
   std::string text = given ? *given : content_of(source);
   AnyScene read = parse_any_scene(text, source, accuracy);
   return std::visit(
+        constexpr int kCaller = 3;  // above _make() and __init__()
+        if (!one.caution.empty() &&
+            PyErr_WarnEx(PyExc_UserWarning, one.caution.c_str(), kCaller) != 0) {
+          throw py::error_already_set();
+        }
       [&]<int D>(Scene<D>& one) {
         return py::cast(
             std::make_unique<PythonSimulation<D>>(std::move(one), std::move(text), choice));

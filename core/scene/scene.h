@@ -314,6 +314,7 @@ struct Scene {
   OutputChoice output;
   std::optional<ObservableChoice<D>> observables;
 
+  std::string caution;  ///< what its files have that was left out; empty: nothing
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];
   }

@@ -173,7 +173,8 @@ void drive(const RecordReader& file, const std::vector<std::string>& lines, int 
 
 }  // namespace
 
-std::vector<PositionRow> read_lmgc90_bodies(const std::filesystem::path& path, int dim) {
+std::vector<PositionRow> read_lmgc90_bodies(const std::filesystem::path& path, int dim,
+                                            std::map<std::string, int>* left_out) {
   const std::string round = dim == 2 ? "DISKx" : "SPHER";
   RecordReader bodies(path, dim);
   RecordReader::Record record;
@@ -182,7 +183,12 @@ std::vector<PositionRow> read_lmgc90_bodies(const std::filesystem::path& path, i
   while (bodies.next(record)) {
     row_of.push_back(-1);
     const auto count = std::count(record.contactors.begin(), record.contactors.end(), round);
-    if (count == 0) continue;
+    if (count == 0) {
+      for (const std::string& contactor : record.contactors) {
+        if (left_out != nullptr) ++(*left_out)[contactor];
+      }
+      continue;
+    }
     if (record.contactors.size() > 1) {
       bodies.refuse(fmt::format("body {} has {} contactors: give it as a table of [[clusters]]",
                                 row_of.size(), record.contactors.size()));

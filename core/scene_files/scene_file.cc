@@ -156,7 +156,7 @@ std::vector<Disk> read_group(const SceneTable& table, Scene<2>& scene) {
   }
   if (arrangement == "file") {
     std::vector<Disk> disks;
-    for (const PositionRow& row : read_named_positions(table, 2)) {
+    for (const PositionRow& row : read_named_positions(table, 2, scene.caution)) {
       if (row.driven) {
         const int material = material_index(scene, table, "material");
         scene.walls.push_back(driven_wall(row, material, scene.walls.size()));

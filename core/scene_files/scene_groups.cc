@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 
 #include "core/scene_files/lmgc90_bodies.h"
@@ -84,12 +85,26 @@ void require_possible(const SceneTable& table, std::string_view key, double coun
   }
 }
 
-std::vector<PositionRow> read_named_positions(const SceneTable& table, int dim) {
+std::vector<PositionRow> read_named_positions(const SceneTable& table, int dim,
+                                              std::string& caution) {
   const std::string name = table.word("file", "");
   if (name.empty()) table.fail("file", "is missing: name a CSV file with x, y and radius");
   const std::filesystem::path path = table.folder() / name;
-  const std::vector<PositionRow> rows =
-      path.extension() == ".DAT" ? read_lmgc90_bodies(path, dim) : read_positions(path, dim);
+  std::map<std::string, int> left_out;
+  const std::vector<PositionRow> rows = path.extension() == ".DAT"
+                                            ? read_lmgc90_bodies(path, dim, &left_out)
+                                            : read_positions(path, dim);
+  std::string others;
+  for (const auto& [contactor, count] : left_out) {
+    others += fmt::format("{} {} {}", others.empty() ? ", left out:" : ",", count, contactor);
+  }
+  if (rows.empty()) {
+    table.fail("file", fmt::format("{} has no {}{}", name, dim == 2 ? "disk" : "sphere", others));
+  }
+  if (!others.empty()) {
+    caution +=
+        fmt::format("{}{}: {} read{}", caution.empty() ? "" : "; ", name, rows.size(), others);
+  }
   require_possible(table, "file", static_cast<double>(rows.size()), "bodies");
   return rows;
 }

@@ -23,8 +23,10 @@ std::vector<RadiusClass> read_radii(const SceneTable& table, int count);
 void require_possible(const SceneTable& table, std::string_view key, double count,
                       std::string_view bodies);
 
-/// The rows of the CSV file that the key `file` names. Throws SceneFileError.
-std::vector<PositionRow> read_named_positions(const SceneTable& table, int dim);
+/// The rows of the file that the key `file` names, at least one; `caution`: what of it is left out
+/// is added. Throws SceneFileError.
+std::vector<PositionRow> read_named_positions(const SceneTable& table, int dim,
+                                              std::string& caution);
 
 /// Masses of a group of bodies.
 struct GroupMass {

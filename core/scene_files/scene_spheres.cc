@@ -34,7 +34,7 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, Scene<3>& scene) {
   }
   if (arrangement == "file") {
     std::vector<Sphere> spheres;
-    for (const PositionRow& row : read_named_positions(table, 3)) {
+    for (const PositionRow& row : read_named_positions(table, 3, scene.caution)) {
       spheres.push_back({.x = row.x, .v = row.v, .spin = row.spin, .radius = row.radius});
       if (!row.driven) continue;
       spheres.back().wall = static_cast<int>(scene.walls.size());

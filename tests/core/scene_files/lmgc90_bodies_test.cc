@@ -52,6 +52,24 @@ TEST(Lmgc90Bodies, DisksComeWithDisplacementsAndVelocitiesAndWithoutWalls) {
   EXPECT_EQ(scene.bodies[1].spin, 20);
 }
 
+TEST(Lmgc90Bodies, WhatIsLeftOutIsTold) {
+  const TemporaryFolder folder;
+  const auto scene = [&](const std::string& bodies) {
+    put_file(folder / "BODIES.DAT", bodies);
+    return parse_scene(
+        "[[disks]]\narrangement = \"file\"\nfile = \"BODIES.DAT\"\ndensity = 100\n"
+        "[time]\nstep = 1\nsteps = 1\n",
+        (folder / "scene.toml").string());
+  };
+  const std::string disk = disk_record("0.1D+00", kDiskLine), wall = disk_record("0", kWallLine);
+  EXPECT_EQ(scene(disk).caution, "");
+  EXPECT_EQ(scene(wall + disk + wall).caution, "BODIES.DAT: 1 read, left out: 2 JONCx");
+  for (const auto& [text, why] : {std::pair<std::string, const char*>{"! none\n", "has no disk"},
+                                  {wall, "has no disk, left out: 1 JONCx"}}) {
+    EXPECT_TRUE(says(refusal_of<SceneFileError>([&] { scene(text); }), why));
+  }
+}
+
 // The spin of a sphere is that along the axes a, b, c of the body: here a = z, b = x, c = y.
 TEST(Lmgc90Bodies, ASphereTurnsInItsOwnFrame) {
   const TemporaryFolder folder;

@@ -153,6 +153,12 @@ TEST(SceneFilling, PositionsComeFromAFileBesideTheScene) {
   refused("[[disks]]\n", "radius: 0 is not positive");
   positions("x,y,z,radius,spin\n1,2,3,0.1,5\n");
   refused("[[spheres]]\n", "p.csv:1: has a column spin: spheres have spin_x");
+  for (const std::string column : {"vz", "spin_x", "spin_y", "spin_z"}) {
+    positions("x,y,radius," + column + "\n1,2,0.1,3\n");
+    refused("[[disks]]\n", "p.csv:1: has a column " + column);
+  }
+  positions("x,y,radius\n");
+  refused("[[disks]]\n", "p.csv has no disk");
   positions("x,y,radius,X\n1,2,0.1,3\n");
   refused("[[disks]]\n", "p.csv:1: has two columns 'x'");
   std::filesystem::remove(folder / "p.csv");
