@@ -489,6 +489,10 @@ std::string validate(const Scene<D>& scene) {
   if (auto e = check_clusters(scene); !e.empty()) return e;
   if (auto e = check_joints(scene); !e.empty()) return e;
   if (auto e = check_springs(scene.dem); !e.empty()) return e;
+  if (scene.model == Model::kSpringDashpot && scene.dem.tangential_ratio == 0 &&
+      scene.has_friction()) {
+    return "dem: tangential_ratio = 0 would take out the friction: give mu = 0 for that";
+  }
   for (int i : scene.output.track) {
     if (i < 0 || i >= static_cast<int>(scene.bodies.size())) {
       return fmt::format("output.track: there is no {} {}", kBodyName<D>, i);

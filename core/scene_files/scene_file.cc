@@ -243,6 +243,10 @@ void read_model(const SceneTable& root, Scene<D>& scene) {
   const std::string model = root.one_of("model", "nscd", {"nscd", "dem"});
   scene.model = model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
   const auto table = root.table("dem");
+  const auto contact = root.table("contact");
+  if (model == "dem" && contact && contact->has("distance")) {
+    contact->fail("distance", "belongs to rigid contacts: springs of the model 'dem' need none");
+  }
   if (!table) return;
   SpringDashpotChoice& d = scene.dem;
   if (table->has("stiffness")) d.stiffness = table->positive("stiffness");

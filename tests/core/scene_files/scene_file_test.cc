@@ -403,6 +403,11 @@ TEST(SceneFile, SpringsAndDashpots) {
   EXPECT_EQ(parse(kDisk + kTime).model, Model::kNonsmooth);
   expect_refused("model = 'dem'\n" + kDisk + "[dem]\noverlap = 0.1\n" + kTime,
                  {"overlap = 0.1, expected a number in (0, 0.1)"});
+  const std::string stiff = kDisk + "[dem]\ntangential_ratio = 0\n" + kTime;
+  expect_refused("model = 'dem'\n" + stiff + "[contact]\nmu = 0.5\n", {"give mu = 0"});
+  EXPECT_EQ(parse("model = 'dem'\n" + stiff).dem.tangential_ratio, 0);
+  expect_refused("model = 'dem'\n" + kDisk + kTime + "[contact]\ndistance = 1e-3\n",
+                 {"'distance'", "rigid contacts"});
 }
 
 TEST(SceneFile, SolverAndOutput) {
