@@ -100,7 +100,12 @@ void read_shape(const SceneTable& table, Wall<3>& wall) {
     if (cone) return read_cone(table, wall);
     return file ? read_mesh_file(table, wall) : read_polygon(table, wall);
   }
-  if (surfaces > 0) table.fail("point", "give one shape: there are keys of several");
+  if (surfaces > 0) {
+    table.fail(file   ? "file"
+               : cone ? "radii"
+                      : "corners",
+               "give one shape: there are keys of several");
+  }
   if (point && normal && !center) {
     wall.a = *point;
     if (!(normal->norm() > 0)) table.fail("normal", "must not be zero");

@@ -115,6 +115,11 @@ TEST(StlFile, AWallScalesAndMovesItsTriangles) {
   EXPECT_EQ(wall.shape, Wall<3>::Shape::kMesh);
   EXPECT_EQ(wall.a, Vec3(1, 2, 3));
   EXPECT_LT((wall.mesh->triangles[0][2] - Vec3(0, 0.025, 0)).norm(), 1e-16);
+  const std::string two = refusal_of<SceneFileError>([&] {
+    parse_any_scene("dim = 3\n[[walls]]\nname = 'a'\nfile = \"a.stl\"\nnormal = [0, 0, 1]\n",
+                    (folder / "scene.toml").string());
+  });
+  EXPECT_TRUE(says(two, "scene.toml:4: [walls[0]] 'file': give one shape"));
 }
 
 }  // namespace
