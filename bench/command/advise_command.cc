@@ -69,9 +69,12 @@ void write_scene(const AdviseFlags& flags, const std::string& text, const std::s
 
 /// Checked before the work, not after it.
 void check_destinations(const AdviseFlags& flags) {
-  if (!flags.write.empty() && fs::exists(flags.write) && !flags.force_overwrite) {
-    throw std::invalid_argument(flags.write + " exists: name another file, or give --force");
-  }
+  const auto refuse_file = [&](const fs::path& file, const char* otherwise) {
+    if (flags.force_overwrite || file.empty() || !fs::exists(file)) return;
+    throw std::invalid_argument(file.string() + " exists: " + otherwise + ", or give --force");
+  };
+  refuse_file(flags.write, "name another file");
+  if (flags.tune) refuse_file(default_plan_file({flags.scene}), "move it");
   require_writable(flags.write);
   flags.prepare(true);
 }
@@ -110,7 +113,7 @@ CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
   command.flag("--keep-step", flags.keep_step, "Keep the scene's time step");
   command.option("--write FILE", flags.write,
                  "Write a copy of the scene with the advice in it; comments and layout stay");
-  command.flag("--force", flags.force_overwrite, "--write may overwrite a file");
+  command.flag("--force", flags.force_overwrite, "--write and --tune may overwrite a file");
   command.flag("--tune", flags.tune,
                "Then measure solvers on the scene's steps at the advised tolerance, and write a "
                "plan for auto: plan.toml beside the scene file");

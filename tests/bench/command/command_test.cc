@@ -369,6 +369,8 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
   EXPECT_EQ(code_of("advise " + scene + " --force-error 1e-2 --json /proc/nowhere/a.json"), 4);
   EXPECT_EQ(code_of("advise " + scene + " --energy nan"), 2);
   EXPECT_EQ(code_of("advise " + scene + " --solvers auto --tune"), 2);
+  EXPECT_TRUE(says(bipot("advise " + scene + " --tune 2>&1 | cat").out,
+                   "plan.toml exists: move it, or give --force"));
 }
 
 TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
