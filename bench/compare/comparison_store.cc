@@ -34,6 +34,12 @@ std::string file_stem(const std::string& name) {
   return stem;
 }
 
+/// Of which a reference is: names that differ may have the same stem.
+std::string problem_of(const fs::path& reference) {
+  const Json file = Json::parse(read_text_file(reference), nullptr, false);
+  return file.is_object() ? file.value("problem", "") : "";
+}
+
 /// Of a problem that cannot be read. It may be mended before the comparison goes on.
 bool is_unread(const Comparison::Row& row) {
   return row.dim == 0 && row.status == to_string(SolveStatus::kInvalidInput);
@@ -115,18 +121,23 @@ std::optional<ReferenceSolution> ComparisonStore::reference(const std::string& p
 void ComparisonStore::write(const ProblemSource& source, const TestProblem& problem,
                             const ReferenceSolution& reference) const {
   if (folder_.empty()) return;
-  write_reference(reference_path(source.name), source.name, reference);
+  const fs::path reference_file = reference_path(source.name);
+  write_reference(reference_file, source.name, reference);
   // Problems from files are not copied.
   if (fs::exists(source.target) && !source.target.ends_with(".toml")) return;
   if (problem.problem.num_contacts() == 0) return;
   write_fclib(
-      folder_ / "problems" / (file_stem(source.name) + ".hdf5"), problem.problem,
+      folder_ / "problems" / reference_file.filename().replace_extension(".hdf5"), problem.problem,
       {.title = source.name, .description = problem.origin},
       problem.start.size() > 0 ? std::vector<Vector>{problem.start} : std::vector<Vector>{});
 }
 
 fs::path ComparisonStore::reference_path(const std::string& problem) const {
-  return folder_ / "references" / (file_stem(problem) + ".json");
+  fs::path path = folder_ / "references" / (file_stem(problem) + ".json");
+  for (int k = 2; fs::exists(path) && problem_of(path) != problem; ++k) {
+    path.replace_filename(fmt::format("{}~{}.json", file_stem(problem), k));
+  }
+  return path;
 }
 
 }  // namespace bipot

@@ -322,6 +322,21 @@ TEST(Comparison, AProblemThatCouldNotBeReadIsReadWhenItGoesOn) {
   EXPECT_EQ(status(), "converged");
 }
 
+TEST(Comparison, ProblemsWhoseNamesBecomeTheSameFileNameHaveTwoFiles) {
+  const TemporaryFolder folder;
+  const auto made = expand_targets({"square:4", "pyramid:3"});
+  const ContactProblem first = made[0].load().problem, second = made[1].load().problem;
+  Comparison::Options options = quick({"pgs"}, {1e-2});
+  options.out = folder.path();
+  compare({source_of("a b", first), source_of("a_b", second)}, options);
+  const auto contacts = [&](const char* file) {
+    return read_reference(options.out / "references" / file).contacts;
+  };
+  EXPECT_EQ(contacts("a_b.json"), first.num_contacts());
+  EXPECT_EQ(contacts("a_b~2.json"), second.num_contacts());
+  EXPECT_TRUE(std::filesystem::exists(folder / "problems/a_b~2.hdf5"));
+}
+
 TEST(Comparison, GoesOnWhereItWasStopped) {
   const TemporaryFolder folder;
   const auto sources = expand_targets({"square:4", "pyramid:4"});
