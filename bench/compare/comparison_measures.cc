@@ -121,7 +121,7 @@ std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) 
       if (best > 0) ratios.push_back(row.time() / best);
     }
     std::sort(ratios.begin(), ratios.end());
-    count.median_ratio = quantile(ratios, 0.5);
+    count.median_ratio = sorted_median(ratios);
     counts.push_back(count);
   }
   return counts;
@@ -222,7 +222,7 @@ std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison) {
       }
     }
     std::sort(errors.begin(), errors.end());
-    made.median = quantile(errors, 0.5);
+    made.median = sorted_median(errors);
     made.ninth_decile = quantile(errors, 0.9);
   }
   return all;
@@ -287,7 +287,7 @@ Regret regret_of(const Comparison& comparison, const std::string& solver, double
   std::vector<double> ratios;
   for (const Regret::Entry& entry : regret.entries) ratios.push_back(entry.ratio);
   std::reverse(ratios.begin(), ratios.end());
-  regret.median = quantile(ratios, 0.5);
+  regret.median = sorted_median(ratios);
   regret.ninth_decile = quantile(ratios, 0.9);
   regret.worst = quantile(ratios, 1);
   return regret;

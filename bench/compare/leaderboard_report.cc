@@ -26,7 +26,7 @@ std::vector<const Leaderboard::Entry*> entries_of(const Leaderboard& board,
 double median_of_all(std::vector<double> x) {
   for (double& value : x) value = std::isfinite(value) ? value : kInfinity;
   std::sort(x.begin(), x.end());
-  return x.empty() ? kNaN : 0.5 * (x[(x.size() - 1) / 2] + x[x.size() / 2]);
+  return sorted_median(x);
 }
 
 Table solved_counts(const Leaderboard& board) {

@@ -56,7 +56,7 @@ Table settings_table(const SettingStudy& study) {
                   "Overlap: of a column at rest after 100 steps, over the smallest radius."};
   for (const PopularSetting& setting : popular_settings()) {
     const auto middle = [&](const auto& value) {
-      return quantile(sorted_values(study, setting.code, value), 0.5);
+      return sorted_median(sorted_values(study, setting.code, value));
     };
     const std::vector<double> guarded = sorted_values(study, setting.code, guarded_of);
     const auto met = std::count_if(
@@ -69,7 +69,7 @@ Table settings_table(const SettingStudy& study) {
     if (setting.test == PopularSetting::Test::kNone) met_cell = Table::Cell("none");
     table.add({setting.code, setting.rule, met_cell, runs,
                middle([](const SettingStudy::Row& r) { return static_cast<double>(r.iterations); }),
-               quantile(guarded, 0.5), quantile(guarded, 0.1), quantile(guarded, 0.9),
+               sorted_median(guarded), quantile(guarded, 0.1), quantile(guarded, 0.9),
                middle([](const SettingStudy::Row& r) { return r.error.epsilon; }),
                middle([](const SettingStudy::Row& r) { return r.error.eta; }),
                middle([](const SettingStudy::Row& r) { return r.error.natural_map; }),
@@ -128,7 +128,7 @@ Table tolerance_table(const SettingStudy& study) {
           study, setting.code, [&](const SettingStudy::Row& r) { return r.at_tolerance[i]; });
       if (at.empty()) continue;
       table.add({to_string(setting.test), SettingStudy::kTolerances[i], at.size(),
-                 quantile(at, 0.5), quantile(at, 0.1), quantile(at, 0.9)});
+                 sorted_median(at), quantile(at, 0.1), quantile(at, 0.9)});
     }
   }
   return table;
@@ -162,7 +162,7 @@ Chart settings_chart(const SettingStudy& study) {
     const std::vector<double> guarded = sorted_values(study, settings[i].code, guarded_of);
     if (!guarded.empty()) {
       series.points.push_back({.x = x + 0.15,
-                               .y = quantile(guarded, 0.5),
+                               .y = sorted_median(guarded),
                                .note = "median, 10 % to 90 %",
                                .y_low = quantile(guarded, 0.1),
                                .y_high = quantile(guarded, 0.9)});

@@ -83,11 +83,13 @@ std::string exponent_label(const PowerLaw& law) {
 
 double median(std::vector<double> x) {
   std::erase_if(x, [](double value) { return !std::isfinite(value); });
-  if (x.empty()) return kNaN;
-  const auto half = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), half, x.end());
-  if (x.size() % 2 == 1) return *half;
-  return 0.5 * (*half + *std::max_element(x.begin(), half));
+  std::sort(x.begin(), x.end());
+  return sorted_median(x);
+}
+
+double sorted_median(std::span<const double> sorted) {
+  if (sorted.empty()) return kNaN;
+  return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
 }
 
 double quantile(std::span<const double> sorted, double q) {

@@ -32,6 +32,9 @@ double student_t(double probability, int degrees_of_freedom);
 /// The median. Values that are not finite are left out; NaN if none remain.
 double median(std::vector<double> x);
 
+/// The median of sorted values, of which infinite ones count; NaN without any.
+double sorted_median(std::span<const double> sorted);
+
 /// The value that a fraction `q` of the sorted values does not exceed: the nearest rank. NaN without
 /// any.
 double quantile(std::span<const double> sorted, double q);

@@ -65,7 +65,7 @@ TunedPlan::Regret regret_row(const std::string& name, std::vector<double> ratios
   if (of == 0) return row;
   ratios.resize(to_size(of), kInfinity);
   std::sort(ratios.begin(), ratios.end());
-  row.median = quantile(ratios, 0.5);
+  row.median = sorted_median(ratios);
   row.ninth_tenth = quantile(ratios, 0.9);
   row.worst = ratios.back();
   return row;

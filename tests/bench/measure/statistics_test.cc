@@ -77,6 +77,13 @@ TEST(ExponentialTail, FindsTheRateOfDrawnNumbersAndTellsOtherDistributions) {
   EXPECT_GT(fit_exponential_tail(uniform, 0.5).distance, 0.1);
 }
 
+TEST(Median, LiesBetweenBothMiddleValues) {
+  EXPECT_EQ(sorted_median(std::vector<double>{1, 2, 4, 9}), 3);
+  EXPECT_EQ(sorted_median(std::vector<double>{1, 2, kInfinity}), 2);
+  EXPECT_EQ(sorted_median(std::vector<double>{1, 2, kInfinity, kInfinity}), kInfinity);
+  EXPECT_TRUE(std::isnan(sorted_median({})));
+}
+
 // Of 1 to 10 the nearest rank of q is the ceiling of 10 q; the least value for q = 0.
 TEST(Quantile, IsTheNearestRank) {
   const std::vector<double> x = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};

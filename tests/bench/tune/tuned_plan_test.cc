@@ -90,7 +90,7 @@ TEST(TunedPlan, NineOfTenHaveAtMostTheNinthRegret) {
   rows.resize(30);
   for (std::size_t k = 0; k < 10; ++k) rows[3 * k + 1].seconds = static_cast<double>(k + 1);
   const TunedPlan plan = tune_plan(rows, kVariants, 10);
-  EXPECT_EQ(plan.regret[3].median, 5);
+  EXPECT_EQ(plan.regret[3].median, 5.5);
   EXPECT_EQ(plan.regret[3].ninth_tenth, 9);
   EXPECT_EQ(plan.regret[3].worst, 10);
 }
