@@ -514,7 +514,7 @@ StepReport<D> SpringDashpotStepper<D>::advance(State<D>& state) {
   report.iterations = setup_.substeps;
   report.penetration = penetration_;
   report.overlap = worst_overlap_;
-  if (report.overlap > kDeepOverlap) report.overlap_pair = overlap_pair();
+  if (report.overlap > 0) report.overlap_pair = overlap_pair();
   report.travel = step_travel(state, next, scene_.step).radii;
   report.wall_pushes = wall_pushes(next.contacts, next.bodies.size());
   report.solve_seconds = watch.seconds() - report.detection_seconds;

@@ -321,7 +321,7 @@ void TimeStepper<D>::Inside::measure_overlaps(const State<D>& start, const Midpo
     report.penetration = most[0];
     report.overlap = most[1];
   }
-  if (!(report.overlap > kDeepOverlap)) return;
+  if (!(report.overlap > 0)) return;
   if (worst == nullptr || here < report.overlap) {
     report.overlap_pair = first_of_all(kInfinity, {});
     return;

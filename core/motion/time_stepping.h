@@ -77,7 +77,7 @@ struct StepReport {
   bool unsolvable = false;                     ///< not converged: there is no solution (proved)
   double penetration = 0;                      ///< largest overlap at mid-step      [m]
   double overlap = 0;                          ///< largest over the smaller radius  [-]
-  std::string overlap_pair;                    ///< its pair, if it is beyond kDeepOverlap
+  std::string overlap_pair;                    ///< its pair, if there is any
   double travel = 0;                           ///< largest way of a body over its radius
   int passages = 0;                            ///< pairs that went through each other
   std::string passage;                         ///< the first of them (core/motion/passage.h)

@@ -45,7 +45,7 @@ struct SceneTotals {
   double penetration = 0;      ///< largest of the steps                                  [m]
   double overlap = 0;          ///< the same over the smaller radius
   int overlap_step = -1;       ///< where
-  std::string overlap_pair;    ///< there, if beyond kDeepOverlap
+  std::string overlap_pair;    ///< there
   int deep_overlaps = 0;       ///< steps beyond kDeepOverlap
   double travel = 0;           ///< largest way of a body in a step over its radius
   int travel_step = -1;        ///< where

@@ -156,6 +156,7 @@ TEST_F(Command, EveryTemplateRunsWithoutChange) {
     EXPECT_EQ(j["status"], "completed") << name;
     EXPECT_FALSE(j["title"].get<std::string>().empty());
     EXPECT_LT(j["penetration"].get<double>(), 1e-4) << name;  // nothing overlaps at the start
+    EXPECT_EQ(j["overlap"]["pair"] != "", j["overlap"]["largest"] > 0) << name;
     EXPECT_TRUE(says(bipot("new").out, name));
   }
   EXPECT_EQ(count, 7);

@@ -475,6 +475,7 @@ TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
   EXPECT_LT(j["dem"]["substep"], j["dem"]["critical_step"]);
   EXPECT_FALSE(j["dem"]["departures"].empty());  // e_n = 0
   EXPECT_GT(j["penetration"], 1e-6);
+  EXPECT_TRUE(says(j["overlap"]["pair"], "disk "));
   expect_files("a", {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "summary.json"});
   // 40 and 20 steps with a restart between: the same bits.
   ASSERT_EQ(code_of("run square_lattice --model dem --steps 40 -q --out " + path("b")), 0);
