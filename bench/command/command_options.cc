@@ -124,7 +124,10 @@ SolverChoice merged(const SolverChoice& base, const SolverFlags& flags) {
   }
   if (flags.tol) choice.tol = *flags.tol;
   if (flags.stop) choice.stop = *flags.stop;
-  if (flags.max_iterations) choice.max_iterations = *flags.max_iterations;
+  if (flags.max_iterations) {
+    choice.max_iterations = *flags.max_iterations;
+    choice.limits_iterations = true;
+  }
   if (flags.warm_start) choice.warm_start = *flags.warm_start;
   for (const auto& [name, value] : flags.parameters) choice.parameters[name] = value;
   if (const auto plan = choice.parameters.find("plan");

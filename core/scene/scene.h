@@ -226,6 +226,7 @@ struct SolverChoice {
   double tol = 1e-8;
   std::string stop = "guarded";
   int max_iterations = 1000000;
+  bool limits_iterations = false;  ///< that number was asked for
   bool warm_start = true;
   std::map<std::string, std::string> parameters;
 };
@@ -313,8 +314,8 @@ struct Scene {
   SpringDashpotChoice dem;  ///< spring-dashpot model only
   OutputChoice output;
   std::optional<ObservableChoice<D>> observables;
-
   std::string caution;  ///< what its files have that was left out; empty: nothing
+
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];
   }

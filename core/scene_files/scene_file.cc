@@ -228,6 +228,7 @@ void read_solver(const SceneTable& root, Scene<D>& scene) {
   s.tol = table->number("tol", s.tol);
   if (!(s.tol > 0)) table->fail("tol", "expected a positive number");
   s.stop = table->one_of("stop", s.stop, {"guarded", "raw42", "impulse"});
+  s.limits_iterations = table->has("max_iterations");
   s.max_iterations = table->integer("max_iterations", s.max_iterations);
   if (s.max_iterations < 0) table->fail("max_iterations", "expected a non-negative integer");
   s.warm_start = table->boolean("warm_start", s.warm_start);
@@ -242,11 +243,11 @@ template <int D>
 void read_model(const SceneTable& root, Scene<D>& scene) {
   const std::string model = root.one_of("model", "nscd", {"nscd", "dem"});
   scene.model = model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
-  const auto table = root.table("dem");
   const auto contact = root.table("contact");
   if (model == "dem" && contact && contact->has("distance")) {
     contact->fail("distance", "belongs to rigid contacts: springs of the model 'dem' need none");
   }
+  const auto table = root.table("dem");
   if (!table) return;
   SpringDashpotChoice& d = scene.dem;
   if (table->has("stiffness")) d.stiffness = table->positive("stiffness");

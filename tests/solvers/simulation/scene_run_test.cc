@@ -200,6 +200,9 @@ TEST(SceneRun, WhereAStepMayBeCutTheScenesSolverHasFewIterationsByDefault) {
   EXPECT_EQ(cut.end, SceneRun<2>::End::kFailed);
   EXPECT_TRUE(says(cut.failure->what(), fmt::format("iteration limit {}", kAttemptIterations)));
   EXPECT_EQ(run(OnFailure::kStop).totals.converged, 1);
+  disk.scene.solver.limits_iterations = true;  // the same number, given by the scene
+  EXPECT_EQ(run(OnFailure::kSmallerStep).totals.converged, 1);
+  disk.scene.solver.limits_iterations = false;
   disk.scene.solver.max_iterations = 100000;
   EXPECT_EQ(run(OnFailure::kSmallerStep).totals.split, 0);
   EXPECT_EQ(run(OnFailure::kSmallerStep).totals.converged, 1);
