@@ -56,6 +56,12 @@ using Certificate = std::optional<ExistenceCertificate>;
 using Counts = std::optional<DistributedResult::Counts>;
 
 Json to_json(const ExistenceCertificate& c) {
+int exit_code_of(SolveStatus status, const Certificate& certificate) {
+  const int code = exit_code_of(status);
+  const bool none = certificate && certificate->verdict == Existence::kNone;
+  return none && code == kExitNotConverged ? int{kExitNumericalFailure} : code;
+}
+
   return {{"verdict", to_string(c.verdict)},
           {"margin", c.margin},
           {"statement", to_text(c)},
@@ -70,7 +76,7 @@ Json summary(const SolveFlags& flags, const std::string& solver, const ContactPr
          {"problem", flags.problem},
          {"status", to_string(r.status)},
          {"message", r.message},
-         {"exit_code", exit_code_of(r.status)},
+         {"exit_code", exit_code_of(r.status, certificate)},
          {"solver", solver},
          {"warm", flags.warm},
          {"iterations", r.iterations},
@@ -344,7 +350,7 @@ int run_solve(const SolveFlags& given) {
   if (!flags.common.quiet && flags.common.json != "-") {
     print_summary(flags, task.choice.name, problem, result, certificate, counts);
   }
-  return exit_code_of(result.status);
+  return exit_code_of(result.status, certificate);
 }
 
 }  // namespace

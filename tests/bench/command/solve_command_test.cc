@@ -226,7 +226,8 @@ TEST_F(Command, CertifiesWhetherASolutionExists) {
   const Outcome dumped = bipot("extremes --only wall_into_row --dump-problem " + path("none.hdf5"));
   ASSERT_EQ(dumped.exit_code, 0);
   const Outcome none = bipot("solve " + path("none.hdf5") + " --certify --time-limit 1 --json -");
-  EXPECT_NE(none.exit_code, 0);
+  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_EQ(json::parse(none.out)["exit_code"], 3);
   const json proof = json::parse(none.out)["existence"];
   EXPECT_EQ(proof["verdict"], "none");
   EXPECT_TRUE(says(proof["statement"], "proved"));
