@@ -43,7 +43,7 @@ std::string segments(const std::string& where, std::size_t count, int dimensions
   return fmt::format(
              "      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
              "NodesPerElement=\"2\">{}</Topology>\n",
-             count, data_item(where + "/points", count, 2, true)) +
+             count, data_item(where + "/points", 2 * count, 1, true)) +
          geometry(where + "/segment", 2 * count, dimensions);
 }
 
@@ -52,7 +52,7 @@ std::string pieces(const std::string& where, std::size_t count) {
   return fmt::format(
              "      <Topology TopologyType=\"Quadrilateral\" "
              "NumberOfElements=\"{}\">{}</Topology>\n",
-             count, data_item(where + "/points", count, 4, true)) +
+             count, data_item(where + "/points", 4 * count, 1, true)) +
          geometry(where + "/piece", 4 * count, 3);
 }
 
@@ -123,7 +123,7 @@ void XdmfIndex::add(const Frame& frame) {
         grid(fmt::format("      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
                          "NodesPerElement=\"{}\">{}</Topology>\n",
                          num_circles_, kRimPoints,
-                         data_item(file + "/walls/rim_points", num_circles_, kRimPoints, true)) +
+                         data_item(file + "/walls/rim_points", points, 1, true)) +
              geometry(file + "/walls/rim", points));
   }
 }

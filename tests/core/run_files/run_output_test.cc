@@ -237,7 +237,7 @@ TEST(RunOutput, EveryFrameCanBeReadThroughTheLinksOfTheRunFile) {
   EXPECT_EQ(file.shape("/materials/mu"), (std::vector<std::size_t>{2, 2}));
 }
 
-/// Every data item leads to a dataset of the size it says.
+/// Every data item leads to a dataset of the shape it says.
 int expect_data(const std::filesystem::path& folder, const std::string& xml) {
   const std::regex item("Dimensions=\"([0-9 ]+)\" NumberType=\"(\\w+)\"[^>]*>([^:<]+):([^<]+)<");
   int count = 0;
@@ -245,7 +245,9 @@ int expect_data(const std::filesystem::path& folder, const std::string& xml) {
     const Hdf5File file(folder / (*it)[3].str(), Hdf5File::Mode::kRead);
     std::stringstream extents((*it)[1].str());
     std::size_t product = 1;
-    for (std::size_t extent; extents >> extent;) product *= extent;
+    std::vector<std::size_t> shape;
+    for (std::size_t extent; extents >> extent; product *= extent) shape.push_back(extent);
+    EXPECT_EQ(file.shape((*it)[4]), shape) << (*it)[4];
     EXPECT_EQ(file.size((*it)[4]), product) << (*it)[4];
     EXPECT_EQ(
         (*it)[2] == "Int" ? file.read_ints((*it)[4]).size() : file.read_doubles((*it)[4]).size(),
