@@ -6,7 +6,6 @@
 #include <variant>
 #include <vector>
 
-#include "bench/problems/scene_catalogue.h"
 #include "bench/python/bindings.h"
 #include "bench/python/python_watch.h"
 #include "bench/tradeoff/advice_report.h"
@@ -34,7 +33,7 @@ std::string advise_scene(const std::string& name, const std::map<std::string, do
   options.samples = samples;
   options.keep_step = keep_step;
   options.interrupted = [&watch] { return watch.stopped(); };
-  AnyScene scene = read_any_scene(find_scene(name));
+  AnyScene scene = read_any_scene(scene_path(name));
   std::visit([](auto& any) { check_start(any, {}, 1); }, scene);
   std::string json;
   {

@@ -2,6 +2,9 @@
 
 #include <pybind11/pybind11.h>
 
+#include <filesystem>
+#include <string>
+
 namespace bipot {
 
 /// The parts of the module. Arrays of constant data are read-only views; a view keeps its owner
@@ -16,5 +19,8 @@ void bind_advise(pybind11::module_& module);
 
 /// Objects of the class are made by the module alone: `Class.__new__(Class)` would have no data.
 void refuse_new(const pybind11::object& bound);
+
+/// find_scene(), but Python's FileNotFoundError for a file that does not exist.
+std::filesystem::path scene_path(const std::string& path_or_name);
 
 }  // namespace bipot

@@ -3,8 +3,11 @@
 
 #include <pybind11/stl.h>
 
+#include <filesystem>
+#include <stdexcept>
 #include <string>
 
+#include "bench/problems/scene_catalogue.h"
 #include "bench/python/bindings.h"
 #include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
@@ -18,6 +21,18 @@ void bipot::refuse_new(const py::object& bound) {
   bound.attr("__new__") = py::cpp_function([name](const py::args&, const py::kwargs&) {
     throw py::type_error("bipot." + name + " is made by the functions of bipot alone");
   });
+}
+
+std::filesystem::path bipot::scene_path(const std::string& path_or_name) {
+  try {
+    return find_scene(path_or_name);
+  } catch (const std::invalid_argument& e) {
+    const std::filesystem::path path = path_or_name;
+    const bool file = path.has_extension() || path.has_parent_path();
+    if (!file || std::filesystem::exists(path)) throw;
+    PyErr_SetString(PyExc_FileNotFoundError, e.what());
+    throw py::error_already_set();
+  }
 }
 
 PYBIND11_MODULE(_bipot, module) {

@@ -17,7 +17,6 @@
 #include <variant>
 #include <vector>
 
-#include "bench/problems/scene_catalogue.h"
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
 #include "bench/python/callable_solver.h"
@@ -328,16 +327,16 @@ py::object make_simulation(const std::string& scene, const std::optional<std::st
                                 .friction = friction,
                                 .num_steps = num_steps,
                                 .restart = std::move(restart)};
-  const std::string source = given ? scene : find_scene(scene).string();
+  const std::string source = given ? scene : scene_path(scene).string();
   std::string text = given ? *given : content_of(source);
   AnyScene read = parse_any_scene(text, source, accuracy);
   return std::visit(
+      [&]<int D>(Scene<D>& one) {
         constexpr int kCaller = 3;  // above _make() and __init__()
         if (!one.caution.empty() &&
             PyErr_WarnEx(PyExc_UserWarning, one.caution.c_str(), kCaller) != 0) {
           throw py::error_already_set();
         }
-      [&]<int D>(Scene<D>& one) {
         return py::cast(
             std::make_unique<PythonSimulation<D>>(std::move(one), std::move(text), choice));
       },

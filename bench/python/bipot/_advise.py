@@ -69,7 +69,7 @@ def advise(
     those means that the scene has. time_limit: wall seconds of the trials; window: length of a stretch in s;
     samples: number of stretches, more narrow the error bars; keep_step: the scene's own.
 
-    Raises ValueError for a scene or a goal that is refused, KeyboardInterrupt.
+    Raises FileNotFoundError, ValueError for a scene or a goal that is refused, KeyboardInterrupt.
     """
 
     goals = {

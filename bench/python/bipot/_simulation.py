@@ -78,8 +78,8 @@ class Simulation:
 
     copy.deepcopy and pickle keep the state bit for bit, with walls as Python set them.
 
-    For one thread at a time. Raises ValueError for a scene or an option that is refused, TypeError
-    for one that does not exist.
+    For one thread at a time. Raises FileNotFoundError, ValueError for a scene or an option that is
+    refused, TypeError for one that does not exist.
     """
 
     def __init__(

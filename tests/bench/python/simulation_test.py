@@ -240,6 +240,9 @@ def test_springs_are_a_model_too(tmp_path):
 
 
 def test_bad_scenes_and_options_are_refused(tmp_path):
+    for function in (bipot.Simulation, bipot.advise):
+        with pytest.raises(FileNotFoundError, match="missing.toml: no such file"):
+            function("missing.toml")
     with pytest.raises(ValueError, match="did you mean 'bouncing_ball'"):
         bipot.Simulation("bouncing_bal")
     (tmp_path / "bad.toml").write_text("[nonsense]\n")
