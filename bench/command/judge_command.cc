@@ -8,6 +8,7 @@
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
+#include "bench/problems/scene_catalogue.h"
 #include "bench/report/json_output.h"
 #include "core/base/counted.h"
 #include "core/base/file_error.h"
@@ -116,7 +117,11 @@ void print(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdic
 CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
   CommandDeclaration command = line.add_command(
       "judge", "How wrong is an impulse that any code computed for a problem file, and where");
-  command.option("problem", flags.problem, "Problem file (FCLIB HDF5, Siconos text)").required();
+  command
+      .option("problem", flags.problem,
+              "Problem file (FCLIB HDF5, Siconos text) or the name of a shipped problem")
+      .suggest(names_of(shipped_problems()))
+      .required();
   command.option("--impulses FILE", flags.impulses,
                  "The impulses: .npy, .csv, FCLIB HDF5 (/solution/r) or Siconos text; without it "
                  "the problem file's own /solution");
@@ -158,7 +163,9 @@ CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
   return command;
 }
 
-int run_judge(const JudgeFlags& flags) {
+int run_judge(const JudgeFlags& typed) {
+  JudgeFlags flags = typed;
+  flags.problem = find_problem(typed.problem).string();
   require_apart({{"--json", flags.json}},
                 {{"the problem", flags.problem}, {"--impulses", flags.impulses}});
   const ProblemFile file =

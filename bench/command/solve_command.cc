@@ -13,6 +13,7 @@
 #include "bench/command/help_text.h"
 #include "bench/command/run_processes.h"
 #include "bench/command/several_command.h"
+#include "bench/problems/scene_catalogue.h"
 #include "bench/report/json_output.h"
 #include "core/base/counted.h"
 #include "core/base/file_error.h"
@@ -55,13 +56,13 @@ int exit_code_of(SolveStatus status) {
 using Certificate = std::optional<ExistenceCertificate>;
 using Counts = std::optional<DistributedResult::Counts>;
 
-Json to_json(const ExistenceCertificate& c) {
 int exit_code_of(SolveStatus status, const Certificate& certificate) {
   const int code = exit_code_of(status);
   const bool none = certificate && certificate->verdict == Existence::kNone;
   return none && code == kExitNotConverged ? int{kExitNumericalFailure} : code;
 }
 
+Json to_json(const ExistenceCertificate& c) {
   return {{"verdict", to_string(c.verdict)},
           {"margin", c.margin},
           {"statement", to_text(c)},
@@ -125,7 +126,9 @@ void print_summary(const SolveFlags& flags, const std::string& solver, const Con
 CommandDeclaration add_solve(CommandLine& line, SolveFlags& flags) {
   CommandDeclaration command =
       line.add_command("solve", "Solve one problem file (FCLIB HDF5, Siconos text)");
-  command.option("problem", flags.problem, "Problem file").required();
+  command.option("problem", flags.problem, "Problem file or the name of a shipped problem")
+      .suggest(names_of(shipped_problems()))
+      .required();
   command.flag("--warm", flags.warm,
                "Start from the file's first guess (FCLIB /guesses), not from s = 0");
   command
@@ -296,7 +299,9 @@ std::string explanation_of(const SolveTask& task) {
   return explain_islands(task.file.problem) + explain_auto(task.file.problem, task.options);
 }
 
-int run_solve(const SolveFlags& given) {
+int run_solve(const SolveFlags& typed) {
+  SolveFlags given = typed;
+  given.problem = find_problem(typed.problem).string();
   if (given.several) {
     together([&] { refuse_on_several_processes(given.common, "--several"); });
     return several_command(given, read_file(given));

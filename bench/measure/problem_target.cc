@@ -390,6 +390,8 @@ void add_target(const std::string& target, const TargetOptions& options,
     throw std::invalid_argument(
         fmt::format("target {}: a family needs a size, as in {}:20", target, target));
   }
+  const fs::path shipped = find_problem(target);
+  if (fs::exists(shipped)) return sources.push_back(file_source(shipped));
   add_scene(target, options, sources);
 }
 

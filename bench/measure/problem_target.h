@@ -30,7 +30,7 @@ struct TargetOptions {
 std::vector<std::string> target_families();
 
 /// The problems of the targets, in order. A target is
-///   - a problem file (FCLIB, Siconos text) or a folder of them,
+///   - a problem file (FCLIB, Siconos text), the name of a shipped one, or a folder of them,
 ///   - a scene file or the name of a shipped scene: contact problems along a run made with `auto`,
 ///   - a family "square:30", "triangular:30", "pyramid:20", "random:30" (scene_family.h, the first
 ///     step), "pile:32" (settled_pile.h, 32² disks at rest) or "impact:32" (such a pile hit by one

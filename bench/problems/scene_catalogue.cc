@@ -58,6 +58,14 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& file
   return names;
 }
 
+std::filesystem::path find_problem(const std::string& path_or_name) {
+  if (std::filesystem::exists(path_or_name)) return path_or_name;
+  for (const std::filesystem::path& problem : shipped_problems()) {
+    if (problem.stem() == path_or_name) return problem;
+  }
+  return path_or_name;
+}
+
 std::filesystem::path find_scene(const std::string& path_or_name) {
   const bool there = std::filesystem::exists(path_or_name);
   const bool file = there && !std::filesystem::is_directory(path_or_name);

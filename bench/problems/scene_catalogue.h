@@ -22,6 +22,9 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& file
 /// Files in data/problems, sorted by name.
 std::vector<std::filesystem::path> shipped_problems();
 
+/// The shipped problem of that name, unless such a file exists; else the path itself.
+std::filesystem::path find_problem(const std::string& path_or_name);
+
 /// The path itself if such a file exists, else the shipped scene of that name, also beside a folder
 /// of that name. Throws std::invalid_argument, naming the nearest shipped scene.
 std::filesystem::path find_scene(const std::string& path_or_name);

@@ -211,6 +211,14 @@ TEST_F(Command, ResultsDoNotReplaceTheInputOrEachOther) {
   EXPECT_TRUE(fs::exists(out + "/solution.hdf5"));
 }
 
+TEST_F(Command, NamesOfShippedProblemsAreTaken) {
+  const std::string solution = path("solved.hdf5");
+  EXPECT_EQ(code_of("solve 2d_pyramid_10 -q --solution " + solution), 0);
+  EXPECT_EQ(code_of("judge 2d_pyramid_10 -q --impulses " + solution), 0);
+  EXPECT_EQ(code_of("compare 2d_pyramid_10 --solvers apgd --tols 1e-2 -q"), 0);
+  EXPECT_EQ(code_of("solve 2d_pyramid -q"), 4);
+}
+
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   const std::string out = path("out");
   const Outcome solve = interrupted("solve " + shipped_problem("2d_compaction_rest") +
