@@ -1,9 +1,7 @@
 // What bodies sink into each other by in steps that a popular setting ends.
 
-#include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "bench/compare/popular_settings.h"
 #include "bench/problems/moving_scene.h"

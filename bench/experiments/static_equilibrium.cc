@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <vector>
 
 #include "core/base/triplets.h"
 #include "core/problem/delassus.h"

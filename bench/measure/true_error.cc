@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/linear/dense_factor.h"
-#include "core/linear/sparse_factor.h"
 #include "core/problem/delassus.h"
 #include "core/problem/energy_norm.h"
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <optional>
 #include <string_view>
 
 #include "core/base/file_error.h"

@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +20,6 @@
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/run_files/film.h"
-#include "core/run_files/run_reader.h"
 #include "core/scene/wall_pieces.h"
 #include "core/scene_files/scene_file.h"
 

@@ -12,10 +12,8 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"

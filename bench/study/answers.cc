@@ -1,6 +1,5 @@
 // Steps with several exact answers: how many, and do statistics depend on the one that is taken?
 
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +7,6 @@
 #include "bench/report/labels.h"
 #include "bench/study/study_parts.h"
 #include "solvers/analysis/several_answers.h"
-#include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
 

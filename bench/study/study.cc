@@ -12,7 +12,6 @@
 #include "bench/study/study_parts.h"
 #include "core/base/file_error.h"
 #include "core/base/number_text.h"
-#include "core/files/atomic_file.h"
 
 namespace bipot {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "bench/experiments/packing.h"
 #include "bench/measure/statistics.h"

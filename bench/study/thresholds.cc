@@ -1,10 +1,8 @@
 // From which ε on is an observable right?
 
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "bench/report/labels.h"
 #include "bench/study/study_parts.h"

@@ -12,7 +12,6 @@
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/refusal.h"
-#include "tests/support/source_folder.h"
 #include "tests/support/state_bits.h"
 
 namespace bipot {

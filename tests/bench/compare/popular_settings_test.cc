@@ -7,7 +7,6 @@
 #include <map>
 
 #include "bench/compare/settings_report.h"
-#include "bench/measure/peer_map.h"
 #include "core/problem/coulomb_cone.h"
 #include "solvers/solve.h"
 #include "tests/support/refusal.h"

@@ -1,6 +1,5 @@
 // frame_json RUN STEP: the bodies and contacts of a frame's HDF5 file as JSON, for browser_test.py.
 
-#include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
