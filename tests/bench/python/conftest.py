@@ -22,6 +22,12 @@ def spheres():
     return bipot.read(DATA / "problems" / "3d_sphere_pyramid_2.hdf5")
 
 
+def refused(error, words, call, *arguments, **options):
+    """The call raises this error, with words that match."""
+    with pytest.raises(error, match=words):
+        call(*arguments, **options)
+
+
 def one_contact(b_n, b_t, mu=0.5, dim=2):
     """W = 1: s_n = -b_n where it closes; |s_t| <= mu s_n."""
     u_free = [b_n, b_t, 0][:dim]

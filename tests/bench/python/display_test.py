@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bipot
-from conftest import chain, one_contact
+from conftest import chain, one_contact, refused
 
 matplotlib.use("svg")
 
@@ -100,12 +100,9 @@ def test_other_names_lead_to_the_right_one(name, meant):
 
 
 def test_more_names_lead_to_the_right_one():
-    with pytest.raises(TypeError, match="did you mean 'step'"):
-        bipot.Simulation("bouncing_ball", dt=1e-3)
-    with pytest.raises(TypeError, match="did you mean 'friction'"):
-        bipot.Simulation("bouncing_ball", mu=0.1)
-    with pytest.raises(TypeError, match="did you mean 'tols'"):
-        bipot.compare("pile:4", tol=1e-3)
+    refused(TypeError, "did you mean 'step'", bipot.Simulation, "bouncing_ball", dt=1e-3)
+    refused(TypeError, "did you mean 'friction'", bipot.Simulation, "bouncing_ball", mu=0.1)
+    refused(TypeError, "did you mean 'tols'", bipot.compare, "pile:4", tol=1e-3)
 
 
 @pytest.mark.parametrize(

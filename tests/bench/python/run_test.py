@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bipot
-from conftest import DATA
+from conftest import DATA, refused
 
 
 @pytest.fixture(params=["bouncing_ball", "four_spheres"])
@@ -57,14 +57,11 @@ def test_a_simulation_goes_on_from_a_run(folder):
 
 def test_a_run_of_another_scene_is_refused(folder, tmp_path):
     told = "does not fit the scene: it has 1 disks|a run in 3 dimensions"
-    with pytest.raises((ValueError, OSError), match=told):
-        bipot.Simulation("drum", restart=folder[1])
-    with pytest.raises(OSError, match="a run is named by its folder"):
-        bipot.Simulation("drum", restart=folder[0])
+    refused((ValueError, OSError), told, bipot.Simulation, "drum", restart=folder[1])
+    refused(OSError, "a run is named by its folder", bipot.Simulation, "drum", restart=folder[0])
     with pytest.raises(OSError, match="none: no such folder or file"):
         bipot.Simulation("drum", restart=tmp_path / "none")
-    with pytest.raises(TypeError, match="restart"):
-        bipot.Simulation("drum", restart=3)
+    refused(TypeError, "restart", bipot.Simulation, "drum", restart=3)
 
 
 def test_an_array_outlives_its_run(folder):
@@ -99,14 +96,10 @@ def test_a_row_that_is_being_written_does_not_count(folder):
 def test_what_is_refused(folder, tmp_path):
     out = folder[1]
     run = bipot.Run(out)
-    with pytest.raises(FileNotFoundError, match="not the folder of a run"):
-        bipot.Run(tmp_path)
-    with pytest.raises(ValueError, match="unknown table 'leger'.*ledger"):
-        run.table("leger")
-    with pytest.raises(OSError, match="no frame of step 3"):
-        run.at(3)
-    with pytest.raises(ValueError, match="negative"):
-        run.at(-1)
+    refused(FileNotFoundError, "not the folder of a run", bipot.Run, tmp_path)
+    refused(ValueError, "unknown table 'leger'.*ledger", run.table, "leger")
+    refused(OSError, "no frame of step 3", run.at, 3)
+    refused(ValueError, "negative", run.at, -1)
     with pytest.raises(IndexError):
         run[4]
     (out / "summary.json").unlink()
