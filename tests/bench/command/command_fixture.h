@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/command_line.h"
+#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 
 namespace bipot {
@@ -30,6 +31,26 @@ inline nlohmann::json json_of(const std::string& arguments, int code = 0) {
   const Outcome run = bipot(arguments);
   EXPECT_EQ(run.exit_code, code) << arguments;
   return nlohmann::json::parse(run.out);
+}
+
+/// What it says on both streams, in one text.
+inline Outcome whole_output(const std::string& arguments) {
+  return run_command_line(BIPOT_COMMAND, arguments + " 2>&1 #");
+}
+
+/// What it says on standard error.
+inline Outcome complaints(const std::string& arguments) {
+  return run_command_line(BIPOT_COMMAND, arguments + " 2>&1 >/dev/null #");
+}
+
+/// It ends with this exit code and says each of the parts, where `run` listens. All that it says.
+inline std::string expect_said(const std::string& arguments, int code,
+                               const std::vector<std::string>& parts,
+                               Outcome (*run)(const std::string&) = &whole_output) {
+  const Outcome outcome = run(arguments);
+  EXPECT_EQ(outcome.exit_code, code) << arguments << ": " << outcome.out;
+  for (const std::string& part : parts) EXPECT_TRUE(says(outcome.out, part)) << arguments;
+  return outcome.out;
 }
 
 /// A fresh folder for one test, removed at its end.

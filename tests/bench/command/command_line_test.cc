@@ -16,25 +16,12 @@
 namespace bipot {
 namespace {
 
-/// With standard error among the output.
-Outcome said(const std::string& arguments) {
-  return run_command_line("sh -c \"" BIPOT_COMMAND " " + arguments + " 2>&1\"", "");
-}
-
-void expect_said(const std::string& arguments, int exit_code,
-                 const std::vector<std::string>& parts) {
-  const Outcome outcome = said(arguments);
-  EXPECT_EQ(outcome.exit_code, exit_code) << arguments << ": " << outcome.out;
-  for (const std::string& part : parts) {
-    EXPECT_TRUE(says(outcome.out, part)) << arguments << " says\n"
-                                         << outcome.out << "without " << part;
-  }
-}
+std::string said(const std::string& arguments) { return whole_output(arguments).out; }
 
 TEST(CommandLine, UnknownCommandsAndFlagsNameTheNearest) {
   expect_said("ruin", 2, {"unknown command 'ruin'", "did you mean 'run'", "judge"});
   expect_said("frobnicate", 2, {"unknown command 'frobnicate'", "Valid: run"});
-  EXPECT_FALSE(says(said("frobnicate").out, "did you mean"));
+  EXPECT_FALSE(says(said("frobnicate"), "did you mean"));
   expect_said("run drum --tolerance 1e-3", 2, {"unknown flag '--tolerance'", "'--tol'"});
   expect_said("run drum --dt=1e-3", 2, {"unknown flag '--dt'", "'--step-size'"});
   expect_said("run drum --setps 3", 2, {"'--setps'", "did you mean '--steps'"});
@@ -48,16 +35,16 @@ TEST(CommandLine, UnknownCommandsAndFlagsNameTheNearest) {
 }
 
 TEST(CommandLine, TheSameQuestionHasManyForms) {
-  const std::string version = said("--version").out;
+  const std::string version = said("--version");
   EXPECT_EQ(version.rfind("bipot ", 0), 0u) << version;
-  for (const char* form : {"version", "-V"}) EXPECT_EQ(said(form).out, version) << form;
-  EXPECT_EQ(said("help").out, said("--help").out);
-  EXPECT_EQ(said("help run").out, said("run --help").out);
+  for (const char* form : {"version", "-V"}) EXPECT_EQ(said(form), version) << form;
+  EXPECT_EQ(said("help"), said("--help"));
+  EXPECT_EQ(said("help run"), said("run --help"));
   expect_said("help run", 0, {"bipot run", "--step-size"});
   expect_said("help nonsense", 2, {"unknown command 'nonsense'"});
   expect_said("version --help", 0, {"Print the version"});
   expect_said("completion --help", 0, {"bash, zsh, fish"});
-  EXPECT_FALSE(says(said("completion --help").out, "Exit codes"));
+  EXPECT_FALSE(says(said("completion --help"), "Exit codes"));
 }
 
 TEST(CommandLine, ListAloneNamesEverything) {
@@ -171,12 +158,9 @@ TEST_F(Command, ARunKeepsALogAndSaysWhatIsOdd) {
                                   "force = 5\nmass = 1\n"
                                   "[[walls]]\nname = 'right'\npoint = [2, 0]\nnormal = [-1, 0]\n"
                                   "force = 4\nmass = 1\n[time]\nstep = 1e-3\nsteps = 20\n");
-  const Outcome run = said("run " + scene + " --out " + path("out"));
-  EXPECT_EQ(run.exit_code, 0) << run.out;
-  EXPECT_TRUE(says(run.out, "walls 'left' and 'right'"));
-  EXPECT_TRUE(says(run.out, "top at 2 m"));
-  EXPECT_TRUE(says(run.out, "work of walls"));
-  EXPECT_EQ(run.out.find('\x1b'), std::string::npos) << run.out;
+  const std::string run = expect_said("run " + scene + " --out " + path("out"), 0,
+                                      {"walls 'left' and 'right'", "top at 2 m", "work of walls"});
+  EXPECT_EQ(run.find('\x1b'), std::string::npos) << run;
   const std::string log = content(folder_ / "out" / "run.log");
   EXPECT_TRUE(says(log, " 50 %  step 10, t = 0.01 s, 0 unsolved"));
   EXPECT_TRUE(says(log, "completed: 20 of 20 steps"));

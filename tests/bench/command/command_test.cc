@@ -67,12 +67,10 @@ TEST_F(Command, TheStressPictureIsDrawnWhereTheSceneAsksForIt) {
   const std::string text = scene +
                            (scene.find("[output]") == std::string::npos ? "\n[output]" : "") +
                            "\nstress_picture = true\n";
-  const Outcome run =
-      bipot("run " + write("lattice.toml", text) + " --json - --out " + path("out"));
-  ASSERT_EQ(run.exit_code, 0);
+  const json stress =
+      json_of("run " + write("lattice.toml", text) + " --json - --out " + path("out"))["stress"];
   expect_files("out", {"stress.svg", "stress.png"});
   // The summary's stress is that of the ledger's last row: area, xx, yy, xy, kinetic pressure.
-  const json stress = json::parse(run.out)["stress"];
   const std::string ledger = content(folder_ / "out" / "ledger.csv");
   std::stringstream last(ledger.substr(ledger.rfind('\n', ledger.size() - 2) + 1));
   std::vector<double> row;
@@ -151,14 +149,13 @@ TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
 
   // At the end there is nothing to do, and nothing is touched.
   const std::string summary = content(path("parts/summary.json"));
-  const Outcome again = bipot(run + path("parts") + " --restart " + path("parts"));
-  EXPECT_EQ(again.exit_code, 0);
-  EXPECT_EQ(json::parse(again.out)["status"], "nothing to do");
-  EXPECT_EQ(json::parse(again.out)["last_step"], 400);
+  const json again = json_of(run + path("parts") + " --restart " + path("parts"));
+  EXPECT_EQ(again["status"], "nothing to do");
+  EXPECT_EQ(again["last_step"], 400);
   EXPECT_EQ(content(path("parts/summary.json")), summary);
   // --steps N is N more.
-  const Outcome more = bipot(run + path("more") + " --steps 5 --restart " + path("parts"));
-  EXPECT_EQ(json::parse(more.out)["steps"], 5);
+  const json more = json_of(run + path("more") + " --steps 5 --restart " + path("parts"));
+  EXPECT_EQ(more["steps"], 5);
   EXPECT_EQ(read_state(path("more")).step, 405);
 }
 
@@ -207,9 +204,8 @@ TEST_F(Command, ASolverOfAnotherBuildNamesItsOption) {
   if (bipot("list solvers").out.find("siconos:nsgs") != std::string::npos) {
     GTEST_SKIP() << "built with Siconos";
   }
-  const Outcome run = bipot("run square_lattice --solver siconos:nsgs --json -");
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_TRUE(says(json::parse(run.out)["message"], "BIPOT_WITH_SICONOS"));
+  const json run = json_of("run square_lattice --solver siconos:nsgs --json -", 2);
+  EXPECT_TRUE(says(run["message"], "BIPOT_WITH_SICONOS"));
 }
 
 TEST_F(Command, InterruptedRunLeavesAReadableState) {
@@ -234,9 +230,7 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   expect_files("out", {"rows.csv", "comparison.csv", "comparison.json", "report.html",
                        "problems/square_4.hdf5", "references/pyramid_3.json"});
   const std::string table = content(path("out/comparison.csv"));
-  const Outcome second = bipot(arguments);
-  EXPECT_EQ(second.exit_code, 0);
-  EXPECT_TRUE(says(second.out, "12 of 12 rows from before"));
+  expect_said(arguments, 0, {"12 of 12 rows from before"}, &bipot);
   EXPECT_EQ(content(path("out/comparison.csv")), table);
   EXPECT_EQ(code_of("compare no_such_thing"), 2);
   const std::string no_problem = write("no_problem.hdf5", "hi");
@@ -271,7 +265,7 @@ TEST_F(Command, JudgesPopularSettingsAndSubmittedImpulses) {
   std::ofstream(path("mine/set.csv")) << "1 2 3\n";  // comes before the other
   const std::string without =
       "leaderboard " + path("mine") + " --problems " + problem + " --no-solvers";
-  EXPECT_TRUE(says(bipot(without + " 2>&1 | cat").out, "mine, set: "));
+  EXPECT_TRUE(says(whole_output(without).out, "mine, set: "));
   EXPECT_EQ(code_of(without + " --solvers pgs"), 2);
 }
 
@@ -279,12 +273,10 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   const std::string plan = path("plan.toml");
   const std::string arguments =
       "tune square:4 pyramid:4 --solvers pgs,ipm --tols 1e-2,1e-6 --least-rows 2 --out " + plan;
-  const Outcome first = bipot(arguments);
-  ASSERT_EQ(first.exit_code, 0);
-  for (const char* words : {"tuned, scenes left out", "auto, present plan", "ipm"}) {
-    EXPECT_TRUE(says(first.out, words));
-  }
-  EXPECT_TRUE(says(first.out, "12 rows in " + path("plan.csv") + ", 0 of them from before"));
+  expect_said(arguments, 0,
+              {"tuned, scenes left out", "auto, present plan", "ipm",
+               "12 rows in " + path("plan.csv") + ", 0 of them from before"},
+              &bipot);
   const std::string rows = content(path("plan.csv")), text = content(plan);
   EXPECT_TRUE(says(text, "[[class]]"));
   EXPECT_TRUE(says(bipot(arguments).out, ", 12 of them from before"));
@@ -292,17 +284,14 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   EXPECT_EQ(content(path("plan.csv")), rows);
   EXPECT_EQ(content(plan).substr(text.find('\n')), text.substr(text.find('\n')));  // from the rows
   const std::string problem = shipped_problem("1d_square_20");
-  const Outcome solved = bipot("solve " + problem + " --explain --plan " + plan);
-  EXPECT_EQ(solved.exit_code, 0);
-  EXPECT_TRUE(says(solved.out, plan + ": "));
-  const json told = json::parse(bipot("solve " + problem + " --explain --json -").out);
+  expect_said("solve " + problem + " --explain --plan " + plan, 0, {plan + ": "}, &bipot);
+  const json told = json_of("solve " + problem + " --explain --json -");
   EXPECT_TRUE(says(told["explanation"].get<std::string>(), "contacts, d = "));
   EXPECT_EQ(code_of("solve " + problem + " --solver pgs --plan " + plan), 2);
   EXPECT_EQ(code_of("run four_spheres --steps 2 --plan " + plan + " --out " + path("run")), 0);
   std::ofstream(plan) << "[[class]]\nname = 'a'\nstages = [{solver = 'pgz'}]\n";
-  const Outcome faulty = bipot("solve " + problem + " --json - --plan " + plan);
-  EXPECT_EQ(faulty.exit_code, 2);
-  EXPECT_TRUE(says(faulty.out, "plan.toml:3: unknown solver 'pgz'"));
+  expect_said("solve " + problem + " --json - --plan " + plan, 2,
+              {"plan.toml:3: unknown solver 'pgz'"}, &bipot);
   EXPECT_EQ(code_of("tune square:4 --solvers pgs --tols 1e-2 --least-rows 1 -q --out " +
                     path("new/folder/plan.toml")),
             0);
@@ -318,8 +307,8 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   const std::string apart = write(
       "apart.toml",
       "time = { step = 1e-3, steps = 2 }\n[[disks]]\nposition = [0, 0]\nradius = 1\nmass = 1\n");
-  EXPECT_TRUE(says(bipot("tune " + apart + " --out " + path("free.toml") + " 2>&1 | cat").out,
-                   "nothing touches in the targets"));
+  expect_said("tune " + apart + " --out " + path("free.toml"), 2,
+              {"nothing touches in the targets"});
   EXPECT_TRUE(fs::exists(path("hard.csv")));
   // No contact arises in two steps of this scene: nothing but the check would read the plan.
   const std::string run = "run drum --steps 2 --no-page --out " + path("none");
@@ -459,11 +448,9 @@ TEST_F(Command, ForeignOutputDoesNotMixWithJson) {
   if (json_of("list solvers --json -").dump().find("\"newton\"") == std::string::npos) {
     GTEST_SKIP() << "built without PETSc: there is no foreign output";
   }
-  const Outcome solve = bipot("solve " + shipped_problem("2d_triangular_lattice") +
-                              " --solver newton "
-                              "--petsc \"-snes_monitor -ksp_view\" --json -");
-  EXPECT_EQ(solve.exit_code, 0);
-  EXPECT_EQ(json::parse(solve.out)["status"], "converged");
+  const json solve = json_of("solve " + shipped_problem("2d_triangular_lattice") +
+                             " --solver newton --petsc \"-snes_monitor -ksp_view\" --json -");
+  EXPECT_EQ(solve["status"], "converged");
 }
 
 TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
@@ -530,23 +517,19 @@ TEST_F(Command, AStepThatIsNotSolvedLeavesItsProblemAndSaysWhatToTry) {
                           " --solver pgs --tol 1e-3 "
                           "--max-iterations 10 --steps 40 --on-failure stop --out " +
                           path("out");
-  const Outcome stopped = run_command_line(std::string(BIPOT_COMMAND), run + " 2>&1 >/dev/null #");
-  EXPECT_EQ(stopped.exit_code, 1);
-  for (const char* part :
-       {"worst contact", "disk 7 and disk 15", "a solution exists (proved", "1. ", "3. ", "try "}) {
-    EXPECT_TRUE(says(stopped.out, part)) << part << " in " << stopped.out;
-  }
+  const std::string stopped = expect_said(
+      run, 1,
+      {"worst contact", "disk 7 and disk 15", "a solution exists (proved", "1. ", "3. ", "try "},
+      &complaints);
   EXPECT_TRUE(fs::exists(folder_ / "out" / "problems" / "step_000028.hdf5"));
   EXPECT_EQ(code_of("solve " + path("out/problems/step_000028.hdf5") + " -q"), 0);
-  EXPECT_TRUE(says(stopped.out, "smaller-step"));
+  EXPECT_TRUE(says(stopped, "smaller-step"));
   // What was tried is not proposed again.
-  const Outcome split = run_command_line(
-      std::string(BIPOT_COMMAND), "run " + shipped_scene("compaction_100") +
-                                      " --solver pgs --tol 1e-12 --max-iterations 1 --steps 40 "
-                                      "--on-failure smaller-step 2>&1 >/dev/null #");
-  EXPECT_EQ(split.exit_code, 1);
-  EXPECT_TRUE(says(split.out, "3. "));
-  EXPECT_FALSE(says(split.out, "smaller-step")) << split.out;
+  const std::string split = expect_said("run " + shipped_scene("compaction_100") +
+                                            " --solver pgs --tol 1e-12 --max-iterations 1 --steps "
+                                            "40 --on-failure smaller-step",
+                                        1, {"3. "}, &complaints);
+  EXPECT_FALSE(says(split, "smaller-step")) << split;
 }
 
 // A long step of disks that land on each other: with these limits steps 18 and 23 are not solved
@@ -587,10 +570,8 @@ TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
     EXPECT_EQ(row["steps_solved"] == row["steps"], row["end"] == "solved") << row;
   }
   EXPECT_EQ(code_of("extremes --only no_such_case"), 2);
-  const Outcome sets =
-      bipot("extremes --random-problems 6 --random-scenes 2 --solver auto --out " + path("out"));
-  EXPECT_EQ(sets.exit_code, 0) << sets.out;
-  EXPECT_TRUE(says(sets.out, "6 random problems"));
+  expect_said("extremes --random-problems 6 --random-scenes 2 --solver auto --out " + path("out"),
+              0, {"6 random problems"}, &bipot);
   EXPECT_TRUE(fs::exists(folder_ / "out" / "random.csv"));
   // One of the set, on its own.
   ASSERT_EQ(code_of("extremes --random-problems 1 --first 4 --dump-problem " + path("4.hdf5")), 0);
@@ -612,15 +593,13 @@ TEST_F(Command, StudyDrawsItsRowsAgain) {
 }
 
 TEST_F(Command, ValidateLeavesAPageAndAnExitCode) {
-  const Outcome out = bipot("validate --quick --only disk_,groove --out " + path("out"));
-  EXPECT_EQ(out.exit_code, 0) << out.out;
-  EXPECT_TRUE(says(out.out, "disk_rolls"));
-  EXPECT_TRUE(says(out.out, "groove_interval"));
-  EXPECT_FALSE(says(out.out, "sphere_")) << out.out;
+  const std::string out = expect_said("validate --quick --only disk_,groove --out " + path("out"),
+                                      0, {"disk_rolls", "groove_interval"}, &bipot);
+  EXPECT_FALSE(says(out, "sphere_")) << out;
   expect_files("out",
                {"index.html", "validate.json", "validate.csv", "verdicts.csv", "errors_1.svg"});
-  const Outcome told = bipot("validate --quick --only groove_interval --json -");
-  const json claim = json::parse(told.out)["items"][0]["numbers"][0];  // nothing else is printed
+  const json told = json_of("validate --quick --only groove_interval --json -");
+  const json& claim = told["items"][0]["numbers"][0];
   EXPECT_EQ(claim["name"], "groove_interval");
   EXPECT_EQ(claim["holds"], true);
   EXPECT_FALSE(claim["source"].empty());
@@ -628,10 +607,8 @@ TEST_F(Command, ValidateLeavesAPageAndAnExitCode) {
   EXPECT_EQ(code_of("validate --quick --only disk_,brazil_nut"), 2);  // it has no short form
   EXPECT_EQ(code_of("validate --solver no_such_solver"), 2);
   // What does not hold is said, with the reason.
-  const Outcome bad = bipot("validate --quick --only three_disks --max-iterations 1");
-  EXPECT_EQ(bad.exit_code, 1);
-  EXPECT_TRUE(says(bad.out, "does not hold"));
-  EXPECT_TRUE(says(bad.out, "did not reach"));
+  expect_said("validate --quick --only three_disks --max-iterations 1", 1,
+              {"does not hold", "did not reach"}, &bipot);
 }
 
 TEST_F(Command, ListsWhatItHas) {
@@ -652,10 +629,7 @@ TEST_F(Command, OneSolverIsListedWithItsParameters) {
     EXPECT_TRUE(p.contains("unit"));
   }
   EXPECT_TRUE(omega);
-  const Outcome text = bipot("list solvers apgd");
-  EXPECT_EQ(text.exit_code, 0);
-  EXPECT_TRUE(says(text.out, "--step"));
-  EXPECT_TRUE(says(text.out, "1/lambda_max"));
+  expect_said("list solvers apgd", 0, {"--step", "1/lambda_max"}, &bipot);
   EXPECT_EQ(code_of("list scenes pgs"), 2);
   // What the list names is a flag, though the help of the commands passes over it.
   for (const json& solver : json::parse(bipot("list solvers --json -").out)) {
@@ -716,9 +690,7 @@ TEST_F(Command, ThePeersBenchmarkHoldsSolversAgainstSiconosOrSaysThatItIsNotTher
 TEST_F(Command, HelpNamesExamples) {
   for (const char* command : {"--help", "run --help", "solve --help", "compare --help",
                               "advise --help", "trade --help", "paper --help", "list --help"}) {
-    const Outcome help = bipot(command);
-    EXPECT_EQ(help.exit_code, 0);
-    EXPECT_TRUE(says(help.out, "Examples")) << command;
+    expect_said(command, 0, {"Examples"}, &bipot);
   }
 }
 

@@ -8,26 +8,20 @@
 
 #include "core/problem_files/problem_file.h"
 #include "solvers/solve.h"
-#include "tests/support/command_line.h"
-#include "tests/support/refusal.h"
-#include "tests/support/source_folder.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/bench/command/command_fixture.h"
 
 namespace bipot {
 namespace {
 
 using nlohmann::json;
 
-const std::string kProblem = source_folder().string() + "/data/problems/2d_triangular_lattice.hdf5";
+const std::string kProblem = shipped_problem("2d_triangular_lattice");
 
 Vector solution_of(const ContactProblem& p) { return solve("ipm", p, {.tol = 1e-9}).s; }
 
-class JudgeCommand : public testing::Test {
+class JudgeCommand : public Command {
  protected:
-  Outcome judge(const std::string& arguments) {
-    return run_command_line(BIPOT_COMMAND, "judge " + arguments);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  static int judge(const std::string& arguments) { return code_of("judge " + arguments); }
 
   /// The impulses of `s`, a line a contact, tangent first, forces of steps of 0.5 s, pulling
   /// positive.
@@ -40,19 +34,12 @@ class JudgeCommand : public testing::Test {
     }
     return path("foreign.csv");
   }
-
-  TemporaryFolder folder_;
 };
 
 TEST_F(JudgeCommand, AgreesWithTheSolverThatWroteTheSolution) {
-  const Outcome solved = run_command_line(
-      BIPOT_COMMAND,
-      "solve " + kProblem + " --solver ipm --tol 1e-10 --json - --solution " + path("solved.hdf5"));
-  ASSERT_EQ(solved.exit_code, 0);
-  const json said = json::parse(solved.out);
-  const Outcome judged = judge(path("solved.hdf5") + " --json -");
-  EXPECT_EQ(judged.exit_code, 0);
-  const json j = json::parse(judged.out);
+  const json said = json_of("solve " + kProblem + " --solver ipm --tol 1e-10 --json - --solution " +
+                            path("solved.hdf5"));
+  const json j = json_of("judge " + path("solved.hdf5") + " --json -");
   EXPECT_EQ(j["command"], "judge");
   EXPECT_EQ(j["status"], "within");
   for (const char* key :
@@ -61,20 +48,19 @@ TEST_F(JudgeCommand, AgreesWithTheSolverThatWroteTheSolution) {
   }
   EXPECT_LT(j["cone"].get<double>(), 1e-15);
   // The problem file and the impulses may be two files.
-  EXPECT_EQ(judge(kProblem + " --impulses " + path("solved.hdf5") + " -q").exit_code, 0);
-  EXPECT_EQ(judge(kProblem + " --impulses " + path("solved.hdf5") + " -q --tol 1e-16").exit_code,
-            1);
+  EXPECT_EQ(judge(kProblem + " --impulses " + path("solved.hdf5") + " -q"), 0);
+  EXPECT_EQ(judge(kProblem + " --impulses " + path("solved.hdf5") + " -q --tol 1e-16"), 1);
 }
 
 TEST_F(JudgeCommand, UndoesTheLayoutOfAnotherCode) {
   const ContactProblem p = read_problem(kProblem).problem;
   const std::string foreign = foreign_file(p, solution_of(p));
   const std::string flags = " --components tn --negate n --factor 0.5 --tol 1e-6";
-  EXPECT_EQ(judge(kProblem + " --impulses " + foreign + flags + " -q").exit_code, 0);
+  EXPECT_EQ(judge(kProblem + " --impulses " + foreign + flags + " -q"), 0);
   const std::string order = " --components tn --tol 1e-6 -q";
-  EXPECT_EQ(judge(kProblem + " --impulses " + foreign + order).exit_code, 1);
+  EXPECT_EQ(judge(kProblem + " --impulses " + foreign + order), 1);
   // Its names say another order than normal first.
-  EXPECT_EQ(judge(kProblem + " --impulses " + foreign + " --tol 1e-6 -q").exit_code, 2);
+  EXPECT_EQ(judge(kProblem + " --impulses " + foreign + " --tol 1e-6 -q"), 2);
 }
 
 TEST_F(JudgeCommand, NamesTheContactThatWasSabotaged) {
@@ -87,9 +73,7 @@ TEST_F(JudgeCommand, NamesTheContactThatWasSabotaged) {
   out.precision(17);
   for (const double x : s) out << x << '\n';
   out.close();
-  const Outcome judged = judge(kProblem + " --impulses " + path("s.txt") + " --json -");
-  EXPECT_EQ(judged.exit_code, 1);
-  const json j = json::parse(judged.out);
+  const json j = json_of("judge " + kProblem + " --impulses " + path("s.txt") + " --json -", 1);
   EXPECT_EQ(j["status"], "not within");
   EXPECT_EQ(j["cone_contact"], contact);
   EXPECT_DOUBLE_EQ(j["cone_violation"].get<double>(), 0.1);
@@ -98,33 +82,30 @@ TEST_F(JudgeCommand, NamesTheContactThatWasSabotaged) {
     named = named || (c["contact"] == contact &&
                       c["message"].get<std::string>().find("pulls") != std::string::npos);
   }
-  EXPECT_TRUE(named) << judged.out;
-  const Outcome text = judge(kProblem + " --impulses " + path("s.txt") + " --worst 2");
-  EXPECT_TRUE(says(text.out, "not within the tolerance 1e-08"));
-  EXPECT_TRUE(says(text.out, "open "));
+  EXPECT_TRUE(named) << j;
+  expect_said("judge " + kProblem + " --impulses " + path("s.txt") + " --worst 2", 1,
+              {"not within the tolerance 1e-08", "open "}, &bipot);
 }
 
 TEST_F(JudgeCommand, BadInputHasItsExitCode) {
   const auto with = [&](const std::string& name, const std::string& content) {
-    std::ofstream(path(name)) << content;
-    return kProblem + " --impulses " + path(name);
+    return kProblem + " --impulses " + write(name, content);
   };
-  EXPECT_EQ(judge(path("missing.hdf5")).exit_code, 4);
-  EXPECT_EQ(judge(kProblem + " --impulses " + path("missing.npy")).exit_code, 4);
-  EXPECT_EQ(judge(with("short.txt", "1 2 3")).exit_code, 2);
-  EXPECT_EQ(judge(with("words.txt", "1 two 3")).exit_code, 2);
-  EXPECT_EQ(judge(kProblem + " --components tt").exit_code, 2);
-  EXPECT_EQ(judge(kProblem + " --order rows").exit_code, 2);
-  EXPECT_EQ(judge(kProblem + " --tol -1").exit_code, 2);
+  EXPECT_EQ(judge(path("missing.hdf5")), 4);
+  EXPECT_EQ(judge(kProblem + " --impulses " + path("missing.npy")), 4);
+  EXPECT_EQ(judge(with("short.txt", "1 2 3")), 2);
+  EXPECT_EQ(judge(with("words.txt", "1 two 3")), 2);
+  EXPECT_EQ(judge(kProblem + " --components tt"), 2);
+  EXPECT_EQ(judge(kProblem + " --order rows"), 2);
+  EXPECT_EQ(judge(kProblem + " --tol -1"), 2);
   // A problem without /solution, and no --impulses; the refusal reaches the JSON as well.
-  const Outcome unsolved = judge(kProblem + " --json -");
-  EXPECT_EQ(unsolved.exit_code, 2);
-  EXPECT_TRUE(says(json::parse(unsolved.out)["message"], "no /solution to judge"));
+  const json unsolved = json_of("judge " + kProblem + " --json -", 2);
+  EXPECT_TRUE(says(unsolved["message"], "no /solution to judge"));
   // Not a number among the impulses.
   std::string text;
   const int rows = read_problem(kProblem).problem.num_rows();
   for (int i = 0; i < rows; ++i) text += i == 3 ? "nan\n" : "0\n";
-  EXPECT_EQ(judge(with("nan.txt", text)).exit_code, 2);
+  EXPECT_EQ(judge(with("nan.txt", text)), 2);
 }
 
 }  // namespace

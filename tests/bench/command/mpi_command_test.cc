@@ -37,9 +37,12 @@ class MpiCommand : public Command {
     return run_command_line(
         kMpirun, "-n " + std::to_string(processes) + " " + BIPOT_COMMAND + " " + arguments);
   }
-  /// The same with standard error in `out` as well: who speaks?
-  static Outcome both_streams(const std::string& arguments) {
-    return run_command_line(std::string("{ ") + kMpirun, arguments + " 2>&1; }");
+  /// The same with standard error in `out` as well: who speaks? `rest`: behind the command.
+  static Outcome both_streams(int processes, const std::string& arguments,
+                              const std::string& rest = "") {
+    return run_command_line(std::string("{ ") + kMpirun, "-n " + std::to_string(processes) + " " +
+                                                             BIPOT_COMMAND + " " + arguments +
+                                                             rest + " 2>&1; }");
   }
   static int count(const std::string& text, const std::string& what) {
     int n = 0;
@@ -123,39 +126,32 @@ TEST_F(MpiCommand, ExitCodesAreThoseOfOneProcessAndOneProcessSpeaks) {
   EXPECT_EQ(on(2, solve + "--solver apgd --threads 2").exit_code, 2);
   EXPECT_EQ(on(2, solve + "--several 3").exit_code, 2);
   EXPECT_EQ(on(2, "run square_lattice --model dem").exit_code, 2);
-  const Outcome compare = both_streams("-n 3 " + std::string(BIPOT_COMMAND) + " compare " +
-                                       shipped_problem("2d_pour12_170"));
+  const Outcome compare = both_streams(3, "compare " + shipped_problem("2d_pour12_170"));
   EXPECT_EQ(compare.exit_code, 2);
   EXPECT_EQ(count(compare.out, "bipot: compare runs on one process"), 1) << compare.out;
 }
 
 TEST_F(MpiCommand, AProcessThatFailsEndsTheRunWithItsMessage) {
-  const std::string good =
-      std::string(BIPOT_COMMAND) + " solve " + shipped_problem("2d_pour12_170");
-  const auto pair = [&](const std::string& first, const std::string& second) {
-    return both_streams("-n 1 " + first + " : -n 1 " + second);
-  };
-  const auto two = [&](const std::string& arguments) {
-    return both_streams("-n 2 " + std::string(BIPOT_COMMAND) + " " + arguments);
+  const std::string good = "solve " + shipped_problem("2d_pour12_170");
+  const auto beside = [&](const std::string& second) {
+    return both_streams(1, good, " : -n 1 " BIPOT_COMMAND " " + second);
   };
   // The second process cannot read its file: the first one says so for it.
-  const Outcome unread = pair(good, std::string(BIPOT_COMMAND) + " solve /nowhere");
+  const Outcome unread = beside("solve /nowhere");
   EXPECT_EQ(unread.exit_code, 4);
   EXPECT_EQ(count(unread.out, "bipot: /nowhere: No such file"), 1) << unread.out;
-  const Outcome different =
-      pair(good, std::string(BIPOT_COMMAND) + " solve " + shipped_problem("2d_pour12_250"));
+  const Outcome different = beside("solve " + shipped_problem("2d_pour12_250"));
   EXPECT_EQ(different.exit_code, 3);
   EXPECT_EQ(count(different.out, "bipot: the processes were given different problems"), 1)
       << different.out;
   // The first one alone fails to write, once all is solved and in the middle of a run.
-  const Outcome full =
-      two("solve " + shipped_problem("2d_pour12_170") + " --solver apgd --history /dev/full");
+  const Outcome full = both_streams(2, good + " --solver apgd --history /dev/full");
   EXPECT_EQ(full.exit_code, 4);
   EXPECT_EQ(count(full.out, "bipot: process 1 of 2: /dev/full: cannot be written"), 1) << full.out;
   std::filesystem::create_directories(path("out"));
   write("out/problems", "a file where a folder is to be");
-  const Outcome in_a_step =
-      two("run pyramid --steps 5 --solver apgd --dump-problems all --out " + path("out"));
+  const Outcome in_a_step = both_streams(
+      2, "run pyramid --steps 5 --solver apgd --dump-problems all --out " + path("out"));
   EXPECT_NE(in_a_step.exit_code, 0);
   EXPECT_LT(in_a_step.exit_code, 124) << "a hang, or a crash";
   EXPECT_EQ(count(in_a_step.out, "bipot: process 1 of 2:"), 1) << in_a_step.out;
@@ -298,12 +294,11 @@ TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
   const std::string scene = write("pressed.toml", kPressed);
   const std::string run = "run " + scene + " --tol 1e-6 -q --out " + path("several");
   // One of four processes is killed once there is a frame of a later step; mpirun ends the others.
-  const Outcome killed = run_command_line(
-      std::string("{ ") + kMpirun,
-      "-n 4 " + std::string(BIPOT_COMMAND) + " " + run +
-          " & run=$!; for k in $(seq 300); do [ -e " + path("several/frames/00000010.h5") +
-          " ] && break; sleep 0.1; done; launcher=$(pgrep -P $run); "
-          "kill -9 $(pgrep -P $launcher | head -n 1); wait $run; } 2>&1");
+  const Outcome killed =
+      both_streams(4, run,
+                   " & run=$!; for k in $(seq 300); do [ -e " + path("several/frames/00000010.h5") +
+                       " ] && break; sleep 0.1; done; launcher=$(pgrep -P $run); "
+                       "kill -9 $(pgrep -P $launcher | head -n 1); wait $run");
   ASSERT_NE(killed.exit_code, 0) << killed.out;
   const int left = read_state<2>(path("several")).step;
   ASSERT_GE(left, 10);
@@ -319,11 +314,11 @@ TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
 }
 
 TEST_F(MpiCommand, AKilledSolveEndsAtOnce) {
-  const Outcome killed = run_command_line(
-      std::string("{ ") + kMpirun,
-      "-n 2 " + std::string(BIPOT_COMMAND) + " solve " + shipped_problem("2d_pour300_392") +
-          " --solver pgs --tol 1e-16 --max-iterations 100000000 & run=$!; sleep 2; "
-          "launcher=$(pgrep -P $run); kill -9 $(pgrep -P $launcher | head -n 1); wait $run; } 2>&1");
+  const Outcome killed = both_streams(2,
+                                      "solve " + shipped_problem("2d_pour300_392") +
+                                          " --solver pgs --tol 1e-16 --max-iterations 100000000",
+                                      " & run=$!; sleep 2; launcher=$(pgrep -P $run); "
+                                      "kill -9 $(pgrep -P $launcher | head -n 1); wait $run");
   EXPECT_EQ(killed.exit_code, 137) << killed.out;
 }
 
@@ -375,7 +370,7 @@ TEST_F(MpiCommand, SeveralProcessesEndBeforeAStepWithoutSolution) {
 TEST_F(MpiCommand, AProcessThatFailsEndsARunWhoseStateIsDistributed) {
   const std::string scene = write("pressed.toml", kPressed);
   const auto three = [&](const std::string& arguments) {
-    return both_streams("-n 3 " + std::string(BIPOT_COMMAND) + " run " + arguments);
+    return both_streams(3, "run " + arguments);
   };
   // The first one alone fails to write, when the others are at the next step: a frame stands as a
   // folder where a file is to be.

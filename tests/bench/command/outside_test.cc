@@ -53,10 +53,8 @@ TEST_F(Command, OnlyRegularFilesAreRead) {
 
 TEST_F(Command, ScenesAndProblemsAreToldApart) {
   const std::string scene = source_folder().string() + "/data/scenes/drum.toml";
-  EXPECT_EQ(code_of("solve " + scene), 2);
-  EXPECT_TRUE(says(complaint("solve " + scene), "a scene, not a contact problem"));
-  EXPECT_EQ(code_of("run " + a_problem()), 2);
-  EXPECT_TRUE(says(complaint("run " + a_problem()), "an HDF5 file, not a scene"));
+  expect_said("solve " + scene, 2, {"a scene, not a contact problem"});
+  expect_said("run " + a_problem(), 2, {"an HDF5 file, not a scene"});
 }
 
 TEST_F(Command, OutputThatIsNotWrittenIsAFailure) {

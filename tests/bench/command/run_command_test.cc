@@ -21,11 +21,6 @@ using nlohmann::json;
 
 using RunCommand = Command;
 
-/// Both streams, in one text.
-Outcome whole_output(const std::string& arguments) {
-  return run_command_line(BIPOT_COMMAND, arguments + " 2>&1 #");
-}
-
 /// Five rows of disks, 40 mm high; the lid hangs at 28 mm and cuts two rows off.
 std::string cut_packing(const std::string& more = "") {
   return "[[disks]]\narrangement = 'rectangular'\ncolumns = 3\nrows = 5\nradius = 0.004\n"
@@ -38,14 +33,10 @@ std::string cut_packing(const std::string& more = "") {
 TEST_F(RunCommand, AStartThatOverlapsIsRefusedWithAPicture) {
   const std::string scene = write("cut.toml", cut_packing());
   for (const std::string steps : {"", " --steps 0"}) {
-    const Outcome run = whole_output("run " + scene + steps);
-    EXPECT_EQ(run.exit_code, 2);
     // The rows at 28 and 36 mm; the highest disk by 36 + 4 - 28 = 12 mm, 3 radii.
-    EXPECT_TRUE(says(run.out,
-                     "6 disks overlap at the start, worst disk 12 and wall 'lid': 12 mm, "
-                     "3 radii"))
-        << run.out;
-    EXPECT_TRUE(says(run.out, "out/cut/start.png"));
+    expect_said("run " + scene + steps, 2,
+                {"6 disks overlap at the start, worst disk 12 and wall 'lid': 12 mm, 3 radii",
+                 "out/cut/start.png"});
     EXPECT_GT(fs::file_size(folder_ / "out" / "cut" / "start.png"), 1000u);
     EXPECT_FALSE(fs::exists(folder_ / "out" / "cut" / "run.h5"));
     fs::remove(folder_ / "out" / "cut" / "start.png");
@@ -62,24 +53,19 @@ TEST_F(RunCommand, AShippedSceneIsFoundBesideAFolderOfItsName) {
 }
 
 TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
-  const Outcome allowed = bipot(
-      "run " + write("allow.toml", cut_packing("[start]\noverlaps = 'allow'\n")) + " --json -");
-  ASSERT_EQ(allowed.exit_code, 0);
-  const json start = json::parse(allowed.out)["start"];
+  const std::string allow = write("allow.toml", cut_packing("[start]\noverlaps = 'allow'\n"));
+  const json start = json_of("run " + allow + " --json -")["start"];
   EXPECT_EQ(start["overlapping"], 6);
   EXPECT_EQ(start["pair"], "disk 12 and wall 'lid'");
   EXPECT_NEAR(start["depth"].get<double>(), 0.012, 1e-12);
   EXPECT_NEAR(start["depth_over_radius"].get<double>(), 3, 1e-9);
   // Rows one above the other cannot give way to the sides; staggered rows can.
   std::string text = cut_packing("[start]\noverlaps = 'push apart'\n");
-  const Outcome jammed = whole_output("run " + write("jammed.toml", text));
-  EXPECT_EQ(jammed.exit_code, 2);
-  EXPECT_TRUE(says(jammed.out, "pushed apart in "));
+  expect_said("run " + write("jammed.toml", text), 2, {"pushed apart in "});
   text.replace(text.find("rectangular"), 11, "triangular");
-  const Outcome pushed = bipot("run " + write("push.toml", text) + " --steps 0 --json -");
-  ASSERT_EQ(pushed.exit_code, 0);
-  EXPECT_TRUE(json::parse(pushed.out)["energy"]["potential"].is_null());  // no step, no ledger
-  const json push = json::parse(pushed.out)["start"]["pushed_apart"];
+  const json pushed = json_of("run " + write("push.toml", text) + " --steps 0 --json -");
+  EXPECT_TRUE(pushed["energy"]["potential"].is_null());  // no step, no ledger
+  const json& push = pushed["start"]["pushed_apart"];
   EXPECT_GE(push["rounds"], 1);
   // Five rows of 0.008 √3/2 m: the highest disks came down by 0.008 + 0.0277 - 0.028 m at least.
   EXPECT_GE(push["way"].get<double>(), 0.0077);
@@ -93,12 +79,9 @@ TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
   const std::string run = "run sliding_cylinder --steps ";
   ASSERT_EQ(code_of(run + "7"), 0);
   const std::string ledger = content(path("out/sliding_cylinder/ledger.csv"));
-  const Outcome again = whole_output(run + "2");
-  EXPECT_EQ(again.exit_code, 2);
-  EXPECT_TRUE(says(again.out,
-                   "out/sliding_cylinder holds a run of 7 steps: --restart "
-                   "out/sliding_cylinder or --overwrite"))
-      << again.out;
+  expect_said(run + "2", 2,
+              {"out/sliding_cylinder holds a run of 7 steps: --restart out/sliding_cylinder or "
+               "--overwrite"});
   EXPECT_EQ(content(path("out/sliding_cylinder/ledger.csv")), ledger);
   // Without --out a restart goes on where it is.
   ASSERT_EQ(code_of(run + "4 --restart out/sliding_cylinder"), 0);
@@ -110,9 +93,7 @@ TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
   for (const char* name : {"gates.csv", "observables_x.png", "summary.json", "notes.txt"}) {
     std::ofstream(path(std::string("out/sliding_cylinder/") + name)) << "{}";
   }
-  const Outcome over = whole_output(run + "2 --overwrite");
-  EXPECT_EQ(over.exit_code, 0);
-  EXPECT_TRUE(says(over.out, "results in   out/sliding_cylinder\n"));
+  expect_said(run + "2 --overwrite", 0, {"results in   out/sliding_cylinder\n"});
   EXPECT_EQ(read_state<2>(path("out/sliding_cylinder")).step, 2);
   EXPECT_FALSE(fs::exists(path("out/sliding_cylinder/gates.csv")));
   EXPECT_FALSE(fs::exists(path("out/sliding_cylinder/observables_x.png")));
@@ -121,9 +102,8 @@ TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
 }
 
 TEST_F(RunCommand, ARunOutOfTimeSaysHowToGoOn) {
-  const Outcome cut = whole_output("run compaction --tol 1e-6 --time-limit 0.2 --out cut");
-  EXPECT_EQ(cut.exit_code, 1);
-  EXPECT_TRUE(says(cut.out, "--restart cut goes on\n"));
+  expect_said("run compaction --tol 1e-6 --time-limit 0.2 --out cut", 1,
+              {"--restart cut goes on\n"});
 }
 
 TEST_F(RunCommand, WithoutGnuplotNothingButChartsIsMissing) {
@@ -182,8 +162,8 @@ TEST_F(RunCommand, AnAccuracyIsKeptWithALongStep) {
   EXPECT_GE(parts["parts"].get<int>(), 13);
   EXPECT_LE(parts["misplaced"].get<double>(), 1.5e-3);
   EXPECT_LT(parts["smallest_part"].get<double>(), 0.005);
-  const Outcome small = bipot("run bouncing_ball --accuracy 0.1 --step-size 1e-4 --overwrite");
-  EXPECT_TRUE(says(small.out, "longer steps cost less")) << small.out;
+  expect_said("run bouncing_ball --accuracy 0.1 --step-size 1e-4 --overwrite", 0,
+              {"longer steps cost less"}, &bipot);
   EXPECT_EQ(code_of("run bouncing_ball --accuracy 1 --overwrite"), 2);
   EXPECT_EQ(code_of("run bouncing_ball --accuracy 0.1 --model dem --overwrite"), 2);
 }
@@ -227,12 +207,9 @@ TEST_F(RunCommand, AContactWithoutANormalEndsTheRunWithASummary) {
             "gravity = [0, 0]\n[[disks]]\nposition = [0.2, 0.3]\nradius = 0.02\nmass = 1\n"
             "velocity = [0, -200]\n[[walls]]\nname = 'plate'\nfrom = [0, 0.2]\nto = [1, 0.2]\n"
             "[time]\nstep = 1e-3\nsteps = 3\n");
-  const Outcome run = whole_output("run " + scene + " --overwrite --out " + path("normal"));
-  EXPECT_EQ(run.exit_code, 3);
-  EXPECT_TRUE(says(run.out, "step 1 at t = 0 s: the centre of disk 0 lies on wall 'plate'"))
-      << run.out;
-  std::ifstream summary(path("normal/summary.json"));
-  EXPECT_EQ(json::parse(summary)["status"], "failed");
+  expect_said("run " + scene + " --overwrite --out " + path("normal"), 3,
+              {"step 1 at t = 0 s: the centre of disk 0 lies on wall 'plate'"});
+  EXPECT_EQ(json_in(path("normal/summary.json"))["status"], "failed");
 }
 
 // 300 m/s in steps of 1 ms: 30 radii a step.
@@ -243,17 +220,12 @@ const char* const kShot =
 
 TEST_F(RunCommand, ADiskThatGoesThroughAWallEndsTheRun) {
   const std::string run = "run " + write("shot.toml", kShot) + " --overwrite";
-  const Outcome stopped = whole_output(run);
-  EXPECT_EQ(stopped.exit_code, 3);
-  for (const char* part :
-       {"step 1 at t = 0 s: disk 0 went through wall 'plate' at 300 m/s", "passed through: 0 of 3",
-        "30 of the smallest radius", "--step-size 1.7e-05", "--on-tunnel smaller-step"}) {
-    EXPECT_TRUE(says(stopped.out, part)) << part << " in " << stopped.out;
-  }
-  const Outcome warned = whole_output(run + " --on-tunnel warn");
-  EXPECT_EQ(warned.exit_code, 0);
-  EXPECT_TRUE(says(warned.out, "warning: 1 pair went through each other, first in step 1"))
-      << warned.out;
+  expect_said(
+      run, 3,
+      {"step 1 at t = 0 s: disk 0 went through wall 'plate' at 300 m/s", "passed through: 0 of 3",
+       "30 of the smallest radius", "--step-size 1.7e-05", "--on-tunnel smaller-step"});
+  expect_said(run + " --on-tunnel warn", 0,
+              {"warning: 1 pair went through each other, first in step 1"});
   const json counted = json_of(run + " --on-tunnel warn --json -");
   EXPECT_EQ(counted["passages"]["count"], 1);
   EXPECT_EQ(counted["passages"]["first"], "disk 0 went through wall 'plate' at 300 m/s");
@@ -276,12 +248,9 @@ TEST_F(RunCommand, DeepOverlapsAreAWarningWithStepAndPair) {
                                   "radius = 0.5\nmass = 2\nvelocity = [0, -10]\n[[walls]]\n"
                                   "name = 'floor'\npoint = [0, 0]\nnormal = [0, 1]\n"
                                   "[time]\nstep = 0.01\nsteps = 2\n");
-  const Outcome run = whole_output("run " + scene);
-  EXPECT_EQ(run.exit_code, 0);
-  EXPECT_TRUE(says(run.out,
-                   "warning: overlaps beyond 5 % of the smaller radius in 1 step, most "
-                   "in step 2: 14 %, disk 0 and wall 'floor'"))
-      << run.out;
+  expect_said("run " + scene, 0,
+              {"warning: overlaps beyond 5 % of the smaller radius in 1 step, most in step 2: "
+               "14 %, disk 0 and wall 'floor'"});
   const json overlap = json_of("run " + scene + " --overwrite --json -")["overlap"];
   EXPECT_NEAR(overlap["largest"].get<double>(), 0.14, 1e-12);
   EXPECT_EQ(overlap["step"], 2);
@@ -300,19 +269,17 @@ TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
                                   "normal = [-1, 0]\nvelocity = [-2, 0]\n"
                                   "[time]\nstep = 1e-3\nsteps = 3\n");
   const std::string run = "run " + scene + " --overwrite --max-iterations 2000";
-  const Outcome ended = whole_output(run);
-  EXPECT_EQ(ended.exit_code, 3);
-  for (const char* part : {"no solution exists (proved", "no solution: 0 of 3 steps",
-                           "a wall is driven into what is jammed", "--on-failure continue"}) {
-    EXPECT_TRUE(says(ended.out, part)) << part << " in " << ended.out;
-  }
+  const std::string ended =
+      expect_said(run, 3,
+                  {"no solution exists (proved", "no solution: 0 of 3 steps",
+                   "a wall is driven into what is jammed", "--on-failure continue"});
   const json j = json_of(run + " --on-failure continue --json -", 1);
   EXPECT_EQ(j["steps"], 3);
   EXPECT_EQ(j["steps_converged"], 0);
   EXPECT_EQ(j["steps_without_solution"], 3);
   // No tolerance and no other solver helps, and the step that is named is the worst.
   for (const char* part : {"is tight", "several solutions", "another one"}) {
-    EXPECT_FALSE(says(ended.out, part)) << ended.out;
+    EXPECT_FALSE(says(ended, part)) << ended;
   }
   const std::string worst = "step " + std::to_string(j["worst_step"].get<int>()) + ": ";
   EXPECT_EQ(j["message"].get<std::string>().rfind(worst, 0), 0u) << j["message"];
@@ -325,10 +292,9 @@ TEST_F(RunCommand, WhereDoublesEndNothingButALooserToleranceIsAdvised) {
                                   "[[disks]]\nposition = [0, 3]\nradius = 1\nmass = 1e10\n"
                                   "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n"
                                   "[time]\nstep = 1e-3\nsteps = 1\n");
-  const Outcome run = whole_output("run " + scene);
-  EXPECT_EQ(run.exit_code, 1);
-  EXPECT_TRUE(says(run.out, "below what doubles can express here; try --tol 1e-0")) << run.out;
-  EXPECT_FALSE(says(run.out, "try --solver")) << run.out;
+  const std::string run =
+      expect_said("run " + scene, 1, {"below what doubles can express here; try --tol 1e-0"});
+  EXPECT_FALSE(says(run, "try --solver")) << run;
 }
 
 TEST_F(RunCommand, TheAdviceAgainstOverlapsFitsTheScene) {
@@ -348,9 +314,7 @@ TEST_F(RunCommand, TheAdviceAgainstOverlapsFitsTheScene) {
 }
 
 TEST_F(RunCommand, ADurationBelowAStepIsRefused) {
-  const Outcome none = whole_output("run sliding_cylinder --duration 1e-9");
-  EXPECT_EQ(none.exit_code, 2);
-  EXPECT_TRUE(says(none.out, "1e-09 s is shorter than a step of"));
+  expect_said("run sliding_cylinder --duration 1e-9", 2, {"1e-09 s is shorter than a step of"});
 }
 
 }  // namespace

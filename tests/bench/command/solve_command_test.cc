@@ -104,18 +104,13 @@ TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
   ASSERT_EQ(code_of("run square_lattice --steps 1 --no-warm-start --dump-problems all --out " +
                     path("cold")),
             0);
-  const Outcome refused = bipot("solve " + path("cold/problems/step_000001.hdf5") + " --warm");
-  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(code_of("solve " + path("cold/problems/step_000001.hdf5") + " --warm"), 2);
 }
 
 TEST_F(Command, SolveLooksForSeveralAnswers) {
   const std::string problem = shipped_problem("2d_tilt1000hi_182");
-  const Outcome text = bipot("solve " + problem + " --several 5");
-  EXPECT_EQ(text.exit_code, 0);
-  EXPECT_TRUE(says(text.out, "Several answers, each exact"));
-  const Outcome run = bipot("solve " + problem + " --several 12 --seed 3 --json -");
-  EXPECT_EQ(run.exit_code, 0);
-  json j = json::parse(run.out);
+  expect_said("solve " + problem + " --several 5", 0, {"Several answers, each exact"}, &bipot);
+  json j = json_of("solve " + problem + " --several 12 --seed 3 --json -");
   EXPECT_EQ(j["starts"].size(), 12u);
   ASSERT_GE(j["answers"].size(), 3u);
   EXPECT_GT(j["spread"]["velocity"], 5e-2);
@@ -231,8 +226,7 @@ TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
 }
 
 TEST_F(Command, CertifiesWhetherASolutionExists) {
-  const Outcome dumped = bipot("extremes --only wall_into_row --dump-problem " + path("none.hdf5"));
-  ASSERT_EQ(dumped.exit_code, 0);
+  ASSERT_EQ(code_of("extremes --only wall_into_row --dump-problem " + path("none.hdf5")), 0);
   const Outcome none = bipot("solve " + path("none.hdf5") + " --certify --time-limit 1 --json -");
   EXPECT_EQ(none.exit_code, 3);
   EXPECT_EQ(json::parse(none.out)["exit_code"], 3);
