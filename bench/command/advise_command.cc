@@ -82,11 +82,10 @@ void check_destinations(const AdviseFlags& flags) {
 CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
   CommandDeclaration command = line.add_command(
       "advise", "Which solver, tolerance and time step a scene needs, tried on the scene itself");
-  command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
-      .suggest(names_of(shipped_scenes()))
-      .required();
+  command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene",
+                 {.required = true, .suggest = names_of(shipped_scenes())});
   const auto goal = [&](const char* name, double& value, const char* help) {
-    command.option(std::string(name) + " X", value, help).positive();
+    command.option(std::string(name) + " X", value, help, {.positive = true});
   };
   goal("--force-error", flags.goal.force,
        "Largest error of the mean contact force on a body, over the largest such force");
@@ -99,17 +98,14 @@ CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
   goal("--stress-ratio", flags.goal.stress_ratio, "Largest relative error of the mean τ/P");
   command.option("--solvers NAMES", flags.solvers,
                  "Solvers to try, separated by commas (a selection)");
-  command.option("--time-limit SECONDS", flags.time_limit, "Wall seconds for the trials")
-      .positive()
-      .show_default();
-  command
-      .option("--window SECONDS", flags.window,
-              "Time in s over which forces are averaged to judge the time step (a fiftieth of "
-              "the run, at least 16 steps)")
-      .positive();
-  command.option("--samples", flags.samples, "Stretches of the run to choose on; more narrow the ±")
-      .between(1, 64)
-      .show_default();
+  command.option("--time-limit SECONDS", flags.time_limit, "Wall seconds for the trials",
+                 {.show_default = true, .positive = true});
+  command.option("--window SECONDS", flags.window,
+                 "Time in s over which forces are averaged to judge the time step (a fiftieth of "
+                 "the run, at least 16 steps)",
+                 {.positive = true});
+  command.option("--samples", flags.samples, "Stretches of the run to choose on; more narrow the ±",
+                 {.show_default = true, .between = {{1, 64}}});
   command.flag("--keep-step", flags.keep_step, "Keep the scene's time step");
   command.option("--write FILE", flags.write,
                  "Write a copy of the scene with the advice in it; comments and layout stay");

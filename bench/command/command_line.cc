@@ -88,12 +88,34 @@ CLI::Validator number_check(const std::string& expected, const std::function<boo
           ""};
 }
 
+void apply(const OptionTraits& traits, CLI::Option& option) {
+  if (traits.required) option.required();
+  if (traits.group) option.group(*traits.group);
+  if (traits.show_default) option.capture_default_str();
+  if (traits.positive) {
+    option.check(number_check("a positive number", [](double x) { return x > 0; }));
+  }
+  if (traits.not_negative) {
+    option.check(number_check("a number of at least 0", [](double x) { return x >= 0; }));
+  }
+  if (traits.between) {
+    const auto [lowest, highest] = *traits.between;
+    option.check(number_check(fmt::format("a number from {} to {}", lowest, highest),
+                              [=](double x) { return x >= lowest && x <= highest; }));
+  }
+  if (!traits.one_of.empty()) option.check(CLI::IsMember(traits.one_of));
+  if (!traits.suggest.empty()) {
+    const auto any = [](const std::string&) { return std::string(); };
+    option.check(CLI::Validator(any, fmt::format("<{}>", fmt::join(traits.suggest, ","))));
+  }
+}
+
 /// Adds an option by `add`, which takes its flags; the name of its value follows them.
-CommandDeclaration::Option declare(const std::string& name, const auto& add) {
+void declare(const std::string& name, const OptionTraits& traits, const auto& add) {
   const std::size_t space = name.find(' ');
   CLI::Option* option = add(name.substr(0, space));
   if (space != std::string::npos) option->type_name(name.substr(space + 1));
-  return CommandDeclaration::Option(option);
+  apply(traits, *option);
 }
 
 std::vector<std::string> typed_words;  // behind the program's name
@@ -203,48 +225,9 @@ std::string named_command(const CommandNode& program, const std::vector<std::str
 
 }  // namespace
 
-CommandDeclaration::Option& CommandDeclaration::Option::required() {
-  option_->required();
-  return *this;
-}
-CommandDeclaration::Option& CommandDeclaration::Option::group(const std::string& heading) {
-  option_->group(heading);
-  return *this;
-}
-CommandDeclaration::Option& CommandDeclaration::Option::hidden() { return group(""); }
-CommandDeclaration::Option& CommandDeclaration::Option::show_default() {
-  option_->capture_default_str();
-  return *this;
-}
-CommandDeclaration::Option& CommandDeclaration::Option::positive() {
-  option_->check(number_check("a positive number", [](double x) { return x > 0; }));
-  return *this;
-}
-CommandDeclaration::Option& CommandDeclaration::Option::not_negative() {
-  option_->check(number_check("a number of at least 0", [](double x) { return x >= 0; }));
-  return *this;
-}
-CommandDeclaration::Option& CommandDeclaration::Option::between(int lowest, int highest) {
-  option_->check(number_check(fmt::format("a number from {} to {}", lowest, highest),
-                              [=](double x) { return x >= lowest && x <= highest; }));
-  return *this;
-}
-CommandDeclaration::Option& CommandDeclaration::Option::one_of(
-    const std::vector<std::string>& values) {
-  option_->check(CLI::IsMember(values));
-  return *this;
-}
-
-CommandDeclaration::Option& CommandDeclaration::Option::suggest(
-    const std::vector<std::string>& values) {
-  const auto any = [](const std::string&) { return std::string(); };
-  option_->check(CLI::Validator(any, fmt::format("<{}>", fmt::join(values, ","))));
-  return *this;
-}
-
 template <class Value>
-CommandDeclaration::Option CommandDeclaration::option(Text name, Value& value, Text help) {
-  return declare(name, [&](const std::string& flags) {
+void CommandDeclaration::option(Text name, Value& value, Text help, const OptionTraits& traits) {
+  declare(name, traits, [&](const std::string& flags) {
     CLI::Option* option = app_->add_option(flags, value, help);
     if constexpr (requires { value.push_back(value[0]); } && !std::is_same_v<Value, std::string>) {
       if (flags.starts_with('-')) option->delimiter(',');
@@ -252,30 +235,31 @@ CommandDeclaration::Option CommandDeclaration::option(Text name, Value& value, T
     return option;
   });
 }
-template CommandDeclaration::Option CommandDeclaration::option(Text, std::string&, Text);
-template CommandDeclaration::Option CommandDeclaration::option(Text, std::optional<std::string>&,
-                                                               Text);
-template CommandDeclaration::Option CommandDeclaration::option(Text, int&, Text);
-template CommandDeclaration::Option CommandDeclaration::option(Text, std::optional<int>&, Text);
-template CommandDeclaration::Option CommandDeclaration::option(Text, std::uint64_t&, Text);
-template CommandDeclaration::Option CommandDeclaration::option(Text, double&, Text);
-template CommandDeclaration::Option CommandDeclaration::option(Text, std::optional<double>&, Text);
-template CommandDeclaration::Option CommandDeclaration::option(Text, std::vector<std::string>&,
-                                                               Text);
-template CommandDeclaration::Option CommandDeclaration::option(Text, std::vector<double>&, Text);
+#define BIPOT_OPTION(Value) \
+  template void CommandDeclaration::option(Text, Value&, Text, const OptionTraits&)
+BIPOT_OPTION(std::string);
+BIPOT_OPTION(std::optional<std::string>);
+BIPOT_OPTION(int);
+BIPOT_OPTION(std::optional<int>);
+BIPOT_OPTION(std::uint64_t);
+BIPOT_OPTION(double);
+BIPOT_OPTION(std::optional<double>);
+BIPOT_OPTION(std::vector<std::string>);
+BIPOT_OPTION(std::vector<double>);
+#undef BIPOT_OPTION
 
-CommandDeclaration::Option CommandDeclaration::flag(Text name, bool& value, Text help) {
-  return Option(app_->add_flag(name, value, help));
-}
-CommandDeclaration::Option CommandDeclaration::flag(Text name, const std::function<void()>& call,
-                                                    Text help) {
-  return Option(app_->add_flag_callback(name, call, help));
-}
-CommandDeclaration::Option CommandDeclaration::option(
-    Text name, const std::function<void(const std::string&)>& call, Text help) {
-  return declare(name, [&](const std::string& flags) {
+void CommandDeclaration::option(Text name, const std::function<void(const std::string&)>& call,
+                                Text help, const OptionTraits& traits) {
+  declare(name, traits, [&](const std::string& flags) {
     return app_->add_option_function<std::string>(flags, call, help);
   });
+}
+void CommandDeclaration::flag(Text name, bool& value, Text help, const OptionTraits& traits) {
+  apply(traits, *app_->add_flag(name, value, help));
+}
+void CommandDeclaration::flag(Text name, const std::function<void()>& call, Text help,
+                              const OptionTraits& traits) {
+  apply(traits, *app_->add_flag_callback(name, call, help));
 }
 void CommandDeclaration::footer(Text text) { app_->footer(text); }
 std::string CommandDeclaration::name() const { return app_->get_name(); }
@@ -307,10 +291,9 @@ CommandLine::Parsed CommandLine::parse(int argc, const char* const* argv) {
   help.flag("--man", manual_page_, "Print the manual page instead");
   add_command("version", "Print the version");
   add_command("completion", "Print a script that completes commands and flags in a shell")
-      .option("shell", shell_, fmt::format("Its name: {}", fmt::join(completion_shells(), ", ")))
-      .required()
-      .one_of(completion_shells());
-  help.option("command", asked_, "Name of a command").one_of(names_of(tree().commands));
+      .option("shell", shell_, fmt::format("Its name: {}", fmt::join(completion_shells(), ", ")),
+              {.required = true, .one_of = completion_shells()});
+  help.option("command", asked_, "Name of a command", {.one_of = names_of(tree().commands)});
   // Questions in other words.
   std::vector<std::string> words = typed_words;
   if (words == std::vector<std::string>{"version"}) words = {"--version"};

@@ -2,45 +2,39 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/command/command_tree.h"
 
 namespace CLI {
 class App;
-class Option;
 }  // namespace CLI
 
 namespace bipot {
+
+/// Properties of an option, a flag or an argument.
+struct OptionTraits {
+  bool required = false;
+  /// The help shows the present value of the variable as the default.
+  bool show_default = false;
+  /// Its heading in the help; empty text: works, but does not show there.
+  std::optional<std::string> group = {};
+  // Other values are refused, NaN included.
+  bool positive = false;
+  bool not_negative = false;
+  std::optional<std::pair<int, int>> between = {};
+  std::vector<std::string> one_of = {};
+  /// Values that the completion of shells proposes; others are taken as well.
+  std::vector<std::string> suggest = {};
+};
 
 /// One of the program's commands. Values are written when the arguments are parsed: the variables
 /// must live until then. A name without dashes is an argument, read by its position.
 class CommandDeclaration {
  public:
-  /// An option that was just declared; each call adds one property.
-  class Option {
-   public:
-    explicit Option(CLI::Option* option) : option_(option) {}
-
-    Option& required();
-    /// Its heading in the help.
-    Option& group(const std::string& heading);
-    /// Works, but does not show in the help.
-    Option& hidden();
-    /// Shows the present value of the variable as the default.
-    Option& show_default();
-    /// Refuses other values, NaN included.
-    Option& positive();
-    Option& not_negative();
-    Option& between(int lowest, int highest);
-    Option& one_of(const std::vector<std::string>& values);
-    /// Values that the completion of shells proposes; others are taken as well.
-    Option& suggest(const std::vector<std::string>& values);
-
-   private:
-    CLI::Option* option_;
-  };
   explicit CommandDeclaration(CLI::App* app) : app_(app) {}
 
   using Text = const std::string&;
@@ -48,12 +42,14 @@ class CommandDeclaration {
   /// double, optional ones of these, std::uint64_t; lists of strings and doubles, which options take
   /// separated by commas, arguments as words.
   template <class Value>
-  Option option(Text name, Value& value, Text help);
+  void option(Text name, Value& value, Text help, const OptionTraits& traits = {});
   /// Called with the value at its position among the arguments.
-  Option option(Text name, const std::function<void(const std::string&)>& call, Text help);
-  Option flag(Text name, bool& value, Text help);
+  void option(Text name, const std::function<void(const std::string&)>& call, Text help,
+              const OptionTraits& traits = {});
+  void flag(Text name, bool& value, Text help, const OptionTraits& traits = {});
   /// Called at the position of the flag among the arguments.
-  Option flag(Text name, const std::function<void()>& call, Text help);
+  void flag(Text name, const std::function<void()>& call, Text help,
+            const OptionTraits& traits = {});
   /// Text below the help.
   void footer(Text text);
 

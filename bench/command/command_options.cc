@@ -45,23 +45,22 @@ void OutputFlags::deliver(const Json& results, const std::string& text,
 void add_output_flags(CommandDeclaration& command, OutputFlags& flags,
                       const std::string& folder_help) {
   if (!folder_help.empty()) {
-    command.option("--out DIR", flags.out, folder_help).group("Results");
+    command.option("--out DIR", flags.out, folder_help, {.group = "Results"});
   }
-  command
-      .option("--json FILE", flags.json,
-              "Write the results as JSON; '-': standard output, with nothing else")
-      .group("Results");
+  command.option("--json FILE", flags.json,
+                 "Write the results as JSON; '-': standard output, with nothing else",
+                 {.group = "Results"});
   command.flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
 }
 
 void add_threads_flag(CommandDeclaration& command, int& threads) {
-  command.option("--threads N", threads, "Threads; every result has the same bits for any number")
-      .between(1, 1024);
+  command.option("--threads N", threads, "Threads; every result has the same bits for any number",
+                 {.between = {{1, 1024}}});
 }
 
 void add_common_flags(CommandDeclaration& command, CommonFlags& flags) {
-  command.option("--time-limit SECONDS", flags.time_limit, "Wall-clock limit of the whole command")
-      .positive();
+  command.option("--time-limit SECONDS", flags.time_limit, "Wall-clock limit of the whole command",
+                 {.positive = true});
   add_threads_flag(command, flags.threads);
   add_output_flags(command, flags, "Folder for the results");
 }
@@ -72,18 +71,14 @@ void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
 }
 
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
-  command.option("--solver NAME", flags.name, "One of `bipot list solvers`")
-      .suggest(solver_names())
-      .group(kSolverGroup);
-  command.option("--tol NUMBER", flags.tol, "Tolerance of the stop test")
-      .positive()
-      .group(kSolverGroup);
-  command.option("--stop NAME", flags.stop, "Stop test: guarded, raw42 or impulse")
-      .suggest({"guarded", "raw42", "impulse"})
-      .group(kSolverGroup);
-  command.option("--max-iterations N", flags.max_iterations, "Iteration limit of one solve")
-      .not_negative()
-      .group(kSolverGroup);
+  command.option("--solver NAME", flags.name, "One of `bipot list solvers`",
+                 {.group = kSolverGroup, .suggest = solver_names()});
+  command.option("--tol NUMBER", flags.tol, "Tolerance of the stop test",
+                 {.group = kSolverGroup, .positive = true});
+  command.option("--stop NAME", flags.stop, "Stop test: guarded, raw42 or impulse",
+                 {.group = kSolverGroup, .suggest = {"guarded", "raw42", "impulse"}});
+  command.option("--max-iterations N", flags.max_iterations, "Iteration limit of one solve",
+                 {.group = kSolverGroup, .not_negative = true});
   // One flag for each name, whichever solvers have it; `bipot list solvers NAME` explains it.
   std::set<std::string_view> names{kIslandsParameter.name};
   for (const SolverEntry& entry : solver_table()) {
@@ -94,7 +89,7 @@ void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
         [&flags, key = std::string(name)](const std::string& value) {
           flags.parameters[key] = value;
         };
-    command.option(parameter_flag(name), keep, "").hidden();
+    command.option(parameter_flag(name), keep, "", {.group = ""});
   }
 }
 
@@ -105,15 +100,10 @@ std::string parameter_flag(std::string_view name) {
 }
 
 void add_warm_start_flags(CommandDeclaration& command, SolverFlags& flags) {
-  command
-      .flag(
-          "--warm-start", [&flags] { flags.warm_start = true; },
-          "Start each step from the impulses of the step before")
-      .group(kSolverGroup);
-  command
-      .flag(
-          "--no-warm-start", [&flags] { flags.warm_start = false; }, "Start each step from s = 0")
-      .group(kSolverGroup);
+  command.flag("--warm-start", [&flags] { flags.warm_start = true; },
+               "Start each step from the impulses of the step before", {.group = kSolverGroup});
+  command.flag("--no-warm-start", [&flags] { flags.warm_start = false; },
+               "Start each step from s = 0", {.group = kSolverGroup});
 }
 
 SolverChoice merged(const SolverChoice& base, const SolverFlags& flags) {

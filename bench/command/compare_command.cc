@@ -55,40 +55,30 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
                  "moving pour:32, collapse:32, tilt:32 (its tilt: angle), strike:32, in space "
                  "pour3d:8, pipe:8, shear3d:8 (mu, tilt, e, seed); cannonballs:6, cubic:6 (mu, "
                  "tilt)");
-  command
-      .option("--settings NAME", flags.settings,
-              "In place of solvers and tolerances: defaults of popular codes, judged (targets: "
-              "the shipped problems)")
-      .one_of({"popular"});
+  command.option("--settings NAME", flags.settings,
+                 "In place of solvers and tolerances: defaults of popular codes, judged (targets: "
+                 "the shipped problems)",
+                 {.one_of = {"popular"}});
   command.option("--solvers NAMES", flags.solvers, "all, or names separated by commas");
-  command
-      .option("--tols NUMBERS", flags.tols,
-              "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)")
-      .positive();
-  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one solve (2; quick 1)")
-      .positive();
-  command
-      .option("--reference-time-limit SECONDS", flags.reference_time_limit,
-              "CPU seconds of one attempt at a reference (5; quick 3)")
-      .positive();
-  command.option("--repeat", flags.repeat, "Solves behind each time, at least")
-      .between(1, 1000)
-      .show_default();
-  command
-      .option("--min-time SECONDS", flags.min_time,
-              "CPU seconds for which short solves are repeated; the least time counts")
-      .not_negative()
-      .show_default();
+  command.option("--tols NUMBERS", flags.tols,
+                 "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)", {.positive = true});
+  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one solve (2; quick 1)",
+                 {.positive = true});
+  command.option("--reference-time-limit SECONDS", flags.reference_time_limit,
+                 "CPU seconds of one attempt at a reference (5; quick 3)", {.positive = true});
+  command.option("--repeat", flags.repeat, "Solves behind each time, at least",
+                 {.show_default = true, .between = {{1, 1000}}});
+  command.option("--min-time SECONDS", flags.min_time,
+                 "CPU seconds for which short solves are repeated; the least time counts",
+                 {.show_default = true, .not_negative = true});
   command.flag("--try-all", flags.try_all,
                "Run solvers also after they were out of time at a looser tolerance or on a "
                "smaller problem of the series");
   command.flag("--warm", flags.warm, "Beside each row the same from the step before, where known");
-  command
-      .option("--scene-problems", flags.scene_problems,
-              "Steps of a scene or a moving family (3; quick 1)")
-      .between(1, 1000);
-  command.option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
-      .positive();
+  command.option("--scene-problems", flags.scene_problems,
+                 "Steps of a scene or a moving family (3; quick 1)", {.between = {{1, 1000}}});
+  command.option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)",
+                 {.positive = true});
   command.option("--whole-runs SCENES", flags.whole_runs,
                  "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
                  "trade` does; 'set' is its own set");

@@ -169,27 +169,21 @@ CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
   command.option("--only", flags.only, "One case, or all whose names begin so");
   command.option("--solver,--solvers NAMES", flags.solvers, "Solvers (default: all)");
   command.flag("--quick", flags.quick, "A tenth of the time a cell, without the large case");
-  command.option("--tol", flags.tol, "Tolerance").positive().show_default();
-  command
-      .option("--time-limit SECONDS", flags.time_limit,
-              "CPU seconds of a cell (2; quick 0.2) or of a random problem (2)")
-      .positive();
+  command.option("--tol", flags.tol, "Tolerance", {.show_default = true, .positive = true});
+  command.option("--time-limit SECONDS", flags.time_limit,
+                 "CPU seconds of a cell (2; quick 0.2) or of a random problem (2)",
+                 {.positive = true});
   command.option("--dump-problem FILE", flags.dump_problem,
                  "Write the one problem as an FCLIB file instead of solving it");
   const char* group = "Random sets (instead of the cases)";
-  command
-      .option("--random-problems N", flags.random_problems,
-              "So many problems: the first solver sees all, the others share them")
-      .not_negative()
-      .group(group);
-  command.option("--random-scenes N", flags.random_scenes, "So many scenes, 20 steps each")
-      .not_negative()
-      .group(group);
-  command.option("--seed", flags.seed, "Of the sets").show_default().group(group);
-  command.option("--first", flags.first, "Index to begin with")
-      .not_negative()
-      .show_default()
-      .group(group);
+  command.option("--random-problems N", flags.random_problems,
+                 "So many problems: the first solver sees all, the others share them",
+                 {.group = group, .not_negative = true});
+  command.option("--random-scenes N", flags.random_scenes, "So many scenes, 20 steps each",
+                 {.group = group, .not_negative = true});
+  command.option("--seed", flags.seed, "Of the sets", {.show_default = true, .group = group});
+  command.option("--first", flags.first, "Index to begin with",
+                 {.show_default = true, .group = group, .not_negative = true});
   add_output_flags(command, flags, "Folder for extremes.csv, .json and .html, random.csv");
   command.footer(
       "Ends with 0 when nothing was wrong (no false claim of convergence, NaN, crash, hang or energy\n"

@@ -117,39 +117,30 @@ void print(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdic
 CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
   CommandDeclaration command = line.add_command(
       "judge", "How wrong is an impulse that any code computed for a problem file, and where");
-  command
-      .option("problem", flags.problem,
-              "Problem file (FCLIB HDF5, Siconos text) or the name of a shipped problem")
-      .suggest(names_of(shipped_problems()))
-      .required();
+  command.option("problem", flags.problem,
+                 "Problem file (FCLIB HDF5, Siconos text) or the name of a shipped problem",
+                 {.required = true, .suggest = names_of(shipped_problems())});
   command.option("--impulses FILE", flags.impulses,
                  "The impulses: .npy, .csv, FCLIB HDF5 (/solution/r) or Siconos text; without it "
                  "the problem file's own /solution");
-  command.option("--tol NUMBER", flags.tol, "Tolerance that the errors are held against")
-      .positive()
-      .show_default();
+  command.option("--tol NUMBER", flags.tol, "Tolerance that the errors are held against",
+                 {.show_default = true, .positive = true});
   const char* group = "How the file has the impulses";
-  command
-      .option("--order", flags.order,
-              "contact: all components of a contact together, as in FCLIB; component: all "
-              "contacts' first components, then the second ones")
-      .one_of({"contact", "component"})
-      .show_default()
-      .group(group);
-  command
-      .option("--components LETTERS", flags.components,
-              "Order of the components, n normal, t and s tangential (nts; LMGC90's: tns)")
-      .group(group);
-  command
-      .option("--negate LETTERS", flags.negated,
-              "Components that point the other way: n where pushing is negative")
-      .group(group);
-  command
-      .option("--factor NUMBER", flags.factor, "To N s: the time step, where the file has forces")
-      .positive()
-      .show_default()
-      .group(group);
-  command.option("--worst", flags.worst, "Contacts to name").between(0, 1000000).show_default();
+  command.option("--order", flags.order,
+                 "contact: all components of a contact together, as in FCLIB; component: all "
+                 "contacts' first components, then the second ones",
+                 {.show_default = true, .group = group, .one_of = {"contact", "component"}});
+  command.option("--components LETTERS", flags.components,
+                 "Order of the components, n normal, t and s tangential (nts; LMGC90's: tns)",
+                 {.group = group});
+  command.option("--negate LETTERS", flags.negated,
+                 "Components that point the other way: n where pushing is negative",
+                 {.group = group});
+  command.option("--factor NUMBER", flags.factor,
+                 "To N s: the time step, where the file has forces",
+                 {.show_default = true, .group = group, .positive = true});
+  command.option("--worst", flags.worst, "Contacts to name",
+                 {.show_default = true, .between = {{0, 1000000}}});
   command.flag("--accept-indefinite", flags.accept_indefinite,
                "Take a W that is not symmetric or not positive semidefinite; each verdict says so");
   add_output_flags(command, flags, "");

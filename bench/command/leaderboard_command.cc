@@ -32,21 +32,21 @@ struct LeaderboardFlags : OutputFlags {
 CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
   CommandDeclaration command =
       line.add_command("leaderboard", "Judge impulses of anybody for many problems, on one page");
-  command
-      .option("folders", flags.folders,
-              "Folder of a contestant: PROBLEM.npy, .csv or .hdf5 for each problem, and times.csv "
-              "with lines problem,seconds")
-      .required();
+  command.option(
+      "folders", flags.folders,
+      "Folder of a contestant: PROBLEM.npy, .csv or .hdf5 for each problem, and times.csv "
+      "with lines problem,seconds",
+      {.required = true});
   command.option(
       "--problems FILES", flags.problems,
       "Problem files, folders of them, or other targets of compare (the shipped problems)");
-  command.option("--solvers NAMES", flags.solvers, "Solvers of this program that take part")
-      .show_default();
+  command.option("--solvers NAMES", flags.solvers, "Solvers of this program that take part",
+                 {.show_default = true});
   command.flag("--no-solvers", flags.no_solvers, "None of them does");
-  command.option("--tol NUMBER", flags.tol, "Their tolerance").positive().show_default();
-  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one of their solves")
-      .positive()
-      .show_default();
+  command.option("--tol NUMBER", flags.tol, "Their tolerance",
+                 {.show_default = true, .positive = true});
+  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one of their solves",
+                 {.show_default = true, .positive = true});
   add_output_flags(command, flags, "Folder for leaderboard.csv and index.html");
   command.footer("Example:\n  bipot leaderboard mine/ theirs/ --out out/leaderboard");
   return command;

@@ -160,8 +160,8 @@ void print_names() {
 CommandDeclaration add_list(CommandLine& line, ListFlags& flags) {
   CommandDeclaration command =
       line.add_command("list", "List solvers, shipped scenes and shipped problems");
-  command.option("what", flags.what, "Kind of things; without it all names")
-      .one_of({"solvers", "scenes", "problems"});
+  command.option("what", flags.what, "Kind of things; without it all names",
+                 {.one_of = {"solvers", "scenes", "problems"}});
   command.option("name", flags.name,
                  "One solver: its parameters with flag, default, range and unit");
   command.option("--json FILE", flags.json, "Write the list as JSON; '-' is standard output");

@@ -19,12 +19,12 @@ struct MovieFlags {
 CommandDeclaration add_movie(CommandLine& line, MovieFlags& flags) {
   CommandDeclaration command =
       line.add_command("movie", "Make an mp4 or a gif of a run, by the program ffmpeg");
-  command.option("run", flags.run, "Run, finished or interrupted (folder or run.h5)").required();
+  command.option("run", flags.run, "Run, finished or interrupted (folder or run.h5)",
+                 {.required = true});
   command.option("--file FILE", flags.file,
                  "Name that ends with .mp4 or .gif (default: movie.mp4)");
-  command.option("--frames-a-second N", flags.frames_a_second, "Speed of the movie")
-      .between(1, 120)
-      .show_default();
+  command.option("--frames-a-second N", flags.frames_a_second, "Speed of the movie",
+                 {.show_default = true, .between = {{1, 120}}});
   command.footer(
       "Examples:\n"
       "  bipot movie out/drum\n"

@@ -21,8 +21,8 @@ struct NewFlags {
 
 CommandDeclaration add_new(CommandLine& line, NewFlags& flags) {
   CommandDeclaration command = line.add_command("new", "Print a scene to begin with");
-  command.option("template", flags.name, "Name of a scene; without it they are listed")
-      .suggest(names_of(scene_templates()));
+  command.option("template", flags.name, "Name of a scene; without it they are listed",
+                 {.suggest = names_of(scene_templates())});
   command.footer("Example:\n  bipot new heap > my.toml");
   return command;
 }

@@ -16,7 +16,8 @@ struct PageFlags {
 CommandDeclaration add_page(CommandLine& line, PageFlags& flags) {
   CommandDeclaration command =
       line.add_command("page", "Write index.html, which plays a run, into the run's folder");
-  command.option("run", flags.run, "Run, finished or interrupted (folder or run.h5)").required();
+  command.option("run", flags.run, "Run, finished or interrupted (folder or run.h5)",
+                 {.required = true});
   command.footer(
       "The page is one file: a browser shows it without a network.\n"
       "Examples:\n"

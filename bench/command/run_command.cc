@@ -484,61 +484,51 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
 CommandDeclaration add_run(CommandLine& line, RunFlags& flags) {
   CommandDeclaration command =
       line.add_command("run", "Run a scene: time steps, files, pictures, summary");
-  command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
-      .suggest(names_of(shipped_scenes()))
-      .required();
-  command
-      .option("--steps N", flags.steps,
-              "Number of steps instead of the scene's; with --restart: more steps")
-      .not_negative();
-  command
-      .option("--step-size SECONDS", flags.step_size,
-              "Time step instead of the scene's, whose duration (or steps) stays")
-      .positive();
-  command
-      .option("--accuracy RADII", flags.accuracy,
-              "Radii by which an impact may misplace a body; 0: no parts")
-      .not_negative();
-  command
-      .option("--duration SECONDS", flags.duration,
-              "Time to simulate, instead of the scene's; with --restart: more time")
-      .positive();
+  command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene",
+                 {.required = true, .suggest = names_of(shipped_scenes())});
+  command.option("--steps N", flags.steps,
+                 "Number of steps instead of the scene's; with --restart: more steps",
+                 {.not_negative = true});
+  command.option("--step-size SECONDS", flags.step_size,
+                 "Time step instead of the scene's, whose duration (or steps) stays",
+                 {.positive = true});
+  command.option("--accuracy RADII", flags.accuracy,
+                 "Radii by which an impact may misplace a body; 0: no parts",
+                 {.not_negative = true});
+  command.option("--duration SECONDS", flags.duration,
+                 "Time to simulate, instead of the scene's; with --restart: more time",
+                 {.positive = true});
   command.option("--restart RUN", flags.restart,
                  "Go on from the last frame of that run (folder or run.h5)");
-  command
-      .option("--model", flags.model,
-              "nscd: rigid, one contact problem a step; dem: springs and dashpots")
-      .one_of({"nscd", "dem"});
+  command.option("--model", flags.model,
+                 "nscd: rigid, one contact problem a step; dem: springs and dashpots",
+                 {.one_of = {"nscd", "dem"}});
   const auto dem = [&](const char* name, std::optional<double>& value, const char* help) {
-    command.option(name, value, help).group("Model dem");
+    command.option(name, value, help, {.group = "Model dem"});
   };
   dem("--stiffness N/m", flags.stiffness, "Normal stiffness (default: by --overlap)");
   dem("--overlap FRACTION", flags.overlap,
       "Overlap aimed at, of the smallest radius: decides the stiffness");
   dem("--tangential-ratio FRACTION", flags.tangential_ratio, "Tangential over normal stiffness");
   dem("--substep SECONDS", flags.substep, "Largest substep (default: from the stability limit)");
-  command.flag("--no-page", flags.no_page, "No index.html, which plays the run").group("Results");
-  command.flag("--watch", flags.watch, "Serve the page to this machine while the run goes on")
-      .group("Results");
-  command.option("--port N", flags.port, fmt::format("Of --watch; 0: any (default {})", kWatchPort))
-      .between(0, 65535)
-      .group("Results");
+  command.flag("--no-page", flags.no_page, "No index.html, which plays the run",
+               {.group = "Results"});
+  command.flag("--watch", flags.watch, "Serve the page to this machine while the run goes on",
+               {.group = "Results"});
+  command.option("--port N", flags.port, fmt::format("Of --watch; 0: any (default {})", kWatchPort),
+                 {.group = "Results", .between = {{0, 65535}}});
   add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
   command.flag("--overwrite", flags.overwrite, "Delete the run that DIR holds");
-  command
-      .option("--dump-problems", flags.dump_problems,
-              "Write the steps' contact problems as FCLIB files into DIR/problems")
-      .one_of({"all", "failed"})
-      .group("Results");
-  command
-      .option("--on-failure WORD", flags.on_failure,
-              "Unsolved step; default: continue, unless it provably has no solution")
-      .one_of({"continue", "stop", "smaller-step"});
-  command
-      .option("--on-tunnel WORD", flags.on_tunnel,
-              "Bodies went through each other or a plate; default: stop")
-      .one_of({"stop", "warn", "smaller-step"});
+  command.option("--dump-problems", flags.dump_problems,
+                 "Write the steps' contact problems as FCLIB files into DIR/problems",
+                 {.group = "Results", .one_of = {"all", "failed"}});
+  command.option("--on-failure WORD", flags.on_failure,
+                 "Unsolved step; default: continue, unless it provably has no solution",
+                 {.one_of = {"continue", "stop", "smaller-step"}});
+  command.option("--on-tunnel WORD", flags.on_tunnel,
+                 "Bodies went through each other or a plate; default: stop",
+                 {.one_of = {"stop", "warn", "smaller-step"}});
   add_solver_flags(command, flags.solver);
   add_warm_start_flags(command, flags.solver);
   command.footer(

@@ -126,15 +126,13 @@ void print_summary(const SolveFlags& flags, const std::string& solver, const Con
 CommandDeclaration add_solve(CommandLine& line, SolveFlags& flags) {
   CommandDeclaration command =
       line.add_command("solve", "Solve one problem file (FCLIB HDF5, Siconos text)");
-  command.option("problem", flags.problem, "Problem file or the name of a shipped problem")
-      .suggest(names_of(shipped_problems()))
-      .required();
+  command.option("problem", flags.problem, "Problem file or the name of a shipped problem",
+                 {.required = true, .suggest = names_of(shipped_problems())});
   command.flag("--warm", flags.warm,
                "Start from the file's first guess (FCLIB /guesses), not from s = 0");
-  command
-      .option("--several N", flags.several,
-              "Look for several exact answers from N starts; --seed S draws others")
-      .between(1, 10000);
+  command.option("--several N", flags.several,
+                 "Look for several exact answers from N starts; --seed S draws others",
+                 {.between = {{1, 10000}}});
   command.flag("--explain", flags.explain,
                "With --solver auto: print which stages are planned, and why");
   command.flag("--accept-indefinite", flags.accept_indefinite,
@@ -144,13 +142,12 @@ CommandDeclaration add_solve(CommandLine& line, SolveFlags& flags) {
                "precision");
   add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
-  command
-      .option("--solution FILE", flags.solution,
-              "Write r, u (and v) into the /solution group of this FCLIB file; a file that does "
-              "not exist is created with the problem")
-      .group("Results");
-  command.option("--history FILE", flags.history, "Write the judged iterations as CSV")
-      .group("Results");
+  command.option("--solution FILE", flags.solution,
+                 "Write r, u (and v) into the /solution group of this FCLIB file; a file that does "
+                 "not exist is created with the problem",
+                 {.group = "Results"});
+  command.option("--history FILE", flags.history, "Write the judged iterations as CSV",
+                 {.group = "Results"});
   add_solver_flags(command, flags.solver);
   command.footer(
       "Examples:\n"

@@ -18,48 +18,33 @@ struct TradeFlags : OutputFlags {
 CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
   CommandDeclaration command = line.add_command(
       "trade", "Whole simulations: what a tolerance, a time step and springs cost and buy");
-  command
-      .option("scenes", flags.request.scenes,
-              "Scene files or names of shipped scenes, each with :steps=N behind it for "
-              "another length (default: a set of them)")
-      .suggest(names_of(shipped_scenes()));
-  command
-      .option("--solvers NAMES", flags.request.solvers,
-              "Solvers; the first one runs the time steps too")
-      .show_default();
-  command
-      .option("--tols NUMBERS", flags.request.tols,
-              "Tolerances (1e-1,1e-2,1e-3,1e-4,1e-6; quick 1e-1,1e-3)")
-      .positive();
-  command
-      .option("--step-sizes FACTORS", flags.request.step_sizes,
-              "Time steps over the scene's (2,1,0.5,0.25; quick 2,1,0.5)")
-      .positive();
-  command
-      .option("--accuracies RADII", flags.request.accuracies,
-              "Accuracies that cut steps of a frame, see run --accuracy (0.1,0.03; quick 0.1)")
-      .positive();
-  command
-      .option(
-          "--overlaps FRACTIONS", flags.request.overlaps,
-          "Springs by the overlap aimed at, of the smallest radius (1e-2,1e-3,1e-4; quick 1e-2,1e-3)")
-      .positive();
-  command
-      .option("--stiffness N/m", flags.request.stiffness,
-              "Springs by their stiffness, instead of --overlaps")
-      .positive();
-  command
-      .option("--time-limit SECONDS", flags.request.time_limit,
-              "CPU seconds of one run (20; quick 5)")
-      .positive();
-  command
-      .option("--negligible", flags.request.negligible,
-              "Relative error of an outcome that is good enough in any case (1e-4)")
-      .not_negative();
-  command
-      .option("--replicas", flags.request.replicas,
-              "Nearby runs of each setting where disks fly freely (3; quick 2)")
-      .between(1, 1000);
+  command.option("scenes", flags.request.scenes,
+                 "Scene files or names of shipped scenes, each with :steps=N behind it for "
+                 "another length (default: a set of them)",
+                 {.suggest = names_of(shipped_scenes())});
+  command.option("--solvers NAMES", flags.request.solvers,
+                 "Solvers; the first one runs the time steps too", {.show_default = true});
+  command.option("--tols NUMBERS", flags.request.tols,
+                 "Tolerances (1e-1,1e-2,1e-3,1e-4,1e-6; quick 1e-1,1e-3)", {.positive = true});
+  command.option("--step-sizes FACTORS", flags.request.step_sizes,
+                 "Time steps over the scene's (2,1,0.5,0.25; quick 2,1,0.5)", {.positive = true});
+  command.option("--accuracies RADII", flags.request.accuracies,
+                 "Accuracies that cut steps of a frame, see run --accuracy (0.1,0.03; quick 0.1)",
+                 {.positive = true});
+  command.option(
+      "--overlaps FRACTIONS", flags.request.overlaps,
+      "Springs by the overlap aimed at, of the smallest radius (1e-2,1e-3,1e-4; quick 1e-2,1e-3)",
+      {.positive = true});
+  command.option("--stiffness N/m", flags.request.stiffness,
+                 "Springs by their stiffness, instead of --overlaps", {.positive = true});
+  command.option("--time-limit SECONDS", flags.request.time_limit,
+                 "CPU seconds of one run (20; quick 5)", {.positive = true});
+  command.option("--negligible", flags.request.negligible,
+                 "Relative error of an outcome that is good enough in any case (1e-4)",
+                 {.not_negative = true});
+  command.option("--replicas", flags.request.replicas,
+                 "Nearby runs of each setting where disks fly freely (3; quick 2)",
+                 {.between = {{1, 1000}}});
   command.option(
       "--witness NAME",
       [&flags](const std::string& name) {

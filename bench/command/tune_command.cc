@@ -31,16 +31,13 @@ CommandDeclaration add_tune(CommandLine& line, TuneFlags& flags) {
       "CSV of the measured rows, added to; rows that are there are kept (the plan's name "
       "with .csv)");
   command.option("--solvers NAMES", flags.solvers, "Names separated by commas (all)");
-  command.option("--tols NUMBERS", flags.tols, "Tolerances (1e-2,1e-4,1e-8)").positive();
-  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one solve")
-      .positive()
-      .show_default();
-  command.option("--scene-problems", flags.scene_problems, "Steps of a scene or a moving family")
-      .between(1, 1000)
-      .show_default();
-  command.option("--least-rows", flags.least_rows, "Solves behind a class of the plan, at least")
-      .between(1, 100000)
-      .show_default();
+  command.option("--tols NUMBERS", flags.tols, "Tolerances (1e-2,1e-4,1e-8)", {.positive = true});
+  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one solve",
+                 {.show_default = true, .positive = true});
+  command.option("--scene-problems", flags.scene_problems, "Steps of a scene or a moving family",
+                 {.show_default = true, .between = {{1, 1000}}});
+  command.option("--least-rows", flags.least_rows, "Solves behind a class of the plan, at least",
+                 {.show_default = true, .between = {{1, 100000}}});
   command.flag("--quiet,-q", flags.quiet, "No progress, no table");
   command.footer(
       "A stopped measurement goes on from its rows.\n"

@@ -81,10 +81,10 @@ CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
                  "Rows, or how their names begin, separated by commas (default: all)");
   command.flag("--quick", flags.quick,
                "Fewer bodies, seeds and tolerances: seconds instead of up to half an hour");
-  command.option("--solver", flags.solver, "Of every step, without islands")
-      .suggest(solver_names())
-      .show_default();
-  command.option("--max-iterations", flags.max_iterations, "Of a step").positive().show_default();
+  command.option("--solver", flags.solver, "Of every step, without islands",
+                 {.show_default = true, .suggest = solver_names()});
+  command.option("--max-iterations", flags.max_iterations, "Of a step",
+                 {.show_default = true, .positive = true});
   add_output_flags(
       command, flags,
       "Folder for index.html, validate.json, validate.csv, verdicts.csv, charts and their data");
