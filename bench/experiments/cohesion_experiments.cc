@@ -26,7 +26,6 @@ Experiment hanging() {
                            "smallest cohesion that holds a chain of 5 disks, over m g",
                            "statics: the top contact carries all", "5", Expectation::equal(5), 2e-3,
                            "bisection", "discretisation: one deterministic run")};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     trial.seen = {find_threshold(4, 6, [&](double cohesion) {
       Scene<2> scene =

@@ -102,7 +102,6 @@ Experiment oblique() {
                     fmt::format("{} μ (1 + e_n)/(1 + e_t)", factor),
                     k * kLoss / (1 + kObliqueTangential), 2e-3,
                     "slip is told at 1e-3 of the normal speed; bisection 1e-4")};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     const Body<D> slips = after_oblique_impact<D>(kSlips, trial);
     const double turned = slips.v.dot(along_floor<D>()) - speed_below(slips);
@@ -132,7 +131,6 @@ Experiment spinning_pair() {
                           kMomenta, share, 1 / kTangentialShare<D>),
             collision_row(bodies + "_meet_sideways", "their speed sideways after that, over a ω",
                           kMomenta, share, 1 / kTangentialShare<D>)};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     Scene<D> scene = experiment_scene<D>({.mu = 1, .e_n = 0.5}, kImpactStep, trial);
     for (const double side : {-1.0, 1.0}) {
@@ -166,7 +164,6 @@ Experiment unequal_pair() {
                     kThreeCoefficients, "½ m* (1 − e_n²) u_n² + ½ (2/7) m* (1 − e_t²) u_t²", 1),
       collision_row("pair_angular_momentum", "change of their angular momentum, over what they had",
                     kMomenta, "0", 0)};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     Scene<3> scene = experiment_scene<3>({.mu = 5, .e_n = 0.6, .e_t = 0.3}, kImpactStep, trial);
     const Vec3 n = Vec3(2, 1, 2) / 3;
@@ -237,7 +234,6 @@ Experiment cradle() {
                     "law",
                     "Glocker, Multibody Syst. Dyn. 32 (2014); collision_experiments.cc",
                     "1/3 + 1/3", 2.0 / 3)};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     const std::vector<double> equal(5, 1.0);
     constexpr double kGap = 0.02;  // twenty steps
@@ -260,7 +256,6 @@ Experiment billiard() {
                           "rounding, enlarged by the impacts that follow"),
             collision_row("break_energy", "energy after this break with e = 1, over that before",
                           "e = 1 without friction", "1", 1)};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     constexpr int kRows = 5;
     Scene<2> scene = experiment_scene<2>({.e_n = 1}, kImpactStep, trial);

@@ -53,7 +53,6 @@ Experiment groove_forces() {
                      "random starts",
                      "the same interval", "at most 0", Expectation::at_most(0, 1), 1e-6,
                      "a hundred times the tightest tolerance", "discretisation: the worst of all")};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     const Scene<2> scene = groove(kGrooveMu, trial);
     const ContactProblem problem = step_problem(scene, initial_state(scene), false);

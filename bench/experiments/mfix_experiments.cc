@@ -58,7 +58,6 @@ Experiment falling_ball() {
                      kDropRadius + leaves * t - 0.5 * kGravity * t * t, 1e-3, why),
             mfix_row("dem01_third_impact", "time of the third impact, from the speed then [s]",
                      "(1 + 2 e + 2 e²) √(2 (h_0 − r)/g)", third, 1e-3, why)};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [=](Experiment::Trial& trial) {
     const Sphere ball = dropped(kRestitution, kAccuracy, kEnd, trial);
     trial.seen = {{ball.x[2]}, {kEnd - (leaves - ball.v[2]) / kGravity}};
@@ -73,7 +72,6 @@ Experiment bouncing_ball() {
   e.rows = {mfix_row(
       "dem02_third_height", "height of the third bounce over that of the drop, both less r", "e⁶",
       std::pow(kRestitution, 6), 1e-3, "accuracy: each impact is misplaced by 1e-4 radii at most")};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     const Sphere ball = dropped(kRestitution, 1e-4, kEnd, trial);
     const double energy = 0.5 * ball.v[2] * ball.v[2] + kGravity * (ball.x[2] - kDropRadius);
@@ -92,7 +90,6 @@ Experiment stacked() {
                "F + (m_1 + m_2) g", 1, 1e-6, why),
       mfix_row("dem03_between", "force between the two balls, likewise", "F + m_2 g", 1, 1e-6, why),
       mfix_row("dem03_place", "height of the upper ball over its radius", "3", 3, 1e-6, why)};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     Scene<3> scene = experiment_scene<3>({.e_n = 0.5}, 1e-3, trial);
     scene.gravity = Vec3(0, 0, -kGravity);
@@ -132,7 +129,6 @@ Experiment slipping_ball() {
             mfix_row("dem04_place", "its way after 0.3 s [m]",
                      "12 v_0²/(49 μ g) + 5/7 v_0 (t − 2 v_0/(7 μ g))", kPlace, 1e-5,
                      "the step in which it begins to roll: μ g h²/8")};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [=](Experiment::Trial& trial) {
     Scene<3> scene = experiment_scene<3>({.mu = kMu}, kStep, trial);
     scene.gravity = Vec3(0, 0, -kGravity);
@@ -168,7 +164,6 @@ Experiment oblique_ball() {
                      "1 − μ (1 + e)/tan 60°", 1 - kLoss / kIncidence, 1e-6, why),
             mfix_row("dem05_spin", "its spin a ω over the normal speed before", "5/2 μ (1 + e)",
                      2.5 * kLoss, 1e-6, why)};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [=](Experiment::Trial& trial) {
     Scene<3> scene = experiment_scene<3>({.mu = kMu, .e_n = kRestitution}, kStep, trial);
     const Vec3 v(kIncidence, 0, -1);

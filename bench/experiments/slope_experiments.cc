@@ -66,7 +66,6 @@ Experiment rolling() {
                       fmt::format("the same with μ = 0.05, sliding, over g (sin θ − μ cos θ)",
                                   body_name<D>()),
                       "1", 1)};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     for (const double mu : {0.5, 0.05}) {
       Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
@@ -97,7 +96,6 @@ Experiment threshold(bool block) {
   row.allowed_why = "sliding is told from rolling at 1e-3 of free fall; bisection 1e-4";
   row.claim.bar_is = "discretisation: bisection to 1e-4";
   e.rows = {row};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [critical, block](Experiment::Trial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
       Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
@@ -119,7 +117,6 @@ Experiment thrown() {
       fmt::format("{}_thrown", body_name<D>()),
       fmt::format("speed at which a {} thrown without spin ends rolling, over v0", body_name<D>()),
       D == 2 ? "2/3" : "5/7", 1 / (1 + c))};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     Scene<D> scene = on_floor<D>(0, 0.3, 0.01, trial);
     scene.bodies[0].v[0] = 1;
@@ -153,7 +150,6 @@ Experiment back_spin() {
   e.rows[1].allowed_why = "time step: (μ g h/2 v0)²";
   e.rows[2].allowed = 1e-3;
   e.rows[2].allowed_why = "bisection 1e-4";
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     double farthest = 0;
     const auto rolls_at = [&](double spin) {
@@ -186,7 +182,6 @@ Experiment belt() {
   e.rows = {exact_row("disk_on_belt",
                       "speed of a disk put down on a belt, once it rolls, over the belt's",
                       "1/3: thrown at −V seen from the belt, where it keeps 2/3", 1.0 / 3)};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = on_floor<2>(0, 0.3, 0.01, trial);
     scene.walls[0].motion = Wall<2>::Motion::kMoving;
@@ -210,7 +205,6 @@ Experiment braking() {
   row.allowed = std::pow(kBrake * kStep / kSpeed, 2) / 4 + 1e-6;
   row.allowed_why = "the step that stops it: (μ g h/v0)²/4";
   e.rows = {row};
-  e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = on_floor<2>(0, kBrakeMu, kStep, trial);
     scene.bodies[0].inertia = kHuge;

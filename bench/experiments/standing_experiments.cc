@@ -77,7 +77,6 @@ Experiment heap_threshold(bool floor) {
       D == 2 ? (floor ? "tan 15° / 3 = 0.0893" : "tan 15° = 0.2679")
              : (floor ? "tan(35.264°/2) / 4 = 0.0795" : "tan(35.264°/2) = 0.3178"),
       critical)};
-  e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
   e.run = [critical, floor](Experiment::Trial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
@@ -98,7 +97,6 @@ Experiment hollow_threshold() {
                          "disks [°]",
                          "line of centres, derived in standing_experiments.cc; holds for any μ",
                          "30° for equal disks that touch", 30)};
-  e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
   e.run = [](Experiment::Trial& trial) {
     Observation found = find_threshold(-45, -15, [&](double degrees) {

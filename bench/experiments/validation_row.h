@@ -67,6 +67,9 @@ ValidationRow validation_row(std::string group, std::string name, std::string qu
 /// Sets the claim's measurement and verdict, best and loosest, from the points.
 void judge(ValidationRow& row);
 
+/// 10^-first … 10^-last.
+std::vector<double> decades(int first, int last);
+
 /// Observables of one computation, which is repeated for each tolerance.
 struct Experiment {
   struct Context {
@@ -97,16 +100,13 @@ struct Experiment {
     bool complete = true;                   ///< false: the context stopped it
   };
   std::vector<ValidationRow> rows;
-  std::vector<double> tols;        ///< falling
-  std::vector<double> quick_tols;  ///< the same of --quick; none: left out there
+  std::vector<double> tols = decades(-1, 8);        ///< falling
+  std::vector<double> quick_tols = decades(-1, 8);  ///< of --quick; none: left out there
   std::function<void(Trial&)> run;
 };
 
 /// All of them, in the order of the page.
 std::vector<Experiment> validation_experiments();
-
-/// 10^-first … 10^-last.
-std::vector<double> decades(int first, int last);
 
 /// Runs the experiment at each of its tolerances; its exceptions become part of the points.
 /// `on_tolerance`: called before each, with the number of finished ones and of all.
