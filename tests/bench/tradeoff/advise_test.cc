@@ -28,13 +28,12 @@ Scene<2> lattice() {
   return scene;
 }
 
-Advice::Options quick(double force) {
-  Advice::Options options;
-  options.goal.force = force;
-  options.solvers = {{"pgs", "pgs", {}}, {"ipm", "ipm", {}}};
-  options.time_limit = 120;  // never reached: what is measured does not hang on the machine
-  return options;
+Advice::Options quick(const Accuracy& goal) {
+  return {.goal = goal,
+          .solvers = {{"pgs", "pgs", {}}, {"ipm", "ipm", {}}},
+          .time_limit = 120};  // never reached: what is measured does not hang on the machine
 }
+Advice::Options quick(double force) { return quick(Accuracy{.force = force}); }
 
 /// A disk of 1 m dropped from a height of 5 mm or so: one shock in mid-run.
 Scene<2> drop() {
@@ -157,9 +156,7 @@ TEST(Advise, TheScenesStepIsKeptOnRequest) {
 }
 
 TEST(Advise, SaysWhatCannotBeMet) {
-  Advice::Options options = quick(1e-2);
-  options.goal = {.penetration = 1e-12};
-  const Advice advice = advise(drop(), options);
+  const Advice advice = advise(drop(), quick(Accuracy{.penetration = 1e-12}));
   EXPECT_EQ(advice.status, Advice::Status::kNotMet);
   EXPECT_TRUE(says(advice.message, "the run as advised has an overlap of"));
   // Half of the step's own error: no digits that the step throws away.
@@ -169,8 +166,7 @@ TEST(Advise, SaysWhatCannotBeMet) {
 // The disk of 0.5 m falls h before the floor stops it: at mid-step it is up to h v/2 = 0.3 m/s · 1 ms /
 // 2 deep at the scene's step. Only one stretch of the run sees it.
 TEST(Advise, TheOverlapIsThatOfTheRun) {
-  Advice::Options options = quick(1e-2);
-  options.goal = {.penetration = 5e-2};
+  Advice::Options options = quick(Accuracy{.penetration = 5e-2});
   options.samples = 1;
   const Advice advice = advise(drop(), options);
   ASSERT_EQ(advice.status, Advice::Status::kMet) << advice.message;
@@ -191,8 +187,7 @@ TEST(Advise, TheOverlapIsThatOfTheRun) {
 // At 0.3 m/s, an overlap of 1e-5 of 0.5 m asks for equal steps of 3e-5 s. They are not even tried, but
 // an accuracy places the step on the shock.
 TEST(Advise, AnAccuracyKeepsOverlapsSmallWhereNoEqualStepDoes) {
-  Advice::Options options = quick(1e-2);
-  options.goal = {.penetration = 1e-5};
+  Advice::Options options = quick(Accuracy{.penetration = 1e-5});
   const Advice advice = advise(drop(), options);
   ASSERT_EQ(advice.status, Advice::Status::kMet) << advice.message;
   EXPECT_EQ(advice.accuracy, 3.3e-6);
@@ -216,8 +211,7 @@ TEST(Advise, ASceneThatFailsBeforeAContactIsNamed) {
 }
 
 TEST(Advise, TakesMoreStretchesWhereOneHasNoBar) {
-  Advice::Options options = quick(1e-2);
-  options.goal = {.energy = 0.5};
+  Advice::Options options = quick(Accuracy{.energy = 0.5});
   options.samples = 1;
   const Advice advice = advise(lattice(), options);
   EXPECT_EQ(advice.status, Advice::Status::kMet) << advice.message;
@@ -228,8 +222,7 @@ TEST(Advise, TakesMoreStretchesWhereOneHasNoBar) {
 TEST(Advise, OneStretchClaimsNothingAndNamesWhatWould) {
   Scene<2> scene = lattice();
   scene.num_steps = 10;
-  Advice::Options options = quick(1e-2);
-  options.goal = {.energy = 5e-2, .load = 5e-2};
+  Advice::Options options = quick(Accuracy{.energy = 5e-2, .load = 5e-2});
   options.samples = 28;
   const Advice advice = advise(scene, options);
   ASSERT_GE(advice.choice, 0) << advice.message;
@@ -279,9 +272,7 @@ TEST(Advise, WithoutAGoalItTakesMeansOverTimeThatTheSceneHas) {
   Scene<2> cell = lattice();
   cell.cell.in_x = true;
   EXPECT_EQ(default_goal(cell).stress_ratio, 5e-2);
-  Advice::Options options = quick(1e-2);
-  options.goal = {};
-  const Advice advice = advise(lattice(), options);
+  const Advice advice = advise(lattice(), quick(Accuracy{}));
   EXPECT_TRUE(advice.default_goal);
   EXPECT_EQ(advice.status, Advice::Status::kMet) << advice.message;
   // Five lines: choice, expected error, cost, verdict, command.
@@ -321,9 +312,7 @@ density = 100
 }
 
 TEST(Advise, TakesBodiesThatComeAndGo) {
-  Advice::Options options = quick(1e-2);
-  options.goal = {.load = 5e-2};
-  const Advice advice = advise(stream(), options);
+  const Advice advice = advise(stream(), quick(Accuracy{.load = 5e-2}));
   EXPECT_NE(advice.status, Advice::Status::kNoContacts) << advice.message;
   ASSERT_FALSE(advice.trials.empty());
   EXPECT_TRUE(std::isfinite(advice.trials[0].error.error.load));
@@ -331,8 +320,7 @@ TEST(Advise, TakesBodiesThatComeAndGo) {
 
 TEST(Advise, TakesSpheres) {
   const AnyScene scene = read_any_scene(find_scene("four_spheres"));
-  Advice::Options options = quick(1e-2);
-  options.goal = {.load = 1e-2};
+  Advice::Options options = quick(Accuracy{.load = 1e-2});
   options.solvers = {{"auto", "auto", {}}, {"pgs", "pgs", {}}};
   Scene<3> spheres = std::get<Scene<3>>(scene);
   spheres.num_steps = 60;
@@ -378,20 +366,15 @@ TEST(Advise, TakesClusters) {
   // Dumbbells that fall on a floor: the force on a body is that on the whole cluster.
   for (const double mu : {0.0, 0.3}) {
     Scene<2> scene = parse_scene(fmt::format(R"(
-[contact]
-mu = {}
+contact = {{mu = {}}}
+walls = [{{point = [0, 0.07], normal = [0, 1]}}]
+time = {{step = 1e-3, steps = 60}}
 [[clusters]]
 arrangement = "rectangular"
 parts = [[0, 0, 0.1], [0.15, 0, 0.1]]
 columns = 2
 rows = 2
 density = 100
-[[walls]]
-point = [0, 0.07]
-normal = [0, 1]
-[time]
-step = 1e-3
-steps = 60
 )",
                                              mu),
                                  "test.toml");

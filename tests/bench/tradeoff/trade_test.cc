@@ -80,12 +80,20 @@ Trade manufactured(int replicas, double negligible, Value&& value) {
   return trade;
 }
 
+/// Outcomes whose error is the solver's alone, and with one of the time step.
+double by_solver(double tol, double /*factor*/, int /*replica*/) { return 1 + 0.5 * tol; }
+double by_solver_and_step(double tol, double factor, int /*replica*/) {
+  return 1 + 0.01 * factor + 0.5 * tol;
+}
+/// By the solver, in two replicas that lie 0.06 apart.
+double by_replica(double tol, double factor, int replica) {
+  return by_solver(tol, factor, replica) + (replica == 0 ? 0.03 : -0.03);
+}
+
 TEST(TradeAnalysis, SeparatesTheSolverFromTheTimeStep) {
   // q = 1 + 0.01 (h/h0) + 0.5 tol: the step's own error is 0.01 of 1.0025 (the reference, at h/4),
   // the solver's 0.05, 0.005, 5e-4, 0: tolerance 1e-2 is enough.
-  const Trade trade =
-      manufactured(1, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
-  const SceneTrade s = analyse_trade(trade).at(0);
+  const SceneTrade s = analyse_trade(manufactured(1, 0, by_solver_and_step)).at(0);
   const SceneTrade::Errors& e = s.quantities.at(0);
   const double reference = 1.0025 + 0.5e-6;
   EXPECT_NEAR(e.reference, reference, 1e-15);
@@ -104,21 +112,18 @@ TEST(TradeAnalysis, SeparatesTheSolverFromTheTimeStep) {
 }
 
 TEST(TradeAnalysis, ATightToleranceIsNeededWhereTheTimeStepIsExact) {
-  const auto value = [](double tol, double, int) { return 1 + 0.5 * tol; };
-  const SceneTrade exact = analyse_trade(manufactured(1, 0, value)).at(0);
+  const SceneTrade exact = analyse_trade(manufactured(1, 0, by_solver)).at(0);
   EXPECT_EQ(exact.quantities[0].step_error, 0);
   EXPECT_EQ(*exact.sufficient_tol, 1e-6);
   // Unless nobody looks that closely.
-  const SceneTrade good = analyse_trade(manufactured(1, 1e-2, value)).at(0);
+  const SceneTrade good = analyse_trade(manufactured(1, 1e-2, by_solver)).at(0);
   EXPECT_EQ(*good.sufficient_tol, 1e-2);
 }
 
 TEST(TradeAnalysis, NearbyRunsHideWhatIsSmallerThanTheirSpread) {
   // Two replicas at ±0.03: standard deviation 0.03 √2, twice the standard error of a difference of
   // two means of two: 2 x 0.03 √2 = 0.085. The solver's 0.05 at 1e-1 cannot be seen.
-  const Trade trade = manufactured(
-      2, 0, [](double tol, double, int r) { return 1 + 0.5 * tol + (r == 0 ? 0.03 : -0.03); });
-  const SceneTrade s = analyse_trade(trade).at(0);
+  const SceneTrade s = analyse_trade(manufactured(2, 0, by_replica)).at(0);
   EXPECT_NEAR(s.quantities[0].noise, 0.06 * std::sqrt(2), 1e-6);
   EXPECT_EQ(*s.sufficient_tol, 1e-1);
 }
@@ -135,7 +140,7 @@ Trade with_witness(Trade trade, double value) {
 TEST(TradeAnalysis, WhatOtherExactAnswersDoIsAFloor) {
   // The step is exact and the solver's error 0.5 tol: alone, 1e-6 is needed. Another solver ends
   // 0.02 away at the same tolerance: then the 0.005 of 1e-2 are nobody's digits.
-  const Trade alone = manufactured(1, 0, [](double tol, double, int) { return 1 + 0.5 * tol; });
+  const Trade alone = manufactured(1, 0, by_solver);
   EXPECT_EQ(*analyse_trade(alone).at(0).sufficient_tol, 1e-6);
   const Trade trade = with_witness(alone, 1.02);
   const SceneTrade s = analyse_trade(trade).at(0);
@@ -149,10 +154,7 @@ TEST(TradeAnalysis, WhatOtherExactAnswersDoIsAFloor) {
 
 TEST(TradeAnalysis, ADifferenceBelowThatOfNearbyRunsIsNoOtherAnswer) {
   // Replicas at ±0.03 and the witness's at ±0.03 + 0.02: less than 0.085.
-  const auto value = [](double tol, double, int r) {
-    return 1 + 0.5 * tol + (r == 0 ? 0.03 : -0.03);
-  };
-  Trade trade = with_witness(with_witness(manufactured(2, 0, value), 1.05), 0.99);
+  Trade trade = with_witness(with_witness(manufactured(2, 0, by_replica), 1.05), 0.99);
   trade.rows.back().replica = 1;
   const SceneTrade s = analyse_trade(trade).at(0);
   EXPECT_NEAR(s.quantities[0].choice, 0.02, 1e-5);
@@ -162,9 +164,7 @@ TEST(TradeAnalysis, ADifferenceBelowThatOfNearbyRunsIsNoOtherAnswer) {
 
 TEST(TradeAnalysis, EachOutcomeNamesTheSolverThatEndsFurthestAwayInIt) {
   // Of two outcomes, apgd is 0.1 away in the first and ipm 0.02 in the second.
-  Trade trade = with_witness(
-      with_witness(manufactured(1, 0, [](double tol, double, int) { return 1 + 0.5 * tol; }), 1.1),
-      1.0);
+  Trade trade = with_witness(with_witness(manufactured(1, 0, by_solver), 1.1), 1.0);
   trade.rows.back().setting.solver = "ipm";
   trade.scenes[0].quantities.push_back({.name = "r", .unit = "m", .meaning = "manufactured"});
   for (Trade::Row& row : trade.rows) row.values.push_back(1);
@@ -176,7 +176,7 @@ TEST(TradeAnalysis, EachOutcomeNamesTheSolverThatEndsFurthestAwayInIt) {
 }
 
 TEST(TradeAnalysis, AWitnessThatAgreesChangesNothing) {
-  const Trade alone = manufactured(1, 0, [](double tol, double, int) { return 1 + 0.5 * tol; });
+  const Trade alone = manufactured(1, 0, by_solver);
   const SceneTrade s = analyse_trade(with_witness(alone, 1 + 0.5e-6)).at(0);
   EXPECT_EQ(s.quantities[0].choice, 0);
   EXPECT_EQ(*s.sufficient_tol, 1e-6);
@@ -189,8 +189,7 @@ TEST(TradeAnalysis, AWitnessThatAgreesChangesNothing) {
 }
 
 TEST(TradeAnalysis, RunsThatWereNotCompletedSayNothing) {
-  Trade trade =
-      manufactured(2, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
+  Trade trade = manufactured(2, 0, by_solver_and_step);
   for (Trade::Row& row : trade.rows) {
     const bool tight = row.setting.tol == 1e-6 && row.setting.step_factor == 1;
     const bool other_step = row.setting.step_factor != 1;
@@ -361,8 +360,7 @@ TEST(TradeAnalysis, ChartsKeepRunsWithoutError) {
 
 TEST(TradeAnalysis, OneCompletedToleranceDecidesNothing) {
   // The drum of a visitor: at 0.1 it was completed, at the others a fifth of 100 steps in 5 s.
-  Trade trade =
-      manufactured(1, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
+  Trade trade = manufactured(1, 0, by_solver_and_step);
   for (Trade::Row& row : trade.rows) {
     if (row.setting.step_factor == 1 && row.setting.tol < 1e-1) {
       row.status = "time limit";
@@ -392,21 +390,10 @@ TEST(TradeRun, TakesScenesWhoseBodiesComeAndGo) {
   const TemporaryFolder folder;
   Trade::Options options;
   options.targets = {scene_file(folder, "leak", R"(
-[[disks]]
-arrangement = "rectangular"
-columns = 2
-rows = 2
-radius = 0.1
-mass = 1
-[[walls]]
-point = [0, -5]
-normal = [0, 1]
-[[outlets]]
-point = [0, -1]
-normal = [0, 1]
-[time]
-step = 1e-3
-steps = 700
+disks = [{arrangement = "rectangular", columns = 2, rows = 2, radius = 0.1, mass = 1}]
+walls = [{point = [0, -5], normal = [0, 1]}]
+outlets = [{point = [0, -1], normal = [0, 1]}]
+time = {step = 1e-3, steps = 700}
 )")};
   options.tols = {1e-2, 1e-6};
   options.step_factors = {1};
@@ -461,18 +448,10 @@ TEST(TradeRun, AClusterIsOneBody) {
   const TemporaryFolder folder;
   Trade::Options options;
   options.targets = {scene_file(folder, "dumbbell", R"(
-[contact]
-mu = 0.3
-[[clusters]]
-parts = [[-0.1, 0, 0.1], [0.1, 0, 0.1]]
-position = [0, 0.105]
-mass = 3
-[[walls]]
-point = [0, 0]
-normal = [0, 1]
-[time]
-step = 1e-4
-steps = 500
+contact = {mu = 0.3}
+clusters = [{parts = [[-0.1, 0, 0.1], [0.1, 0, 0.1]], position = [0, 0.105], mass = 3}]
+walls = [{point = [0, 0], normal = [0, 1]}]
+time = {step = 1e-4, steps = 500}
 )")};
   options.tols = {1e-8};
   options.step_factors = {1};
@@ -517,8 +496,7 @@ TEST(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
 }
 
 TEST(TradeReport, NamesEveryRunAndNoNumberThatIsNone) {
-  Trade trade =
-      manufactured(1, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
+  Trade trade = manufactured(1, 0, by_solver_and_step);
   trade.scenes[0].title = "<made>";
   trade.scenes[0].target = "made.toml";
   trade.rows[0].status = "time limit";
