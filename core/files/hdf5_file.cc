@@ -375,22 +375,27 @@ void Hdf5File::write_array(const std::string& name, std::int64_t type, const voi
 
 void Hdf5File::write(const std::string& name, int value) { write(name, std::span(&value, 1)); }
 
-void Hdf5File::write(const std::string& name, double value) { write(name, std::span(&value, 1)); }
+void Hdf5File::write(const std::string& name, double value, std::string_view unit) {
+  write(name, std::span<const double>(&value, 1), unit);
+}
 
 void Hdf5File::write(const std::string& name, std::span<const int> values) {
   const std::array<std::size_t, 1> extents = {values.size()};
   write_array(name, H5T_NATIVE_INT, values.data(), extents);
 }
 
-void Hdf5File::write(const std::string& name, std::span<const double> values) {
+void Hdf5File::write(const std::string& name, std::span<const double> values,
+                     std::string_view unit) {
   const std::array<std::size_t, 1> extents = {values.size()};
   write_array(name, H5T_NATIVE_DOUBLE, values.data(), extents);
+  if (!unit.empty()) write_attribute(name, "unit", unit);
 }
 
 void Hdf5File::write_rows(const std::string& name, std::span<const double> values,
-                          std::size_t columns) {
+                          std::size_t columns, std::string_view unit) {
   const std::array<std::size_t, 2> extents = {values.size() / columns, columns};
   write_array(name, H5T_NATIVE_DOUBLE, values.data(), extents);
+  if (!unit.empty()) write_attribute(name, "unit", unit);
 }
 
 void Hdf5File::write(const std::string& name, std::string_view value) {

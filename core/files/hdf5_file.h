@@ -67,14 +67,16 @@ class Hdf5File {
   std::vector<std::string> read_strings(const std::string& name) const;
 
   /// Replaces an earlier dataset. A scalar is written as an array of one element, as in FCLIB.
+  /// `unit`: text of its attribute `unit`; empty: it has none.
   void write(const std::string& name, int value);
-  void write(const std::string& name, double value);
+  void write(const std::string& name, double value, std::string_view unit = {});
   void write(const std::string& name, std::string_view value);
   void write(const std::string& name, std::span<const int> values);
-  void write(const std::string& name, std::span<const double> values);
+  void write(const std::string& name, std::span<const double> values, std::string_view unit = {});
   void write(const std::string& name, std::span<const std::string> values);
   /// rows x columns, row by row.
-  void write_rows(const std::string& name, std::span<const double> values, std::size_t columns);
+  void write_rows(const std::string& name, std::span<const double> values, std::size_t columns,
+                  std::string_view unit = {});
 
   void create_group(const std::string& name);
   void remove(const std::string& name);

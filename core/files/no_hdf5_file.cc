@@ -31,12 +31,15 @@ std::vector<double> Hdf5File::read_doubles(const std::string&) const { refuse(pa
 std::string Hdf5File::read_string(const std::string&) const { refuse(path_); }
 std::vector<std::string> Hdf5File::read_strings(const std::string&) const { refuse(path_); }
 void Hdf5File::write(const std::string&, int) { refuse(path_); }
-void Hdf5File::write(const std::string&, double) { refuse(path_); }
+void Hdf5File::write(const std::string&, double, std::string_view) { refuse(path_); }
 void Hdf5File::write(const std::string&, std::string_view) { refuse(path_); }
 void Hdf5File::write(const std::string&, std::span<const int>) { refuse(path_); }
-void Hdf5File::write(const std::string&, std::span<const double>) { refuse(path_); }
+void Hdf5File::write(const std::string&, std::span<const double>, std::string_view) {
+  refuse(path_);
+}
 void Hdf5File::write(const std::string&, std::span<const std::string>) { refuse(path_); }
-void Hdf5File::write_rows(const std::string&, std::span<const double>, std::size_t) {
+void Hdf5File::write_rows(const std::string&, std::span<const double>, std::size_t,
+                          std::string_view) {
   refuse(path_);
 }
 void Hdf5File::create_group(const std::string&) { refuse(path_); }

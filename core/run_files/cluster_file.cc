@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/run_files/frame_entries.h"
+#include "core/run_files/hdf5_columns.h"
 #include "core/run_files/run_layout.h"
 
 namespace bipot {
@@ -58,27 +59,20 @@ void write_clusters(Hdf5File& frame, const State<D>& state) {
     }
     const std::string dataset = std::string("/clusters/") + name;
     if (width == 1) {
-      frame.write(dataset, rows);
+      frame.write(dataset, rows, unit);
     } else {
-      frame.write_rows(dataset, rows, to_size(width));
+      frame.write_rows(dataset, rows, to_size(width), unit);
     }
-    frame.write_attribute(dataset, "unit", unit);
   }
-  std::vector<int> cluster;
-  std::vector<double> arms;
-  for (const Body<D>& d : state.bodies) cluster.push_back(d.cluster);
-  for (const Vec<D>& arm : state.clusters.arms) arms.insert(arms.end(), arm.begin(), arm.end());
-  frame.write("/bodies/cluster", cluster);
-  frame.write_rows("/bodies/arm", arms, D);
-  frame.write_attribute("/bodies/arm", "unit", "m");
+  write_column(frame, "/bodies/cluster", "", state.bodies, &Body<D>::cluster);
+  write_column(frame, "/bodies/arm", "m", state.clusters.arms, std::identity());
 }
 
 template <int D>
 void read_clusters(const Hdf5File& frame, State<D>& state) {
   const std::string bodies_at = bodies_group(frame);
   if (!frame.exists(bodies_at + "cluster")) return;
-  const std::size_t disks = state.bodies.size();
-  const std::vector<int> cluster = frame.read_ints(bodies_at + "cluster", disks);
+  read_column(frame, bodies_at + "cluster", state.bodies, &Body<D>::cluster);
   const std::size_t count = frame.size("/clusters/mass");
   state.clusters.bodies.assign(count, {});
   for (const auto& [name, unit, width, at] : cluster_entries<D>()) {
@@ -89,15 +83,13 @@ void read_clusters(const Hdf5File& frame, State<D>& state) {
       if (width == 4) std::rotate(to, to + 1, to + 4);
     }
   }
-  const auto arms = frame.read_doubles(bodies_at + "arm", D * disks);
-  for (std::size_t i = 0; i < disks; ++i) {
-    if (cluster[i] < -1 || cluster[i] >= static_cast<int>(count)) {
-      throw FileError(
-          frame.path(), bodies_at + "cluster",
-          fmt::format("{} {} is in cluster {} of {}", kBodyName<D>, i, cluster[i], count));
-    }
-    state.bodies[i].cluster = cluster[i];
-    state.clusters.arms.emplace_back(Eigen::Map<const Vec<D>>(arms.data() + D * i));
+  state.clusters.arms.resize(state.bodies.size());
+  read_column(frame, bodies_at + "arm", state.clusters.arms, std::identity());
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const int cluster = state.bodies[i].cluster;
+    if (cluster >= -1 && cluster < static_cast<int>(count)) continue;
+    throw FileError(frame.path(), bodies_at + "cluster",
+                    fmt::format("{} {} is in cluster {} of {}", kBodyName<D>, i, cluster, count));
   }
 }
 

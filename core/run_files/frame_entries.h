@@ -28,14 +28,22 @@ void write_clusters(Hdf5File& frame, const State<D>& state);
 template <int D>
 void read_clusters(const Hdf5File& frame, State<D>& state);
 
+/// Writes radius, mass, inertia and material of the bodies, and their walls if `any_glued`. Throws
+/// FileError.
+template <int D>
+void write_body_constants(Hdf5File& file, const std::vector<Body<D>>& bodies, bool any_glued);
+
+/// Reads them. Throws FileError.
+template <int D>
+void read_body_constants(const Hdf5File& file, std::vector<Body<D>>& bodies);
+
 /// Writes the additional entries of a frame in scenes with outlets or inlets. They are number,
 /// radius, mass, inertia, material and wall of each body, and what has gone through each gate.
 /// Throws FileError.
 template <int D>
 void write_population(Hdf5File& frame, const State<D>& state);
 
-/// Reads them; false, and nothing set, if the frame has none. `bodies`: one for each body of the
-/// frame, whose place and motion are set already. Throws FileError.
+/// Reads them; false, and nothing set, if the frame has none. Throws FileError.
 template <int D>
 bool read_population(const Hdf5File& frame, std::vector<Body<D>>& bodies,
                      Population<D>& population);

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <fmt/format.h>
+
+#include <functional>
+#include <numeric>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -9,12 +13,13 @@
 
 namespace bipot {
 
-/// Datasets of the files of a run: a value of each item of a range.
+// Datasets of the files of a run: a value of each item of a list. The value is a member, or what a
+// function says of an item: to read, a reference. Numbers make a column, vectors rows.
 
 /// Collects one column of numbers, or several, row by row.
 class Hdf5Column {
  public:
-  explicit Hdf5Column(std::size_t reserve) { values_.reserve(reserve); }
+  explicit Hdf5Column(std::size_t reserve = 0) { values_.reserve(reserve); }
   void add(double x) { values_.push_back(x); }
   template <int D>
   void add(const Eigen::Matrix<double, D, 1>& x) {
@@ -26,49 +31,73 @@ class Hdf5Column {
   std::vector<double> values_;
 };
 
-template <class Range, class Get>
-void write_doubles(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
-                   Get&& get) {
-  Hdf5Column column(range.size());
-  for (const auto& item : range) column.add(static_cast<double>(get(item)));
-  file.write(name, column.values());
-  file.write_attribute(name, "unit", unit);
-}
+/// Type of the value of an item.
+template <class At, class Item>
+using ColumnValue = std::remove_cvref_t<std::invoke_result_t<const At&, Item&>>;
+template <class Value>
+inline constexpr bool kWholeNumbers = std::is_integral_v<Value> || std::is_enum_v<Value>;
 
-template <class Range, class Get>
-void write_vectors(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
-                   Get&& get) {
-  using Vec = std::remove_cvref_t<decltype(get(*range.begin()))>;
-  constexpr std::size_t kWidth = Vec::RowsAtCompileTime;
-  Hdf5Column column(kWidth * range.size());
-  for (const auto& item : range) column.add(Vec(get(item)));
-  file.write_rows(name, column.values(), kWidth);
-  file.write_attribute(name, "unit", unit);
-}
-
-/// Numbers in 2D, vectors in 3D.
-template <class Range, class Get>
-void write_turns(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
-                 Get&& get) {
-  if constexpr (std::is_convertible_v<decltype(get(*range.begin())), double>) {
-    write_doubles(file, name, unit, range, get);
+/// `unit`: not that of whole numbers. Throws FileError.
+template <class Item, class At>
+void write_column(Hdf5File& file, const std::string& name, const char* unit,
+                  const std::vector<Item>& items, const At& at) {
+  using Value = ColumnValue<At, const Item>;
+  if constexpr (kWholeNumbers<Value>) {
+    std::vector<int> column;
+    column.reserve(items.size());
+    for (const Item& item : items) column.push_back(static_cast<int>(std::invoke(at, item)));
+    file.write(name, column);
+  } else if constexpr (std::is_same_v<Value, double>) {
+    Hdf5Column column(items.size());
+    for (const Item& item : items) column.add(std::invoke(at, item));
+    file.write(name, column.values(), unit);
   } else {
-    write_vectors(file, name, unit, range, get);
+    constexpr std::size_t kWidth = Value::RowsAtCompileTime;
+    Hdf5Column column(kWidth * items.size());
+    for (const Item& item : items) column.add(std::invoke(at, item));
+    file.write_rows(name, column.values(), kWidth, unit);
   }
 }
 
-template <class Range, class Get>
-void write_ints(Hdf5File& file, const std::string& name, const Range& range, Get&& get) {
-  std::vector<int> column;
-  column.reserve(range.size());
-  for (const auto& item : range) column.push_back(static_cast<int>(get(item)));
-  file.write(name, column);
+/// Sets the value of each item. Throws FileError, also for an enumerator that is not one of 0 to
+/// `last`.
+template <class Item, class At>
+void read_column(const Hdf5File& file, const std::string& name, std::vector<Item>& items,
+                 const At& at, int last = 0) {
+  using Value = ColumnValue<At, Item>;
+  const std::size_t count = items.size();
+  if constexpr (kWholeNumbers<Value>) {
+    const std::vector<int> column = file.read_ints(name, count);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (std::is_enum_v<Value> && (column[k] < 0 || column[k] > last)) {
+        throw FileError(file.path(), name,
+                        fmt::format("{} is not one of 0 to {}", column[k], last));
+      }
+      std::invoke(at, items[k]) = static_cast<Value>(column[k]);
+    }
+  } else if constexpr (std::is_same_v<Value, double>) {
+    const std::vector<double> column = file.read_doubles(name, count);
+    for (std::size_t k = 0; k < count; ++k) std::invoke(at, items[k]) = column[k];
+  } else {
+    constexpr std::size_t kWidth = Value::RowsAtCompileTime;
+    const std::vector<double> rows = file.read_doubles(name, kWidth * count);
+    for (std::size_t k = 0; k < count; ++k) {
+      std::invoke(at, items[k]) = Eigen::Map<const Value>(rows.data() + kWidth * k);
+    }
+  }
+}
+
+/// The same where the file has the dataset; without it the values stay.
+template <class Item, class At>
+void read_optional_column(const Hdf5File& file, const std::string& name, std::vector<Item>& items,
+                          const At& at) {
+  if (file.exists(name)) read_column(file, name, items, at);
 }
 
 /// 0, 1, 2, ...: ParaView's readers need the point numbers of each cell.
 inline void write_point_numbers(Hdf5File& file, const std::string& name, std::size_t points) {
   std::vector<int> numbers(points);
-  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = static_cast<int>(k);
+  std::iota(numbers.begin(), numbers.end(), 0);
   file.write(name, numbers);
 }
 

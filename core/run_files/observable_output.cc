@@ -261,14 +261,11 @@ template <int D>
 void write_flux_and_profile(Hdf5File& file, const Scene<D>& scene, const State<D>& state) {
   const ObservableChoice<D>& choice = *scene.observables;
   for (const FluxSurface<D>& crossing : choice.crossings) {
-    file.write("/observables/flux/" + crossing.name, mass_flux(state, crossing));
-    file.write_attribute("/observables/flux/" + crossing.name, "unit", "kg/s");
+    file.write("/observables/flux/" + crossing.name, mass_flux(state, crossing), "kg/s");
   }
   if (!choice.profile) return;
   for (const BinQuantity& q : quantities<D>(observe_profile<D>(state, scene.step, choice))) {
-    const std::string path = "/observables/profile/" + q.name;
-    file.write(path, std::span<const double>(q.values));
-    file.write_attribute(path, "unit", q.unit.empty() ? "1" : q.unit.c_str());
+    file.write("/observables/profile/" + q.name, q.values, q.unit.empty() ? "1" : q.unit);
   }
 }
 
@@ -358,14 +355,11 @@ template <int D>
 void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& state) {
   const ObservableChoice<D>& choice = *scene.observables;
   for (const Quantity& q : quantities(observe(scene, state, choice))) {
-    const std::string name = std::string("/observables/") + q.name;
-    file.write(name, q.value);
-    file.write_attribute(name, "unit", *q.unit != 0 ? q.unit : "1");
+    file.write(std::string("/observables/") + q.name, q.value, *q.unit != 0 ? q.unit : "1");
   }
   const ForceDistribution forces = observe_forces(state, scene.step, choice);
   file.write("/observables/forces/counts", forces.counts);
-  file.write("/observables/forces/mean", forces.mean);
-  file.write_attribute("/observables/forces/mean", "unit", "N");
+  file.write("/observables/forces/mean", forces.mean, "N");
   file.write("/observables/forces/limit", choice.force_limit);
   write_flux_and_profile<D>(file, scene, state);
 }

@@ -2,65 +2,35 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 
 #include "core/run_files/csv_file.h"
 #include "core/run_files/frame_entries.h"
+#include "core/run_files/hdf5_columns.h"
 #include "core/run_files/run_layout.h"
 
 namespace bipot {
 namespace {
 
-template <int D, class Get>
-std::vector<double> of_bodies(const std::vector<Body<D>>& bodies, const Get& get) {
-  std::vector<double> values;
-  for (const Body<D>& body : bodies) values.push_back(get(body));
-  return values;
-}
-
 template <int D>
 void write_flows(Hdf5File& file, const std::string& group, bool inlets,
                  const std::vector<GateFlow<D>>& flows) {
-  std::vector<int> count, waiting;
-  std::vector<double> mass, energy, momentum, last;
-  for (const GateFlow<D>& flow : flows) {
-    count.push_back(flow.count);
-    waiting.push_back(flow.waiting);
-    mass.push_back(flow.mass);
-    energy.push_back(flow.energy);
-    momentum.insert(momentum.end(), flow.momentum.begin(), flow.momentum.end());
-    last.push_back(flow.last_mass);
-  }
-  file.write(group + "/count", count);
-  if (inlets) file.write(group + "/waiting", waiting);
-  file.write(group + "/mass", mass);
-  file.write_attribute(group + "/mass", "unit", "kg");
-  file.write(group + "/energy", energy);
-  file.write_attribute(group + "/energy", "unit", "J");
-  file.write_rows(group + "/momentum", momentum, D);
-  file.write_attribute(group + "/momentum", "unit", "kg m/s");
-  file.write(group + "/last_mass", last);
-  file.write_attribute(group + "/last_mass", "unit", "kg");
+  write_column(file, group + "/count", "", flows, &GateFlow<D>::count);
+  if (inlets) write_column(file, group + "/waiting", "", flows, &GateFlow<D>::waiting);
+  write_column(file, group + "/mass", "kg", flows, &GateFlow<D>::mass);
+  write_column(file, group + "/energy", "J", flows, &GateFlow<D>::energy);
+  write_column(file, group + "/momentum", "kg m/s", flows, &GateFlow<D>::momentum);
+  write_column(file, group + "/last_mass", "kg", flows, &GateFlow<D>::last_mass);
 }
 
 template <int D>
 std::vector<GateFlow<D>> read_flows(const Hdf5File& file, const std::string& group, bool inlets) {
-  const std::vector<int> count = file.read_ints(group + "/count");
-  const std::size_t n = count.size();
-  const auto waiting = inlets ? file.read_ints(group + "/waiting", n) : std::vector<int>(n, 0);
-  const auto mass = file.read_doubles(group + "/mass", n);
-  const auto energy = file.read_doubles(group + "/energy", n);
-  const auto momentum = file.read_doubles(group + "/momentum", D * n);
-  const auto last = file.read_doubles(group + "/last_mass", n);
-  std::vector<GateFlow<D>> flows(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    flows[k] = {.count = count[k],
-                .mass = mass[k],
-                .energy = energy[k],
-                .momentum = Eigen::Map<const Vec<D>>(momentum.data() + D * k),
-                .waiting = waiting[k],
-                .last_mass = last[k]};
-  }
+  std::vector<GateFlow<D>> flows(file.size(group + "/count"));
+  read_column(file, group + "/count", flows, &GateFlow<D>::count);
+  if (inlets) read_column(file, group + "/waiting", flows, &GateFlow<D>::waiting);
+  read_column(file, group + "/mass", flows, &GateFlow<D>::mass);
+  read_column(file, group + "/energy", flows, &GateFlow<D>::energy);
+  read_column(file, group + "/momentum", flows, &GateFlow<D>::momentum);
+  read_column(file, group + "/last_mass", flows, &GateFlow<D>::last_mass);
   return flows;
 }
 
@@ -71,25 +41,30 @@ void add_columns(std::string& line, std::initializer_list<double> values) {
 }  // namespace
 
 template <int D>
+void write_body_constants(Hdf5File& file, const std::vector<Body<D>>& bodies, bool any_glued) {
+  write_column(file, "/bodies/radius", "m", bodies, &Body<D>::radius);
+  write_column(file, "/bodies/mass", "kg", bodies, &Body<D>::mass);
+  write_column(file, "/bodies/inertia", "kg m2", bodies, &Body<D>::inertia);
+  write_column(file, "/bodies/material", "", bodies, &Body<D>::material);
+  if (any_glued) write_column(file, "/bodies/wall", "", bodies, &Body<D>::wall);
+  write_point_numbers(file, "/bodies/points", bodies.size());
+}
+
+template <int D>
+void read_body_constants(const Hdf5File& file, std::vector<Body<D>>& bodies) {
+  const std::string at = bodies_group(file);
+  bodies.assign(file.size(at + "radius"), {});
+  read_column(file, at + "radius", bodies, &Body<D>::radius);
+  read_column(file, at + "mass", bodies, &Body<D>::mass);
+  read_column(file, at + "inertia", bodies, &Body<D>::inertia);
+  read_column(file, at + "material", bodies, &Body<D>::material);
+  read_optional_column(file, at + "wall", bodies, &Body<D>::wall);
+}
+
+template <int D>
 void write_population(Hdf5File& frame, const State<D>& state) {
-  const std::vector<Body<D>>& bodies = state.bodies;
   frame.write("/bodies/number", state.population.numbers);
-  const auto write = [&](const std::string& name, const char* unit, double Body<D>::*member) {
-    frame.write(name, of_bodies<D>(bodies, [&](const Body<D>& b) { return b.*member; }));
-    frame.write_attribute(name, "unit", unit);
-  };
-  write("/bodies/radius", "m", &Body<D>::radius);
-  write("/bodies/mass", "kg", &Body<D>::mass);
-  write("/bodies/inertia", "kg m2", &Body<D>::inertia);
-  std::vector<int> material, wall, points(bodies.size());
-  for (const Body<D>& b : bodies) {
-    material.push_back(b.material);
-    wall.push_back(b.wall);
-  }
-  std::iota(points.begin(), points.end(), 0);
-  frame.write("/bodies/material", material);
-  frame.write("/bodies/wall", wall);
-  frame.write("/bodies/points", points);
+  write_body_constants(frame, state.bodies, true);
   write_flows<D>(frame, "/outlets", false, state.population.outlets);
   write_flows<D>(frame, "/inlets", true, state.population.inlets);
 }
@@ -97,29 +72,18 @@ void write_population(Hdf5File& frame, const State<D>& state) {
 template <int D>
 bool read_population(const Hdf5File& frame, std::vector<Body<D>>& bodies,
                      Population<D>& population) {
-  const std::string bodies_at = bodies_group(frame);
-  const std::string number = bodies_at + "number";
+  const std::string number = bodies_group(frame) + "number";
   if (!frame.exists(number)) return false;
   population.numbers = frame.read_ints(number);
-  const std::size_t n = population.numbers.size();
   const bool increases =
       std::adjacent_find(population.numbers.begin(), population.numbers.end(),
                          [](int a, int b) { return a >= b; }) == population.numbers.end();
-  if (!increases || (n > 0 && population.numbers.front() < 0)) {
+  if (!increases || (!population.numbers.empty() && population.numbers.front() < 0)) {
     throw FileError(frame.path(), number, "not increasing from 0 on");
   }
-  const auto radius = frame.read_doubles(bodies_at + "radius", n);
-  const auto mass = frame.read_doubles(bodies_at + "mass", n);
-  const auto inertia = frame.read_doubles(bodies_at + "inertia", n);
-  const auto material = frame.read_ints(bodies_at + "material", n);
-  const auto wall = frame.read_ints(bodies_at + "wall", n);
-  bodies.assign(n, {});
-  for (std::size_t k = 0; k < n; ++k) {
-    bodies[k].radius = radius[k];
-    bodies[k].mass = mass[k];
-    bodies[k].inertia = inertia[k];
-    bodies[k].material = material[k];
-    bodies[k].wall = wall[k];
+  read_body_constants(frame, bodies);
+  if (bodies.size() != population.numbers.size()) {
+    throw FileError(frame.path(), number, "not one of each body");
   }
   population.outlets = read_flows<D>(frame, "/outlets", false);
   population.inlets = read_flows<D>(frame, "/inlets", true);
@@ -188,6 +152,10 @@ std::string gates_row(const Scene<D>& scene, const State<D>& state) {
   return line;
 }
 
+template void write_body_constants(Hdf5File&, const std::vector<Disk>&, bool);
+template void write_body_constants(Hdf5File&, const std::vector<Sphere>&, bool);
+template void read_body_constants(const Hdf5File&, std::vector<Disk>&);
+template void read_body_constants(const Hdf5File&, std::vector<Sphere>&);
 template void write_population(Hdf5File&, const State<2>&);
 template void write_population(Hdf5File&, const State<3>&);
 template bool read_population(const Hdf5File&, std::vector<Disk>&, Population<2>&);

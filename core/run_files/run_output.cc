@@ -47,8 +47,7 @@ void write_triangles(Hdf5File& file, const std::vector<Wall<3>>& walls) {
   }
   if (corners.empty()) return;
   file.write("/walls/triangles", counts);
-  file.write_rows("/walls/triangle", corners, 9);
-  file.write_attribute("/walls/triangle", "unit", "m");
+  file.write_rows("/walls/triangle", corners, 9, "m");
 }
 
 /// Writes the constant entries of the walls. Circles and walls moved across a force add datasets.
@@ -56,23 +55,21 @@ template <int D>
 void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
   const auto any = [&](const auto& is) { return std::any_of(walls.begin(), walls.end(), is); };
   file.write("/walls/name", names_of(walls));
-  write_ints(file, "/walls/shape", walls,
-             [](const Wall<D>& w) { return static_cast<int>(w.shape); });
-  write_ints(file, "/walls/motion", walls,
-             [](const Wall<D>& w) { return static_cast<int>(w.motion); });
-  write_ints(file, "/walls/material", walls, [](const Wall<D>& w) { return w.material; });
-  write_vectors(file, "/walls/normal", "1", walls, [](const Wall<D>& w) { return w.normal; });
-  write_vectors(file, "/walls/direction", "1", walls, [](const Wall<D>& w) { return w.direction; });
-  write_doubles(file, "/walls/mass", "kg", walls, [](const Wall<D>& w) { return w.mass; });
+  write_column(file, "/walls/shape", "", walls, &Wall<D>::shape);
+  write_column(file, "/walls/motion", "", walls, &Wall<D>::motion);
+  write_column(file, "/walls/material", "", walls, &Wall<D>::material);
+  write_column(file, "/walls/normal", "1", walls, &Wall<D>::normal);
+  write_column(file, "/walls/direction", "1", walls, &Wall<D>::direction);
+  write_column(file, "/walls/mass", "kg", walls, &Wall<D>::mass);
   if (any([](const Wall<D>& w) { return w.shape == Wall<D>::Shape::kCone; })) {
-    write_doubles(file, "/walls/radius_b", "m", walls, [](const Wall<D>& w) { return w.radius_b; });
+    write_column(file, "/walls/radius_b", "m", walls, &Wall<D>::radius_b);
   }
   if constexpr (D == 3) write_triangles(file, walls);
   if (any([](const Wall<D>& w) { return w.is_circle() || w.is_surface(); })) {
-    write_doubles(file, "/walls/radius", "m", walls, [](const Wall<D>& w) { return w.radius; });
+    write_column(file, "/walls/radius", "m", walls, &Wall<D>::radius);
   }
   if (any([](const Wall<D>& w) { return !w.across.isZero(0); })) {
-    write_vectors(file, "/walls/across", "m/s", walls, [](const Wall<D>& w) { return w.across; });
+    write_column(file, "/walls/across", "m/s", walls, &Wall<D>::across);
   }
   write_wall_drives(file, walls, walls);
 }
@@ -81,14 +78,10 @@ void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
 template <int D>
 void write_springs(Hdf5File& file, const Scene<D>& scene) {
   const SpringDashpotSetup setup = spring_dashpot_setup(scene);
-  file.write("/dem/stiffness", setup.stiffness);
-  file.write_attribute("/dem/stiffness", "unit", "N/m");
-  file.write("/dem/tangential_stiffness", setup.tangential_stiffness);
-  file.write_attribute("/dem/tangential_stiffness", "unit", "N/m");
-  file.write("/dem/substep", setup.substep);
-  file.write_attribute("/dem/substep", "unit", "s");
-  file.write("/dem/critical_step", setup.critical_step);
-  file.write_attribute("/dem/critical_step", "unit", "s");
+  file.write("/dem/stiffness", setup.stiffness, "N/m");
+  file.write("/dem/tangential_stiffness", setup.tangential_stiffness, "N/m");
+  file.write("/dem/substep", setup.substep, "s");
+  file.write("/dem/critical_step", setup.critical_step, "s");
 }
 
 XdmfIndex make_index(const Scene<2>& scene) {
@@ -304,14 +297,11 @@ void RunWriter<D>::write_run_file() const {
   file.write("/source", scene_.source);
   file.write("/scene", scene_text_);
   if (D == 3) file.write("/dimensions", D);
-  file.write("/gravity", std::vector<double>(scene_.gravity.begin(), scene_.gravity.end()));
-  file.write_attribute("/gravity", "unit", "m/s2");
-  file.write("/time_step", scene_.step);
-  file.write_attribute("/time_step", "unit", "s");
+  file.write("/gravity", std::span(scene_.gravity.data(), D), "m/s2");
+  file.write("/time_step", scene_.step, "s");
   if (scene_.accuracy > 0) file.write("/accuracy", scene_.accuracy);
   file.write("/num_steps", scene_.num_steps);
-  file.write("/contact_distance", scene_.contact_distance);
-  file.write_attribute("/contact_distance", "unit", "m");
+  file.write("/contact_distance", scene_.contact_distance, "m");
   const bool dem = scene_.model == Model::kSpringDashpot;
   file.write("/model", dem ? "dem" : "nscd");
   if (dem) write_springs(file, scene_);
@@ -325,36 +315,24 @@ void RunWriter<D>::write_run_file() const {
   }
   file.write("/materials/name", scene_.materials);
   const std::size_t materials = std::max<std::size_t>(1, scene_.materials.size());
-  const auto write_law = [&](const char* name, double ContactLaw::*member) {
+  const auto write_law = [&](const char* name, double ContactLaw::*member, const char* unit = "") {
     std::vector<double> table;
     for (const ContactLaw& law : scene_.laws) table.push_back(law.*member);
-    file.write_rows(std::string("/materials/") + name, table, materials);
+    file.write_rows(std::string("/materials/") + name, table, materials, unit);
   };
   write_law("mu", &ContactLaw::mu);
   write_law("e_n", &ContactLaw::e_n);
   write_law("e_t", &ContactLaw::e_t);
   if (scene_.has_rolling()) {
-    for (const auto& [name, member] :
-         {std::pair{"mu_r", &ContactLaw::mu_r}, std::pair{"mu_spin", &ContactLaw::mu_spin}}) {
-      write_law(name, member);
-      file.write_attribute(std::string("/materials/") + name, "unit", "m");
-    }
+    write_law("mu_r", &ContactLaw::mu_r, "m");
+    write_law("mu_spin", &ContactLaw::mu_spin, "m");
   }
-  if (scene_.has_cohesion()) {
-    write_law("cohesion", &ContactLaw::cohesion);
-    file.write_attribute("/materials/cohesion", "unit", "N");
-  }
+  if (scene_.has_cohesion()) write_law("cohesion", &ContactLaw::cohesion, "N");
 
   const auto& disks = scene_.bodies;
-  write_doubles(file, "/bodies/radius", "m", disks, [](const Body<D>& d) { return d.radius; });
-  write_doubles(file, "/bodies/mass", "kg", disks, [](const Body<D>& d) { return d.mass; });
-  write_doubles(file, "/bodies/inertia", "kg m2", disks,
-                [](const Body<D>& d) { return d.inertia; });
-  write_ints(file, "/bodies/material", disks, [](const Body<D>& d) { return d.material; });
-  if (std::any_of(disks.begin(), disks.end(), [](const Body<D>& d) { return d.wall >= 0; })) {
-    write_ints(file, "/bodies/wall", disks, [](const Body<D>& d) { return d.wall; });
-  }
-  write_point_numbers(file, "/bodies/points", disks.size());
+  const bool any_glued =
+      std::any_of(disks.begin(), disks.end(), [](const Body<D>& d) { return d.wall >= 0; });
+  write_body_constants(file, disks, any_glued);
   write_wall_definitions(file, scene_.walls);
   if (scene_.cell.periodic()) write_cell_definition(file, scene_.cell);
   if (scene_.has_gates()) write_no_body<D>(file, some_place(scene_));

@@ -10,6 +10,7 @@
 
 #include "core/files/hdf5_file.h"
 #include "core/run_files/frame_entries.h"
+#include "core/run_files/hdf5_columns.h"
 #include "core/scene/triangle_mesh.h"
 
 namespace bipot {
@@ -17,70 +18,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An enumerator read from a file.
-template <class Enum>
-Enum checked_enum(const Hdf5File& file, const std::string& name, int value, int last) {
-  if (value < 0 || value > last) {
-    throw FileError(file.path(), name, fmt::format("{} is not one of 0 to {}", value, last));
-  }
-  return static_cast<Enum>(value);
-}
-
-/// Row k of a dataset with D columns.
-template <int D>
-Vec<D> row_of(const std::vector<double>& values, std::size_t k) {
-  return Eigen::Map<const Vec<D>>(values.data() + D * k);
-}
-
-/// Reads the constant data of the disks of a scene.
-template <int D>
-std::vector<Body<D>> read_fixed_disks(const Hdf5File& fixed) {
-  const std::string at = bodies_group(fixed);
-  const std::vector<double> radius = fixed.read_doubles(at + "radius");
-  const std::size_t n = radius.size();
-  const auto mass = fixed.read_doubles(at + "mass", n);
-  const auto inertia = fixed.read_doubles(at + "inertia", n);
-  const auto material = fixed.read_ints(at + "material", n);
-  // Only scenes with rough walls have this entry.
-  const auto wall =
-      fixed.exists(at + "wall") ? fixed.read_ints(at + "wall", n) : std::vector<int>(n, -1);
-  std::vector<Body<D>> disks(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    disks[k].radius = radius[k];
-    disks[k].mass = mass[k];
-    disks[k].inertia = inertia[k];
-    disks[k].material = material[k];
-    disks[k].wall = wall[k];
-  }
-  return disks;
-}
-
 /// `fixed`: run.h5. `frame`: the frame's file, which describes all disks if some come or go.
 template <int D>
 std::vector<Body<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame,
                                 Population<D>& population) {
   std::vector<Body<D>> disks;
-  if (!read_population(frame, disks, population)) disks = read_fixed_disks<D>(fixed);
-  const std::size_t n = disks.size();
+  if (!read_population(frame, disks, population)) read_body_constants(fixed, disks);
   const std::string at = bodies_group(frame);
-  const auto x = frame.read_doubles(at + "x", D * n);
-  const auto turned =
-      D == 2 ? frame.read_doubles(at + "angle", n) : frame.read_doubles(at + "orientation", 4 * n);
-  const auto v = frame.read_doubles(at + "v", 3 * n);
-  const auto spin = frame.read_doubles(at + "spin", to_size(kSpins<D>) * n);
-  for (std::size_t k = 0; k < n; ++k) {
-    Body<D>& d = disks[k];
-    d.x = row_of<D>(x, k);
-    d.v = row_of<3>(v, k).template head<D>();
-    if constexpr (D == 2) {
-      d.angle = turned[k];
-      d.spin = spin[k];
-    } else {
-      d.orientation = Eigen::Quaterniond(turned[4 * k], turned[4 * k + 1], turned[4 * k + 2],
-                                         turned[4 * k + 3]);
-      d.spin = row_of<3>(spin, k);
+  read_column(frame, at + "x", disks, &Body<D>::x);
+  if constexpr (D == 2) {
+    read_column(frame, at + "angle", disks, &Disk::angle);
+  } else {
+    std::vector<Eigen::Vector4d> turned(disks.size());
+    read_column(frame, at + "orientation", turned, std::identity());
+    for (std::size_t k = 0; k < disks.size(); ++k) {
+      const Eigen::Vector4d& q = turned[k];
+      disks[k].orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
     }
   }
+  std::vector<Vec3> v(disks.size());
+  read_column(frame, at + "v", v, std::identity());
+  for (std::size_t k = 0; k < disks.size(); ++k) disks[k].v = v[k].head<D>();
+  read_column(frame, at + "spin", disks, &Body<D>::spin);
   return disks;
 }
 
@@ -113,56 +72,32 @@ void read_triangles(const Hdf5File& fixed, std::vector<Wall<3>>& walls) {
 
 template <int D>
 std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
-  const std::vector<std::string> names = fixed.read_strings("/walls/name");
-  const std::size_t count = names.size();
-  const auto shape = fixed.read_ints("/walls/shape", count);
-  const auto motion = fixed.read_ints("/walls/motion", count);
-  const auto wall_material = fixed.read_ints("/walls/material", count);
-  const auto normal = fixed.read_doubles("/walls/normal", D * count);
-  const auto direction = fixed.read_doubles("/walls/direction", D * count);
-  const auto wall_mass = fixed.read_doubles("/walls/mass", count);
-  const auto a = frame.read_doubles("/walls/a", D * count);
-  const auto b = frame.read_doubles("/walls/b", D * count);
-  const auto wall_v = frame.read_doubles("/walls/v", D * count);
+  using Wall = Wall<D>;
+  std::vector<Wall> walls;
+  for (std::string& name : fixed.read_strings("/walls/name")) {
+    walls.push_back({.name = std::move(name)});
+  }
+  read_column(fixed, "/walls/shape", walls, &Wall::shape, D == 2 ? 3 : 5);
+  // Walls that start or go: frames then have their motion of that moment.
+  const Hdf5File& motion = frame.exists("/walls/present") ? frame : fixed;
+  read_column(motion, "/walls/motion", walls, &Wall::motion, 2);
+  read_column(fixed, "/walls/material", walls, &Wall::material);
+  read_column(fixed, "/walls/normal", walls, &Wall::normal);
+  read_column(fixed, "/walls/direction", walls, &Wall::direction);
+  read_column(fixed, "/walls/mass", walls, &Wall::mass);
+  read_column(frame, "/walls/a", walls, &Wall::a);
+  read_column(frame, "/walls/b", walls, &Wall::b);
+  read_column(frame, "/walls/v", walls, &Wall::v);
   // Written if a scene has circles, belts, walls moved across a force, or walls that start or go.
-  const auto optional = [&](const Hdf5File& file, const char* name, std::size_t size) {
-    return file.exists(name) ? file.read_doubles(name, size) : std::vector<double>(size, 0.0);
-  };
-  const auto radius = optional(fixed, "/walls/radius", count);
-  const auto radius_b = optional(fixed, "/walls/radius_b", count);
-  const auto across = optional(fixed, "/walls/across", D * count);
-  const bool changes = frame.exists("/walls/present");
+  read_optional_column(fixed, "/walls/radius", walls, &Wall::radius);
+  read_optional_column(fixed, "/walls/radius_b", walls, &Wall::radius_b);
+  read_optional_column(fixed, "/walls/across", walls, &Wall::across);
   // Frames of earlier versions do not have them.
   const Hdf5File& drives = frame.exists("/walls/force") ? frame : fixed;
-  const auto force = drives.read_doubles("/walls/force", count);
-  const auto spin = optional(drives, "/walls/spin", count);
-  const auto belt = optional(drives, "/walls/belt", D * count);
-  const auto present =
-      changes ? frame.read_ints("/walls/present", count) : std::vector<int>(count, 1);
-  const auto motion_now = changes ? frame.read_ints("/walls/motion", count) : motion;
-  std::vector<Wall<D>> walls(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto at = [&](const std::vector<double>& y) { return row_of<D>(y, k); };
-    walls[k] = {
-        .name = names[k],
-        .shape =
-            checked_enum<typename Wall<D>::Shape>(fixed, "/walls/shape", shape[k], D == 2 ? 3 : 5),
-        .motion = checked_enum<typename Wall<D>::Motion>(fixed, "/walls/motion", motion_now[k], 2),
-        .a = at(a),
-        .b = at(b),
-        .normal = at(normal),
-        .v = at(wall_v),
-        .direction = at(direction),
-        .force = force[k],
-        .mass = wall_mass[k],
-        .material = wall_material[k],
-        .radius = radius[k],
-        .radius_b = radius_b[k],
-        .spin = spin[k],
-        .across = at(across),
-        .belt = at(belt),
-        .present = present[k] != 0};
-  }
+  read_column(drives, "/walls/force", walls, &Wall::force);
+  read_optional_column(drives, "/walls/spin", walls, &Wall::spin);
+  read_optional_column(drives, "/walls/belt", walls, &Wall::belt);
+  read_optional_column(frame, "/walls/present", walls, &Wall::present);
   if constexpr (D == 3) read_triangles(fixed, walls);
   return walls;
 }
@@ -174,19 +109,13 @@ PeriodicCell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
   const auto periodic = fixed.read_ints("/cell/periodic", 2);
   cell.in_x = periodic[0] != 0;
   cell.in_y = periodic[1] != 0;
-  const auto motion = fixed.read_ints("/cell/motion", 3);
-  const auto stress = fixed.read_doubles("/cell/stress", 3);
-  const auto mass = fixed.read_doubles("/cell/mass", 3);
-  const auto lengths = frame.read_doubles("/cell/lengths", 3);
-  const auto speeds = frame.read_doubles("/cell/speeds", 3);
-  for (int k = 0; k < 3; ++k) {
-    const std::size_t at = to_size(k);
-    cell.side(k) = {.motion = checked_enum<CellSide::Motion>(fixed, "/cell/motion", motion[at], 2),
-                    .length = lengths[at],
-                    .speed = speeds[at],
-                    .stress = stress[at],
-                    .mass = mass[at]};
-  }
+  std::vector<CellSide> sides(3);
+  read_column(fixed, "/cell/motion", sides, &CellSide::motion, 2);
+  read_column(fixed, "/cell/stress", sides, &CellSide::stress);
+  read_column(fixed, "/cell/mass", sides, &CellSide::mass);
+  read_column(frame, "/cell/lengths", sides, &CellSide::length);
+  read_column(frame, "/cell/speeds", sides, &CellSide::speed);
+  for (int k = 0; k < 3; ++k) cell.side(k) = sides[to_size(k)];
   return cell;
 }
 
@@ -194,59 +123,34 @@ PeriodicCell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
 template <int D>
 std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t disks,
                                              std::size_t walls) {
-  const std::vector<int> i = file.read_ints("/contacts/i");
-  const std::size_t c = i.size();
-  const auto j = file.read_ints("/contacts/j", c);
-  const auto status = file.read_ints("/contacts/status", c);
-  const auto contact_n = file.read_doubles("/contacts/n", D * c);
-  const auto gap = file.read_doubles("/contacts/gap", c);
-  const auto s_n = file.read_doubles("/contacts/s_n", c);
-  const auto s_t = file.read_doubles("/contacts/s_t", to_size(kSpins<D>) * c);
-  const auto u_n = file.read_doubles("/contacts/u_n", c);
-  const auto u_t = file.read_doubles("/contacts/u_t", to_size(kSpins<D>) * c);
-  const auto tangents = [&](const char* name) {
-    const std::size_t size = to_size(kSpins<D>) * c;
-    return file.exists(name) ? file.read_doubles(name, size) : std::vector<double>(size, 0.0);
-  };
+  using Outcome = ContactOutcome<D>;
+  std::vector<Outcome> contacts(file.size("/contacts/i"));
+  read_column(file, "/contacts/i", contacts, [](Outcome& c) -> int& { return c.contact.i; });
+  read_column(file, "/contacts/j", contacts, [](Outcome& c) -> int& { return c.contact.j; });
+  read_column(file, "/contacts/status", contacts, &Outcome::status, 2);
+  read_column(file, "/contacts/n", contacts, [](Outcome& c) -> Vec<D>& { return c.contact.n; });
+  read_column(file, "/contacts/gap", contacts, [](Outcome& c) -> double& { return c.contact.gap; });
+  read_column(file, "/contacts/s_n", contacts, &Outcome::s_n);
+  read_column(file, "/contacts/s_t", contacts, &Outcome::s_t);
+  read_column(file, "/contacts/u_n", contacts, &Outcome::u_n);
+  read_column(file, "/contacts/u_t", contacts, &Outcome::u_t);
   // Only the spring-dashpot model writes springs.
-  const auto spring = tangents("/contacts/spring");
+  read_optional_column(file, "/contacts/spring", contacts, &Outcome::spring);
   // Only scenes with cohesion write bonds; elsewhere every contact may become one.
-  const auto bonded = file.exists("/contacts/bonded") ? file.read_ints("/contacts/bonded", c)
-                                                      : std::vector<int>(c, 1);
+  read_optional_column(file, "/contacts/bonded", contacts, &Outcome::bonded);
   // Only scenes with rolling friction write moments.
-  const auto moment = tangents("/contacts/moment");
+  read_optional_column(file, "/contacts/moment", contacts, &Outcome::moment);
   // Only periodic scenes write images.
-  const bool images = file.exists("/contacts/image_x");
-  const auto image_x = images ? file.read_ints("/contacts/image_x", c) : std::vector<int>(c);
-  const auto image_y = images ? file.read_ints("/contacts/image_y", c) : std::vector<int>(c);
-  const auto tangential = [](const std::vector<double>& values, std::size_t k) -> Tangent<D> {
-    if constexpr (D == 2) {
-      return values[k];
-    } else {
-      return row_of<3>(values, k);
-    }
-  };
-  std::vector<ContactOutcome<D>> contacts(c);
-  for (std::size_t k = 0; k < c; ++k) {
-    if (i[k] < 0 || i[k] >= static_cast<int>(disks) || j[k] < 0 ||
-        j[k] >= static_cast<int>(disks + walls)) {
+  read_optional_column(file, "/contacts/image_x", contacts,
+                       [](Outcome& c) -> int& { return c.contact.image_x; });
+  read_optional_column(file, "/contacts/image_y", contacts,
+                       [](Outcome& c) -> int& { return c.contact.image_y; });
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const int i = contacts[k].contact.i, j = contacts[k].contact.j;
+    if (i < 0 || i >= static_cast<int>(disks) || j < 0 || j >= static_cast<int>(disks + walls)) {
       throw FileError(file.path(), "/contacts",
-                      fmt::format("contact {} joins the bodies {} and {}", k, i[k], j[k]));
+                      fmt::format("contact {} joins the bodies {} and {}", k, i, j));
     }
-    contacts[k] = {.contact = {.i = i[k],
-                               .j = j[k],
-                               .n = row_of<D>(contact_n, k),
-                               .gap = gap[k],
-                               .image_x = image_x[k],
-                               .image_y = image_y[k]},
-                   .s_n = s_n[k],
-                   .s_t = tangential(s_t, k),
-                   .u_n = u_n[k],
-                   .u_t = tangential(u_t, k),
-                   .status = checked_enum<ContactStatus>(file, "/contacts/status", status[k], 2),
-                   .bonded = bonded[k] != 0,
-                   .spring = tangential(spring, k),
-                   .moment = tangential(moment, k)};
   }
   return contacts;
 }
