@@ -102,19 +102,17 @@ void XdmfIndex::add(const Frame& frame) {
                                       {"tangential velocity", "u_t"},
                                       {"gap", "gap"}}) {
     const bool tangential = std::string_view(dataset).ends_with("_t");
-    content +=
-        attribute(name, group + "/" + dataset, contacts, "PeriodicCell", tangential ? turns : 1);
+    content += attribute(name, group + "/" + dataset, contacts, "Cell", tangential ? turns : 1);
   }
   for (const auto& [name, dataset] :
        {std::pair{"status", "status"}, {"body i", "i"}, {"body j", "j"}}) {
-    content += attribute(name, group + "/" + dataset, contacts, "PeriodicCell", 1, true);
+    content += attribute(name, group + "/" + dataset, contacts, "Cell", 1, true);
   }
   if (num_disks_ > 0 || bodies_change_) contacts_ += grid(content);
   if (num_walls_ > 0 && dimensions_ == 3) walls_ += grid(pieces(file + "/walls", num_walls_));
   if (num_walls_ > 0 && dimensions_ == 2) {
-    walls_ +=
-        grid(segments(file + "/walls", num_walls_) +
-             attribute("material", "run.h5:/walls/material", num_walls_, "PeriodicCell", 1, true));
+    walls_ += grid(segments(file + "/walls", num_walls_) +
+                   attribute("material", "run.h5:/walls/material", num_walls_, "Cell", 1, true));
   }
   if (num_cell_lines_ > 0) cell_ += grid(segments(file + "/cell", num_cell_lines_, dimensions_));
   if (num_circles_ > 0) {

@@ -26,8 +26,8 @@ struct Grid {
   // Cells beyond this index share the outermost one: correct, only slower.
   static constexpr double kMaxCell = D == 2 ? 1 << 30 : (1 << 20) - 2;
 
-  using PeriodicCell = std::array<std::int64_t, to_size(D)>;
-  static std::uint64_t key(const PeriodicCell& cell) {
+  using GridCell = std::array<std::int64_t, to_size(D)>;
+  static std::uint64_t key(const GridCell& cell) {
     std::uint64_t key = 0;
     for (std::size_t k = cell.size(); k-- > 0;) {
       key =
@@ -58,9 +58,9 @@ struct Level {
   double cell = 0;
   std::vector<CellEntry> entries;
 
-  typename Grid<D>::PeriodicCell cell_of(const Vec<D>& x) const {
+  typename Grid<D>::GridCell cell_of(const Vec<D>& x) const {
     constexpr double kMost = Grid<D>::kMaxCell;
-    typename Grid<D>::PeriodicCell index;
+    typename Grid<D>::GridCell index;
     for (int k = 0; k < D; ++k) {
       index[to_size(k)] =
           static_cast<std::int64_t>(std::clamp(std::floor(x[k] / cell), -kMost, kMost));
@@ -252,7 +252,7 @@ void find_within(std::span<const Body<D>> disks, const Level<D>& level, int begi
 /// Contacts of a disk with the entries of three adjacent cells of a row; `cell` is the middle one.
 template <int D>
 void find_in_row(std::span<const Body<D>> disks, int disk, const Level<D>& coarse,
-                 typename Grid<D>::PeriodicCell cell, double eta, std::vector<Contact<D>>& out) {
+                 typename Grid<D>::GridCell cell, double eta, std::vector<Contact<D>>& out) {
   const std::uint64_t middle = Grid<D>::key(cell);
   auto it = first_from(coarse.entries, middle - 1);
   for (; it != coarse.entries.end() && it->key <= middle + 1; ++it) {

@@ -77,7 +77,7 @@ struct Synonym {
   KeyWords keys;  // the first one that the table takes is meant
 };
 
-/// KeyWords of other programs and textbooks.
+/// Words of other programs and textbooks.
 const std::vector<Synonym>& all_synonyms() {
   static const std::vector<Synonym> synonyms = {
       {"friction", {"mu"}},

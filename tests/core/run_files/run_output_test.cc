@@ -266,6 +266,7 @@ TEST(RunOutput, TheXdmfIndexIsWellFormedAndLeadsToItsDataAfterEveryFrame) {
     writer.frame(state);
     const std::string xml = file_text(folder / "out/run.xdmf");
     EXPECT_EQ(markup_defect(xml), "");
+    EXPECT_FALSE(std::regex_search(xml, std::regex("Center=\"(?!Node|Cell)")));  // ParaView's words
     // Disks: points, x, radius, mass, material, v, spin, angle, stress, pressure. Contacts: points,
     // segment and ten fields, with or without contacts. Walls: points, segment, material.
     EXPECT_EQ(expect_data(folder / "out", xml), (step + 1) * (10 + 12 + 3));
