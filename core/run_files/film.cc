@@ -97,14 +97,7 @@ void FilmRecorder<D>::rewrite(const std::vector<FilmFrame>& frames) {
   write(kFilmMark);
   write(bytes_of(grid_));
   frames_ = bytes_ = 0;
-  for (const FilmFrame& frame : frames) {
-    const std::string bytes = to_bytes(frame);
-    write(bytes_of(static_cast<std::uint32_t>(bytes.size())));
-    write(bytes);
-    last_ = frame.step;
-    bytes_ += bytes.size();
-    ++frames_;
-  }
+  for (const FilmFrame& frame : frames) append(frame);
   std::error_code error;
   if (std::fflush(file_.get()) == 0) fs::rename(draft, path_, error);
   if (error) throw FileError(path_, "", "cannot write: " + error.message());
@@ -118,11 +111,6 @@ void FilmRecorder<D>::step(const State<D>& state) {
 }
 
 template <int D>
-void FilmRecorder<D>::finish(const State<D>& last) {
-  add(last);
-}
-
-template <int D>
 void FilmRecorder<D>::add(const State<D>& state) {
   if (state.step <= last_) return;
   FilmFrame frame = film_frame(state, grid_, scene_.step, scene_.has_gates());
@@ -132,13 +120,18 @@ void FilmRecorder<D>::add(const State<D>& state) {
       frame.wall_turn.push_back(angle_code(turned_angle(wall, state.time)));
     }
   }
-  const std::string bytes = to_bytes(frame);
-  write(bytes_of(static_cast<std::uint32_t>(bytes.size())));
-  write(bytes);
+  append(frame);
   if (std::fflush(file_.get()) != 0) {
     throw FileError(path_, "", std::string("cannot write: ") + std::strerror(errno));
   }
-  last_ = state.step;
+}
+
+template <int D>
+void FilmRecorder<D>::append(const FilmFrame& frame) {
+  const std::string bytes = to_bytes(frame);
+  write(bytes_of(static_cast<std::uint32_t>(bytes.size())));
+  write(bytes);
+  last_ = frame.step;
   bytes_ += bytes.size();
   ++frames_;
 }

@@ -28,13 +28,14 @@ class FilmRecorder {
   /// Takes the state if its step is due.
   void step(const State<D>& state);
   /// Takes the last state in any case.
-  void finish(const State<D>& last);
+  void finish(const State<D>& last) { add(last); }
 
  private:
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   void add(const State<D>& state);
+  void append(const FilmFrame& frame);
   void write(std::string_view bytes);
   void rewrite(const std::vector<FilmFrame>& frames);
   void thin();

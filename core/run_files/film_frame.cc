@@ -6,6 +6,7 @@
 #include <cstring>
 #include <numbers>
 #include <stdexcept>
+#include <tuple>
 
 namespace bipot {
 namespace {
@@ -22,9 +23,12 @@ double unit_value(std::uint16_t code) { return code / 32767.0 - 1; }
 
 /// Appends the bytes of numbers, their count first.
 template <class T>
+void put(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+template <class T>
 void put(std::string& bytes, const std::vector<T>& values) {
-  const auto count = static_cast<std::uint32_t>(values.size());
-  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+  put(bytes, static_cast<std::uint32_t>(values.size()));
   bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
 }
 
@@ -53,6 +57,14 @@ class ByteReader {
   }
   std::string_view rest_;
 };
+
+/// What a frame consists of, in the order of its bytes.
+template <class Frame>
+auto fields(Frame& f) {
+  return std::tie(f.step, f.time, f.cell, f.walls, f.wall_turn, f.number, f.radius, f.mass,
+                  f.material, f.x, f.turn, f.v, f.spin, f.i, f.j, f.n, f.gap, f.force_n, f.force_t,
+                  f.status);
+}
 
 template <int N>
 void add_logs(std::vector<std::uint16_t>& codes, const Eigen::Matrix<double, N, 1>& x) {
@@ -191,44 +203,14 @@ FilmFrame film_frame(const State<D>& state, const FilmGrid& grid, double step, b
 
 std::string to_bytes(const FilmFrame& frame) {
   std::string bytes;
-  bytes.append(reinterpret_cast<const char*>(&frame.step), sizeof frame.step);
-  bytes.append(reinterpret_cast<const char*>(&frame.time), sizeof frame.time);
-  bytes.append(reinterpret_cast<const char*>(frame.cell.data()), sizeof frame.cell);
-  put(bytes, frame.walls);
-  put(bytes, frame.wall_turn);
-  put(bytes, frame.number);
-  put(bytes, frame.radius);
-  put(bytes, frame.mass);
-  put(bytes, frame.material);
-  put(bytes, frame.x);
-  for (const auto* codes : {&frame.turn, &frame.v, &frame.spin}) put(bytes, *codes);
-  put(bytes, frame.i);
-  put(bytes, frame.j);
-  for (const auto* codes : {&frame.n, &frame.gap, &frame.force_n, &frame.force_t}) {
-    put(bytes, *codes);
-  }
-  put(bytes, frame.status);
+  std::apply([&](const auto&... field) { (put(bytes, field), ...); }, fields(frame));
   return bytes;
 }
 
 FilmFrame frame_of_bytes(std::string_view bytes) {
   FilmFrame frame;
   ByteReader reader(bytes);
-  reader.take(frame.step);
-  reader.take(frame.time);
-  reader.take(frame.cell);
-  reader.take(frame.walls);
-  reader.take(frame.wall_turn);
-  reader.take(frame.number);
-  reader.take(frame.radius);
-  reader.take(frame.mass);
-  reader.take(frame.material);
-  reader.take(frame.x);
-  for (auto* codes : {&frame.turn, &frame.v, &frame.spin}) reader.take(*codes);
-  reader.take(frame.i);
-  reader.take(frame.j);
-  for (auto* codes : {&frame.n, &frame.gap, &frame.force_n, &frame.force_t}) reader.take(*codes);
-  reader.take(frame.status);
+  std::apply([&](auto&... field) { (reader.take(field), ...); }, fields(frame));
   if (!reader.at_end()) throw std::invalid_argument("a film frame is too long");
   return frame;
 }
