@@ -43,6 +43,12 @@ void add_number(std::string& line, double x) {
   }
 }
 
+std::string step_and_time(int step, double time) {
+  std::string row = fmt::format("{}", step);
+  add_number(row, time);
+  return row;
+}
+
 std::string csv_cell(std::string_view text) {
   if (text.find_first_of(",\"\n\r") == std::string_view::npos) return std::string(text);
   std::string cell = "\"";

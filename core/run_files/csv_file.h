@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "core/base/file_error.h"
 
@@ -12,6 +13,32 @@ namespace bipot {
 
 /// Adds a comma and the number to a line: 9 digits, nan without a sign.
 void add_number(std::string& line, double x);
+
+/// The same for several numbers, and for the components of vectors.
+template <class... Values>
+void add_numbers(std::string& line, const Values&... values) {
+  const auto add = [&](const auto& value) {
+    if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(value)>>) {
+      add_number(line, value);
+    } else {
+      for (const double x : value) add_number(line, x);
+    }
+  };
+  (add(values), ...);
+}
+
+/// "12,0.024": the begin of a row.
+std::string step_and_time(int step, double time);
+
+/// ",vx [m/s],vy [m/s]": a column of each axis, in D dimensions.
+template <int D>
+std::string columns_of_axes(std::string_view before, std::string_view after) {
+  std::string columns;
+  for (const char axis : std::string_view("xyz").substr(0, D)) {
+    columns.append(",").append(before).append(1, axis).append(after);
+  }
+  return columns;
+}
 
 /// A text as one cell of a row: in quotes if it has commas or quotes.
 std::string csv_cell(std::string_view text);

@@ -130,13 +130,6 @@ std::string profile_header() {
   return "step,time [s],bin" + bin_columns<D>();
 }
 
-/// "12,0.024" of a row.
-std::string step_and_time(int step, double time) {
-  std::string row = fmt::format("{}", step);
-  add_number(row, time);
-  return row;
-}
-
 /// Mean and standard deviation of the defined values.
 struct Sum {
   int count = 0;
@@ -175,8 +168,7 @@ void write_means(const fs::path& folder, double starts) {
     for (const auto& row : rows) sum.add(row[k]);
     means[table.names[k]] = sum.mean();
     text += table.names[k];
-    add_number(text, sum.mean());
-    add_number(text, sum.deviation());
+    add_numbers(text, sum.mean(), sum.deviation());
     text += fmt::format(",{}\n", sum.count);
   }
   const char axes[] = {'x', 'y', 'z'};
@@ -239,7 +231,7 @@ void write_force_means(const fs::path& folder, double starts) {
   for (const auto& [number, b] : bins) {
     text += fmt::format("{}", number);
     const double density = total > 0 ? b.count / total / (b.high - b.low) : kNaN;
-    for (const double x : {b.low, b.high, b.count, density}) add_number(text, x);
+    add_numbers(text, b.low, b.high, b.count, density);
     text += "\n";
   }
   write_text_file(folder / "forces_mean.csv", text);
@@ -335,8 +327,7 @@ void ObservableWriter<D>::step(const State<D>& state) {
   for (std::size_t b = 0; b < forces.counts.size(); ++b) {
     const double low = static_cast<double>(b) * width;
     std::string bin = step_and_time(state.step, state.time) + fmt::format(",{}", b);
-    add_number(bin, low);
-    add_number(bin, low + width);
+    add_numbers(bin, low, low + width);
     bin += fmt::format(",{}", forces.counts[b]);
     add_number(bin, forces.mean);
     forces_.row(bin);

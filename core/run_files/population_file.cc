@@ -34,10 +34,6 @@ std::vector<GateFlow<D>> read_flows(const Hdf5File& file, const std::string& gro
   return flows;
 }
 
-void add_columns(std::string& line, std::initializer_list<double> values) {
-  for (const double x : values) add_number(line, x);
-}
-
 }  // namespace
 
 template <int D>
@@ -118,10 +114,8 @@ template <int D>
 std::string gates_header(const Scene<D>& scene) {
   std::string line = fmt::format("step,time [s],{}s,mass [kg]", kBodyName<D>);
   const auto add = [&](const std::string& name) {
-    line += fmt::format(",{0}_count,{0}_mass [kg],{0}_flux [kg/s],{0}_energy [J]", name);
-    for (const char* axis : {"x", "y", "z"}) {
-      if (D == 3 || *axis != 'z') line += fmt::format(",{}_momentum_{} [kg m/s]", name, axis);
-    }
+    line += fmt::format(",{0}_count,{0}_mass [kg],{0}_flux [kg/s],{0}_energy [J]", name) +
+            columns_of_axes<D>(name + "_momentum_", " [kg m/s]");
   };
   for (const Outlet<D>& outlet : scene.outlets) add(outlet.name);
   for (const Inlet<D>& inlet : scene.inlets) {
@@ -133,16 +127,14 @@ std::string gates_header(const Scene<D>& scene) {
 
 template <int D>
 std::string gates_row(const Scene<D>& scene, const State<D>& state) {
-  std::string line = fmt::format("{}", state.step);
-  add_number(line, state.time);
-  line += fmt::format(",{}", state.bodies.size());
+  std::string line =
+      step_and_time(state.step, state.time) + fmt::format(",{}", state.bodies.size());
   double inside = 0;
   for (const Body<D>& body : state.bodies) inside += body.mass;
-  add_columns(line, {inside});
+  add_number(line, inside);
   const auto add = [&](const GateFlow<D>& flow) {
     fmt::format_to(std::back_inserter(line), ",{}", flow.count);
-    add_columns(line, {flow.mass, flow.last_mass / scene.step, flow.energy});
-    for (int k = 0; k < D; ++k) add_columns(line, {flow.momentum[k]});
+    add_numbers(line, flow.mass, flow.last_mass / scene.step, flow.energy, flow.momentum);
   };
   for (const GateFlow<D>& flow : state.population.outlets) add(flow);
   for (const GateFlow<D>& flow : state.population.inlets) {

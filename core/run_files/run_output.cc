@@ -84,23 +84,22 @@ void write_springs(Hdf5File& file, const Scene<D>& scene) {
   file.write("/dem/critical_step", setup.critical_step, "s");
 }
 
-XdmfIndex make_index(const Scene<2>& scene) {
-  XdmfIndex index(scene.bodies.size(), scene.walls.size(),
-                  to_size(std::count_if(scene.walls.begin(), scene.walls.end(),
-                                        [](const Wall<2>& w) { return w.is_circle(); })),
-                  scene.cell.in_y   ? 4
-                  : scene.cell.in_x ? 2
-                                    : 0);
-  if (scene.has_gates()) index.let_bodies_change();
-  if (!scene.clusters.empty()) index.let_disks_be_joined();
-  return index;
-}
-XdmfIndex make_index(const Scene<3>& scene) {
-  const std::size_t lines = scene.cell.in_y ? 12 : scene.cell.in_x ? 8 : 0;
-  XdmfIndex index = XdmfIndex::in_space(scene.bodies.size(), num_wall_pieces(scene.walls), lines);
-  if (scene.has_gates()) index.let_bodies_change();
-  if (!scene.clusters.empty()) index.let_disks_be_joined();
-  return index;
+template <int D>
+XdmfIndex make_index(const Scene<D>& scene) {
+  XdmfIndex::Contents has{.dimensions = D,
+                          .bodies = scene.bodies.size(),
+                          .bodies_change = scene.has_gates(),
+                          .clusters = !scene.clusters.empty()};
+  if constexpr (D == 2) {
+    has.walls = scene.walls.size();
+    has.circles = to_size(std::count_if(scene.walls.begin(), scene.walls.end(),
+                                        [](const Wall<2>& w) { return w.is_circle(); }));
+    has.cell_lines = scene.cell.in_y ? 4 : scene.cell.in_x ? 2 : 0;
+  } else {
+    has.walls = num_wall_pieces(scene.walls);
+    has.cell_lines = scene.cell.in_y ? 12 : scene.cell.in_x ? 8 : 0;
+  }
+  return XdmfIndex(has);
 }
 
 /// A place for stand-ins.
@@ -113,58 +112,34 @@ Vec<D> some_place(const Scene<D>& scene) {
 /// Names and units of the columns of the ledger.
 template <int D>
 std::string ledger_header(bool dem, bool gates, bool accurate, bool cohesion) {
-  const std::string passed =
-      !gates ? ""
-             : std::string(",passed [J],momentum_passed_x [kg m/s],momentum_passed_y [kg m/s]") +
-                   (D == 3 ? ",momentum_passed_z [kg m/s]" : "");
-  const std::string last =
-      (dem ? ",elastic [J]" : "") + passed +
-      (accurate ? ",parts,rejected,smallest_part [s],misplaced,limited_by" : "") +
-      (cohesion ? ",cohesion_loss [J]" : "");
-  if constexpr (D == 3) {
-    return "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
-           "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
-           "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
-           "momentum_z [kg m/s],momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],"
-           "momentum_imbalance_z [kg m/s],penetration [m],overlap,travel,volume [m3],stress_xx [Pa],"
-           "stress_yy [Pa],stress_zz [Pa],stress_xy [Pa],stress_xz [Pa],stress_yz [Pa],"
-           "kinetic_pressure [Pa]" +
-           last;
-  }
-  return std::string(
-             "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
-             "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
-             "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
-             "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],overlap,travel,"
-             "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
-             "kinetic_pressure [Pa]") +
-         last;
-}
-
-template <class... Values>
-void add_numbers(std::string& line, const Values&... values) {
-  (add_number(line, values), ...);
+  const std::string area = D == 2 ? "area [m2]" : "volume [m3]";
+  const std::string stress = D == 2 ? ",stress_xx [Pa],stress_yy [Pa],stress_xy [Pa]"
+                                    : ",stress_xx [Pa],stress_yy [Pa],stress_zz [Pa]"
+                                      ",stress_xy [Pa],stress_xz [Pa],stress_yz [Pa]";
+  return "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,natural_map"
+         ",kinetic [J],potential [J],wall_work [J],friction_loss [J],shock_loss [J],imbalance [J]" +
+         columns_of_axes<D>("momentum_", " [kg m/s]") +
+         columns_of_axes<D>("momentum_imbalance_", " [kg m/s]") +
+         ",penetration [m],overlap,travel," + area + stress + ",kinetic_pressure [Pa]" +
+         (dem ? ",elastic [J]" : "") +
+         (gates ? ",passed [J]" + columns_of_axes<D>("momentum_passed_", " [kg m/s]") : "") +
+         (accurate ? ",parts,rejected,smallest_part [s],misplaced,limited_by" : "") +
+         (cohesion ? ",cohesion_loss [J]" : "");
 }
 
 template <int D>
-const char* walls_header() {
-  return D == 2 ? "step,time [s],wall,x [m],y [m],vx [m/s],vy [m/s],force_x [N],force_y [N],"
-                  "reaction_x [N],reaction_y [N]"
-                : "step,time [s],wall,x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],force_x [N],"
-                  "force_y [N],force_z [N],reaction_x [N],reaction_y [N],reaction_z [N]";
+std::string walls_header() {
+  return "step,time [s],wall" + columns_of_axes<D>("", " [m]") + columns_of_axes<D>("v", " [m/s]") +
+         columns_of_axes<D>("force_", " [N]") + columns_of_axes<D>("reaction_", " [N]");
 }
 
 /// Motion of a wall, the force that drives it (nan without one) and that of the bodies on it.
 template <int D>
 std::string wall_row(const State<D>& state, const Wall<D>& wall, const Vec<D>& reaction) {
-  std::string line = fmt::format("{}", state.step);
-  add_number(line, state.time);
-  line += "," + csv_cell(wall.name);
+  std::string line = step_and_time(state.step, state.time) + "," + csv_cell(wall.name);
   const bool driven = wall.motion == Wall<D>::Motion::kDriven;
   const Vec<D> force = driven ? Vec<D>(wall.force * wall.direction) : Vec<D>::Constant(kNaN);
-  for (const Vec<D>& part : {wall.a, wall.v, force, reaction}) {
-    for (const double x : part) add_number(line, x);
-  }
+  add_numbers(line, wall.a, wall.v, force, reaction);
   return line;
 }
 
@@ -172,17 +147,14 @@ std::string wall_row(const State<D>& state, const Wall<D>& wall, const Vec<D>& r
 template <int D>
 std::string ledger_row(const StepReport<D>& r, const MeanStress<D>& stress, bool dem) {
   const EnergyLedger& e = r.energy;
-  std::string line = fmt::format("{}", r.step);
-  add_numbers(line, r.time);
+  std::string line = step_and_time(r.step, r.time);
   fmt::format_to(std::back_inserter(line), ",{},{},{},{}", r.contacts, r.active, r.iterations,
                  r.converged ? 1 : 0);
   add_numbers(line, r.error.epsilon, r.error.eta, r.error.raw42, r.error.natural_map, e.kinetic,
-              e.potential, e.wall_work, e.friction_loss, e.shock_loss, e.imbalance);
-  for (int k = 0; k < D; ++k) add_numbers(line, r.momentum[k]);
-  for (int k = 0; k < D; ++k) add_numbers(line, r.momentum_imbalance[k]);
-  add_numbers(line, r.penetration, r.overlap, r.travel, stress.area);
+              e.potential, e.wall_work, e.friction_loss, e.shock_loss, e.imbalance, r.momentum,
+              r.momentum_imbalance, r.penetration, r.overlap, r.travel, stress.area);
   const Mat<D> total = stress.total();
-  for (int k = 0; k < D; ++k) add_numbers(line, total(k, k));
+  add_numbers(line, Vec<D>(total.diagonal()));
   for (int k = 0; k < D; ++k) {
     for (int l = k + 1; l < D; ++l) add_numbers(line, 0.5 * (total(k, l) + total(l, k)));
   }
@@ -192,20 +164,14 @@ std::string ledger_row(const StepReport<D>& r, const MeanStress<D>& stress, bool
 }
 
 template <int D>
-const char* trajectory_header() {
-  return D == 2 ? "step,time [s],disk,x [m],y [m],angle [rad],vx [m/s],vy [m/s],spin [rad/s]"
-                : "step,time [s],sphere,x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],"
-                  "spin_x [rad/s],spin_y [rad/s],spin_z [rad/s]";
+std::string trajectory_header() {
+  return fmt::format("step,time [s],{}", kBodyName<D>) + columns_of_axes<D>("", " [m]") +
+         (D == 2 ? ",angle [rad]" : "") + columns_of_axes<D>("v", " [m/s]") +
+         (D == 2 ? ",spin [rad/s]" : columns_of_axes<D>("spin_", " [rad/s]"));
 }
 
-void add_motion(std::string& line, const Disk& d) {
-  add_numbers(line, d.x[0], d.x[1], d.angle, d.v[0], d.v[1], d.spin);
-}
-void add_motion(std::string& line, const Sphere& s) {
-  for (const Vec3* part : {&s.x, &s.v, &s.spin}) {
-    add_numbers(line, (*part)[0], (*part)[1], (*part)[2]);
-  }
-}
+void add_motion(std::string& line, const Disk& d) { add_numbers(line, d.x, d.angle, d.v, d.spin); }
+void add_motion(std::string& line, const Sphere& s) { add_numbers(line, s.x, s.v, s.spin); }
 
 /// A stand-in contact for states without contacts: zeros.
 void write_no_contact(Hdf5File& file, const Vec2& x) {
@@ -357,8 +323,7 @@ void RunWriter<D>::write_row(const State<D>& state, const StepReport<D>& r) {
   known_stress_ = {state.step, stress_of_sample(state, scene_.step)};
   std::string line = ledger_row(r, known_stress_.second, scene_.model == Model::kSpringDashpot);
   if (gates_) {
-    add_numbers(line, r.energy.passed);
-    for (const double p : momentum_passed(state)) add_numbers(line, p);
+    add_numbers(line, r.energy.passed, momentum_passed(state));
   }
   if (scene_.accuracy > 0) {
     line += fmt::format(",{},{}", r.cut.parts, r.cut.rejected());
@@ -391,9 +356,7 @@ void RunWriter<D>::step(const State<D>& state, const StepReport<D>& r) {
   for (int disk : scene_.output.track) {
     const int index = body_index(state, disk);
     if (index < 0) continue;  // it has left
-    std::string line = fmt::format("{}", state.step);
-    add_number(line, state.time);
-    line += fmt::format(",{}", disk);
+    std::string line = step_and_time(state.step, state.time) + fmt::format(",{}", disk);
     add_motion(line, state.bodies.at(to_size(index)));
     trajectory_->row(line);
   }

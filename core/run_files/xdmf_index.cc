@@ -33,27 +33,25 @@ std::string attribute(const char* name, const std::string& where, std::size_t ro
       centre, data_item(where, rows, columns, integer));
 }
 
-std::string geometry(const std::string& where, std::size_t points, int dimensions = 2) {
+std::string geometry(const std::string& where, std::size_t points, int dimensions) {
   return fmt::format("      <Geometry GeometryType=\"{}\">{}</Geometry>\n",
                      dimensions == 2 ? "XY" : "XYZ", data_item(where, points, dimensions, false));
 }
 
-/// Line segments of two points each.
-std::string segments(const std::string& where, std::size_t count, int dimensions = 2) {
+/// Cells of some points each; `where`: the numbers of the points.
+std::string topology(const char* type, const std::string& where, std::size_t cells, int points) {
+  const std::string nodes = std::string_view(type) == "Quadrilateral"
+                                ? std::string()
+                                : fmt::format(" NodesPerElement=\"{}\"", points);
   return fmt::format(
-             "      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
-             "NodesPerElement=\"2\">{}</Topology>\n",
-             count, data_item(where + "/points", 2 * count, 1, true)) +
-         geometry(where + "/segment", 2 * count, dimensions);
+      "      <Topology TopologyType=\"{}\" NumberOfElements=\"{}\"{}>{}</Topology>\n", type, cells,
+      nodes, data_item(where, cells * to_size(points), 1, true));
 }
 
-/// Pieces of walls with four corners each.
-std::string pieces(const std::string& where, std::size_t count) {
-  return fmt::format(
-             "      <Topology TopologyType=\"Quadrilateral\" "
-             "NumberOfElements=\"{}\">{}</Topology>\n",
-             count, data_item(where + "/points", 4 * count, 1, true)) +
-         geometry(where + "/piece", 4 * count, 3);
+/// Line segments of two points each.
+std::string segments(const std::string& where, std::size_t count, int dimensions) {
+  return topology("Polyline", where + "/points", count, 2) +
+         geometry(where + "/segment", 2 * count, dimensions);
 }
 
 }  // namespace
@@ -65,26 +63,25 @@ void XdmfIndex::add(const Frame& frame) {
         "    <Grid GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n{}    </Grid>\n",
         frame.time, content);
   };
-  const int turns = dimensions_ == 2 ? 1 : 3;  // components of spins and tangential parts
-  if (num_disks_ > 0 || bodies_change_) {
+  const int turns = has_.dimensions == 2 ? 1 : 3;  // components of spins and tangential parts
+  if (has_.bodies > 0 || has_.bodies_change) {
     // Constant data lie in run.h5, unless the bodies change; no bodies are shown as one of radius
     // 0.
-    const bool none = bodies_change_ && frame.bodies == 0;
-    const std::size_t n = none ? 1 : bodies_change_ ? frame.bodies : num_disks_;
+    const bool none = has_.bodies_change && frame.bodies == 0;
+    const std::size_t n = none ? 1 : has_.bodies_change ? frame.bodies : has_.bodies;
     const std::string moving = none ? "run.h5:/no_body/" : file + frame.group;
-    const std::string fixed = bodies_change_ ? moving : "run.h5:/bodies/";
+    const std::string fixed = has_.bodies_change ? moving : "run.h5:/bodies/";
     disks_ += grid(
-        fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
-                    "NodesPerElement=\"1\">{}</Topology>\n",
-                    n, data_item(fixed + "points", n, 1, true)) +
-        geometry(moving + (num_cell_lines_ > 0 ? "x_in_cell" : "x"), n, dimensions_) +
+        topology("Polyvertex", fixed + "points", n, 1) +
+        geometry(moving + (has_.cell_lines > 0 ? "x_in_cell" : "x"), n, has_.dimensions) +
         attribute("radius", fixed + "radius", n, "Node") +
         attribute("mass", fixed + "mass", n, "Node") +
         attribute("material", fixed + "material", n, "Node", 1, true) +
-        (clusters_ ? attribute("cluster", moving + "cluster", n, "Node", 1, true) : std::string()) +
+        (has_.clusters ? attribute("cluster", moving + "cluster", n, "Node", 1, true)
+                       : std::string()) +
         attribute("velocity", moving + "v", n, "Node", 3) +
         attribute("spin", moving + "spin", n, "Node", turns) +
-        (dimensions_ == 2 ? attribute("angle", moving + "angle", n, "Node") : std::string()) +
+        (has_.dimensions == 2 ? attribute("angle", moving + "angle", n, "Node") : std::string()) +
         (frame.stress ? attribute("stress", moving + "stress", n, "Node", 6) +
                             attribute("pressure", moving + "pressure", n, "Node")
                       : std::string()));
@@ -93,7 +90,7 @@ void XdmfIndex::add(const Frame& frame) {
   // contacts shows run.h5:/no_contact, a segment of no length and no force.
   const std::size_t contacts = std::max<std::size_t>(1, frame.contacts);
   const std::string group = frame.contacts > 0 ? file + "/contacts" : "run.h5:/no_contact";
-  std::string content = segments(group, contacts, dimensions_);
+  std::string content = segments(group, contacts, has_.dimensions);
   for (const auto& [name, dataset] : {std::pair{"normal force", "force_n"},
                                       {"tangential force", "force_t"},
                                       {"normal impulse", "s_n"},
@@ -108,21 +105,20 @@ void XdmfIndex::add(const Frame& frame) {
        {std::pair{"status", "status"}, {"body i", "i"}, {"body j", "j"}}) {
     content += attribute(name, group + "/" + dataset, contacts, "Cell", 1, true);
   }
-  if (num_disks_ > 0 || bodies_change_) contacts_ += grid(content);
-  if (num_walls_ > 0 && dimensions_ == 3) walls_ += grid(pieces(file + "/walls", num_walls_));
-  if (num_walls_ > 0 && dimensions_ == 2) {
-    walls_ += grid(segments(file + "/walls", num_walls_) +
-                   attribute("material", "run.h5:/walls/material", num_walls_, "Cell", 1, true));
+  if (has_.bodies > 0 || has_.bodies_change) contacts_ += grid(content);
+  if (has_.walls > 0) {
+    const std::string at = file + "/walls";
+    walls_ += grid(has_.dimensions == 3 ? topology("Quadrilateral", at + "/points", has_.walls, 4) +
+                                              geometry(at + "/piece", 4 * has_.walls, 3)
+                                        : segments(at, has_.walls, 2) +
+                                              attribute("material", "run.h5:/walls/material",
+                                                        has_.walls, "Cell", 1, true));
   }
-  if (num_cell_lines_ > 0) cell_ += grid(segments(file + "/cell", num_cell_lines_, dimensions_));
-  if (num_circles_ > 0) {
-    const std::size_t points = num_circles_ * to_size(kRimPoints);
-    circles_ +=
-        grid(fmt::format("      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
-                         "NodesPerElement=\"{}\">{}</Topology>\n",
-                         num_circles_, kRimPoints,
-                         data_item(file + "/walls/rim_points", points, 1, true)) +
-             geometry(file + "/walls/rim", points));
+  if (has_.cell_lines > 0)
+    cell_ += grid(segments(file + "/cell", has_.cell_lines, has_.dimensions));
+  if (has_.circles > 0) {
+    circles_ += grid(topology("Polyline", file + "/walls/rim_points", has_.circles, kRimPoints) +
+                     geometry(file + "/walls/rim", has_.circles * to_size(kRimPoints), 2));
   }
 }
 
