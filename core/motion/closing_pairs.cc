@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/motion/body_forces.h"
+#include "core/scene/periodic_detection.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
@@ -162,25 +163,6 @@ PairPlace<D> pair_place(const std::vector<Body<D>>& bodies, const std::vector<Wa
 }
 
 template <int D>
-double pair_radius(const std::vector<Body<D>>& bodies, const std::vector<Wall<D>>& walls, int i,
-                   int other) {
-  const double radius = bodies[to_size(i)].radius;
-  const std::size_t j = to_size(other);
-  if (j < bodies.size()) return std::min(radius, bodies[j].radius);
-  const Wall<D>& wall = walls[j - bodies.size()];
-  const bool solid = wall.shape == Wall<D>::Shape::kSolidCircle;
-  return solid ? std::min(radius, wall.radius) : radius;
-}
-
-template <int D>
-const ContactLaw& pair_law(const Scene<D>& scene, const std::vector<Body<D>>& bodies,
-                           const std::vector<Wall<D>>& walls, int i, int other) {
-  const std::size_t j = to_size(other);
-  return scene.law(bodies[to_size(i)].material,
-                   j < bodies.size() ? bodies[j].material : walls[j - bodies.size()].material);
-}
-
-template <int D>
 ClosingPairs<D>::ClosingPairs(const Scene<D>& scene, int threads)
     : scene_(scene), threads_(threads) {
   if (!scene.cell.periodic()) return;
@@ -195,8 +177,7 @@ ClosingPairs<D>::ClosingPairs(const Scene<D>& scene, int threads)
   }
 }
 
-/// Calls visit(pair) for bodies and walls; in a periodic cell for the nearest images and those
-/// around them.
+/// Calls visit(pair) for bodies and walls, with the images of visit_wall_images().
 template <int D>
 template <class Visit>
 void ClosingPairs<D>::visit_walls(const State<D>& state, const std::vector<Wall<D>>& walls,
@@ -209,19 +190,9 @@ void ClosingPairs<D>::visit_walls(const State<D>& state, const std::vector<Wall<
       const Wall<D>& wall = walls[w];
       if (!wall.present) continue;
       const int j = count + static_cast<int>(w);
-      if (!state.cell.periodic() || wall.shape == Wall<D>::Shape::kHalfPlane) {
-        visit({i, j, 0, 0});
-        continue;
-      }
-      const PeriodicCell& cell = state.cell;
-      const Vec<D> middle = wall.is_circle() ? wall.a : Vec<D>(0.5 * (wall.a + wall.b));
-      const Vec<D> from = body.x - middle;
-      const int ky = cell.in_y ? static_cast<int>(std::lround(from[1] / cell.height.length)) : 0;
-      const int kx =
-          static_cast<int>(std::lround((from[0] - ky * cell.offset.length) / cell.width.length));
-      for (int dy = cell.in_y ? -1 : 0; dy <= (cell.in_y ? 1 : 0); ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) visit({i, j, kx + dx, ky + dy});
-      }
+      visit_wall_images<D>(state.cell, wall, body.x, [&](int kx, int ky) {
+        visit({i, j, kx, ky});
+      });
     }
   }
 }
@@ -342,12 +313,6 @@ template PairPlace<2> pair_place(const std::vector<Disk>&, const std::vector<Wal
                                  const PeriodicCell&, const NearPairs<2>::Pair&);
 template PairPlace<3> pair_place(const std::vector<Sphere>&, const std::vector<Wall<3>>&,
                                  const PeriodicCell&, const NearPairs<3>::Pair&);
-template double pair_radius(const std::vector<Disk>&, const std::vector<Wall<2>>&, int, int);
-template double pair_radius(const std::vector<Sphere>&, const std::vector<Wall<3>>&, int, int);
-template const ContactLaw& pair_law(const Scene<2>&, const std::vector<Disk>&,
-                                    const std::vector<Wall<2>>&, int, int);
-template const ContactLaw& pair_law(const Scene<3>&, const std::vector<Sphere>&,
-                                    const std::vector<Wall<3>>&, int, int);
 template class ClosingPairs<2>;
 template class ClosingPairs<3>;
 

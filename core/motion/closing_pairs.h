@@ -39,14 +39,6 @@ template <int D>
 PairPlace<D> pair_place(const std::vector<Body<D>>& bodies, const std::vector<Wall<D>>& walls,
                         const PeriodicCell& cell, const typename NearPairs<D>::Pair& pair);
 
-/// The smaller radius of a pair, and its contact law.
-template <int D>
-double pair_radius(const std::vector<Body<D>>& bodies, const std::vector<Wall<D>>& walls, int i,
-                   int j);
-template <int D>
-const ContactLaw& pair_law(const Scene<D>& scene, const std::vector<Body<D>>& bodies,
-                           const std::vector<Wall<D>>& walls, int i, int j);
-
 /// A pair that is about to collide.
 template <int D>
 struct Closing {

@@ -22,9 +22,7 @@ std::vector<double> cohesive_forces(const Scene<D>& scene,
     };
     while (old != state.contacts.end() && key_of(*old) < key) ++old;
     const bool bond = all || (old != state.contacts.end() && key_of(*old) == key && old->bonded);
-    const std::size_t i = to_size(c.i), j = to_size(c.j);
-    const int other = j < bodies.size() ? bodies[j].material : walls[j - bodies.size()].material;
-    const double most = scene.law(bodies[i].material, other).cohesion;
+    const double most = pair_law(scene, bodies, walls, c.i, c.j).cohesion;
     forces.push_back(bond && c.gap <= scene.detection_distance() ? most : 0.0);
   }
   return forces;

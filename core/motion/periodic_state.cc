@@ -113,11 +113,7 @@ std::vector<CellNumber> images_over(const PeriodicCell& cell, const Box<2>& cont
 template <int D>
 Box<2> extent_of_bodies(const State<D>& state) {
   Box<2> box;
-  for (const Body<D>& d : state.bodies) {
-    const Vec2 x = d.x.template head<2>();
-    box.include(x - Vec2::Constant(d.radius));
-    box.include(x + Vec2::Constant(d.radius));
-  }
+  for (const Body<D>& d : state.bodies) box.include(d.x.template head<2>(), d.radius);
   return box;
 }
 template Box<2> extent_of_bodies(const State<2>&);

@@ -15,8 +15,6 @@ namespace {
 
 constexpr int kRimPoints = 256;
 
-Vec2 centre_at_middle(const Disk& d, double step) { return d.x - 0.5 * step * d.v; }
-
 double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 double polygon_area(const std::vector<Vec2>& corners) {
@@ -68,7 +66,7 @@ double drum_area(const State<2>& state, double step) {
     if (w.shape != Wall<2>::Shape::kHollowCircle || !w.present || !(w.radius < smallest)) continue;
     const Vec2 at = w.a - 0.5 * step * w.v;
     const bool holds = std::all_of(state.bodies.begin(), state.bodies.end(), [&](const Disk& d) {
-      return (centre_at_middle(d, step) - at).norm() < w.radius;
+      return (middle_of_step(d, step) - at).norm() < w.radius;
     });
     if (!holds) continue;
     smallest = w.radius;
@@ -97,7 +95,7 @@ double enclosed_area(const State<2>& state, double step, const Box<2>& disks) {
     if (w.shape != Wall<2>::Shape::kHalfPlane || !w.present) continue;
     const Vec2 point = w.a - 0.5 * step * w.v;
     for (const Disk& d : state.bodies) {
-      if ((centre_at_middle(d, step) - point).dot(w.normal) < 0) return kNaN;
+      if ((middle_of_step(d, step) - point).dot(w.normal) < 0) return kNaN;
     }
     polygon = clip(polygon, point, w.normal);
   }
@@ -250,10 +248,7 @@ double hull_area(std::vector<Vec2> points) {
 double sample_measure(const State<2>& state, double step) {
   if (state.bodies.empty()) return 0;
   Box<2> box;
-  for (const Disk& d : state.bodies) {
-    box.include(centre_at_middle(d, step) - Vec2::Constant(d.radius));
-    box.include(centre_at_middle(d, step) + Vec2::Constant(d.radius));
-  }
+  for (const Disk& d : state.bodies) box.include(middle_of_step(d, step), d.radius);
   if (state.cell.periodic()) return cell_area(state, step, box);
   if (const double enclosed = enclosed_area(state, step, box); std::isfinite(enclosed)) {
     return enclosed;
@@ -267,7 +262,7 @@ double sample_measure(const State<2>& state, double step) {
   std::vector<Vec2> centres;
   std::vector<double> radii;
   for (const Disk& d : state.bodies) {
-    centres.push_back(centre_at_middle(d, step));
+    centres.push_back(middle_of_step(d, step));
     radii.push_back(d.radius);
   }
   const InnerPolygon inner(centres, radii, directions, box);

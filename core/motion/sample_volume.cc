@@ -15,8 +15,6 @@ namespace {
 
 constexpr int kPrism = 64;  // sides that stand for a cylinder
 
-Vec3 centre_at_middle(const Sphere& s, double step) { return s.x - 0.5 * step * s.v; }
-
 /// Sorts the corners of a convex polygon with normal n around their mean.
 void put_in_order(std::vector<Vec3>& corners, const Vec3& n) {
   Vec3 mean = Vec3::Zero();
@@ -221,14 +219,14 @@ double enclosed_volume(const State<3>& state, double step, const Box<3>& spheres
     const Vec3 point = w.a - 0.5 * step * w.v;
     if (w.shape == Wall<3>::Shape::kHollowCircle) {
       for (const Sphere& s : state.bodies) {
-        const Vec3 d = centre_at_middle(s, step) - point;
+        const Vec3 d = middle_of_step(s, step) - point;
         if (!(d.cross(w.normal).norm() < w.radius)) return kNaN;
       }
       clip_by_cylinder(body, point, w);
     }
     if (w.shape != Wall<3>::Shape::kHalfPlane) continue;
     for (const Sphere& s : state.bodies) {
-      if ((centre_at_middle(s, step) - point).dot(w.normal) < 0) return kNaN;
+      if ((middle_of_step(s, step) - point).dot(w.normal) < 0) return kNaN;
     }
     body.clip(point, w.normal);
   }
@@ -327,10 +325,7 @@ void clip_by_cylinder(ConvexBody& body, const Vec3& point, const Wall<3>& wall) 
 double sample_measure(const State<3>& state, double step) {
   if (state.bodies.empty()) return 0;
   Box<3> box;
-  for (const Sphere& s : state.bodies) {
-    box.include(centre_at_middle(s, step) - Vec3::Constant(s.radius));
-    box.include(centre_at_middle(s, step) + Vec3::Constant(s.radius));
-  }
+  for (const Sphere& s : state.bodies) box.include(middle_of_step(s, step), s.radius);
   if (state.cell.periodic()) return cell_volume(state, step, box);
   if (const double enclosed = enclosed_volume(state, step, box); std::isfinite(enclosed)) {
     return enclosed;
@@ -339,7 +334,7 @@ double sample_measure(const State<3>& state, double step) {
   all.reserve(state.bodies.size());
   const Vec3 middle = 0.5 * (box.lower + box.upper);
   for (const Sphere& s : state.bodies) {
-    all.push_back({centre_at_middle(s, step) - middle, s.radius});
+    all.push_back({middle_of_step(s, step) - middle, s.radius});
   }
   constexpr std::size_t kFew = 100;  // for fewer, to look for outer ones costs more than it saves
   const std::vector<Ball> outer = all.size() < kFew ? all : outer_spheres(all);

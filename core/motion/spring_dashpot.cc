@@ -31,8 +31,6 @@ bool before(int i, int j, int other_i, int other_j) {
 // Tangents and turns in the plane and in space.
 bool is_zero(double x) { return x == 0; }
 bool is_zero(const Vec3& x) { return x.isZero(0); }
-double inner(double a, double b) { return a * b; }
-double inner(const Vec3& a, const Vec3& b) { return a.dot(b); }
 double with_length(double x, double length) { return std::copysign(length, x); }
 Vec3 with_length(const Vec3& x, double length) { return length / x.norm() * x; }
 /// Tangential velocity; v: of the centres, rim: Σ radius spin.

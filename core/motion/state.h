@@ -53,6 +53,12 @@ State<D> initial_state(const Scene<D>& scene);
 template <int D>
 double time_after_step(const State<D>& state, double h);
 
+/// Where a body was in the middle of the step of size h that it has just taken.
+template <int D>
+Vec<D> middle_of_step(const Body<D>& body, double h) {
+  return body.x - 0.5 * h * body.v;
+}
+
 /// Sums over the bodies of a state, computed in one pass.
 template <int D>
 struct StateSums {

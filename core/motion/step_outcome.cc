@@ -107,12 +107,11 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
   if (assembled.shift.size() > 0) u -= assembled.shift;
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
     const Contact<D>& contact = mid.contacts[c];
-    const std::size_t i = to_size(contact.i), j = to_size(contact.j);
+    const std::size_t j = to_size(contact.j);
     const bool with_disk = j < num_disks;
     const int w = with_disk ? disks[j].wall : static_cast<int>(j - num_disks);
     const Wall<D>* wall = w < 0 ? nullptr : &mid.walls[to_size(w)];
-    const ContactLaw& law =
-        scene.law(disks[i].material, with_disk ? disks[j].material : wall->material);
+    const ContactLaw& law = pair_law(scene, disks, mid.walls, contact.i, contact.j);
     const ContactValues<D> values = contact_values<D>(p, assembled, law, static_cast<int>(c), s, u);
     const Wall<D>* const touched = with_disk ? nullptr : &scene.walls[to_size(w)];
     const Tangent<D> s_t = tangential<D>(values.s, contact_axes<D>(contact.n, touched));

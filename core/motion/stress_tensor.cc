@@ -12,17 +12,6 @@
 namespace bipot {
 namespace {
 
-/// The matrix of w × (in 2D w e3 ×, a quarter turn counter-clockwise).
-Mat2 cross_matrix(double w) { return (Mat2() << 0, -w, w, 0).finished(); }
-Mat<3> cross_matrix(const Vec3& w) {
-  return (Mat<3>() << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0).finished();
-}
-
-template <int D>
-Vec<D> middle(const Body<D>& d, double step) {
-  return d.x - 0.5 * step * d.v;
-}
-
 /// Force and geometry of a contact. Its tensor is f ⊗ l except for the antisymmetric part, which
 /// uses the lever arms of the step (MeanStress).
 template <int D>
@@ -47,7 +36,7 @@ std::vector<Link<D>> collect_links(const State<D>& state, double step) {
     const Body<D>& a = state.bodies[static_cast<std::size_t>(o.contact.i)];
     Link<D> link;
     link.i = o.contact.i;
-    link.from = middle(a, step);
+    link.from = middle_of_step(a, step);
     double arms = a.radius;
     if (o.contact.j < num_disks) {
       const Body<D>& b = state.bodies[static_cast<std::size_t>(o.contact.j)];
@@ -238,7 +227,7 @@ std::vector<Centre<D>> centres(const State<D>& state, double step,
   for (std::size_t k = 0; k < state.bodies.size(); ++k) {
     if (state.bodies[k].cluster >= 0) continue;
     list.push_back({state.bodies[k], moments[k]});
-    list.back().body.x = middle(state.bodies[k], step);
+    list.back().body.x = middle_of_step(state.bodies[k], step);
   }
   if (state.clusters.empty()) return list;
   const std::size_t first = list.size();

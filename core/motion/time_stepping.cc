@@ -303,13 +303,7 @@ void TimeStepper<D>::Inside::measure_overlaps(const State<D>& start, const Midpo
   for (const Contact<D>& c : mid.contacts) {
     if (!(c.gap < 0)) continue;
     report.penetration = std::max(report.penetration, -c.gap);
-    double radius = bodies[to_size(c.i)].radius;
-    const std::size_t j = to_size(c.j);
-    if (j < bodies.size()) {
-      radius = std::min(radius, bodies[j].radius);
-    } else if (mid.walls[j - bodies.size()].shape == Wall<D>::Shape::kSolidCircle) {
-      radius = std::min(radius, mid.walls[j - bodies.size()].radius);
-    }
+    const double radius = pair_radius(bodies, mid.walls, c.i, c.j);
     if (-c.gap <= report.overlap * radius) continue;
     report.overlap = -c.gap / radius;
     worst = &c;

@@ -16,16 +16,13 @@ namespace {
 
 /// Newton's method for the mean angular momentum of the mid-point rule; in the principal axes.
 Vec3 mean_momentum(const Vec3& start, const Vec3& inertia, double h) {
-  const auto cross = [](const Vec3& x) {
-    return (Mat<3>() << 0, -x[2], x[1], x[2], 0, -x[0], -x[1], x[0], 0).finished();
-  };
   Vec3 mean = start;
   for (int k = 0; k < 20; ++k) {
     const Vec3 spin = mean.cwiseQuotient(inertia);
     const Vec3 residual = mean - start - 0.5 * h * mean.cross(spin);
     const Mat<3> slope =
         Mat<3>::Identity() -
-        0.5 * h * (cross(mean) * inertia.cwiseInverse().asDiagonal() - cross(spin));
+        0.5 * h * (cross_matrix(mean) * inertia.cwiseInverse().asDiagonal() - cross_matrix(spin));
     const Vec3 change = slope.inverse() * residual;
     mean -= change;
     if (!(change.norm() > 1e-16 * mean.norm())) break;

@@ -50,6 +50,15 @@ inline Vec3 swept(const Vec3& spin, const Vec3& arm) { return spin.cross(arm); }
 inline double arm_times(const Vec2& arm, const Vec2& x) { return arm[0] * x[1] - arm[1] * x[0]; }
 inline Vec3 arm_times(const Vec3& arm, const Vec3& x) { return arm.cross(x); }
 
+inline double inner(double a, double b) { return a * b; }
+inline double inner(const Vec3& a, const Vec3& b) { return a.dot(b); }
+
+/// The matrix of w × (in 2D w e3 ×, a quarter turn counter-clockwise).
+inline Mat<2> cross_matrix(double w) { return (Mat<2>() << 0, -w, w, 0).finished(); }
+inline Mat<3> cross_matrix(const Vec3& w) {
+  return (Mat<3>() << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0).finished();
+}
+
 /// Zero of a Spin or Tangent.
 template <int D>
 Spin<D> no_turn() {

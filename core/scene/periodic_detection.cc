@@ -76,11 +76,6 @@ Contact<D> between_originals(const Contact<D>& found, const CellCopy<D>& copy) {
   return contact;
 }
 
-template <int D>
-Vec<D> middle_of(const Wall<D>& wall) {
-  return wall.shape == Wall<D>::Shape::kSegment ? Vec<D>(0.5 * (wall.a + wall.b)) : wall.a;
-}
-
 /// Contacts of the disks with one wall, the image with the smallest gap of each.
 template <int D>
 void find_at_wall(const std::vector<Body<D>>& disks, const Wall<D>& wall, int j,
@@ -90,25 +85,15 @@ void find_at_wall(const std::vector<Body<D>>& disks, const Wall<D>& wall, int j,
   for (std::size_t i = 0; i < disks.size(); ++i) {
     if (disks[i].wall >= 0) continue;
     found.clear();
-    if (wall.shape == Wall<D>::Shape::kHalfPlane) {
-      find_wall_contact<D>(disks[i], static_cast<int>(i), wall, j, eta, found);
-    } else {
-      const Vec<D> from = disks[i].x - middle_of(wall);
-      const int ky = cell.in_y ? static_cast<int>(std::lround(from[1] / cell.height.length)) : 0;
-      const int kx =
-          static_cast<int>(std::lround((from[0] - ky * cell.offset.length) / cell.width.length));
-      for (int dy = cell.in_y ? -1 : 0; dy <= (cell.in_y ? 1 : 0); ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          Body<D> seen = disks[i];
-          seen.x -= in_dimensions<D>(cell.shift(kx + dx, ky + dy));
-          const std::size_t before = found.size();
-          find_wall_contact<D>(seen, static_cast<int>(i), wall, j, eta, found);
-          if (found.size() == before) continue;
-          found.back().image_x = kx + dx;
-          found.back().image_y = ky + dy;
-        }
-      }
-    }
+    visit_wall_images<D>(cell, wall, disks[i].x, [&](int kx, int ky) {
+      Body<D> seen = disks[i];
+      seen.x -= in_dimensions<D>(cell.shift(kx, ky));
+      const std::size_t before = found.size();
+      find_wall_contact<D>(seen, static_cast<int>(i), wall, j, eta, found);
+      if (found.size() == before) return;
+      found.back().image_x = kx;
+      found.back().image_y = ky;
+    });
     if (found.empty()) continue;
     out.push_back(*std::min_element(found.begin(), found.end(),
                                     [](const auto& a, const auto& b) { return a.gap < b.gap; }));

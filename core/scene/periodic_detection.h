@@ -20,4 +20,19 @@ std::vector<Contact<D>> detect_periodic_contacts(const std::vector<Body<D>>& dis
                                                  const PeriodicCell& cell, double eta,
                                                  int threads = 1);
 
+/// Calls visit(kx, ky) for the images of a body at x that may touch a wall: that nearest to its
+/// middle and those around it. The body itself if the scene is not periodic, and at half-planes.
+template <int D, class Visit>
+void visit_wall_images(const PeriodicCell& cell, const Wall<D>& wall, const Vec<D>& x,
+                       const Visit& visit) {
+  if (!cell.periodic() || wall.shape == Wall<D>::Shape::kHalfPlane) return visit(0, 0);
+  const Vec<D> from = x - (wall.is_circle() ? wall.a : Vec<D>(0.5 * (wall.a + wall.b)));
+  const int ky = cell.in_y ? static_cast<int>(std::lround(from[1] / cell.height.length)) : 0;
+  const int kx =
+      static_cast<int>(std::lround((from[0] - ky * cell.offset.length) / cell.width.length));
+  for (int dy = cell.in_y ? -1 : 0; dy <= (cell.in_y ? 1 : 0); ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) visit(kx + dx, ky + dy);
+  }
+}
+
 }  // namespace bipot

@@ -333,6 +333,26 @@ struct Scene {
   int contact_rows() const { return has_rolling() ? 3 * (D - 1) : (has_friction() ? D : 1); }
 };
 
+/// The smaller radius of the pair of a body with another one or with a wall: j = bodies.size() + wall.
+template <class Bodies, class Walls>
+double pair_radius(const Bodies& bodies, const Walls& walls, int i, int j) {
+  const double radius = bodies[to_size(i)].radius;
+  const std::size_t other = to_size(j);
+  if (other < bodies.size()) return std::min(radius, bodies[other].radius);
+  const auto& wall = walls[other - bodies.size()];
+  const bool solid = wall.shape == decltype(wall.shape)::kSolidCircle;
+  return solid ? std::min(radius, wall.radius) : radius;
+}
+/// Its contact law.
+template <int D, class Bodies, class Walls>
+const ContactLaw& pair_law(const Scene<D>& scene, const Bodies& bodies, const Walls& walls, int i,
+                           int j) {
+  const std::size_t other = to_size(j);
+  return scene.law(bodies[to_size(i)].material, other < bodies.size()
+                                                    ? bodies[other].material
+                                                    : walls[other - bodies.size()].material);
+}
+
 /// Gravity at a time; a step takes that at its middle. [m/s²]
 template <int D>
 Vec<D> gravity_at(const Scene<D>& scene, double time);

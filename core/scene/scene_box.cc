@@ -24,9 +24,7 @@ Vec2 nearest_point(const Wall<2>& wall, const Vec2& x) {
 }
 
 void include_circle(const Wall<2>& wall, Box<2>& box) {
-  if (!wall.is_circle()) return;
-  box.include(wall.a - Vec2::Constant(wall.radius));
-  box.include(wall.a + Vec2::Constant(wall.radius));
+  if (wall.is_circle()) box.include(wall.a, wall.radius);
 }
 
 }  // namespace
@@ -35,8 +33,7 @@ Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls) {
   Box<2> box;
   double largest = 0;
   for (const Disk& d : disks) {
-    box.include(d.x + Vec2::Constant(d.radius));
-    box.include(d.x - Vec2::Constant(d.radius));
+    box.include(d.x, d.radius);
     largest = std::max(largest, d.radius);
   }
   if (box.empty()) {

@@ -18,6 +18,11 @@ struct Box {
     lower = lower.cwiseMin(x);
     upper = upper.cwiseMax(x);
   }
+  /// A round body.
+  void include(const Vec<D>& x, double radius) {
+    include(x - Vec<D>::Constant(radius));
+    include(x + Vec<D>::Constant(radius));
+  }
   void widen(double by) {
     lower.array() -= by;
     upper.array() += by;

@@ -16,15 +16,6 @@ namespace {
 /// Deeper overlaps count, over the smaller radius. Springs of the model dem need overlaps.
 constexpr double kTouching = 1e-6, kSpringsTouch = 0.1;
 
-template <int D>
-double smaller_radius(const Scene<D>& scene, const Contact<D>& c) {
-  const double radius = scene.bodies[to_size(c.i)].radius;
-  const std::size_t j = to_size(c.j), bodies = scene.bodies.size();
-  if (j < bodies) return std::min(radius, scene.bodies[j].radius);
-  const Wall<D>& wall = scene.walls[j - bodies];
-  return wall.shape == Wall<D>::Shape::kSolidCircle ? std::min(radius, wall.radius) : radius;
-}
-
 /// How far x is inside; negative: outside.                                                 [m]
 template <int D>
 double depth_inside(const Outlet<D>& outlet, const Vec<D>& x) {
@@ -83,7 +74,7 @@ std::vector<StartOverlap<D>> start_overlaps(const Scene<D>& scene, int threads) 
   const double touching = scene.model == Model::kSpringDashpot ? kSpringsTouch : kTouching;
   std::vector<StartOverlap<D>> overlaps;
   for (const Contact<D>& c : contacts) {
-    const double radii = -c.gap / smaller_radius(scene, c);
+    const double radii = -c.gap / pair_radius(scene.bodies, scene.walls, c.i, c.j);
     if (radii > touching) overlaps.push_back({c, radii});
   }
   find_in_outlets(scene, overlaps);

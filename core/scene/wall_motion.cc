@@ -62,58 +62,19 @@ double turned_angle(const Wall<D>& scene_wall, double time) {
 }
 
 template <int D>
-Vec<D> driven_velocity(const Wall<D>& wall, double speed) {
-  Vec<D> v = speed * wall.direction;
-  if (!wall.across.isZero(0)) v += wall.across;
-  return v;
-}
-
-template <int D>
-double driven_speed(const Wall<D>& wall) {
-  return (wall.v - wall.across).dot(wall.direction);
-}
-
-template <int D>
-double wall_kinetic_energy(const Wall<D>& wall) {
-  if (wall.motion != Wall<D>::Motion::kDriven) return 0;
-  return 0.5 * wall.mass * (wall.v - wall.across).squaredNorm();
-}
-
-template <int D>
-Vec<D> wall_momentum(const Wall<D>& wall) {
-  if (wall.motion != Wall<D>::Motion::kDriven) return Vec<D>::Zero();
-  return wall.mass * (wall.v - wall.across);
-}
-
-template <int D>
 Vec<D> surface_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>& v,
                         const std::type_identity_t<Vec<D>>& n) {
   if (wall.is_circle()) return wall.spin != 0 ? Vec<D>(v + turning(wall, n)) : v;
   return wall.belt.isZero(0) ? v : Vec<D>(v + running<D>(wall, n));
 }
 
-template <int D>
-Vec<D> prescribed_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>& n) {
-  return surface_velocity(wall, wall.motion == Wall<D>::Motion::kDriven ? wall.across : wall.v, n);
-}
-
 template std::vector<Wall<2>> walls_at(const std::vector<Wall<2>>&, const std::vector<Wall<2>>&,
                                        double, double);
 template double turned_angle(const Wall<2>&, double);
-template Vec2 driven_velocity(const Wall<2>&, double);
-template double driven_speed(const Wall<2>&);
-template double wall_kinetic_energy(const Wall<2>&);
-template Vec2 wall_momentum(const Wall<2>&);
 template Vec2 surface_velocity<2>(const Wall<2>&, const Vec2&, const Vec2&);
-template Vec2 prescribed_velocity<2>(const Wall<2>&, const Vec2&);
 template std::vector<Wall<3>> walls_at(const std::vector<Wall<3>>&, const std::vector<Wall<3>>&,
                                        double, double);
 template double turned_angle(const Wall<3>&, double);
-template Vec3 driven_velocity(const Wall<3>&, double);
-template double driven_speed(const Wall<3>&);
-template double wall_kinetic_energy(const Wall<3>&);
-template Vec3 wall_momentum(const Wall<3>&);
 template Vec3 surface_velocity<3>(const Wall<3>&, const Vec3&, const Vec3&);
-template Vec3 prescribed_velocity<3>(const Wall<3>&, const Vec3&);
 
 }  // namespace bipot

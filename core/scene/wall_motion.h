@@ -28,18 +28,30 @@ double turned_angle(const Wall<D>& scene_wall, double time);
 
 /// Velocity of a driven wall with `speed` along its direction. [m/s]
 template <int D>
-Vec<D> driven_velocity(const Wall<D>& wall, double speed);
+Vec<D> driven_velocity(const Wall<D>& wall, double speed) {
+  Vec<D> v = speed * wall.direction;
+  if (!wall.across.isZero(0)) v += wall.across;
+  return v;
+}
 
 /// Speed of a driven wall along its direction.                                               [m/s]
 template <int D>
-double driven_speed(const Wall<D>& wall);
+double driven_speed(const Wall<D>& wall) {
+  return (wall.v - wall.across).dot(wall.direction);
+}
 
 /// Kinetic energy and momentum of the wall itself: those of a driven wall along its direction. Any
 /// other motion belongs to the machine that moves the wall.
 template <int D>
-double wall_kinetic_energy(const Wall<D>& wall);
+double wall_kinetic_energy(const Wall<D>& wall) {
+  if (wall.motion != Wall<D>::Motion::kDriven) return 0;
+  return 0.5 * wall.mass * (wall.v - wall.across).squaredNorm();
+}
 template <int D>
-Vec<D> wall_momentum(const Wall<D>& wall);
+Vec<D> wall_momentum(const Wall<D>& wall) {
+  if (wall.motion != Wall<D>::Motion::kDriven) return Vec<D>::Zero();
+  return wall.mass * (wall.v - wall.across);
+}
 
 /// Velocity of the wall's surface at a contact with normal n from the wall to the disk. The wall as
 /// a whole moves with v; the surface velocity is v, plus rotation for circles, plus that of a belt. [m/s]
@@ -48,6 +60,8 @@ Vec<D> surface_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>&
                         const std::type_identity_t<Vec<D>>& n);
 /// The part of it that no force changes: all but the speed of a driven wall along its direction.
 template <int D>
-Vec<D> prescribed_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>& n);
+Vec<D> prescribed_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>& n) {
+  return surface_velocity(wall, wall.motion == Wall<D>::Motion::kDriven ? wall.across : wall.v, n);
+}
 
 }  // namespace bipot

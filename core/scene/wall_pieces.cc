@@ -98,10 +98,7 @@ std::vector<WallPiece> wall_pieces(std::span<const Wall<3>> walls, const Box<3>&
 
 Box<3> view_box(std::span<const Sphere> spheres, std::span<const Wall<3>> walls) {
   Box<3> box;
-  for (const Sphere& s : spheres) {
-    box.include(s.x + Vec3::Constant(s.radius));
-    box.include(s.x - Vec3::Constant(s.radius));
-  }
+  for (const Sphere& s : spheres) box.include(s.x, s.radius);
   if (!box.empty()) return box;
   for (const Wall<3>& w : walls) box.include(w.a);
   if (box.empty()) box.include(Vec3::Zero());

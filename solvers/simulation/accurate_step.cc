@@ -26,9 +26,6 @@ constexpr double kHit = 0.02;               // of the accuracy: from here on a p
 constexpr double kApproach = 10;            // drift by a velocity that only an impact leaves
 constexpr double kEnd = 1e-9;               // relative; a part that nearly reaches the end does
 
-double size_of(double spin) { return std::abs(spin); }
-double size_of(const Vec3& spin) { return spin.norm(); }
-
 /// Scales the impulses, from which the next part starts, to its size.
 template <int D>
 void scale_impulses(std::vector<ContactOutcome<D>>& contacts, double factor) {
@@ -280,7 +277,8 @@ PartError AccurateStepper<D>::Inside::measure(const Step& step, const Part& take
   std::vector<double> ways(after.bodies.size());
   for (std::size_t k = 0; k < ways.size(); ++k) {
     const Body<D>&from = before.bodies[k], &to = after.bodies[k];
-    ways[k] = 0.5 * h * std::max((from.v + to.v).norm(), to.radius * size_of(from.spin + to.spin));
+    ways[k] = 0.5 * h *
+              std::max((from.v + to.v).norm(), to.radius * magnitude(Spin<D>(from.spin + to.spin)));
   }
   for (const ContactOutcome<D>& c : after.contacts) {
     if (c.status == ContactStatus::kTakeOff) continue;
@@ -319,7 +317,7 @@ PartError AccurateStepper<D>::Inside::measure(const Step& step, const Part& take
     const Body<D>& body = after.bodies[k];
     if (body.wall >= 0) continue;
     add(std::max((a_after.bodies[k] - step.a->bodies[k]).norm(),
-                 body.radius * size_of(Spin<D>(a_after.spins[k] - step.a->spins[k]))),
+                 body.radius * magnitude(Spin<D>(a_after.spins[k] - step.a->spins[k]))),
         ways[k], body.radius);
   }
   for (std::size_t w = 0; w < after.walls.size(); ++w) {
