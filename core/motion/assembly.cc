@@ -15,20 +15,6 @@
 
 namespace bipot {
 
-/// Input of the rows of a contact.
-template <int D>
-struct StepInput {
-  const Scene<D>& scene;
-  std::span<const Body<D>> bodies;
-  std::span<const Wall<D>> walls;
-  std::span<const Vec<D>> disk_v_free;
-  std::span<const double> wall_v_free;
-  CellInput cell;  // of cells that deform only
-  ClusterInput<D> clusters;
-  int dim;
-  bool cohesive;
-};
-
 namespace {
 
 /// The wall that a contact acts on, also through a disk glued to it; -1 for a free disk.
@@ -55,28 +41,27 @@ void number_clusters(std::span<const Body<D>> disks, std::size_t clusters, DofMa
 }
 
 template <int D>
-DofMap number_dofs(const Scene<D>& scene, std::span<const Body<D>> disks,
-                   std::span<const Wall<D>> walls, std::span<const Contact<D>> contacts,
-                   const PeriodicCell* cell, std::size_t clusters) {
-  const bool turn = scene.has_friction() || clusters > 0 || !scene.joints.empty();
+DofMap number_dofs(const StepInput<D>& in) {
+  const std::size_t clusters = in.clusters.bodies.size();
+  const bool turn = in.scene.has_friction() || clusters > 0 || !in.scene.joints.empty();
   DofMap dofs{.per_disk = turn ? D + kSpins<D> : D};
-  dofs.disk.assign(disks.size(), -1);
-  dofs.wall.assign(walls.size(), -1);
-  for (const Contact<D>& c : contacts) {
+  dofs.disk.assign(in.bodies.size(), -1);
+  dofs.wall.assign(in.walls.size(), -1);
+  for (const Contact<D>& c : in.contacts) {
     dofs.disk[to_size(c.i)] = 0;
-    const int w = wall_of<D>(c, disks);
+    const int w = wall_of<D>(c, in.bodies);
     if (w < 0) {
       dofs.disk[to_size(c.j)] = 0;
-    } else if (walls[to_size(w)].motion == Wall<D>::Motion::kDriven) {
+    } else if (in.walls[to_size(w)].motion == Wall<D>::Motion::kDriven) {
       dofs.wall[to_size(w)] = 0;
     }
   }
-  for (const typename Scene<D>::Joint& joint : scene.joints) {
+  for (const typename Scene<D>::Joint& joint : in.scene.joints) {
     dofs.disk[to_size(joint.i)] = 0;
     if (joint.j >= 0) dofs.disk[to_size(joint.j)] = 0;
   }
   if (clusters > 0) {
-    number_clusters<D>(disks, clusters, dofs);
+    number_clusters<D>(in.bodies, clusters, dofs);
   } else {
     for (int& first : dofs.disk) {
       if (first < 0) continue;
@@ -87,10 +72,11 @@ DofMap number_dofs(const Scene<D>& scene, std::span<const Body<D>> disks,
   for (int& dof : dofs.wall) {
     if (dof == 0) dof = dofs.size++;
   }
+  const PeriodicCell* const cell = in.cell.cell;
   if (cell == nullptr) return dofs;
   for (int k = 0; k < 3; ++k) {
     if (cell->side(k).motion != CellSide::Motion::kDriven) continue;
-    const bool used = std::any_of(contacts.begin(), contacts.end(), [&](const auto& c) {
+    const bool used = std::any_of(in.contacts.begin(), in.contacts.end(), [&](const auto& c) {
       return !side_share(*cell, k, c.image_x, c.image_y).isZero(0);
     });
     if (used) dofs.side[k] = dofs.size++;
@@ -164,13 +150,13 @@ void add_spin(ColumnWriter& columns, int row, double arm, const Vec3& n, const V
 
 /// Number of entries of H in the columns of a contact.
 template <int D>
-int entries_of(const Contact<D>& contact, std::span<const Body<D>> disks, const DofMap& dofs,
-               const PeriodicCell* cell, int d) {
+int entries_of(const StepInput<D>& in, const Contact<D>& contact, const DofMap& dofs, int d) {
+  const std::span<const Body<D>> disks = in.bodies;
   const int turning = std::max(0, d - D);  // rows of rolling
   d -= turning;
   int of_disk = D + (d - 1) * (D + kSpins<D>)+turning * kSpins<D>;
   const int w = wall_of<D>(contact, disks);
-  const int of_cell = d * sides_of(contact, dofs, cell);
+  const int of_cell = d * sides_of(contact, dofs, in.cell.cell);
   // In a cluster the normal force turns the body as well.
   const int of_normal = kSpins<D> * ((disks[to_size(contact.i)].cluster >= 0 ? 1 : 0) +
                                      (w < 0 && disks[to_size(contact.j)].cluster >= 0 ? 1 : 0));
@@ -280,8 +266,6 @@ Vec3 spin_of(const Wall<3>& wall) {
 double rolling_axis(const std::array<Vec2, 2>& /*frame*/, int /*k*/) { return 1; }
 Vec3 rolling_axis(const std::array<Vec3, 3>& frame, int k) { return frame[to_size((k + 1) % 3)]; }
 
-double along(double a, double b) { return a * b; }
-double along(const Vec3& a, const Vec3& b) { return a.dot(b); }
 void add_axis(ColumnWriter& columns, int row, double axis) { columns.add(row, axis); }
 void add_axis(ColumnWriter& columns, int row, const Vec3& axis) {
   for (int k = 0; k < 3; ++k) columns.add(row + k, axis[k]);
@@ -300,7 +284,7 @@ void write_rolling(const ClusterInput<D>& clusters, const Body<D>& a, const Body
   if (D == 3) p.mu_spin[c] = law.mu_spin * r_t / r_n;
   for (int row = D; row < p.dim; ++row) {
     const Spin<D> axis = rolling_axis(frame, row - D);
-    const double before = along(axis, turning);
+    const double before = inner(axis, turning);
     step.u_before[c * p.dim + row] = before;
     p.u_free[c * p.dim + row] = (1 + law.e_t) * before / r_t;  // only contacts exert torques
     if (p.row_scale.size() > 0) p.row_scale[c * p.dim + row] = r_t;
@@ -319,7 +303,7 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
                    AssembledStep& step) {
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
-  const int d = in.dim;
+  const int d = p.dim;
   const std::size_t i = to_size(contact.i), j = to_size(contact.j);
   const int at_wall = wall_of<D>(contact, in.bodies);
   const bool with_disk = at_wall < 0;
@@ -327,15 +311,14 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   const Body<D>& a = in.bodies[i];
   const Body<D>* b = with_disk ? &in.bodies[j] : nullptr;
   const Wall<D>* wall = with_disk ? nullptr : &in.walls[w];
-  const ContactLaw& law =
-      in.scene.law(a.material, j < in.bodies.size() ? in.bodies[j].material : wall->material);
+  const ContactLaw& law = pair_law(in.scene, in.bodies, in.walls, contact.i, contact.j);
   const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
   p.mu[c] = d > 1 ? law.mu * r_t / r_n : 0.0;
 
   Vec<D> other_before, other_free;
   if (with_disk) {
     other_before = b->v;
-    other_free = in.disk_v_free[j];
+    other_free = in.body_v_free[j];
   } else {
     const bool driven = wall->motion == Wall<D>::Motion::kDriven;
     const Vec<D> free = driven ? driven_velocity(*wall, in.wall_v_free[w]) : wall->v;
@@ -358,14 +341,14 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
     const double spin_part = arm_a * spin_along(a.spin, contact.n, axis) +
                              (with_disk ? arm_b * spin_along(b->spin, contact.n, axis) : 0.0);
     const double before = axis.dot(a.v - other_before) + spin_part;
-    const double free = axis.dot(in.disk_v_free[i] - other_free) + spin_part;
+    const double free = axis.dot(in.body_v_free[i] - other_free) + spin_part;
     step.u_before[c * d + row] = before;
     p.u_free[c * d + row] = (free + e * before) / r;
     if (p.row_scale.size() > 0) p.row_scale[c * d + row] = r;
     if (step.shift.size() > 0) {
       double& shift = step.shift[c * d + row];
       if (in.scene.accuracy > 0) shift = (1 - e) * turn[row] / r;
-      const bool closes = in.scene.accuracy == 0 || in.cohesive;
+      const bool closes = in.scene.accuracy == 0 || !in.cohesion.empty();
       if (row == 0 && contact.gap > 0 && closes) shift += contact.gap / (in.scene.step * r);
       p.u_free[c * d + row] += shift;
     }
@@ -406,15 +389,14 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
                    with_disk ? l : -1, columns, step);
 }
 
-/// Cohesion as forces on the bodies: they change v_free and u_free. `forces`: of each contact [N].
-template <int D>
-void add_cohesion(const Scene<D>& scene, std::span<const double> forces, AssembledStep& step) {
+/// Cohesion as forces on the bodies: they change v_free and u_free.
+void add_cohesion(double h, std::span<const double> forces, AssembledStep& step) {
   ContactProblem& p = step.problem;
   step.pull = Vector::Zero(p.num_rows());
   for (std::size_t c = 0; c < forces.size(); ++c) {
     const Eigen::Index row = static_cast<Eigen::Index>(c) * p.dim;
     const double r = p.row_scale.size() > 0 ? p.row_scale[row] : 1.0;
-    step.pull[row] = r * scene.step * forces[c];
+    step.pull[row] = r * h * forces[c];
   }
   if (p.num_rows() == 0) return;
   const Vector v = (p.H * step.pull).cwiseQuotient(p.A.diagonal());
@@ -424,73 +406,62 @@ void add_cohesion(const Scene<D>& scene, std::span<const double> forces, Assembl
 
 /// Sets masses and free velocities of the clusters in contact.
 template <int D>
-void fill_clusters(std::span<const std::type_identity_t<Body<D>>> disks,
-                   const ClusterInput<D>& clusters, const DofMap& dofs, Vector& mass,
-                   Vector& v_free) {
-  if (clusters.bodies.empty()) return;
-  for (std::size_t i = 0; i < disks.size(); ++i) {
+void fill_clusters(const StepInput<D>& in, const DofMap& dofs, Vector& mass, Vector& v_free) {
+  if (in.clusters.bodies.empty()) return;
+  for (std::size_t i = 0; i < in.bodies.size(); ++i) {
     const int k = dofs.disk[i];
-    if (k < 0 || disks[i].cluster < 0) continue;
-    const std::size_t c = to_size(disks[i].cluster);
-    mass.segment<D>(k).setConstant(clusters.bodies[c].mass);
-    v_free.segment<D>(k) = clusters.v_free[c];
-    mass.segment<kSpins<D>>(k + D) << clusters.bodies[c].inertia;
-    v_free.segment<kSpins<D>>(k + D) << own_spin(clusters.bodies[c]);
+    if (k < 0 || in.bodies[i].cluster < 0) continue;
+    const std::size_t c = to_size(in.bodies[i].cluster);
+    const Cluster<D>& cluster = in.clusters.bodies[c];
+    mass.segment<D>(k).setConstant(cluster.mass);
+    v_free.segment<D>(k) = in.clusters.v_free[c];
+    mass.segment<kSpins<D>>(k + D) << cluster.inertia;
+    v_free.segment<kSpins<D>>(k + D) << own_spin(cluster);
   }
 }
 
 }  // namespace
 
 template <int D>
-AssembledStep assemble_step(const Scene<D>& scene,
-                            std::span<const std::type_identity_t<Body<D>>> disks,
-                            std::span<const std::type_identity_t<Wall<D>>> walls,
-                            std::span<const std::type_identity_t<Contact<D>>> contacts,
-                            std::span<const std::type_identity_t<Vec<D>>> disk_v_free,
-                            std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads, CellInput cell, ClusterInput<D> clusters,
-                            std::span<const double> cohesion) {
-  if (cell.cell != nullptr && !cell.cell->deforms()) cell = {};  // its images stand still
+AssembledStep assemble_step(const StepInput<D>& input, bool explicit_delassus, int threads) {
+  StepInput<D> in = input;
+  if (in.cell.cell != nullptr && !in.cell.cell->deforms()) in.cell = {};  // its images stand still
+  const Scene<D>& scene = in.scene;
   const bool friction = scene.has_friction();
-  const int num_contacts = static_cast<int>(contacts.size());
+  const int num_contacts = static_cast<int>(in.contacts.size());
   // Without contacts nothing rolls, and a problem has no coefficients that would say so.
   const int d = num_contacts > 0 ? scene.contact_rows() : (friction ? D : 1);
 
-  AssembledStep step{
-      .dofs = number_dofs<D>(scene, disks, walls, contacts, cell.cell, clusters.bodies.size())};
+  AssembledStep step{.dofs = number_dofs(in)};
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
   p.dim = d;
 
   Vector mass(dofs.size);
   p.v_free.resize(dofs.size);
-  run_pieces(threads, static_cast<int>(disks.size()), [&](int begin, int end) {
+  run_pieces(threads, static_cast<int>(in.bodies.size()), [&](int begin, int end) {
     for (std::size_t i = to_size(begin); i < to_size(end); ++i) {
       const int k = dofs.disk[i];
-      if (k < 0 || disks[i].cluster >= 0) continue;
-      mass.template segment<D>(k).setConstant(disks[i].mass);
-      p.v_free.template segment<D>(k) = disk_v_free[i];
+      const Body<D>& body = in.bodies[i];
+      if (k < 0 || body.cluster >= 0) continue;
+      mass.template segment<D>(k).setConstant(body.mass);
+      p.v_free.template segment<D>(k) = in.body_v_free[i];
       if (dofs.per_disk > D) {
-        mass.template segment<kSpins<D>>(k + D).setConstant(disks[i].inertia);
-        // Only contacts exert torques.
-        if constexpr (D == 2) {
-          p.v_free[k + D] = disks[i].spin;
-        } else {
-          p.v_free.template segment<3>(k + D) = disks[i].spin;
-        }
+        mass.template segment<kSpins<D>>(k + D).setConstant(body.inertia);
+        p.v_free.template segment<kSpins<D>>(k + D) << body.spin;  // only contacts exert torques
       }
     }
   });
-  fill_clusters<D>(disks, clusters, dofs, mass, p.v_free);
-  for (std::size_t w = 0; w < walls.size(); ++w) {
+  fill_clusters(in, dofs, mass, p.v_free);
+  for (std::size_t w = 0; w < in.walls.size(); ++w) {
     if (dofs.wall[w] < 0) continue;
-    mass[dofs.wall[w]] = walls[w].mass;
-    p.v_free[dofs.wall[w]] = wall_v_free[w];
+    mass[dofs.wall[w]] = in.walls[w].mass;
+    p.v_free[dofs.wall[w]] = in.wall_v_free[w];
   }
   for (int k = 0; k < 3; ++k) {
     if (dofs.side[k] < 0) continue;
-    mass[dofs.side[k]] = cell.cell->side(k).mass;
-    p.v_free[dofs.side[k]] = cell.v_free[k];
+    mass[dofs.side[k]] = in.cell.cell->side(k).mass;
+    p.v_free[dofs.side[k]] = in.cell.v_free[k];
   }
   p.A = diagonal_matrix(mass);
 
@@ -501,41 +472,34 @@ AssembledStep assemble_step(const Scene<D>& scene,
   if (d == 6) p.mu_spin.resize(num_contacts);
   p.u_free = large_vector(d * num_contacts);
   step.u_before = large_vector(d * num_contacts);
-  if (scene.predict_gaps || scene.accuracy > 0 || !cohesion.empty())
+  if (scene.predict_gaps || scene.accuracy > 0 || !in.cohesion.empty()) {
     step.shift = Vector::Zero(d * num_contacts);
+  }
   if (any_restitution) p.row_scale = large_vector(d * num_contacts);
 
   // First entry of each contact's columns, which several threads write.
   std::vector<int> start(to_size(num_contacts) + 1, 0);
   run_pieces(threads, num_contacts, [&](int begin, int end) {
     for (std::size_t c = to_size(begin); c < to_size(end); ++c) {
-      start[c + 1] = entries_of<D>(contacts[c], disks, dofs, cell.cell, d);
+      start[c + 1] = entries_of(in, in.contacts[c], dofs, d);
     }
   });
   std::partial_sum(start.begin(), start.end(), start.begin());
   p.H.resize(dofs.size, d * num_contacts);
   p.H.resizeNonZeros(start.back());
   p.H.outerIndexPtr()[0] = 0;
-  const StepInput<D> input{scene, disks,    walls, disk_v_free,      wall_v_free,
-                           cell,  clusters, d,     !cohesion.empty()};
   run_pieces(threads, num_contacts, [&](int begin, int end) {
     ColumnWriter columns(p.H, d * begin, start[to_size(begin)]);
-    for (int c = begin; c < end; ++c) write_contact(input, contacts[to_size(c)], c, columns, step);
+    for (int c = begin; c < end; ++c) write_contact(in, in.contacts[to_size(c)], c, columns, step);
   });
-  if (!scene.joints.empty()) add_ropes<D>(scene, disks, clusters, step);
-  if (!cohesion.empty()) add_cohesion(scene, cohesion, step);
-  if (!scene.joints.empty()) add_pins<D>(scene, disks, clusters, step);
+  if (!scene.joints.empty()) add_ropes<D>(scene, in.bodies, in.clusters, step);
+  if (!in.cohesion.empty()) add_cohesion(scene.step, in.cohesion, step);
+  if (!scene.joints.empty()) add_pins<D>(scene, in.bodies, in.clusters, step);
   if (explicit_delassus) p.W = assemble_delassus(p.A, p.H, d);
   return step;
 }
 
-template AssembledStep assemble_step<2>(const Scene<2>&, std::span<const Disk>,
-                                        std::span<const Wall<2>>, std::span<const Contact<2>>,
-                                        std::span<const Vec2>, std::span<const double>, bool, int,
-                                        CellInput, ClusterInput<2>, std::span<const double>);
-template AssembledStep assemble_step<3>(const Scene<3>&, std::span<const Sphere>,
-                                        std::span<const Wall<3>>, std::span<const Contact<3>>,
-                                        std::span<const Vec3>, std::span<const double>, bool, int,
-                                        CellInput, ClusterInput<3>, std::span<const double>);
+template AssembledStep assemble_step(const StepInput<2>&, bool, int);
+template AssembledStep assemble_step(const StepInput<3>&, bool, int);
 
 }  // namespace bipot

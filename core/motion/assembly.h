@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <type_traits>
 #include <vector>
 
 #include "core/problem/contact_problem.h"
@@ -35,6 +34,20 @@ struct ClusterInput {
   std::span<const Vec<D>> v_free;  ///< of their centres of mass                             [m/s]
 };
 
+/// What a step is assembled from. `scene`: materials, joints and the step's size alone.
+template <int D>
+struct StepInput {
+  const Scene<D>& scene;
+  std::span<const Body<D>> bodies;  ///< at mid-step, with their velocities before the step
+  std::span<const Wall<D>> walls;   ///< likewise
+  std::span<const Contact<D>> contacts;
+  std::span<const Vec<D>> body_v_free;  ///< without contact impulses                       [m/s]
+  std::span<const double> wall_v_free;  ///< of driven walls, along their direction         [m/s]
+  CellInput cell = {};
+  ClusterInput<D> clusters = {};
+  std::span<const double> cohesion = {};  ///< of each contact; empty without                [N]
+};
+
 /// The problem of a step, and the map back to the bodies.
 struct AssembledStep {
   ContactProblem problem;
@@ -50,9 +63,8 @@ struct AssembledStep {
   Vector v_before;
 };
 
-/// Assembles A, H, u_free, mu (and W on request) of one step of size h. Input: the bodies'
-/// velocities before the step, their velocities without contact impulses, and the contacts. For a
-/// contact of disk i with body j:
+/// Assembles A, H, u_free, mu (and W on request) of one step of size h. For a contact of disk i with
+/// body j:
 ///
 ///   u_n = n·(v_i - v_j),  u_t = t·(v_i - v_j) - a_i w_i - a_j w_j,
 ///   in 3D for both tangents  u_t = t·(v_i - v_j) - (n x t)·(a_i w_i + a_j w_j),
@@ -91,13 +103,6 @@ struct AssembledStep {
 /// moving walls enter the right-hand side. Restitution applies to every candidate alike. [ours,
 /// data/manual/explanation/method.md §3]
 template <int D>
-AssembledStep assemble_step(const Scene<D>& scene,
-                            std::span<const std::type_identity_t<Body<D>>> disks,
-                            std::span<const std::type_identity_t<Wall<D>>> walls,
-                            std::span<const std::type_identity_t<Contact<D>>> contacts,
-                            std::span<const std::type_identity_t<Vec<D>>> disk_v_free,
-                            std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads = 1, CellInput cell = {}, ClusterInput<D> clusters = {},
-                            std::span<const double> cohesion = {});
+AssembledStep assemble_step(const StepInput<D>& in, bool explicit_delassus, int threads = 1);
 
 }  // namespace bipot

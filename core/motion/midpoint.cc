@@ -156,9 +156,16 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
 template <int D>
 AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, bool explicit_delassus,
                             int threads) {
-  return assemble_step(scene, mid.bodies, mid.walls, mid.contacts, mid.disk_v_free, mid.wall_v_free,
-                       explicit_delassus, threads, {&mid.cell, mid.side_v_free},
-                       {mid.clusters.bodies, mid.cluster_v_free}, mid.cohesion);
+  return assemble_step<D>({.scene = scene,
+                           .bodies = mid.bodies,
+                           .walls = mid.walls,
+                           .contacts = mid.contacts,
+                           .body_v_free = mid.disk_v_free,
+                           .wall_v_free = mid.wall_v_free,
+                           .cell = {&mid.cell, mid.side_v_free},
+                           .clusters = {mid.clusters.bodies, mid.cluster_v_free},
+                           .cohesion = mid.cohesion},
+                          explicit_delassus, threads);
 }
 
 template void place_bodies(const Scene<2>&, const State<2>&, Midpoint<2>&);

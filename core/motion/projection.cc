@@ -58,8 +58,8 @@ Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, boo
   const std::vector<Vec<D>> still(state.bodies.size(), Vec<D>::Zero());
   const std::vector<double> still_walls(state.walls.size(), 0.0);
   // With the state's velocities: u_before then tells which pairs move apart.
-  AssembledStep assembled = assemble_step<D>(flat, state.bodies, state.walls, contacts, still,
-                                             still_walls, explicit_delassus, threads);
+  AssembledStep assembled = assemble_step<D>(
+      {flat, state.bodies, state.walls, contacts, still, still_walls}, explicit_delassus, threads);
   ContactProblem& p = assembled.problem;
   p.v_free.setZero();
   for (std::size_t c = 0; c < contacts.size(); ++c) {

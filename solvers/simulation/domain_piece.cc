@@ -96,16 +96,17 @@ DomainPiece assemble_piece(const Scene<D>& scene, const LocalBodies<D>& local,
                            const Midpoint<D>& mid, const LocalContacts<D>& contacts, int bodies,
                            ProcessGroup& group) {
   DomainPiece out;
-  out.own = assemble_step<D>(scene, mid.bodies, mid.walls, contacts.own, mid.disk_v_free,
-                             mid.wall_v_free, false);
+  StepInput<D> input{scene, mid.bodies, mid.walls, contacts.own, mid.disk_v_free, mid.wall_v_free};
+  out.own = assemble_step(input, false);
   // With the halo no wall has a row of its own: its terms are summed over all processes
   // (everywhere).
   std::vector<Wall<D>> standing = mid.walls;
   for (Wall<D>& w : standing) {
     if (w.motion == Wall<D>::Motion::kDriven) w.motion = Wall<D>::Motion::kMoving;
   }
-  AssembledStep with_halo = assemble_step<D>(scene, mid.bodies, standing, contacts.all,
-                                             mid.disk_v_free, mid.wall_v_free, false);
+  input.walls = standing;
+  input.contacts = contacts.all;
+  AssembledStep with_halo = assemble_step(input, false);
   ProblemPiece& piece = out.piece;
   piece.whole_contacts = contacts.whole;
   exchange(piece.own, out.own.problem);

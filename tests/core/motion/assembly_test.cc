@@ -48,8 +48,8 @@ struct Bodies {
     if (wall_free.empty()) {
       for (const Wall<2>& w : walls) wall_free.push_back(w.v.dot(w.direction));
     }
-    return assemble_step(scene, bodies, walls, detect_contacts(bodies, walls, eta), v_free,
-                         wall_free, with_delassus);
+    const std::vector<Contact<2>> contacts = detect_contacts(bodies, walls, eta);
+    return assemble_step<2>({scene, bodies, walls, contacts, v_free, wall_free}, with_delassus);
   }
 };
 
