@@ -2,14 +2,19 @@
 
 namespace bipot {
 
-PeriodicCell read_cell(const SceneTable& root) {
+PeriodicCell read_cell(const SceneTable& root, int dim) {
   PeriodicCell cell;
   const auto table = root.table("cell");
   if (!table) return cell;
   cell.in_x = true;
   cell.width.length = table->positive("width");
-  cell.in_y = table->has("height");
-  if (cell.in_y) cell.height.length = table->positive("height");
+  const char* const second = dim == 2 ? "height" : "depth";
+  cell.in_y = table->has(second);
+  if (cell.in_y) cell.height.length = table->positive(second);
+  if (dim == 3) {
+    table->finish();
+    return cell;
+  }
   cell.offset.length = table->number("offset", 0);
   const auto mass = table->maybe_number("mass");
   if (mass && !(*mass > 0)) table->fail("mass", "expected a positive number");
@@ -54,18 +59,6 @@ PeriodicCell read_cell(const SceneTable& root) {
     }
   }
   if (mass && !driven) table->fail("mass", "belongs to a cell that a stress drives");
-  table->finish();
-  return cell;
-}
-
-PeriodicCell read_cell_in_space(const SceneTable& root) {
-  PeriodicCell cell;
-  const auto table = root.table("cell");
-  if (!table) return cell;
-  cell.in_x = true;
-  cell.width.length = table->positive("width");
-  cell.in_y = table->has("depth");
-  if (cell.in_y) cell.height.length = table->positive("depth");
   table->finish();
   return cell;
 }

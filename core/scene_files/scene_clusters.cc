@@ -44,7 +44,7 @@ std::vector<Placed> read_places(const SceneTable& table, const Scene<2>& scene, 
   }
   std::vector<Placed> places;
   if (arrangement == "rectangular") {
-    const Vec2 corner = table.vec2("corner", Vec2::Zero());
+    const Vec2 corner = table.vec_or_zero<2>("corner");
     const int columns = table.natural("columns"), rows = table.natural("rows");
     require_possible(table, "rows", static_cast<double>(rows) * columns, "clusters");
     for (const Disk& cell : rectangular_lattice(columns, rows, reach, corner)) {
@@ -72,8 +72,8 @@ void read_cluster_group(const SceneTable& table, Scene<2>& scene) {
   if (group.inertia && !(*group.inertia > 0)) {
     table.fail("inertia", "expected a positive number");
   }
-  const Vec2 v = table.vec2("velocity", Vec2::Zero());
-  const double spin = table.number("spin", 0);
+  const Vec2 v = table.vec_or_zero<2>("velocity");
+  const double spin = table.spin<2>();
   const int material = material_index(scene, table, "material");
   for (const Placed& place : places) {
     const Eigen::Rotation2D<double> turn(place.angle);
@@ -140,7 +140,7 @@ void place_in_space(const SceneTable& table, const Scene<3>& scene, double reach
     return;
   }
   if (arrangement == "cubic") {
-    const Vec3 corner = table.maybe_vec<3>("corner").value_or(Vec3::Zero());
+    const Vec3 corner = table.vec_or_zero<3>("corner");
     const int columns = table.natural("columns"), rows = table.natural("rows"),
               layers = table.natural("layers");
     require_possible(table, "layers", static_cast<double>(columns) * rows * layers, "clusters");
@@ -163,7 +163,7 @@ void read_cluster_group(const SceneTable& table, Scene<3>& scene) {
   const GroupMass group = read_group_mass(table, parts.size() == 1);
   Clusters<3>::Mass given{group.mass.value_or(0), group.density.value_or(0), Vec3::Zero()};
   if (parts.size() > 1) {
-    given.inertia = table.maybe_vec<3>("inertia").value_or(Vec3::Zero());
+    given.inertia = table.vec_or_zero<3>("inertia");
     if (table.has("inertia") && !(given.inertia.minCoeff() > 0)) {
       table.fail("inertia", "expected three positive numbers");
     }
@@ -174,8 +174,8 @@ void read_cluster_group(const SceneTable& table, Scene<3>& scene) {
   } catch (const std::invalid_argument& e) {
     table.fail("parts", e.what());
   }
-  body.v = table.maybe_vec<3>("velocity").value_or(Vec3::Zero());
-  body.spin = table.maybe_vec<3>("spin").value_or(Vec3::Zero());
+  body.v = table.vec_or_zero<3>("velocity");
+  body.spin = table.spin<3>();
   double reach = 0;
   for (const Sphere& part : parts) {
     reach = std::max(reach, (part.x - body.x).norm() + part.radius);

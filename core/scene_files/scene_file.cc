@@ -83,25 +83,12 @@ void read_materials(const SceneTable& root, Scene<D>& scene) {
     if (between.size() != 2) table.fail("between", "expected two material names");
     std::array<std::size_t, 2> index{};
     for (std::size_t k = 0; k < 2; ++k) {
-      const auto it = std::find(scene.materials.begin(), scene.materials.end(), between[k]);
-      if (it == scene.materials.end()) {
-        table.fail("between", unknown_name_message("material", between[k], scene.materials));
-      }
-      index[k] = static_cast<std::size_t>(it - scene.materials.begin());
+      index[k] = table.index_of("between", "material", between[k], scene.materials);
     }
     const ContactLaw law = read_law(table, base);
     scene.laws[index[0] * count + index[1]] = scene.laws[index[1] * count + index[0]] = law;
     table.finish();
   }
-}
-
-/// The wall that a group of disks is glued to.
-int wall_index(const Scene<2>& scene, const SceneTable& table) {
-  const std::string name = table.word("wall", "");
-  const std::vector<std::string> names = names_of(scene.walls);
-  const auto it = std::find(names.begin(), names.end(), name);
-  if (it == names.end()) table.fail("wall", unknown_name_message("wall", name, names));
-  return static_cast<int>(it - names.begin());
 }
 
 /// Mass, inertia, initial motion and material of a group's disks.
@@ -111,17 +98,18 @@ void read_common(const SceneTable& table, const Scene<2>& scene, std::vector<Dis
     for (const char* key : {"mass", "density", "inertia", "velocity", "spin"}) {
       if (table.has(key)) table.fail(key, "belongs to disks that are not glued to a wall");
     }
-    const int wall = wall_index(scene, table);
+    const std::size_t wall =
+        table.index_of("wall", "wall", table.word("wall", ""), names_of(scene.walls));
     for (Disk& d : disks) {
       d.material = material;
-      d.wall = wall;
-      d.v = scene.walls[to_size(wall)].v;
+      d.wall = static_cast<int>(wall);
+      d.v = scene.walls[wall].v;
     }
     return;
   }
   const GroupMass group = read_group_mass(table);
-  const Vec2 v = table.vec2("velocity", Vec2::Zero());
-  const double spin = table.number("spin", 0);
+  const Vec2 v = table.vec_or_zero<2>("velocity");
+  const double spin = table.spin<2>();
   for (Disk& d : disks) {
     d.mass = group.mass ? *group.mass : *group.density * std::numbers::pi * d.radius * d.radius;
     d.inertia = group.inertia.value_or(0.5 * d.mass * d.radius * d.radius);
@@ -170,7 +158,7 @@ std::vector<Disk> read_group(const SceneTable& table, Scene<2>& scene) {
     return disks;
   }
   if (arrangement == "random") return read_filling(table, scene, "disks");
-  const Vec2 corner = table.vec2("corner", Vec2::Zero());
+  const Vec2 corner = table.vec_or_zero<2>("corner");
   const double radius = table.positive("radius");
   const int rows = table.natural("rows");
   if (arrangement == "pyramid") {
@@ -285,10 +273,7 @@ void read_tilt(const SceneTable& root, Scene<D>& scene) {
   if (!table) return;
   Tilt& tilt = scene.tilt;
   tilt.rate = table->number("degrees_per_second") * std::numbers::pi / 180;
-  tilt.starts = table->number("starts", tilt.starts);
-  if (!(tilt.starts >= 0)) table->fail("starts", "expected a number >= 0");
-  tilt.stops = table->number("stops", tilt.stops);
-  if (!(tilt.stops > tilt.starts)) table->fail("stops", "must be later than starts");
+  table->read_period(tilt.starts, tilt.stops);
   table->finish();
 }
 
@@ -309,7 +294,7 @@ void read_outside_forces(const SceneTable& root, Scene<D>& scene) {
   const auto table = root.table("drag");
   if (!table) return;
   scene.drag.coefficient = table->positive("coefficient");
-  scene.drag.velocity = table->maybe_vec<D>("velocity").value_or(Vec<D>::Zero());
+  scene.drag.velocity = table->vec_or_zero<D>("velocity");
   table->finish();
 }
 
@@ -408,11 +393,9 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   read_joints(root, scene);
   read_gates(root, D == 2 && root.has("rotate_degrees"), scene);
   read_outside_forces(root, scene);
-  if constexpr (D == 2) {
-    scene.cell = read_cell(root);
-  } else {
-    scene.cell = read_cell_in_space(root);
-    if (root.has("rotate_degrees")) root.fail("rotate_degrees", "turns scenes in the plane alone");
+  scene.cell = read_cell(root, D);
+  if (D == 3 && root.has("rotate_degrees")) {
+    root.fail("rotate_degrees", "turns scenes in the plane alone");
   }
   read_tilt(root, scene);
   read_start(root, scene);
@@ -423,12 +406,8 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   }
   read_solver(root, scene);
   read_output(root, scene);
-  if constexpr (D == 2) {
-    scene.observables = read_observables(root);
-    turn(root, scene);
-  } else {
-    scene.observables = read_observables_in_space(root, scene.cell);
-  }
+  scene.observables = read_observables<D>(root, scene.cell);
+  if constexpr (D == 2) turn(root, scene);
   root.finish();
   if (scene.contact_distance < 0) {
     scene.contact_distance = default_contact_distance(scene);

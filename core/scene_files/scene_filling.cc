@@ -20,11 +20,7 @@ WallRoom<D> read_room(const SceneTable& table, const Scene<D>& scene) {
   const std::vector<std::string> wanted =
       table.is_array("inside") ? table.words("inside") : std::vector{table.word("inside", "")};
   const std::vector<std::string> names = names_of(scene.walls);
-  for (const std::string& name : wanted) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      table.fail("inside", unknown_name_message("wall", name, names));
-    }
-  }
+  for (const std::string& name : wanted) table.index_of("inside", "wall", name, names);
   std::vector<Wall<D>> walls;
   for (const Wall<D>& wall : scene.walls) {
     if (std::find(wanted.begin(), wanted.end(), wall.name) != wanted.end()) walls.push_back(wall);

@@ -20,11 +20,7 @@ void read_box(const SceneTable& table, bool turned, Vec<D>& lower, Vec<D>& upper
 /// Names become columns of gates.csv.
 template <int D>
 std::string gate_name(const SceneTable& table, const std::string& fallback, const Scene<D>& scene) {
-  std::string name = table.word("name", fallback);
-  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '-';
-  });
-  if (!plain || name.empty()) table.fail("name", "expected letters, digits, _ and - alone");
+  const std::string name = table.column_name(fallback);
   bool taken = false;
   for (const Outlet<D>& other : scene.outlets) taken |= other.name == name;
   for (const Inlet<D>& other : scene.inlets) taken |= other.name == name;
@@ -71,20 +67,13 @@ Inlet<D> read_inlet(const SceneTable& table, bool turned, const Scene<D>& scene)
     table.fail("inertia", "expected a positive number");
   }
   inlet.inertia = group.inertia.value_or(0);
-  inlet.v = table.maybe_vec<D>("velocity").value_or(Vec<D>::Zero());
-  if constexpr (D == 2) {
-    inlet.spin = table.number("spin", 0);
-  } else {
-    inlet.spin = table.maybe_vec<3>("spin").value_or(Vec3::Zero());
-  }
+  inlet.v = table.vec_or_zero<D>("velocity");
+  inlet.spin = table.spin<D>();
   inlet.material = material_index(scene, table, "material");
   inlet.seed = table.integer("seed", inlet.seed);
   if (inlet.seed < 0) table.fail("seed", "expected a non-negative integer");
   if (table.has("count")) inlet.count = table.natural("count");
-  inlet.starts = table.number("starts", inlet.starts);
-  if (!(inlet.starts >= 0)) table.fail("starts", "expected a number >= 0");
-  inlet.stops = table.number("stops", inlet.stops);
-  if (!(inlet.stops > inlet.starts)) table.fail("stops", "must be later than starts");
+  table.read_period(inlet.starts, inlet.stops);
   if (auto e = check_inlet(inlet, static_cast<int>(scene.materials.size())); !e.empty()) {
     table.fail("radii", e);
   }

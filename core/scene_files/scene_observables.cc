@@ -49,23 +49,19 @@ void read_profile(const SceneTable& table, ObservableChoice<D>& choice) {
 template <int D>
 std::string read_name(const SceneTable& table, const char* kind,
                       const ObservableChoice<D>& choice) {
-  std::string name = table.word("name", fmt::format("{}{}", kind, choice.crossings.size()));
-  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '-';
-  });
-  if (!plain || name.empty()) table.fail("name", "expected letters, digits, _ and - alone");
+  const std::string name = table.column_name(fmt::format("{}{}", kind, choice.crossings.size()));
   for (const FluxSurface<D>& other : choice.crossings) {
     if (other.name == name) table.fail("name", "names must differ");
   }
   return name;
 }
 
-void read_crossings(const SceneTable& table, ObservableChoice<2>& choice) {
+void read_crossings(const SceneTable& table, const PeriodicCell&, ObservableChoice<2>& choice) {
   if (table.has("faces")) table.fail("faces", "belongs to scenes in 3D: in 2D, lines");
   for (const SceneTable& line : table.tables("lines")) {
     FluxLine read;
     read.name = read_name(line, "line", choice);
-    const auto from = line.maybe_vec2("from"), to = line.maybe_vec2("to");
+    const auto from = line.maybe_vec<2>("from"), to = line.maybe_vec<2>("to");
     if (!from || !to || *from == *to) line.fail("from", "give from and to, two different points");
     read.a = *from;
     read.b = *to;
@@ -107,7 +103,7 @@ FluxFace read_face(const SceneTable& face) {
   if (face.has("radius")) {
     read.shape = Shape::kDisk;
     read.radius = face.positive("radius");
-  } else if (const auto size = face.maybe_vec2("size")) {
+  } else if (const auto size = face.maybe_vec<2>("size")) {
     if (!(size->minCoeff() > 0)) face.fail("size", "expected two positive numbers [m]");
     read.shape = Shape::kRectangle;
     read.size = *size;
@@ -160,9 +156,14 @@ void read_crossings(const SceneTable& table, const PeriodicCell& cell,
   }
 }
 
-/// Entries that scenes in 2D and 3D have in common.
+}  // namespace
+
 template <int D>
-ObservableChoice<D> read_choice(const SceneTable& table) {
+std::optional<ObservableChoice<D>> read_observables(const SceneTable& root,
+                                                    const PeriodicCell& cell) {
+  const auto found = root.table("observables");
+  if (!found) return std::nullopt;
+  const SceneTable& table = *found;
   ObservableChoice<D> choice;
   choice.every = at_least_one(table, "every", choice.every);
   choice.starts = table.number("starts", choice.starts);
@@ -172,38 +173,24 @@ ObservableChoice<D> read_choice(const SceneTable& table) {
   constexpr int kMostBins = 1000000;
   if (choice.force_bins > kMostBins) table.fail("force_bins", "expected at most a million");
   if (table.has("force_limit")) choice.force_limit = table.positive("force_limit");
-  return choice;
-}
-
-}  // namespace
-
-std::optional<ObservableChoice<2>> read_observables(const SceneTable& root) {
-  const auto table = root.table("observables");
-  if (!table) return std::nullopt;
-  ObservableChoice<2> choice = read_choice<2>(*table);
-  read_crossings(*table, choice);
-  table->finish();
-  return choice;
-}
-
-std::optional<ObservableChoice<3>> read_observables_in_space(const SceneTable& root,
-                                                             const PeriodicCell& cell) {
-  const auto table = root.table("observables");
-  if (!table) return std::nullopt;
-  ObservableChoice<3> choice = read_choice<3>(*table);
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; D == 3 && axis < 2; ++axis) {
     if (choice.window) {
-      require_in_cell(*table, "window", cell, axis, choice.window->first[axis],
+      require_in_cell(table, "window", cell, axis, choice.window->first[axis],
                       choice.window->second[axis]);
     }
     if (choice.profile && choice.profile->axis == axis) {
-      require_in_cell(*table, "profile_range", cell, axis, choice.profile->low,
+      require_in_cell(table, "profile_range", cell, axis, choice.profile->low,
                       choice.profile->high);
     }
   }
-  read_crossings(*table, cell, choice);
-  table->finish();
+  read_crossings(table, cell, choice);
+  table.finish();
   return choice;
 }
+
+template std::optional<ObservableChoice<2>> read_observables(const SceneTable&,
+                                                             const PeriodicCell&);
+template std::optional<ObservableChoice<3>> read_observables(const SceneTable&,
+                                                             const PeriodicCell&);
 
 }  // namespace bipot

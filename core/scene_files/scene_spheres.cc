@@ -43,7 +43,7 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, Scene<3>& scene) {
     return spheres;
   }
   if (arrangement == "random") return read_filling(table, scene, "spheres");
-  const Vec3 corner = table.maybe_vec<3>("corner").value_or(Vec3::Zero());
+  const Vec3 corner = table.vec_or_zero<3>("corner");
   const double radius = table.positive("radius");
   const int rows = table.natural("rows");
   if (arrangement == "pyramid") {
@@ -60,8 +60,8 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, Scene<3>& scene) {
 std::vector<Sphere> read_spheres(const SceneTable& table, Scene<3>& scene) {
   std::vector<Sphere> spheres = read_arrangement(table, scene);
   const GroupMass group = read_group_mass(table);
-  const Vec3 v = table.maybe_vec<3>("velocity").value_or(Vec3::Zero());
-  const Vec3 spin = table.maybe_vec<3>("spin").value_or(Vec3::Zero());
+  const Vec3 v = table.vec_or_zero<3>("velocity");
+  const Vec3 spin = table.spin<3>();
   const int material = material_index(scene, table, "material");
   for (Sphere& s : spheres) {
     s.material = material;

@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -119,10 +120,31 @@ class SceneTable {
   std::string one_of(std::string_view key, std::string_view fallback,
                      const std::vector<std::string>& choices) const {
     std::string value = word(key, fallback);
-    if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
-      fail(key, unknown_name_message("value", value, choices));
-    }
+    index_of(key, "value", value, choices);
     return value;
+  }
+  /// The place of what a key names among all that have names; `kind`: what they are.
+  std::size_t index_of(std::string_view key, std::string_view kind, const std::string& name,
+                       const std::vector<std::string>& names) const {
+    const auto it = std::find(names.begin(), names.end(), name);
+    if (it == names.end()) fail(key, unknown_name_message(kind, name, names));
+    return to_size(it - names.begin());
+  }
+  /// The key `name`, which becomes a column of a table.
+  std::string column_name(const std::string& fallback) const {
+    std::string name = word("name", fallback);
+    const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+      return std::isalnum(c) != 0 || c == '_' || c == '-';
+    });
+    if (!plain || name.empty()) fail("name", "expected letters, digits, _ and - alone");
+    return name;
+  }
+  /// The keys `starts` and `stops`; without them the times stay.
+  void read_period(double& starts, double& stops) const {
+    starts = number("starts", starts);
+    if (!(starts >= 0)) fail("starts", "expected a number >= 0");
+    stops = number("stops", stops);
+    if (!(stops > starts)) fail("stops", "must be later than starts");
   }
   template <int D>
   std::optional<Vec<D>> maybe_vec(std::string_view key) const {
@@ -139,9 +161,19 @@ class SceneTable {
     if (!has(key)) fail(key, "is missing");
     return *maybe_vec<D>(key);
   }
-  std::optional<Vec2> maybe_vec2(std::string_view key) const { return maybe_vec<2>(key); }
-  Vec2 vec2(std::string_view key, const Vec2& fallback) const {
-    return maybe_vec2(key).value_or(fallback);
+  /// Zero without the key.
+  template <int D>
+  Vec<D> vec_or_zero(std::string_view key) const {
+    return maybe_vec<D>(key).value_or(Vec<D>::Zero());
+  }
+  /// The key `spin`: a number in 2D, a vector in 3D; zero without it.
+  template <int D>
+  Spin<D> spin() const {
+    if constexpr (D == 2) {
+      return number("spin", 0);
+    } else {
+      return vec_or_zero<3>("spin");
+    }
   }
   std::vector<double> numbers(std::string_view key) const {
     std::vector<double> values;

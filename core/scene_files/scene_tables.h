@@ -22,11 +22,9 @@ TimeFactor read_time_factor(const SceneTable& table);
 template <int D>
 Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t index);
 
-/// The table [cell]; without it no cell. Throws SceneFileError.
-PeriodicCell read_cell(const SceneTable& root);
-
-/// The same in 3D: width along x, depth along y, both fixed.
-PeriodicCell read_cell_in_space(const SceneTable& root);
+/// The table [cell]; without it no cell. In 3D: width along x, depth along y, both fixed. Throws
+/// SceneFileError.
+PeriodicCell read_cell(const SceneTable& root, int dim);
 
 /// Reads the tables [[clusters]] of a scene and appends their bodies. Materials and other bodies must
 /// have been read. Throws SceneFileError.
@@ -47,11 +45,10 @@ void read_gates(const SceneTable& root, bool turned, Scene<D>& scene);
 template <int D>
 void read_joints(const SceneTable& root, Scene<D>& scene);
 
-/// The table [observables]; empty without it. Throws SceneFileError.
-std::optional<ObservableChoice<2>> read_observables(const SceneTable& root);
-
-/// The same in 3D. Windows, profiles and faces lie in the cell.
-std::optional<ObservableChoice<3>> read_observables_in_space(const SceneTable& root,
-                                                             const PeriodicCell& cell);
+/// The table [observables]; empty without it. In 3D windows, profiles and faces lie in the cell.
+/// Throws SceneFileError.
+template <int D>
+std::optional<ObservableChoice<D>> read_observables(const SceneTable& root,
+                                                    const PeriodicCell& cell);
 
 }  // namespace bipot

@@ -7,9 +7,9 @@ namespace {
 
 /// Half-plane, segment or circle.
 void read_shape(const SceneTable& table, Wall<2>& wall) {
-  const auto point = table.maybe_vec2("point"), normal = table.maybe_vec2("normal");
-  const auto from = table.maybe_vec2("from"), to = table.maybe_vec2("to");
-  const auto center = table.maybe_vec2("center");
+  const auto point = table.maybe_vec<2>("point"), normal = table.maybe_vec<2>("normal");
+  const auto from = table.maybe_vec<2>("from"), to = table.maybe_vec<2>("to");
+  const auto center = table.maybe_vec<2>("center");
   if (point && normal && !from && !to && !center) {
     wall.a = *point;
     if (!(normal->norm() > 0)) table.fail("normal", "must not be zero");
@@ -70,7 +70,7 @@ void read_mesh_file(const SceneTable& table, Wall<3>& wall) {
     for (Vec3& corner : triangle) corner *= scale;
   }
   wall.shape = Wall<3>::Shape::kMesh;
-  wall.a = table.maybe_vec<3>("point").value_or(Vec3::Zero());
+  wall.a = table.vec_or_zero<3>("point");
   wall.mesh = std::make_shared<const Wall<3>::Mesh>(std::move(triangles));
 }
 
@@ -205,10 +205,7 @@ void read_times(const SceneTable& table, Wall<D>& wall) {
     if (table.has(key) && !moves)
       table.fail(key, "belongs to a wall that moves, is driven, turns or is a belt");
   }
-  wall.starts = table.number("starts", wall.starts);
-  if (!(wall.starts >= 0)) table.fail("starts", "expected a number >= 0");
-  wall.stops = table.number("stops", wall.stops);
-  if (!(wall.stops > wall.starts)) table.fail("stops", "must be later than starts");
+  table.read_period(wall.starts, wall.stops);
   wall.removed = table.number("removed", wall.removed);
   if (!(wall.removed > 0)) table.fail("removed", "expected a positive number");
 }
@@ -228,11 +225,7 @@ TimeFactor read_time_factor(const SceneTable& table) {
 template <int D>
 int material_index(const Scene<D>& scene, const SceneTable& table, std::string_view key) {
   const std::string name = table.word(key, scene.materials.front());
-  const auto it = std::find(scene.materials.begin(), scene.materials.end(), name);
-  if (it == scene.materials.end()) {
-    table.fail(key, unknown_name_message("material", name, scene.materials));
-  }
-  return static_cast<int>(it - scene.materials.begin());
+  return static_cast<int>(table.index_of(key, "material", name, scene.materials));
 }
 
 template <int D>
