@@ -1,8 +1,8 @@
 #include <vector>
 
+#include "core/files/hdf5_columns.h"
 #include "core/motion/periodic_state.h"
 #include "core/run_files/frame_entries.h"
-#include "core/run_files/hdf5_columns.h"
 #include "core/scene/wall_pieces.h"
 
 namespace bipot {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/files/hdf5_columns.h"
 #include "core/run_files/frame_entries.h"
-#include "core/run_files/hdf5_columns.h"
 #include "core/run_files/run_layout.h"
 
 namespace bipot {

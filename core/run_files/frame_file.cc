@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "core/files/atomic_file.h"
+#include "core/files/hdf5_columns.h"
 #include "core/motion/force_balance.h"
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
 #include "core/run_files/frame_entries.h"
-#include "core/run_files/hdf5_columns.h"
 #include "core/run_files/observable_output.h"
 #include "core/run_files/xdmf_index.h"
 #include "core/scene/scene_box.h"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <iterator>
 
+#include "core/files/hdf5_columns.h"
 #include "core/run_files/csv_file.h"
 #include "core/run_files/frame_entries.h"
-#include "core/run_files/hdf5_columns.h"
 #include "core/run_files/run_layout.h"
 
 namespace bipot {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/files/hdf5_columns.h"
 #include "core/files/hdf5_file.h"
 #include "core/run_files/frame_entries.h"
-#include "core/run_files/hdf5_columns.h"
 #include "core/scene/triangle_mesh.h"
 
 namespace bipot {

@@ -9,11 +9,12 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/base/types.h"
 #include "core/files/hdf5_file.h"
 
 namespace bipot {
 
-// Datasets of the files of a run: a value of each item of a list. The value is a member, or what a
+// Datasets: a value of each item of a list. The value is a member, or what a
 // function says of an item: to read, a reference. Numbers make a column, vectors rows.
 
 /// Collects one column of numbers, or several, row by row.
