@@ -41,7 +41,4 @@ class FrontStack {
   std::vector<int> places_;  // of all children
 };
 
-extern template class FrontStack<float>;
-extern template class FrontStack<double>;
-
 }  // namespace bipot

@@ -44,10 +44,4 @@ class ActiveSet {
   Vector g_, residual_, correction_, next_;
 };
 
-extern template class ActiveSet<1>;
-extern template class ActiveSet<2>;
-extern template class ActiveSet<3>;
-extern template class ActiveSet<ContactRows(3, true)>;
-extern template class ActiveSet<ContactRows(6, true)>;
-
 }  // namespace bipot

@@ -35,31 +35,4 @@ InteriorState<D> cold_start(const InteriorSystem<D>& system, double energy, doub
 template <ContactRows D>
 InteriorState<D> warm_start(const InteriorSystem<D>& system, const Vector& s0, double tau);
 
-extern template double spring_energy<1>(InteriorSystem<1>&);
-extern template double spring_energy<2>(InteriorSystem<2>&);
-extern template double spring_energy<3>(InteriorSystem<3>&);
-extern template double spring_energy<ContactRows(3, true)>(InteriorSystem<ContactRows(3, true)>&);
-extern template double spring_energy<ContactRows(6, true)>(InteriorSystem<ContactRows(6, true)>&);
-extern template double normal_energy<1>(const InteriorSystem<1>&, const Vector&);
-extern template double normal_energy<2>(const InteriorSystem<2>&, const Vector&);
-extern template double normal_energy<3>(const InteriorSystem<3>&, const Vector&);
-extern template double normal_energy<ContactRows(3, true)>(
-    const InteriorSystem<ContactRows(3, true)>&, const Vector&);
-extern template double normal_energy<ContactRows(6, true)>(
-    const InteriorSystem<ContactRows(6, true)>&, const Vector&);
-extern template InteriorState<1> cold_start<1>(const InteriorSystem<1>&, double, double);
-extern template InteriorState<2> cold_start<2>(const InteriorSystem<2>&, double, double);
-extern template InteriorState<3> cold_start<3>(const InteriorSystem<3>&, double, double);
-extern template InteriorState<ContactRows(3, true)> cold_start<ContactRows(3, true)>(
-    const InteriorSystem<ContactRows(3, true)>&, double, double);
-extern template InteriorState<ContactRows(6, true)> cold_start<ContactRows(6, true)>(
-    const InteriorSystem<ContactRows(6, true)>&, double, double);
-extern template InteriorState<1> warm_start<1>(const InteriorSystem<1>&, const Vector&, double);
-extern template InteriorState<2> warm_start<2>(const InteriorSystem<2>&, const Vector&, double);
-extern template InteriorState<3> warm_start<3>(const InteriorSystem<3>&, const Vector&, double);
-extern template InteriorState<ContactRows(3, true)> warm_start<ContactRows(3, true)>(
-    const InteriorSystem<ContactRows(3, true)>&, const Vector&, double);
-extern template InteriorState<ContactRows(6, true)> warm_start<ContactRows(6, true)>(
-    const InteriorSystem<ContactRows(6, true)>&, const Vector&, double);
-
 }  // namespace bipot

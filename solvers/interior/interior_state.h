@@ -95,10 +95,4 @@ class InteriorSystem {
   mutable Vector q_, g_, correction_, wds_;
 };
 
-extern template class InteriorSystem<1>;
-extern template class InteriorSystem<2>;
-extern template class InteriorSystem<3>;
-extern template class InteriorSystem<ContactRows(3, true)>;
-extern template class InteriorSystem<ContactRows(6, true)>;
-
 }  // namespace bipot

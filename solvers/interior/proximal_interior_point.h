@@ -26,23 +26,4 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
                                  const ProximalInteriorPointOptions& options,
                                  InteriorState<D>& best);
 
-extern template StageEnd proximal_interior_point<1>(InteriorSystem<1>&, InteriorState<1>&,
-                                                    InteriorRun&,
-                                                    const ProximalInteriorPointOptions&,
-                                                    InteriorState<1>&);
-extern template StageEnd proximal_interior_point<2>(InteriorSystem<2>&, InteriorState<2>&,
-                                                    InteriorRun&,
-                                                    const ProximalInteriorPointOptions&,
-                                                    InteriorState<2>&);
-extern template StageEnd proximal_interior_point<3>(InteriorSystem<3>&, InteriorState<3>&,
-                                                    InteriorRun&,
-                                                    const ProximalInteriorPointOptions&,
-                                                    InteriorState<3>&);
-extern template StageEnd proximal_interior_point<ContactRows(3, true)>(
-    InteriorSystem<ContactRows(3, true)>&, InteriorState<ContactRows(3, true)>&, InteriorRun&,
-    const ProximalInteriorPointOptions&, InteriorState<ContactRows(3, true)>&);
-extern template StageEnd proximal_interior_point<ContactRows(6, true)>(
-    InteriorSystem<ContactRows(6, true)>&, InteriorState<ContactRows(6, true)>&, InteriorRun&,
-    const ProximalInteriorPointOptions&, InteriorState<ContactRows(6, true)>&);
-
 }  // namespace bipot

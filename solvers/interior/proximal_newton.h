@@ -26,22 +26,4 @@ StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& 
                          ShiftedDelassus& shifted, const Vector& weights, const Vector& start,
                          InteriorRun& run, int max_iterations);
 
-extern template StageEnd proximal_newton<1>(const ContactProblem&, const DelassusOperator&,
-                                            ShiftedDelassus&, const Vector&, const Vector&,
-                                            InteriorRun&, int);
-extern template StageEnd proximal_newton<2>(const ContactProblem&, const DelassusOperator&,
-                                            ShiftedDelassus&, const Vector&, const Vector&,
-                                            InteriorRun&, int);
-extern template StageEnd proximal_newton<3>(const ContactProblem&, const DelassusOperator&,
-                                            ShiftedDelassus&, const Vector&, const Vector&,
-                                            InteriorRun&, int);
-extern template StageEnd proximal_newton<ContactRows(3, true)>(const ContactProblem&,
-                                                               const DelassusOperator&,
-                                                               ShiftedDelassus&, const Vector&,
-                                                               const Vector&, InteriorRun&, int);
-extern template StageEnd proximal_newton<ContactRows(6, true)>(const ContactProblem&,
-                                                               const DelassusOperator&,
-                                                               ShiftedDelassus&, const Vector&,
-                                                               const Vector&, InteriorRun&, int);
-
 }  // namespace bipot

@@ -109,10 +109,4 @@ class TaylorPath {
   Vector r_, covector_x_, covector_y_;
 };
 
-extern template class TaylorPath<1>;
-extern template class TaylorPath<2>;
-extern template class TaylorPath<3>;
-extern template class TaylorPath<ContactRows(3, true)>;
-extern template class TaylorPath<ContactRows(6, true)>;
-
 }  // namespace bipot
