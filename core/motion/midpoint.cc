@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/motion/body_forces.h"
-#include "core/motion/cohesion.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/joints.h"
 #include "core/scene/periodic_detection.h"
@@ -84,6 +84,30 @@ void free_bodies(const Scene<D>& scene, double middle, Midpoint<D>& mid) {
   }
 }
 
+/// Cohesion of each contact of a step; empty in scenes without. It acts up to the scene's detection
+/// distance, and where the scene does not heal at bonds alone: contacts with cohesion in the step
+/// before. `state`: before the step. At time 0 every contact is a bond.                     [N]
+template <int D>
+std::vector<double> cohesive_forces(const Scene<D>& scene, const Midpoint<D>& mid,
+                                    const State<D>& state) {
+  std::vector<double> forces;
+  if (!scene.has_cohesion()) return forces;
+  forces.reserve(mid.contacts.size());
+  const bool all = scene.heal || state.time == 0;
+  auto old = state.contacts.begin();
+  for (const Contact<D>& c : mid.contacts) {
+    const std::pair key(c.i, c.j);
+    const auto key_of = [](const ContactOutcome<D>& o) {
+      return std::pair(o.contact.i, o.contact.j);
+    };
+    while (old != state.contacts.end() && key_of(*old) < key) ++old;
+    const bool bond = all || (old != state.contacts.end() && key_of(*old) == key && old->bonded);
+    const double most = pair_law(scene, mid.bodies, mid.walls, c.i, c.j).cohesion;
+    forces.push_back(bond && c.gap <= scene.detection_distance() ? most : 0.0);
+  }
+  return forces;
+}
+
 }  // namespace
 
 /// Moves everything to its place at mid-step, with the velocities before the step.
@@ -149,7 +173,7 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
   free_bodies(scene, state.time + 0.5 * h, mid);
   if (scene.predict_gaps) keep_those_who_may_meet(scene, mid);
   free_clusters(mid, h);
-  mid.cohesion = cohesive_forces<D>(scene, mid.bodies, mid.walls, mid.contacts, state);
+  mid.cohesion = cohesive_forces(scene, mid, state);
   return mid;
 }
 

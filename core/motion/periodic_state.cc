@@ -110,13 +110,4 @@ std::vector<CellNumber> images_over(const PeriodicCell& cell, const Box<2>& cont
   return images;
 }
 
-template <int D>
-Box<2> extent_of_bodies(const State<D>& state) {
-  Box<2> box;
-  for (const Body<D>& d : state.bodies) box.include(d.x.template head<2>(), d.radius);
-  return box;
-}
-template Box<2> extent_of_bodies(const State<2>&);
-template Box<2> extent_of_bodies(const State<3>&);
-
 }  // namespace bipot

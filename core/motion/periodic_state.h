@@ -36,6 +36,10 @@ std::vector<CellNumber> images_over(const PeriodicCell& cell, const Box<2>& cont
                                     const Box<2>& box);
 /// The extent of the bodies, in the plane of the cell. [m]
 template <int D>
-Box<2> extent_of_bodies(const State<D>& state);
+Box<2> extent_of_bodies(const State<D>& state) {
+  Box<2> box;
+  for (const Body<D>& d : state.bodies) box.include(d.x.template head<2>(), d.radius);
+  return box;
+}
 
 }  // namespace bipot

@@ -249,19 +249,6 @@ bool change_population(const Scene<D>& scene, State<D>& state) {
 }
 
 template <int D>
-State<D> with_changed_population(const Scene<D>& scene, const State<D>& state) {
-  State<D> changed = state;
-  if (scene.has_gates()) change_population(scene, changed);
-  return changed;
-}
-
-template <int D>
-int body_number(const State<D>& state, int index) {
-  const std::vector<int>& numbers = state.population.numbers;
-  return numbers.empty() ? index : numbers.at(to_size(index));
-}
-
-template <int D>
 int body_index(const State<D>& state, int number) {
   const std::vector<int>& numbers = state.population.numbers;
   if (state.population.outlets.empty() && state.population.inlets.empty()) {
@@ -273,18 +260,16 @@ int body_index(const State<D>& state, int number) {
 }
 
 template <int D>
-double energy_passed(const State<D>& state) {
-  double sum = 0;
-  for (const GateFlow<D>& flow : state.population.inlets) sum += flow.energy;
-  for (const GateFlow<D>& flow : state.population.outlets) sum -= flow.energy;
-  return sum;
-}
-
-template <int D>
-Vec<D> momentum_passed(const State<D>& state) {
-  Vec<D> sum = Vec<D>::Zero();
-  for (const GateFlow<D>& flow : state.population.inlets) sum += flow.momentum;
-  for (const GateFlow<D>& flow : state.population.outlets) sum -= flow.momentum;
+GateFlow<D> passed(const State<D>& state) {
+  GateFlow<D> sum;
+  for (const GateFlow<D>& flow : state.population.inlets) {
+    sum.energy += flow.energy;
+    sum.momentum += flow.momentum;
+  }
+  for (const GateFlow<D>& flow : state.population.outlets) {
+    sum.energy -= flow.energy;
+    sum.momentum -= flow.momentum;
+  }
   return sum;
 }
 
@@ -292,15 +277,9 @@ template Population<2> initial_population(const Scene<2>&);
 template Population<3> initial_population(const Scene<3>&);
 template bool change_population(const Scene<2>&, State<2>&);
 template bool change_population(const Scene<3>&, State<3>&);
-template State<2> with_changed_population(const Scene<2>&, const State<2>&);
-template State<3> with_changed_population(const Scene<3>&, const State<3>&);
-template int body_number(const State<2>&, int);
-template int body_number(const State<3>&, int);
 template int body_index(const State<2>&, int);
 template int body_index(const State<3>&, int);
-template double energy_passed(const State<2>&);
-template double energy_passed(const State<3>&);
-template Vec2 momentum_passed(const State<2>&);
-template Vec3 momentum_passed(const State<3>&);
+template GateFlow<2> passed(const State<2>&);
+template GateFlow<3> passed(const State<3>&);
 
 }  // namespace bipot

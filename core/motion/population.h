@@ -24,20 +24,24 @@ bool change_population(const Scene<D>& scene, State<D>& state);
 
 /// The state from which the next step starts.
 template <int D>
-State<D> with_changed_population(const Scene<D>& scene, const State<D>& state);
+State<D> with_changed_population(const Scene<D>& scene, const State<D>& state) {
+  State<D> changed = state;
+  if (scene.has_gates()) change_population(scene, changed);
+  return changed;
+}
 
 /// Permanent number of a body, while others come and go; its index in scenes without gates.
 template <int D>
-int body_number(const State<D>& state, int index);
+int body_number(const State<D>& state, int index) {
+  const std::vector<int>& numbers = state.population.numbers;
+  return numbers.empty() ? index : numbers.at(to_size(index));
+}
 /// The index of the body with that number; -1 if it is not there.
 template <int D>
 int body_index(const State<D>& state, int number);
 
-/// Energy that has come in, less energy that has left, since step 0. [J]
+/// Energy and momentum that have come in, less those that have left, since step 0.
 template <int D>
-double energy_passed(const State<D>& state);
-/// The same for momentum. [kg m/s]
-template <int D>
-Vec<D> momentum_passed(const State<D>& state);
+GateFlow<D> passed(const State<D>& state);
 
 }  // namespace bipot

@@ -31,12 +31,6 @@ State<D> initial_state(const Scene<D>& scene) {
 }
 
 template <int D>
-double time_after_step(const State<D>& state, double h) {
-  const bool multiple = std::abs(state.time - state.step * h) <= 1e-6 * h;
-  return multiple ? (state.step + 1) * h : state.time + h;
-}
-
-template <int D>
 StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>>& gravity,
                         bool count_walls) {
   StateSums<D> sums;
@@ -143,12 +137,10 @@ std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
 }
 
 template State<2> initial_state(const Scene<2>&);
-template double time_after_step(const State<2>&, double);
 template StateSums<2> state_sums<2>(const State<2>&, const Vec2&, bool);
 template double angular_momentum(const State<2>&);
 template std::string restart_mismatch(const Scene<2>&, const State<2>&);
 template State<3> initial_state(const Scene<3>&);
-template double time_after_step(const State<3>&, double);
 template StateSums<3> state_sums<3>(const State<3>&, const Vec3&, bool);
 template Vec3 angular_momentum(const State<3>&);
 template std::string restart_mismatch(const Scene<3>&, const State<3>&);

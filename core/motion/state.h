@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -51,7 +52,10 @@ State<D> initial_state(const Scene<D>& scene);
 /// The time after one more step of size h. It is a multiple of h, which has no drift, unless the
 /// step size changed at a restart.
 template <int D>
-double time_after_step(const State<D>& state, double h);
+double time_after_step(const State<D>& state, double h) {
+  const bool multiple = std::abs(state.time - state.step * h) <= 1e-6 * h;
+  return multiple ? (state.step + 1) * h : state.time + h;
+}
 
 /// Where a body was in the middle of the step of size h that it has just taken.
 template <int D>

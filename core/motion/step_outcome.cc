@@ -190,15 +190,6 @@ StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
   return outcome;
 }
 
-template <int D>
-double wall_pushes(const std::vector<ContactOutcome<D>>& contacts, std::size_t bodies) {
-  double pushed = 0;
-  for (const ContactOutcome<D>& c : contacts) {
-    if (to_size(c.contact.j) >= bodies) pushed += std::hypot(c.s_n, magnitude(c.s_t));
-  }
-  return pushed;
-}
-
 template StepOutcome<2> step_outcome<2>(const Scene<2>&, const Midpoint<2>&, std::span<const Disk>,
                                         const ContactProblem&, const AssembledStep&, const Vector&,
                                         const Vector&, const State<2>&, bool);
@@ -206,7 +197,5 @@ template StepOutcome<3> step_outcome<3>(const Scene<3>&, const Midpoint<3>&,
                                         std::span<const Sphere>, const ContactProblem&,
                                         const AssembledStep&, const Vector&, const Vector&,
                                         const State<3>&, bool);
-template double wall_pushes(const std::vector<ContactOutcome<2>>&, std::size_t);
-template double wall_pushes(const std::vector<ContactOutcome<3>>&, std::size_t);
 
 }  // namespace bipot

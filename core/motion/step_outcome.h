@@ -43,6 +43,12 @@ StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
 
 /// Σ |s| over the contacts with walls; `bodies`: from this number on j is a wall.      [N s]
 template <int D>
-double wall_pushes(const std::vector<ContactOutcome<D>>& contacts, std::size_t bodies);
+double wall_pushes(const std::vector<ContactOutcome<D>>& contacts, std::size_t bodies) {
+  double pushed = 0;
+  for (const ContactOutcome<D>& c : contacts) {
+    if (to_size(c.contact.j) >= bodies) pushed += std::hypot(c.s_n, magnitude(c.s_t));
+  }
+  return pushed;
+}
 
 }  // namespace bipot

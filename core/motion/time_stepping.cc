@@ -382,7 +382,7 @@ void TimeStepper<D>::Inside::close_ledger(const State<D>& before, const Midpoint
                    .friction_loss = next.friction_loss,
                    .shock_loss = next.shock_loss,
                    .cohesion_loss = next.cohesion_loss,
-                   .passed = energy_passed(next)};
+                   .passed = passed(next).energy};
   report.energy.imbalance = report.energy.kinetic + report.energy.potential - then.kinetic -
                             then.potential - outcome.wall_work + outcome.friction_loss +
                             outcome.shock_loss + outcome.cohesion_loss;

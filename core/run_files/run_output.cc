@@ -323,7 +323,7 @@ void RunWriter<D>::write_row(const State<D>& state, const StepReport<D>& r) {
   known_stress_ = {state.step, stress_of_sample(state, scene_.step)};
   std::string line = ledger_row(r, known_stress_.second, scene_.model == Model::kSpringDashpot);
   if (gates_) {
-    add_numbers(line, r.energy.passed, momentum_passed(state));
+    add_numbers(line, r.energy.passed, passed(state).momentum);
   }
   if (scene_.accuracy > 0) {
     line += fmt::format(",{},{}", r.cut.parts, r.cut.rejected());

@@ -55,13 +55,6 @@ std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
 }
 
 template <int D>
-double turned_angle(const Wall<D>& scene_wall, double time) {
-  const double from = scene_wall.starts, to = std::min(time, scene_wall.stops);
-  if (!(to > from)) return 0;
-  return scene_wall.spin * scene_wall.time_factor.mean(from, to) * (to - from);
-}
-
-template <int D>
 Vec<D> surface_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>& v,
                         const std::type_identity_t<Vec<D>>& n) {
   if (wall.is_circle()) return wall.spin != 0 ? Vec<D>(v + turning(wall, n)) : v;
@@ -70,11 +63,9 @@ Vec<D> surface_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>&
 
 template std::vector<Wall<2>> walls_at(const std::vector<Wall<2>>&, const std::vector<Wall<2>>&,
                                        double, double);
-template double turned_angle(const Wall<2>&, double);
 template Vec2 surface_velocity<2>(const Wall<2>&, const Vec2&, const Vec2&);
 template std::vector<Wall<3>> walls_at(const std::vector<Wall<3>>&, const std::vector<Wall<3>>&,
                                        double, double);
-template double turned_angle(const Wall<3>&, double);
 template Vec3 surface_velocity<3>(const Wall<3>&, const Vec3&, const Vec3&);
 
 }  // namespace bipot

@@ -24,7 +24,11 @@ std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
 
 /// Angle by which a wall of the scene has turned about its axis from time 0 on.             [rad]
 template <int D>
-double turned_angle(const Wall<D>& scene_wall, double time);
+double turned_angle(const Wall<D>& scene_wall, double time) {
+  const double from = scene_wall.starts, to = std::min(time, scene_wall.stops);
+  if (!(to > from)) return 0;
+  return scene_wall.spin * scene_wall.time_factor.mean(from, to) * (to - from);
+}
 
 /// Velocity of a driven wall with `speed` along its direction. [m/s]
 template <int D>
