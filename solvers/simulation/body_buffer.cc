@@ -6,23 +6,43 @@
 namespace bipot {
 namespace {
 
-void put_vector(const Eigen::Ref<const Vector>& x, Buffer& buffer) {
+/// Passes all data of a body, without clusters, in their order in a buffer.
+template <class AnyBody, class Pass>
+void pass_body(AnyBody& b, const Pass& pass) {
+  pass(b.x);
+  if constexpr (requires { b.angle; }) {
+    pass(b.angle);
+  } else {
+    pass(b.orientation.coeffs());
+  }
+  pass(b.v, b.spin, b.radius, b.mass, b.inertia, b.material, b.wall);
+}
+
+/// The same for a contact.
+template <class Outcome, class Pass>
+void pass_contact(Outcome& c, const Pass& pass) {
+  pass(c.contact.i, c.contact.j, c.contact.n, c.contact.gap, c.s_n, c.s_t, c.u_n, c.u_t, c.status);
+}
+
+void put_value(double x, Buffer& buffer) { buffer.push_back(x); }
+void put_value(ContactStatus x, Buffer& buffer) { buffer.push_back(static_cast<double>(x)); }
+void put_value(const Eigen::Ref<const Vector>& x, Buffer& buffer) {
   buffer.insert(buffer.end(), x.data(), x.data() + x.size());
 }
-
-void put_turn(double x, Buffer& buffer) { buffer.push_back(x); }
-void put_turn(const Vec3& x, Buffer& buffer) { put_vector(x, buffer); }
-
-void take_turn(BufferReader& buffer, double& x) { x = buffer.number(); }
-void take_turn(BufferReader& buffer, Vec3& x) { x = buffer.vector<3>(); }
-
-void put_orientation(const Disk& d, Buffer& buffer) { buffer.push_back(d.angle); }
-void put_orientation(const Sphere& s, Buffer& buffer) {
-  put_vector(s.orientation.coeffs(), buffer);
+auto appending(Buffer& buffer) {
+  return [&buffer](const auto&... values) { (put_value(values, buffer), ...); };
 }
-void take_orientation(BufferReader& buffer, Disk& d) { d.angle = buffer.number(); }
-void take_orientation(BufferReader& buffer, Sphere& s) {
-  s.orientation.coeffs() = buffer.vector<4>();
+
+template <class Number>
+void take_value(BufferReader& buffer, Number& x) {
+  x = static_cast<Number>(buffer.number());
+}
+template <int N>
+void take_value(BufferReader& buffer, Eigen::Matrix<double, N, 1>& x) {
+  x = buffer.vector<N>();
+}
+auto taking(BufferReader& buffer) {
+  return [&buffer](auto&... values) { (take_value(buffer, values), ...); };
 }
 
 }  // namespace
@@ -30,55 +50,27 @@ void take_orientation(BufferReader& buffer, Sphere& s) {
 template <int D>
 void put(int number, const Body<D>& body, Buffer& buffer) {
   buffer.push_back(number);
-  put_vector(body.x, buffer);
-  put_orientation(body, buffer);
-  put_vector(body.v, buffer);
-  put_turn(body.spin, buffer);
-  buffer.insert(buffer.end(), {body.radius, body.mass, body.inertia,
-                               static_cast<double>(body.material), static_cast<double>(body.wall)});
+  pass_body(body, appending(buffer));
 }
 
 template <int D>
 NumberedBody<D> take_body(BufferReader& buffer) {
   NumberedBody<D> out;
   out.number = buffer.integer();
-  Body<D>& body = out.body;
-  body.x = buffer.vector<D>();
-  take_orientation(buffer, body);
-  body.v = buffer.vector<D>();
-  take_turn(buffer, body.spin);
-  body.radius = buffer.number();
-  body.mass = buffer.number();
-  body.inertia = buffer.number();
-  body.material = buffer.integer();
-  body.wall = buffer.integer();
+  pass_body(out.body, taking(buffer));
   return out;
 }
 
 template <int D>
-void put(const ContactOutcome<D>& c, Buffer& buffer) {
-  buffer.insert(buffer.end(), {static_cast<double>(c.contact.i), static_cast<double>(c.contact.j)});
-  put_vector(c.contact.n, buffer);
-  buffer.insert(buffer.end(), {c.contact.gap, c.s_n});
-  put_turn(c.s_t, buffer);
-  buffer.push_back(c.u_n);
-  put_turn(c.u_t, buffer);
-  buffer.push_back(static_cast<double>(c.status));
+void put(const ContactOutcome<D>& contact, Buffer& buffer) {
+  pass_contact(contact, appending(buffer));
 }
 
 template <int D>
 ContactOutcome<D> take_contact(BufferReader& buffer) {
-  ContactOutcome<D> c;
-  c.contact.i = buffer.integer();
-  c.contact.j = buffer.integer();
-  c.contact.n = buffer.vector<D>();
-  c.contact.gap = buffer.number();
-  c.s_n = buffer.number();
-  take_turn(buffer, c.s_t);
-  c.u_n = buffer.number();
-  take_turn(buffer, c.u_t);
-  c.status = static_cast<ContactStatus>(buffer.integer());
-  return c;
+  ContactOutcome<D> contact;
+  pass_contact(contact, taking(buffer));
+  return contact;
 }
 
 template <int D>

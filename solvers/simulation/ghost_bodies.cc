@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/motion/midpoint.h"
+#include "core/scene/scene_box.h"
 #include "solvers/simulation/body_buffer.h"
 
 namespace bipot {
@@ -12,42 +13,28 @@ namespace {
 /// Relative rounding of positions and gaps, by which detection may differ.
 constexpr double kRounding = 1e-12;
 
-/// A box of bodies, rims included; empty if lower > upper.
+/// Wider by this, and by rounding.
 template <int D>
-struct Reach {
-  Vec<D> lower = Vec<D>::Constant(kInfinity), upper = Vec<D>::Constant(-kInfinity);
+void widen(Box<D>& box, double by) {
+  const double size = std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+  box.widen(by * (1 + kRounding) + kRounding * size);
+}
 
-  void include(const Body<D>& d) {
-    lower = lower.cwiseMin((d.x.array() - d.radius).matrix());
-    upper = upper.cwiseMax((d.x.array() + d.radius).matrix());
-  }
-  bool empty() const { return !(lower.array() <= upper.array()).all(); }
-  void widen(double by) {
-    const double rounding =
-        kRounding * std::max(lower.cwiseAbs().maxCoeff(), upper.cwiseAbs().maxCoeff());
-    lower.array() -= by * (1 + kRounding) + rounding;
-    upper.array() += by * (1 + kRounding) + rounding;
-  }
-  bool meets(const Body<D>& d) const {
-    return (d.x.array() + d.radius >= lower.array()).all() &&
-           (d.x.array() - d.radius <= upper.array()).all();
-  }
-  bool meets(const Reach& other) const {
-    return (other.upper.array() >= lower.array()).all() &&
-           (other.lower.array() <= upper.array()).all();
-  }
-};
+template <int D>
+bool meet(const Box<D>& a, const Box<D>& b) {
+  return (b.upper.array() >= a.lower.array()).all() && (b.lower.array() <= a.upper.array()).all();
+}
 
 /// Boxes of the bodies of all processes, and the largest radius.
 template <int D>
-std::vector<Reach<D>> gather_reaches(const Reach<D>& mine, double& largest_radius,
-                                     ProcessGroup& group) {
+std::vector<Box<D>> gather_reaches(const Box<D>& mine, double& largest_radius,
+                                   ProcessGroup& group) {
   constexpr std::size_t kNumbers = 2 * D + 1;
   std::vector<double> numbers(mine.lower.begin(), mine.lower.end());
   numbers.insert(numbers.end(), mine.upper.begin(), mine.upper.end());
   numbers.push_back(largest_radius);
   const std::vector<double> all = group.gather(numbers);
-  std::vector<Reach<D>> reaches(to_size(group.size()));
+  std::vector<Box<D>> reaches(to_size(group.size()));
   for (std::size_t r = 0; r < reaches.size(); ++r) {
     const double* from = all.data() + r * kNumbers;
     reaches[r].lower = Eigen::Map<const Vec<D>>(from);
@@ -65,20 +52,22 @@ LocalBodies<D> with_ghosts(const Scene<D>& scene, const DomainState<D>& state,
   std::vector<Buffer> buffers(to_size(group.size()));
   {
     const std::vector<Body<D>> bodies = free_midpoint(scene, state.here).bodies;
-    Reach<D> mine;
+    Box<D> mine;
     double largest_radius = 0;
     for (const Body<D>& d : bodies) {
-      mine.include(d);
+      mine.include(d.x, d.radius);
       largest_radius = std::max(largest_radius, d.radius);
     }
-    std::vector<Reach<D>> reaches = gather_reaches(mine, largest_radius, group);
+    std::vector<Box<D>> reaches = gather_reaches(mine, largest_radius, group);
     for (int r = 0; r < group.size(); ++r) {
-      Reach<D>& theirs = reaches[to_size(r)];
+      Box<D>& theirs = reaches[to_size(r)];
       if (r == group.rank() || theirs.empty()) continue;
-      theirs.widen(2 * largest_radius + 2 * std::max(scene.contact_distance, 0.0));
-      if (!theirs.meets(mine)) continue;
+      widen(theirs, 2 * largest_radius + 2 * std::max(scene.contact_distance, 0.0));
+      if (!meet(theirs, mine)) continue;
       for (std::size_t k = 0; k < bodies.size(); ++k) {
-        if (!theirs.meets(bodies[k])) continue;
+        Box<D> of_body;
+        of_body.include(bodies[k].x, bodies[k].radius);
+        if (!meet(theirs, of_body)) continue;
         put(state.numbers[k], state.here.bodies[k], buffers[to_size(r)]);
       }
     }
