@@ -41,23 +41,12 @@ std::string read_optional_string(const Hdf5File& file, const std::string& name) 
   return file.exists(name) ? file.read_string(name) : std::string();
 }
 
-/// A stored matrix, independent of its storage.
-struct SparseGroup {
-  int rows = 0, columns = 0;
-  Triplets entries;
-
-  template <class Sparse>
-  Sparse build() const {
-    return from_triplets<Sparse>(rows, columns, entries);
-  }
-};
-
-SparseGroup read_matrix(const Hdf5File& file, const std::string& group) {
+StoredEntries read_matrix(const Hdf5File& file, const std::string& group) {
   const auto refuse = [&](const std::string& reason) {
     throw FileError(file.path(), group, reason);
   };
   if (!file.exists(group)) refuse("missing");
-  SparseGroup matrix{.rows = file.read_int(group + "/m"), .columns = file.read_int(group + "/n")};
+  StoredEntries matrix{.rows = file.read_int(group + "/m"), .columns = file.read_int(group + "/n")};
   const int nz = file.read_int(group + "/nz");
   if (matrix.rows < 0 || matrix.columns < 0) {
     refuse(fmt::format("m = {}, n = {}", matrix.rows, matrix.columns));
@@ -119,7 +108,7 @@ bool has_entries(const Hdf5File& file, const std::string& matrix) {
 }
 
 /// Checks sizes before the matrix is built: a wrong size could exhaust the memory.
-void require_shape(const Hdf5File& file, const std::string& group, const SparseGroup& matrix,
+void require_shape(const Hdf5File& file, const std::string& group, const StoredEntries& matrix,
                    Eigen::Index rows, Eigen::Index columns) {
   if (matrix.rows == rows && matrix.columns == columns) return;
   throw FileError(file.path(), group,
@@ -138,7 +127,7 @@ void add_equality_rows(const Hdf5File& file, const std::string& root, int stored
   const std::string group = root + "/G", vector = root + "/vectors/b";
   const Vector b = file.exists(vector) ? read_vector(file, vector) : Vector();
   if (!has_entries(file, group) && b.size() == 0) return;
-  const SparseGroup stored = read_matrix(file, group);
+  const StoredEntries stored = read_matrix(file, group);
   require_shape(file, group, stored, stored_dofs, b.size());
   SparseRows G = SparseRows(stored.build<SparseMatrix>().transpose());
   G.conservativeResize(G.rows(), problem.num_dofs());  // without those of inert tangents
@@ -149,28 +138,53 @@ void add_equality_rows(const Hdf5File& file, const std::string& root, int stored
   }
 }
 
+/// Rows with the tangential rows of with_inert_tangents() inserted as zeros.
+Vector spread(const Vector& x) {
+  Vector y = Vector::Zero(2 * x.size());
+  for (Eigen::Index k = 0; k < x.size(); ++k) y[2 * k] = x[k];
+  return y;
+}
+
+/// Body velocities with those of inert tangents, which stand still.
+Vector stored_velocities(const ContactProblem& p, const Vector& v) {
+  Vector x = Vector::Zero(v.size() + (p.dim == 1 ? p.num_contacts() : 0));
+  x.head(v.size()) = v;
+  return x;
+}
+
+/// Appends the entries of a matrix, rows and columns times these factors.
+template <class Sparse>
+void append(const Sparse& matrix, int rows, int columns, Triplets& entries) {
+  for (int k = 0; k < matrix.outerSize(); ++k) {
+    for (typename Sparse::InnerIterator it(matrix, k); it; ++it) {
+      entries.emplace_back(rows * static_cast<int>(it.row()), columns * static_cast<int>(it.col()),
+                           it.value());
+    }
+  }
+}
+
 /// Inverse of the spacedim-2 form of a frictionless problem, see the header.
 ContactProblem without_tangents(const ContactProblem& p, int dofs) {
   ContactProblem q{.dim = 1, .u_free = every_other(p.u_free), .mu = p.mu};
+  const int contacts = p.num_contacts();
+  Triplets entries;
   if (p.has_velocities()) {
     q.v_free = p.v_free.head(dofs);
     q.A = p.A.topLeftCorner(dofs, dofs);
-    Triplets entries;
-    for (int c = 0; c < p.num_contacts(); ++c) {
+    for (int c = 0; c < contacts; ++c) {
       for (SparseMatrix::InnerIterator it(p.H, 2 * c); it; ++it) {
         if (it.row() < dofs) entries.emplace_back(static_cast<int>(it.row()), c, it.value());
       }
     }
-    q.H = from_triplets(dofs, p.num_contacts(), entries);
+    q.H = from_triplets(dofs, contacts, entries);
     if (p.has_delassus()) q.W = assemble_delassus(q.A, q.H, 1);
   } else {
-    Triplets entries;
-    for (int c = 0; c < p.num_contacts(); ++c) {
+    for (int c = 0; c < contacts; ++c) {
       for (SparseRows::InnerIterator it(p.W, 2 * c); it; ++it) {
         if (it.col() % 2 == 0) entries.emplace_back(c, static_cast<int>(it.col()) / 2, it.value());
       }
     }
-    q.W = from_triplets<SparseRows>(p.num_contacts(), p.num_contacts(), entries);
+    q.W = from_triplets<SparseRows>(contacts, contacts, entries);
   }
   return q;
 }
@@ -180,44 +194,25 @@ ContactProblem with_inert_tangents(const ContactProblem& p) {
   const int contacts = p.num_contacts();
   const int dofs = p.num_dofs();
   const Vector w_nn = DelassusOperator(p).diagonal();
-  ContactProblem q{.dim = 2, .u_free = Vector::Zero(2 * contacts), .mu = Vector::Zero(contacts)};
-  for (int c = 0; c < contacts; ++c) q.u_free[2 * c] = p.u_free[c];
+  ContactProblem q{.dim = 2, .u_free = spread(p.u_free), .mu = Vector::Zero(contacts)};
   if (p.has_velocities()) {
     Triplets mass, wrench;
-    for (int k = 0; k < p.A.outerSize(); ++k) {
-      for (SparseMatrix::InnerIterator it(p.A, k); it; ++it) {
-        mass.emplace_back(static_cast<int>(it.row()), k, it.value());
-      }
-    }
+    append(p.A, 1, 1, mass);
+    append(p.H, 1, 2, wrench);
     for (int c = 0; c < contacts; ++c) {
-      for (SparseMatrix::InnerIterator it(p.H, c); it; ++it) {
-        wrench.emplace_back(static_cast<int>(it.row()), 2 * c, it.value());
-      }
       mass.emplace_back(dofs + c, dofs + c, 1 / w_nn[c]);
       wrench.emplace_back(dofs + c, 2 * c + 1, 1.0);
     }
     q.A = from_triplets(dofs + contacts, dofs + contacts, mass);
     q.H = from_triplets(dofs + contacts, 2 * contacts, wrench);
-    q.v_free = Vector::Zero(dofs + contacts);
-    q.v_free.head(dofs) = p.v_free;
+    q.v_free = stored_velocities(p, p.v_free);
   } else {
     Triplets entries;
-    for (int c = 0; c < contacts; ++c) {
-      for (SparseRows::InnerIterator it(p.W, c); it; ++it) {
-        entries.emplace_back(2 * c, 2 * static_cast<int>(it.col()), it.value());
-      }
-      entries.emplace_back(2 * c + 1, 2 * c + 1, w_nn[c]);
-    }
+    append(p.W, 2, 2, entries);
+    for (int c = 0; c < contacts; ++c) entries.emplace_back(2 * c + 1, 2 * c + 1, w_nn[c]);
     q.W = from_triplets<SparseRows>(2 * contacts, 2 * contacts, entries);
   }
   return q;
-}
-
-/// Rows with the tangential rows of with_inert_tangents() inserted as zeros.
-Vector spread(const Vector& x) {
-  Vector y = Vector::Zero(2 * x.size());
-  for (Eigen::Index k = 0; k < x.size(); ++k) y[2 * k] = x[k];
-  return y;
 }
 
 template <class Sparse>
@@ -232,13 +227,6 @@ void write_matrix(Hdf5File& file, const std::string& group, Sparse matrix) {
                                                 static_cast<std::size_t>(matrix.outerSize()) + 1));
   file.write(group + "/i", std::span<const int>(matrix.innerIndexPtr(), count));
   file.write(group + "/x", std::span<const double>(matrix.valuePtr(), count));
-}
-
-/// Body velocities with those of inert tangents, which stand still.
-Vector stored_velocities(const ContactProblem& p, const Vector& v) {
-  Vector x = Vector::Zero(v.size() + (p.dim == 1 ? p.num_contacts() : 0));
-  x.head(v.size()) = v;
-  return x;
 }
 
 /// Writes guesses in FCLIB's form: number_of_guesses, and a group 1, 2, ... with u, r (and v) for
@@ -282,7 +270,7 @@ Stored read_form(const Hdf5File& file, const std::string& root, int dim, Problem
   Stored stored;
   try {
     if (!out.global) {
-      const SparseGroup W = read_matrix(file, root + "/W");
+      const StoredEntries W = read_matrix(file, root + "/W");
       require_shape(file, root + "/W", W, rows, rows);
       Vector q = read_vector(file, root + "/vectors/q");
       const std::string name = root + "/vectors/s";
@@ -291,7 +279,7 @@ Stored read_form(const Hdf5File& file, const std::string& root, int dim, Problem
         if (is_rolling(root)) {
           throw std::invalid_argument("equality rows are not taken with rolling friction");
         }
-        const SparseGroup V = read_matrix(file, root + "/V"), R = read_matrix(file, root + "/R");
+        const StoredEntries V = read_matrix(file, root + "/V"), R = read_matrix(file, root + "/R");
         require_shape(file, root + "/V", V, rows, s.size());
         require_shape(file, root + "/R", R, s.size(), s.size());
         out.problem = from_local_form(dim, W.build<SparseRows>(), q, std::move(mu),
@@ -301,8 +289,8 @@ Stored read_form(const Hdf5File& file, const std::string& root, int dim, Problem
                                       std::move(mu_r), std::move(mu_spin));
       }
     } else {
-      const SparseGroup M = read_matrix(file, root + "/M");
-      const SparseGroup H = read_matrix(file, root + "/H");
+      const StoredEntries M = read_matrix(file, root + "/M");
+      const StoredEntries H = read_matrix(file, root + "/H");
       const Vector f = read_vector(file, root + "/vectors/f");
       require_shape(file, root + "/M", M, f.size(), f.size());
       require_shape(file, root + "/H", H, f.size(), rows);

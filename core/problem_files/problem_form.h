@@ -1,8 +1,20 @@
 #pragma once
 
+#include "core/base/triplets.h"
 #include "core/problem/contact_problem.h"
 
 namespace bipot {
+
+/// A matrix as a file holds it, independent of its storage.
+struct StoredEntries {
+  int rows = 0, columns = 0;
+  Triplets entries;
+
+  template <class Sparse>
+  Sparse build() const {
+    return from_triplets<Sparse>(rows, columns, entries);
+  }
+};
 
 /// The local form W r + q of other codes, with rolling friction if mu_r is not empty. Explicit zeros
 /// are dropped. W remains as it is, even if rounding has made it unsymmetric. Throws std::invalid_argument for an unsound problem.

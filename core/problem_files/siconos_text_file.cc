@@ -118,15 +118,8 @@ class Words {
   std::ptrdiff_t begin_of_word_ = 0;
 };
 
-struct TextMatrix {
-  int rows = 0, columns = 0;
-  Triplets entries;
+struct TextMatrix : StoredEntries {
   std::vector<int> extents;  // of block rows, from 0; sparse blocks only
-
-  template <class Sparse>
-  Sparse build() const {
-    return from_triplets<Sparse>(rows, columns, entries);
-  }
 };
 
 void read_dense(Words& words, TextMatrix& matrix) {
@@ -273,8 +266,9 @@ void read_sparse(Words& words, TextMatrix& matrix) {
 TextMatrix read_matrix(Words& words) {
   enum Storage { kDense = 0, kSparseBlocks = 1, kSparse = 2 };
   const int storage = words.integer("storage of a matrix");
-  TextMatrix matrix{.rows = words.integer("number of rows"),
-                    .columns = words.integer("number of columns")};
+  TextMatrix matrix;
+  matrix.rows = words.integer("number of rows");
+  matrix.columns = words.integer("number of columns");
   // Vectors of these lengths follow.
   words.require_plausible(matrix.rows, "rows of a matrix");
   words.require_plausible(matrix.columns, "columns of a matrix");
