@@ -48,11 +48,11 @@ System system_of(const ContactProblem& p, int iterations) {
   SolveRun solve(p, options);
   solve.judge_every_iteration();
   InteriorSystem<2> system(p, solve.delassus(), ShiftedDelassus::Form::kBody);
-  const double energy = spring_energy(system);
+  EqualProductStart starts{system};
   InteriorRun run(solve);
   ProximalInteriorPointOptions stage{.far_iterations = iterations};
-  InteriorState<2> z = cold_start(system, energy, 1), best = z;
-  (void)proximal_interior_point(system, z, run, stage, best);
+  InteriorState<2> z = starts.cold(starts.spring_energy(), 1), best = z;
+  (void)ProximalInteriorPoint{system, run}(z, stage, best);
   if (!system.linearise(z, 0)) throw std::runtime_error("the matrix is singular");
   System out{
       .K = system.shifted().matrix(), .iterations = run.iteration, .error = solve.last_error()};

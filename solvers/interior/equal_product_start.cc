@@ -30,7 +30,7 @@ double edge_distance(double pull, double radius, double W, double tau) {
 }  // namespace
 
 template <ContactRows D>
-double spring_energy(InteriorSystem<D>& system) {
+double EqualProductStart<D>::spring_energy() {
   const ContactProblem& p = system.problem();
   const Vector& mobility = system.mobility();
   std::vector<double> R(static_cast<std::size_t>(p.num_contacts()) * D * D, 0.0);
@@ -48,14 +48,14 @@ double spring_energy(InteriorSystem<D>& system) {
   if (system.shifted().factor(R)) {
     Vector s;
     system.shifted().solve(g, s);
-    energy = normal_energy(system, s);
+    energy = normal_energy(s);
   }
   // An indefinite operator may have a pole at the springs.
   return std::isfinite(energy) && energy > 0 ? energy : fallback / p.num_contacts();
 }
 
 template <ContactRows D>
-double normal_energy(const InteriorSystem<D>& system, const Vector& s) {
+double EqualProductStart<D>::normal_energy(const Vector& s) const {
   double energy = 0;
   for (int c = 0; c < system.num_contacts(); ++c) {
     energy += system.mobility()[c * D] * s[c * D] * s[c * D];
@@ -64,7 +64,7 @@ double normal_energy(const InteriorSystem<D>& system, const Vector& s) {
 }
 
 template <ContactRows D>
-InteriorState<D> cold_start(const InteriorSystem<D>& system, double energy, double factor) {
+InteriorState<D> EqualProductStart<D>::cold(double energy, double factor) const {
   Vector impulse(system.num_contacts());
   for (int c = 0; c < system.num_contacts(); ++c) {
     impulse[c] = factor * std::sqrt(energy / system.mobility()[c * D]);
@@ -73,7 +73,7 @@ InteriorState<D> cold_start(const InteriorSystem<D>& system, double energy, doub
 }
 
 template <ContactRows D>
-InteriorState<D> warm_start(const InteriorSystem<D>& system, const Vector& s0, double tau) {
+InteriorState<D> EqualProductStart<D>::warm(const Vector& s0, double tau) const {
   using Jordan = ContactJordan<D>;
   constexpr int P = Jordan::P;
   InteriorState<D> z;
@@ -113,31 +113,10 @@ InteriorState<D> warm_start(const InteriorSystem<D>& system, const Vector& s0, d
   return z;
 }
 
-template double spring_energy<1>(InteriorSystem<1>&);
-template double spring_energy<2>(InteriorSystem<2>&);
-template double spring_energy<3>(InteriorSystem<3>&);
-template double spring_energy<ContactRows(3, true)>(InteriorSystem<ContactRows(3, true)>&);
-template double spring_energy<ContactRows(6, true)>(InteriorSystem<ContactRows(6, true)>&);
-template double normal_energy<1>(const InteriorSystem<1>&, const Vector&);
-template double normal_energy<2>(const InteriorSystem<2>&, const Vector&);
-template double normal_energy<3>(const InteriorSystem<3>&, const Vector&);
-template double normal_energy<ContactRows(3, true)>(const InteriorSystem<ContactRows(3, true)>&,
-                                                    const Vector&);
-template double normal_energy<ContactRows(6, true)>(const InteriorSystem<ContactRows(6, true)>&,
-                                                    const Vector&);
-template InteriorState<1> cold_start<1>(const InteriorSystem<1>&, double, double);
-template InteriorState<2> cold_start<2>(const InteriorSystem<2>&, double, double);
-template InteriorState<3> cold_start<3>(const InteriorSystem<3>&, double, double);
-template InteriorState<ContactRows(3, true)> cold_start<ContactRows(3, true)>(
-    const InteriorSystem<ContactRows(3, true)>&, double, double);
-template InteriorState<ContactRows(6, true)> cold_start<ContactRows(6, true)>(
-    const InteriorSystem<ContactRows(6, true)>&, double, double);
-template InteriorState<1> warm_start<1>(const InteriorSystem<1>&, const Vector&, double);
-template InteriorState<2> warm_start<2>(const InteriorSystem<2>&, const Vector&, double);
-template InteriorState<3> warm_start<3>(const InteriorSystem<3>&, const Vector&, double);
-template InteriorState<ContactRows(3, true)> warm_start<ContactRows(3, true)>(
-    const InteriorSystem<ContactRows(3, true)>&, const Vector&, double);
-template InteriorState<ContactRows(6, true)> warm_start<ContactRows(6, true)>(
-    const InteriorSystem<ContactRows(6, true)>&, const Vector&, double);
+template struct EqualProductStart<1>;
+template struct EqualProductStart<2>;
+template struct EqualProductStart<3>;
+template struct EqualProductStart<ContactRows(3, true)>;
+template struct EqualProductStart<ContactRows(6, true)>;
 
 }  // namespace bipot

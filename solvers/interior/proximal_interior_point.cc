@@ -38,9 +38,9 @@ Vector centring(const InteriorSystem<D>& system, const Vector& products, double 
 }  // namespace
 
 template <ContactRows D>
-StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z, InteriorRun& run,
-                                 const ProximalInteriorPointOptions& options,
-                                 InteriorState<D>& best) {
+StageEnd ProximalInteriorPoint<D>::operator()(InteriorState<D>& z,
+                                              const ProximalInteriorPointOptions& options,
+                                              InteriorState<D>& best) {
   double delta = kLeastDelta;
   double first_ratio = 0;  // of residual and products
   int holds = 0, tiny_steps = 0;
@@ -118,20 +118,10 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
   return StageEnd::kLimit;
 }
 
-template StageEnd proximal_interior_point<1>(InteriorSystem<1>&, InteriorState<1>&, InteriorRun&,
-                                             const ProximalInteriorPointOptions&,
-                                             InteriorState<1>&);
-template StageEnd proximal_interior_point<2>(InteriorSystem<2>&, InteriorState<2>&, InteriorRun&,
-                                             const ProximalInteriorPointOptions&,
-                                             InteriorState<2>&);
-template StageEnd proximal_interior_point<3>(InteriorSystem<3>&, InteriorState<3>&, InteriorRun&,
-                                             const ProximalInteriorPointOptions&,
-                                             InteriorState<3>&);
-template StageEnd proximal_interior_point<ContactRows(3, true)>(
-    InteriorSystem<ContactRows(3, true)>&, InteriorState<ContactRows(3, true)>&, InteriorRun&,
-    const ProximalInteriorPointOptions&, InteriorState<ContactRows(3, true)>&);
-template StageEnd proximal_interior_point<ContactRows(6, true)>(
-    InteriorSystem<ContactRows(6, true)>&, InteriorState<ContactRows(6, true)>&, InteriorRun&,
-    const ProximalInteriorPointOptions&, InteriorState<ContactRows(6, true)>&);
+template struct ProximalInteriorPoint<1>;
+template struct ProximalInteriorPoint<2>;
+template struct ProximalInteriorPoint<3>;
+template struct ProximalInteriorPoint<ContactRows(3, true)>;
+template struct ProximalInteriorPoint<ContactRows(6, true)>;
 
 }  // namespace bipot

@@ -22,8 +22,12 @@ struct ProximalInteriorPointOptions {
 /// larger than the products, which moves the iterate out of corners. `best` receives the state with
 /// the smallest guarded error.
 template <ContactRows D>
-StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z, InteriorRun& run,
-                                 const ProximalInteriorPointOptions& options,
-                                 InteriorState<D>& best);
+struct ProximalInteriorPoint {
+  InteriorSystem<D>& system;
+  InteriorRun& run;
+
+  StageEnd operator()(InteriorState<D>& z, const ProximalInteriorPointOptions& options,
+                      InteriorState<D>& best);
+};
 
 }  // namespace bipot

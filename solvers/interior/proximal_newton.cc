@@ -69,14 +69,10 @@ struct AnchoredEquation {
   }
 };
 
-}  // namespace
-
 template <ContactRows D>
-StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& delassus,
-                         ShiftedDelassus& shifted, const Vector& weights, const Vector& start,
-                         InteriorRun& run, int max_iterations) {
-  AnchoredEquation<D> equation(problem, delassus, weights, start);
-  Vector s = start, step, before;
+StageEnd follow(AnchoredEquation<D> equation, ShiftedDelassus& shifted, InteriorRun& run,
+                int max_iterations) {
+  Vector s = equation.anchor, step, before;
   double delta = kStartDelta, failed = 0;
   double first = equation(s, delta), now = first;
   int steps = 0;  // from this anchor
@@ -132,22 +128,15 @@ StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& 
   return StageEnd::kLimit;
 }
 
-template StageEnd proximal_newton<1>(const ContactProblem&, const DelassusOperator&,
-                                     ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
-                                     int);
-template StageEnd proximal_newton<2>(const ContactProblem&, const DelassusOperator&,
-                                     ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
-                                     int);
-template StageEnd proximal_newton<3>(const ContactProblem&, const DelassusOperator&,
-                                     ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
-                                     int);
-template StageEnd proximal_newton<ContactRows(3, true)>(const ContactProblem&,
-                                                        const DelassusOperator&, ShiftedDelassus&,
-                                                        const Vector&, const Vector&, InteriorRun&,
-                                                        int);
-template StageEnd proximal_newton<ContactRows(6, true)>(const ContactProblem&,
-                                                        const DelassusOperator&, ShiftedDelassus&,
-                                                        const Vector&, const Vector&, InteriorRun&,
-                                                        int);
+}  // namespace
+
+StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& delassus,
+                         ShiftedDelassus& shifted, const Vector& weights, const Vector& start,
+                         InteriorRun& run, int max_iterations) {
+  return dispatch_rows(problem, [&](auto d) {
+    return follow(AnchoredEquation<d()>(problem, delassus, weights, start), shifted, run,
+                  max_iterations);
+  });
+}
 
 }  // namespace bipot

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/problem/coulomb_cone.h"
+#include "core/problem/delassus.h"
 #include "solvers/interior/interior_run.h"
 #include "solvers/systems/shifted_delassus.h"
 
@@ -21,7 +21,6 @@ namespace bipot {
 ///
 /// `weights`: the diagonal of W, tangents averaged. The run judges every step, at most
 /// `max_iterations`. kStuck: rounding forbids more, or no delta helps.
-template <ContactRows D>
 StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& delassus,
                          ShiftedDelassus& shifted, const Vector& weights, const Vector& start,
                          InteriorRun& run, int max_iterations);

@@ -70,13 +70,15 @@ class Driver {
         run_(run),
         system_(p_, run.delassus(), form(parameters), run.factor()),
         stages_(run),
+        starts_{system_},
+        interior_{system_, stages_},
         active_set_(system_),
         direct_(parameters.choice("direct") == "on"),
         paths_(parameters.choice("paths") == "on"),
         polish_(parameters.choice("polish") == "on"),
         rounds_(parameters.integer("rounds")),
         scale_(parameters.number("start_scale")),
-        energy_(run.out_of_time() ? 0 : spring_energy(system_)) {
+        energy_(run.out_of_time() ? 0 : starts_.spring_energy()) {
     path_order_ = parameters.integer("order");
     run.end_setup();
   }
@@ -132,8 +134,8 @@ class Driver {
     return newton(s);
   }
   StageEnd newton(const Vector& s) {
-    return proximal_newton<D>(p_, system_.delassus(), system_.shifted(), system_.mobility(), s,
-                              stages_, kPolishSteps);
+    return proximal_newton(p_, system_.delassus(), system_.shifted(), system_.mobility(), s,
+                           stages_, kPolishSteps);
   }
   StageEnd finish_status(const InteriorState<D>& z) {
     if (!polish_) return StageEnd::kLimit;
@@ -142,7 +144,7 @@ class Driver {
   }
 
   /// The proximal interior point from an equal-product start; impulses scale with the energy's
-  /// factor, as in cold_start(). A start that is too small (the forces of a large packing grow from
+  /// factor, as in EqualProductStart::cold(). A start that is too small (the forces of a large packing grow from
   /// contact to contact) or too large is soon detected, and so is a case in which the other one is
   /// no better.
   StageEnd attempt_directly(int round) {
@@ -151,13 +153,13 @@ class Driver {
     ProximalInteriorPointOptions options{.patience = kDirectPatience,
                                          .largest_growth = kDirectGrowth,
                                          .far_iterations = kDirectTrial};
-    InteriorState<D> z = cold_start(system_, energy_, factor), best = z;
-    StageEnd end = proximal_interior_point(system_, z, stages_, options, best);
+    InteriorState<D> z = starts_.cold(energy_, factor), best = z;
+    StageEnd end = interior_(z, options, best);
     if (end == StageEnd::kSmallStart || end == StageEnd::kLargeStart) {
       const double other = end == StageEnd::kSmallStart ? kDirectOther : 1 / kDirectOther;
-      z = cold_start(system_, energy_, other * factor);
+      z = starts_.cold(energy_, other * factor);
       best = z;
-      end = proximal_interior_point(system_, z, stages_, options, best);
+      end = interior_(z, options, best);
     }
     if (end == StageEnd::kStop) return StageEnd::kStop;
     if (!(run_.best_error() < kPolishBelow)) return StageEnd::kLimit;
@@ -180,7 +182,7 @@ class Driver {
       error = contact_error(p_, network).guarded();
     }
     const bool good = error <= kNetworkError;
-    const double energy = normal_energy(system_, network);
+    const double energy = starts_.normal_energy(network);
     const auto enter_warm = [&](const char* name, double products, int first_round) {
       if (!(energy > 0)) return;
       contenders_.push_back(
@@ -201,10 +203,9 @@ class Driver {
 
   StageEnd take_turn(Contender<D>& c, int budget) {
     if (!c.path) {
-      c.path = std::make_unique<TaylorPath<D>>(system_,
-                                               c.cold ? cold_start(system_, energy_, c.products)
-                                                      : warm_start(system_, network_, c.products),
-                                               path_order_);
+      c.path = std::make_unique<TaylorPath<D>>(
+          system_, c.cold ? starts_.cold(energy_, c.products) : starts_.warm(network_, c.products),
+          path_order_);
     }
     const TaylorPath<D>& path = *c.path;
     for (int k = 0; k < budget || c.progresses(); ++k) {
@@ -228,9 +229,7 @@ class Driver {
     if (near && finish_status(z) == StageEnd::kStop) return StageEnd::kStop;
     ProximalInteriorPointOptions options{.max_iterations = near ? 15 : 25, .patience = 12};
     InteriorState<D> end = z, best = z;
-    if (proximal_interior_point(system_, end, stages_, options, best) == StageEnd::kStop) {
-      return StageEnd::kStop;
-    }
+    if (interior_(end, options, best) == StageEnd::kStop) return StageEnd::kStop;
     if (!(run_.best_error() < kPolishBelow)) return StageEnd::kLimit;
     return finish_status(best);
   }
@@ -240,6 +239,8 @@ class Driver {
   SolveRun& run_;
   InteriorSystem<D> system_;
   InteriorRun stages_;
+  EqualProductStart<D> starts_;
+  ProximalInteriorPoint<D> interior_;
   ActiveSet<D> active_set_;
   bool direct_, paths_, polish_;
   int rounds_;

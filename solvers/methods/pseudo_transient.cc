@@ -18,10 +18,8 @@ void solve_pseudo_transient(SolveRun& run) {
   if (run.stop(0, start)) return;
   run.judge_every_iteration();
   InteriorRun steps(run);
-  const StageEnd end = dispatch_rows(p, [&](auto d) {
-    return proximal_newton<d()>(p, run.delassus(), system, weights, start, steps,
-                                std::numeric_limits<int>::max());
-  });
+  const StageEnd end = proximal_newton(p, run.delassus(), system, weights, start, steps,
+                                       std::numeric_limits<int>::max());
   if (end == StageEnd::kStop) return;
   run.end(SolveStatus::kStalled,
           fmt::format("{} after {} factorisations, best error {:.2e}",

@@ -16,11 +16,12 @@ void expect_equal_products() {
   if (D.rolls) m.problem.mu_r[4] = m.problem.mu_r[5] = 0;
   const DelassusOperator delassus(m.problem);
   InteriorSystem<D> system(m.problem, delassus, ShiftedDelassus::Form::kAuto);
+  const EqualProductStart starts{system};
   // From far outside the cones as well.
   for (const double factor : {1.0, -2.0}) {
     const Vector s0 = factor * m.s;
-    const double tau = 1e-6 * normal_energy(system, m.s);
-    const InteriorState<D> z = warm_start(system, s0, tau);
+    const double tau = 1e-6 * starts.normal_energy(m.s);
+    const InteriorState<D> z = starts.warm(s0, tau);
     const Vector products = system.products(z.X, z.Y);
     for (int c = 0; c < system.num_contacts(); ++c) {
       const unsigned f = system.parts(c);
@@ -54,10 +55,10 @@ TEST(EqualProductStart, WarmStartTendsToTheSolution) {
   const Manufactured m = manufactured_problem(2, 20, 30, 5);
   const DelassusOperator delassus(m.problem);
   InteriorSystem<2> system(m.problem, delassus, ShiftedDelassus::Form::kAuto);
+  const EqualProductStart starts{system};
   double last = kInfinity;
   for (const double tau : {1e-4, 1e-8, 1e-12}) {
-    const double distance =
-        (warm_start(system, m.s, tau * normal_energy(system, m.s)).s - m.s).norm();
+    const double distance = (starts.warm(m.s, tau * starts.normal_energy(m.s)).s - m.s).norm();
     EXPECT_LT(distance, 0.1 * last) << tau;
     last = distance;
   }
@@ -67,13 +68,14 @@ TEST(EqualProductStart, ColdStartHasTheGivenProducts) {
   const Manufactured m = manufactured_problem(3, 20, 30, 5);
   const DelassusOperator delassus(m.problem);
   InteriorSystem<3> system(m.problem, delassus, ShiftedDelassus::Form::kAuto);
-  const double energy = spring_energy(system);
+  EqualProductStart starts{system};
+  const double energy = starts.spring_energy();
   EXPECT_GT(energy, 0);
-  const InteriorState<3> z = cold_start(system, energy, 10);
+  const InteriorState<3> z = starts.cold(energy, 10);
   const Vector products = system.products(z.X, z.Y);
   EXPECT_NEAR(system.mean_product(products), 10 * energy, 1e-12 * energy);
   EXPECT_NEAR(system.smallest_product(products), 10 * energy, 1e-12 * energy);
-  EXPECT_NEAR(normal_energy(system, z.s), 100 * energy, 1e-11 * energy);
+  EXPECT_NEAR(starts.normal_energy(z.s), 100 * energy, 1e-11 * energy);
 }
 
 }  // namespace

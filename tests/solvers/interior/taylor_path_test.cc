@@ -18,7 +18,7 @@ TEST(TaylorPath, SeriesOfOneContactIsItsAnalyticPath) {
   const ContactProblem p = one_contact_problem(1, W, W, 0, b, Vector());
   const DelassusOperator delassus(p);
   InteriorSystem<1> system(p, delassus, ShiftedDelassus::Form::kAuto);
-  const InteriorState<1> start = cold_start(system, 1.0, 10.0);
+  const InteriorState<1> start = EqualProductStart{system}.cold(1.0, 10.0);
   const double c = start.X[0] * start.Y[0], p0 = start.p[0];
   TaylorPath<1> path(system, start);
   ASSERT_EQ(path.advance(), PathStep::kAdvanced);
@@ -50,7 +50,8 @@ void expect_series_accurate() {
   if (D.rolls) p.mu_r[3] = p.mu_r[4] = 0;
   const DelassusOperator delassus(p);
   InteriorSystem<D> system(p, delassus, ShiftedDelassus::Form::kAuto);
-  const InteriorState<D> start = cold_start(system, spring_energy(system), 10);
+  EqualProductStart starts{system};
+  const InteriorState<D> start = starts.cold(starts.spring_energy(), 10);
   const Vector c = system.products(start.X, start.Y);
   TaylorPath<D> path(system, start);
   ASSERT_EQ(path.advance(), PathStep::kAdvanced);
@@ -78,7 +79,8 @@ TEST(TaylorPath, TangentIsContinuousThroughFolds) {
   const ContactProblem p = lattice_step(Lattice::kPyramid, 20, 0.5, 0);
   const DelassusOperator delassus(p);
   InteriorSystem<2> system(p, delassus, ShiftedDelassus::Form::kAuto);
-  TaylorPath<2> path(system, cold_start(system, spring_energy(system), 10));
+  EqualProductStart starts{system};
+  TaylorPath<2> path(system, starts.cold(starts.spring_energy(), 10));
   int rises = 0, in_a_row = 0, doubts = 0;
   for (int k = 0; k < 150 && path.folds() < 4; ++k) {
     const double t = path.t();
@@ -104,10 +106,11 @@ TEST(TaylorPath, TakingTurnsChangesNoBit) {
   const ContactProblem p = lattice_step(Lattice::kPyramid, 6, 0.5, 0);
   const DelassusOperator delassus(p);
   InteriorSystem<2> system(p, delassus, ShiftedDelassus::Form::kAuto);
-  const double energy = spring_energy(system);
-  const InteriorState<2> start = cold_start(system, energy, 10);
+  EqualProductStart starts{system};
+  const double energy = starts.spring_energy();
+  const InteriorState<2> start = starts.cold(energy, 10);
   TaylorPath<2> whole(system, start), halves(system, start);
-  TaylorPath<2> other(system, cold_start(system, energy, 1));
+  TaylorPath<2> other(system, starts.cold(energy, 1));
   for (int k = 0; k < 10; ++k) whole.advance();
   for (int k = 0; k < 5; ++k) halves.advance();
   for (int k = 0; k < 3; ++k) other.advance();
