@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/box.h"
 #include "core/motion/state.h"
-#include "core/scene/scene_box.h"
 
 namespace bipot {
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/box.h"
 #include "core/base/types.h"
-#include "core/scene/scene_box.h"
 
 namespace bipot {
 namespace {

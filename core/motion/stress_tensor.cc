@@ -321,8 +321,7 @@ template <int D>
 MeanStress<D> window_stress(const State<D>& state, double step, const Box<D>& window,
                             std::span<const std::type_identity_t<Spin<D>>> moments) {
   MeanStress<D> stress;
-  const Box<2> region{.lower = window.lower.template head<2>(),
-                      .upper = window.upper.template head<2>()};
+  const Box<2> region = window.flat();
   const PeriodicCell& cell = state.cell;
   std::vector<Link<D>> links = collect_links(state, step);
   if (!state.clusters.empty()) end_in_clusters(state, links, arms_at_middle(state, step));
@@ -347,9 +346,7 @@ MeanStress<D> window_stress(const State<D>& state, double step, const Box<D>& wi
     for (const Centre<D>& centre : bodies) {
       Body<D> body = centre.body;
       body.x += in_dimensions<D>(cell.shift(kx, ky));
-      const bool in = (body.x.array() >= window.lower.array()).all() &&
-                      (body.x.array() < window.upper.array()).all();
-      if (!in) continue;
+      if (!window.contains(body.x)) continue;
       body.v += in_dimensions<D>(cell.shift_velocity(kx, ky));
       inside.push_back(body);
       stress.spin += spin_part(centre.moment, step);

@@ -4,8 +4,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/base/box.h"
 #include "core/motion/time_stepping.h"
-#include "core/scene/scene_box.h"
 
 namespace bipot {
 

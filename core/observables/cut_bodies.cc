@@ -79,8 +79,8 @@ double beyond(double x, double y, double z) {
 
 }  // namespace
 
-double area_in_rectangle(const Vec2& x, double radius, const Vec2& low, const Vec2& high) {
-  const Vec2 a = (low - x) / radius, b = (high - x) / radius;
+double part_in_box(const Vec2& x, double radius, const Box<2>& box) {
+  const Vec2 a = (box.lower - x) / radius, b = (box.upper - x) / radius;
   const double unit =
       corner(b[0], b[1]) - corner(a[0], b[1]) - corner(b[0], a[1]) + corner(a[0], a[1]);
   return radius * radius * std::max(0.0, unit);
@@ -96,9 +96,9 @@ double area_in_disk(double distance, double radius, double other_radius) {
   return a * a * cap(x / a) + b * b * cap((d - x) / b);
 }
 
-double volume_in_box(const Vec3& x, double radius, const Vec3& low, const Vec3& high) {
-  const Vec3 a = ((low - x) / radius).cwiseMax(-1).cwiseMin(1);
-  const Vec3 b = ((high - x) / radius).cwiseMax(-1).cwiseMin(1);
+double part_in_box(const Vec3& x, double radius, const Box<3>& box) {
+  const Vec3 a = ((box.lower - x) / radius).cwiseMax(-1).cwiseMin(1);
+  const Vec3 b = ((box.upper - x) / radius).cwiseMax(-1).cwiseMin(1);
   if (!(a.array() < b.array()).all()) return 0;
   double unit = 0;
   for (int which = 0; which < 8; ++which) {

@@ -32,35 +32,34 @@ MeasuredBodies<D> measured_bodies(const State<D>& state) {
 
 template <int D>
 double part_in_box(const State<D>& state, const MeasuredBody<D>& body, const Vec<D>& shift,
-                   const Vec<D>& low, const Vec<D>& high) {
+                   const Box<D>& box) {
   const Body<D>& first = state.bodies[body.parts.front()];
-  if (body.parts.size() == 1) return part_in_box(first.x + shift, first.radius, low, high);
+  if (body.parts.size() == 1) return part_in_box(first.x + shift, first.radius, box);
   if constexpr (D == 2) {
     std::vector<Circle> circles;
     for (const std::size_t i : body.parts) {
       circles.push_back({state.bodies[i].x + shift, state.bodies[i].radius});
     }
-    return union_area_in(circles, low, high);
+    return union_area_in(circles, box.lower, box.upper);
   } else {
-    Vec3 from = Vec3::Constant(kInfinity), to = -from;
+    Box<3> around;
     std::vector<Sphere> spheres;
     for (const std::size_t i : body.parts) {
       Sphere& s = spheres.emplace_back(state.bodies[i]);
       s.x += shift;
-      from = from.cwiseMin(s.x - Vec3::Constant(s.radius));
-      to = to.cwiseMax(s.x + Vec3::Constant(s.radius));
+      around.include(s.x, s.radius);
     }
-    const bool inside = (from.array() >= low.array()).all() && (to.array() <= high.array()).all();
-    const bool outside = (from.array() >= high.array()).any() || (to.array() <= low.array()).any();
-    return inside ? body.size : outside ? 0 : union_volume_in(spheres, low, high);
+    const auto from = around.lower.array(), to = around.upper.array();
+    const auto low = box.lower.array(), high = box.upper.array();
+    if ((from >= low).all() && (to <= high).all()) return body.size;
+    if ((from >= high).any() || (to <= low).any()) return 0;
+    return union_volume_in(spheres, box.lower, box.upper);
   }
 }
 
 template MeasuredBodies<2> measured_bodies(const State<2>&);
 template MeasuredBodies<3> measured_bodies(const State<3>&);
-template double part_in_box<2>(const State<2>&, const MeasuredBody<2>&, const Vec2&, const Vec2&,
-                               const Vec2&);
-template double part_in_box<3>(const State<3>&, const MeasuredBody<3>&, const Vec3&, const Vec3&,
-                               const Vec3&);
+template double part_in_box(const State<2>&, const MeasuredBody<2>&, const Vec2&, const Box<2>&);
+template double part_in_box(const State<3>&, const MeasuredBody<3>&, const Vec3&, const Box<3>&);
 
 }  // namespace bipot

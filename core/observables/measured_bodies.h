@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/base/box.h"
 #include "core/motion/state.h"
 #include "core/scene/disk_union.h"
 
@@ -31,6 +32,6 @@ MeasuredBodies<D> measured_bodies(const State<D>& state);
 /// within a cluster count once. [m² | m³]
 template <int D>
 double part_in_box(const State<D>& state, const MeasuredBody<D>& body, const Vec<D>& shift,
-                   const Vec<D>& low, const Vec<D>& high);
+                   const Box<D>& box);
 
 }  // namespace bipot

@@ -18,8 +18,7 @@ namespace {
 
 template <int D>
 bool in_window(const ObservableChoice<D>& choice, const std::type_identity_t<Vec<D>>& x) {
-  return !choice.window || ((x.array() >= choice.window->first.array()).all() &&
-                            (x.array() < choice.window->second.array()).all());
+  return !choice.window || choice.window->contains(x);
 }
 
 /// The point of contact, in the cell.
@@ -86,14 +85,12 @@ double disks_area(const State<D>& placed, const MeasuredBodies<D>& bodies,
     for (const MeasuredBody<D>& body : bodies.list) sum += body.size;
     return sum;
   }
-  const auto& [lower, upper] = *choice.window;
   const std::vector<CellNumber> images =
-      images_over(placed.cell, extent_of_bodies(placed),
-                  {.lower = lower.template head<2>(), .upper = upper.template head<2>()});
+      images_over(placed.cell, extent_of_bodies(placed), choice.window->flat());
   for (const MeasuredBody<D>& body : bodies.list) {
     for (const auto& [kx, ky] : images) {
       const Vec<D> shift = in_dimensions<D>(placed.cell.shift(kx, ky));
-      sum += part_in_box<D>(placed, body, shift, lower, upper);
+      sum += part_in_box<D>(placed, body, shift, *choice.window);
     }
   }
   return sum;
@@ -141,27 +138,24 @@ void observe_contacts(const State<D>& placed, const MeasuredBodies<D>& bodies,
 /// half-planes leave, or the disks.
 template <int D>
 Box<D> profile_section(const State<D>& placed, double step, const ObservableChoice<D>& choice) {
-  if (choice.window) return {.lower = choice.window->first, .upper = choice.window->second};
-  Vec<D> low = Vec<D>::Constant(kInfinity), high = Vec<D>::Constant(-kInfinity);
-  for (const Body<D>& d : placed.bodies) {
-    low = low.cwiseMin(d.x - Vec<D>::Constant(d.radius));
-    high = high.cwiseMax(d.x + Vec<D>::Constant(d.radius));
-  }
+  if (choice.window) return *choice.window;
+  Box<D> section{Vec<D>::Constant(kInfinity), Vec<D>::Constant(-kInfinity)};
+  for (const Body<D>& d : placed.bodies) section.include(d.x, d.radius);
   for (const Wall<D>& w : placed.walls) {
     if (w.shape != Wall<D>::Shape::kHalfPlane || !w.present) continue;
     for (int k = 0; k < D; ++k) {
       if (std::abs(w.normal[k]) < 1 - 1e-12) continue;
       const double at = w.a[k] - 0.5 * step * w.v[k];
-      if (w.normal[k] > 0) low[k] = at;
-      if (w.normal[k] < 0) high[k] = at;
+      if (w.normal[k] > 0) section.lower[k] = at;
+      if (w.normal[k] < 0) section.upper[k] = at;
     }
   }
   for (int k = 0; k < 2; ++k) {
     if (k == 0 ? !placed.cell.periodic() : !placed.cell.in_y) continue;
-    low[k] = 0;
-    high[k] = placed.cell.side(k).length;
+    section.lower[k] = 0;
+    section.upper[k] = placed.cell.side(k).length;
   }
-  return {.lower = low, .upper = high};
+  return section;
 }
 
 /// Area or volume of a bin outside of hollow cylinders, which is cut off.
@@ -261,7 +255,7 @@ Observables<D> observe(const Scene<D>& scene, const State<D>& state,
   const std::vector<Spin<D>> moments = contact_moments(state);
   double area = 0;
   if (choice.window) {
-    const Box<D> window{.lower = choice.window->first, .upper = choice.window->second};
+    const Box<D>& window = *choice.window;
     area = window.size().prod();
     if (!(window.size().minCoeff() > 0)) {
       throw std::invalid_argument(D == 2 ? "the window has no area" : "the window has no volume");
@@ -306,9 +300,8 @@ Profile<D> observe_profile(const State<D>& state, double step,
   Box<D> whole = section;
   whole.lower[a] = chosen.low;
   whole.upper[a] = chosen.high;
-  const std::vector<CellNumber> images = images_over(
-      placed.cell, extent_of_bodies(placed),
-      {.lower = whole.lower.template head<2>(), .upper = whole.upper.template head<2>()});
+  const std::vector<CellNumber> images =
+      images_over(placed.cell, extent_of_bodies(placed), whole.flat());
   for (const MeasuredBody<D>& body : measured_bodies(placed).list) {
     double lowest = kInfinity, highest = -kInfinity;
     for (const std::size_t i : body.parts) {
@@ -321,8 +314,7 @@ Profile<D> observe_profile(const State<D>& state, double step,
       const int first = std::max(0, bin_at(lowest + shift[a]));
       const int last = std::min(chosen.bins - 1, bin_at(highest + shift[a]));
       for (int bin = first; bin <= last; ++bin) {
-        const Box<D> box = box_of(bin);
-        const double part = part_in_box<D>(placed, body, shift, box.lower, box.upper);
+        const double part = part_in_box<D>(placed, body, shift, box_of(bin));
         const std::size_t b = to_size(bin);
         area[b] += part;
         profile.velocity[b] += part * v;
@@ -403,18 +395,17 @@ double mass_flux(const State<2>& state, const FluxLine& line) {
 double mass_flux(const State<3>& state, const FluxFace& face) {
   const State<3> placed = in_place(state);
   const Vec3 across = face.normal.cross(face.along);
-  Vec2 high = 0.5 * face.size, low = -high;
+  Box<2> rectangle{-0.5 * face.size, 0.5 * face.size};
   if (face.shape == FluxFace::Shape::kPlane) {
-    low.setConstant(-kInfinity);
-    high.setConstant(kInfinity);
+    rectangle = {Vec2::Constant(-kInfinity), Vec2::Constant(kInfinity)};
     for (int axis = 0; axis < 2; ++axis) {  // of the cell
       if (axis == 0 ? !placed.cell.in_x : !placed.cell.in_y) continue;
       const double length = placed.cell.side(axis).length;
       for (const int side : {0, 1}) {
         const double sign = (side == 0 ? face.along : across)[axis];
         if (sign == 0) continue;  // the normal lies along this axis
-        low[side] = sign > 0 ? -face.point[axis] : face.point[axis] - length;
-        high[side] = low[side] + length;
+        rectangle.lower[side] = sign > 0 ? -face.point[axis] : face.point[axis] - length;
+        rectangle.upper[side] = rectangle.lower[side] + length;
       }
     }
   }
@@ -424,8 +415,7 @@ double mass_flux(const State<3>& state, const FluxFace& face) {
                       : face.shape == FluxFace::Shape::kDisk ? face.radius
                                                              : 0.5 * face.size.norm();
   Box<2> region;
-  region.include(face.point.head<2>() - Vec2::Constant(half));
-  region.include(face.point.head<2>() + Vec2::Constant(half));
+  region.include(face.point.head<2>(), half);
   const std::vector<CellNumber> images = images_over(placed.cell, extent_of_bodies(placed), region);
   for (const Sphere& s : placed.bodies) {
     for (const auto& [kx, ky] : images) {
@@ -437,7 +427,7 @@ double mass_flux(const State<3>& state, const FluxFace& face) {
       const Vec2 at(x.dot(face.along), x.dot(across));
       const double area = face.shape == FluxFace::Shape::kDisk
                               ? area_in_disk(at.norm(), section, face.radius)
-                              : area_in_rectangle(at, section, low, high);
+                              : part_in_box(at, section, rectangle);
       flux +=
           s.mass / (4 * std::numbers::pi / 3 * std::pow(s.radius, 3)) * area * v.dot(face.normal);
     }

@@ -2,10 +2,9 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "core/base/types.h"
+#include "core/base/box.h"
 
 namespace bipot {
 
@@ -49,7 +48,7 @@ struct ObservableChoice {
   int every = 10;     ///< steps between measurements, > 0
   double starts = 0;  ///< averages begin here                                          [s]
   /// Rectangle (in 3D box) in which everything but flux is measured; else the whole sample. [m]
-  std::optional<std::pair<Vec<D>, Vec<D>>> window;
+  std::optional<Box<D>> window;
   std::optional<ProfileChoice> profile;
   std::vector<FluxSurface<D>> crossings;
   int force_bins = 30;     ///< of the distribution of normal forces, > 0

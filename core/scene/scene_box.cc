@@ -60,7 +60,7 @@ Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls) {
          {of_disks.centre(), of_disks.lower, of_disks.upper,
           Vec2(of_disks.lower[0], of_disks.upper[1]), Vec2(of_disks.upper[0], of_disks.lower[1])}) {
       const Vec2 near = nearest_point(w, x);
-      const Vec2 inside = near.cwiseMax(of_disks.lower).cwiseMin(of_disks.upper);
+      const Vec2 inside = of_disks.nearest(near);
       if ((near - inside).norm() <= reach) box.include(near);
     }
   }

@@ -4,32 +4,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/box.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
-
-/// Box along the axes; empty (lower > upper) until something is included. [m]
-template <int D>
-struct Box {
-  Vec<D> lower = Vec<D>::Constant(1e300), upper = Vec<D>::Constant(-1e300);
-
-  bool empty() const { return !(lower.array() <= upper.array()).all(); }
-  void include(const Vec<D>& x) {
-    lower = lower.cwiseMin(x);
-    upper = upper.cwiseMax(x);
-  }
-  /// A round body.
-  void include(const Vec<D>& x, double radius) {
-    include(x - Vec<D>::Constant(radius));
-    include(x + Vec<D>::Constant(radius));
-  }
-  void widen(double by) {
-    lower.array() -= by;
-    upper.array() += by;
-  }
-  Vec<D> size() const { return upper - lower; }
-  Vec<D> centre() const { return 0.5 * (lower + upper); }
-};
 
 /// Region that a picture of disks and walls should show: the disks, the nearby parts of walls, and
 /// walls about as near as the disks are wide. Never empty.

@@ -46,20 +46,15 @@ Wall<3>::Mesh::Mesh(std::vector<Triangle> from) : triangles(std::move(from)) {
 void Wall<3>::Mesh::build(int first, int last) {
   const std::size_t at = nodes_.size();
   Node node;
-  node.lower = Vec3::Constant(kInfinity);
-  node.upper = -node.lower;
   for (int k = first; k < last; ++k) {
-    for (const Vec3& corner : triangles[to_size(order_[to_size(k)])]) {
-      node.lower = node.lower.cwiseMin(corner);
-      node.upper = node.upper.cwiseMax(corner);
-    }
+    for (const Vec3& corner : triangles[to_size(order_[to_size(k)])]) node.box.include(corner);
   }
   node.first = first;
   if (last - first <= kLeaf) node.count = last - first;
   nodes_.push_back(node);
   if (node.count > 0) return;
   int axis = 0;
-  (node.upper - node.lower).maxCoeff(&axis);
+  node.box.size().maxCoeff(&axis);
   const auto place = [&](int k) {
     const Triangle& t = triangles[to_size(k)];
     return std::pair(t[0][axis] + t[1][axis] + t[2][axis], k);
@@ -79,8 +74,7 @@ void Wall<3>::Mesh::near(const Vec3& x, double reach, const Visit& visit) const 
   while (count > 0) {
     const int at = waiting[--count];
     const Node& node = nodes_[to_size(at)];
-    const Vec3 off = x - x.cwiseMax(node.lower).cwiseMin(node.upper);
-    if (off.squaredNorm() > reach * reach) continue;
+    if ((x - node.box.nearest(x)).squaredNorm() > reach * reach) continue;
     for (int k = node.first; k < node.first + node.count; ++k) visit(order_[to_size(k)]);
     if (node.count > 0) continue;
     waiting[count++] = node.other;

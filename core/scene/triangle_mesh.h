@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "core/base/box.h"
 #include "core/scene/contact.h"
 #include "core/scene/scene.h"
 
@@ -32,7 +33,7 @@ struct Wall<3>::Mesh {
 
  private:
   struct Node {
-    Vec3 lower, upper;
+    Box<3> box;
     int first = 0, count = 0;  // of a leaf: places in order_
     int other = 0;             // count = 0: the second child; the first one follows the node
   };

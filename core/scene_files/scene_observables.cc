@@ -175,8 +175,8 @@ std::optional<ObservableChoice<D>> read_observables(const SceneTable& root,
   if (table.has("force_limit")) choice.force_limit = table.positive("force_limit");
   for (int axis = 0; D == 3 && axis < 2; ++axis) {
     if (choice.window) {
-      require_in_cell(table, "window", cell, axis, choice.window->first[axis],
-                      choice.window->second[axis]);
+      require_in_cell(table, "window", cell, axis, choice.window->lower[axis],
+                      choice.window->upper[axis]);
     }
     if (choice.profile && choice.profile->axis == axis) {
       require_in_cell(table, "profile_range", cell, axis, choice.profile->low,

@@ -28,46 +28,45 @@ TEST(CutBodies, AreaInARectangleAgainstCountedPoints) {
       }
     }
     const double expected = (high - low).prod() * inside / (kPoints * kPoints);
-    EXPECT_NEAR(area_in_rectangle(x, radius, low, high), expected, 0.01 * (high - low).prod());
+    EXPECT_NEAR(part_in_box(x, radius, {low, high}), expected, 0.01 * (high - low).prod());
   }
 }
 
 TEST(CutBodies, AreaInARectangleByHand) {
   const double disk = std::numbers::pi * 4;
   const Vec2 far(10, 10);
-  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, -far, far), disk, 1e-14);
-  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, Vec2::Zero(), far), disk / 4, 1e-14);
-  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, Vec2(-10, 1), far),
+  EXPECT_NEAR(part_in_box(Vec2(0, 0), 2, {-far, far}), disk, 1e-14);
+  EXPECT_NEAR(part_in_box(Vec2(0, 0), 2, {Vec2::Zero(), far}), disk / 4, 1e-14);
+  EXPECT_NEAR(part_in_box(Vec2(0, 0), 2, {Vec2(-10, 1), far}),
               4 * (std::numbers::pi / 3 - std::sqrt(3.0) / 4),
               1e-13);  // r² (θ - sin θ cos θ), θ = 60 degrees
-  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, Vec2(-0.1, -0.2), Vec2(0.3, 0.1)), 0.4 * 0.3,
-              1e-14);
-  EXPECT_EQ(area_in_rectangle(Vec2(5, 0), 2, -Vec2::Ones(), Vec2::Ones()), 0);
+  EXPECT_NEAR(part_in_box(Vec2(0, 0), 2, {Vec2(-0.1, -0.2), Vec2(0.3, 0.1)}), 0.4 * 0.3, 1e-14);
+  EXPECT_EQ(part_in_box(Vec2(5, 0), 2, {-Vec2::Ones(), Vec2::Ones()}), 0);
 }
 
 TEST(CutBodies, VolumeInABoxByHand) {
   const double pi = std::numbers::pi, sphere = 4 * pi / 3 * 8;
   const Vec3 far(10, 10, 10), at(1, 2, 3);
-  EXPECT_NEAR(volume_in_box(at, 2, -far, far), sphere, 1e-13);
+  EXPECT_NEAR(part_in_box(at, 2, {-far, far}), sphere, 1e-13);
   const Vec3 none = Vec3::Constant(-kInfinity), all = Vec3::Constant(kInfinity);
-  EXPECT_NEAR(volume_in_box(at, 2, none, all), sphere, 1e-13);
-  EXPECT_NEAR(volume_in_box(at, 2, at, far), sphere / 8, 1e-13);
+  EXPECT_NEAR(part_in_box(at, 2, {none, all}), sphere, 1e-13);
+  EXPECT_NEAR(part_in_box(at, 2, {at, far}), sphere / 8, 1e-13);
   for (int axis = 0; axis < 3; ++axis) {  // a cap of height h: π h² (3 r - h)/3
     Vec3 low = -far;
     low[axis] = at[axis] + 1.5;
-    EXPECT_NEAR(volume_in_box(at, 2, low, far), pi * 0.25 * 5.5 / 3, 1e-13);
+    EXPECT_NEAR(part_in_box(at, 2, {low, far}), pi * 0.25 * 5.5 / 3, 1e-13);
     low[axis] = at[axis] - 1.5;
-    EXPECT_NEAR(volume_in_box(at, 2, low, far), sphere - pi * 0.25 * 5.5 / 3, 1e-13);
+    EXPECT_NEAR(part_in_box(at, 2, {low, far}), sphere - pi * 0.25 * 5.5 / 3, 1e-13);
   }
   // A box inside the sphere, one that holds nothing of it though its faces' planes cut it, and one
   // beside it.
-  EXPECT_NEAR(volume_in_box(at, 2, at - Vec3(0.5, 0.3, 1), at + Vec3(1, 1, 0.9)), 1.5 * 1.3 * 1.9,
+  EXPECT_NEAR(part_in_box(at, 2, {at - Vec3(0.5, 0.3, 1), at + Vec3(1, 1, 0.9)}), 1.5 * 1.3 * 1.9,
               1e-13);
-  EXPECT_EQ(volume_in_box(at, 2, at + Vec3(1.3, 1.3, 1.3), at + far), 0);
-  EXPECT_EQ(volume_in_box(at, 2, at + Vec3(2, -1, -1), at + Vec3(3, 1, 1)), 0);
+  EXPECT_EQ(part_in_box(at, 2, {at + Vec3(1.3, 1.3, 1.3), at + far}), 0);
+  EXPECT_EQ(part_in_box(at, 2, {at + Vec3(2, -1, -1), at + Vec3(3, 1, 1)}), 0);
   // Planes through the centre at 45° would leave an eighth; a wedge along z of the quarter: a
   // fourth.
-  EXPECT_NEAR(volume_in_box(at, 2, Vec3(1, 2, -10), far), sphere / 4, 1e-13);
+  EXPECT_NEAR(part_in_box(at, 2, {Vec3(1, 2, -10), far}), sphere / 4, 1e-13);
 }
 
 TEST(CutBodies, VolumeInABoxIsTheIntegralOfTheAreasOfItsSections) {
@@ -85,10 +84,10 @@ TEST(CutBodies, VolumeInABoxIsTheIntegralOfTheAreasOfItsSections) {
     for (int k = 0; k < kSlices; ++k) {
       const double angle = from + (to - from) * (k + 0.5) / kSlices;
       const double section = radius * std::cos(angle);
-      sum += area_in_rectangle(x.head<2>(), section, low.head<2>(), high.head<2>()) * section *
+      sum += part_in_box(Vec2(x.head<2>()), section, {low.head<2>(), high.head<2>()}) * section *
              (to - from) / kSlices;
     }
-    EXPECT_NEAR(volume_in_box(x, radius, low, high), sum, 2e-6) << trial;
+    EXPECT_NEAR(part_in_box(x, radius, {low, high}), sum, 2e-6) << trial;
   }
 }
 
@@ -103,7 +102,7 @@ TEST(CutBodies, VolumesInBoxesThatTileSpaceAddUp) {
       for (int axis = 0; axis < 3; ++axis) {
         ((which >> axis & 1) != 0 ? low : high)[axis] = cut[axis];
       }
-      sum += volume_in_box(x, 1.2, low, high);
+      sum += part_in_box(x, 1.2, {low, high});
     }
     EXPECT_NEAR(sum, 4 * std::numbers::pi / 3 * 1.728, 1e-13);
   }

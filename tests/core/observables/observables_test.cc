@@ -74,7 +74,7 @@ TEST(Observables, SolidFractionOfAWindow) {
     for (int b = 0; b < 6; ++b) scene.bodies.push_back(round_body<2>(Vec2(a, b), 0.5, 2));
   }
   scene.step = 1;
-  ObservableChoice<2> choice{.window = std::pair(Vec2(0.7, 1.3), Vec2(3.7, 4.3))};
+  ObservableChoice<2> choice{.window = Box<2>{Vec2(0.7, 1.3), Vec2(3.7, 4.3)}};
   EXPECT_NEAR(observe(scene, initial_state(scene), choice).solid_fraction, std::numbers::pi / 4,
               1e-13);
   EXPECT_EQ(observe(scene, initial_state(scene), choice).bodies, 9);
@@ -364,7 +364,7 @@ TEST(Observables, OfAWindowInALatticeOfSpheresAreThoseOfTheLattice) {
       state.contacts.push_back({.contact = {.i = i, .j = j, .n = -Vec3::Unit(axis)}, .s_n = 1});
     }
   }
-  ObservableChoice<3> choice{.window = std::pair(Vec3(1.3, 0.6, 1.9), Vec3(5.3, 4.6, 5.9))};
+  ObservableChoice<3> choice{.window = Box<3>{Vec3(1.3, 0.6, 1.9), Vec3(5.3, 4.6, 5.9)}};
   Observables<3> seen = observe<3>(scene, state, choice);
   EXPECT_NEAR(seen.solid_fraction, std::numbers::pi / 6, 1e-13);
   EXPECT_LT((seen.stress.total() - 0.25 * Mat<3>::Identity()).norm(), 1e-13);
@@ -530,11 +530,11 @@ TEST(Observables, AClusterIsOneBody) {
   EXPECT_EQ(seen.mean_mass, 4);
   // Over the right half there are the right disk, π, and half of the upper one; a window that
   // begins just left of the middle has both centres, one just right of it none.
-  ObservableChoice<2> choice{.window = std::pair(Vec2(2, 0), Vec2(4, 4))};
+  ObservableChoice<2> choice{.window = Box<2>{Vec2(2, 0), Vec2(4, 4)}};
   EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 1.5 * std::numbers::pi / 8, 1e-13);
-  choice.window->first[0] = 1.99;
+  choice.window->lower[0] = 1.99;
   EXPECT_EQ(observe(scene, state, choice).bodies, 2);
-  choice.window->first[0] = 2.01;
+  choice.window->lower[0] = 2.01;
   EXPECT_EQ(observe(scene, state, choice).bodies, 0);
   // With one contact left the dumbbell rattles, and then the disk does.
   state.contacts.resize(1);

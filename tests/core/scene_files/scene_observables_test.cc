@@ -31,7 +31,7 @@ TEST(SceneObservables, AreMeasuredWhereTheyAreAskedFor) {
       "[[observables.lines]]\nfrom = [0, 1]\nto = [2, 3]\n");
   EXPECT_EQ(s.observables->every, 3);
   EXPECT_EQ(s.observables->starts, 4);
-  EXPECT_EQ(s.observables->window->second, Vec2(3, 5));
+  EXPECT_EQ(s.observables->window->upper, Vec2(3, 5));
   EXPECT_EQ(s.observables->profile->axis, 0);
   EXPECT_EQ(s.observables->profile->bins, 7);
   EXPECT_EQ(s.observables->profile->low, -1);
@@ -65,8 +65,8 @@ TEST(SceneObservables, InSpace) {
            "name = 'round'\npoint = [1, 2, 3]\nnormal = [3, 0, 4]\nradius = 2\n" + face +
            "point = [1, 2, 3]\nnormal = [0, 0, 1]\nsize = [4, 5]\n" + face +
            "point = [1, 2, 3]\nnormal = [0, 0, 1]\nsize = [4, 5]\nalong = [0, 2, 9]\n");
-  EXPECT_EQ(s.window->first, Vec3(0, 1, 2));
-  EXPECT_EQ(s.window->second, Vec3(3, 4, 5));
+  EXPECT_EQ(s.window->lower, Vec3(0, 1, 2));
+  EXPECT_EQ(s.window->upper, Vec3(3, 4, 5));
   EXPECT_EQ(s.profile->axis, 2);
   using FaceShape = FluxFace::Shape;
   ASSERT_EQ(s.crossings.size(), 4u);
