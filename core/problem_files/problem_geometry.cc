@@ -15,7 +15,7 @@ constexpr const char* kGroup = "/bipot/geometry";
 
 std::string name(const char* entry) { return fmt::format("{}/{}", kGroup, entry); }
 
-using Outcome = ContactOutcome<2>;
+using PlaneContact = ContactOutcome<2>;
 
 }  // namespace
 
@@ -36,11 +36,11 @@ void write_geometry(const std::filesystem::path& path, const Scene<2>& scene,
   }
   const auto& contacts = state.contacts;
   write_column(file, name("contacts/i"), "", contacts,
-               [](const Outcome& o) { return o.contact.i; });
+               [](const PlaneContact& o) { return o.contact.i; });
   write_column(file, name("contacts/j"), "", contacts,
-               [](const Outcome& o) { return o.contact.j; });
+               [](const PlaneContact& o) { return o.contact.j; });
   write_column(file, name("contacts/n"), "", contacts,
-               [](const Outcome& o) { return o.contact.n; });
+               [](const PlaneContact& o) { return o.contact.n; });
   file.write(name("friction"), scene.has_friction() ? 1 : 0);
   file.write(name("step"), scene.step);
   file.write(name("number"), state.step);
@@ -78,12 +78,15 @@ std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, 
     require(w.normal.allFinite(), "walls/normal", "not finite");
     require(std::isfinite(w.radius), "walls/radius", "not finite");
   }
-  std::vector<Outcome>& outcomes = made.state.contacts;
+  std::vector<PlaneContact>& outcomes = made.state.contacts;
   outcomes.resize(to_size(contacts));
-  read_column(file, name("contacts/i"), outcomes, [](Outcome& o) -> int& { return o.contact.i; });
-  read_column(file, name("contacts/j"), outcomes, [](Outcome& o) -> int& { return o.contact.j; });
-  read_column(file, name("contacts/n"), outcomes, [](Outcome& o) -> Vec2& { return o.contact.n; });
-  for (const Outcome& o : outcomes) {
+  read_column(file, name("contacts/i"), outcomes,
+              [](PlaneContact& o) -> int& { return o.contact.i; });
+  read_column(file, name("contacts/j"), outcomes,
+              [](PlaneContact& o) -> int& { return o.contact.j; });
+  read_column(file, name("contacts/n"), outcomes,
+              [](PlaneContact& o) -> Vec2& { return o.contact.n; });
+  for (const PlaneContact& o : outcomes) {
     const int i = o.contact.i, j = o.contact.j;
     require(i >= 0 && to_size(i) < disks.size(), "contacts/i", "out of range");
     require(j >= 0 && to_size(j) < disks.size() + walls.size(), "contacts/j", "out of range");
