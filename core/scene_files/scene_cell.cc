@@ -8,9 +8,10 @@ PeriodicCell read_cell(const SceneTable& root, int dim) {
   if (!table) return cell;
   cell.in_x = true;
   cell.width.length = table->positive("width");
-  const char* const second = dim == 2 ? "height" : "depth";
-  cell.in_y = table->has(second);
-  if (cell.in_y) cell.height.length = table->positive(second);
+  cell.in_y = dim == 2 ? table->has("height") : table->has("depth");
+  if (cell.in_y) {
+    cell.height.length = dim == 2 ? table->positive("height") : table->positive("depth");
+  }
   if (dim == 3) {
     table->finish();
     return cell;

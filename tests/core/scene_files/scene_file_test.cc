@@ -651,9 +651,7 @@ std::set<std::string> keys_in_the_source() {
   for (const auto& entry :
        std::filesystem::directory_iterator(source_folder() / "core" / "scene_files")) {
     const std::string name = entry.path().filename().string();
-    if (name.rfind("scene_", 0) == 0 && entry.path().extension() == ".cc") {
-      source += file_text(entry.path());
-    }
+    if (name.starts_with("scene_")) source += file_text(entry.path());
   }
   const std::regex access(
       R"((?:has|maybe_number|number|positive|integer|natural|boolean|word|one_of|vec2|vec<[23D]>|numbers|words|table|tables)\(\"([a-z_]+)\")");
