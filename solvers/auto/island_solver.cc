@@ -445,9 +445,10 @@ class IslandRun {
   SolveResult result_;
 };
 
-/// If a warm start has settled more than a quarter of the contacts, the others are cut out at once.
-/// Sweeps over all cost less than cutting if they converge soon.
+/// If a warm start has settled more than a quarter of many contacts, the others are cut out at once.
+/// Sweeps over all cost less than cutting if they converge soon, or if they are few.
 constexpr double kMostContacts = 0.75;
+constexpr int kSmall = 400;
 
 }  // namespace
 
@@ -469,7 +470,8 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
                         islands.of(islands.count() - 1).size() > 1;
   if (!attempts || is_warm(options)) {
     const int left = settle(options, Vector());
-    if (!attempts || left < kMostContacts * p.num_contacts()) {
+    const bool cut = left == 0 || p.num_contacts() > kSmall;
+    if (!attempts || (cut && left < kMostContacts * p.num_contacts())) {
       return run.take(parts->solve_left());
     }
   }
