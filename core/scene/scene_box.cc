@@ -23,6 +23,14 @@ Vec2 nearest_point(const Wall<2>& wall, const Vec2& x) {
   return wall.a + std::clamp(t, 0.0, 1.0) * along;
 }
 
+/// Whether x lies behind another half-plane, where nothing of a wall is drawn.
+bool is_hidden(const Vec2& x, const Wall<2>& wall, std::span<const Wall<2>> walls) {
+  return std::any_of(walls.begin(), walls.end(), [&](const Wall<2>& other) {
+    return &other != &wall && other.present && other.shape == Wall<2>::Shape::kHalfPlane &&
+           (x - other.a).dot(other.normal) < 0;
+  });
+}
+
 void include_circle(const Wall<2>& wall, Box<2>& box) {
   if (wall.is_circle()) box.include(wall.a, wall.radius);
 }
@@ -61,7 +69,7 @@ Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls) {
           Vec2(of_disks.lower[0], of_disks.upper[1]), Vec2(of_disks.upper[0], of_disks.lower[1])}) {
       const Vec2 near = nearest_point(w, x);
       const Vec2 inside = of_disks.nearest(near);
-      if ((near - inside).norm() <= reach) box.include(near);
+      if ((near - inside).norm() <= reach && !is_hidden(near, w, walls)) box.include(near);
     }
   }
   box.widen(std::max(0.03 * box.size().maxCoeff(), 0.5 * largest));

@@ -9,8 +9,8 @@
 
 namespace bipot {
 
-/// Region that a picture of disks and walls should show: the disks, the nearby parts of walls, and
-/// walls about as near as the disks are wide. Never empty.
+/// Region that a picture of disks and walls should show: the disks, the nearby parts of walls that
+/// no half-plane covers, and walls about as near as the disks are wide. Never empty.
 Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls);
 
 /// The two ends of each wall as it is drawn. A segment has its own ends. The line of a half-plane

@@ -34,6 +34,18 @@ TEST(ViewBox, HasTheDisksAndTheWallsNearThem) {
   EXPECT_GT(view_box(column(), walls).lower[1], -0.1);
 }
 
+TEST(ViewBox, LeavesOutWhatAnotherHalfPlaneCovers) {
+  std::vector<Wall<2>> trough(2);  // its lowest point is the origin
+  trough[0].normal = Vec2(1, 1).normalized();
+  trough[1].normal = Vec2(-1, 1).normalized();
+  std::vector<Disk> disks(3);
+  for (const int k : {0, 1, 2}) {
+    disks[k].x = Vec2(0.2 * (k - 1), k == 1 ? 0.02 : 0.22);
+    disks[k].radius = 0.01;
+  }
+  EXPECT_GT(view_box(disks, trough).lower[1], -0.02);
+}
+
 TEST(ViewBox, IsNeverEmpty) {
   EXPECT_FALSE(view_box({}, {}).empty());
   EXPECT_GT(view_box({}, {}).size().minCoeff(), 0);
