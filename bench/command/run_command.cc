@@ -427,7 +427,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   if (run.domains) run_processes().largest(peak);
   const auto [status, exit_code] = outcome_of(run);
   if (!is_speaker()) return exit_code;
-  if (scene.observables) write_observable_charts(folder, draws);
+  if (scene.observables) write_observable_charts(folder, scene.observables->profile, draws);
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", short_reason(run.failure->what()));
     using Kind = StepFailure::Kind;

@@ -38,9 +38,10 @@ bool has_column(const NumberTable& table, const std::string& name) {
   return std::find(table.names.begin(), table.names.end(), name) != table.names.end();
 }
 
-void add_profile(const fs::path& folder, Charts& charts) {
+void add_profile(const fs::path& folder, const ProfileChoice& choice, Charts& charts) {
+  const std::string across = std::string(1, "xyz"[choice.axis]) + " [m]";
   const NumberTable profile = read_number_table(folder / "profile_mean.csv");
-  Chart velocity{.title = "mean velocity across the bins", .x = {.label = "position [m]"}};
+  Chart velocity{.title = "mean velocity across the bins", .x = {.label = across}};
   velocity.y.label = "velocity [m/s]";
   const bool space = has_column(profile, "vz");
   for (const char axis : std::string(space ? "xyz" : "xy")) {
@@ -49,7 +50,7 @@ void add_profile(const fs::path& folder, Charts& charts) {
                                           static_cast<int>(velocity.series.size())));
   }
   charts.emplace_back("observables_velocity", velocity);
-  Chart stress{.title = "mean stress across the bins", .x = {.label = "position [m]"}};
+  Chart stress{.title = "mean stress across the bins", .x = {.label = across}};
   stress.y.label = "stress [Pa]";
   for (const std::string component : {"xx", "yy", "zz", "xy", "xz", "yz"}) {
     if (!has_column(profile, "stress_" + component)) continue;  // in 2D
@@ -57,7 +58,7 @@ void add_profile(const fs::path& folder, Charts& charts) {
                                         static_cast<int>(stress.series.size())));
   }
   charts.emplace_back("observables_stress", stress);
-  Chart fraction{.title = "mean solid fraction across the bins", .x = {.label = "position [m]"}};
+  Chart fraction{.title = "mean solid fraction across the bins", .x = {.label = across}};
   fraction.y.label = "solid fraction";
   fraction.series = {column_over(profile, "position", "solid_fraction", "solid fraction", 0)};
   fraction.key = Chart::Key::kNone;
@@ -85,7 +86,8 @@ void add_forces(const fs::path& folder, Charts& charts) {
 
 }  // namespace
 
-void write_observable_charts(const fs::path& folder, bool draw) {
+void write_observable_charts(const fs::path& folder, const std::optional<ProfileChoice>& profile,
+                             bool draw) {
   const NumberTable rows = read_number_table(folder / "observables.csv");
   Charts charts;
   charts.emplace_back("observables_state",
@@ -107,7 +109,7 @@ void write_observable_charts(const fs::path& folder, bool draw) {
     chart.y.label = "flux [kg/s]";
     charts.emplace_back("observables_flux", chart);
   }
-  if (fs::exists(folder / "profile_mean.csv")) add_profile(folder, charts);
+  if (profile && fs::exists(folder / "profile_mean.csv")) add_profile(folder, *profile, charts);
   add_forces(folder, charts);
   for (const auto& [name, chart] : charts) {
     draw ? write_chart_files(folder, name, chart) : write_chart_data(folder, name, chart);

@@ -1,5 +1,6 @@
 // What `bipot run` refuses, keeps and says: the start, the folder of the results, the time.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -115,6 +116,19 @@ TEST_F(RunCommand, WithoutGnuplotNothingButChartsIsMissing) {
   EXPECT_EQ(run.out.find(warning), run.out.rfind(warning));
   expect_files("out", {"observables_state.csv", "observables_state.gp", "summary.json"});
   EXPECT_FALSE(fs::exists("out/observables_state.svg"));
+}
+
+TEST_F(RunCommand, ChartsOfAProfileNameItsAxis) {
+  std::ofstream(path("layers.toml"))
+      << "disks = [{ position = [0, 0.01], radius = 0.01, mass = 1 }]\n"
+         "walls = [{ point = [0, 0], normal = [0, 1] }]\n"
+         "time = { step = 1e-3, steps = 10 }\n"
+         "observables = { every = 1, profile = 'x', profile_range = [-0.1, 0.1] }\n";
+  const Outcome run = whole_output("run layers.toml --no-page --out out");
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  for (const char* chart : {"velocity", "stress", "fraction"}) {
+    EXPECT_TRUE(says(content(path(fmt::format("out/observables_{}.gp", chart))), "x [m]")) << chart;
+  }
 }
 
 TEST_F(RunCommand, TwoRunsDoNotWriteIntoOneFolder) {
