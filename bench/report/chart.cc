@@ -283,7 +283,7 @@ class Script {
                       at));
       if (!reference.label.empty()) {
         line(
-            fmt::format("set label {} at first {}, graph 0.98 right rotate by 90 offset -0.6,0 "
+            fmt::format("set label {} at first {}, graph 0.02 left rotate by 90 offset 1,0 "
                         "noenhanced font ',10' textcolor rgb '#555555' front",
                         in_quotes(reference.label), at));
       }
