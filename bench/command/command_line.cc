@@ -103,11 +103,29 @@ void apply(const OptionTraits& traits, CLI::Option& option) {
     option.check(number_check(fmt::format("a number from {} to {}", lowest, highest),
                               [=](double x) { return x >= lowest && x <= highest; }));
   }
-  if (!traits.one_of.empty()) option.check(CLI::IsMember(traits.one_of));
+  if (!traits.one_of.empty()) {
+    const auto check = [values = traits.one_of](std::string& text) {
+      const bool known = std::find(values.begin(), values.end(), text) != values.end();
+      return known ? std::string() : unknown_name_message("value", text, values);
+    };
+    option.check(CLI::Validator(check, fmt::format("{{{}}}", fmt::join(traits.one_of, ","))));
+  }
   if (!traits.suggest.empty()) {
     const auto any = [](const std::string&) { return std::string(); };
     option.check(CLI::Validator(any, fmt::format("<{}>", fmt::join(traits.suggest, ","))));
   }
+}
+
+/// Says in words what CLI11's conversion to this type would refuse.
+template <class Whole>
+CLI::Validator whole_number_check() {
+  return {[](std::string& text) {
+            Whole k = 0;
+            return CLI::detail::lexical_cast(text, k)
+                       ? std::string{}
+                       : fmt::format("expected a whole number such as 10, got {}", text);
+          },
+          ""};
 }
 
 /// Adds an option by `add`, which takes its flags; the name of its value follows them.
@@ -229,6 +247,11 @@ template <class Value>
 void CommandDeclaration::option(Text name, Value& value, Text help, const OptionTraits& traits) {
   declare(name, traits, [&](const std::string& flags) {
     CLI::Option* option = app_->add_option(flags, value, help);
+    if constexpr (std::is_same_v<Value, std::uint64_t>) {
+      option->check(whole_number_check<std::uint64_t>());
+    } else if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, std::optional<int>>) {
+      option->check(whole_number_check<int>());
+    }
     if constexpr (requires { value.push_back(value[0]); } && !std::is_same_v<Value, std::string>) {
       if (flags.starts_with('-')) option->delimiter(',');
     }

@@ -74,9 +74,16 @@ std::filesystem::path find_scene(const std::string& path_or_name) {
     if (scene.stem() == path_or_name && !file) return scene;
   }
   if (!there) {
+    const std::vector<std::string> templates = names_of(scene_templates());
+    const std::string file_name = path_or_name + ".toml";
+    const bool is_template =
+        std::find(templates.begin(), templates.end(), path_or_name) != templates.end();
     throw std::invalid_argument(
         path_or_name + ": no such file; " +
-        unknown_name_message("shipped scene", path_or_name, names_of(shipped_scenes())));
+        (std::filesystem::exists(file_name) ? "did you mean '" + file_name + "'?"
+         : is_template
+             ? "a template: bipot new " + path_or_name + " > " + file_name
+             : unknown_name_message("shipped scene", path_or_name, names_of(shipped_scenes()))));
   }
   try {
     require_regular_file(path_or_name);

@@ -30,8 +30,19 @@ TEST(CommandLine, UnknownCommandsAndFlagsNameTheNearest) {
   expect_said("", 2, {"name a command"});
   expect_said("run drum --tol", 2, {"bipot run: --tol: 1 required"});
   expect_said("leaderboard", 2, {"bipot leaderboard: folders is required"});
-  expect_said("list nonsense", 2, {"bipot list: what: nonsense not in"});
+  expect_said("list nonsense", 2,
+              {"bipot list: what: unknown value 'nonsense'. Valid: solvers, scenes, problems"});
+  expect_said("run drum --steps 1.5", 2, {"--steps: expected a whole number such as 10, got 1.5"});
+  expect_said("run drum --steps -1", 2, {"--steps: expected a number of at least 0, got -1"});
   expect_said("compare pile:3:ratio=2", 2, {"pile takes mu, tilt, seed, not 'ratio'"});
+}
+
+TEST(CommandLine, ASceneThatIsMissedIsPointedOut) {
+  const TemporaryFolder folder;
+  const std::string mine = folder / "mine";
+  std::ofstream(mine + ".toml") << "[time]\nstep = 1e-3\nsteps = 1\n";
+  expect_said("run " + mine, 2, {"no such file; did you mean '" + mine + ".toml'?"});
+  expect_said("run heap", 2, {"heap: no such file; a template: bipot new heap > heap.toml"});
 }
 
 TEST(CommandLine, TheSameQuestionHasManyForms) {
