@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -22,6 +23,7 @@
 #include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
 #include "solvers/registry.h"
+#include "solvers/solver.h"
 
 namespace bipot {
 namespace {
@@ -139,6 +141,14 @@ int run_settings(const CompareFlags& flags, const std::vector<ProblemSource>& so
   return study.complete ? kExitConverged : kExitInterrupted;
 }
 
+/// True if s = 0 solves the problem.
+bool nothing_to_solve(const Comparison& comparison, const Comparison::Problem& problem) {
+  const auto solved = [&](const Comparison::Row& row) {
+    return row.problem == problem.name && row.status == to_string(SolveStatus::kNothingToDo);
+  };
+  return std::any_of(comparison.rows.begin(), comparison.rows.end(), solved);
+}
+
 int run_compare(const CompareFlags& flags) {
   Comparison::Options options;
   options.solvers =
@@ -210,12 +220,22 @@ int run_compare(const CompareFlags& flags) {
   }
   flags.deliver(
       table, text,
-      fmt::format("results in {}, {} of {} rows from before", flags.out, comparison.rows_kept,
-                  comparison.rows.size() + comparison.warm_rows.size()));
+      fmt::format("results in {}{}", flags.out,
+                  comparison.rows_kept == 0
+                      ? ""
+                      : fmt::format(", {} of {} rows from before", comparison.rows_kept,
+                                    comparison.rows.size() + comparison.warm_rows.size())));
   bool any = comparison.problems.empty();
   for (const Comparison::Problem& p : comparison.problems) {
     any = any || p.defect.empty();
     if (!p.defect.empty()) fmt::print(stderr, "bipot: {}: {}\n", p.name, p.defect);
+    if (nothing_to_solve(comparison, p)) {
+      fmt::print(stderr, "bipot: {}: no impulse is needed there, which compares nothing{}\n",
+                 p.name,
+                 p.name.find('@') == std::string::npos
+                     ? ""
+                     : "; other steps of the scene: --scene-steps, --scene-problems");
+    }
   }
   if (!any) return kExitBadInput;
   return comparison.complete && (!whole || whole->trade.complete) ? kExitConverged

@@ -45,6 +45,11 @@ TEST(CommandLine, ASceneThatIsMissedIsPointedOut) {
   expect_said("run heap", 2, {"heap: no such file; a template: bipot new heap > heap.toml"});
 }
 
+TEST(CommandLine, ComparingAStepWithoutImpulsesIsPointedOut) {
+  expect_said("compare bouncing_ball --quick --solvers apgd --tols 1e-2", 0,
+              {"bouncing_ball@100: no impulse is needed", "--scene-steps"});
+}
+
 TEST(CommandLine, TheSameQuestionHasManyForms) {
   const std::string version = said("--version");
   EXPECT_EQ(version.rfind("bipot ", 0), 0u) << version;
