@@ -209,9 +209,9 @@ std::string confidence(const Advice& a) {
 
 /// What the cost is that of: the run itself, a part of it, or the stretches.
 std::string basis_of(const Advice& a) {
-  if (a.run.whole()) return ", as the run took";
-  if (a.run.steps == 0) return ", by the stretches";
-  return fmt::format(", by its first {} steps", a.run.steps);
+  if (a.run.whole()) return ", measured on the whole run";
+  if (a.run.steps == 0) return ", measured on the stretches";
+  return fmt::format(", measured on its first {} steps", a.run.steps);
 }
 
 std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
@@ -246,7 +246,7 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
     error += fmt::format("; overlaps up to {}", overlap_label(expected.error.penetration));
   }
   line("expected error", std::move(error));
-  line("cost", fmt::format("{} a step, {} for the {:g} s of the scene ({} steps), files aside{}",
+  line("cost", fmt::format("{} a step, {} for the {:g} s of the scene ({} steps), without files{}",
                            duration_label(a.seconds_per_step), duration_label(a.seconds_in_all),
                            a.duration, a.num_steps, basis_of(a)));
   line("verdict",

@@ -32,7 +32,7 @@ std::string beyond_goal(const Advice& advice) {
   }
   if (apart.empty()) return {};
   return fmt::format(
-      "; two exact runs of the same stretches differ by up to {}: digits below that are not paid for",
+      "; two exact runs of the same stretches differ by up to {}: smaller errors mean nothing",
       apart);
 }
 
@@ -102,9 +102,9 @@ void conclude(const Advice::Options& options, Advice& advice) {
                              : fmt::format("no time step from {:g} to {:g} s", large.step, small)) +
         accuracies;
     const char* what =
-        settled ? "meets the goal" : "surely leaves a tenth of the goal to the solver";
+        settled ? "meets the goal" : "has an error that is surely below nine tenths of the goal";
     advice.message =
-        fmt::format("{} {}; of {}: {}", tried, what,
+        fmt::format("{} {}; at {}: {}", tried, what,
                     advice.accuracy > 0 ? fmt::format("accuracy {:.2g}", advice.accuracy)
                                         : fmt::format("{:g} s", advice.step_size),
                     held_against(advice.step_error, advice.goal));
@@ -112,7 +112,7 @@ void conclude(const Advice::Options& options, Advice& advice) {
     advice.message = fmt::format(
         "{}; the best is {} to {} with {}",
         advice.out_of_time ? "time was up before all solvers were tried: " + more
-                           : "no solver surely meets what the time step leaves",
+                           : "no solver is surely as exact as the time step allows",
         chosen.solver.label, tolerance_label(chosen.tol), held_against(chosen.error, advice.goal));
   } else if (!run.whole() && advice.sample.steps_run < advice.sample.steps_planned) {
     advice.message = fmt::format(

@@ -98,7 +98,12 @@ Table error_table(const SceneTrade& s) {
   }
   table.note +=
       "Solver: difference to the tightest tolerance at the same time step; marked where it matters: "
-      "larger than the others and not negligible.";
+      "larger than the others and not negligible. Outcomes";
+  const char* sign = ": ";
+  for (const TradeQuantity& q : s.scene->quantities) {
+    table.note += fmt::format("{}{}: {}", std::exchange(sign, "; "), q.name, q.meaning);
+  }
+  table.note += ".";
   table.page_note = " How a reference was found shows when the pointer rests on it.";
   return table;
 }
