@@ -58,11 +58,12 @@ void add_threads_flag(CommandDeclaration& command, int& threads) {
                  {.between = {{1, 1024}}});
 }
 
-void add_common_flags(CommandDeclaration& command, CommonFlags& flags) {
+void add_common_flags(CommandDeclaration& command, CommonFlags& flags,
+                      const std::string& folder_help) {
   command.option("--time-limit SECONDS", flags.time_limit, "Wall-clock limit of the whole command",
                  {.positive = true});
   add_threads_flag(command, flags.threads);
-  add_output_flags(command, flags, "Folder for the results");
+  add_output_flags(command, flags, folder_help);
 }
 
 void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
@@ -71,9 +72,10 @@ void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
 }
 
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
-  command.option("--solver NAME", flags.name, "One of `bipot list solvers`",
+  command.option("--solver NAME", flags.name,
+                 "One of `bipot list solvers` (the scene's, else auto)",
                  {.group = kSolverGroup, .suggest = solver_names()});
-  command.option("--tol NUMBER", flags.tol, "Tolerance of the stop test",
+  command.option("--tol NUMBER", flags.tol, "Tolerance of the stop test (the scene's, else 1e-8)",
                  {.group = kSolverGroup, .positive = true});
   command.option("--stop NAME", flags.stop, "Stop test: guarded, raw42 or impulse",
                  {.group = kSolverGroup, .suggest = {"guarded", "raw42", "impulse"}});

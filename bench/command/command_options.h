@@ -55,7 +55,8 @@ struct CommonFlags : OutputFlags {
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds
   int threads = 1;                                              ///< they change no bit
 };
-void add_common_flags(CommandDeclaration& command, CommonFlags& flags);
+void add_common_flags(CommandDeclaration& command, CommonFlags& flags,
+                      const std::string& folder_help = "Folder for the results");
 /// --threads.
 void add_threads_flag(CommandDeclaration& command, int& threads);
 

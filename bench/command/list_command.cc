@@ -122,17 +122,21 @@ Json problems_json() {
 
 void print_scenes() {
   for (const auto& row : scenes_json()) {
-    const char* const bodies = row.contains("disks") ? "disks" : "spheres";
-    fmt::print("{:<24} {:>6} {:<7} {:>3} walls {:>7} steps  {}\n", row["name"].get<std::string>(),
-               row[bodies].get<int>(), bodies, row["walls"].get<int>(), row["steps"].get<int>(),
+    const bool flat = row.contains("disks");
+    const int bodies = row[flat ? "disks" : "spheres"], walls = row["walls"];
+    fmt::print("{:<24} {:>6} {:<7} {:>3} {:<5} {:>7} steps  {}\n", row["name"].get<std::string>(),
+               bodies, fmt::format("{}{}", flat ? "disk" : "sphere", bodies == 1 ? "" : "s"), walls,
+               walls == 1 ? "wall" : "walls", row["steps"].get<int>(),
                row["title"].get<std::string>());
   }
 }
 
 void print_problems() {
   for (const auto& row : problems_json()) {
-    fmt::print("{:<32} {}D {:>6} contacts  {}\n", row["name"].get<std::string>(),
-               row["dim"].get<int>(), row["contacts"].get<int>(), row["file"].get<std::string>());
+    const int contacts = row["contacts"];
+    fmt::print("{:<32} {}D {:>6} {:<8}  {}\n", row["name"].get<std::string>(),
+               row["dim"].get<int>(), contacts, contacts == 1 ? "contact" : "contacts",
+               row["file"].get<std::string>());
   }
 }
 

@@ -22,7 +22,7 @@ CommandDeclaration add_movie(CommandLine& line, MovieFlags& flags) {
   command.option("run", flags.run, "Run, finished or interrupted (folder or run.h5)",
                  {.required = true});
   command.option("--file FILE", flags.file,
-                 "Name that ends with .mp4 or .gif (default: movie.mp4)");
+                 "Name that ends with .mp4 or .gif (default: movie.mp4 in the folder)");
   command.option("--frames-a-second N", flags.frames_a_second, "Speed of the movie",
                  {.show_default = true, .between = {{1, 120}}});
   command.footer(

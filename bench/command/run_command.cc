@@ -493,7 +493,7 @@ CommandDeclaration add_run(CommandLine& line, RunFlags& flags) {
                  "Time step instead of the scene's, whose duration (or steps) stays",
                  {.positive = true});
   command.option("--accuracy RADII", flags.accuracy,
-                 "Radii by which an impact may misplace a body; 0: no parts",
+                 "Steps are cut: impacts misplace a body by fewer radii; 0: they are not",
                  {.not_negative = true});
   command.option("--duration SECONDS", flags.duration,
                  "Time to simulate, instead of the scene's; with --restart: more time",
@@ -518,7 +518,7 @@ CommandDeclaration add_run(CommandLine& line, RunFlags& flags) {
   command.option("--port N", flags.port, fmt::format("Of --watch; 0: any (default {})", kWatchPort),
                  {.group = "Results", .between = {{0, 65535}}});
   add_reproducible_flag(command, flags.reproducible);
-  add_common_flags(command, flags.common);
+  add_common_flags(command, flags.common, "Folder for the results (out/SCENE)");
   command.flag("--overwrite", flags.overwrite, "Delete the run that DIR holds");
   command.option("--dump-problems", flags.dump_problems,
                  "Write the steps' contact problems as FCLIB files into DIR/problems",
@@ -527,13 +527,13 @@ CommandDeclaration add_run(CommandLine& line, RunFlags& flags) {
                  "Unsolved step; default: continue, unless it provably has no solution",
                  {.one_of = {"continue", "stop", "smaller-step"}});
   command.option("--on-tunnel WORD", flags.on_tunnel,
-                 "Bodies went through each other or a plate; default: stop",
+                 "After bodies went through each other or a wall; default: stop",
                  {.one_of = {"stop", "warn", "smaller-step"}});
   add_solver_flags(command, flags.solver);
   add_warm_start_flags(command, flags.solver);
   command.footer(
       "Examples:\n"
-      "  bipot run compaction --out out/b --restart out/a --steps 100");
+      "  bipot run my.toml --out out/a && bipot run my.toml --restart out/a --steps 100");
   return command;
 }
 

@@ -295,7 +295,8 @@ std::string to_text(const RunSummary<D>& s) {
     fmt::format_to(add, "               taken by cohesion {:.4e} J\n", t.last.energy.cohesion_loss);
   }
   if (scene.has_gates()) {
-    fmt::format_to(add, "               came in less what left {:.4e} J\n", t.last.energy.passed);
+    fmt::format_to(add, "               brought in by inlets less taken out by outlets {:.4e} J\n",
+                   t.last.energy.passed);
   }
   fmt::format_to(add,
                  "  wall time    {:.2f} s: detection {:.2f}, assembly {:.2f}, solve {:.2f}, output "

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -34,9 +33,7 @@ CommandDeclaration add_study(CommandLine& line, StudyFlags& flags) {
   CommandDeclaration command = line.add_command(
       "study", "How exact must a contact solver be? Measures, and draws data/study anew");
   const std::vector<std::string> parts = names_of(Study::parts());
-  command.option("--only PARTS", flags.only,
-                 fmt::format("Parts, separated by commas, of {}", fmt::join(parts, ", ")),
-                 {.one_of = parts});
+  command.option("--only PARTS", flags.only, "Parts, separated by commas (all)", {.one_of = parts});
   command.flag("--quick", flags.quick, "Small scenes, few seeds: minutes instead of hours");
   command.option("--rows FILE", flags.rows,
                  "CSV of the measurements, added to; those that are there are kept (DIR/rows.csv)");
