@@ -67,14 +67,25 @@ def plot_bodies(self, axes=None):
         if wall["radius"] is not None or wall["b"] is not None:
             for end in (wall["a"], wall["b"] or wall["a"]):
                 place, reach = np.array([end[k] for k in seen]), wall["radius"] or 0
+                if (n := _seen_axis(wall, seen)) is not None:  # an endless cylinder: across it
+                    place += (x.mean(axis=0) - place) @ n * np.array(n) if len(x) else 0
+                    reach *= np.abs([n[1], n[0]])
                 low, high = np.vstack([low, place - reach]), np.vstack([high, place + reach])
     if len(low):
         low, high = low.min(axis=0), high.max(axis=0)
         margin = 0.05 * (high - low).max()
         axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     axes.set_aspect("equal")
+    axes.locator_params(nbins=6)
     axes.set(xlabel="x [m]", ylabel=f"{'xyz'[seen[1]]} [m]", title=f"t = {self.time:g} s")
     return axes
+
+
+def _seen_axis(wall, seen):
+    """Axis in the picture of a cylinder that is seen from the side; else None."""
+    if wall["radius"] is None or wall["normal"] is None or abs(wall["normal"][1]) > 1e-9:
+        return None
+    return [wall["normal"][k] for k in seen]
 
 
 def _draw_walls(walls, seen, axes):
@@ -88,9 +99,13 @@ def _draw_walls(walls, seen, axes):
         if wall["radius"] is not None:
             if normal is None or len(normal) == 2 or across > 1 - 1e-9:
                 axes.add_patch(Circle(a, wall["radius"], fill=False, edgecolor="black"))
+            elif (n := _seen_axis(wall, seen)) is not None:
+                for reach in (-wall["radius"], wall["radius"]):
+                    side = (a[0] - reach * n[1], a[1] + reach * n[0])
+                    axes.axline(side, (side[0] + n[0], side[1] + n[1]), color="black")
         elif wall["b"] is not None:
             axes.plot(*zip(a, [wall["b"][k] for k in seen]), color="black")
-        elif across < 1e-9:
+        elif normal is not None and across < 1e-9:
             n = [normal[k] for k in seen]
             axes.axline(a, (a[0] - n[1], a[1] + n[0]), color="black")
 

@@ -65,6 +65,21 @@ def test_a_step_is_drawn():
     assert bipot.Simulation("bouncing_ball").state.plot().collections
 
 
+def test_polygons_are_left_out_and_a_cylinder_is_seen_from_the_side():
+    state = bipot.Simulation.from_text("""
+time = { step = 1e-3, steps = 1 }
+spheres = [{ position = [0, 0, 0.5], radius = 0.1, mass = 1 }]
+walls = [{ corners = [[-1, -1, 0], [1, -1, 0], [0, 1, 0]] },
+         { center = [0, 0, -7], axis = [0, 0, 1], radius = 0.5, hollow = true }]
+""").state
+    axes = state.plot()
+    assert len(axes.lines) == 2
+    low, high = axes.get_xlim()
+    assert low < -0.5 and high > 0.5
+    assert axes.get_ylim()[0] > 0.3
+    axes.figure.canvas.draw()
+
+
 def test_a_history_is_drawn(lattice):
     r = bipot.solve(lattice, solver="apgd", tol=1e-6)
     axes = r.plot()
