@@ -31,10 +31,14 @@ std::string_view kind_of(const ParameterSpec& spec) {
   return kNames[static_cast<int>(spec.kind)];
 }
 
+std::string_view default_of(const ParameterSpec& spec) {
+  return spec.default_value.empty() ? "none" : spec.default_value;
+}
+
 std::string domain_of(const ParameterSpec& spec) {
   if (spec.kind == ParameterSpec::Kind::kChoice) return std::string(spec.choices);
   if (spec.kind == ParameterSpec::Kind::kText) return std::string(kind_of(spec));
-  return fmt::format("{} in [{:g}, {:g}]", kind_of(spec), spec.minimum, spec.maximum);
+  return fmt::format("{} in [{:.10g}, {:.10g}]", kind_of(spec), spec.minimum, spec.maximum);
 }
 
 Json to_json(const SolverEntry& entry) {
@@ -71,24 +75,28 @@ void print_solver(const SolverEntry& entry) {
   for (const ParameterSpec& spec : all_parameters(entry)) {
     fmt::print("\n{:<{}}{}\n", parameter_flag(spec.name), kColumn,
                wrapped(std::string(spec.help), kColumn));
-    fmt::print("{:{}}default {}; {}{}\n", "", kColumn,
-               spec.default_value.empty() ? "none" : spec.default_value, domain_of(spec),
+    fmt::print("{:{}}default {}; {}{}\n", "", kColumn, default_of(spec), domain_of(spec),
                spec.unit.empty() ? "" : fmt::format("; unit: {}", spec.unit));
   }
+}
+
+void print_parameter(std::string_view solver, const ParameterSpec& spec) {
+  fmt::print("{:<14}   {}\n", solver,
+             wrapped(fmt::format("{} = {}  ({})  {}", spec.name, default_of(spec), domain_of(spec),
+                                 spec.help),
+                     19));
 }
 
 void print_solvers() {
   const auto print = [](const SolverEntry& entry) {
     fmt::print("{:<14} {}\n", entry.name, entry.summary);
     for (const ParameterSpec& spec : entry.parameters) {
-      fmt::print("{:<14}   {} = {}  ({})  {}\n", "", spec.name, spec.default_value, domain_of(spec),
-                 spec.help);
+      print_parameter("", spec);
     }
   };
   for (const SolverEntry& entry : solver_table()) print(entry);
   for (const SolverEntry& entry : special_solvers()) print(entry);
-  fmt::print("{:<14}   {} = {}  ({})  {}\n", "all of them", kIslandsParameter.name,
-             kIslandsParameter.default_value, domain_of(kIslandsParameter), kIslandsParameter.help);
+  print_parameter("all of them", kIslandsParameter);
 }
 
 Json scenes_json() {

@@ -33,7 +33,8 @@ Parallel reproducible(const Parameters&) { return Parallel::kReproducible; }
 
 const SolverEntry kSolvers[] = {
     {.name = "auto",
-     .summary = "race of the solvers below, given up and taken up by their progress; see --explain",
+     .summary =
+         "solvers below in turns, by a plan and by their progress; see bipot solve --explain",
      .run = &solve_auto,
      .parameters = kAutoParameters,
      .rolls = true,

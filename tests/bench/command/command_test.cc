@@ -630,6 +630,7 @@ TEST_F(Command, OneSolverIsListedWithItsParameters) {
   }
   EXPECT_TRUE(omega);
   expect_said("list solvers apgd", 0, {"--step", "1/lambda_max"}, &bipot);
+  expect_said("list solvers pgs", 0, {"integer in [0, 4294967295]"}, &bipot);
   EXPECT_EQ(code_of("list scenes pgs"), 2);
   // What the list names is a flag, though the help of the commands passes over it.
   for (const json& solver : json::parse(bipot("list solvers --json -").out)) {
