@@ -104,11 +104,12 @@ void print(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdic
   fmt::print(
       "  energy ε {:.3e}, residual η {:.3e}, the paper's (42) {:.3e}, natural map {:.3e}, Siconos' {:.3e}\n",
       v.error.epsilon, v.error.eta, v.error.raw42, v.error.natural_map, v.siconos_map);
-  fmt::print("  distance to the cone {:.3e}, at most {:.3e} N s{}\n", v.cone, v.cone_violation,
-             at_contact(v.cone_contact));
+  fmt::print("  distance to the cone {:.3e}, of one contact at most {:.3e} N s{}\n", v.cone,
+             v.cone_violation, at_contact(v.cone_contact));
   fmt::print("  penetration at most {:.3e} m/s{}\n", v.penetration_velocity,
              at_contact(v.penetration_contact));
   fmt::print("  open {}, stick {}, slip {}\n", v.count.take_off, v.count.stick, v.count.slip);
+  if (!v.worst.empty()) fmt::print("  worst contacts, with their share of the error:\n");
   for (const JudgedContact& contact : v.worst) {
     fmt::print("  {:>5.1f} %  {}\n", 100 * contact.share, sentence(contact));
   }

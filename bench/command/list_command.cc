@@ -13,6 +13,7 @@
 #include "bench/command/help_text.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/json_output.h"
+#include "core/base/counted.h"
 #include "core/problem_files/problem_file.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
@@ -131,20 +132,17 @@ Json problems_json() {
 void print_scenes() {
   for (const auto& row : scenes_json()) {
     const bool flat = row.contains("disks");
-    const int bodies = row[flat ? "disks" : "spheres"], walls = row["walls"];
-    fmt::print("{:<24} {:>6} {:<7} {:>3} {:<5} {:>7} steps  {}\n", row["name"].get<std::string>(),
-               bodies, fmt::format("{}{}", flat ? "disk" : "sphere", bodies == 1 ? "" : "s"), walls,
-               walls == 1 ? "wall" : "walls", row["steps"].get<int>(),
+    fmt::print("{:<24} {:<12} {:<8} {:>5} steps  {}\n", row["name"].get<std::string>(),
+               counted(row[flat ? "disks" : "spheres"].get<long>(), flat ? "disk" : "sphere"),
+               counted(row["walls"].get<long>(), "wall"), row["steps"].get<int>(),
                row["title"].get<std::string>());
   }
 }
 
 void print_problems() {
   for (const auto& row : problems_json()) {
-    const int contacts = row["contacts"];
-    fmt::print("{:<32} {}D {:>6} {:<8}  {}\n", row["name"].get<std::string>(),
-               row["dim"].get<int>(), contacts, contacts == 1 ? "contact" : "contacts",
-               row["file"].get<std::string>());
+    fmt::print("{:<26} {}D  {:<14} {}\n", row["name"].get<std::string>(), row["dim"].get<int>(),
+               counted(row["contacts"].get<long>(), "contact"), row["file"].get<std::string>());
   }
 }
 

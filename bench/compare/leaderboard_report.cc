@@ -7,6 +7,7 @@
 #include <map>
 
 #include "bench/report/labels.h"
+#include "core/base/counted.h"
 
 namespace bipot {
 namespace {
@@ -30,13 +31,14 @@ double median_of_all(std::vector<double> x) {
 }
 
 Table solved_counts(const Leaderboard& board) {
-  Table table{.columns = {{.key = "who", .name = "contestant"}},
-              .key = "solved",
-              .caption = fmt::format("Solved, of {} problems", board.problems.size()),
-              .note =
-                  "Solved to T: max(ε, η, distance to the cone) at most T. A problem without "
-                  "an impulse is not solved. Times are those of the contestants. In medians a "
-                  "missing error or time is infinite."};
+  Table table{
+      .columns = {{.key = "who", .name = "contestant"}},
+      .key = "solved",
+      .caption = "Solved, of " + counted(static_cast<long>(board.problems.size()), "problem"),
+      .note =
+          "Solved to T: max(ε, η, distance to the cone) at most T. A problem without "
+          "an impulse is not solved. Times are those of the contestants. In medians a "
+          "missing error or time is infinite."};
   if (std::any_of(board.who.begin(), board.who.end(),
                   [](const std::string& who) { return who.starts_with("bipot "); })) {
     table.note += fmt::format(" Solvers of bipot were asked for {}.", tolerance_label(board.tol));

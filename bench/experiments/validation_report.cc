@@ -107,7 +107,7 @@ Table verdicts_table(const ValidationPage& page) {
                    {.key = "source"},
                    {.key = "expected"},
                    {.key = "measured", .name = "measured", .show = &value_label},
-                   {.key = "bar", .name = "+-", .show = &compact_label},
+                   {.key = "bar", .name = "±", .show = &compact_label},
                    {.key = "bar_is"},
                    {.key = "at_tol"},
                    {.key = "error", .name = "error", .show = &compact_label},
