@@ -64,7 +64,8 @@ void draw_several_picture(const std::filesystem::path& path, const ContactProble
   for (const Vec2& sum : sums.front()) mean += sum.norm();
   mean /= std::max<double>(1, static_cast<double>(std::count(touched.begin(), touched.end(), 1)));
   ForcePictureOptions options{.take_off = false};
-  options.fill.values.assign(disks, 0);
+  const bool several = sums.size() > 1;
+  if (several) options.fill.values.assign(disks, 0);
   for (std::size_t a = 0; a < sums.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
       for (std::size_t d = 0; d < disks && mean > 0; ++d) {
@@ -79,10 +80,11 @@ void draw_several_picture(const std::filesystem::path& path, const ContactProble
   options.marked_label = "status differs";
   draw_force_picture(
       path, geometry.scene, state,
-      fmt::format(
-          "{}: {} exact answer{}, velocities up to {:.1e} apart in the energy norm. Segments: "
-          "normal forces of answer 1",
-          title, found.answers.size(), found.answers.size() == 1 ? "" : "s", found.spread.velocity),
+      several
+          ? fmt::format("{}: {} exact answers, velocities up to {:.1e} apart in the energy norm. "
+                        "Segments: normal forces of answer 1",
+                        title, found.answers.size(), found.spread.velocity)
+          : title + ": one exact answer was found. Segments: its normal forces",
       options);
 }
 

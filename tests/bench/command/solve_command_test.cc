@@ -151,6 +151,14 @@ TEST_F(Command, DumpedStepsAreDrawnWithTheirAnswers) {
   EXPECT_TRUE(content(path("answers/answers.csv")).starts_with("answer,starts,error,kinetic [J],"));
 }
 
+TEST_F(Command, ASingleAnswerIsDrawnWithoutDifferences) {
+  ASSERT_EQ(code_of("run sliding_cylinder --steps 1 --dump-problems all --out " + path("run")), 0);
+  const std::string step = path("run/problems/step_000001.hdf5");
+  const json j = json_of("solve " + step + " --several 4 --json - --out " + path("answers"));
+  ASSERT_EQ(j["answers"].size(), 1u);
+  EXPECT_FALSE(says(content(path("answers/answers.svg")), "linearGradient"));  // of the colours
+}
+
 TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
   // Two lattices that differ in friction alone: the same sizes.
   std::string text = content(shipped_scene("triangular_lattice"));
