@@ -88,6 +88,9 @@ std::string conclusion(const SeveralAnswers& found) {
     return fmt::format("No start reached a guarded error of {:.0e}, so nothing is known.\n",
                        DistinctAnswers::kTrusted);
   }
+  if (found.answers.size() == 1 && found.complete) {
+    return "One answer: no case of open, stick and slip has another.\n";
+  }
   if (found.answers.size() == 1) {
     return fmt::format(
         "One answer: starts agree to {} of the velocities or better. This proves nothing about\n"

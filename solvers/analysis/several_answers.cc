@@ -239,6 +239,7 @@ class AnswerSearch {
       found_.starts.push_back(std::move(made));
     }
     if (all.cases == 0) return;
+    found_.complete = all.undecided == 0 && all.continua == 0;
     cases_ = fmt::format("; all {} cases of open, stick and slip were looked at: ", all.cases);
     cases_ += all.undecided > 0 ? fmt::format("{} are singular and not decided", all.undecided)
                                 : std::string("no others");

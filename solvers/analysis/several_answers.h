@@ -74,6 +74,7 @@ struct SeveralAnswers {
   };
   SolveStatus status = SolveStatus::kNotRun;
   std::string message;
+  bool complete = false;  ///< few contacts: no case of open, stick and slip has another answer
   std::vector<Start> starts;
   std::vector<Answer> answers;  ///< in the order in which they were found
   int sets = 0;                 ///< isolated answers and families together

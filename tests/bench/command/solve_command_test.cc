@@ -156,6 +156,7 @@ TEST_F(Command, ASingleAnswerIsDrawnWithoutDifferences) {
   const std::string step = path("run/problems/step_000001.hdf5");
   const json j = json_of("solve " + step + " --several 4 --json - --out " + path("answers"));
   ASSERT_EQ(j["answers"].size(), 1u);
+  EXPECT_TRUE(says(bipot("solve " + step + " --several 4").out, "One answer: no case of open,"));
   EXPECT_FALSE(says(content(path("answers/answers.svg")), "linearGradient"));  // of the colours
 }
 
