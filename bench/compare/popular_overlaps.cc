@@ -1,6 +1,5 @@
 // What bodies sink into each other by in steps that a popular setting ends.
 
-
 #include <algorithm>
 
 #include "bench/compare/popular_settings.h"

@@ -1,6 +1,5 @@
 // Steps with several exact answers: how many, and do statistics depend on the one that is taken?
 
-
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,5 @@
 // From which ε on is an observable right?
 
-
 #include <algorithm>
 #include <cmath>
 

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/box.h"
+#include "core/base/types.h"
 #include "core/motion/state.h"
 
 namespace bipot {

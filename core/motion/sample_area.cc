@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/box.h"
 #include "core/base/types.h"
 
 namespace bipot {

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "core/base/box.h"
 #include "core/base/types.h"
 
 namespace bipot {

@@ -4,7 +4,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/base/box.h"
+#include "core/base/types.h"
 #include "core/motion/time_stepping.h"
 
 namespace bipot {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/base/box.h"
+#include "core/base/types.h"
 
 namespace bipot {
 

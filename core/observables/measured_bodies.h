@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/base/box.h"
+#include "core/base/types.h"
 #include "core/motion/state.h"
 #include "core/scene/disk_union.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/base/box.h"
+#include "core/base/types.h"
 
 namespace bipot {
 

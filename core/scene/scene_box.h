@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/box.h"
+#include "core/base/types.h"
 #include "core/scene/scene.h"
 
 namespace bipot {

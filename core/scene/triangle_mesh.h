@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "core/base/box.h"
+#include "core/base/types.h"
 #include "core/scene/contact.h"
 #include "core/scene/scene.h"
 
