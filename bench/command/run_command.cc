@@ -367,7 +367,9 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
        .hint = can_cut ? "--on-failure smaller-step takes such a step in parts; --time-limit "
                          "SECONDS ends the run"
                        : "--time-limit SECONDS ends the run"});
-  options.on_iteration = [&progress](const IterationRecord& record) { progress.judged(record); };
+  if (scene.solver.stop == "guarded") {  // else its tolerance is that of another error
+    options.on_iteration = [&progress](const IterationRecord& record) { progress.judged(record); };
+  }
   options.on_step = [&, first = state.step](const SceneStep<D>& step) {
     const StepReport<D>& report = step.report;
     growth.add(scene, report);

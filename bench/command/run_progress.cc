@@ -41,7 +41,10 @@ RunProgress::RunProgress(long steps, Options options)
   observer_ = std::thread([this] {
     const std::chrono::duration<double> pause(std::min(1.0, options_.patience));
     std::unique_lock lock(mutex_);
-    while (!end_.wait_for(lock, pause, [this] { return over_; })) look_at_the_step();
+    try {
+      while (!end_.wait_for(lock, pause, [this] { return over_; })) look_at_the_step();
+    } catch (const std::exception&) {  // no standard error or log: the run itself meets it
+    }
   });
 }
 
@@ -68,10 +71,7 @@ void RunProgress::look_at_the_step() {
   if (!options_.hint.empty()) text += fmt::format("  {}\n", std::exchange(options_.hint, ""));
   while (tell_after_ <= waited) tell_after_ *= 2;
   bar_.say(text);
-  try {
-    append(log_, text);
-  } catch (const FileError&) {  // the run itself will meet it
-  }
+  append(log_, text);
 }
 
 template <int D>

@@ -209,6 +209,23 @@ namespace {
 constexpr std::size_t kWidestType = 16;
 constexpr double kMostText = 1e8;  // bytes
 
+/// Of a dataset that is read.
+void require_filters(const std::filesystem::path& path, const std::string& name, hid_t dataset) {
+  const Handle made(H5Dget_create_plist(dataset), H5Pclose);
+  for (int k = 0; k < H5Pget_nfilters(made); ++k) {
+    char filter[64] = "";
+    std::size_t values = 0;
+    const H5Z_filter_t id = H5Pget_filter2(made, static_cast<unsigned>(k), nullptr, &values,
+                                           nullptr, sizeof filter, filter, nullptr);
+    if (H5Zfilter_avail(id) <= 0) {
+      throw FileError(path, name,
+                      fmt::format("is packed by the filter {} '{}', which is not installed here; "
+                                  "gzip can be read",
+                                  id, filter));
+    }
+  }
+}
+
 void require_usual_width(const std::filesystem::path& path, const std::string& name, hid_t type) {
   if (const std::size_t width = H5Tget_size(type); width > kWidestType) {
     throw FileError(path, name, fmt::format("numbers of {} bytes", width));
@@ -250,18 +267,6 @@ void Hdf5File::check_structure(const std::filesystem::path& path) {
     const Handle made(H5Dget_create_plist(dataset), H5Pclose);
     const H5D_layout_t layout = H5Pget_layout(made);
     const hsize_t stored = H5Dget_storage_size(dataset), needed = count * H5Tget_size(type);
-    for (int k = 0; k < H5Pget_nfilters(made); ++k) {
-      char filter[64] = "";
-      std::size_t values = 0;
-      const H5Z_filter_t id = H5Pget_filter2(made, static_cast<unsigned>(k), nullptr, &values,
-                                             nullptr, sizeof filter, filter, nullptr);
-      if (H5Zfilter_avail(id) <= 0) {
-        throw FileError(path, name,
-                        fmt::format("is packed by the filter {} '{}', which is not installed here; "
-                                    "gzip can be read",
-                                    id, filter));
-      }
-    }
     if (layout == H5D_CHUNKED) continue;
     if ((layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) || H5Pget_external_count(made) != 0) {
       throw FileError(path, name, "is not stored in the file");
@@ -282,6 +287,7 @@ std::vector<double> Hdf5File::read_doubles(const std::string& name) const {
   if (kind != H5T_FLOAT && kind != H5T_INTEGER) throw FileError(path_, name, "not numbers");
   require_usual_width(path_, name, type);
   if (values.empty()) return values;
+  require_filters(path_, name, dataset);
   if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
     throw FileError(path_, name, "cannot read: " + hdf5_reason());
   }
@@ -296,6 +302,7 @@ std::vector<int> Hdf5File::read_ints(const std::string& name) const {
   if (H5Tget_class(type) != H5T_INTEGER) throw FileError(path_, name, "not integers");
   require_usual_width(path_, name, type);
   if (wide.empty()) return {};
+  require_filters(path_, name, dataset);
   if (H5Dread(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, wide.data()) < 0) {
     throw FileError(path_, name, "cannot read: " + hdf5_reason());
   }

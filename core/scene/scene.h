@@ -333,7 +333,8 @@ struct Scene {
   int contact_rows() const { return has_rolling() ? 3 * (D - 1) : (has_friction() ? D : 1); }
 };
 
-/// The smaller radius of the pair of a body with another one or with a wall: j = bodies.size() + wall.
+/// The smaller radius of the pair of a body with another one or with a wall: j = bodies.size() +
+/// wall.
 template <class Bodies, class Walls>
 double pair_radius(const Bodies& bodies, const Walls& walls, int i, int j) {
   const double radius = bodies[to_size(i)].radius;

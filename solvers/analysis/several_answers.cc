@@ -228,10 +228,12 @@ class AnswerSearch {
     if (!options_.solver.empty() || stopped()) return;
     const Clock::time_point start = Clock::now();
     const EnumeratedCases all = enumerate_cases(p_, [this] { return stopped(); });
+    bool judged = true;
     for (const Vector& s : all.candidates) {
       const std::size_t before = distinct_.answers().size();
       SeveralAnswers::Start made{.solver = "cases", .from = "all cases", .finished_by = "cases"};
       made.answer = distinct_.add(s, made.solver);
+      judged = judged && made.answer >= 0;
       if (distinct_.answers().size() == before) continue;
       made.error = distinct_.answers().back().error;
       made.message = "a case of open, sticking and slipping contacts";
@@ -239,7 +241,7 @@ class AnswerSearch {
       found_.starts.push_back(std::move(made));
     }
     if (all.cases == 0) return;
-    found_.complete = all.undecided == 0 && all.continua == 0;
+    found_.complete = judged && all.undecided == 0 && all.continua == 0;
     cases_ = fmt::format("; all {} cases of open, stick and slip were looked at: ", all.cases);
     cases_ += all.undecided > 0 ? fmt::format("{} are singular and not decided", all.undecided)
                                 : std::string("no others");

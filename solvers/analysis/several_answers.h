@@ -86,14 +86,15 @@ struct SeveralAnswers {
 };
 
 /// Searches for several exact answers of one problem. Starts: the guess, solvers from s = 0, other
-/// orders of contacts, random multiples of the impulses of an answer. Each is improved by its own solver and
-/// finished by exact ones (`homotopy` for d <= 2 from the impulse as it is, `ipm`, `newton`).
+/// orders of contacts, random multiples of the impulses of an answer. Each is improved by its own
+/// solver and finished by exact ones (`homotopy` for d <= 2 from the impulse as it is, `ipm`,
+/// `newton`).
 /// Impulses that reach DistinctAnswers::kTrusted are compared by DistinctAnswers. From each answer,
 /// an impulse 1 % away is solved again. Answers whose segment is exact at 1/4, 1/2, 3/4 as well
 /// form a family. (For d <= 2 and equal statuses the law is linear along the segment, and the three
 /// points prove it.)
 ///
-/// The number of answers is a lower bound. Limits are in iterations, so that the same seed gives
+/// The number of answers is a lower bound, unless `complete`. Limits are in iterations, so that the same seed gives
 /// the same bits unless the time limit acts. Status: kConverged if every start reached an exact
 /// answer, kStalled if only some did, kTimeLimit, kInterrupted, kInvalidInput with the reason,
 /// kNothingToDo without contacts.

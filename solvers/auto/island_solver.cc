@@ -445,7 +445,7 @@ class IslandRun {
   SolveResult result_;
 };
 
-/// If a warm start has settled more than a quarter of many contacts, the others are cut out at once.
+/// If a warm start has settled more than a quarter of many contacts, the others are cut out.
 /// Sweeps over all cost less than cutting if they converge soon, or if they are few.
 constexpr double kMostContacts = 0.75;
 constexpr int kSmall = 400;

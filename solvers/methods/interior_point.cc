@@ -144,9 +144,9 @@ class Driver {
   }
 
   /// The proximal interior point from an equal-product start; impulses scale with the energy's
-  /// factor, as in EqualProductStart::cold(). A start that is too small (the forces of a large packing grow from
-  /// contact to contact) or too large is soon detected, and so is a case in which the other one is
-  /// no better.
+  /// factor, as in EqualProductStart::cold(). A start that is too small (the forces of a large
+  /// packing grow from contact to contact) or too large is soon detected, and so is a case in which
+  /// the other one is no better.
   StageEnd attempt_directly(int round) {
     const std::size_t turn = static_cast<std::size_t>(round) % std::size(kDirectScales);
     const double factor = scale_ * kDirectScales[turn];

@@ -164,7 +164,8 @@ TEST(ComparisonMeasures, RegretIsOverTheBestOfTheOthers) {
 }
 
 TEST(ComparisonMeasures, QuantilesAreRanks) {
-  // Ten cases with the ratios 1 to 10: the median lies between the middle ones, nine tenths is the ninth.
+  // Ten cases with the ratios 1 to 10: the median lies between the middle ones, nine tenths is the
+  // ninth.
   RunTable t;
   for (int k = 1; k <= 10; ++k) {
     t.problem(fmt::format("p{}", k));

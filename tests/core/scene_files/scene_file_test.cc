@@ -654,7 +654,7 @@ std::set<std::string> keys_in_the_source() {
     if (name.starts_with("scene_")) source += file_text(entry.path());
   }
   const std::regex access(
-      R"((?:has|maybe_number|number|positive|integer|natural|boolean|word|one_of|vec2|vec<[23D]>|numbers|words|table|tables)\(\"([a-z_]+)\")");
+      R"((?:has|maybe_number|number|positive|integer|natural|boolean|word|one_of|vec(?:_or_zero)?<[23D]>|numbers|words|table|tables)\(\"([a-z_]+)\")");
   std::set<std::string> keys;
   for (std::sregex_iterator it(source.begin(), source.end(), access), end; it != end; ++it) {
     keys.insert((*it)[1]);

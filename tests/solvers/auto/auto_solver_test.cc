@@ -209,8 +209,9 @@ TEST(AutoSolver, ShortPathsComeBeforeLongOnesAtFairTolerances) {
   }
 }
 
-/// To tight tolerances: a path from the best impulse follows splitting, beyond 8000 contacts only from
-/// a small error, and else factorisations. Then some from a little off where the last came nearest.
+/// To tight tolerances: a path from the best impulse follows splitting, beyond 8000 contacts only
+/// from a small error, and else factorisations. Then some from a little off where the last came
+/// nearest.
 TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
   for (const int side : {40, 60}) {
     const ContactProblem p = lattice_step(Lattice::kTriangular, side, 0.3, 10);

@@ -230,7 +230,7 @@ TEST(Islands, SingleContactsAreSolvedInClosedForm) {
 
 TEST(Islands, WhatRestsKeepsItsImpulsesAndIsCheckedAllTheSame) {
   std::vector<ContactProblem> parts;
-  for (const int contacts : {1, 6, 20, 40}) {
+  for (const int contacts : {1, 60, 200, 300}) {
     parts.push_back(manufactured_problem(2, std::max(1, contacts - 1), contacts, 9).problem);
   }
   const SideBySide before = side_by_side(parts);
@@ -240,7 +240,7 @@ TEST(Islands, WhatRestsKeepsItsImpulsesAndIsCheckedAllTheSame) {
     std::vector<ContactProblem> changed = parts;
     changed[moved].u_free *= 1.5;  // its impulses are 1.5 times the ones before
     const ContactProblem p = side_by_side(changed).problem;
-    const SolveResult result = solve(cutting_auto(), p, {.tol = 1e-7, .s0 = first.s});
+    const SolveResult result = solve("auto", p, {.tol = 1e-7, .s0 = first.s});
     EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
     EXPECT_TRUE(says(result.message, "3 kept"));
     for (std::size_t k = 0; k < parts.size(); ++k) {
