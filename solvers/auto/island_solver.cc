@@ -446,9 +446,9 @@ class IslandRun {
 };
 
 /// If a warm start has settled more than a quarter of many contacts, the others are cut out.
-/// Sweeps over all cost less than cutting if they converge soon, or if they are few.
+/// Sweeps over all cost less than cutting if they converge soon, or if there are few contacts.
 constexpr double kMostContacts = 0.75;
-constexpr int kSmall = 400;
+constexpr int kFewToCut = 400;
 
 }  // namespace
 
@@ -470,7 +470,7 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
                         islands.of(islands.count() - 1).size() > 1;
   if (!attempts || is_warm(options)) {
     const int left = settle(options, Vector());
-    const bool cut = left == 0 || p.num_contacts() > kSmall;
+    const bool cut = left == 0 || p.num_contacts() > kFewToCut;
     if (!attempts || (cut && left < kMostContacts * p.num_contacts())) {
       return run.take(parts->solve_left());
     }
