@@ -13,9 +13,10 @@ for scene in data/scenes/*.toml; do
   name="$(basename "$scene" .toml)"
   [ -f "$site/runs/$name/summary.json" ] && continue
   echo "scene $name"
-  "$build/bipot" run "$name" --quiet --overwrite --time-limit "${SCENE_SECONDS:-60}" --out "$site/runs/$name" ||
+  "$build/bipot" run "$scene" --quiet --overwrite --time-limit "${SCENE_SECONDS:-60}" --out "$site/runs/$name" ||
     [ -f "$site/runs/$name/summary.json" ]  # a time limit ends with another code
 done
+rm -rf "$site/library" "$site/cpp"  # of headers that are gone
 cmake --install "$build" --component library --prefix "$site/library" > /dev/null
 PYTHONPATH="$build/python" /usr/bin/python3 bench/site/make_pages.py "$site"
 (cd "$site" && doxygen Doxyfile > doxygen.log 2>&1)

@@ -368,7 +368,8 @@ void bind_simulation_in(py::module_& module) {
 }  // namespace
 
 void bind_simulation(py::module_& module) {
-  py::register_exception<StepFailure>(module, "StepError", PyExc_RuntimeError);
+  py::register_exception<StepFailure>(module, "StepError", PyExc_RuntimeError).doc() =
+      "The solver of a step failed; the simulation is at the end of the step before.";
   bind_simulation_in<2>(module);
   bind_simulation_in<3>(module);
   module.def("make_simulation", &make_simulation, py::arg("scene"), py::arg("text"),

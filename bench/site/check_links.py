@@ -1,4 +1,5 @@
-"""Every link of a folder of HTML pages leads to a file and an anchor; nothing is loaded from elsewhere.
+"""Every link of a folder of HTML pages leads to a file and an anchor; nothing is loaded from elsewhere;
+no fence of a code block is left as text.
 
 check_links.py FOLDER
 """
@@ -16,7 +17,7 @@ class Page(html.parser.HTMLParser):
 
     def __init__(self, path):
         super().__init__()
-        self.links, self.names = [], set()
+        self.links, self.names, self.has_fence = [], set(), False
         self.feed(path.read_text(encoding="utf-8", errors="replace"))
 
     def handle_starttag(self, tag, attributes):
@@ -26,10 +27,13 @@ class Page(html.parser.HTMLParser):
             if key in ("href", "src") and value:
                 self.links.append((tag, key, value))
 
+    def handle_data(self, data):
+        self.has_fence |= "```" in data
+
 
 def main(folder):
     pages = {path.resolve(): Page(path) for path in sorted(folder.rglob("*.html"))}
-    faults, count = [], 0
+    faults, count = [f"{path}: shows ```" for path, page in pages.items() if page.has_fence], 0
     for path, page in pages.items():
         for tag, key, link in page.links:
             parts = urllib.parse.urlsplit(link)

@@ -50,9 +50,13 @@ def copy_documents():
             else:
                 place.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(source, place)
-    for page in PAGES.rglob("*.md"):  # mkdocs wants pages, not folders, in links
+    for page in PAGES.rglob("*.md"):
         text = page.read_text(encoding="utf-8")
-        page.write_text(re.sub(r"\]\(([^)#:\s]+/)?(examples)\)", r"](\1\2/README.md)", text), encoding="utf-8")
+        # mkdocs wants pages, not folders, in links; a reader of the site sees no files .md.
+        text = re.sub(r"\]\(([^)#:\s]+/)?(examples)\)", r"](\1\2/README.md)", text)
+        text = re.sub(r"\[(\w+)\.md\]\(", lambda link: f"[{link[1].replace('_', ' ')}](", text)
+        text = re.sub(r"^(```\w+) .*", r"\1", text, flags=re.M)  # of "```sh runs" it wants the language alone
+        page.write_text(text, encoding="utf-8")
 
 
 def scene_page(name, run):
@@ -81,7 +85,7 @@ def scene_page(name, run):
     scene = (ROOT / "data" / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
     (folder / "README.md").write_text(
         f"# {summary['title']}\n\n`bipot run {name}`\n\n"
-        + '<iframe src="play.html" title="The run" width="100%" height="640" style="border:0"></iframe>\n\n'
+        + '<iframe src="play.html" title="The run" width="100%" height="940" style="border:0"></iframe>\n\n'
         + "[The player alone](play.html)\n\n"
         + (f"![Forces at the end]({picture})\n\n" if picture else "")
         + f"| of this run | |\n| --- | --- |\n{table}\n## Scene file\n\n```toml\n{scene}```\n",
@@ -115,25 +119,58 @@ def described(thing):
     return re.sub(r"\A\w+\(.*?\) -> [^\n]*\n*", "", text, flags=re.S).strip()
 
 
+def prose(text):
+    """Markdown of a docstring: indented blocks are code, `name: ...` begins a line, pages are links."""
+    blocks = []
+    for block in re.split(r"\n\s*\n", text):
+        lines = block.split("\n")
+        if all(line.startswith("    ") for line in lines):
+            blocks.append(block)
+            continue
+        block = lines[0]
+        for before, line in zip(lines, lines[1:]):
+            named = before.endswith(".") and re.match(r"[\w, ]+( \[.*?\])?: ", line)
+            new = not line.startswith(" ") and (named or before.startswith(" "))
+            block += ("  \n" if new else " ") + line.strip()
+        parts = block.split("`")
+        parts[::2] = [re.sub(r"([*_\[\]])", r"\\\1", part).replace("<", "&lt;") for part in parts[::2]]
+        blocks.append(re.sub(r"data/manual/\w+/(\w+)\.md", r"[\1](\g<0>)", "`".join(parts)))
+    return "\n\n".join(blocks) + "\n"
+
+
+def members(node, nodes):
+    """Those of the definition of a class, then of its bases."""
+    bases = [base.id for base in node.bases if isinstance(base, ast.Name) and base.id in nodes]
+    return [*node.body, *(member for base in bases for member in members(nodes[base], nodes))]
+
+
 def python_page():
     nodes = definitions()
-    parts = [f"# The Python module\n\n```text\n{inspect.getdoc(bipot)}\n```\n"]
+    parts = [f"# The Python module\n\n{prose(inspect.getdoc(bipot))}"]
     for name in sorted(bipot.__all__):
         thing, node = getattr(bipot, name), nodes[name]
         parts.append(f"## {name}\n")
         if isinstance(node, ast.FunctionDef):
             parts.append(f"```python\n{signature(node)}\n```\n")
-        if described(thing):
-            parts.append(f"```text\n{described(thing)}\n```\n")
-        for member in getattr(node, "body", []) if isinstance(node, ast.ClassDef) else []:
-            if not isinstance(member, ast.FunctionDef) or (member.name[0] == "_" and member.name != "__init__"):
+        parts.append(prose(described(thing)))
+        fields, methods = [], []
+        for member in members(node, nodes) if isinstance(node, ast.ClassDef) else []:
+            field = isinstance(member, ast.AnnAssign)
+            if not field and not isinstance(member, ast.FunctionDef):
                 continue
-            if member.name == "__init__" and "native" in ast.unparse(member.args):
+            title = member.target.id if field else member.name
+            if title != "__init__" and title[0] == "_":
+                continue
+            if title == "__init__" and "native" in ast.unparse(member.args):
                 continue  # made by a function, not by users
-            is_property = any(isinstance(d, ast.Name) and d.id == "property" for d in member.decorator_list)
-            what = f"{member.name}: {ast.unparse(member.returns)}" if is_property else signature(member)
-            text = described(getattr(thing, member.name, None)) if member.name != "__init__" else ""
-            parts.append(f"```python\n{what}\n```\n" + (f"```text\n{text}\n```\n" if text else ""))
+            text = prose(described(getattr(thing, title, None))) if title != "__init__" else ""
+            if field or any(isinstance(d, ast.Name) and d.id == "property" for d in member.decorator_list):
+                kind = ast.unparse(member.annotation if field else member.returns)
+                kind = re.sub(r"Final\[(.*)\]", r"\1", kind)
+                fields.append(f"* `{title}: {kind}`\u2002{text}")
+            else:
+                methods.append(f"```python\n{signature(member)}\n```\n\n{text}")
+        parts += ["".join(fields), *methods]
     (PAGES / "python.md").write_text("\n".join(parts), encoding="utf-8")
 
 
@@ -145,10 +182,11 @@ def menu(titles):
             group = []
             nav.append({line[3:]: group})
         for title, target in re.findall(r"\[([^\]]+)\]\(([^)#]+\.md)\)", line):
+            title = title[0].upper() + title[1:]  # of `auto` the mark is first
             group.append({title.replace("`", ""): str(pathlib.PurePosixPath("data/manual") / target)})
     resolved = json.dumps(nav).replace("data/manual/../", "data/")
     scenes = [{title: f"scenes/{name}/README.md"} for name, title in titles.items()]
-    return [*json.loads(resolved), {"Scenes": scenes}, {"Python": "python.md"}, {"Changes": "CHANGELOG.md"}]
+    return [*json.loads(resolved), {"Scenes": scenes}, {"Python module": "python.md"}, {"Changes": "CHANGELOG.md"}]
 
 
 def main():
@@ -167,24 +205,38 @@ def main():
             "name": "material",
             "font": False,  # the reader's own: nothing is loaded from elsewhere
             "features": ["navigation.top"],
+            # As the players in the pages: what the reader's system wants.
+            "palette": [
+                {"media": f"(prefers-color-scheme: {now})", "scheme": scheme,
+                 "toggle": {"icon": f"material/{icon}", "name": other}}
+                for now, scheme, icon, other in (("light", "default", "weather-night", "Dark"),
+                                                 ("dark", "slate", "weather-sunny", "Light"))
+            ],
             "icon": {"logo": "material/dots-hexagon"},
         },
         "plugins": ["search"],
         "extra_css": ["site.css"],
         "markdown_extensions": ["tables", "fenced_code", "toc"],
         "use_directory_urls": False,
-        "nav": [*menu(titles), {"C++": "cpp.md"}, {"Contributing": "github/CONTRIBUTING.md"}],
+        "nav": [*menu(titles), {"C++ headers": "cpp.md"}, {"Contributing": "github/CONTRIBUTING.md"}],
     }
     (PAGES / "cpp.md").write_text(
         "# The C++ library\n\n[The installed headers](cpp/index.html), and [how to use them]"
         "(data/manual/how_to/use_the_library.md).\n", encoding="utf-8")
-    (PAGES / "site.css").write_text(".md-typeset pre > code { white-space: pre-wrap; }\n", encoding="utf-8")
+    (PAGES / "site.css").write_text(".md-typeset pre > code { white-space: pre-wrap; }\n"
+        ".md-typeset table:not([class]) :is(th, td) { padding: .5em .8em; min-width: 0; }\n"
+        ".md-typeset td code { word-break: normal; }\n"
+        "[data-md-color-scheme=slate] { --md-typeset-a-color: #8ab8ec; }\n", encoding="utf-8")
     (PAGES / "cpp").mkdir()
     (PAGES / "cpp" / "index.html").write_text("", encoding="utf-8")  # Doxygen's takes its place
     (SITE / "mkdocs.yml").write_text(json.dumps(config, indent=2), encoding="utf-8")
+    (SITE / "main.dox").write_text(
+        '/** @mainpage The C++ library\n<a href="annotated.html">Classes</a>, <a href="files.html">files</a>, '
+        'and the <a href="../index.html">manual</a>. */\n', encoding="utf-8")
     (SITE / "Doxyfile").write_text(
-        'PROJECT_NAME = "Bipot"\nINPUT = library/include/bipot\nRECURSIVE = YES\nOUTPUT_DIRECTORY = cpp\n'
+        'PROJECT_NAME = "Bipot"\nINPUT = library/include/bipot main.dox\nRECURSIVE = YES\nOUTPUT_DIRECTORY = cpp\n'
         "GENERATE_LATEX = NO\nEXTRACT_ALL = YES\nFULL_PATH_NAMES = YES\nSTRIP_FROM_PATH = library/include/bipot\n"
+        "STRIP_FROM_INC_PATH = library/include/bipot\n"
         "HAVE_DOT = NO\nSEARCHENGINE = YES\nQUIET = YES\nFILE_PATTERNS = *.h\nJAVADOC_AUTOBRIEF = YES\n",
         encoding="utf-8")
 

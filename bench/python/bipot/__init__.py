@@ -17,8 +17,8 @@ apart, u_n > 0 opens. SI units: s in N s, u in m/s. W = H^T A^-1 H in 1/kg.
 
 Bad input raises ValueError or TypeError with the sentence of the command line, a file that cannot
 be read or written OSError. How a solve ends is a status, never an exception; Ctrl-C raises
-KeyboardInterrupt. Nothing prints. data/manual/tutorial/python.md is a tutorial, data/manual/explanation/criterion.md defines the
-errors.
+KeyboardInterrupt. Nothing prints. data/manual/tutorial/python.md is a tutorial,
+data/manual/explanation/criterion.md defines the errors.
 """
 
 try:

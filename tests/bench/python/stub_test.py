@@ -48,7 +48,7 @@ def test_the_arguments_are_those_of_the_stub():
 def test_everything_public_is_documented():
     for name in bipot.__all__:
         thing = getattr(bipot, name)
-        assert inspect.getdoc(thing), name
+        assert thing.__doc__, name  # its own, none of a base
         if inspect.isclass(thing):
             for member, value in vars(thing).items():
                 if member.startswith("_") or name in ("StepError", "Advice"):
