@@ -102,6 +102,10 @@ for page in pages:
         places = [str(number) for number, line in enumerate(lines, 1) if word in line]
         if places:
             faults.append(f"{page}: “{word}” in line {', '.join(places)}")
+    # Shown as code by every reader of Markdown, not only by some.
+    lines = without_code(text_of[page])
+    faults += [f"{page}:{number}: code inside a list begins with 8 spaces"
+               for number, pair in enumerate(zip(lines, lines[1:]), 2) if re.match(r"\s*\n {5,7}\S", "\n".join(pair))]
 words = {page: len(text.split()) for page, text in text_of.items()}
 total = sum(words.values())
 if total > MOST_WORDS:

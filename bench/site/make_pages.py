@@ -54,7 +54,7 @@ def copy_documents():
         text = page.read_text(encoding="utf-8")
         # mkdocs wants pages, not folders, in links; a reader of the site sees no files .md.
         text = re.sub(r"\]\(([^)#:\s]+/)?(examples)\)", r"](\1\2/README.md)", text)
-        text = re.sub(r"\[(\w+)\.md\]\(", lambda link: f"[{link[1].replace('_', ' ')}](", text)
+        text = re.sub(r"\[(\w+)\.md\b", lambda link: f"[{link[1].replace('_', ' ')}", text)
         text = re.sub(r"^(```\w+) .*", r"\1", text, flags=re.M)  # of "```sh runs" it wants the language alone
         page.write_text(text, encoding="utf-8")
 
@@ -223,7 +223,7 @@ def main():
     (PAGES / "cpp.md").write_text(
         "# The C++ library\n\n[The installed headers](cpp/index.html), and [how to use them]"
         "(data/manual/how_to/use_the_library.md).\n", encoding="utf-8")
-    (PAGES / "site.css").write_text(".md-typeset pre > code { white-space: pre-wrap; }\n"
+    (PAGES / "site.css").write_text(".md-typeset pre > code { white-space: pre-wrap; font-size: .75em; }\n"
         ".md-typeset table:not([class]) :is(th, td) { padding: .5em .8em; min-width: 0; }\n"
         ".md-typeset td code { word-break: normal; }\n"
         "[data-md-color-scheme=slate] { --md-typeset-a-color: #8ab8ec; }\n", encoding="utf-8")
