@@ -200,8 +200,9 @@ class ComparisonPage {
     Table table{.columns = {{.name = "solver"}},
                 .note =
                     "Solved: the guarded error, recomputed from the impulses, is at most the "
-                    "tolerance. time / best: median over the solved problems of the solver's "
-                    "time over the fastest solver's. Natural map: at the tightest tolerance."};
+                    "tolerance; not solved, too, are problems that a solver does not take. time / "
+                    "best: median over the solved problems of the solver's time over the fastest "
+                    "solver's. Natural map: at the tightest tolerance."};
     std::vector<std::vector<SolvedCount>> counts;
     for (double tol : tols_) {
       counts.push_back(count_solved(c_, tol));

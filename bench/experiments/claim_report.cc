@@ -152,7 +152,7 @@ void add_verdict(Document& page, const ClaimReport& report) {
     }
   }
   page.say(refuted.empty()
-               ? fmt::format("**Nothing is refuted**: {} of {} checks hold.", held, checks)
+               ? fmt::format("**Nothing is refuted**: {} of {} decided checks hold.", held, checks)
                : "**Does not hold**: " + refuted + ".",
            refuted.empty() ? "" : "bad");
   if (!open.empty()) page.say("**Undecided**: " + open + ".");

@@ -172,9 +172,6 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
   chart.x = {.label = "tolerance ε of every step", .kind = Chart::Axis::Kind::kLog};
   chart.y = {.label = "relative error of the observable", .kind = Chart::Axis::Kind::kLog};
   chart.y_lines = {{kRightTo, "1 %"}};
-  chart.key = Chart::Key::kRight;
-  chart.width = 620;
-  chart.height = 340;
   // A decade below the least error other than 0, for the end of the axis.
   double least = kHighestFloor;
   for (const ValidationRow& row : page.rows) {

@@ -39,7 +39,8 @@ figure svg{display:block;width:100%;max-width:560px;height:auto}
 figcaption{font-size:.87rem;max-width:560px}
 h4{font-size:.95rem;margin:1.2em 0 .3em}
 a{color:var(--link)}
-caption{text-align:left;padding:.3em 0}
+caption{text-align:left;padding:.3em .4em}
+.scroll+.scroll{margin-top:1em}
 td.over{font-weight:700}
 td.good{background:var(--good)}td.weak{background:var(--weak)}td.beyond{background:var(--beyond)}
 td.none{background:var(--none)}td.grey{background:var(--grey)}td.bad{background:#d33;color:#fff}
@@ -68,13 +69,13 @@ dt{font-weight:600}dd{margin:0;max-width:42em}
 @media(max-width:620px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}
  table thead{display:none}
  table tr{display:block;border-bottom:1px solid var(--line);padding:.4em 0}
- table td{display:flow-root;position:static;border:0;padding:.1em .6em;text-align:left}
+ table td{display:flow-root;position:static;border:0;padding:.1rem .5rem;text-align:left}
  table td:first-child{font-weight:600;font-size:1rem}
- table td[data-label]{padding-left:7em}
- table td[data-label]::before{content:attr(data-label);float:left;width:5.8em;margin-left:-6.4em;color:var(--soft)}
+ table td[data-label]{padding-left:6.2rem}
+ table td[data-label]::before{content:attr(data-label);float:left;width:5.2rem;margin-left:-5.7rem;color:var(--soft)}
  table td.bad::before{color:inherit}
  td.n{white-space:normal;text-align:left}}
-@media(min-width:621px){td.good,td.weak,td.beyond,td.none,td.bad{white-space:nowrap}}
+@media(min-width:621px){.n+:not(.n){padding-left:1.6em}td.good,td.weak,td.beyond,td.none,td.bad{white-space:nowrap}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.scroll{overflow:visible;border:0}
  .filters,nav,#open-all{display:none}table{font-size:7.5pt}th,td{padding:.15em .3em}
  table.sortable{font-size:6pt}figcaption,.small{font-size:8pt}.grid{grid-template-columns:1fr 1fr}

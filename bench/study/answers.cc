@@ -108,7 +108,7 @@ std::pair<double, double> share_interval(double hits, double of) {
 Document answers_report(const Study::Measured& measured) {
   Document part;
   Table table{.columns = {{"varied", "varied"},
-                          {"x", "value", &compact_label},
+                          {"x", "value", &value_label},
                           {"size", "disks", &count_label},
                           {"inertial_number", "I", &compact_label},
                           {"searched", "steps searched", &count_label},

@@ -89,7 +89,7 @@ Study::Case finest(const Study::Measured& measured, const std::string& part,
 Document plane_report(const Study::Measured& measured) {
   Document part;
   Table table{.columns = {{"scene", "scene"},
-                          {"step_factor", "step over the scene's", &compact_label},
+                          {"step_factor", "step over the scene's", &ratio_label},
                           {"tol", "ε", &tolerance_label},
                           {"error", "median error", &share_label},
                           {"bar", "median bar", &share_label},
@@ -99,7 +99,7 @@ Document plane_report(const Study::Measured& measured) {
               .key = "plane",
               .sortable = true};
   Table ridge{.columns = {{"scene", "scene"},
-                          {"step_factor", "step over the scene's", &compact_label},
+                          {"step_factor", "step over the scene's", &ratio_label},
                           {"tol", "ε that is enough", &tolerance_label},
                           {"error", "error there", &share_label},
                           {"bar", "bar", &share_label},

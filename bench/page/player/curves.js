@@ -39,8 +39,8 @@ function chartsOf(run, tables) {
     chart('Potential energy', 'J', ['potential']);
     chart('Energy lost', 'J', [{of: 'friction_loss', name: 'by friction', values: c.friction_loss},
       {of: 'shock_loss', name: 'by shocks', values: c.shock_loss}, {of: 'wall_work', name: 'work of walls', values: c.wall_work}]);
-    chart('Contacts', '', ['contacts', {of: 'active', name: 'with a force', values: c.active}]);
-    chart('Iterations', '', ['iterations']);
+    chart('Contacts', '', ['contacts', {of: 'active', name: 'with a force', values: c.active}], {counts: true});
+    chart('Iterations', '', ['iterations'], {counts: true});
     if (c.epsilon && run.about.model === 'nscd') {
       const worst = c.epsilon.map((x, k) => Math.max(x, c.eta[k]));
       chart('Error of the step', '', [{of: 'epsilon', name: 'max(ε, η)', values: worst}], {log: true, level: run.about.tol});
@@ -173,7 +173,7 @@ class CurvePanel {
         y: chart.log && anyValue ? {distr: 3, range: (u, low, high) => logRange(low, high, chart.level)} : {range: (u, low, high) => low === null || low === undefined ? [0, 1]
           : uPlot.rangeNum(low, high > low ? high : low + (Math.abs(low) || 1) * 1e-3, 0.08, true)}},
       axes: [{...axis, size: 30, values: (u, ticks) => ticks.map(x => String(Number(x.toPrecision(6))))},
-        {...axis, size: 62, ...(chart.log ? {filter: decades, grid: {...axis.grid, filter: decades}, ticks: {...axis.ticks, filter: decades}} : {}), values: (u, ticks) => ticks.map(x => x === null ? '' : chart.log ? '1e' + Math.round(Math.log10(x)) : compact(x))}],
+        {...axis, size: 62, ...(chart.log ? {filter: decades, grid: {...axis.grid, filter: decades}, ticks: {...axis.ticks, filter: decades}} : {}), values: (u, ticks) => ticks.map(x => x === null ? '' : chart.log ? power(Math.round(Math.log10(x))) : compact(x))}],
       series,
       hooks: {
         setScale: [() => this.place([chart])],
@@ -212,7 +212,7 @@ class CurvePanel {
     // Of a thinned table two rows have the extremes of many.
     const rows = chart.thinned ? [at - at % 2, at - at % 2 + 1] : [at];
     chart.lines.forEach((line, k) => {
-      const texts = new Set(rows.map(at => textOf(line.values[at])));
+      const texts = new Set(rows.map(at => chart.counts ? String(line.values[at]) : textOf(line.values[at])));
       const name = chart.lines.length > 1 || line.name !== chart.title ? line.name + ' ' : '';
       chart.values[k].textContent = name + [...texts].join(' … ');
     });
@@ -297,7 +297,8 @@ function nearest(values, x) {
 function compact(x) {
   if (x === 0) return '0';
   const size = Math.abs(x);
-  return size >= 1e-3 && size < 1e5 ? String(Number(x.toPrecision(5))) : x.toExponential().replace('e+', 'e');
+  const text = size >= 1e-3 && size < 1e5 ? String(Number(x.toPrecision(5))) : x.toExponential().replace('e+', 'e');
+  return text.replaceAll('-', '−');
 }
 function download(blob, name) {
   const link = document.createElement('a');

@@ -27,6 +27,10 @@ function direction(first, second) {
   return [x / size, y / size, z / size];
 }
 
+/** A power of ten. */
+function power(exponent) {
+  return '10' + [...String(exponent)].map(c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]).join('');
+}
 /** A number as a physicist writes it: three digits, powers of ten where they are shorter. */
 function textOf(x, digits = 3) {
   if (x === undefined || x === null || Number.isNaN(x)) return '–';
@@ -37,8 +41,7 @@ function textOf(x, digits = 3) {
     return (text.includes('e') ? String(Math.round(x)) : text).replace('-', '−');
   }
   const [mantissa, exponent] = x.toExponential(digits - 1).split('e');
-  const small = [...String(Number(exponent))].map(c => c === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[c]).join('');
-  return mantissa.replace('-', '−') + '·10' + small;
+  return mantissa.replace('-', '−') + '·' + power(Number(exponent));
 }
 
 /** "speed [m/s]" as its name and its unit, which may be missing. */

@@ -129,6 +129,8 @@ def check_page(page, name, steps):
             expect(page.value("document.documentElement.dataset.theme") == ("dark" if dark else "light"),
                    f"{where}: the theme of the reader")
             expect(page.value("document.documentElement.scrollWidth") <= width, f"{where}: nothing is too wide")
+            expect(page.value("[...document.querySelectorAll('pre')].every(p => p.scrollWidth <= p.clientWidth)"),
+                   f"{where}: no command is cut")
             page.screenshot(FOLDER / f"{name}_{width}{'_dark' if dark else ''}.png", whole=True)
     page.show(1280, 900, False)
     page.open(run / "index.html")
@@ -143,6 +145,10 @@ def check_page(page, name, steps):
     expect(page.value("bipotPlayer.frame.step") == middle
            and f"step {middle} " in page.value("document.getElementById('clock').textContent"),
            f"{name}: scrubbing to step {middle} shows that frame")
+    heads = page.value("[...document.querySelectorAll('#curves h2, .plot h3')].map(h => h.textContent)")
+    expect(heads[0].endswith("[s]"), f"{name}: the time axis has its unit")
+    expect([h for h in heads if re.fullmatch(r"Contacts(contacts|with a force|[ …\d])+", h)],
+           f"{name}: contacts are counted in whole numbers {heads}")
     x, y = page.value("(b => [b.left + b.width / 2, b.top + 5])(document.getElementById('stage').getBoundingClientRect())")
     page.key("Home")
     expect(page.value("bipotPlayer.at") == 0, f"{name}: Home shows the first frame")
