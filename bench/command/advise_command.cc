@@ -143,6 +143,7 @@ int run_advise(const AdviseFlags& flags) {
   // Refused before the work, not after it.
   if (flags.tune) tuned_variants(flags.solvers);
   const bool quiet = flags.silent();
+  if (!quiet) std::visit([](const auto& any) { warn_once(any.caution); }, scene);
   if (!quiet) options.say = [](const std::string& stage) { fmt::print(stderr, "{} ...\n", stage); };
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;

@@ -24,6 +24,11 @@ constexpr const char* kSolverGroup =
 
 }  // namespace
 
+void warn_once(const std::string& text) {
+  static std::set<std::string> said;
+  if (!text.empty() && said.insert(text).second) fmt::print(stderr, "bipot: warning: {}\n", text);
+}
+
 void OutputFlags::prepare(bool charts) const {
   if (!out.empty()) {
     if (charts) require_plotting_tool();

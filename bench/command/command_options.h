@@ -31,6 +31,9 @@ auto readable(const std::string& path, Read read) {
   }
 }
 
+/// Says on standard error what a command leaves out, once in a process; nothing where it is empty.
+void warn_once(const std::string& text);
+
 /// Where results go.
 struct OutputFlags {
   std::string out, json;  ///< a folder; a file, "-": standard output

@@ -129,6 +129,12 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   }
   if (flags.tangential_ratio) scene.dem.tangential_ratio = *flags.tangential_ratio;
   if (flags.substep) scene.dem.substep = *flags.substep;
+  if (scene.model == Model::kSpringDashpot &&
+      scene.contact_distance != default_contact_distance(scene)) {
+    scene.caution +=
+        fmt::format("{}[contact] distance is left out: springs of --model dem need none",
+                    scene.caution.empty() ? "" : "; ");
+  }
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
 }
 
@@ -419,7 +425,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
     if (const std::string walls = unbalanced_walls(scene); !walls.empty()) {
       fmt::print(stderr, "bipot: warning: {}", walls);
     }
-    if (!scene.caution.empty()) fmt::print(stderr, "bipot: warning: {}\n", scene.caution);
+    warn_once(scene.caution);
   }
   const InterruptGuard interrupt;
   prepared.options.time_limit -= watch.seconds();

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/report/document.h"
@@ -19,7 +20,7 @@ std::filesystem::path default_plan_file(const std::vector<std::string>& targets)
   return first.extension() == ".toml" ? first.parent_path() / "plan.toml" : "plan.toml";
 }
 
-int tune_targets(const std::vector<std::string>& targets, const TargetOptions& scenes,
+int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
                  MeasureOptions options, int least_rows, const std::filesystem::path& plan,
                  bool quiet) {
   if (plan.has_parent_path()) {
@@ -32,6 +33,7 @@ int tune_targets(const std::vector<std::string>& targets, const TargetOptions& s
     options.file.replace_extension(".csv");
   }
   require_apart({{"--rows", options.file.string()}}, {{"--out", plan.string()}});
+  if (!quiet) scenes.warn = &warn_once;
   const std::vector<ProblemSource> sources = expand_targets(targets, scenes);
   const auto no_rows = [&] {
     return std::invalid_argument(options.file.string() +

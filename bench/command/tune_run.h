@@ -16,7 +16,7 @@ std::filesystem::path default_plan_file(const std::vector<std::string>& targets)
 /// and regret are printed. Empty `options.file`: the rows go beside the plan. A stopped measurement
 /// keeps its rows, and no plan is written, nor where no solver solved anything. Returns an ExitCode.
 /// Throws std::invalid_argument if there are no rows, and FileError.
-int tune_targets(const std::vector<std::string>& targets, const TargetOptions& scenes,
+int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
                  MeasureOptions options, int least_rows, const std::filesystem::path& plan,
                  bool quiet);
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "bench/command/command_options.h"
 #include "bench/command/progress_bar.h"
 #include "core/base/interrupt.h"
 
@@ -12,6 +13,7 @@ FinishedTrade run_watched_trade(TradeRequest request, bool quiet) {
   const InterruptGuard interrupt;
   std::optional<ProgressBar> bar;
   request.interrupted = &InterruptGuard::requested;
+  if (!quiet) request.warn = &warn_once;
   request.progress = [&](long done, long total, const std::string& what) {
     if (!bar) bar.emplace(total, quiet);
     bar->update(done, what);

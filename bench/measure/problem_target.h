@@ -24,6 +24,7 @@ struct TargetOptions {
   int scene_problems = 3;  ///< number of steps of a scene or a moving family, evenly along its run
   int scene_steps = std::numeric_limits<int>::max();  ///< a run is cut there
   bool quick = false;                                 ///< the small benchmark
+  std::function<void(const std::string&)> warn;       ///< told what scenes leave out; may be empty
 };
 
 /// Names of the families below.

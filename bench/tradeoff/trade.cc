@@ -84,6 +84,7 @@ Trade::Scene load_target(const std::string& target, const Trade::Options& option
   made.scene = read_any_scene(path);
   std::visit(
       [&]<int D>(Scene<D>& scene) {
+        if (options.warn) options.warn(scene.caution);
         check_start(scene, {}, 1);
         if (steps) scene.num_steps = *steps;
         if ((scene.bodies.empty() && scene.inlets.empty()) || scene.num_steps == 0) {

@@ -50,6 +50,7 @@ struct Trade {
     int replicas = 3;  ///< of scenes whose disks fly freely: runs with small perturbations
     std::function<void(const Row&)> on_row;
     std::function<bool()> interrupted;
+    std::function<void(const std::string&)> warn;  ///< told what scenes leave out; may be empty
   };
   std::vector<Scene> scenes;
   std::vector<Row> rows;

@@ -79,6 +79,7 @@ Trade::Options options_of(const TradeRequest& request) {
 FinishedTrade run_trade(const TradeRequest& request) {
   Trade::Options options = options_of(request);
   options.interrupted = request.interrupted;
+  options.warn = request.warn;
   const std::size_t springs =
       options.stiffness.empty() ? options.overlaps.size() : options.stiffness.size();
   const std::size_t settings = options.solvers.size() * options.tols.size() +

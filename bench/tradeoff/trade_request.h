@@ -20,7 +20,8 @@ struct TradeRequest {
   std::optional<int> replicas;
   std::string witness = "apgd";  ///< Trade::Options::witness
   bool quick = false;
-  std::function<bool()> interrupted;  ///< may be empty
+  std::function<bool()> interrupted;             ///< may be empty
+  std::function<void(const std::string&)> warn;  ///< likewise: Trade::Options::warn
   /// `total` is an upper bound: the number of replicas is not known before. May be empty.
   std::function<void(long done, long total, const std::string& what)> progress;
 };

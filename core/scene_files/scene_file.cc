@@ -337,15 +337,6 @@ void rotate(Scene<2>& scene, double degrees) {
   scene.drag.velocity = turn * scene.drag.velocity;
 }
 
-/// Touching lattices have gaps of the size of rounding. The default distance covers them and is
-/// negligible otherwise, also beside the accuracy.
-template <int D>
-double default_contact_distance(const Scene<D>& scene) {
-  const double smallest = smallest_radius(scene);
-  const double share = scene.accuracy > 0 ? std::min(1e-6, 1e-2 * scene.accuracy) : 1e-6;
-  return std::isfinite(smallest) ? share * smallest : 0;
-}
-
 /// Reads [[disks]], the cell, and rotations.
 void read_bodies(const SceneTable& root, Scene<2>& scene) {
   for (const SceneTable& table : root.tables("disks")) {
@@ -440,6 +431,16 @@ bool has_endless_key(std::string_view text) {
 }
 
 }  // namespace
+
+template <int D>
+double default_contact_distance(const Scene<D>& scene) {
+  const double smallest = smallest_radius(scene);
+  const double share = scene.accuracy > 0 ? std::min(1e-6, 1e-2 * scene.accuracy) : 1e-6;
+  return std::isfinite(smallest) ? share * smallest : 0;
+}
+
+template double default_contact_distance(const Scene<2>&);
+template double default_contact_distance(const Scene<3>&);
 
 AnyScene parse_any_scene(const std::string& text, const std::string& source,
                          std::optional<double> accuracy) {

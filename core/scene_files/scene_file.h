@@ -31,4 +31,9 @@ AnyScene parse_any_scene(const std::string& text, const std::string& source,
                          std::optional<double> accuracy = {});
 Scene<2> parse_scene(const std::string& text, const std::string& source);
 
+/// The contact distance of a scene whose file gives none. Touching lattices have gaps of the size of
+/// rounding: it covers them and is negligible otherwise, also beside the accuracy.            [m]
+template <int D>
+double default_contact_distance(const Scene<D>& scene);
+
 }  // namespace bipot

@@ -102,6 +102,28 @@ TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
   EXPECT_EQ(content(path("out/sliding_cylinder/notes.txt")), "{}");
 }
 
+TEST_F(RunCommand, WhatIsLeftOutIsToldOnceByEveryCommand) {
+  const std::string disk =
+      "$bdyty\n RBDY2  1\n$nodty\n NO3xx  1  coo1= 0.1  coo2= 0.2  coo3= 0\n$tacty\n";
+  write("BODIES.DAT", disk + " DISKx  1  color  BLEUx  byrd= 0.05\n$$$$$$\n" + disk +
+                          " JONCx  1  color  DOWNx  axe1= 4  axe2= 0.1\n$$$$$$\n");
+  write("foreign.toml",
+        "[contact]\ndistance = 1e-4\n[[disks]]\narrangement = 'file'\nfile = 'BODIES.DAT'\n"
+        "density = 100\n[time]\nstep = 1e-3\nsteps = 2\n");
+  const std::string told = "bipot: warning: BODIES.DAT: 1 read, left out: 1 JONCx";
+  for (const char* command :
+       {"run foreign.toml", "trade foreign.toml --quick", "advise foreign.toml --time-limit 1",
+        "compare foreign.toml --quick --whole-runs foreign.toml", "tune foreign.toml"}) {
+    const std::string said = complaints(command).out;
+    EXPECT_TRUE(says(said, told)) << command << ": " << said;
+    EXPECT_EQ(said.find(told), said.rfind(told)) << command;
+    EXPECT_FALSE(says(said, "distance")) << command;
+  }
+  // The springs of a scene with the distance of rigid contacts do not use it.
+  expect_said("run foreign.toml --model dem --overwrite", 0,
+              {told + "; [contact] distance is left out: springs of --model dem need none\n"});
+}
+
 TEST_F(RunCommand, ARunOutOfTimeSaysHowToGoOn) {
   expect_said("run compaction --tol 1e-6 --time-limit 0.2 --out cut", 1,
               {"--restart cut goes on\n"});
