@@ -330,11 +330,6 @@ py::object make_simulation(const std::string& scene, const std::optional<std::st
   AnyScene read = parse_any_scene(text, source, accuracy);
   return std::visit(
       [&]<int D>(Scene<D>& one) {
-        constexpr int kCaller = 3;  // above _make() and __init__()
-        if (!one.caution.empty() &&
-            PyErr_WarnEx(PyExc_UserWarning, one.caution.c_str(), kCaller) != 0) {
-          throw py::error_already_set();
-        }
         return py::cast(
             std::make_unique<PythonSimulation<D>>(std::move(one), std::move(text), choice));
       },
@@ -358,6 +353,7 @@ void bind_simulation_in(py::module_& module) {
       .def_property_readonly("text", &Simulation::text)
       .def_property_readonly("source", [](const Simulation& s) { return s.scene().source; })
       .def_property_readonly("title", [](const Simulation& s) { return s.scene().title; })
+      .def_property_readonly("caution", [](const Simulation& s) { return s.scene().caution; })
       .def_property_readonly("time", [](const Simulation& s) { return s.state().time; })
       .def_property_readonly("steps_done", [](const Simulation& s) { return s.state().step; })
       .def_property_readonly("num_steps", [](const Simulation& s) { return s.scene().num_steps; })

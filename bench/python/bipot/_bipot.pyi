@@ -179,6 +179,7 @@ class _Simulation:
     text: Final[str]
     source: Final[str]
     title: Final[str]
+    caution: Final[str]
     time: Final[float]
     steps_done: Final[int]
     num_steps: Final[int]

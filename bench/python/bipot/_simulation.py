@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pathlib
 import tempfile
+import warnings
 from typing import Any, Iterator, Mapping
 
 from . import _bipot
@@ -114,11 +115,15 @@ class Simulation:
             scene = _SceneText(to_toml(scene))
         if isinstance(scene, _SceneText):
             self._make("scene", str(scene))
-            return
-        path = os.fspath(scene)
-        if "\n" in path:
-            raise ValueError("scene: this is the text of a scene; give it to Simulation.from_text")
-        self._make(path, None)
+        else:
+            path = os.fspath(scene)
+            if "\n" in path:
+                raise ValueError(
+                    "scene: this is the text of a scene; give it to Simulation.from_text"
+                )
+            self._make(path, None)
+        if self._native.caution:  # copies are made without
+            warnings.warn(self._native.caution, stacklevel=2)
 
     def _make(self, source: str, text: str | None) -> None:
         self._native = _bipot.make_simulation(source, text, **self._options)

@@ -177,6 +177,23 @@ def test_other_processes_take_problems_and_give_results():
             same_result(r, solved(p))
 
 
+def test_copies_of_a_simulation_do_not_warn_again(tmp_path, recwarn):
+    bodies = "$bdyty\n RBDY2  1\n$nodty\n NO3xx  1  coo1= 0.1  coo2= 0.2  coo3= 0\n$tacty\n"
+    (tmp_path / "BODIES.DAT").write_text(
+        f"{bodies} DISKx  1  color  BLEUx  byrd= 0.05\n$$$$$$\n"
+        f"{bodies} JONCx  1  color  DOWNx  axe1= 4  axe2= 0.1\n$$$$$$\n"
+    )
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        '[[disks]]\narrangement = "file"\nfile = "BODIES.DAT"\ndensity = 100\n'
+        "[time]\nstep = 1e-3\nsteps = 2\n"
+    )
+    sim = bipot.Simulation(scene)
+    pickle.loads(pickle.dumps(copy.deepcopy(sim)))
+    assert [str(w.message) for w in recwarn] == ["BODIES.DAT: 1 read, left out: 1 JONCx"]
+    assert recwarn[0].filename == __file__
+
+
 def test_a_simulation_goes_on_in_its_copy():
     """Bit for bit, with a wall that Python has set and its warm starts."""
     for scene, wall in (("hopper", None), ("four_spheres", None), ("isotropic_compression", "force")):
