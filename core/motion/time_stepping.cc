@@ -108,6 +108,7 @@ struct TimeStepper<D>::Inside {
   int threads = 1;
   Neighbours<D>* neighbours = nullptr;  // none: the state lies on this process alone
   bool refuse_passages = false;
+  double unnamed_overlap = 0;  // name_overlaps_beyond()
   KeptContacts<D> kept;
   AssembledStep assembled;              // without neighbours
   std::optional<Scene<D>> step_laws;    // with_step_laws(), but for Newton's law
@@ -315,7 +316,7 @@ void TimeStepper<D>::Inside::measure_overlaps(const State<D>& start, const Midpo
     report.penetration = most[0];
     report.overlap = most[1];
   }
-  if (!(report.overlap > 0)) return;
+  if (!(report.overlap > unnamed_overlap)) return;
   if (worst == nullptr || here < report.overlap) {
     report.overlap_pair = first_of_all(kInfinity, {});
     return;
@@ -465,6 +466,11 @@ TimeStepper<D>::TimeStepper(TimeStepper&&) noexcept = default;
 template <int D>
 StepReport<D> TimeStepper<D>::advance(State<D>& state) {
   return inside_->advance(state);
+}
+
+template <int D>
+void TimeStepper<D>::name_overlaps_beyond(double overlap) {
+  inside_->unnamed_overlap = overlap;
 }
 
 template <int D>

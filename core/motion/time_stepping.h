@@ -77,7 +77,7 @@ struct StepReport {
   bool unsolvable = false;                     ///< not converged: there is no solution (proved)
   double penetration = 0;                      ///< largest overlap at mid-step      [m]
   double overlap = 0;                          ///< largest over the smaller radius  [-]
-  std::string overlap_pair;                    ///< its pair, if there is any
+  std::string overlap_pair;                    ///< its pair, if there is any and it is asked for
   double travel = 0;                           ///< largest way of a body over its radius
   int passages = 0;                            ///< pairs that went through each other
   std::string passage;                         ///< the first of them (core/motion/passage.h)
@@ -151,6 +151,9 @@ class TimeStepper {
   /// several processes.
   StepReport<D> advance(State<D>& state);
 
+  /// From now on a report names the pair of its largest overlap only where this is larger; on all of
+  /// several processes. At first it always does.
+  void name_overlaps_beyond(double overlap);
   /// From now on a step with passages (core/motion/passage.h) is not taken: StepFailure.
   void refuse_passages();
 

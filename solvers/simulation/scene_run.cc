@@ -91,6 +91,7 @@ SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
       break;
     }
     if (options.before_step) options.before_step(here);
+    stepper.name_overlaps_beyond(run.totals.overlap);
     StepReport<D> report;
     try {
       report = stepper.advance(here);

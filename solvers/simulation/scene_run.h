@@ -113,8 +113,9 @@ struct SceneRunOptions {
   RunFolderOptions folder;    ///< written by the first process
   /// Called before each step; may change the impulses from which the step starts.
   std::function<void(State<D>&)> before_step;
-  std::function<bool(const SceneStep<D>&)> on_step;          ///< false ends the run after this step
-  std::function<void(const IterationRecord&)> on_iteration;  ///< of the scene's own solver
+  std::function<bool(const SceneStep<D>&)> on_step;  ///< false ends the run after this step
+  /// Of the scene's own solver, without counts.
+  std::function<void(const IterationRecord&)> on_iteration;
 };
 
 template <int D>

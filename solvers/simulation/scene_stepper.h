@@ -28,6 +28,10 @@ class SceneStepper {
   /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance(). on_failure
   /// applies to an unsolved step with rigid contacts.
   StepReport<D> advance(State<D>& state);
+  /// TimeStepper::name_overlaps_beyond() of steps that are taken as a whole.
+  void name_overlaps_beyond(double overlap) {
+    if (rigid_) rigid_->name_overlaps_beyond(overlap);
+  }
   /// True if the run is cancelled or its time is over, on any process.
   bool is_over() const;
 

@@ -54,6 +54,30 @@ TEST(SceneRun, TakesTheScenesStepsWithItsOwnSolver) {
   EXPECT_EQ(state.step, 40);
 }
 
+TEST(SceneRun, CountsNoContactsAndNamesAPairOnlyWhereTheOverlapGrows) {
+  const Scene<2> scene = falling_disks(40);
+  State<2> state = initial_state(scene);
+  SceneRunOptions<2> options;
+  double most = 0;
+  int named = 0, judged = 0;
+  std::string pair;
+  options.on_iteration = [&](const IterationRecord& record) {
+    ++judged;
+    EXPECT_EQ(record.count.take_off + record.count.stick + record.count.slip, 0);
+  };
+  options.on_step = [&](const SceneStep<2>& step) {
+    EXPECT_EQ(step.report.overlap_pair.empty(), step.report.overlap <= most);
+    if (step.report.overlap > most) pair = step.report.overlap_pair;
+    named += step.report.overlap > most ? 1 : 0;
+    most = std::max(most, step.report.overlap);
+    return true;
+  };
+  EXPECT_EQ(run_scene(scene, state, options).totals.overlap_pair, pair);
+  EXPECT_GT(judged, 0);
+  EXPECT_GT(named, 0);
+  EXPECT_LT(named, 30);
+}
+
 /// Two disks of 2 kg that reach a floor at 1 m/s in one step of 10 ms, 3 ms apart.
 Scene<2> two_landings() {
   Scene<2> scene = one_law<2>({});
