@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "bench/command/help_text.h"
 #include "core/base/printable_text.h"
+#include "core/base/types.h"
 
 namespace bipot {
 namespace {
@@ -26,9 +28,9 @@ std::string progress_line(long done, long total, double seconds_left, const std:
   const long width = columns < 70 ? 8 : 24;
   const long filled = width * done / total;
   const std::string line =
-      fmt::format("[{}{}] {} %  {}  {}", std::string(static_cast<std::size_t>(filled), '#'),
+      fmt::format("[{}{}] {} %  {}{}", std::string(static_cast<std::size_t>(filled), '#'),
                   std::string(static_cast<std::size_t>(width - filled), '.'), 100 * done / total,
-                  about(seconds_left), printable(note));
+                  std::isnan(seconds_left) ? "" : about(seconds_left) + "  ", printable(note));
   return first_characters(line, static_cast<std::size_t>(std::max(columns - 1, 1)));
 }
 
@@ -50,7 +52,8 @@ void ProgressBar::update(long done, const std::string& note) {
     if (elapsed - drawn_ < 0.1 && done < total_) return;
     drawn_ = elapsed;
     fmt::print(stderr, "\r\033[K{}",
-               progress_line(done, total_, remaining_.seconds(), note, terminal_columns()));
+               progress_line(done, total_, done > 0 ? remaining_.seconds() : kNaN, note,
+                             terminal_columns()));
   } else {
     const long tenths = 10 * done / total_;
     if (tenths <= tenths_ || elapsed < 1) return;

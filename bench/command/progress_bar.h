@@ -54,7 +54,7 @@ class ProgressBar {
   long tenths_ = 0;    // that lines were written for
 };
 
-/// The line of a progress bar on a terminal with so many columns.
+/// The line of a progress bar on a terminal with so many columns; without a time where it is NaN.
 std::string progress_line(long done, long total, double seconds_left, const std::string& note,
                           int columns);
 

@@ -47,10 +47,17 @@ TEST(ProgressLine, FitsTheTerminalAndControlsNothing) {
   }
   const std::string narrow = progress_line(400, 1000, 75, note, 40);
   EXPECT_TRUE(says(narrow, "40 %  about 75 s  t = 0.41"));
+  EXPECT_EQ(progress_line(0, 9, kNaN, "t = 0", 40), "[........] 0 %  t = 0");
 }
 
 TEST(RunProgress, TellsOfAStepThatTakesLong) {
   const TemporaryFolder folder;
+  const auto times = [](const std::string& text) {
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = text.find("error 2.0e-03, tol", at) + 1) > 0;) ++found;
+    return found;
+  };
+  const Stopwatch watch;
   testing::internal::CaptureStderr();
   {
     RunProgress progress(100, {.folder = folder.path(),
@@ -60,11 +67,21 @@ TEST(RunProgress, TellsOfAStepThatTakesLong) {
                                .hint = "give up",
                                .patience = 0.05});
     progress.judged({.error = {.epsilon = 2e-3, .eta = 1e-3}});
-    std::this_thread::sleep_for(std::chrono::milliseconds(350));
+    while (times(file_text(folder / "run.log")) < 2 && watch.seconds() < 60) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
   }
+  const double seconds = watch.seconds();
   for (const std::string& told :
        {testing::internal::GetCapturedStderr(), file_text(folder / "run.log")}) {
-    EXPECT_TRUE(says(told, "step 7 at t = 0.25 s: 0 s so far, error 2.0e-03, tolerance 1e-08"));
+    EXPECT_GE(times(told), 2u);
+    const std::string begin = "step 7 at t = 0.25 s: ";
+    const std::size_t at = told.rfind(begin);
+    ASSERT_NE(at, std::string::npos);
+    std::size_t digits = 0;
+    EXPECT_LE(std::stod(told.substr(at + begin.size()), &digits), seconds + 0.5);
+    EXPECT_TRUE(told.substr(at + begin.size() + digits)
+                    .starts_with(" s so far, error 2.0e-03, tolerance 1e-08\n"));
     EXPECT_EQ(told.find("give up"), told.rfind("give up"));
     EXPECT_GE(std::count(told.begin(), told.end(), '\n'), 3);
   }
