@@ -216,6 +216,12 @@ Vector arrange(const TextTable& table, std::size_t contacts, std::size_t dim,
 Vector read_impulses(const std::filesystem::path& path, const ContactProblem& problem,
                      const ImpulseLayout& layout) {
   require_regular_file(path);
+  if (path.extension() == ".toml") {
+    throw FileError(path, "",
+                    fmt::format("a scene, not impulses: expected .npy, .csv, FCLIB HDF5 or Siconos "
+                                "text with {} = {} contacts x {} numbers",
+                                problem.num_rows(), problem.num_contacts(), problem.dim));
+  }
   Hdf5File::check_structure(path);
   TextTable table = read_table(path);
   const std::size_t contacts = to_size(problem.num_contacts()), dim = to_size(problem.dim);
@@ -224,9 +230,12 @@ Vector read_impulses(const std::filesystem::path& path, const ContactProblem& pr
   const std::size_t file_dim = with_tangents ? 2 : dim;
   strip(table, contacts, file_dim);
   if (table.values.size() != contacts * file_dim) {
-    throw FileError(path, "",
-                    fmt::format("s has size {}, expected {} = {} contacts x {}",
-                                table.values.size(), problem.num_rows(), contacts, dim));
+    throw FileError(
+        path, "",
+        fmt::format(
+            "{}, expected {} = {} contacts x {}",
+            table.values.empty() ? "no numbers" : fmt::format("s has size {}", table.values.size()),
+            problem.num_rows(), contacts, dim));
   }
   Vector s = arrange(table, contacts, file_dim, layout);
   check_names(path, table, file_dim, layout);

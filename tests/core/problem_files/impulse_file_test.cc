@@ -137,6 +137,11 @@ TEST_F(ImpulseFile, RefusalsSayWhatIsWrong) {
   EXPECT_TRUE(says(refusal("1 2 3 4 5 6", kThree, {.negated = "s"}), "letters of 'nt'"));
   EXPECT_TRUE(says(refusal(std::string("\0\1", 2), kThree), "neither a text file"));
   EXPECT_TRUE(says(refusal("1 2 3 nan 5 6", kThree), "impulses.txt: s[3] = nan is not finite"));
+  EXPECT_TRUE(says(refusal("# none", kThree), "no numbers, expected 6 = 3 contacts x 2"));
+  std::ofstream(folder_ / "scene.toml") << "[time]\n";
+  EXPECT_TRUE(says(refusal_of<FileError>([&] { read_impulses(folder_ / "scene.toml", kThree); }),
+                   "scene.toml: a scene, not impulses: expected .npy, .csv, FCLIB HDF5 or Siconos "
+                   "text with 6 = 3 contacts x 2 numbers"));
   EXPECT_THROW(read_impulses(folder_ / "nothing", kThree), FileError);
   EXPECT_THROW(read_impulses(folder_.path(), kThree), FileError);
 }
