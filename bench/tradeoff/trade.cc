@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "bench/problems/scene_catalogue.h"
+#include "core/base/nearest_name.h"
 #include "core/base/number_text.h"
 #include "core/base/portable_random.h"
 #include "core/base/types.h"
@@ -70,11 +71,15 @@ Trade::Scene load_target(const std::string& target, const Trade::Options& option
   Trade::Scene made{.target = target};
   std::string file = target;
   std::optional<int> steps;
-  const std::string option = ":steps=";
-  if (const std::size_t at = target.rfind(option); at != std::string::npos) {
-    file = target.substr(0, at);
-    const std::string number = target.substr(at + option.size());
-    steps = whole_number<int>(number);
+  for (std::size_t at;
+       !std::filesystem::exists(file) && (at = file.rfind(':')) != std::string::npos;
+       file.resize(at)) {
+    const std::string part = file.substr(at + 1), key = part.substr(0, part.find('='));
+    if (key != "steps") {
+      throw std::invalid_argument(
+          fmt::format("{}: {}", target, unknown_name_message("part", key, {"steps"})));
+    }
+    steps = whole_number<int>(part.substr(std::min(key.size() + 1, part.size())));
     if (!(steps >= 1)) {
       throw std::invalid_argument(target + ": expected a positive number of steps");
     }

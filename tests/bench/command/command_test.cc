@@ -505,6 +505,7 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
   EXPECT_EQ(code_of("trade no_such_scene"), 2);
   EXPECT_EQ(code_of("trade " + scene + " --solvers pgz"), 2);
   EXPECT_EQ(code_of("trade " + scene + ":steps=x"), 2);
+  expect_said("trade " + scene + ":stps=3", 2, {"unknown part 'stps'; did you mean 'steps'?"});
   EXPECT_EQ(code_of("trade " + scene + " --overlaps 0.5"), 2);
   EXPECT_EQ(code_of("trade " + scene + " --out /proc/nowhere"), 4);
   EXPECT_EQ(code_of("trade " + scene + " --json /proc/nowhere/a.json"), 4);
