@@ -77,6 +77,7 @@ std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, 
     require(w.b.allFinite(), "walls/b", "not finite");
     require(w.normal.allFinite(), "walls/normal", "not finite");
     require(std::isfinite(w.radius), "walls/radius", "not finite");
+    require(!w.is_circle() || w.radius > 0, "walls/radius", "missing or not positive");
   }
   std::vector<PlaneContact>& outcomes = made.state.contacts;
   outcomes.resize(to_size(contacts));

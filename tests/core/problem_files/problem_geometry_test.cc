@@ -9,6 +9,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/scene/scene_family.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -60,6 +61,23 @@ TEST(ProblemGeometry, ComesBackBitForBit) {
   // The problem itself is as it was.
   const ContactProblem p = read_fclib(w.path).problem;
   EXPECT_EQ(Vector(p.mu), w.problem.mu);
+}
+
+TEST(ProblemGeometry, CirclesNeedTheirRadiiButNotWhetherTheyArePresent) {
+  Written w;
+  w.state.walls[0].shape = Wall<2>::Shape::kHollowCircle;
+  w.state.walls[0].radius = 2;
+  write_geometry(w.path, w.scene, w.state);
+  const auto without = [&](const char* entry) {
+    Hdf5File file(w.path, Hdf5File::Mode::kAppend);
+    file.remove(std::string("/bipot/geometry/walls/") + entry);
+    file.close();
+    return read_geometry(w.path, w.problem.num_contacts());
+  };
+  const auto read = without("present");
+  EXPECT_EQ(read->state.walls[0].radius, 2);
+  EXPECT_TRUE(read->state.walls[0].present);
+  EXPECT_TRUE(says(refusal_of<FileError>([&] { without("radius"); }), "walls/radius: missing"));
 }
 
 TEST(ProblemGeometry, RefusesWhatDoesNotFitTheProblem) {
