@@ -37,11 +37,11 @@ Table::Cell worst_outcome(const SceneTrade& s, const SceneTrade::Cell& cell) {
 
 Table answers_table(const std::vector<SceneTrade>& scenes) {
   Table table{.columns = {{.name = "scene"},
-                          {.name = "tolerance that is enough", .show = tolerance_label},
+                          {.name = "enough tolerance", .show = tolerance_label},
                           {.name = "decided by"},
-                          {.name = "CPU per simulated second", .show = seconds_label},
+                          {.name = "CPU per simulated s", .show = seconds_label},
                           {.name = "tightest costs", .show = seconds_label},
-                          {.name = "at tolerance", .show = tolerance_label}}};
+                          {.name = "at tol", .show = tolerance_label}}};
   for (const SceneTrade& s : scenes) {
     const bool known = s.sufficient_tol.has_value();
     table.add({s.scene->name,

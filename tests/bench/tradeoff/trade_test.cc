@@ -385,6 +385,16 @@ TEST(TradeAnalysis, OneCompletedToleranceDecidesNothing) {
   EXPECT_FALSE(says(text, "Tolerance 0.1 is enough")) << text;
 }
 
+TEST(TradeReport, TheTableOfAnswersFitsInOneBlock) {
+  Trade trade = manufactured(1, 0, [](double tol, double, int) { return 1 + tol; });
+  trade.scenes[0].name = "isotropic_compression";  // the longest of the shipped ones
+  trade.scenes[0].quantities[0].name = "column force";
+  for (Trade::Row& row : trade.rows) row.scene = trade.scenes[0].name;
+  const std::string text = to_text(trade_document(FinishedTrade(trade)));
+  const std::size_t head = text.find("scene  "), end = text.find('\n', head);
+  EXPECT_TRUE(says(text.substr(head, end - head), "at tol")) << text;
+}
+
 TEST(TradeRun, TakesScenesWhoseBodiesComeAndGo) {
   // Disks of 1 kg fall through an outlet: all 4 are gone at the end.
   const TemporaryFolder folder;
