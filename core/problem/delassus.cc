@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -17,33 +16,11 @@
 namespace bipot {
 namespace {
 
-/// By degree of freedom: the contacts that act on it, ascending, each with its row of H.
+/// A contact and its row of H in a degree of freedom.
 template <int D>
-struct ContactRowsOfDofs {
-  struct Entry {
-    int contact = 0;
-    double h[to_size(D)] = {};
-  };
-  std::vector<int> start;
-  std::vector<Entry> entries;
-
-  ContactRowsOfDofs(const ContactWrenches& wrenches, int dofs) : start(to_size(dofs) + 1, 0) {
-    const int size = wrenches.size();
-    for (int k = 0; k < size; ++k) ++start[to_size(wrenches.dof(k)) + 1];
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    entries.resize(to_size(size));
-    std::vector<int> next(start.begin(), start.end() - 1);
-    for (int c = 0; c < wrenches.num_contacts(); ++c) {
-      for (int k = wrenches.begin(c); k < wrenches.end(c); ++k) {
-        Entry& entry = entries[to_size(next[to_size(wrenches.dof(k))]++)];
-        entry.contact = c;
-        std::copy_n(wrenches.row(k), D, entry.h);
-      }
-    }
-  }
-  std::span<const Entry> of(int dof) const {
-    return {entries.data() + start[to_size(dof)], entries.data() + start[to_size(dof) + 1]};
-  }
+struct ContactRow {
+  int contact = 0;
+  double h[to_size(D)] = {};
 };
 
 template <int D>
@@ -52,7 +29,15 @@ SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
   const int contacts = rows / D;
   const Vector inverse_mass = A.diagonal().cwiseInverse();
   const ContactWrenches by_contact(H, D);
-  const ContactRowsOfDofs<D> by_dof(by_contact, static_cast<int>(H.rows()));
+  const auto by_dof = make_lists<ContactRow<D>>(static_cast<int>(H.rows()), [&](const auto& put) {
+    for (int c = 0; c < contacts; ++c) {
+      for (int k = by_contact.begin(c); k < by_contact.end(c); ++k) {
+        ContactRow<D> row{.contact = c};
+        std::copy_n(by_contact.row(k), D, row.h);
+        put(by_contact.dof(k), row);
+      }
+    }
+  });
 
   // First pass: the contacts coupled to each contact through a shared degree of freedom.
   std::vector<int> neighbour_start{0}, neighbours;
@@ -139,19 +124,13 @@ SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int d
 template <int D>
 void DelassusOperator::Prepared::list_sides() {
   const auto& packed = *bodies<D>();
-  side_start.assign(packed.bodies.size() + 1, 0);
-  for (const auto& c : packed.contacts) {
-    ++side_start[to_size(c.i) + 1];
-    ++side_start[to_size(c.j) + 1];
-  }
-  std::partial_sum(side_start.begin(), side_start.end(), side_start.begin());
-  side.resize(2 * packed.contacts.size());
-  std::vector<int> next(side_start.begin(), side_start.end() - 1);
-  for (std::size_t c = 0; c < packed.contacts.size(); ++c) {
-    const int first = 2 * static_cast<int>(c);
-    side[to_size(next[to_size(packed.contacts[c].i)]++)] = first;
-    side[to_size(next[to_size(packed.contacts[c].j)]++)] = first + 1;
-  }
+  sides = make_lists(static_cast<int>(packed.bodies.size()), [&](const auto& put) {
+    int side = 0;
+    for (const auto& c : packed.contacts) {
+      put(c.i, side++);
+      put(c.j, side++);
+    }
+  });
 }
 
 DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int threads)
@@ -215,10 +194,10 @@ void DelassusOperator::add_impulses_by_body(const double* s) const {
   run_pieces(threads_, bodies.surroundings(), [&](int begin, int end) {
     for (int body = begin; body < end; ++body) {
       double sum[to_size(kSize)] = {};
-      for (int k = made.side_start[to_size(body)]; k < made.side_start[to_size(body) + 1]; ++k) {
-        const int c = made.side[to_size(k)] / 2;
+      for (const int side : made.sides.of(body)) {
+        const int c = side / 2;
         const Push<D> p = push<D>(bodies.contacts[to_size(c)], s + D * c);
-        p.add(made.side[to_size(k)] % 2 == 0 ? 1 : -1, 1, sum);
+        p.add(side % 2 == 0 ? 1 : -1, 1, sum);
       }
       std::copy_n(sum, kSize, velocity_.data() + kSize * body);
     }
@@ -228,7 +207,7 @@ void DelassusOperator::add_impulses_by_body(const double* s) const {
 
 template <int D>
 void DelassusOperator::move_bodies(const double* s) const {
-  if (prepared_->side.empty()) {
+  if (prepared_->sides.items.empty()) {
     add_impulses<D>(s);
   } else {
     add_impulses_by_body<D>(s);

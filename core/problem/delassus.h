@@ -2,8 +2,8 @@
 
 #include <memory>
 #include <optional>
-#include <vector>
 
+#include "core/base/lists.h"
 #include "core/problem/contact_problem.h"
 #include "core/problem/contact_wrenches.h"
 #include "core/problem/delassus_blocks.h"
@@ -79,7 +79,7 @@ class DelassusOperator {
     std::optional<DiskStructure> disks;
     std::optional<SphereStructure> spheres;
     // With threads, the contacts of each body in their order: 2 c if it is body i, else 2 c + 1.
-    std::vector<int> side_start, side;
+    Lists<> sides;
     SparseRows delassus;                           // only when W had to be assembled here
     std::shared_ptr<const DelassusBlocks> blocks;  // explicit form only
 

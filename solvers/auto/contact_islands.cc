@@ -78,36 +78,28 @@ DisjointSets through_delassus(const ContactProblem& p) {
 
 ContactIslands contact_islands(const ContactProblem& p) {
   const int contacts = p.num_contacts();
-  ContactIslands islands;
-  islands.start.push_back(0);
-  if (contacts == 0) return islands;
+  if (contacts == 0) return {};
   DisjointSets sets = p.has_velocities() ? through_bodies(p) : through_delassus(p);
-
   // A set is known by its smallest member, which is a contact: numbers follow first contacts.
-  std::vector<int> number(to_size(contacts), -1), sizes;
-  std::vector<int> island_of(to_size(contacts));
+  std::vector<int> number(to_size(contacts), -1), island_of(to_size(contacts)), order;
   for (int c = 0; c < contacts; ++c) {
     int& island = number[to_size(sets.find(c))];
     if (island < 0) {
-      island = static_cast<int>(sizes.size());
-      sizes.push_back(0);
+      island = static_cast<int>(order.size());
+      order.push_back(island);
     }
     island_of[to_size(c)] = island;
-    ++sizes[to_size(island)];
   }
-  std::vector<int> order(sizes.size()), place(sizes.size());
-  std::iota(order.begin(), order.end(), 0);
+  const ContactIslands found = make_lists(static_cast<int>(order.size()), [&](const auto& put) {
+    for (int c = 0; c < contacts; ++c) put(island_of[to_size(c)], c);
+  });
   std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return sizes[to_size(a)] < sizes[to_size(b)]; });
-  for (const int island : order) {
-    place[to_size(island)] = islands.start.back();
-    islands.start.push_back(islands.start.back() + sizes[to_size(island)]);
-  }
-  islands.contacts.resize(to_size(contacts));
-  for (int c = 0; c < contacts; ++c) {
-    islands.contacts[to_size(place[to_size(island_of[to_size(c)])]++)] = c;
-  }
-  return islands;
+                   [&](int a, int b) { return found.of(a).size() < found.of(b).size(); });
+  return make_lists(found.count(), [&](const auto& put) {
+    for (int k = 0; k < found.count(); ++k) {
+      for (const int c : found.of(order[to_size(k)])) put(k, c);
+    }
+  });
 }
 
 }  // namespace bipot

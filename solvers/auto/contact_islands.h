@@ -1,24 +1,13 @@
 #pragma once
 
-#include <span>
-#include <vector>
-
+#include "core/base/lists.h"
 #include "core/problem/contact_problem.h"
 
 namespace bipot {
 
-/// The contacts of a problem, island by island. Islands do not couple: no block of W between them
+/// The contacts of a problem, island by island, ascending within each. Islands do not couple: no block of W between them
 /// acts on an impulse of the law.
-struct ContactIslands {
-  std::vector<int> contacts;  ///< all of them, island after island, ascending within each
-  std::vector<int> start;     ///< where each island begins, and the end
-
-  int count() const { return static_cast<int>(start.size()) - 1; }
-  std::span<const int> of(int island) const {
-    return {contacts.data() + start[static_cast<std::size_t>(island)],
-            contacts.data() + start[static_cast<std::size_t>(island) + 1]};
-  }
-};
+using ContactIslands = Lists<>;
 
 /// Splits the contact graph into its connected components, smaller ones first, equal ones by their
 /// first contact. Two contacts are connected if nonzero entries of H act on the same degree of

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
+#include <span>
 #include <tuple>
 #include <utility>
 
+#include "core/base/lists.h"
 #include "solvers/disks/wavefront.h"
 
 namespace bipot {
@@ -44,8 +47,7 @@ struct Owned {
 template <class Bodies>
 class Owners {
  public:
-  Owners(const Bodies& packed, const Places& places)
-      : packed_(packed), places_(places), start_(to_size(packed.surroundings()) + 1, 0) {
+  Owners(const Bodies& packed, const Places& places) : packed_(packed), places_(places) {
     const int contacts = static_cast<int>(packed.contacts.size());
     std::vector<int> owner(to_size(contacts)), count(to_size(packed.surroundings()), 0);
     std::vector<int> open;
@@ -64,27 +66,27 @@ class Owners {
       owner[to_size(c)] = fewer(i) < fewer(j) ? i : j;
       ++count[to_size(owner[to_size(c)])];
     }
-    for (std::size_t at = 0; at < count.size(); ++at) start_[at + 1] = start_[at] + count[at];
-    owned_.resize(to_size(contacts));
-    std::vector<int> next(start_.begin(), start_.end() - 1);
-    for (int c = 0; c < contacts; ++c) {
-      const auto [i, j] = ends(c);
-      const int at = owner[to_size(c)];
-      owned_[to_size(next[to_size(at)]++)] = {c, at == i ? j : i};
-    }
+    owned_ = make_lists<Owned>(packed.surroundings(), [&](const auto& put) {
+      for (int c = 0; c < contacts; ++c) {
+        const auto [i, j] = ends(c);
+        const int at = owner[to_size(c)];
+        put(at, {c, at == i ? j : i});
+      }
+    });
     // The same order for every body: its own tile first, the surroundings last. Values pushed to
     // rows of the block itself are then written long before the block's sum is added to them.
-    for (std::size_t at = 0; at < count.size(); ++at) {
+    for (int at = 0; at < owned_.count(); ++at) {
       const auto key = [&](const Owned& o) {
-        const int kind = o.other < 0 ? 2 : places.tile[to_size(o.other)] == places.tile[at] ? 0 : 1;
-        return std::tuple(kind, o.other, o.contact);
+        const bool here = o.other >= 0 && places.tile[to_size(o.other)] == places.tile[to_size(at)];
+        return std::tuple(o.other < 0 ? 2 : here ? 0 : 1, o.other, o.contact);
       };
-      std::sort(owned_.begin() + start_[at], owned_.begin() + start_[at + 1],
+      const std::span<Owned> own = owned_.of(at);
+      std::sort(own.begin(), own.end(),
                 [&](const Owned& a, const Owned& b) { return key(a) < key(b); });
     }
   }
-  int count(int at) const { return start_[to_size(at) + 1] - start_[to_size(at)]; }
-  const Owned& operator()(int at, int k) const { return owned_[to_size(start_[to_size(at)] + k)]; }
+  int count(int at) const { return static_cast<int>(owned_.of(at).size()); }
+  const Owned& operator()(int at, int k) const { return owned_.of(at)[to_size(k)]; }
 
  private:
   std::pair<int, int> ends(int c) const {
@@ -102,8 +104,7 @@ class Owners {
 
   const Bodies& packed_;
   const Places& places_;
-  std::vector<int> start_;
-  std::vector<Owned> owned_;
+  Lists<Owned> owned_;
 };
 
 template <class Bodies>
@@ -112,7 +113,7 @@ class BlockWriter {
   BlockWriter(const Owners<Bodies>& owners, BodyBlocks& out) : owners_(owners), out_(out) {}
 
   void begin_tile() { out_.first_block.push_back(static_cast<int>(out_.blocks.size())); }
-  void write_block(int row, const std::vector<int>& bodies, int window) {
+  void write_block(int row, std::span<const int> bodies, int window) {
     BodyBlock block{.row = row_offset<RowOfBodies<Bodies>>(row), .first = out_.tiles.num_batches()};
     for (int k = 0; k < owners_.count(bodies.front()); ++k) {
       int used = 0;
@@ -188,7 +189,7 @@ BodyBlocks blocks_of(const Bodies& packed) {
   out.tiles.outside_rows = kLanes;
   out.tiles.contact.reserve(packed.contacts.size() + packed.contacts.size() / 4);
   BlockWriter<Bodies> writer(owners, out);
-  std::vector<int> window, block;
+  std::vector<int> window;
   for (int t = 0; t < places.num_tiles(); ++t) {
     const int first = places.starts[to_size(t)], last = places.starts[to_size(t) + 1];
     ContactTiles::Tile tile;
@@ -198,14 +199,13 @@ BodyBlocks blocks_of(const Bodies& packed) {
     int row = tile.first_row;
     for (int begin = first, w = 0; begin < last; begin += kWindowBodies, ++w) {
       const int end = std::min(last, begin + kWindowBodies);
-      window.clear();
-      for (int at = begin; at < end; ++at) window.push_back(at);
+      window.resize(to_size(end - begin));
+      std::iota(window.begin(), window.end(), begin);
       std::stable_sort(window.begin(), window.end(),
                        [&](int a, int b) { return owners.count(a) > owners.count(b); });
       for (std::size_t k = 0; k < window.size(); k += kLanes, row += kLanes) {
-        block.assign(window.begin() + static_cast<std::ptrdiff_t>(k),
-                     window.begin() +
-                         static_cast<std::ptrdiff_t>(std::min(window.size(), k + to_size(kLanes))));
+        const std::span<const int> block =
+            std::span(window).subspan(k, std::min<std::size_t>(window.size() - k, kLanes));
         for (std::size_t n = 0; n < block.size(); ++n) {
           at_row[to_size(block[n])] = row + static_cast<int>(n);
         }

@@ -1,14 +1,14 @@
 #include "solvers/disks/contact_order.h"
 
 #include <algorithm>
+#include <compare>
 #include <limits>
 #include <numeric>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "core/base/types.h"
+#include "core/base/lists.h"
 #include "solvers/disks/free_lanes.h"
 
 namespace bipot {
@@ -34,9 +34,7 @@ template <class Bodies>
 std::vector<int> sweep_order(const Bodies& packed, const std::vector<int>& row) {
   struct Placed {
     int second, contact;
-    bool operator<(const Placed& other) const {
-      return std::tie(second, contact) < std::tie(other.second, other.contact);
-    }
+    auto operator<=>(const Placed&) const = default;
   };
   const auto rows = [&](const auto& contact) {
     const int i = row[to_size(contact.i)];
@@ -45,24 +43,16 @@ std::vector<int> sweep_order(const Bodies& packed, const std::vector<int>& row) 
     return std::pair(std::min(i, j), std::max(i, j));
   };
   // Sorts into a list for each first body, which is short.
-  std::vector<int> end(to_size(packed.surroundings()) + 1, 0);
-  for (const auto& contact : packed.contacts) {
-    ++end[to_size(rows(contact).first) + 1];
-  }
-  std::partial_sum(end.begin(), end.end(), end.begin());
-  std::vector<Placed> placed(packed.contacts.size());
-  for (std::size_t c = 0; c < packed.contacts.size(); ++c) {
-    const auto [first, second] = rows(packed.contacts[c]);
-    placed[to_size(end[to_size(first)]++)] = {second, static_cast<int>(c)};
-  }
-  int begin = 0;  // every end has moved to the beginning of the next one
-  for (int body = 0; body < packed.surroundings(); ++body) {
-    std::sort(placed.begin() + begin, placed.begin() + end[to_size(body)]);
-    begin = end[to_size(body)];
-  }
+  Lists<Placed> placed = make_lists<Placed>(packed.surroundings(), [&](const auto& put) {
+    for (std::size_t c = 0; c < packed.contacts.size(); ++c) {
+      const auto [first, second] = rows(packed.contacts[c]);
+      put(first, {second, static_cast<int>(c)});
+    }
+  });
+  for (int body = 0; body < placed.count(); ++body) std::ranges::sort(placed.of(body));
   std::vector<int> order;
-  order.reserve(placed.size());
-  for (const Placed& p : placed) order.push_back(p.contact);
+  order.reserve(placed.items.size());
+  for (const Placed& p : placed.items) order.push_back(p.contact);
   return order;
 }
 

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/base/types.h"
+#include "core/base/lists.h"
 #include "solvers/disks/free_lanes.h"
 
 namespace bipot {
@@ -14,32 +14,20 @@ namespace {
 /// A tile of fewer bodies costs more to pass on than to process.
 constexpr int kTileBodies = 96;
 
-/// Pairs of bodies in contact, without the surroundings.
-struct BodyGraph {
-  std::vector<int> start, neighbour;
-
-  template <class Bodies>
-  explicit BodyGraph(const Bodies& packed) : start(packed.bodies.size(), 0) {
-    const int outside = packed.surroundings();
+/// The neighbours of each body, without the surroundings.
+template <class Bodies>
+Lists<> neighbours_of(const Bodies& packed) {
+  return make_lists(packed.surroundings(), [&](const auto& put) {
     for (const auto& c : packed.contacts) {
-      if (c.j == outside) continue;
-      ++start[to_size(c.i) + 1];
-      ++start[to_size(c.j) + 1];
+      if (c.j == packed.surroundings()) continue;
+      put(c.i, c.j);
+      put(c.j, c.i);
     }
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    neighbour.resize(to_size(start.back()));
-    std::vector<int> next(start.begin(), start.end() - 1);
-    for (const auto& c : packed.contacts) {
-      if (c.j == outside) continue;
-      neighbour[to_size(next[to_size(c.i)]++)] = c.j;
-      neighbour[to_size(next[to_size(c.j)]++)] = c.i;
-    }
-  }
-  int degree(int body) const { return start[to_size(body) + 1] - start[to_size(body)]; }
-};
+  });
+}
 
 /// Breadth-first search from `root`, appended to `order`; visited bodies are marked with `round`.
-void breadth_first(const BodyGraph& graph, int root, int round, std::vector<int>& mark,
+void breadth_first(const Lists<>& neighbours, int root, int round, std::vector<int>& mark,
                    std::vector<int>& order) {
   std::size_t head = order.size();
   order.push_back(root);
@@ -47,15 +35,13 @@ void breadth_first(const BodyGraph& graph, int root, int round, std::vector<int>
   while (head < order.size()) {
     const int body = order[head++];
     const auto first = static_cast<std::ptrdiff_t>(order.size());
-    for (int k = graph.start[to_size(body)]; k < graph.start[to_size(body) + 1]; ++k) {
-      const int other = graph.neighbour[to_size(k)];
+    for (const int other : neighbours.of(body)) {
       if (mark[to_size(other)] == round) continue;
       mark[to_size(other)] = round;
       order.push_back(other);
     }
     std::sort(order.begin() + first, order.end(), [&](int a, int b) {
-      const int da = graph.degree(a), db = graph.degree(b);
-      return da != db ? da < db : a < b;
+      return std::pair(neighbours.of(a).size(), a) < std::pair(neighbours.of(b).size(), b);
     });
   }
 }
@@ -147,7 +133,7 @@ void interleave(std::vector<int>& entries, std::vector<int>& scratch) {
 
 template <class Bodies>
 std::vector<int> reverse_cuthill_mckee(const Bodies& packed) {
-  const BodyGraph graph(packed);
+  const Lists<> neighbours = neighbours_of(packed);
   const int bodies = packed.surroundings();
   std::vector<int> mark(to_size(bodies), -1), order, trial;
   order.reserve(to_size(bodies));
@@ -158,10 +144,10 @@ std::vector<int> reverse_cuthill_mckee(const Bodies& packed) {
     int root = body;
     for (int k = 0; k < 2; ++k) {
       trial.clear();
-      breadth_first(graph, root, round++, mark, trial);
+      breadth_first(neighbours, root, round++, mark, trial);
       root = trial.back();
     }
-    breadth_first(graph, root, round++, mark, order);
+    breadth_first(neighbours, root, round++, mark, order);
   }
   std::vector<int> row(to_size(bodies));
   for (int k = 0; k < bodies; ++k) row[to_size(order[to_size(k)])] = bodies - 1 - k;

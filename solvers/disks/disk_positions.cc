@@ -2,26 +2,20 @@
 
 #include <algorithm>
 
+#include "core/base/lists.h"
+
 namespace bipot {
 
 DiskPositions disk_positions(const DiskStructure& disks, double apart) {
   const int bodies = disks.surroundings();
-  // The contacts of each body, one list after the other.
-  std::vector<int> start(to_size(bodies) + 1, 0), list;
-  const auto each_side = [&](auto&& visit) {
+  const Lists<> contacts = make_lists(bodies, [&](const auto& put) {
     for (int c = 0; c < static_cast<int>(disks.contacts.size()); ++c) {
       const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
       if (contact.j >= disks.first_wall()) continue;
-      visit(contact.i, c);
-      visit(contact.j, c);
+      put(contact.i, c);
+      put(contact.j, c);
     }
-  };
-  each_side([&](int body, int) { ++start[to_size(body) + 1]; });
-  for (int k = 0; k < bodies; ++k) start[to_size(k) + 1] += start[to_size(k)];
-  list.resize(to_size(start.back()));
-  std::vector<int> next(start.begin(), start.end() - 1);
-  each_side([&](int body, int c) { list[to_size(next[to_size(body)]++)] = c; });
-
+  });
   DiskPositions out{std::vector<Vec2>(to_size(bodies), Vec2::Zero()),
                     std::vector<int>(to_size(bodies), 0)};
   double right = 0;  // of the packings before
@@ -36,8 +30,8 @@ DiskPositions disk_positions(const DiskStructure& disks, double apart) {
       const Vec2 centre = out.centre[to_size(body)];
       low = std::min(low, centre.x());
       high = std::max(high, centre.x());
-      for (int k = start[to_size(body)]; k < start[to_size(body) + 1]; ++k) {
-        const DiskStructure::Contact& contact = disks.contacts[to_size(list[to_size(k)])];
+      for (const int c : contacts.of(body)) {
+        const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
         const bool is_first = contact.i == body;
         const int other = is_first ? contact.j : contact.i;
         if (out.companions[to_size(other)] != 0) continue;

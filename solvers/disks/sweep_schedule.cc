@@ -29,10 +29,10 @@ class Items {
   template <class Visit>
   void for_predecessors(int item, const Visit& visit) const {
     const int sweep = sweep_of(item), tile = tile_of(item);
-    const TileLinks::Lists<int>& own = sweep < sweeps_.up ? links_.before : links_.after;
+    const Lists<>& own = sweep < sweeps_.up ? links_.before : links_.after;
     for (const int t : own.of(tile)) visit(sweep * links_.tiles + t);
     if (sweep == 0) return;
-    const TileLinks::Lists<int>& previous = sweep - 1 < sweeps_.up ? links_.last : links_.first;
+    const Lists<>& previous = sweep - 1 < sweeps_.up ? links_.last : links_.first;
     for (const int t : previous.of(tile)) visit((sweep - 1) * links_.tiles + t);
   }
 

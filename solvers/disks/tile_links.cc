@@ -38,13 +38,12 @@ void add_once(int tile, int other, std::vector<std::vector<int>>& lists, std::ve
 }
 
 template <class Number>
-TileLinks::Lists<Number> joined(const std::vector<std::vector<Number>>& lists) {
-  TileLinks::Lists<Number> all{{}, {0}};
-  for (const std::vector<Number>& list : lists) {
-    all.numbers.insert(all.numbers.end(), list.begin(), list.end());
-    all.start.push_back(static_cast<int>(all.numbers.size()));
-  }
-  return all;
+Lists<Number> joined(const std::vector<std::vector<Number>>& lists) {
+  return make_lists<Number>(static_cast<int>(lists.size()), [&](const auto& put) {
+    for (std::size_t k = 0; k < lists.size(); ++k) {
+      for (const Number number : lists[k]) put(static_cast<int>(k), number);
+    }
+  });
 }
 
 }  // namespace

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <span>
-#include <vector>
-
-#include "core/base/types.h"
+#include "core/base/lists.h"
 #include "solvers/disks/contact_tiles.h"
 
 namespace bipot {
@@ -11,24 +8,13 @@ namespace bipot {
 /// Bodies that tiles of an order share, for sweeps through the tiles up and down. A sweep up comes
 /// to tile 0 first. The tile that a body's row belongs to counts as one with that body.
 struct TileLinks {
-  /// A list of numbers for each tile.
-  template <class Number>
-  struct Lists {
-    std::vector<Number> numbers;
-    std::vector<int> start;  ///< of each tile, and the end
-
-    std::span<const Number> of(int t) const {
-      const std::size_t begin = to_size(start[to_size(t)]);
-      return {numbers.data() + begin, to_size(start[to_size(t) + 1]) - begin};
-    }
-  };
   int tiles = 0;
   /// Tiles that a sweep up comes to next before tile t, with one of its bodies, and a sweep down.
   /// After these all that a sweep did before to the bodies of t is done.
-  Lists<int> before, after;
+  Lists<> before, after;
   /// Tiles that a sweep up comes to first and last of all, with one of the bodies of tile t; t may
   /// be one of them.
-  Lists<int> first, last;
+  Lists<> first, last;
   /// Offsets of rows, one for each line of the cache, that a sweep down uses in tile t but did not
   /// in the tiles just before.
   Lists<unsigned> coming;

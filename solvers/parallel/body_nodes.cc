@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/base/lists.h"
 #include "core/problem/body_rows.h"
 
 namespace bipot {
@@ -22,65 +23,32 @@ void for_each_node(const ContactProblem& p, const BodyNodes& nodes, int contact,
   }
 }
 
-/// Contacts of each node, as a graph in compressed rows.
-struct NodeContacts {
-  std::vector<int> start, contact;
-};
-
-NodeContacts contacts_of_nodes(const ContactProblem& p, const BodyNodes& nodes) {
-  NodeContacts graph;
-  graph.start.assign(to_size(nodes.nodes) + 1, 0);
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    for_each_node(p, nodes, c, [&](int node) { ++graph.start[to_size(node) + 1]; });
-  }
-  std::partial_sum(graph.start.begin(), graph.start.end(), graph.start.begin());
-  graph.contact.resize(to_size(graph.start.back()));
-  std::vector<int> next(graph.start.begin(), graph.start.end() - 1);
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    for_each_node(p, nodes, c,
-                  [&](int node) { graph.contact[to_size(next[to_size(node)]++)] = c; });
-  }
-  return graph;
-}
-
-/// Nodes in the order of a breadth-first search that begins at `start`.
-class BreadthFirst {
- public:
-  BreadthFirst(const ContactProblem& p, const BodyNodes& nodes)
-      : p_(p), nodes_(nodes), graph_(contacts_of_nodes(p, nodes)) {}
-
-  /// Appends the part of the graph around `start`; visited[node] becomes `mark`.
-  void walk(int start, int mark, std::vector<int>& visited, std::vector<int>& order) const {
-    std::size_t next = order.size();
-    order.push_back(start);
-    visited[to_size(start)] = mark;
-    for (; next < order.size(); ++next) {
-      const int node = order[next];
-      for (int k = graph_.start[to_size(node)]; k < graph_.start[to_size(node) + 1]; ++k) {
-        for_each_node(p_, nodes_, graph_.contact[to_size(k)], [&](int other) {
-          if (visited[to_size(other)] == mark) return;
-          visited[to_size(other)] = mark;
-          order.push_back(other);
-        });
-      }
-    }
-  }
-
- private:
-  const ContactProblem& p_;
-  const BodyNodes& nodes_;
-  NodeContacts graph_;
-};
-
-/// The first search finds an end of each part, the second starts there.
+/// Nodes along the contact graph: a first breadth-first search finds an end of each part, a second
+/// one starts there.
 std::vector<int> walk_from_the_ends(const ContactProblem& p, const BodyNodes& nodes) {
-  const BreadthFirst graph(p, nodes);
+  const Lists<> contacts = make_lists(nodes.nodes, [&](const auto& put) {
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      for_each_node(p, nodes, c, [&](int node) { put(node, c); });
+    }
+  });
   std::vector<int> visited(to_size(nodes.nodes), 0), part, order;
+  // Appends the part of the graph around `start`; visited[node] becomes `mark`.
+  const auto walk = [&](int start, int mark, std::vector<int>& walked) {
+    std::size_t next = walked.size();
+    const auto visit = [&](int node) {
+      if (visited[to_size(node)] == mark) return;
+      visited[to_size(node)] = mark;
+      walked.push_back(node);
+    };
+    for (visit(start); next < walked.size(); ++next) {
+      for (const int c : contacts.of(walked[next])) for_each_node(p, nodes, c, visit);
+    }
+  };
   for (int node = 0; node < nodes.nodes; ++node) {
     if (visited[to_size(node)] != 0) continue;
     part.clear();
-    graph.walk(node, 1, visited, part);
-    graph.walk(part.back(), 2, visited, order);
+    walk(node, 1, part);
+    walk(part.back(), 2, order);
   }
   return order;
 }

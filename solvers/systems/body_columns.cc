@@ -6,7 +6,7 @@
 namespace bipot {
 
 BodyColumns::BodyColumns(const ContactProblem& p, const Vector& scale)
-    : problem_(p), wrenches_(p.H, p.dim, scale), contacts_(p) {}
+    : problem_(p), wrenches_(p.H, p.dim, scale), contacts_(contacts_of_dofs(p)) {}
 
 BodyPattern BodyColumns::pattern() const {
   std::vector<int> all(to_size(problem_.num_dofs()));
@@ -17,8 +17,7 @@ BodyPattern BodyColumns::pattern() const {
 template <int D>
 void BodyColumns::add_contacts(int j, const double* blocks,
                                const FrontalCholesky::Column& to) const {
-  for (int k = contacts_.start[to_size(j)]; k < contacts_.start[to_size(j) + 1]; ++k) {
-    const int c = contacts_.contact[to_size(k)];
+  for (const int c : contacts_.of(j)) {
     const double* const block = blocks + static_cast<std::ptrdiff_t>(c) * (D * D);
     int at = wrenches_.begin(c);
     while (wrenches_.dof(at) != j) ++at;

@@ -38,7 +38,7 @@ class BodyColumns {
 
   const ContactProblem& problem_;
   ContactWrenches wrenches_;
-  ContactsOfDofs contacts_;
+  Lists<> contacts_;  // of each degree of freedom
 };
 
 }  // namespace bipot

@@ -1,34 +1,27 @@
 #include "solvers/systems/body_pattern.h"
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 namespace bipot {
 
-ContactsOfDofs::ContactsOfDofs(const ContactProblem& p) : start(to_size(p.num_dofs()) + 1, 0) {
+Lists<> contacts_of_dofs(const ContactProblem& p) {
   // The columns of a contact are consecutive: the contact seen last tells whether it acts on a dof.
   std::vector<int> last(to_size(p.num_dofs()));
-  const auto each = [&](const auto& use) {
+  return make_lists(p.num_dofs(), [&](const auto& put) {
     std::fill(last.begin(), last.end(), -1);
     for (int row = 0; row < p.num_rows(); ++row) {
       const int c = row / p.dim;
       for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
-        const std::size_t dof = to_size(it.row());
-        if (it.value() == 0 || last[dof] == c) continue;
-        last[dof] = c;
-        use(dof, c);
+        const int dof = static_cast<int>(it.row());
+        if (it.value() != 0 && std::exchange(last[to_size(dof)], c) != c) put(dof, c);
       }
     }
-  };
-  each([&](std::size_t dof, int) { ++start[dof + 1]; });
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  contact.resize(to_size(start.back()));
-  std::vector<int> next(start.begin(), start.end() - 1);
-  each([&](std::size_t dof, int c) { contact[to_size(next[dof]++)] = c; });
+  });
 }
 
 /// Column by column, since a list of all pairs takes several times the memory.
-BodyPattern::BodyPattern(const ContactProblem& p, const ContactsOfDofs& contacts,
+BodyPattern::BodyPattern(const ContactProblem& p, const Lists<>& contacts,
                          const std::vector<int>& dofs)
     : start(dofs.size() + 1, 0) {
   const int n = static_cast<int>(dofs.size());
@@ -42,13 +35,10 @@ BodyPattern::BodyPattern(const ContactProblem& p, const ContactsOfDofs& contacts
       rows.push_back(i);
     };
     add(j);
-    const std::size_t dof = to_size(dofs[to_size(j)]);
-    for (SparseMatrix::InnerIterator it(p.A, dofs[to_size(j)]); it; ++it) {
-      add(unknown_of[to_size(it.row())]);
-    }
-    for (int k = contacts.start[dof]; k < contacts.start[dof + 1]; ++k) {
-      const int first = contacts.contact[to_size(k)] * p.dim;
-      for (int h = first; h < first + p.dim; ++h) {
+    const int dof = dofs[to_size(j)];
+    for (SparseMatrix::InnerIterator it(p.A, dof); it; ++it) add(unknown_of[to_size(it.row())]);
+    for (const int c : contacts.of(dof)) {
+      for (int h = c * p.dim; h < (c + 1) * p.dim; ++h) {
         for (SparseMatrix::InnerIterator it(p.H, h); it; ++it) {
           if (it.value() != 0) add(unknown_of[to_size(it.row())]);
         }

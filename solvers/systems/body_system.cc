@@ -9,10 +9,10 @@
 namespace bipot {
 
 std::vector<int> BodySystem::touched(const ContactProblem& problem) {
-  const ContactsOfDofs contacts(problem);
+  const Lists<> contacts = contacts_of_dofs(problem);
   std::vector<int> dofs;
   for (int dof = 0; dof < problem.num_dofs(); ++dof) {
-    if (contacts.start[to_size(dof)] < contacts.start[to_size(dof) + 1]) dofs.push_back(dof);
+    if (!contacts.of(dof).empty()) dofs.push_back(dof);
   }
   return dofs;
 }
@@ -63,7 +63,7 @@ void BodySystem::list_runs() {
 
 /// Sets matrix_ with zeros.
 void BodySystem::make_pattern(const ContactProblem& p, const std::vector<int>& dofs) {
-  const BodyPattern pattern(p, ContactsOfDofs(p), dofs);
+  const BodyPattern pattern(p, contacts_of_dofs(p), dofs);
   matrix_.resize(static_cast<Eigen::Index>(dofs.size()), static_cast<Eigen::Index>(dofs.size()));
   matrix_.resizeNonZeros(static_cast<Eigen::Index>(pattern.row.size()));
   std::copy(pattern.start.begin(), pattern.start.end(), matrix_.outerIndexPtr());

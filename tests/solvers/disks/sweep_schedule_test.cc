@@ -24,14 +24,12 @@ TileLinks packing(int rows, int length) {
     for (const int other : before[to_size(t)]) after[to_size(other)].push_back(t);
   }
   const auto joined = [&](const std::vector<std::vector<int>>& lists, bool with_own) {
-    TileLinks::Lists<int> all{{}, {0}};
-    for (int t = 0; t < tiles; ++t) {
-      if (with_own) all.numbers.push_back(t);
-      const std::vector<int>& list = lists[to_size(t)];
-      all.numbers.insert(all.numbers.end(), list.begin(), list.end());
-      all.start.push_back(static_cast<int>(all.numbers.size()));
-    }
-    return all;
+    return make_lists(tiles, [&](const auto& put) {
+      for (int t = 0; t < tiles; ++t) {
+        if (with_own) put(t, t);
+        for (const int other : lists[to_size(t)]) put(t, other);
+      }
+    });
   };
   return {
       tiles, joined(before, false), joined(after, false), joined(before, true), joined(after, true),

@@ -50,7 +50,7 @@ void check_neighbours(const DiskStructure& disks, const ContactTiles& order) {
     }
   }
   EXPECT_GT(needed, 0u);
-  EXPECT_LE(links.before.numbers.size(), needed) << "without repetition";
+  EXPECT_LE(links.before.items.size(), needed) << "without repetition";
 }
 
 TEST(TileLinks, NameTheTilesThatComeToABodyNextFirstAndLast) {
