@@ -66,8 +66,8 @@ bool DeflatedSweep::iterate() {
   clear(stress_);
   tiles_in_order_.run(false, [&](int, int t) {
     const ContactTiles::Tile& tile = disks.tile(t);
-    kernels_.rates({tile.last_batch - tile.first_batch, disks.contacts(tile),
-                    disks.law_numbers(tile), disks.laws(), modes_.share() + tile.first_batch,
+    const int first = tile.first_batch;
+    kernels_.rates({disks.packed(first), tile.last_batch - first, modes_.share() + first,
                     at_.swept_velocity.data(), stress_.data()});
   });
   if (!modes_.relax(stress_)) return false;
@@ -75,10 +75,10 @@ bool DeflatedSweep::iterate() {
   tiles_in_order_.run(false, [&](int, int t) {
     const ContactTiles::Tile& tile = disks.tile(t);
     const int first = tile.first_batch;
-    kernels_.impulse({tile.last_batch - first, disks.contacts(tile), disks.law_numbers(tile),
-                      disks.laws(), modes_.share() + first, stress_.data(), at_.y.data() + first,
-                      at_.swept.data() + first, momentum_.data()},
-                     loads_[to_size(t)]);
+    kernels_.impulse(
+        {disks.packed(first), tile.last_batch - first, modes_.share() + first, stress_.data(),
+         at_.y.data() + first, at_.swept.data() + first, momentum_.data()},
+        loads_[to_size(t)]);
   });
   run_pieces(options_.threads, rows, [&](int first, int last) {
     kernels_.conjugate(

@@ -268,26 +268,14 @@ template <int D, GradientMap kMap>
     store(a.next[k].x[0], part, z_n);
     return wrench;
   };
-  for (const BodyBlock* window = a.begin; window != a.end;) {
-    const auto left = a.end - window;
-    const BodyBlock* const end = window + (left < kWindowBlocks ? left : kWindowBlocks);
+  for_windows(a, [&](const BodyBlock* window, const BodyBlock* end) {
     begin_bodies(a, window->row, static_cast<int>(end - window) * kLanes, energy);
     for_blocks(a, window, end, solve);
-    window = end;
-  }
+  });
   *reinterpret_cast<Energy*>(sums.energy) = energy;
   for (int part = 0; part < kParts; ++part) {
     store(sums.along, part, along[part]);
     store(sums.change2, part, change2[part]);
-  }
-}
-
-template <int D>
-void gradient(const GradientTask<D>& task, GradientSums& sums) {
-  if (task.map == GradientMap::kFollowed) {
-    project<D, GradientMap::kFollowed>(task, sums);
-  } else {
-    project<D, GradientMap::kSplit>(task, sums);
   }
 }
 

@@ -30,11 +30,11 @@ const DiskKernels<D>& disk_kernels(SimdPath path) {
   if constexpr (D == kRollingDisks) return table_of(path).rolling;
   if constexpr (D == kRollingSpheres) return *table_of(path).rolling_spheres;
 }
-template const DiskKernels<1>& disk_kernels<1>(SimdPath);
-template const DiskKernels<2>& disk_kernels<2>(SimdPath);
-template const DiskKernels<3>& disk_kernels<3>(SimdPath);
-template const DiskKernels<kRollingDisks>& disk_kernels<kRollingDisks>(SimdPath);
-template const DiskKernels<kRollingSpheres>& disk_kernels<kRollingSpheres>(SimdPath);
+template const DiskKernels<1>& disk_kernels(SimdPath);
+template const DiskKernels<2>& disk_kernels(SimdPath);
+template const DiskKernels<3>& disk_kernels(SimdPath);
+template const DiskKernels<kRollingDisks>& disk_kernels(SimdPath);
+template const DiskKernels<kRollingSpheres>& disk_kernels(SimdPath);
 
 const StressKernels& stress_kernels(SimdPath path) { return table_of(path).stress; }
 

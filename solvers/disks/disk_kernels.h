@@ -25,6 +25,13 @@ inline constexpr int kRowInverseMass = 3, kRowTurn = 4, kRowInverseInertia = 7;
 inline constexpr int kRollingDisks = 4, kRollingSpheres = 6;
 template <int D>
 inline constexpr bool kOfSpheres = D == 3 || D == kRollingSpheres;
+// Instantiates a template for all bodies: BIPOT_FOR_BODIES(template class Name);
+#define BIPOT_FOR_BODIES(name) \
+  name<1>;                     \
+  name<2>;                     \
+  name<3>;                     \
+  name<kRollingDisks>;         \
+  name<kRollingSpheres>
 /// Rows of a contact.
 template <int D>
 inline constexpr int kRowsOf = D == kRollingDisks ? 3 : D;
@@ -101,20 +108,12 @@ struct alignas(64) LawBatch {
   double mu_spin[kLanes] = {};
 };
 
-/// One sweep of projected Gauss-Seidel over the batches of a tile: x_n <- max(0, x_n - ω w_n), x_t
-/// <- x_t - ω w_t cut off at mu x_n, with velocities updated after each batch.
+/// Contacts of some batches, a part of tasks.
 template <int D>
-struct SweepTask {
-  int batches = 0;
-  bool ask_ahead = false;  ///< prefetch streamed data: they are not in the core's own cache
-  double omega = 1;
+struct PackedContacts {
   const ContactBatch<D>* contact = nullptr;
   const int* law = nullptr;  ///< of each batch
   const LawBatch* laws = nullptr;
-  ImpulseBatch<D>* impulse = nullptr;
-  RowOf<D>* velocity = nullptr;  ///< all rows
-  /// All rows: 1/m, a²/I, 1/m, and 0 or with rolling friction a²/I; not used for spheres.
-  const RowOf<D>* inverse = nullptr;
 };
 
 /// kLanes consecutive rows, and batches whose lanes each have one of these as their first body
@@ -135,15 +134,12 @@ inline constexpr int kWindowBlocks = 4;
 /// (x - x⁻) is added to the next momentum. For all other bodies of these contacts velocities and
 /// next momenta must be set. P: solvers/methods/accelerated_gradient.h.
 template <int D>
-struct GradientTask {
+struct GradientTask : PackedContacts<D> {
   const BodyBlock *begin = nullptr, *end = nullptr;  ///< windows; there is one more at the end
   bool ask_ahead = false;
   GradientMap map = GradientMap::kSplit;
   double beta = 0;
   // Arrays over all batches and rows.
-  const ContactBatch<D>* contact = nullptr;
-  const int* law = nullptr;
-  const LawBatch* laws = nullptr;
   const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
   ImpulseBatch<D>* next = nullptr;                         ///< x⁺, may be `before`
   // The fourth value of a disk's row holds an inverse: 1/m in a velocity, a²/I in a momentum. This
@@ -171,22 +167,21 @@ struct ExtrapolationTask {
   BodyRow* before = nullptr;
 };
 
-/// A forward or backward sweep of symmetric Gauss-Seidel with momentum over some of the batches;
-/// the lists cover all. `next` is updated in place, but the first forward sweep starts from y = x +
-/// beta (x - x⁻) and writes it. Velocities are updated after each batch.
+/// A forward or backward sweep of projected Gauss-Seidel over some of the batches; the lists cover
+/// all. x_n <- max(0, x_n - ω w_n), x_t <- x_t - ω w_t cut off at mu x_n, with velocities updated
+/// after each batch. `next` is updated in place; with momentum, the first forward sweep starts from
+/// y = x + beta (x - x⁻) and writes it.
 template <int D>
-struct SymmetricTask {
+struct SymmetricTask : PackedContacts<D> {
   int first_batch = 0, last_batch = 0;  ///< half open
   bool outer = true;       ///< the first forward sweep of an iteration, the last backward one
   bool ask_ahead = false;  ///< for lists, and rows in a sweep back
   double beta = 0, omega = 1;
-  const ContactBatch<D>* contact = nullptr;
-  const int* law = nullptr;
-  const LawBatch* laws = nullptr;
   const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
   ImpulseBatch<D>* next = nullptr;                         ///< x⁺
   RowOf<D>* velocity = nullptr;                            ///< all rows
-  const RowOf<D>* inverse = nullptr;                       ///< all rows; not used for spheres
+  /// All rows: 1/m, a²/I, 1/m, and 0 or with rolling friction a²/I; not used for spheres.
+  const RowOf<D>* inverse = nullptr;
   /// Offsets of rows, one for each line of the cache, that a backward sweep uses after these
   /// batches.
   const unsigned* coming = nullptr;
@@ -199,7 +194,6 @@ struct alignas(64) TurnSums {
 
 template <int D>
 struct DiskKernels {
-  void (*sweep)(const SweepTask<D>& task);
   void (*gradient)(const GradientTask<D>& task, GradientSums& sums);
   void (*extrapolate_velocity)(const ExtrapolationTask& task);
   void (*sweep_forth)(const SymmetricTask<D>& task);

@@ -5,13 +5,11 @@
 
 namespace bipot {
 
-const DiskKernelTable kAvx512DiskKernels = {
-    {&sweep<1>, &gradient<1>, &extrapolate_velocity, &sweep_forth<1>, &sweep_back<1>},
-    {&sweep<2>, &gradient<2>, &extrapolate_velocity, &sweep_forth<2>, &sweep_back<2>},
-    &kAvx512SphereKernels,
-    {&sweep<kRollingDisks>, &gradient<kRollingDisks>, &extrapolate_velocity,
-     &sweep_forth<kRollingDisks>, &sweep_back<kRollingDisks>},
-    &kAvx2RollingSphereKernels,
-    kStressKernels};
+const DiskKernelTable kAvx512DiskKernels = {kKernels<1>,
+                                            kKernels<2>,
+                                            &kAvx512SphereKernels,
+                                            kKernels<kRollingDisks>,
+                                            &kAvx2RollingSphereKernels,
+                                            kStressKernels};
 
 }  // namespace bipot

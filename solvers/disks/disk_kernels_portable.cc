@@ -5,13 +5,11 @@
 
 namespace bipot {
 
-const DiskKernelTable kPortableDiskKernels = {
-    {&sweep<1>, &gradient<1>, &extrapolate_velocity, &sweep_forth<1>, &sweep_back<1>},
-    {&sweep<2>, &gradient<2>, &extrapolate_velocity, &sweep_forth<2>, &sweep_back<2>},
-    &kPortableSphereKernels,
-    {&sweep<kRollingDisks>, &gradient<kRollingDisks>, &extrapolate_velocity,
-     &sweep_forth<kRollingDisks>, &sweep_back<kRollingDisks>},
-    &kPortableRollingSphereKernels,
-    kStressKernels};
+const DiskKernelTable kPortableDiskKernels = {kKernels<1>,
+                                              kKernels<2>,
+                                              &kPortableSphereKernels,
+                                              kKernels<kRollingDisks>,
+                                              &kPortableRollingSphereKernels,
+                                              kStressKernels};
 
 }  // namespace bipot

@@ -2,7 +2,7 @@
 
 // Rows of disks in lanes.
 
-#include "solvers/disks/lanes.h"
+#include "solvers/disks/kernel_loops.h"
 
 namespace bipot {
 namespace {
@@ -75,11 +75,6 @@ template <Second kSecond>
           Lanes{at(u, i[0]).value[kRowY] + second<kSecond>(at(v, j[0]).value[kRowY]),
                 at(u, i[1]).value[kRowY] + second<kSecond>(at(v, j[1]).value[kRowY])},
           __builtin_shufflevector(a, b, 1, 3), turn};
-}
-template <Second kSecond>
-[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
-                                            const unsigned* j) {
-  return gather<kSecond>(v, i, v, j);
 }
 /// Adds the wrench of lane k, times inverses if they are given, to body a and its opposite to b.
 template <bool kInverse, Second kSecond>
@@ -162,45 +157,17 @@ template <Second kSecond>
                                             const unsigned* j) {
   Row r[4];
   for (int k = 0; k < 4; ++k) r[k] = with_second<kSecond>(row(at(u, i[k])), row(at(v, j[k])));
-  const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
-  const Row even23 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
-  const Row odd01 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
-  const Row odd23 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
-  return {__builtin_shufflevector(even01, even23, 0, 1, 4, 5),
-          __builtin_shufflevector(even01, even23, 2, 3, 6, 7),
-          __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5),
-          __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7)};
-}
-template <Second kSecond>
-[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
-                                            const unsigned* j) {
-  return gather<kSecond>(v, i, v, j);
-}
-/// Wrenches as rows of the lanes.
-[[gnu::always_inline]] inline void put_rows(const Wrench& p, Row (&rows)[4]) {
-  const Row even = __builtin_shufflevector(p.x, p.spin, 0, 4, 2, 6);
-  const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
-  const Row y_even = __builtin_shufflevector(p.y, p.turn, 0, 4, 2, 6);
-  const Row y_odd = __builtin_shufflevector(p.y, p.turn, 1, 5, 3, 7);
-  rows[0] = __builtin_shufflevector(even, y_even, 0, 1, 4, 5);
-  rows[1] = __builtin_shufflevector(odd, y_odd, 0, 1, 4, 5);
-  rows[2] = __builtin_shufflevector(even, y_even, 2, 3, 6, 7);
-  rows[3] = __builtin_shufflevector(odd, y_odd, 2, 3, 6, 7);
+  transpose(r);
+  return {r[0], r[2], r[1], r[3]};
 }
 /// Calls add(row, row of the second body, lane) in the order of the lanes.
 template <Second kSecond, class Add>
 [[gnu::always_inline]] inline void for_rows(const Wrench& p, const Add& add) {
-  Row first[4], other[4];
-  put_rows(kSecond == kRolling ? on_first(p) : p, first);
-  if constexpr (kSecond == kRolling) put_rows(on_second(p), other);
+  const Wrench one = kSecond == kRolling ? on_first(p) : p, two = on_second(p);
+  Row first[4] = {one.x, one.spin, one.y, one.turn}, other[4] = {two.x, two.spin, two.y, two.turn};
+  transpose(first);
+  if constexpr (kSecond == kRolling) transpose(other);
   for (int k = 0; k < 4; ++k) add(first[k], kSecond == kRolling ? other[k] : first[k], k);
-}
-template <bool kInverse, Second kSecond>
-[[gnu::always_inline]] inline void scatter(const Wrench& p, const unsigned* i, const unsigned* j,
-                                           const BodyRow* inverse, BodyRow* to) {
-  for_rows<kSecond>(p, [&](Row wrench, Row other, int k) {
-    add<kInverse, kOfWrench<kSecond>>(wrench, other, i[k], j[k], inverse, to);
-  });
 }
 #elif BIPOT_WIDTH == 8
 /// Two rows in one register.
@@ -218,10 +185,8 @@ constexpr Lanes kSignOfSecond = {1, -1, 1, kSecond == kRolling ? 1 : -1,
   // (x, y) of two lanes alternately, and their spins.
   const Lanes even0 = first_of_pairs(a, b), odd0 = second_of_pairs(a, b);
   const Lanes even1 = first_of_pairs(c, d), odd1 = second_of_pairs(c, d);
-  return {__builtin_shufflevector(even0, even1, 0, 1, 4, 5, 8, 9, 12, 13),
-          __builtin_shufflevector(even0, even1, 2, 3, 6, 7, 10, 11, 14, 15),
-          __builtin_shufflevector(odd0, odd1, 0, 1, 4, 5, 8, 9, 12, 13),
-          __builtin_shufflevector(odd0, odd1, 2, 3, 6, 7, 10, 11, 14, 15)};
+  return {even_pairs(even0, even1), odd_pairs(even0, even1), even_pairs(odd0, odd1),
+          odd_pairs(odd0, odd1)};
 }
 /// Wrenches as rows of the same pairs.
 struct WrenchRows {
@@ -271,12 +236,22 @@ template <Second kSecond>
   };
   return motion_of(pair(0, 2), pair(1, 3), pair(4, 6), pair(5, 7));
 }
+#endif
+
+#if BIPOT_WIDTH != 2
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void scatter(const Wrench& p, const unsigned* i, const unsigned* j,
                                            const BodyRow* inverse, BodyRow* to) {
   for_rows<kSecond>(p, [&](Row wrench, Row other, int k) {
     add<kInverse, kOfWrench<kSecond>>(wrench, other, i[k], j[k], inverse, to);
   });
+}
+#endif
+#if BIPOT_WIDTH != 8
+template <Second kSecond>
+[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+                                            const unsigned* j) {
+  return gather<kSecond>(v, i, v, j);
 }
 #endif
 

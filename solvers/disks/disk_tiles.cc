@@ -89,6 +89,12 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
     if constexpr (D == kRollingDisks) inverse[kRowLast] = inverse[kRowSpin];
   }
   const auto offset = [](int row) { return row_offset<RowOf<D>>(row); };
+  const auto inverse_at = [&](unsigned at, int k) {
+    return inverse_[at / sizeof(RowOf<D>)].value[k];
+  };
+  const auto over_arm = [&](double roll, int body) {
+    return body == bodies.surroundings() ? 0 : roll / bodies.bodies[to_size(body)].arm;
+  };
   Snap snap_ratio, snap_mu;
   for (const Tile& tile : tiles_.tiles) {
     for (int batch = tile.first_batch; batch < tile.last_batch; ++batch) {
@@ -103,13 +109,10 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
         to.j[lane] = outside;
         // An empty lane uses the law of its neighbour, which saves a LawBatch.
         if (c < 0) {
-          law.ratio[lane] = law.ratio[0];
-          law.mu[lane] = law.mu[0];
-          law.cone[lane] = law.cone[0];
-          law.mu_r[lane] = law.mu_r[0];
-          law.rolling_cone[lane] = law.rolling_cone[0];
-          law.both_cones[lane] = law.both_cones[0];
-          law.mu_spin[lane] = law.mu_spin[0];
+          for (auto* const of : {&law.ratio, &law.mu, &law.cone, &law.mu_r, &law.rolling_cone,
+                                 &law.both_cones, &law.mu_spin}) {
+            (*of)[lane] = (*of)[0];
+          }
           continue;
         }
         const auto& from = bodies.contacts[to_size(c)];
@@ -137,16 +140,10 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
             Vec3 axis = Vec3::Zero();
             for (int k = 0; k < 3; ++k) axis[k] = p.H.coeff(6 * from.i + 3 + k, 6 * c + 3);
             const double roll = axis.norm() * velocity_scale_[6 * c + 3];
-            const auto over_arm = [&](int body) {
-              return body == bodies.surroundings() ? 0 : roll / bodies.bodies[to_size(body)].arm;
-            };
-            to.roll[0][lane] = over_arm(swapped ? from.j : from.i);
-            to.roll[1][lane] = over_arm(swapped ? from.i : from.j);
-            const auto inverse = [&](unsigned body) {
-              return inverse_[body / sizeof(SphereRow)].value[kRowTurn];
-            };
-            to.coupling[lane] =
-                inverse(to.i[lane]) * to.roll[0][lane] - inverse(to.j[lane]) * to.roll[1][lane];
+            to.roll[0][lane] = over_arm(roll, swapped ? from.j : from.i);
+            to.roll[1][lane] = over_arm(roll, swapped ? from.i : from.j);
+            to.coupling[lane] = inverse_at(to.i[lane], kRowTurn) * to.roll[0][lane] -
+                                inverse_at(to.j[lane], kRowTurn) * to.roll[1][lane];
           }
         } else {
           to.gx[lane] = sign * normal * from.n[0];
@@ -159,19 +156,14 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const BodiesOf<D>& bodies,
             law.both_cones[lane] = 1 / (1 + law.mu[lane] * law.mu[lane] + mu_r * mu_r);
             const double roll =
                 std::abs(p.H.coeff(3 * from.i + 2, 3 * c + 2)) * scaling.velocity[3 * c + 2];
-            const auto over_arm = [&](int body) {
-              return body == bodies.surroundings() ? 0 : roll / bodies.bodies[to_size(body)].arm;
-            };
-            double own_roll = sign * over_arm(from.i), other_roll = sign * over_arm(from.j);
+            double own_roll = sign * over_arm(roll, from.i);
+            double other_roll = sign * over_arm(roll, from.j);
             if (swapped) std::swap(own_roll, other_roll);
             to.turns[kTurnHalf][lane] = 0.5 * (own_roll + other_roll);
             to.turns[kTurnLean][lane] = 0.5 * (own_roll - other_roll);
-            const auto inverse = [&](unsigned body) {
-              return inverse_[body / sizeof(BodyRow)].value[kRowSpin];
-            };
             to.turns[kTurnCoupling][lane] =
-                -to.turns[kTurnSpin][lane] *
-                (inverse(to.i[lane]) * own_roll - inverse(to.j[lane]) * other_roll);
+                -to.turns[kTurnSpin][lane] * (inverse_at(to.i[lane], kRowSpin) * own_roll -
+                                              inverse_at(to.j[lane], kRowSpin) * other_roll);
           }
           for (int k = 0; k < kRows; ++k) to.b[k][lane] = b[k];
         }
@@ -444,10 +436,6 @@ Pipeline DiskTiles<D>::pipeline(int threads, Streamed bytes) const {
   return {static_cast<int>(depth), static_cast<int>(places)};
 }
 
-template class DiskTiles<1>;
-template class DiskTiles<2>;
-template class DiskTiles<3>;
-template class DiskTiles<kRollingDisks>;
-template class DiskTiles<kRollingSpheres>;
+BIPOT_FOR_BODIES(template class DiskTiles);
 
 }  // namespace bipot

@@ -37,18 +37,16 @@ class DiskTiles {
   static constexpr int kRows = kRowsOf<D>;
   using Rows = Eigen::Matrix<double, kRows, 1>;
   using Tile = ContactTiles::Tile;
+  const ContactTiles& order() const { return tiles_; }
   int num_tiles() const { return static_cast<int>(tiles_.tiles.size()); }
   const Tile& tile(int t) const { return tiles_.tiles[to_size(t)]; }
   int num_rows() const { return tiles_.num_rows; }
   int num_batches() const { return tiles_.num_batches(); }
 
-  const ContactBatch<D>* contacts() const { return contacts_.data(); }
-  const ContactBatch<D>* contacts(const Tile& t) const {
-    return &contacts_[to_size(t.first_batch)];
+  /// The contacts from this batch on.
+  PackedContacts<D> packed(int batch = 0) const {
+    return {&contacts_[to_size(batch)], law_.data() + batch, laws_.data()};
   }
-  const int* law_numbers() const { return law_.data(); }
-  const int* law_numbers(const Tile& t) const { return &law_[to_size(t.first_batch)]; }
-  const LawBatch* laws() const { return laws_.data(); }
   const RowOf<D>* inverse() const { return inverse_.data(); }
   int row(int body) const { return tiles_.row[to_size(body)]; }
   /// The contact in a lane, kLanes for each batch; -1: none.

@@ -32,12 +32,14 @@ inline Lanes load(const double* from, int part) {
 inline void store(double* to, int part, Lanes x) { reinterpret_cast<Lanes*>(to)[part] = x; }
 inline const Row& row(const BodyRow& r) { return *reinterpret_cast<const Row*>(&r); }
 inline Row& row(BodyRow& r) { return *reinterpret_cast<Row*>(&r); }
-/// The row at an offset.
-inline const BodyRow& at(const BodyRow* rows, unsigned offset) {
-  return *reinterpret_cast<const BodyRow*>(reinterpret_cast<const char*>(rows) + offset);
+/// The row at an offset, of disks or spheres.
+template <class RowType>
+inline const RowType& at(const RowType* rows, unsigned offset) {
+  return *reinterpret_cast<const RowType*>(reinterpret_cast<const char*>(rows) + offset);
 }
-inline BodyRow& at(BodyRow* rows, unsigned offset) {
-  return *reinterpret_cast<BodyRow*>(reinterpret_cast<char*>(rows) + offset);
+template <class RowType>
+inline RowType& at(RowType* rows, unsigned offset) {
+  return *reinterpret_cast<RowType*>(reinterpret_cast<char*>(rows) + offset);
 }
 
 #if BIPOT_WIDTH == 8
@@ -94,6 +96,25 @@ inline Lanes first_of_pairs(Lanes a, Lanes b) {
 }
 inline Lanes second_of_pairs(Lanes a, Lanes b) {
   return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+}
+/// Every second of four pairs, of two vectors.
+inline Lanes even_pairs(Lanes a, Lanes b) {
+  return __builtin_shufflevector(a, b, 0, 1, 4, 5, 8, 9, 12, 13);
+}
+inline Lanes odd_pairs(Lanes a, Lanes b) {
+  return __builtin_shufflevector(a, b, 2, 3, 6, 7, 10, 11, 14, 15);
+}
+#elif BIPOT_WIDTH == 4
+/// Value k of each row becomes row k.
+[[gnu::always_inline]] inline void transpose(Row (&r)[4]) {
+  const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
+  const Row even23 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
+  const Row odd01 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+  const Row odd23 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+  r[0] = __builtin_shufflevector(even01, even23, 0, 1, 4, 5);
+  r[1] = __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5);
+  r[2] = __builtin_shufflevector(even01, even23, 2, 3, 6, 7);
+  r[3] = __builtin_shufflevector(odd01, odd23, 2, 3, 6, 7);
 }
 #endif
 

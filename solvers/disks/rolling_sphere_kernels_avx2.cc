@@ -3,6 +3,6 @@
 
 namespace bipot {
 
-const DiskKernels<kRollingSpheres> kAvx2RollingSphereKernels = sphere_kernels<kRollingSpheres>();
+const DiskKernels<kRollingSpheres> kAvx2RollingSphereKernels = kKernels<kRollingSpheres>;
 
 }  // namespace bipot

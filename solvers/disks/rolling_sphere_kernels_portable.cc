@@ -3,7 +3,6 @@
 
 namespace bipot {
 
-const DiskKernels<kRollingSpheres> kPortableRollingSphereKernels =
-    sphere_kernels<kRollingSpheres>();
+const DiskKernels<kRollingSpheres> kPortableRollingSphereKernels = kKernels<kRollingSpheres>;
 
 }  // namespace bipot

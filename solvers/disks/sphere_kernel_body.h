@@ -2,7 +2,7 @@
 
 // The kernels for spheres, with rolling friction (kRollingSpheres) or without.
 
-#include "solvers/disks/lanes.h"
+#include "solvers/disks/kernel_loops.h"
 
 namespace bipot {
 namespace {
@@ -69,26 +69,11 @@ struct Twist {
   return dot(a.force, b.force) + dot(a.moment, b.moment);
 }
 
-inline const SphereRow& at(const SphereRow* rows, unsigned offset) {
-  return *reinterpret_cast<const SphereRow*>(reinterpret_cast<const char*>(rows) + offset);
-}
-inline SphereRow& at(SphereRow* rows, unsigned offset) {
-  return *reinterpret_cast<SphereRow*>(reinterpret_cast<char*>(rows) + offset);
-}
-
 #if BIPOT_WIDTH == 8
 inline const Lanes& whole(const SphereRow& r) { return *reinterpret_cast<const Lanes*>(&r); }
 inline Lanes& whole(SphereRow& r) { return *reinterpret_cast<Lanes*>(&r); }
 /// Products with one are exact, so that sums with these signs are rounded once.
 constexpr Lanes kSecondSign{1, 1, 1, 1, -1, -1, -1, -1};
-
-/// Every second of four pairs, of two vectors.
-inline Lanes even_pairs(Lanes a, Lanes b) {
-  return __builtin_shufflevector(a, b, 0, 1, 4, 5, 8, 9, 12, 13);
-}
-inline Lanes odd_pairs(Lanes a, Lanes b) {
-  return __builtin_shufflevector(a, b, 2, 3, 6, 7, 10, 11, 14, 15);
-}
 
 [[gnu::always_inline]] inline void gather(const SphereRow* v, const unsigned* i, const unsigned* j,
                                           SpaceMotion& to) {
@@ -154,24 +139,14 @@ inline const Row& half(const SphereRow& r, int k) { return reinterpret_cast<cons
 inline Row& half(SphereRow& r, int k) { return reinterpret_cast<Row*>(&r)[k]; }
 /// The first three values of four rows.
 [[gnu::always_inline]] inline Space lanes_of(const Row* r) {
-  const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
-  const Row even23 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
-  const Row odd01 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
-  const Row odd23 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
-  return {__builtin_shufflevector(even01, even23, 0, 1, 4, 5),
-          __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5),
-          __builtin_shufflevector(even01, even23, 2, 3, 6, 7)};
+  Row lanes[4] = {r[0], r[1], r[2], r[3]};
+  transpose(lanes);
+  return {lanes[0], lanes[1], lanes[2]};
 }
 [[gnu::always_inline]] inline void rows_of(const Space& a, Row* row) {
-  const Row zero{};
-  const Row xy_even = __builtin_shufflevector(a.x, a.y, 0, 4, 2, 6);
-  const Row xy_odd = __builtin_shufflevector(a.x, a.y, 1, 5, 3, 7);
-  const Row z_even = __builtin_shufflevector(a.z, zero, 0, 4, 2, 6);
-  const Row z_odd = __builtin_shufflevector(a.z, zero, 1, 5, 3, 7);
-  row[0] = __builtin_shufflevector(xy_even, z_even, 0, 1, 4, 5);
-  row[1] = __builtin_shufflevector(xy_odd, z_odd, 0, 1, 4, 5);
-  row[2] = __builtin_shufflevector(xy_even, z_even, 2, 3, 6, 7);
-  row[3] = __builtin_shufflevector(xy_odd, z_odd, 2, 3, 6, 7);
+  Row rows[4] = {a.x, a.y, a.z, Row{}};
+  transpose(rows);
+  for (int k = 0; k < 4; ++k) row[k] = rows[k];
 }
 inline Row inverse_in(Row half) { return __builtin_shufflevector(half, half, 3, 3, 3, 3); }
 #else
@@ -416,79 +391,32 @@ struct ContactsOf<kRollingSpheres> {
   using Type = RollingContacts;
 };
 
-/// Runs solve(batch, part, motion) -> wrench over all parts of the batches from `first` to before
-/// `last`, downwards with kBack: see for_parts() in disk_sweeps.h. kInverse: the wrenches change the
-/// velocities.
-template <bool kBack, bool kInverse, int D, class Solve>
-[[gnu::always_inline]] inline void for_sphere_parts(const ContactBatch<D>* contact, int first,
-                                                    int last, const SphereRow* velocity,
-                                                    SphereRow* to, const Solve& solve) {
+/// For for_parts(). kInverse: the wrenches change the velocities.
+template <int D, bool kInverse>
+struct SphereBodies {
   using Motion = typename ContactsOf<D>::Type::Motion;
-  const int batches = last - first, step = kBack ? -1 : 1;
-  Motion wrench{};
-  const unsigned *i_before = nullptr, *j_before = nullptr;
-  int k = kBack ? last - 1 : first;
-  for (int n = 0; n < batches; ++n, k += step) {
-#pragma GCC unroll 4
-    for (int part = 0; part < kParts; ++part) {
-      const unsigned *const i = contact[k].i + part * kWidth, *const j =
-                                                                  contact[k].j + part * kWidth;
-      Motion motion;
-      gather(velocity, i, j, motion);
-      if (part > 0 || n > 0) scatter<kInverse>(wrench, i_before, j_before, to);
-      wrench = solve(k, part, motion);
-      i_before = i;
-      j_before = j;
-    }
+  const SphereRow* velocity;
+  SphereRow* to;
+
+  [[gnu::always_inline]] Motion gathered(const unsigned* i, const unsigned* j) const {
+    Motion motion;
+    gather(velocity, i, j, motion);
+    return motion;
   }
-  if (batches > 0) scatter<kInverse>(wrench, i_before, j_before, to);
-}
+  [[gnu::always_inline]] void add(const Motion& p, const unsigned* i, const unsigned* j) const {
+    scatter<kInverse>(p, i, j, to);
+  }
+};
 
-template <int D>
-void sweep_spheres(const SweepTask<D>& task) {
-  using Contacts = typename ContactsOf<D>::Type;
-  const SweepTask<D> a = task;
-  const Lanes omega = all(a.omega);
-  const auto solve = [&](int k, int part, const typename Contacts::Motion& motion) {
-    if (part == 0 && a.ask_ahead) {
-      prefetch_item(a.contact, k + kAhead);
-      prefetch_item(a.impulse, k + kAhead);
-    }
-    const Contacts c(a.contact[k], a.laws[a.law[k]], part);
-    const auto x = Contacts::loaded(a.impulse[k].x, part);
-    const auto z =
-        c.template relaxed<false>(x, omega, motion, Contacts::loaded(a.contact[k].b, part));
-    Contacts::put(a.impulse[k].x, part, z);
-    return c.wrench(z - x);
-  };
-  for_sphere_parts<false, true>(a.contact, 0, a.batches, a.velocity, a.velocity, solve);
-}
-
-/// kOuter: starts from y in the forward sweep, computes sums at the end of the backward sweep.
-template <int D, bool kBack, bool kOuter>
-void sweep_spheres_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
+template <int D, bool kBack, bool kOuter, bool kRelaxed>
+void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
   using Contacts = typename ContactsOf<D>::Type;
   using Impulse = typename Contacts::Impulse;
   const SymmetricTask<D> a = task;
   const Lanes omega = all(a.omega), beta = all(a.beta);
-  constexpr bool kStream = kBack || kOuter;
-  const int batches = a.last_batch - a.first_batch;
-  const int share = batches > 0 ? (a.num_coming + batches - 1) / batches : 0;
-  int coming = 0;
+  SymmetricPrefetch<kBack, kOuter, D> prefetch_lists(a);
   const auto solve = [&](int k, int part, const typename Contacts::Motion& motion) {
-    if (kStream && part == 0 && a.ask_ahead) {
-      const int ahead = kBack ? k - kAhead : k + kAhead;
-      prefetch_item(a.contact, ahead);
-      prefetch_item(a.next, ahead);
-      if constexpr (kOuter) {
-        prefetch_item(a.now, ahead);
-        prefetch_item(a.before, ahead);
-      }
-      if constexpr (kBack) {
-        const int end = coming + share < a.num_coming ? coming + share : a.num_coming;
-        for (; coming < end; ++coming) prefetch(at(a.velocity, a.coming[coming]));
-      }
-    }
+    prefetch_lists(a, k, part);
     const auto extrapolated = [&](const Impulse& now) {
       return now + beta * (now - Contacts::loaded(a.before[k].x, part));
     };
@@ -508,25 +436,8 @@ void sweep_spheres_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
     Contacts::put(a.next[k].x, part, z);
     return c.wrench(z - x);
   };
-  for_sphere_parts<kBack, true>(a.contact, a.first_batch, a.last_batch, a.velocity, a.velocity,
-                                solve);
-}
-
-template <int D>
-void sweep_spheres_forth(const SymmetricTask<D>& task) {
-  if (task.outer) {
-    sweep_spheres_symmetric<D, false, true>(task, nullptr);
-  } else {
-    sweep_spheres_symmetric<D, false, false>(task, nullptr);
-  }
-}
-template <int D>
-void sweep_spheres_back(const SymmetricTask<D>& task, TurnSums& sums) {
-  if (!task.outer) return sweep_spheres_symmetric<D, true, false>(task, nullptr);
-  Lanes turn[kParts];
-  for (int part = 0; part < kParts; ++part) turn[part] = load(sums.turn, part);
-  sweep_spheres_symmetric<D, true, true>(task, turn);
-  for (int part = 0; part < kParts; ++part) store(sums.turn, part, turn[part]);
+  for_parts<kBack>(SphereBodies<D, true>{a.velocity, a.velocity}, a.contact, a.first_batch,
+                   a.last_batch, solve);
 }
 
 /// A row in registers, for what is done value by value.
@@ -579,7 +490,7 @@ template <int D>
 }
 
 template <int D, GradientMap kMap>
-void project_spheres(const GradientTask<D>& task, GradientSums& sums) {
+void project(const GradientTask<D>& task, GradientSums& sums) {
   using Contacts = typename ContactsOf<D>::Type;
   const GradientTask<D> a = task;
   const Lanes beta = all(a.beta);
@@ -603,14 +514,11 @@ void project_spheres(const GradientTask<D>& task, GradientSums& sums) {
     Contacts::put(a.next[k].x, part, z);
     return c.wrench(z);
   };
-  for (const BodyBlock* window = a.begin; window != a.end;) {
-    const auto left = a.end - window;
-    const BodyBlock* const end = window + (left < kWindowBlocks ? left : kWindowBlocks);
+  const SphereBodies<D, false> bodies{a.velocity, a.next_momentum};
+  for_windows(a, [&](const BodyBlock* window, const BodyBlock* end) {
     begin_spheres(a, window->row, static_cast<int>(end - window) * kLanes, energy);
-    for_sphere_parts<false, false>(a.contact, window->first, end->first, a.velocity,
-                                   a.next_momentum, solve);
-    window = end;
-  }
+    for_parts<false>(bodies, a.contact, window->first, end->first, solve);
+  });
   for (int piece = 0; piece < kPiecesOfRow; ++piece) {
     reinterpret_cast<RowPiece*>(sums.energy)[piece] = energy[piece];
   }
@@ -618,21 +526,6 @@ void project_spheres(const GradientTask<D>& task, GradientSums& sums) {
     store(sums.along, part, along[part]);
     store(sums.change2, part, change2[part]);
   }
-}
-
-template <int D>
-void gradient_spheres(const GradientTask<D>& task, GradientSums& sums) {
-  if (task.map == GradientMap::kFollowed) {
-    project_spheres<D, GradientMap::kFollowed>(task, sums);
-  } else {
-    project_spheres<D, GradientMap::kSplit>(task, sums);
-  }
-}
-
-template <int D>
-constexpr DiskKernels<D> sphere_kernels() {
-  return {&sweep_spheres<D>, &gradient_spheres<D>, &extrapolate_velocity, &sweep_spheres_forth<D>,
-          &sweep_spheres_back<D>};
 }
 
 }  // namespace

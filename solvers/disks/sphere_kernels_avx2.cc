@@ -3,6 +3,6 @@
 
 namespace bipot {
 
-const DiskKernels<3> kAvx2SphereKernels = sphere_kernels<3>();
+const DiskKernels<3> kAvx2SphereKernels = kKernels<3>;
 
 }  // namespace bipot

@@ -3,6 +3,6 @@
 
 namespace bipot {
 
-const DiskKernels<3> kAvx512SphereKernels = sphere_kernels<3>();
+const DiskKernels<3> kAvx512SphereKernels = kKernels<3>;
 
 }  // namespace bipot

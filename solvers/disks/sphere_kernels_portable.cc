@@ -3,6 +3,6 @@
 
 namespace bipot {
 
-const DiskKernels<3> kPortableSphereKernels = sphere_kernels<3>();
+const DiskKernels<3> kPortableSphereKernels = kKernels<3>;
 
 }  // namespace bipot

@@ -26,22 +26,16 @@ struct StressKernels {
   };
   /// The transpose: adds the rates w = g·(V_i - V_j) + b of all contacts, times their carried
   /// impulses, to the rows of both bodies.
-  struct RatesTask {
+  struct RatesTask : PackedContacts<2> {
     int batches = 0;
-    const ContactBatch<2>* contact = nullptr;
-    const int* law = nullptr;
-    const LawBatch* laws = nullptr;
     const ShareBatch* share = nullptr;
     const BodyRow* velocity = nullptr;  ///< all rows
     BodyRow* rates = nullptr;           ///< all rows
   };
   /// z = x⁺ - y + the carried impulses, in place of x⁺. The carried impulses are added to the
   /// momentum of the bodies.
-  struct ImpulseTask {
+  struct ImpulseTask : PackedContacts<2> {
     int batches = 0;
-    const ContactBatch<2>* contact = nullptr;
-    const int* law = nullptr;
-    const LawBatch* laws = nullptr;
     const ShareBatch* share = nullptr;
     const BodyRow* stress = nullptr;  ///< all rows
     const ImpulseBatch<2>* y = nullptr;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numeric>
 
 #include "core/base/parallel.h"
 #include "solvers/disks/disk_positions.h"
@@ -120,39 +119,27 @@ void StressModes::place_bodies(const DiskStructure& disks) {
 }
 
 void StressModes::list_rows() {
-  first_row_.assign(cells_.size() + 1, 0);
-  for (const Place& place : place_) {
-    if (place.cell >= 0) ++first_row_[to_size(place.cell) + 1];
-  }
-  std::partial_sum(first_row_.begin(), first_row_.end(), first_row_.begin());
-  row_.resize(to_size(first_row_.back()));
-  std::vector<int> next(first_row_.begin(), first_row_.end() - 1);
-  for (std::size_t row = 0; row < place_.size(); ++row) {
-    const int cell = place_[row].cell;
-    if (cell >= 0) row_[to_size(next[to_size(cell)]++)] = static_cast<int>(row);
-  }
+  rows_ = make_lists(static_cast<int>(cells_.size()), [&](const auto& put) {
+    for (std::size_t row = 0; row < place_.size(); ++row) {
+      if (place_[row].cell >= 0) put(place_[row].cell, static_cast<int>(row));
+    }
+  });
   const auto colour = [&](int cell) {
     const Node low = nodes_[to_size(cells_[to_size(cell)][0])];
     // Places are negative too.
     const auto part = [](int place) { return (place % kApart + kApart) % kApart; };
     return part(low.x) + kApart * part(low.y);
   };
-  const int cells = static_cast<int>(cells_.size());
-  first_of_colour_.assign(kColours + 1, 0);
-  for (int cell = 0; cell < cells; ++cell) ++first_of_colour_[to_size(colour(cell)) + 1];
-  std::partial_sum(first_of_colour_.begin(), first_of_colour_.end(), first_of_colour_.begin());
-  coloured_.resize(cells_.size());
-  std::vector<int> place(first_of_colour_);
-  for (int cell = 0; cell < cells; ++cell) {
-    coloured_[to_size(place[to_size(colour(cell))]++)] = cell;
-  }
+  coloured_ = make_lists(kColours, [&](const auto& put) {
+    for (int cell = 0; cell < rows_.count(); ++cell) put(colour(cell), cell);
+  });
 }
 
 /// Lists the contacts of each row that may carry. Excluded are contacts of a body whose neighbours
 /// are not within two cells each way, as in packings with a periodic side.
 void StressModes::list_contacts() {
   const int rows = tiles_.num_rows();
-  const ContactBatch<2>* const contacts = tiles_.contacts(tiles_.tile(0));
+  const ContactBatch<2>* const contacts = tiles_.packed().contact;
   const auto each_lane = [&](auto&& visit) {
     for (int lane = 0; lane < tiles_.num_batches() * kLanes; ++lane) {
       if (tiles_.contact(lane) < 0) continue;
@@ -185,19 +172,12 @@ void StressModes::list_contacts() {
     if (!placed(i) || range[to_size(i)].wide()) return false;
     return is_outside(tiles_, j) || (placed(j) && !range[to_size(j)].wide());
   };
-  first_.assign(to_size(rows) + 1, 0);
-  each_lane([&](int, int i, int j) {
-    if (!may_carry(i, j)) return;
-    ++first_[to_size(i) + 1];
-    if (!is_outside(tiles_, j)) ++first_[to_size(j) + 1];
-  });
-  for (int row = 0; row < rows; ++row) first_[to_size(row) + 1] += first_[to_size(row)];
-  lane_.resize(to_size(first_.back()));
-  std::vector<int> next(first_.begin(), first_.end() - 1);
-  each_lane([&](int lane, int i, int j) {
-    if (!may_carry(i, j)) return;
-    lane_[to_size(next[to_size(i)]++)] = lane;
-    if (!is_outside(tiles_, j)) lane_[to_size(next[to_size(j)]++)] = lane;
+  lanes_ = make_lists(rows, [&](const auto& put) {
+    each_lane([&](int lane, int i, int j) {
+      if (!may_carry(i, j)) return;
+      put(i, lane);
+      if (!is_outside(tiles_, j)) put(j, lane);
+    });
   });
 }
 
@@ -237,28 +217,26 @@ void StressModes::set_pattern() {
 }
 
 bool StressModes::renew(std::span<const ImpulseBatch<2>> x) {
-  if (lane_.empty()) return false;
-  const ContactBatch<2>* const contacts = tiles_.contacts(tiles_.tile(0));
-  const int* const law = tiles_.law_numbers(tiles_.tile(0));
+  if (lanes_.items.empty()) return false;
+  const auto [contacts, law, laws] = tiles_.packed();
   const auto share_at = [&](int lane) {
     const int batch = lane / kLanes, at = lane % kLanes;
     const double normal = x[to_size(batch)].x[0][at], tangential = x[to_size(batch)].x[1][at];
-    const bool within =
-        normal > 0 && std::abs(tangential) < tiles_.laws()[law[batch]].mu[at] * normal;
+    const bool within = normal > 0 && std::abs(tangential) < laws[law[batch]].mu[at] * normal;
     const bool pair = !is_outside(tiles_, row_at(contacts[batch].j[at]));
     return !within ? 0 : pair ? 0.5 : 1;
   };
   std::atomic<std::size_t> changed = 0;
-  run_pieces(threads_, static_cast<int>(lane_.size()), [&](int first, int last) {
+  run_pieces(threads_, static_cast<int>(lanes_.items.size()), [&](int first, int last) {
     std::size_t here = 0;
     for (int k = first; k < last; ++k) {
-      const int lane = lane_[to_size(k)];
+      const int lane = lanes_.items[to_size(k)];
       if (share_at(lane) != share_[to_size(lane / kLanes)].share[lane % kLanes]) ++here;
     }
     changed += here;
   });
-  if (factored_ && changed * kUnchanged < lane_.size()) return true;
-  for (const int lane : lane_) {
+  if (factored_ && changed * kUnchanged < lanes_.items.size()) return true;
+  for (const int lane : lanes_.items) {
     share_[to_size(lane / kLanes)].share[lane % kLanes] = share_at(lane);
   }
   assemble();
@@ -268,24 +246,21 @@ bool StressModes::renew(std::span<const ImpulseBatch<2>> x) {
 
 void StressModes::assemble() {
   std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
-  run_phases(
-      threads_, kColours, first_of_colour_.data(), first_of_colour_.data() + 1, [&](int, int k) {
-        const std::size_t cell = to_size(coloured_[to_size(k)]);
-        for (int at = first_row_[cell]; at < first_row_[cell + 1]; ++at) {
-          const int row = row_[to_size(at)];
-          if (first_[to_size(row)] == first_[to_size(row) + 1]) continue;
-          const BodyRow& inverse = tiles_.inverse()[row];
-          add_body(row, {inverse.value[kRowX], inverse.value[kRowSpin], inverse.value[kRowY]});
-        }
-      });
+  const int* const starts = coloured_.start.data();
+  run_phases(threads_, kColours, starts, starts + 1, [&](int, int k) {
+    for (const int row : rows_.of(coloured_.items[to_size(k)])) {
+      if (lanes_.of(row).empty()) continue;
+      const BodyRow& inverse = tiles_.inverse()[row];
+      add_body(row, {inverse.value[kRowX], inverse.value[kRowSpin], inverse.value[kRowY]});
+    }
+  });
   shift_ = kShift * matrix_.diagonal().maxCoeff();
   for (int k = 0; k < matrix_.rows(); ++k) matrix_.coeffRef(k, k) += shift_;
 }
 
 /// Adds (wrench of P)ᵀ inverse (wrench of P) of one body.
 void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
-  const ContactBatch<2>* const contacts = tiles_.contacts(tiles_.tile(0));
-  const int* const law = tiles_.law_numbers(tiles_.tile(0));
+  const auto [contacts, law, laws] = tiles_.packed();
   const Place& own = place_[to_size(row)];
   const std::array<double, 4> own_weights = own.weights();
   const auto cell = [&](const Place& place) -> const Cell& { return cells_[to_size(place.cell)]; };
@@ -295,8 +270,8 @@ void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
     const int i = row_at(c.i[lane % kLanes]), j = row_at(c.j[lane % kLanes]);
     return place_[to_size(i == row ? j : i)];
   };
-  for (int k = first_[to_size(row)]; k < first_[to_size(row) + 1]; ++k) {
-    const Place& other = place_of_other(lane_[to_size(k)]);
+  for (const int lane : lanes_.of(row)) {
+    const Place& other = place_of_other(lane);
     if (other.cell < 0) continue;  // fixed
     const Node corner = nodes_[to_size(cell(other)[0])];
     low = {std::min(low.x, corner.x), std::min(low.y, corner.y)};
@@ -321,12 +296,12 @@ void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
     }
   };
   Moments all;
-  for (int k = first_[to_size(row)]; k < first_[to_size(row) + 1]; ++k) {
-    const int lane = lane_[to_size(k)], at = lane % kLanes;
+  for (const int lane : lanes_.of(row)) {
+    const int at = lane % kLanes;
     const ContactBatch<2>& c = contacts[lane / kLanes];
     const double share = share_[to_size(lane / kLanes)].share[at];
     if (share == 0) continue;
-    const double length = tiles_.laws()[law[lane / kLanes]].ratio[at] / c.turns[kTurnSpin][at];
+    const double length = laws[law[lane / kLanes]].ratio[at] / c.turns[kTurnSpin][at];
     const double nx = length * c.gx[at], ny = length * c.gy[at];
     const double sign = row_at(c.i[at]) == row ? share : -share;
     const Moments carried{-1, sign * nx, sign * ny, share * nx * ny, share * (nx * nx - ny * ny)};
@@ -376,12 +351,11 @@ bool StressModes::relax(std::span<BodyRow> rows) const {
   run_tasks(threads_, static_cast<int>(cells_.size()), [&](int cell) {
     auto& sum = sums[to_size(cell)];
     sum.setZero();
-    for (int k = first_row_[to_size(cell)]; k < first_row_[to_size(cell) + 1]; ++k) {
-      const std::size_t row = to_size(row_[to_size(k)]);
-      const std::array<double, 4> weights = place_[row].weights();
+    for (const int row : rows_.of(cell)) {
+      const std::array<double, 4> weights = place_[to_size(row)].weights();
       for (int corner = 0; corner < 4; ++corner) {
         for (int r = 0; r < 3; ++r) {
-          sum(r, corner) += weights[to_size(corner)] * rows[row].value[kSlots[r]];
+          sum(r, corner) += weights[to_size(corner)] * rows[to_size(row)].value[kSlots[r]];
         }
       }
     }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/large_pages.h"
+#include "core/base/lists.h"
 #include "core/linear/sparse_factor.h"
 #include "solvers/disks/disk_tiles.h"
 #include "solvers/disks/stress_kernels.h"
@@ -69,10 +70,10 @@ class StressModes {
   int threads_;
   std::vector<Node> nodes_;
   std::vector<Cell> cells_;
-  std::vector<Place> place_;                     // of each row
-  std::vector<int> first_row_, row_;             // the rows of each cell
-  std::vector<int> first_of_colour_, coloured_;  // the cells of each colour
-  std::vector<int> first_, lane_;                // lanes of the contacts of each row
+  std::vector<Place> place_;  // of each row
+  Lists<> rows_;              // of each cell
+  Lists<> coloured_;          // the cells of each colour
+  Lists<> lanes_;             // of the contacts of each row
   LargeVector<StressKernels::ShareBatch> share_;
   std::vector<Neighbours> neighbours_;
   SparseMatrix matrix_;

@@ -13,15 +13,8 @@ template <int D>
 SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
                                   const ContactScaling& equilibrated, double omega, int sweeps,
                                   const Execution& options)
-    : SymmetricSweep(problem, bodies, equilibrated, omega, sweeps, options,
-                     symmetric_order(bodies)) {}
-
-template <int D>
-SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
-                                  const ContactScaling& equilibrated, double omega, int sweeps,
-                                  const Execution& options, ContactTiles order)
-    : links_(tile_links(order, bodies)),
-      disks_(problem, bodies, equilibrated, std::move(order), options.threads),
+    : disks_(problem, bodies, equilibrated, symmetric_order(bodies), options.threads),
+      links_(tile_links(disks_.order(), bodies)),
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
       sweeps_(sweeps),
@@ -97,16 +90,14 @@ typename SymmetricSweep<D>::Swept SymmetricSweep<D>::sweep() {
 template <int D>
 double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before) {
   const auto task_of = [&](const ContactTiles::Tile& tile) {
-    SymmetricTask<D> task{.first_batch = tile.first_batch,
-                          .last_batch = tile.last_batch,
-                          .ask_ahead = asks_ahead_,
-                          .beta = beta,
-                          .omega = omega_,
-                          .contact = disks_.contacts(disks_.tile(0)),
-                          .law = disks_.law_numbers(disks_.tile(0)),
-                          .laws = disks_.laws(),
-                          .now = now_.data(),
-                          .before = before};
+    SymmetricTask<D> task{disks_.packed()};
+    task.first_batch = tile.first_batch;
+    task.last_batch = tile.last_batch;
+    task.ask_ahead = asks_ahead_;
+    task.beta = beta;
+    task.omega = omega_;
+    task.now = now_.data();
+    task.before = before;
     task.next = next_.data();
     task.velocity = velocity_before_.data();
     task.inverse = disks_.inverse();
@@ -115,6 +106,7 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
   const auto forth = [&](const ContactTiles::Tile& tile, bool first) {
     SymmetricTask<D> task = task_of(tile);
     task.outer = first;
+    task.ask_ahead = first && asks_ahead_;  // later, lists are in the cache
     if (first) {
       // No sweep has used these bodies yet.
       constexpr int kParts = static_cast<int>(sizeof(RowOf<D>) / sizeof(BodyRow));
@@ -154,10 +146,6 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
   return turn;
 }
 
-template class SymmetricSweep<1>;
-template class SymmetricSweep<2>;
-template class SymmetricSweep<3>;
-template class SymmetricSweep<kRollingDisks>;
-template class SymmetricSweep<kRollingSpheres>;
+BIPOT_FOR_BODIES(template class SymmetricSweep);
 
 }  // namespace bipot

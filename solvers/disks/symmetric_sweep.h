@@ -46,13 +46,10 @@ class SymmetricSweep {
   SweepSchedule schedule(SweepSchedule::Sweeps sweeps) const;
 
  private:
-  SymmetricSweep(const ContactProblem& problem, const BodiesOf<D>& bodies,
-                 const ContactScaling& equilibrated, double omega, int sweeps,
-                 const Execution& options, ContactTiles order);
   double sweep_from(double beta, const ImpulseBatch<D>* before);
 
-  TileLinks links_;  // of the order that the tiles then take over
   DiskTiles<D> disks_;
+  TileLinks links_;
   const DiskKernels<D>& kernels_;
   double omega_;
   int sweeps_, threads_;

@@ -121,16 +121,14 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
     const Roles& role = roles[to_size(k)];
     const std::size_t next = to_size(roles[to_size(k) + 1].now);
 
-    GradientTask<D> task{.begin = &blocks_.blocks[to_size(blocks_.first_block[to_size(t)])],
-                         .end = &blocks_.blocks[to_size(blocks_.first_block[to_size(t) + 1])],
-                         .ask_ahead = asks_ahead_,
-                         .map = control.map,
-                         .beta = beta[to_size(k)],
-                         .contact = disks_.contacts(),
-                         .law = disks_.law_numbers(),
-                         .laws = disks_.laws(),
-                         .now = impulse_[to_size(role.now)].data(),
-                         .before = impulse_[to_size(role.before)].data()};
+    GradientTask<D> task{disks_.packed()};
+    task.begin = &blocks_.blocks[to_size(blocks_.first_block[to_size(t)])];
+    task.end = &blocks_.blocks[to_size(blocks_.first_block[to_size(t) + 1])];
+    task.ask_ahead = asks_ahead_;
+    task.map = control.map;
+    task.beta = beta[to_size(k)];
+    task.now = impulse_[to_size(role.now)].data();
+    task.before = impulse_[to_size(role.before)].data();
     task.next = impulse_[next].data();
     task.momentum = momentum_[to_size(role.now)].data();
     task.momentum_before = momentum_[to_size(role.before)].data();
@@ -239,10 +237,6 @@ void TiledGradient<D>::advance(int iterations, GradientKernel::Control& control)
   }
 }
 
-template class TiledGradient<1>;
-template class TiledGradient<2>;
-template class TiledGradient<3>;
-template class TiledGradient<kRollingDisks>;
-template class TiledGradient<kRollingSpheres>;
+BIPOT_FOR_BODIES(template class TiledGradient);
 
 }  // namespace bipot

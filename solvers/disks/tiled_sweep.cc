@@ -35,23 +35,15 @@ template <int D>
 void TiledSweep<D>::advance(int sweeps) {
   run_wavefront(threads_, disks_.num_tiles(), sweeps, pipeline_, [&](int, int t) {
     const ContactTiles::Tile& tile = disks_.tile(t);
-    SweepTask<D> task{.batches = tile.last_batch - tile.first_batch,
-                      .ask_ahead = asks_ahead_,
-                      .omega = omega_,
-                      .contact = disks_.contacts(tile),
-                      .law = disks_.law_numbers(tile),
-                      .laws = disks_.laws(),
-                      .impulse = &impulse_[to_size(tile.first_batch)],
-                      .velocity = velocity_.data(),
-                      .inverse = disks_.inverse()};
-    kernels_.sweep(task);
+    SymmetricTask<D> task{disks_.packed(), tile.first_batch, tile.last_batch, false, asks_ahead_};
+    task.omega = omega_;
+    task.next = impulse_.data();
+    task.velocity = velocity_.data();
+    task.inverse = disks_.inverse();
+    kernels_.sweep_forth(task);
   });
 }
 
-template class TiledSweep<1>;
-template class TiledSweep<2>;
-template class TiledSweep<3>;
-template class TiledSweep<kRollingDisks>;
-template class TiledSweep<kRollingSpheres>;
+BIPOT_FOR_BODIES(template class TiledSweep);
 
 }  // namespace bipot

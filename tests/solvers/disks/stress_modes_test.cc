@@ -53,19 +53,17 @@ struct Stressed {
     StressImpulses z = y;
     momentum = rows();
     StressKernels::LoadSums load;
-    stress_kernels(path).impulse(
-        {tiles.num_batches(), tiles.contacts(tile()), tiles.law_numbers(tile()), tiles.laws(),
-         modes.share(), stress.data(), y.data(), z.data(), momentum.data()},
-        load);
+    stress_kernels(path).impulse({tiles.packed(), tiles.num_batches(), modes.share(), stress.data(),
+                                  y.data(), z.data(), momentum.data()},
+                                 load);
     return z;
   }
   /// StressRows of Pᵀ(W x + b).
   StressRows rates(const StressImpulses& x, SimdPath path = SimdPath::kAuto) const {
     StressRows velocity = rows(), out = rows();
     tiles.velocities(x, velocity);
-    stress_kernels(path).rates({tiles.num_batches(), tiles.contacts(tile()),
-                                tiles.law_numbers(tile()), tiles.laws(), modes.share(),
-                                velocity.data(), out.data()});
+    stress_kernels(path).rates(
+        {tiles.packed(), tiles.num_batches(), modes.share(), velocity.data(), out.data()});
     return out;
   }
 };
@@ -188,8 +186,7 @@ TEST(StressModes, OneCorrectionTakesThemOut) {
   StressKernels::LoadSums load;
   const StressImpulses nothing = at.impulses();
   stress_kernels(SimdPath::kAuto)
-      .impulse({at.tiles.num_batches(), at.tiles.contacts(at.tile()),
-                at.tiles.law_numbers(at.tile()), at.tiles.laws(), at.modes.share(), rows.data(),
+      .impulse({at.tiles.packed(), at.tiles.num_batches(), at.modes.share(), rows.data(),
                 nothing.data(), z.data(), momentum.data()},
                load);
   ASSERT_GT(before, 0);
