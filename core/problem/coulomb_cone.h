@@ -31,6 +31,14 @@ struct ContactRows {
 template <class Real>
 using RollingFriction = ContactRows::Rolling<Real>;
 
+// Instantiates a template for the rows of all contacts: BIPOT_FOR_ROWS(template class Name);
+#define BIPOT_FOR_ROWS(name)  \
+  name<1>;                    \
+  name<2>;                    \
+  name<3>;                    \
+  name<ContactRows(3, true)>; \
+  name<ContactRows(6, true)>
+
 /// Friction of a contact: the coefficient mu, or a RollingFriction.
 template <ContactRows K>
 using FrictionOf = std::conditional_t<K.rolls, RollingFriction<double>, double>;

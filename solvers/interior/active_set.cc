@@ -130,10 +130,6 @@ StageEnd ActiveSet<D>::operator()(int cap, InteriorRun& run) {
   return StageEnd::kLimit;
 }
 
-template class ActiveSet<1>;
-template class ActiveSet<2>;
-template class ActiveSet<3>;
-template class ActiveSet<ContactRows(3, true)>;
-template class ActiveSet<ContactRows(6, true)>;
+BIPOT_FOR_ROWS(template class ActiveSet);
 
 }  // namespace bipot

@@ -106,17 +106,12 @@ InteriorState<D> EqualProductStart<D>::warm(const Vector& s0, double tau) const 
     Jordan::each_part(f, [&](auto first, auto count, auto pair) {
       if constexpr (count() == 1) x[pair() + (s[first()] > 0 ? 0 : 1)] = edges[first()];
     });
-    z.X.template segment<P>(c * P) = x;
-    z.Y.template segment<P>(c * P) = Jordan::divide(Jordan::identity(tau, f), x, f);
+    system.put_central(z, c, x, tau);
   }
   system.recompute(z);
   return z;
 }
 
-template struct EqualProductStart<1>;
-template struct EqualProductStart<2>;
-template struct EqualProductStart<3>;
-template struct EqualProductStart<ContactRows(3, true)>;
-template struct EqualProductStart<ContactRows(6, true)>;
+BIPOT_FOR_ROWS(template struct EqualProductStart);
 
 }  // namespace bipot

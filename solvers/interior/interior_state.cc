@@ -36,10 +36,7 @@ InteriorState<D> InteriorSystem<D>::central_state(const Vector& impulse,
   for (int c = 0; c < num_contacts(); ++c) {
     Local<D> s = Local<D>::Zero();
     s[0] = impulse[c];
-    const Pairs x = Jordan::pairs_of_impulse(s, mu(c), parts(c));
-    z.X.template segment<P>(c * P) = x;
-    z.Y.template segment<P>(c * P) =
-        Jordan::divide(Jordan::identity(energy[c], parts(c)), x, parts(c));
+    put_central(z, c, Jordan::pairs_of_impulse(s, mu(c), parts(c)), energy[c]);
   }
   recompute(z);
   return z;
@@ -201,10 +198,6 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
   }
 }
 
-template class InteriorSystem<1>;
-template class InteriorSystem<2>;
-template class InteriorSystem<3>;
-template class InteriorSystem<ContactRows(3, true)>;
-template class InteriorSystem<ContactRows(6, true)>;
+BIPOT_FOR_ROWS(template class InteriorSystem);
 
 }  // namespace bipot

@@ -48,6 +48,12 @@ class InteriorSystem {
 
   /// X, Y with all eigenvalue products equal to `energy[c]`, s_t = 0, s_n = impulse[c].
   State central_state(const Vector& impulse, const Vector& energy) const;
+  /// X = x and Y with all eigenvalue products equal to `energy`, of one contact.
+  void put_central(State& z, int c, const Pairs& x, double energy) const {
+    z.X.template segment<P>(c * P) = x;
+    z.Y.template segment<P>(c * P) =
+        Jordan::divide(Jordan::identity(energy, parts(c)), x, parts(c));
+  }
   /// u and p from X and Y.
   void recompute(State& z) const;
   /// z + t d.

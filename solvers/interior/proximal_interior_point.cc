@@ -118,10 +118,6 @@ StageEnd ProximalInteriorPoint<D>::operator()(InteriorState<D>& z,
   return StageEnd::kLimit;
 }
 
-template struct ProximalInteriorPoint<1>;
-template struct ProximalInteriorPoint<2>;
-template struct ProximalInteriorPoint<3>;
-template struct ProximalInteriorPoint<ContactRows(3, true)>;
-template struct ProximalInteriorPoint<ContactRows(6, true)>;
+BIPOT_FOR_ROWS(template struct ProximalInteriorPoint);
 
 }  // namespace bipot

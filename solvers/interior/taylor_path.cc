@@ -32,20 +32,6 @@ TaylorPath<D>::TaylorPath(InteriorSystem<D>& system, InteriorState<D> start, int
       weights_(order) {}
 
 template <ContactRows D>
-auto TaylorPath<D>::coefficients(std::vector<double>& x, int c) -> Eigen::Map<Coefficients> {
-  const int columns = order_ + 1;
-  return {x.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(P * columns), P,
-          columns};
-}
-template <ContactRows D>
-auto TaylorPath<D>::coefficients(const std::vector<double>& x, int c) const
-    -> Eigen::Map<const Coefficients> {
-  const int columns = order_ + 1;
-  return {x.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(P * columns), P,
-          columns};
-}
-
-template <ContactRows D>
 PathStep TaylorPath<D>::end() {
   ended_ = true;
   return PathStep::kEnded;
@@ -132,7 +118,7 @@ bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
   store(1, next_, dt, tangent);
   for (int k = 2; k <= order_; ++k) {
     for (int c = 0; c < contacts; ++c) {
-      const auto X = coefficients(std::as_const(X_), c), Y = coefficients(std::as_const(Y_), c);
+      const auto X = coefficients(X_, c), Y = coefficients(Y_, c);
       Pairs sum = Pairs::Zero();
       for (int j = 1; j < k; ++j) {
         sum -= Jordan::product(X.col(j), Y.col(k - j), system_.parts(c));
@@ -257,7 +243,7 @@ void TaylorPath<D>::take(double alpha) {
   end_tangent_.dX.resize(z_.X.size());
   end_tangent_.dY.resize(z_.X.size());
   for (int c = 0; c < system_.num_contacts(); ++c) {
-    const auto X = coefficients(std::as_const(X_), c), Y = coefficients(std::as_const(Y_), c);
+    const auto X = coefficients(X_, c), Y = coefficients(Y_, c);
     Pairs x = X * at.value;
     Jordan::join_copies(x, system_.mu(c), system_.parts(c));
     z_.X.template segment<P>(c * P) = x;
@@ -295,10 +281,6 @@ double TaylorPath<D>::metric(const PairDirection& a, const PairDirection& b) con
   return sum / system_.num_eigenvalues();
 }
 
-template class TaylorPath<1>;
-template class TaylorPath<2>;
-template class TaylorPath<3>;
-template class TaylorPath<ContactRows(3, true)>;
-template class TaylorPath<ContactRows(6, true)>;
+BIPOT_FOR_ROWS(template class TaylorPath);
 
 }  // namespace bipot

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -84,8 +85,12 @@ class TaylorPath {
   bool accurate(double alpha) const;
   void take(double alpha);
   double metric(const PairDirection& a, const PairDirection& b) const;
-  Eigen::Map<Coefficients> coefficients(std::vector<double>& x, int c);
-  Eigen::Map<const Coefficients> coefficients(const std::vector<double>& x, int c) const;
+  /// Those of one contact in X_ or Y_.
+  template <class Values>
+  auto coefficients(Values& x, int c) const {
+    using Matrix = std::conditional_t<std::is_const_v<Values>, const Coefficients, Coefficients>;
+    return Eigen::Map<Matrix>(&x[to_size(c) * to_size(P * (order_ + 1))], P, order_ + 1);
+  }
   void store(int order, const PairDirection& d, double dt, const PairDirection& tangent);
 
   InteriorSystem<D>& system_;

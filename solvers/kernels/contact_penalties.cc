@@ -147,10 +147,6 @@ Local<D> ContactPenalties<D>::project_across(const Block& metric, const Friction
   }
 }
 
-template class ContactPenalties<1>;
-template class ContactPenalties<2>;
-template class ContactPenalties<3>;
-template class ContactPenalties<ContactRows(3, true)>;
-template class ContactPenalties<ContactRows(6, true)>;
+BIPOT_FOR_ROWS(template class ContactPenalties);
 
 }  // namespace bipot

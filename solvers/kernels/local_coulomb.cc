@@ -18,12 +18,11 @@ Local<D> velocity(const LocalProblem<D>& p, const Local<D>& s) {
   return p.w * s + p.q;
 }
 
-/// 1 over the largest eigenvalue of the symmetric part of the block of two rows from `first` on.
-double step_of_two(const Eigen::MatrixXd& w, int first) {
-  const double a = w(first, first), b = w(first + 1, first + 1);
+/// The largest eigenvalue of the symmetric part of the block of two rows from `first` on.
+double largest_of_two(const Eigen::MatrixXd& w, int first) {
+  const double a = w(first, first), b = w(first + 1, first + 1), half = 0.5 * (a - b);
   const double coupling = 0.5 * (w(first, first + 1) + w(first + 1, first));
-  const double half = 0.5 * (a - b);
-  return 1 / (0.5 * (a + b) + std::sqrt(half * half + coupling * coupling));
+  return 0.5 * (a + b) + std::sqrt(half * half + coupling * coupling);
 }
 
 /// Natural map with separate steps, relative to s and to the impulse that would stop q, as energies.
@@ -121,17 +120,12 @@ LocalProblem<D> local_problem(const Eigen::MatrixXd& w, const FrictionOf<D>& mu)
   p.mu = mu;
   p.step_normal = 1 / w(0, 0);
   double largest = 0;
-  if constexpr (D.tangents() == 1) {
-    largest = w(1, 1);
-  } else if constexpr (D.tangents() == 2) {
-    const double mean = 0.5 * (w(1, 1) + w(2, 2)), half = 0.5 * (w(1, 1) - w(2, 2));
-    const double coupling = 0.5 * (w(1, 2) + w(2, 1));
-    largest = mean + std::sqrt(half * half + coupling * coupling);
-  }
+  if constexpr (D.tangents() == 1) largest = w(1, 1);
+  if constexpr (D.tangents() == 2) largest = largest_of_two(w, 1);
   p.step_tangential = largest > 1e-12 * w(0, 0) ? 1 / largest : p.step_normal;
   if constexpr (D.rolls && D == 3) p.step_rolling = 1 / w(2, 2);
   if constexpr (D.rolls && D == 6) {
-    p.step_rolling = step_of_two(w, 3);
+    p.step_rolling = 1 / largest_of_two(w, 3);
     p.step_spin = 1 / w(5, 5);
   }
   for (double* step : {&p.step_rolling, &p.step_spin}) {
