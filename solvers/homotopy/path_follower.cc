@@ -181,9 +181,11 @@ bool PathFollower::refresh(LawPoint& point, bool move) {
   return x_.allFinite() && point.value.allFinite();
 }
 
-/// Ratio test: the bounded parameter that first becomes zero, and the change of t until then.
-PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) const {
-  Blocking first{-1, kInfinity};
+/// Calls visit(slot, step) for the bounded parameters, but for `but`, that become zero before t has
+/// changed by `limit`, which visit may lower.
+template <class Visit>
+void PathFollower::for_nearer(const LawPoint& point, int but, const double& limit,
+                              const Visit& visit) const {
   const double* const value = point.value.data();
   const double* const bound = point.bound.data();
   const double* const x = x_.data();
@@ -192,16 +194,22 @@ PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) c
   for (int begin = 0; begin < m; begin += kGroup) {
     const int end = std::min(begin + kGroup, m);
     // Few groups contain a nearer one: they are found by a test without branches.
-    if (!any_nearer(bound + begin, value + begin, x + begin, direction, first.step, end - begin)) {
+    if (!any_nearer(bound + begin, value + begin, x + begin, direction, limit, end - begin)) {
       continue;
     }
     for (int slot = begin; slot < end; ++slot) {
       const double speed = bound[slot] * x[slot] * direction;
-      if (!(speed > 0) || slot == last) continue;
+      if (!(speed > 0) || slot == but) continue;
       const double distance = std::max(bound[slot] * value[slot], 0.0);
-      if (distance < first.step * speed) first = {slot, distance / speed};
+      if (distance < limit * speed) visit(slot, distance / speed);
     }
   }
+}
+
+/// Ratio test: the bounded parameter that first becomes zero, and the change of t until then.
+PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) const {
+  Blocking first{-1, kInfinity};
+  for_nearer(point, last, first.step, [&](int slot, double step) { first = {slot, step}; });
   return first;
 }
 
@@ -218,25 +226,13 @@ void PathFollower::look_ahead(const LawPoint& point, const CellBasis::Candidate&
   };
   // Beyond it the path has arrived.
   double farthest = direction_ > 0 ? 1 - t_ : kInfinity;
-  const double direction = direction_;
-  const int m = problem_.num_rows();
-  for (int begin = 0; begin < m; begin += kGroup) {
-    const int end = std::min(begin + kGroup, m);
-    if (!any_nearer(point.bound.data() + begin, point.value.data() + begin, x_.data() + begin,
-                    direction, farthest, end - begin)) {
-      continue;
-    }
-    for (int slot = begin; slot < end; ++slot) {
-      const double speed = point.bound[slot] * x_[slot] * direction;
-      if (!(speed > 0) || slot == now.slot) continue;
-      const double distance = std::max(point.bound[slot] * point.value[slot], 0.0);
-      if (!(distance < farthest * speed) || !basis_.is_unknown(candidate(slot))) continue;
-      const Blocking here{slot, distance / speed};
-      nearest_.insert(std::upper_bound(nearest_.begin(), nearest_.end(), here, nearer), here);
-      if (nearest_.size() > kMost) nearest_.pop_back();
-      if (nearest_.size() == kMost) farthest = std::min(farthest, nearest_.back().step);
-    }
-  }
+  for_nearer(point, now.slot, farthest, [&](int slot, double step) {
+    if (!basis_.is_unknown(candidate(slot))) return;
+    const Blocking here{slot, step};
+    nearest_.insert(std::upper_bound(nearest_.begin(), nearest_.end(), here, nearer), here);
+    if (nearest_.size() > kMost) nearest_.pop_back();
+    if (nearest_.size() == kMost) farthest = std::min(farthest, nearest_.back().step);
+  });
   candidates_.assign(1, now);
   for (const Blocking& next : nearest_) candidates_.push_back(candidate(next.slot));
   basis_.prepare(candidates_);

@@ -56,6 +56,8 @@ class PathFollower {
   End pursue(LawPoint& point, int longest);
   int refinements() const;
   bool refresh(LawPoint& point, bool move = true);
+  template <class Visit>
+  void for_nearer(const LawPoint& point, int but, const double& limit, const Visit& visit) const;
   Blocking blocking(const LawPoint& point, int last) const;
   void look_ahead(const LawPoint& point, const CellBasis::Candidate& now);
   bool pivot(LawPoint& point, int slot);
