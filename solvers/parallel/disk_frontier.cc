@@ -1,5 +1,7 @@
 #include "solvers/parallel/disk_frontier.h"
 
+#include "core/problem/packed_motion.h"
+
 namespace bipot {
 
 template <int D>
@@ -58,28 +60,18 @@ void DiskFrontier<D>::complete(const DiskTiles<D>& tiles, std::span<const Impuls
     s_.template segment<D>(tiles.contact(lane) * D) = tiles.impulse(x, lane);
   }
   const std::vector<double>& halo = space_.halo(s_);
-  for (const Push& push : pushes_) {
-    const double* const s = halo.data() + to_size(push.halo) * D;
-    const DiskStructure::Contact& c = push.contact;
-    const double normal = c.normal * s[0];
-    double px = c.n[0] * normal, py = c.n[1] * normal, spin = 0;
-    if constexpr (D == 2) {
-      spin = c.tangential * s[1];
-      px -= c.n[1] * spin;
-      py += c.n[0] * spin;
-    }
-    if (push.i >= 0) {
-      double* const row = momentum[to_size(tiles.row(push.i))].value;
-      row[kRowX] += px;
-      row[kRowY] += py;
-      row[kRowSpin] -= spin;
-    }
-    if (push.j >= 0) {
-      double* const row = momentum[to_size(tiles.row(push.j))].value;
-      row[kRowX] -= px;
-      row[kRowY] -= py;
-      row[kRowSpin] -= spin;
-    }
+  for (const Pushed& by : pushes_) {
+    const double* const s = halo.data() + to_size(by.halo) * D;
+    const Push<D> p = push<D>(by.contact, s);
+    const auto add = [&](int body, double along) {
+      if (body < 0) return;
+      double* const row = momentum[to_size(tiles.row(body))].value;
+      row[kRowX] += along * p.force[0];
+      row[kRowY] += along * p.force[1];
+      row[kRowSpin] -= p.spin[0];
+    };
+    add(by.i, 1);
+    add(by.j, -1);
   }
 }
 

@@ -34,7 +34,7 @@ class DiskFrontier final : public TiledGradient<D>::Neighbours {
 
  private:
   /// A contact of the halo, and the bodies here on which it acts; -1: none.
-  struct Push {
+  struct Pushed {
     int halo = 0, i = -1, j = -1;
     DiskStructure::Contact contact;
   };
@@ -47,7 +47,7 @@ class DiskFrontier final : public TiledGradient<D>::Neighbours {
   void find_sent(const DiskTiles<D>& tiles);
 
   DistributedSpace& space_;
-  std::vector<Push> pushes_;
+  std::vector<Pushed> pushes_;
   std::vector<Shared> shared_;
   std::vector<int> sent_;  ///< lanes of the contacts that may be in others' halos
   bool found_ = false;

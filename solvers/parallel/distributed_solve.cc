@@ -70,25 +70,36 @@ void require_one_problem(const ContactProblem& p, const SolverOptions& o, Proces
 
 DistributedResult::Counts counts_since(const ProcessGroup::Traffic& before,
                                        const ProblemPiece& piece, ProcessGroup& group) {
-  const ProcessGroup::Traffic& now = group.traffic();
-  double most[5] = {static_cast<double>(now.messages - before.messages),
-                    static_cast<double>(now.bytes - before.bytes),
-                    static_cast<double>(now.reductions - before.reductions),
-                    static_cast<double>(now.reduced_bytes - before.reduced_bytes),
-                    static_cast<double>(piece.halo.size())};
-  group.largest(most);
   DistributedResult::Counts counts;
   counts.processes = group.size();
+  counts.traffic.add_since(before, group.traffic());
+  Buffer most{static_cast<double>(piece.halo.size())};
+  counts.traffic.append_to(most);
+  group.largest(most);
   const double here[1] = {static_cast<double>(piece.own.num_contacts())};
   const std::vector<double> contacts = group.gather(here);
   counts.imbalance = imbalance(contacts);
   counts.most_contacts = static_cast<int>(*std::max_element(contacts.begin(), contacts.end()));
-  counts.most_halo = static_cast<int>(most[4]);
-  counts.traffic.messages = static_cast<std::int64_t>(most[0]);
-  counts.traffic.bytes = static_cast<std::int64_t>(most[1]);
-  counts.traffic.reductions = static_cast<std::int64_t>(most[2]);
-  counts.traffic.reduced_bytes = static_cast<std::int64_t>(most[3]);
+  auto next = most.cbegin();
+  counts.most_halo = static_cast<int>(*next++);
+  counts.traffic.read(next);
   return counts;
+}
+
+/// Sets the refusal of the first process that has one. False: none has.
+bool is_refused(const std::string& mine, ProcessGroup& group, SolveResult& result) {
+  result.message = group.first_text(mine);
+  if (result.message.empty()) return false;
+  result.status = SolveStatus::kInvalidInput;
+  return true;
+}
+
+SolveResult without_contacts(const ContactProblem& p) {
+  SolveResult result;
+  result.status = SolveStatus::kNothingToDo;
+  result.message = "no contacts";
+  result.error = contact_error(p, Vector());
+  return result;
 }
 
 }  // namespace
@@ -98,16 +109,9 @@ DistributedResult distributed_solve(std::string_view name, const ContactProblem&
                                     const DistributedOptions& extra) {
   DistributedResult out;
   out.counts.processes = group.size();
-  const std::string refusal = group.first_text(refuse_input(name, problem, options, extra));
-  if (!refusal.empty()) {
-    out.result.status = SolveStatus::kInvalidInput;
-    out.result.message = refusal;
-    return out;
-  }
+  if (is_refused(refuse_input(name, problem, options, extra), group, out.result)) return out;
   if (!group.any(problem.num_contacts() > 0)) {
-    out.result.status = SolveStatus::kNothingToDo;
-    out.result.message = "no contacts";
-    out.result.error = contact_error(problem, Vector());
+    out.result = without_contacts(problem);
     return out;
   }
   require_one_problem(problem, options, group);
@@ -132,21 +136,14 @@ PieceResult distributed_solve(std::string_view name, const ProblemPiece& piece,
                               const DistributedOptions& extra) {
   PieceResult out;
   out.counts.processes = group.size();
-  const std::string refusal = group.first_text(refuse_input(name, piece.own, options, extra));
-  if (!refusal.empty()) {
-    out.result.status = SolveStatus::kInvalidInput;
-    out.result.message = refusal;
-    return out;
-  }
+  if (is_refused(refuse_input(name, piece.own, options, extra), group, out.result)) return out;
   const double figures[] = {static_cast<double>(piece.whole_contacts),
                             static_cast<double>(piece.own.dim),
                             static_cast<double>(piece.everywhere_inverse_mass.size()), options.tol};
   require_same(figures, group);
   out.with_halo = Vector::Zero(piece.with_halo.num_rows());
   if (piece.whole_contacts == 0) {
-    out.result.status = SolveStatus::kNothingToDo;
-    out.result.message = "no contacts";
-    out.result.error = contact_error(piece.own, Vector());
+    out.result = without_contacts(piece.own);
     return out;
   }
   const Stopwatch watch;

@@ -61,14 +61,13 @@ const std::vector<double>& DistributedSpace::halo(const Vector& s) {
 void DistributedSpace::fill(const Vector& s) {
   const int d = piece_.own.dim;
   halo(s);
-  const double* from = s.data();
-  for (const int place : piece_.owned) {
-    for (int k = 0; k < d; ++k) s_all_[place * d + k] = *from++;
-  }
-  from = halo_.data();
-  for (const int place : piece_.halo) {
-    for (int k = 0; k < d; ++k) s_all_[place * d + k] = *from++;
-  }
+  const auto put = [&](const std::vector<int>& places, const double* from) {
+    for (const int place : places) {
+      for (int k = 0; k < d; ++k) s_all_[place * d + k] = *from++;
+    }
+  };
+  put(piece_.owned, s.data());
+  put(piece_.halo, halo_.data());
 }
 
 const std::vector<double>& DistributedSpace::everywhere_momentum(const Vector& s) {
@@ -216,24 +215,21 @@ ContactError DistributedSpace::error(const Eigen::Ref<const Vector>& s, std::spa
     }
   });
   velocity(s_, u_);
-  ErrorSums whole;
+  std::vector<double> values(kFields + more.size());
   if (exact_) {
-    std::vector<ExactSum> sums(kFields + more.size());
+    std::vector<ExactSum> sums(values.size());
     local_sums(sums.data());
     for (std::size_t k = 0; k < more.size(); ++k) sums[kFields + k] += more[k];
-    std::vector<double> values(sums.size());
     totals(sums, values);
-    for (std::size_t k = 0; k < kFields; ++k) whole.*kErrorFields[k] = values[k];
-    for (std::size_t k = 0; k < more.size(); ++k) more[k] = values[kFields + k];
   } else {
     const ErrorSums local = local_sums(nullptr);
-    std::vector<double> values;
-    for (const auto field : kErrorFields) values.push_back(local.*field);
-    values.insert(values.end(), more.begin(), more.end());
+    for (std::size_t k = 0; k < kFields; ++k) values[k] = local.*kErrorFields[k];
+    std::copy(more.begin(), more.end(), values.begin() + kFields);
     sum(values);
-    for (std::size_t k = 0; k < kFields; ++k) whole.*kErrorFields[k] = values[k];
-    for (std::size_t k = 0; k < more.size(); ++k) more[k] = values[kFields + k];
   }
+  ErrorSums whole;
+  for (std::size_t k = 0; k < kFields; ++k) whole.*kErrorFields[k] = values[k];
+  std::copy(values.begin() + kFields, values.end(), more.begin());
   return error_of(whole);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <stdexcept>
+#include <utility>
 
 #include "core/base/number_text.h"
 #ifdef BIPOT_WITH_PETSC
@@ -25,23 +26,19 @@ constexpr Launcher kLaunchers[] = {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RAN
                                    {"PMI_SIZE", "PMI_RANK"},
                                    {"SLURM_NTASKS", "PMIX_RANK"}};
 
+/// Number of processes and own rank.
+std::pair<int, int> launched() {
+  for (const Launcher& launcher : kLaunchers) {
+    const int size = from_environment(launcher.size), rank = from_environment(launcher.rank);
+    if (size > 0 && rank >= 0) return {size, rank};
+  }
+  return {1, 0};
+}
+
 }  // namespace
 
-int launched_processes() {
-  for (const Launcher& launcher : kLaunchers) {
-    const int size = from_environment(launcher.size);
-    if (size > 0 && from_environment(launcher.rank) >= 0) return size;
-  }
-  return 1;
-}
-
-int launched_rank() {
-  for (const Launcher& launcher : kLaunchers) {
-    const int rank = from_environment(launcher.rank);
-    if (rank >= 0 && from_environment(launcher.size) > 0) return rank;
-  }
-  return 0;
-}
+int launched_processes() { return launched().first; }
+int launched_rank() { return launched().second; }
 
 std::unique_ptr<ProcessGroup> launched_group() {
   if (launched_processes() == 1) return lone_process();

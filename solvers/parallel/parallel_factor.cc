@@ -29,10 +29,6 @@ constexpr auto kNap = std::chrono::microseconds(20);
 constexpr int kFirstWorkspace = 50, kMostWorkspace = 1600;
 constexpr int kWorkspaceTooSmall = -9, kIndicesTooMany = -8;  // MUMPS's INFOG(1)
 
-void must_succeed(int code, const char* what) {
-  if (code != MPI_SUCCESS) throw std::runtime_error(std::string("MPI: ") + what + " failed");
-}
-
 /// Request of the root process to the others.
 struct Order {
   enum Kind : int { kFactor, kSolve, kDone, kFailed };
@@ -58,9 +54,9 @@ class FactorGroup {
   /// From the root process to all. The others wait without using a core.
   Order give(Order order) {
     MPI_Request request = MPI_REQUEST_NULL;
-    must_succeed(MPI_Ibcast(&order, 3, MPI_INT, 0, PETSC_COMM_WORLD, &request), "MPI_Ibcast");
+    check_mpi(MPI_Ibcast(&order, 3, MPI_INT, 0, PETSC_COMM_WORLD, &request), "MPI_Ibcast");
     for (int over = 0; over == 0;) {
-      must_succeed(MPI_Test(&request, &over, MPI_STATUS_IGNORE), "MPI_Test");
+      check_mpi(MPI_Test(&request, &over, MPI_STATUS_IGNORE), "MPI_Test");
       if (over == 0 && rank_ != 0) std::this_thread::sleep_for(kNap);
     }
     count(sizeof(Order));
@@ -68,7 +64,7 @@ class FactorGroup {
   }
   std::string give_text(std::string text, int size) {
     text.resize(to_size(size));
-    must_succeed(MPI_Bcast(text.data(), size, MPI_CHAR, 0, PETSC_COMM_WORLD), "MPI_Bcast");
+    check_mpi(MPI_Bcast(text.data(), size, MPI_CHAR, 0, PETSC_COMM_WORLD), "MPI_Bcast");
     return text;
   }
 
@@ -80,8 +76,8 @@ class FactorGroup {
     scatter(A == nullptr ? nullptr : A->valuePtr(), entry_counts_, entry_firsts_, values_);
     const auto finite = [](double x) { return std::isfinite(x); };
     int good = std::all_of(values_.begin(), values_.end(), finite) ? 1 : 0;
-    must_succeed(MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD),
-                 "MPI_Allreduce");
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD),
+              "MPI_Allreduce");
     if (good == 0) return false;
     if (matrix_ == nullptr) {
       check_petsc(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, rows(), rows(), size_, size_,
@@ -123,7 +119,7 @@ class FactorGroup {
     const PetscScalar* solved = nullptr;
     check_petsc(VecGetArrayRead(right_, &solved), "VecGetArrayRead");
     if (x != nullptr) x->resize(size_);
-    must_succeed(
+    check_mpi(
         MPI_Gatherv(solved, rows(), MPI_DOUBLE, x == nullptr ? nullptr : x->data(),
                     column_counts_.data(), column_firsts_.data(), MPI_DOUBLE, 0, PETSC_COMM_WORLD),
         "MPI_Gatherv");
@@ -154,9 +150,8 @@ class FactorGroup {
     entry_counts_.assign(to_size(processes_), 0);
     entry_firsts_.assign(to_size(processes_), 0);
     const int mine = starts_.back();
-    must_succeed(
-        MPI_Gather(&mine, 1, MPI_INT, entry_counts_.data(), 1, MPI_INT, 0, PETSC_COMM_WORLD),
-        "MPI_Gather");
+    check_mpi(MPI_Gather(&mine, 1, MPI_INT, entry_counts_.data(), 1, MPI_INT, 0, PETSC_COMM_WORLD),
+              "MPI_Gather");
     for (std::size_t r = 1; r < entry_firsts_.size(); ++r) {
       entry_firsts_[r] = entry_firsts_[r - 1] + entry_counts_[r - 1];
     }
@@ -168,9 +163,9 @@ class FactorGroup {
   void scatter(const T* all, const std::vector<int>& counts, const std::vector<int>& firsts,
                std::span<T> mine) {
     const MPI_Datatype type = std::is_same_v<T, int> ? MPI_INT : MPI_DOUBLE;
-    must_succeed(MPI_Scatterv(all, counts.data(), firsts.data(), type, mine.data(),
-                              static_cast<int>(mine.size()), type, 0, PETSC_COMM_WORLD),
-                 "MPI_Scatterv");
+    check_mpi(MPI_Scatterv(all, counts.data(), firsts.data(), type, mine.data(),
+                           static_cast<int>(mine.size()), type, 0, PETSC_COMM_WORLD),
+              "MPI_Scatterv");
     std::size_t sent = 0;
     if (rank_ == 0) {
       for (std::size_t r = 1; r < counts.size(); ++r) sent += to_size(counts[r]);

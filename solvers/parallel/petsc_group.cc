@@ -18,10 +18,6 @@
 namespace bipot {
 namespace {
 
-void check_mpi(int code, const char* what) {
-  if (code != MPI_SUCCESS) throw std::runtime_error(std::string("MPI: ") + what + " failed");
-}
-
 /// Items of `block` doubles.
 class BlockType {
  public:
@@ -164,7 +160,12 @@ class PetscGroup : public ProcessGroup {
 
   // Gathered and summed by rank here: MPI_Allreduce may change the order from call to call.
   void sum(std::span<double> values) override {
-    gather_blocks(values, MPI_DOUBLE);
+    const int items = static_cast<int>(values.size());
+    blocks_.resize(values.size() * to_size(size_));
+    check_mpi(MPI_Allgather(values.data(), items, MPI_DOUBLE, blocks_.data(), items, MPI_DOUBLE,
+                            PETSC_COMM_WORLD),
+              "MPI_Allgather");
+    count(values.size_bytes());
     for (std::size_t k = 0; k < values.size(); ++k) {
       double total = 0;
       for (std::size_t r = 0; r < to_size(size_); ++r) total += blocks_[r * values.size() + k];
@@ -184,14 +185,7 @@ class PetscGroup : public ProcessGroup {
     count(values.size_bytes());
   }
   std::vector<double> gather(std::span<const double> mine) override {
-    const std::vector<int> counts = counts_of(mine.size());
-    const std::vector<int> starts = starts_of(counts);
-    std::vector<double> all(to_size(starts.back()));
-    check_mpi(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, all.data(),
-                             counts.data(), starts.data(), MPI_DOUBLE, PETSC_COMM_WORLD),
-              "MPI_Allgatherv");
-    count(mine.size_bytes());
-    return all;
+    return gather_all<std::vector<double>>(mine, MPI_DOUBLE).first;
   }
   std::vector<Buffer> deliver(std::vector<Buffer> buffers) override {
     std::vector<int> sizes(to_size(size_), 0), coming(to_size(size_), 0);
@@ -231,15 +225,10 @@ class PetscGroup : public ProcessGroup {
     return received;
   }
   std::string first_text(const std::string& mine) override {
-    const std::vector<int> counts = counts_of(mine.size());
-    const std::vector<int> starts = starts_of(counts);
-    std::string all(to_size(starts.back()), ' ');
-    check_mpi(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_CHAR, all.data(),
-                             counts.data(), starts.data(), MPI_CHAR, PETSC_COMM_WORLD),
-              "MPI_Allgatherv");
-    count(mine.size());
-    for (std::size_t r = 0; r < counts.size(); ++r) {
-      if (counts[r] > 0) return all.substr(to_size(starts[r]), to_size(counts[r]));
+    const auto [all, starts] = gather_all<std::string>(mine, MPI_CHAR);
+    for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
+      const int size = starts[r + 1] - starts[r];
+      if (size > 0) return all.substr(to_size(starts[r]), to_size(size));
     }
     return {};
   }
@@ -257,17 +246,18 @@ class PetscGroup : public ProcessGroup {
   int root_threads() const override { return cores_.threads(); }
 
  private:
-  void count(std::size_t bytes) {
-    ++traffic_->reductions;
-    traffic_->reduced_bytes += static_cast<std::int64_t>(bytes);
-  }
-  void gather_blocks(std::span<double> values, MPI_Datatype type) {
-    blocks_.resize(values.size() * to_size(size_));
-    const int items = static_cast<int>(values.size());
-    check_mpi(
-        MPI_Allgather(values.data(), items, type, blocks_.data(), items, type, PETSC_COMM_WORLD),
-        "MPI_Allgather");
-    count(values.size_bytes());
+  /// The values of all processes, and the start of each one's with the end.
+  template <class Values>
+  std::pair<Values, std::vector<int>> gather_all(std::span<const typename Values::value_type> mine,
+                                                 MPI_Datatype type) {
+    const std::vector<int> counts = counts_of(mine.size());
+    std::vector<int> starts = starts_of(counts);
+    Values all(to_size(starts.back()), {});
+    check_mpi(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), type, all.data(),
+                             counts.data(), starts.data(), type, PETSC_COMM_WORLD),
+              "MPI_Allgatherv");
+    count(mine.size_bytes());
+    return {std::move(all), std::move(starts)};
   }
   std::vector<int> counts_of(std::size_t mine) {
     if (mine > to_size(std::numeric_limits<int>::max())) {

@@ -36,12 +36,6 @@ class LoneProcess : public ProcessGroup {
       throw CommonFailure(e.what());
     }
   }
-
- private:
-  void count(std::size_t bytes) {
-    ++traffic_->reductions;
-    traffic_->reduced_bytes += static_cast<std::int64_t>(bytes);
-  }
 };
 
 }  // namespace

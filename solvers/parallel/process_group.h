@@ -15,6 +15,25 @@ namespace bipot {
 /// Message for one process, or from one, of any length.
 using Buffer = std::vector<double>;
 
+/// Reads the numbers of a buffer in sequence. Throws std::out_of_range past the end.
+class BufferReader {
+ public:
+  explicit BufferReader(const Buffer& buffer) : buffer_(buffer) {}
+  bool at_end() const { return next_ == buffer_.size(); }
+  double number() { return buffer_.at(next_++); }
+  int integer() { return static_cast<int>(number()); }
+  template <int N>
+  Eigen::Matrix<double, N, 1> vector() {
+    Eigen::Matrix<double, N, 1> x;
+    for (int k = 0; k < N; ++k) x[k] = number();
+    return x;
+  }
+
+ private:
+  const Buffer& buffer_;
+  std::size_t next_ = 0;
+};
+
 /// The processes that work on one problem. There are two implementations: for a single process,
 /// without effect (lone_process()), and on MPI through PETSc (petsc_group.h), the only code that
 /// knows MPI. All but rank(), size() and traffic() is collective. Sums of doubles are taken by
@@ -29,6 +48,20 @@ class ProcessGroup {
     std::int64_t reductions = 0;     ///< in which all take part
     std::int64_t reduced_bytes = 0;  ///< part of this process in them
 
+    /// Calls f for each of the counts.
+    template <class Any, class F>
+    static void each(Any& traffic, const F& f) {
+      f(traffic.messages);
+      f(traffic.bytes);
+      f(traffic.reductions);
+      f(traffic.reduced_bytes);
+    }
+    void append_to(Buffer& numbers) const {
+      each(*this, [&](std::int64_t n) { numbers.push_back(static_cast<double>(n)); });
+    }
+    void read(Buffer::const_iterator& numbers) {
+      each(*this, [&](std::int64_t& n) { n = static_cast<std::int64_t>(*numbers++); });
+    }
     /// Adds the difference of two readings.
     void add_since(const Traffic& before, const Traffic& now) {
       messages += now.messages - before.messages;
@@ -99,6 +132,11 @@ class ProcessGroup {
 
  protected:
   ProcessGroup() = default;
+  /// Counts a reduction to which this process gives so many bytes.
+  void count(std::size_t bytes) {
+    ++traffic_->reductions;
+    traffic_->reduced_bytes += static_cast<std::int64_t>(bytes);
+  }
   std::shared_ptr<Traffic> traffic_ = std::make_shared<Traffic>();
 };
 

@@ -39,92 +39,85 @@ Buffer to_buffer(const ProblemPiece& piece) {
 /// Reads the messages of all processes on the root process.
 class WholeReader {
  public:
-  explicit WholeReader(const std::vector<Buffer>& buffers) : buffers_(buffers) {}
+  explicit WholeReader(const std::vector<Buffer>& buffers)
+      : readers_(buffers.begin(), buffers.end()) {}
 
+  /// `number`: of each process's contacts.
   ContactProblem read(std::vector<std::vector<int>>& number) {
-    read_heads();
-    read_dofs();
-    number.assign(buffers_.size(), {});
-    ContactProblem p{.dim = dim_};
-    p.mu.resize(contacts_);
-    if (rolls_) p.mu_r.resize(contacts_);
-    if (rolls_ && dim_ == 6) p.mu_spin.resize(contacts_);
-    p.u_free.resize(contacts_ * dim_);
-    if (scaled_) p.row_scale.resize(contacts_ * dim_);
+    ContactProblem p;
+    read_dofs(p);
+    number.assign(readers_.size(), {});
+    for (Vector* const of : {&p.mu, &p.mu_r, &p.mu_spin}) of->resize(contacts_);
+    for (Vector* const of : {&p.u_free, &p.row_scale}) of->resize(contacts_ * p.dim);
     Triplets entries;
-    for (std::size_t r = 0; r < buffers_.size(); ++r) {
-      std::size_t at = kHead + kOfDof * to_size(dofs_of_[r]);
-      for (int k = 0; k < contacts_of_[r]; ++k) {
-        const int c = static_cast<int>(buffers_[r][at++]);
+    for (std::size_t r = 0; r < readers_.size(); ++r) {
+      BufferReader& reader = readers_[r];
+      while (!reader.at_end()) {
+        const int c = reader.integer();
         number[r].push_back(c);
-        p.mu[c] = buffers_[r][at++];
-        if (p.mu_r.size() > 0) p.mu_r[c] = buffers_[r][at];
-        if (p.mu_spin.size() > 0) p.mu_spin[c] = buffers_[r][at + 1];
-        at += 2;
-        for (int row = c * dim_; row < (c + 1) * dim_; ++row) {
-          p.u_free[row] = buffers_[r][at++];
-          if (scaled_) p.row_scale[row] = buffers_[r][at];
-          ++at;
-          const int count = static_cast<int>(buffers_[r][at++]);
-          for (int e = 0; e < count; ++e, at += 2) {
-            const std::size_t dof = to_size(static_cast<int>(buffers_[r][at]));
-            entries.emplace_back(place_[r][dof], row, buffers_[r][at + 1]);
+        for (Vector* const of : {&p.mu, &p.mu_r, &p.mu_spin}) (*of)[c] = reader.number();
+        for (int row = c * p.dim; row < (c + 1) * p.dim; ++row) {
+          for (Vector* const of : {&p.u_free, &p.row_scale}) (*of)[row] = reader.number();
+          for (int left = reader.integer(); left > 0; --left) {
+            const int dof = place_[r][to_size(reader.integer())];
+            entries.emplace_back(dof, row, reader.number());
           }
         }
       }
     }
-    p.H = from_triplets(mass_.size(), contacts_ * dim_, entries);
-    p.A = SparseMatrix(mass_.asDiagonal());
-    p.v_free = v_free_;
+    if (!rolls_) p.mu_r.resize(0);
+    if (!rolls_ || p.dim < 6) p.mu_spin.resize(0);
+    if (!scaled_) p.row_scale.resize(0);
+    p.H = from_triplets(p.v_free.size(), contacts_ * p.dim, entries);
     return p;
   }
 
  private:
-  static constexpr std::size_t kHead = 5, kOfDof = 3;
-
-  void read_heads() {
-    for (const Buffer& buffer : buffers_) {
-      dofs_of_.push_back(static_cast<int>(buffer.at(1)));
-      contacts_of_.push_back(static_cast<int>(buffer.at(2)));
-      contacts_ += contacts_of_.back();
-      // A process without contacts may not know the others' rows.
-      if (contacts_of_.back() == 0) continue;
-      dim_ = static_cast<int>(buffer[0]);
-      scaled_ = buffer[3] > 0;
-      rolls_ = buffer[4] > 0;
-    }
-  }
-  /// A body in contacts of several processes has its rows once.
-  void read_dofs() {
-    std::vector<int> keys;
-    const auto key = [&](std::size_t r, int k) {
-      return static_cast<int>(buffers_[r][kHead + kOfDof * to_size(k)]);
+  /// Reads up to the contacts. A body in contacts of several processes has its rows once.
+  void read_dofs(ContactProblem& p) {
+    struct Dof {
+      int key;
+      double mass, v_free;
     };
-    for (std::size_t r = 0; r < buffers_.size(); ++r) {
-      for (int k = 0; k < dofs_of_[r]; ++k) keys.push_back(key(r, k));
+    std::vector<std::vector<Dof>> dofs(readers_.size());
+    std::vector<int> keys;
+    for (std::size_t r = 0; r < readers_.size(); ++r) {
+      BufferReader& reader = readers_[r];
+      const int dim = reader.integer(), count = reader.integer(), contacts = reader.integer();
+      const bool scaled = reader.number() > 0, rolls = reader.number() > 0;
+      contacts_ += contacts;
+      // A process without contacts may not know the others' rows.
+      if (contacts > 0) {
+        p.dim = dim;
+        scaled_ = scaled;
+        rolls_ = rolls;
+      }
+      for (int k = 0; k < count; ++k) {
+        keys.push_back(reader.integer());
+        const double mass = reader.number();
+        dofs[r].push_back({keys.back(), mass, reader.number()});
+      }
     }
     std::sort(keys.begin(), keys.end());
     keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-    mass_.resize(static_cast<Eigen::Index>(keys.size()));
-    v_free_.resize(mass_.size());
-    place_.resize(buffers_.size());
-    for (std::size_t r = 0; r < buffers_.size(); ++r) {
-      for (int k = 0; k < dofs_of_[r]; ++k) {
-        const auto at = std::lower_bound(keys.begin(), keys.end(), key(r, k)) - keys.begin();
+    p.v_free.resize(static_cast<Eigen::Index>(keys.size()));
+    Vector mass(p.v_free.size());
+    place_.resize(readers_.size());
+    for (std::size_t r = 0; r < readers_.size(); ++r) {
+      for (const Dof& dof : dofs[r]) {
+        const auto at = std::lower_bound(keys.begin(), keys.end(), dof.key) - keys.begin();
         place_[r].push_back(static_cast<int>(at));
-        const std::size_t from = kHead + kOfDof * to_size(k);
-        mass_[at] = buffers_[r][from + 1];
-        v_free_[at] = buffers_[r][from + 2];
+        mass[at] = dof.mass;
+        p.v_free[at] = dof.v_free;
       }
     }
+    p.A = SparseMatrix(mass.asDiagonal());
   }
 
-  const std::vector<Buffer>& buffers_;
-  int dim_ = 2, contacts_ = 0;
+  std::vector<BufferReader> readers_;
+  int contacts_ = 0;
   bool scaled_ = false, rolls_ = false;
-  std::vector<int> dofs_of_, contacts_of_;
-  std::vector<std::vector<int>> place_;
-  Vector mass_, v_free_;
+  std::vector<std::vector<int>> place_;  // of each process's degrees of freedom
 };
 
 /// Sends everything to the root process.

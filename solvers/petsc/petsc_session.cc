@@ -58,6 +58,10 @@ void check_petsc(int code, const char* what) {
                                  text != nullptr ? text : "unknown error", code));
 }
 
+void check_mpi(int code, const char* what) {
+  if (code != MPI_SUCCESS) throw std::runtime_error(fmt::format("MPI: {} failed", what));
+}
+
 PetscOptions::PetscOptions(std::string_view prefix, const std::string& text) : prefix_(prefix) {
   std::istringstream in(text);
   std::string token;

@@ -17,6 +17,8 @@ class PetscFailure : public std::runtime_error {
 
 /// Throws PetscFailure unless `code`, a PetscErrorCode, is 0. `what`: the function that was called.
 void check_petsc(int code, const char* what);
+/// Throws std::runtime_error unless `code`, of an MPI function, says success.
+void check_mpi(int code, const char* what);
 
 /// The options string of a user in PETSc's notation "-name value -name", and the defaults of a
 /// solver. A name may begin with the prefix or leave it out.

@@ -7,25 +7,6 @@
 
 namespace bipot {
 
-/// Reads the numbers of a buffer in sequence. Throws std::out_of_range past the end.
-class BufferReader {
- public:
-  explicit BufferReader(const Buffer& buffer) : buffer_(buffer) {}
-  bool at_end() const { return next_ == buffer_.size(); }
-  double number() { return buffer_.at(next_++); }
-  int integer() { return static_cast<int>(number()); }
-  template <int N>
-  Eigen::Matrix<double, N, 1> vector() {
-    Eigen::Matrix<double, N, 1> x;
-    for (int k = 0; k < N; ++k) x[k] = number();
-    return x;
-  }
-
- private:
-  const Buffer& buffer_;
-  std::size_t next_ = 0;
-};
-
 /// A body and its number in the whole.
 template <int D>
 struct NumberedBody {

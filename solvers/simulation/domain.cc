@@ -30,21 +30,13 @@ DomainCounts largest_counts(const DomainCounts& mine, ProcessGroup& group) {
       static_cast<double>(mine.most_contacts), static_cast<double>(mine.most_halo)};
   ProcessGroup::Traffic* const traffics[] = {&all.detection, &all.solve, &all.migration,
                                              &all.gathering};
-  for (const ProcessGroup::Traffic* t : traffics) {
-    for (const std::int64_t n : {t->messages, t->bytes, t->reductions, t->reduced_bytes}) {
-      numbers.push_back(static_cast<double>(n));
-    }
-  }
+  for (const ProcessGroup::Traffic* t : traffics) t->append_to(numbers);
   group.largest(numbers);
-  auto next = numbers.begin();
+  auto next = numbers.cbegin();
   for (int* n : {&all.most_bodies, &all.most_ghosts, &all.most_contacts, &all.most_halo}) {
     *n = static_cast<int>(*next++);
   }
-  for (ProcessGroup::Traffic* t : traffics) {
-    for (std::int64_t* n : {&t->messages, &t->bytes, &t->reductions, &t->reduced_bytes}) {
-      *n = static_cast<std::int64_t>(*next++);
-    }
-  }
+  for (ProcessGroup::Traffic* t : traffics) t->read(next);
   return all;
 }
 
