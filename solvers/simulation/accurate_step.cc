@@ -26,16 +26,6 @@ constexpr double kHit = 0.02;               // of the accuracy: from here on a p
 constexpr double kApproach = 10;            // drift by a velocity that only an impact leaves
 constexpr double kEnd = 1e-9;               // relative; a part that nearly reaches the end does
 
-/// Scales the impulses, from which the next part starts, to its size.
-template <int D>
-void scale_impulses(std::vector<ContactOutcome<D>>& contacts, double factor) {
-  for (ContactOutcome<D>& c : contacts) {
-    c.s_n *= factor;
-    c.s_t *= factor;
-    c.moment *= factor;
-  }
-}
-
 /// An entry of a list that is sorted by (i, j), or null.
 template <int D>
 const ContactOutcome<D>* find_pair(const std::vector<ContactOutcome<D>>& contacts, int i, int j) {
@@ -131,21 +121,12 @@ struct AccurateStepper<D>::Inside {
       : scene(whole),
         options(choice),
         is_over(std::move(over)),
-        part(without_gates(whole)),
+        part(part_of(whole)),
         stepper(part, std::move(solver), choice.explicit_delassus, choice.threads),
         closings(part, choice.threads),
         longest(quarter_period(whole)),
         radius(smallest_radius(whole)) {
     stepper.refuse_passages();
-  }
-  static Scene<D> without_gates(Scene<D> scene) {
-    scene.outlets.clear();  // bodies come and go between whole steps
-    scene.inlets.clear();
-    return scene;
-  }
-  bool takes_unsolved() const {
-    return options.on_failure == OnFailure::kContinue ||
-           options.on_failure == OnFailure::kUnlessUnsolvable;
   }
 
   /// A step under way.
@@ -372,7 +353,7 @@ std::string AccurateStepper<D>::Inside::take(const Step& step, double h, State<D
   part.step = h;
   try {
     report = stepper.advance(next);
-    if (report.converged || takes_unsolved()) return {};
+    if (report.converged || options.takes_unsolved()) return {};
     if (options.on_failure == OnFailure::kStop || !halves) {
       throw StepFailure(StepFailure::Kind::kNotConverged, step.start, report.message);
     }

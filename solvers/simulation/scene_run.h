@@ -113,9 +113,13 @@ struct SceneRunOptions {
   RunFolderOptions folder;    ///< written by the first process
   /// Called before each step; may change the impulses from which the step starts.
   std::function<void(State<D>&)> before_step;
-  std::function<bool(const SceneStep<D>&)> on_step;  ///< false ends the run after this step
-  /// Of the scene's own solver, without counts.
-  std::function<void(const IterationRecord&)> on_iteration;
+  std::function<bool(const SceneStep<D>&)> on_step;          ///< false ends the run after this step
+  std::function<void(const IterationRecord&)> on_iteration;  ///< of the scene's own solver
+
+  /// True if a step is taken although its problem was not solved.
+  bool takes_unsolved() const {
+    return on_failure == OnFailure::kContinue || on_failure == OnFailure::kUnlessUnsolvable;
+  }
 };
 
 template <int D>

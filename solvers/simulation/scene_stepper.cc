@@ -97,8 +97,8 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
 template <int D>
 void SceneStepper<D>::seek_proof(const std::function<ContactProblem()>& problem,
                                  StepSolution& solution) {
-  if (options_.proof_seconds == 0 || !takes_unsolved() || solution.converged || solution.failed ||
-      solution.refused || solution.cut_short) {
+  if (options_.proof_seconds == 0 || !options_.takes_unsolved() || solution.converged ||
+      solution.failed || solution.refused || solution.cut_short) {
     return;
   }
   const ContactProblem whole = problem();
@@ -188,13 +188,13 @@ StepReport<D> SceneStepper<D>::take(State<D>& state) {
   const int most = travel + (splits_unsolved || splits_passages ? kMostHalvings : 0);
   const int halvings = splits_unsolved ? std::clamp(state.halvings, travel, most) : travel;
   if (halvings > 0) return in_parts(options_of_parts(), halvings, most);
-  if (takes_unsolved() && !splits_passages) return rigid_->advance(state);
+  if (options_.takes_unsolved() && !splits_passages) return rigid_->advance(state);
   State<D> next = state;
   StepReport<D> whole;
   bool unsolved = true;
   try {
     whole = rigid_->advance(next);
-    if (whole.converged || takes_unsolved()) {
+    if (whole.converged || options_.takes_unsolved()) {
       state = std::move(next);
       return whole;
     }

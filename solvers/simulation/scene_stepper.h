@@ -57,11 +57,6 @@ class SceneStepper {
   StepReport<D> take(State<D>& state);
   /// The options with a solver that remembers problem() of a step that is cut from now on.
   SceneRunOptions<D> options_of_parts();
-  /// True if a step is taken although its problem was not solved.
-  bool takes_unsolved() const {
-    return options_.on_failure == OnFailure::kContinue ||
-           options_.on_failure == OnFailure::kUnlessUnsolvable;
-  }
 
   const Scene<D>& scene_;
   SceneRunOptions<D> options_;

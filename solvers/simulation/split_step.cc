@@ -24,20 +24,13 @@ class Parts {
       : scene_(scene), options_(options), state_(std::move(start)) {}
 
   void take(double h, int halvings, int most_halvings) {
-    Scene<D> part = scene_;
+    Scene<D> part = part_of(scene_);
     part.step = h;
-    part.outlets.clear();  // bodies come and go between whole steps
-    part.inlets.clear();
     TimeStepper<D> stepper(part, options_.solver, options_.explicit_delassus, options_.threads);
     if (options_.on_tunnel != OnTunnel::kWarn) stepper.refuse_passages();
-    const bool accept = options_.on_failure == OnFailure::kContinue ||
-                        options_.on_failure == OnFailure::kUnlessUnsolvable;
+    const bool accept = options_.takes_unsolved();
     State<D> next = state_;
-    for (ContactOutcome<D>& c : next.contacts) {
-      c.s_n *= h / contacts_step_;
-      c.s_t *= h / contacts_step_;
-      c.moment *= h / contacts_step_;
-    }
+    scale_impulses(next.contacts, h / contacts_step_);
     std::string why;
     try {
       const StepReport<D> report = stepper.advance(next);

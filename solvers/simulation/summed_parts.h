@@ -6,6 +6,24 @@
 
 namespace bipot {
 
+/// The scene for a part of its step: without gates, since bodies come and go between whole steps.
+template <int D>
+Scene<D> part_of(Scene<D> scene) {
+  scene.outlets.clear();
+  scene.inlets.clear();
+  return scene;
+}
+
+/// Scales the impulses, from which the next part starts, to its size.
+template <int D>
+void scale_impulses(std::vector<ContactOutcome<D>>& contacts, double factor) {
+  for (ContactOutcome<D>& c : contacts) {
+    c.s_n *= factor;
+    c.s_t *= factor;
+    c.moment *= factor;
+  }
+}
+
 /// The parts of one step as one step. Losses, work, imbalances, iterations, times and the impulses
 /// of each pair of bodies (core/motion/state.h) are summed, so that forces are those of the whole
 /// step. The cost of rejected parts counts as well. The error is that of the worst part. Frames and
