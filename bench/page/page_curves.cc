@@ -6,6 +6,7 @@
 #include <map>
 #include <string_view>
 
+#include "bench/report/csv_text.h"
 #include "core/base/file_error.h"
 #include "core/base/number_text.h"
 
@@ -14,31 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A cell in quotes may hold commas, and quotes twice.
-std::vector<std::string> cells_of(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    const bool quote = line[k] == '"';
-    if (quote && quoted && k + 1 < line.size() && line[k + 1] == '"') {
-      cells.back() += line[k++];
-    } else if (quote) {
-      quoted = !quoted;
-    } else if (line[k] == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += line[k];
-    }
-  }
-  return cells;
-}
-
 /// "file column" and the unit of each column that units.csv names; older runs have none.
 std::map<std::string, std::string> read_units(const fs::path& folder) {
   std::map<std::string, std::string> units;
   std::ifstream file(folder / "units.csv");
   for (std::string line; std::getline(file, line);) {
-    const auto cells = cells_of(line);
+    const auto cells = split_csv_line(line);
     if (cells.size() == 3) {
       units[fs::path(cells[0]).stem().string() + " " + cells[1]] = cells[2];
     }
@@ -56,13 +38,12 @@ std::vector<CurveTable> read_table(const fs::path& path) {
   std::string line;
   std::vector<CurveTable> tables;
   if (!file || !std::getline(file, line)) return tables;
-  std::vector<std::string> names;
-  for (const auto& cell : cells_of(line)) names.push_back(cell);
+  const std::vector<std::string> names = split_csv_line(line);
   std::map<std::string, std::size_t, std::less<>> table_of;
   std::size_t word = names.size();  // column of words, if there is one
   std::vector<double> row;
   while (std::getline(file, line)) {
-    const auto cells = cells_of(line);
+    const auto cells = split_csv_line(line);
     if (cells.size() != names.size() || file.eof()) continue;  // the run was killed in this line
     if (tables.empty()) {
       for (std::size_t k = 0; k < cells.size(); ++k) {
