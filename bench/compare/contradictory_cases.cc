@@ -18,20 +18,14 @@ Scene<2> row_between_walls() {
   return scene;
 }
 
-void move_in(Wall<2>& wall, double speed) {
-  wall.motion = Wall<2>::Motion::kMoving;
-  wall.v = speed * wall.normal;
-}
+void move_in(Wall<2>& wall, double speed) { move_at(wall, speed * wall.normal); }
 
 }  // namespace
 
 void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
   Scene<2> forced = row_between_walls();
   for (Wall<2>& wall : forced.walls) {
-    wall.motion = Wall<2>::Motion::kDriven;
-    wall.direction = wall.normal;
-    wall.force = 300;
-    wall.mass = 2;
+    drive(wall, wall.normal, 2, 300);
   }
   cases.push_back({.name = "walls_forced_together",
                    .what = "a row of 5 disks between two walls that press with 300 N each",

@@ -9,12 +9,7 @@
 namespace bipot {
 namespace {
 
-void drive(Wall<2>& wall, double force) {
-  wall.motion = Wall<2>::Motion::kDriven;
-  wall.direction = wall.normal;
-  wall.force = force;
-  wall.mass = 1;
-}
+void drive(Wall<2>& wall, double force) { drive(wall, wall.normal, 1, force); }
 
 /// Rest is a solution: then each driven wall is in equilibrium, Σ s_n = h F on it.
 void add_pressed(std::vector<ExtremeCase>& cases, const std::string& name, const std::string& what,

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/portable_random.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 Scene<2> random_scene(std::uint64_t seed, int index) {
@@ -45,13 +46,9 @@ Scene<2> random_scene(std::uint64_t seed, int index) {
   if (draw.chance(0.2)) {
     Wall<2>& wall = scene.walls.back();
     if (draw.chance(0.5)) {
-      wall.motion = Wall<2>::Motion::kMoving;
-      wall.v = metre / second * 0.1 * wall.normal;
+      move_at(wall, metre / second * 0.1 * wall.normal);
     } else {
-      wall.motion = Wall<2>::Motion::kDriven;
-      wall.direction = wall.normal;
-      wall.mass = kilogram;
-      wall.force = 10 * kilogram * metre / (second * second);
+      drive(wall, wall.normal, kilogram, 10 * kilogram * metre / (second * second));
     }
   }
   return scene;

@@ -31,10 +31,7 @@ Scene<2> chain_scene(int n, int sweeps, const Experiment::Trial& trial) {
   scene.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
                  half_space<2>(Vec2(n, 0), Vec2(-1, 0), "right")};
   Wall<2>& driven = scene.walls[1];
-  driven.motion = Wall<2>::Motion::kDriven;
-  driven.direction = driven.normal;
-  driven.force = kForce;
-  driven.mass = 1;
+  drive(driven, driven.normal, 1, kForce);
   // Contacts with overlaps left by sweeps are kept; gaps of a rebound must keep theirs.
   scene.contact_distance = 1e-6;
   scene.num_steps = kSteps;

@@ -48,11 +48,9 @@ bool follows(double speed, double step, double range, Experiment::Trial& trial) 
   scene.materials = {"sticky", "smooth"};
   scene.laws = {scene.laws[0], {}, {}, {}};
   Wall<2> plate{.name = "plate", .shape = Wall<2>::Shape::kSegment};
-  plate.motion = Wall<2>::Motion::kDriven;
+  drive(plate, Vec2(0, -1), 1);
   plate.a = Vec2(-3, 0);
   plate.b = Vec2(3, 0);
-  plate.direction = Vec2(0, -1);
-  plate.mass = 1;
   scene.walls = {plate};
   scene.bodies = {round_body<2>(Vec2(-2, 0.5), 0.5, 1),
                   round_body<2>(Vec2(2, 0.5), 0.5, 1, Vec2(0, -speed))};

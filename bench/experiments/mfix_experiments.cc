@@ -96,10 +96,7 @@ Experiment stacked() {
     scene.bodies = {round_body<3>(Vec3(0, 0, 1), 1, kLower),
                     round_body<3>(Vec3(0, 0, 3), 1, kUpper)};
     Wall<3> plate = half_space<3>(Vec3(0, 0, 4), Vec3(0, 0, -1), "plate");
-    plate.motion = Wall<3>::Motion::kDriven;
-    plate.direction = Vec3(0, 0, -1);
-    plate.force = kPush;
-    plate.mass = 1;
+    drive(plate, Vec3(0, 0, -1), 1, kPush);
     scene.walls = {flat_floor<3>(), plate};
     scene.num_steps = 50;
     const State<3> end = run_from_start<3>(scene, trial);

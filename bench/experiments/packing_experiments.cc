@@ -170,10 +170,7 @@ Scene<3> pressed_box(int count, double mu, std::uint64_t seed, const Experiment:
                    .normal = sign * Vec3::Unit(axis)};
       if (sign < 0) {
         wall.a = top[axis] * Vec3::Unit(axis);
-        wall.motion = Wall<3>::Motion::kDriven;
-        wall.direction = wall.normal;
-        wall.force = kPressure * side * side;
-        wall.mass = 0.2 * count;
+        drive(wall, wall.normal, 0.2 * count, kPressure * side * side);
       }
       scene.walls.push_back(wall);
     }

@@ -40,8 +40,7 @@ SiloLoad silo_load(int count, std::uint64_t seed, Experiment::Trial& trial) {
   for (const Disk& d : scene.bodies) load.weight += kGravity * d.mass;
   const double settle = 1 + std::sqrt(2 * top / kGravity);
   constexpr double kSink = 0.2, kSinks = 5;  // [m/s], [s]
-  scene.walls[0].motion = Wall<2>::Motion::kMoving;
-  scene.walls[0].v = Vec2(0, -kSink);
+  move_at(scene.walls[0], Vec2(0, -kSink));
   scene.walls[0].starts = settle;
   scene.num_steps = static_cast<int>((settle + kSinks) / scene.step);
   constexpr int kBlocks = 6, kLayers = 12;

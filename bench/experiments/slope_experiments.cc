@@ -184,8 +184,7 @@ Experiment belt() {
                       "1/3: thrown at −V seen from the belt, where it keeps 2/3", 1.0 / 3)};
   e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = on_floor<2>(0, 0.3, 0.01, trial);
-    scene.walls[0].motion = Wall<2>::Motion::kMoving;
-    scene.walls[0].v = Vec2(1, 0);
+    move_at(scene.walls[0], Vec2(1, 0));
     scene.num_steps = 60;
     const auto end = run_from_start<2>(scene, trial);
     trial.seen = {{end.bodies[0].v[0]}};

@@ -109,8 +109,7 @@ Study::Values solve_column(const Scene<2>& scene, const std::string& method, dou
 /// Mean sweeps of a step, each from the impulses of the step before, while the floor sinks slowly.
 Study::Values sink_column(Scene<2> scene, double tol, const Study::Stopped& stopped) {
   constexpr int kSteps = 80, kFirst = 20;  // counted from the first on
-  scene.walls[0].motion = Wall<2>::Motion::kMoving;
-  scene.walls[0].v = Vec2(0, -0.1);
+  move_at(scene.walls[0], Vec2(0, -0.1));
   scene.contact_distance = 1e-6;
   scene.solver = {.name = kDepthMethod, .tol = tol, .max_iterations = kMostWarmSweeps};
   State<2> state = initial_state(scene);

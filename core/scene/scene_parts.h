@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "core/scene/scene.h"
@@ -23,6 +24,22 @@ Wall<D> half_space(const Vec<D>& point, const Vec<D>& normal, std::string name =
 template <int D>
 Wall<D> flat_floor() {
   return half_space<D>(Vec<D>::Zero(), Vec<D>::Unit(D - 1), "floor");
+}
+
+/// The wall moves at this velocity.
+template <int D>
+void move_at(Wall<D>& wall, const std::type_identity_t<Vec<D>>& v) {
+  wall.motion = Wall<D>::Motion::kMoving;
+  wall.v = v;
+}
+/// The wall follows a force [N] along `direction`, a unit vector.
+template <int D>
+void drive(Wall<D>& wall, const std::type_identity_t<Vec<D>>& direction, double mass,
+           double force = 0) {
+  wall.motion = Wall<D>::Motion::kDriven;
+  wall.direction = direction;
+  wall.mass = mass;
+  wall.force = force;
 }
 
 /// The inertia is that of a homogeneous disk, m a²/2, or sphere, 2/5 m a².

@@ -9,6 +9,7 @@
 
 #include "core/problem/delassus.h"
 #include "core/problem/equality_rows.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -231,12 +232,8 @@ TEST(Ledger, EnergyAndMomentumCloseToRoundOff) {
   Scene<2> scene = shipped("compaction");
   scene.num_steps = 150;
   scene.solver.tol = 1e-3;
-  scene.walls[1].motion = Wall<2>::Motion::kMoving;
-  scene.walls[1].v = Vec2(0.02, 0.0);
-  scene.walls[2].motion = Wall<2>::Motion::kDriven;
-  scene.walls[2].direction = Vec2(-1, 0);
-  scene.walls[2].mass = 0.5;
-  scene.walls[2].force = 3.0;
+  move_at(scene.walls[1], Vec2(0.02, 0.0));
+  drive(scene.walls[2], Vec2(-1, 0), 0.5, 3.0);
   double scale = 0, momentum_scale = 0;
   int active = 0;
   const State<2> start = initial_state(scene);

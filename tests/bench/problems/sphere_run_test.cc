@@ -37,10 +37,7 @@ Scene<3> spheres_in_a_drum(int steps) {
   drum.spin = 1;
   Wall<3> plate = half_space<3>(Vec3(0, 0, 0.3), -Vec3::UnitZ());
   plate.name = "plate";
-  plate.motion = Wall<3>::Motion::kDriven;
-  plate.direction = -Vec3::UnitZ();
-  plate.force = 20;
-  plate.mass = 3;
+  drive(plate, -Vec3::UnitZ(), 3, 20);
   scene.walls = {drum, half_space<3>(Vec3(0, -0.2, 0), Vec3::UnitY()),
                  half_space<3>(Vec3(0, 0.5, 0), -Vec3::UnitY()), plate};
   scene.step = 2e-3;

@@ -11,6 +11,7 @@
 #include "core/motion/assembly.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
+#include "core/scene/scene_parts.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/random_vector.h"
@@ -172,9 +173,7 @@ TEST(ContactError, DoesNotDependOnTheOrientationOfTheScene) {
   walls[1].shape = Wall<2>::Shape::kSegment;
   walls[1].a = Vec2(0.05, 0);
   walls[1].b = Vec2(0.1, 1);
-  walls[1].motion = Wall<2>::Motion::kDriven;
-  walls[1].direction = Vec2(0.6, 0.8);
-  walls[1].mass = 3;
+  drive(walls[1], Vec2(0.6, 0.8), 3);
   walls[1].v = 0.2 * walls[1].direction;
   const auto evaluate = [&](double degrees) {
     const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180);

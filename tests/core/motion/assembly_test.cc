@@ -65,9 +65,7 @@ Bodies crowd(unsigned seed) {
   }
   b.walls.push_back(half_space<2>(Vec2(0, 0.1), Vec2(0, 1)));
   b.walls.push_back(half_space<2>(Vec2(0.1, 0), Vec2(0.8, 0.6)));
-  b.walls[1].motion = Wall<2>::Motion::kDriven;
-  b.walls[1].direction = Vec2(0.8, 0.6);
-  b.walls[1].mass = 4;
+  drive(b.walls[1], Vec2(0.8, 0.6), 4);
   b.walls[1].v = 0.3 * b.walls[1].direction;
   b.walls.push_back(b.walls[1]);
   b.walls[2].shape = Wall<2>::Shape::kSegment;
@@ -274,8 +272,7 @@ TEST(Assembly, MovingWallsStandInTheRightHandSide) {
   b.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
   b.v_free = {Vec2(1, -3)};
   b.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))};
-  b.walls[0].motion = Wall<2>::Motion::kMoving;
-  b.walls[0].v = Vec2(4, 5);
+  move_at(b.walls[0], Vec2(4, 5));
   const AssembledStep step = b.assemble(scene);
   EXPECT_EQ(step.problem.num_dofs(), 3);
   EXPECT_EQ(step.dofs.wall[0], -1);
@@ -293,9 +290,7 @@ TEST(Assembly, DrivenWallsHaveOneDegreeOfFreedom) {
   Bodies b;
   b.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
   b.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))};
-  b.walls[0].motion = Wall<2>::Motion::kDriven;
-  b.walls[0].direction = Vec2(0.6, 0.8);
-  b.walls[0].mass = 4;
+  drive(b.walls[0], Vec2(0.6, 0.8), 4);
   b.walls[0].v = 5 * b.walls[0].direction;
   b.wall_free = {6};
   const AssembledStep step = b.assemble(scene);
@@ -333,9 +328,7 @@ TEST(Assembly, BodiesWithoutContactsDoNotEnter) {
   Bodies b;
   b.bodies = {disk_at(50, 50, 0.5), disk_at(0, 0, 0.5), disk_at(-50, 7, 0.5), disk_at(1, 0, 0.5)};
   b.walls = {half_space<2>(Vec2(0, -80), Vec2(0, 1)), half_space<2>(Vec2(0, -90), Vec2(0, 1))};
-  b.walls[1].motion = Wall<2>::Motion::kDriven;
-  b.walls[1].direction = Vec2(0, 1);
-  b.walls[1].mass = 1;
+  drive(b.walls[1], Vec2(0, 1), 1);
   const AssembledStep step = b.assemble(scene);
   EXPECT_EQ(step.problem.num_dofs(), 6);
   EXPECT_EQ(step.dofs.disk, (std::vector<int>{-1, 0, -1, 3}));

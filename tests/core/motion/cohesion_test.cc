@@ -82,11 +82,9 @@ TEST(Cohesion, APullTestBreaksAtTheForceAndCostsTheWorkOfCohesion) {
   Scene<2> scene = hanging_chain<2>(1, 10);
   scene.gravity.setZero();
   Wall<2> plate{.name = "plate", .shape = Wall<2>::Shape::kSegment};
-  plate.motion = Wall<2>::Motion::kDriven;
+  drive(plate, Vec2(0, -1), 4);
   plate.a = Vec2(-1, -1);
   plate.b = Vec2(1, -1);
-  plate.direction = Vec2(0, -1);
-  plate.mass = 4;
   scene.walls.push_back(plate);
   scene.walls[1].force = 9.9;
   EXPECT_LT(after_steps(scene, 20).walls[1].v.norm(), 1e-12);

@@ -324,9 +324,7 @@ TEST(ImpactLaw, ActsOnDrivenWallsClustersAndCells) {
     const double half = 0.5 * scene.step;
     scene.bodies = {round_body<2>(Vec2(0, 0.5 + half), 0.5, 1, Vec2(0, -1))};
     scene.walls = {flat_floor<2>()};
-    scene.walls[0].motion = Wall<2>::Motion::kDriven;
-    scene.walls[0].direction = Vec2(0, 1);
-    scene.walls[0].mass = 2;
+    drive(scene.walls[0], Vec2(0, 1), 2);
     const State<2> hit = after_steps(scene, 1, kImpactBound);
     EXPECT_NEAR(hit.bodies[0].v[1], 0, 1e-10) << name_of(impact);
     EXPECT_NEAR(hit.walls[0].v[1], -0.5, 1e-10) << name_of(impact);

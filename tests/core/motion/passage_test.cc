@@ -99,8 +99,7 @@ TEST(Passage, BodiesSlowerThanARadiusAStepAreNotLookedAt) {
 TEST(Passage, APlateThatSweepsOverADiskAtRest) {
   Scene<2> scene = one_law<2>({});
   scene.walls = {plate(Vec2(0.05, -1), Vec2(0.05, 1))};
-  scene.walls[0].motion = Wall<2>::Motion::kMoving;
-  scene.walls[0].v = Vec2(-200, 0);
+  move_at(scene.walls[0], Vec2(-200, 0));
   scene.bodies = {disk(Vec2(0, 0))};
   EXPECT_EQ(free_step(scene).passages.size(), 1u);
 }

@@ -70,9 +70,7 @@ TEST(PushApart, AFillingFarAboveItsLidIsPressedIntoTheBox) {
 TEST(PushApart, DrivenWallsStay) {
   Scene<2> scene = one_law<2>({});
   Wall<2> lid = half_space<2>(Vec2(0, 1), Vec2(0, -1), "lid");
-  lid.motion = Wall<2>::Motion::kDriven;
-  lid.direction = Vec2(0, -1);
-  lid.mass = 1;
+  drive(lid, Vec2(0, -1), 1);
   scene.walls = {lid};
   scene.bodies = {round_body<2>(Vec2(0, 0.8), 0.5, 1)};
   pushed(scene);

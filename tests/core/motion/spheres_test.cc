@@ -58,8 +58,7 @@ TEST(Spheres, RelativeVelocityIsThatOfTheTouchingPoints) {
   scene.bodies = {round_body<3>(Vec3(0.1, 0.2, 0.3), 0.5, 2, Vec3(1, -2, 3), Vec3(4, 5, -6)),
                   round_body<3>(Vec3(0.9, -0.1, 0.7), 0.4, 3, Vec3(-1, 0.5, 2), Vec3(-3, 2, 1))};
   Wall<3> lid = half_space<3>(Vec3(0, 0, 1.2), Vec3(0.6, 0, -0.8));
-  lid.motion = Wall<3>::Motion::kMoving;
-  lid.v = Vec3(0.2, 0.3, -0.1);
+  move_at(lid, Vec3(0.2, 0.3, -0.1));
   scene.walls = {lid};
   scene.contact_distance = 1;
   scene.step = 1e-9;
@@ -230,10 +229,7 @@ TEST(Spheres, TurningTheWholeSceneChangesNothing) {
                  half_space<3>(Vec3(-0.8, 0, 0), Vec3::UnitX()),
                  half_space<3>(Vec3(0, 0.8, 0), -Vec3::UnitY())};
   Wall<3> plate = half_space<3>(Vec3(0.8, 0, 0), -Vec3::UnitX());
-  plate.motion = Wall<3>::Motion::kDriven;
-  plate.direction = plate.normal;
-  plate.force = 30;
-  plate.mass = 2;
+  drive(plate, plate.normal, 2, 30);
   scene.walls.push_back(plate);
   scene.step = 5e-3;
   scene.num_steps = 60;
@@ -279,10 +275,7 @@ TEST(Spheres, APlateIsDrivenByItsForce) {
   Scene<3> scene = sphere_on_floor(0.3);
   scene.gravity = Vec3::Zero();
   Wall<3> plate = half_space<3>(Vec3(0, 0, 1), -Vec3::UnitZ());
-  plate.motion = Wall<3>::Motion::kDriven;
-  plate.direction = -Vec3::UnitZ();
-  plate.force = 50;
-  plate.mass = 3;
+  drive(plate, -Vec3::UnitZ(), 3, 50);
   scene.walls.push_back(plate);
   for (const Vec3& n : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) {
     scene.walls.push_back(half_space<3>(-2 * n, n));

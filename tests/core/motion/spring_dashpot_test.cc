@@ -393,8 +393,7 @@ TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
   // 2 kg: a = 2 m/s², 4 N between them, and the wall's force does 6 N x 0.25 m in 0.5 s.
   Scene<2> lift = spring_scene(0, 0.1);
   lift.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
-  lift.walls[0].motion = Wall<2>::Motion::kMoving;
-  lift.walls[0].v = Vec2(0, 0.5);
+  move_at(lift.walls[0], Vec2(0, 0.5));
   lift.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 0.5))};
   lift.num_steps = 1000;
   const State<2> lifted = run(lift);
@@ -404,10 +403,7 @@ TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
   Scene<2> push = spring_scene(0, 0.1);
   push.gravity = Vec2::Zero();
   push.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
-  push.walls[0].motion = Wall<2>::Motion::kDriven;
-  push.walls[0].direction = Vec2(1, 0);
-  push.walls[0].mass = 1;
-  push.walls[0].force = 6;
+  drive(push.walls[0], Vec2(1, 0), 1, 6);
   push.bodies = {round_body<2>(Vec2(0.1, 0), 0.1, 2)};
   push.num_steps = 500;
   const State<2> pushed = run(push, [](const State<2>&, const StepReport<2>& r) {

@@ -70,10 +70,7 @@ Scene<2> pushed_box() {
                                       {Vec2(0.7, 0), Vec2(-1, 0)},
                                       {Vec2(0, 0.7), Vec2(0, -1)}}) {
     Wall<2> wall = half_space<2>(point, normal);
-    wall.motion = Wall<2>::Motion::kDriven;
-    wall.direction = normal;
-    wall.force = 20;
-    wall.mass = 2;
+    drive(wall, normal, 2, 20);
     scene.walls.push_back(wall);
   }
   return scene;

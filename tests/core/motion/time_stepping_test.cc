@@ -177,8 +177,7 @@ TEST(TimeStepping, RowJammedBetweenTwoWallsHasASolution) {
 TEST(TimeStepping, MovingWallCarriesADisk) {
   Scene<2> scene = one_material(0);
   scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
-  scene.walls[0].motion = Wall<2>::Motion::kMoving;
-  scene.walls[0].v = Vec2(0, 0.5);
+  move_at(scene.walls[0], Vec2(0, 0.5));
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 0.5))};
   scene.contact_distance = 1e-6;
   scene.num_steps = 100;
@@ -193,10 +192,7 @@ TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
   Scene<2> scene = one_material(0);
   scene.gravity = Vec2::Zero();
   scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
-  scene.walls[0].motion = Wall<2>::Motion::kDriven;
-  scene.walls[0].direction = Vec2(1, 0);
-  scene.walls[0].mass = 1;
-  scene.walls[0].force = 6;
+  drive(scene.walls[0], Vec2(1, 0), 1, 6);
   scene.bodies = {round_body<2>(Vec2(0.1, 0), 0.1, 2)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 500;

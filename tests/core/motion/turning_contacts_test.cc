@@ -145,8 +145,7 @@ Scene<D> on_a_shaken_plate(double inertia) {
   Scene<D> scene = one_law<D>({.mu = 5});
   scene.gravity = -kGravity * Vec<D>::Unit(D - 1);
   scene.walls = {flat_floor<D>()};
-  scene.walls[0].motion = Wall<D>::Motion::kMoving;
-  scene.walls[0].v = 0.3 * Vec<D>::Unit(0) + 0.2 * Vec<D>::Unit(D - 1);
+  move_at(scene.walls[0], 0.3 * Vec<D>::Unit(0) + 0.2 * Vec<D>::Unit(D - 1));
   scene.walls[0].time_factor.frequency = 3;
   scene.bodies = {round_body<D>(kRadius * Vec<D>::Unit(D - 1), kRadius, 1)};
   scene.bodies[0].inertia = inertia * kRadius * kRadius;

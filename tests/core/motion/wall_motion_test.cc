@@ -28,10 +28,7 @@ Scene<2> rough_scene(double mu) {
 /// A plate on top of the disk that is pressed down with `force` and moved along x with `speed`.
 Wall<2> pressed_plate(double height, double force, double speed) {
   Wall<2> plate = half_space<2>(Vec2(0, height), Vec2(0, -1));
-  plate.motion = Wall<2>::Motion::kDriven;
-  plate.direction = Vec2(0, -1);
-  plate.force = force;
-  plate.mass = 4;
+  drive(plate, Vec2(0, -1), 4, force);
   plate.across = Vec2(speed, 0);
   plate.v = plate.across;
   return plate;
@@ -286,8 +283,7 @@ TEST(WallMotion, AWallStartsAndStops) {
   // disk flies on.
   Scene<2> scene = rough_scene(0);
   scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
-  scene.walls[0].motion = Wall<2>::Motion::kMoving;
-  scene.walls[0].v = Vec2(0, 0.5);
+  move_at(scene.walls[0], Vec2(0, 0.5));
   scene.walls[0].starts = 0.005;
   scene.walls[0].stops = 0.015;
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};

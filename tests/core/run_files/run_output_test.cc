@@ -68,12 +68,9 @@ Scene<2> awkward_scene() {
   Wall<2> lid;
   lid.name = "lid";
   lid.shape = Wall<2>::Shape::kSegment;
-  lid.motion = Wall<2>::Motion::kDriven;
+  drive(lid, Vec2(0, -1), 2.0 / 3, 5.0 / 3);
   lid.a = Vec2(-1, 1.0 / 3);
   lid.b = Vec2(2, 1.0 / 3);
-  lid.direction = Vec2(0, -1);
-  lid.force = 5.0 / 3;
-  lid.mass = 2.0 / 3;
   lid.v = Vec2(0, -1.0 / 7);
   lid.material = 1;
   Wall<2> side{.name = "",
@@ -473,10 +470,7 @@ TEST(RunOutput, WallsHaveTheirLoadsAndContactsTheirVectors) {
   scene.bodies = {round_body<2>(Vec2(3, 1), 1, 2)};
   scene.walls = {half_space<2>(Vec2::Zero(), Vec2::UnitY(), "floor, left"),
                  half_space<2>(Vec2(0, 2), -Vec2::UnitY(), "lid")};
-  scene.walls[1].motion = Wall<2>::Motion::kDriven;
-  scene.walls[1].direction = -Vec2::UnitY();
-  scene.walls[1].force = 3;
-  scene.walls[1].mass = 1;
+  drive(scene.walls[1], -Vec2::UnitY(), 1, 3);
   State<2> state = initial_state(scene);
   state.step = 1;
   state.time = 0.1;

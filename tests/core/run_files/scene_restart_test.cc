@@ -201,8 +201,7 @@ TEST(SceneRestart, GoesOnBitForBit) {
 TEST(SceneRestart, AWallThatWasEditedIsTold) {
   Scene<2> scene = one_law<2>({});
   scene.walls = {flat_floor<2>(), half_space<2>(Vec2(1, 0), Vec2(-1, 0))};
-  scene.walls[1].motion = Wall<2>::Motion::kMoving;
-  scene.walls[1].v = Vec2(-0.1, 0);
+  move_at(scene.walls[1], Vec2(-0.1, 0));
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 1)};
   const State<2> state = initial_state(scene);
   EXPECT_EQ(restart_mismatch(scene, state), "");

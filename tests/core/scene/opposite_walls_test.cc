@@ -14,9 +14,7 @@ Scene<2> pressed(double left, double right) {
   scene.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
                  half_space<2>(Vec2(1, 0), Vec2(-1, 0), "right")};
   for (Wall<2>& wall : scene.walls) {
-    wall.motion = Wall<2>::Motion::kDriven;
-    wall.direction = wall.normal;
-    wall.mass = 1;
+    drive(wall, wall.normal, 1);
   }
   scene.walls[0].force = left;
   scene.walls[1].force = right;

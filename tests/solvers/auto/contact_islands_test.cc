@@ -42,13 +42,10 @@ TEST(ContactIslands, AFixedFloorConnectsNothingAndADrivenOneDoes) {
   Wall<2> floor = half_space<2>(Vec2(0, 0), Vec2(0, 1));
   const Scene<2> fixed = two_disks(floor);
   EXPECT_EQ(lists(step_problem(fixed, initial_state(fixed), false)), (Lists{{0}, {1}}));
-  floor.motion = Wall<2>::Motion::kMoving;  // no degree of freedom either
-  floor.v = Vec2(0, 1);
+  move_at(floor, Vec2(0, 1));  // no degree of freedom either
   const Scene<2> moving = two_disks(floor);
   EXPECT_EQ(lists(step_problem(moving, initial_state(moving), false)), (Lists{{0}, {1}}));
-  floor.motion = Wall<2>::Motion::kDriven;
-  floor.direction = Vec2(0, 1);
-  floor.mass = 1;
+  drive(floor, Vec2(0, 1), 1);
   const Scene<2> driven = two_disks(floor);
   EXPECT_EQ(lists(step_problem(driven, initial_state(driven), false)), (Lists{{0, 1}}));
 }

@@ -33,9 +33,7 @@ TEST(RollingBodies, DisksAreThoseWhoseThirdRowsHaveTheDifferenceOfTheSpins) {
     EXPECT_FALSE(rolling_bodies<kRollingDisks>(other)) << row;
   }
   EXPECT_FALSE(rolling_bodies<kRollingDisks>(local_form(p)));
-  scene.walls[0].motion = Wall<2>::Motion::kDriven;  // it has no spin
-  scene.walls[0].direction = scene.walls[0].normal;
-  scene.walls[0].mass = 1;
+  drive(scene.walls[0], scene.walls[0].normal, 1);  // it has no spin
   const ContactProblem pressed = step_problem(scene, initial_state(scene), false);
   ASSERT_EQ(pressed.num_dofs() % 3, 1);
   EXPECT_FALSE(rolling_bodies<kRollingDisks>(pressed));

@@ -75,6 +75,25 @@ double height(double e, double time) {
   }
 }
 
+/// A disk to the right of a wall at x = 0.
+Scene<2> beside_wall(double e, double x, double mass = 1, const Vec2& v = Vec2::Zero()) {
+  Scene<2> scene = one_law<2>({.e_n = e});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
+  scene.bodies = {round_body<2>(Vec2(x, 0), kRadius, mass, v)};
+  return scene;
+}
+
+/// A disk at this height over a plate that swings at speed sin(turn t).
+Scene<2> over_plate(double e, double y, double speed, double turn) {
+  Scene<2> scene = one_law<2>({.e_n = e});
+  scene.gravity = Vec2(0, -9.81);
+  scene.walls = {flat_floor<2>()};
+  move_at(scene.walls[0], Vec2(0, speed));
+  scene.walls[0].time_factor.frequency = turn / (2 * std::numbers::pi);
+  scene.bodies = {round_body<2>(Vec2(0, y), kRadius, 2)};
+  return scene;
+}
+
 // Two disks that turn about each other at 5 rad/s are held by cohesion, m w² a = 0.25 N, through two
 // turns, with the moment of momentum that they had. A third one that hangs stays where it is.
 TEST(AccurateStep, CohesionHoldsWhatTurnsAndHangs) {
@@ -105,9 +124,7 @@ TEST(AccurateStep, AnImpactIsMisplacedByItsPlaceInAStepOfFixedSize) {
   // body goes on with w instead of -e w.
   const double h = 0.01, w = 1, e = 0.5;
   for (const double t : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-    Scene<2> scene = one_law<2>({.e_n = e});
-    scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
-    scene.bodies = {round_body<2>(Vec2(kRadius + w * t * h, 0), kRadius, 1, Vec2(-w, 0))};
+    Scene<2> scene = beside_wall(e, kRadius + w * t * h, 1, Vec2(-w, 0));
     scene.step = h;
     scene.contact_distance = 1e-12;
     State<2> state = initial_state(scene);
@@ -125,11 +142,8 @@ TEST(AccurateStep, AWallMeetsADiskInTheMiddleOfAPart) {
   // rounding finds the pair in touch: x r / 100.
   std::vector<int> parts;
   for (const double x : {1e-1, 1e-2, 1e-3}) {
-    Scene<2> scene = one_law<2>({.e_n = 0.8});
-    scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
-    scene.walls[0].motion = Wall<2>::Motion::kMoving;
-    scene.walls[0].v = Vec2(0.5, 0);
-    scene.bodies = {round_body<2>(Vec2(0.11, 0), kRadius, 1)};
+    Scene<2> scene = beside_wall(0.8, 0.11);
+    move_at(scene.walls[0], Vec2(0.5, 0));
     const Ended<2> end = run(with_accuracy(scene, x, 0.3, 1));
     EXPECT_NEAR(end.state.bodies[0].v[0], 0.9, 1e-12);
     EXPECT_NEAR(end.state.bodies[0].x[0], 0.2 - 0.01 * x * kRadius, 1e-9 * x);
@@ -315,13 +329,8 @@ TEST(AccurateStep, SlidingInABowlIsOfTheSecondOrder) {
 TEST(AccurateStep, ADrivenWallIsFollowedWithItsAcceleration) {
   // 2 kg, 4 N: 0.04 m in 0.2 s, then at 0.4 m/s on a disk of 2 kg at rest: together at 0.2 m/s with
   // 1 m/s².
-  Scene<2> scene = one_law<2>({});
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
-  scene.walls[0].motion = Wall<2>::Motion::kDriven;
-  scene.walls[0].direction = Vec2(1, 0);
-  scene.walls[0].force = 4;
-  scene.walls[0].mass = 2;
-  scene.bodies = {round_body<2>(Vec2(0.04 + kRadius, 0), kRadius, 2)};
+  Scene<2> scene = beside_wall(0, 0.04 + kRadius, 2);
+  drive(scene.walls[0], Vec2(1, 0), 2, 4);
   for (const double x : {1e-1, 1e-3}) {
     const Ended<2> end = run(with_accuracy(scene, x, 0.3, 1));
     EXPECT_NEAR(end.state.bodies[0].x[0], 0.05 + 0.02 + 0.005, 0.1 * x * kRadius);
@@ -332,9 +341,7 @@ TEST(AccurateStep, ADrivenWallIsFollowedWithItsAcceleration) {
 
 TEST(AccurateStep, AForceDrivesADiskAgainstAWall) {
   // 2 m/s² over 0.04 m: 0.4 m/s after 0.2 s, then back, slowed, to 0.4 · 0.1 - 0.01 m from the wall.
-  Scene<2> scene = one_law<2>({.e_n = 1});
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
-  scene.bodies = {round_body<2>(Vec2(0.04 + kRadius, 0), kRadius, 2)};
+  Scene<2> scene = beside_wall(1, 0.04 + kRadius, 2);
   scene.forces = {{.first = 0, .last = 0, .force = Vec2(-4, 0)}};
   for (const double x : {1e-1, 1e-3}) {
     const Ended<2> end = run(with_accuracy(scene, x, 0.3, 1));
@@ -347,9 +354,7 @@ TEST(AccurateStep, AForceDrivesADiskAgainstAWall) {
 TEST(AccurateStep, AForceIsForeseenInTheFirstPart) {
   // 2 m/s² over 0.5 mm from rest: an impact after 0.0224 s, within the first part, of 0.03 s. The disk
   // then rests at the wall.
-  Scene<2> scene = one_law<2>({});
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
-  scene.bodies = {round_body<2>(Vec2(5e-4 + kRadius, 0), kRadius, 2)};
+  Scene<2> scene = beside_wall(0, 5e-4 + kRadius, 2);
   scene.forces = {{.first = 0, .last = 0, .force = Vec2(-4, 0)}};
   const Ended<2> end = run(with_accuracy(scene, 1e-3, 0.3, 1));
   EXPECT_NEAR(end.state.bodies[0].x[0], kRadius, 1e-3 * kRadius);
@@ -380,10 +385,7 @@ TEST(AccurateStep, AForceOfManyPeriodsAStepIsSeen) {
   scene.forces = {{.first = 0, .last = 0, .force = Vec2(0, 100)}};
   scene.forces[0].time_factor.frequency = kFrequency;
   scene.walls = {flat_floor<2>()};
-  scene.walls[0].motion = Wall<2>::Motion::kDriven;
-  scene.walls[0].direction = Vec2(0, 1);
-  scene.walls[0].force = 100;
-  scene.walls[0].mass = 1;
+  drive(scene.walls[0], Vec2(0, 1), 1, 100);
   scene.walls[0].time_factor.frequency = kFrequency;
   const double way = 100 / kTurn * 0.5;
   for (const double x : {1e-1, 1e-2, 1e-3}) {
@@ -415,13 +417,7 @@ TEST(AccurateStep, AVibratingPlateThrowsADisk) {
   const double leaves = std::acos(-9.81 / (kTurn * kSpeed)) / kTurn, flies = kEndTime - leaves;
   const double flown = kSpeed / kTurn * (1 - std::cos(kTurn * leaves)) +
                        kSpeed * std::sin(kTurn * leaves) * flies - 0.5 * 9.81 * flies * flies;
-  Scene<2> scene = one_law<2>({});
-  scene.gravity = Vec2(0, -9.81);
-  scene.walls = {flat_floor<2>()};
-  scene.walls[0].motion = Wall<2>::Motion::kMoving;
-  scene.walls[0].v = Vec2(0, kSpeed);
-  scene.walls[0].time_factor.frequency = kTurn / (2 * std::numbers::pi);
-  scene.bodies = {round_body<2>(Vec2(0, kRadius), kRadius, 2)};
+  const Scene<2> scene = over_plate(0, kRadius, kSpeed, kTurn);
   for (const double x : {1e-2, 1e-3, 1e-4}) {
     const Ended<2> end = run(with_accuracy(scene, x, kEndTime / 150, 150));
     EXPECT_NEAR(end.state.bodies[0].x[1], kRadius + flown, 2 * x * kRadius) << x;
@@ -450,13 +446,7 @@ TEST(AccurateStep, AVibratingPlateBouncesADisk) {
     speed = (1 + kBounce) * pushes - kBounce * meets;
     start = t;
   }
-  Scene<2> scene = one_law<2>({.e_n = kBounce});
-  scene.gravity = Vec2(0, -9.81);
-  scene.walls = {flat_floor<2>()};
-  scene.walls[0].motion = Wall<2>::Motion::kMoving;
-  scene.walls[0].v = Vec2(0, kSpeed);
-  scene.walls[0].time_factor.frequency = kTurn / (2 * std::numbers::pi);
-  scene.bodies = {round_body<2>(Vec2(0, 0.05 + kRadius), kRadius, 2)};
+  const Scene<2> scene = over_plate(kBounce, 0.05 + kRadius, kSpeed, kTurn);
   for (const double x : {1e-3, 1e-4}) {
     const Ended<2> end = run(with_accuracy(scene, x, kEndTime / 30, 30));
     EXPECT_NEAR(end.state.bodies[0].x[1], kRadius + height(kEndTime), 40 * x * kRadius) << x;
@@ -594,12 +584,9 @@ TEST(AccurateStep, ItEndsWithASentenceWhereAPartWouldBeTooShort) {
 
 TEST(AccurateStep, WallsStartInTheMiddleOfAStep) {
   // It starts at 0.13 s, at 0.5 m/s: 0.035 m until 0.2 s.
-  Scene<2> scene = one_law<2>({});
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
-  scene.walls[0].motion = Wall<2>::Motion::kMoving;
-  scene.walls[0].v = Vec2(0.5, 0);
+  Scene<2> scene = beside_wall(0, kRadius);
+  move_at(scene.walls[0], Vec2(0.5, 0));
   scene.walls[0].starts = 0.13;
-  scene.bodies = {round_body<2>(Vec2(kRadius, 0), kRadius, 1)};
   const Ended<2> end = run(with_accuracy(scene, 1e-2, 0.2, 1));
   EXPECT_NEAR(end.state.walls[0].a[0], 0.035, 1e-14);
   EXPECT_NEAR(end.state.bodies[0].x[0], kRadius + 0.035, 1e-2 * kRadius);
@@ -613,8 +600,7 @@ void throw_by_a_floor_that_starts() {
   const double thrown = (1 + kBounce) * 2 * kFlight - 0.5 * 9.81 * kFlight * kFlight;
   Scene<D> scene = ball<D>(kBounce);
   scene.bodies[0].x[D - 1] = kRadius;
-  scene.walls[0].motion = Wall<D>::Motion::kMoving;
-  scene.walls[0].v = 2 * Vec<D>::Unit(D - 1);
+  move_at(scene.walls[0], 2 * Vec<D>::Unit(D - 1));
   scene.walls[0].starts = kStarts;
   for (const double x : {1e-2, 1e-4}) {
     const Ended<D> end = run(with_accuracy(scene, x, 0.01, 10));
@@ -634,11 +620,8 @@ TEST(AccurateStep, ADrivenWallStartsWithItsSpeedAndStops) {
   scene.bodies[0].x[1] = kRadius;
   scene.walls.push_back(half_space<2>(Vec2(1, 0), Vec2(-1, 0), "press"));
   Wall<2>& press = scene.walls[1];
-  press.motion = Wall<2>::Motion::kDriven;
-  press.direction = Vec2(-1, 0);
+  drive(press, Vec2(-1, 0), 2, 8);
   press.v = Vec2(-0.5, 0);
-  press.force = 8;
-  press.mass = 2;
   press.starts = 0.033;
   press.stops = 0.087;
   const Ended<2> end = run(with_accuracy(scene, 1e-5, 0.01, 10));

@@ -44,8 +44,7 @@ Scene<2> two_disks() {
 /// Rows of a rectangular lattice; the lowest is glued to a floor that moves, the lid is driven.
 Scene<2> sheared() {
   Scene<2> scene = pressed_box(6);
-  scene.walls[0].motion = Wall<2>::Motion::kMoving;
-  scene.walls[0].v = Vec2(0.3, 0);
+  move_at(scene.walls[0], Vec2(0.3, 0));
   for (Disk& d : scene.bodies) {
     if (d.x[1] < 0.6) d.wall = 0;
     if (d.x[1] > 5.2) d.wall = 3;
@@ -72,10 +71,7 @@ Scene<2> pressed_box(int side) {
     scene.bodies.push_back(round_body<2>(d.x, 0.5, 2));
   }
   Wall<2> lid = half_space<2>(Vec2(0, width), Vec2(0, -1));
-  lid.motion = Wall<2>::Motion::kDriven;
-  lid.direction = Vec2(0, -1);
-  lid.force = 200;
-  lid.mass = 10;
+  drive(lid, Vec2(0, -1), 10, 200);
   scene.walls.push_back(lid);
   return scene;
 }
