@@ -37,11 +37,6 @@ State<D> frame_of(const State<D>& state) {
   return frame;
 }
 
-template <int D>
-void put_contacts(const std::vector<ContactOutcome<D>>& contacts, Buffer& buffer) {
-  for (const ContactOutcome<D>& c : contacts) put(c, buffer);
-}
-
 }  // namespace
 
 template <int D>
@@ -79,7 +74,7 @@ State<D> gather_state(const DomainState<D>& state, ProcessGroup& group) {
   for (std::size_t k = 0; k < state.numbers.size(); ++k) {
     put(state.numbers[k], state.here.bodies[k], bodies[0]);
   }
-  put_contacts(state.here.contacts, contacts[0]);
+  for (const ContactOutcome<D>& c : state.here.contacts) put(c, contacts[0]);
   bodies = group.deliver(std::move(bodies));
   contacts = group.deliver(std::move(contacts));
   State<D> whole = frame_of(state.here);

@@ -78,10 +78,8 @@ void number_contacts(const LocalBodies<D>& local, int bodies, ProcessGroup& grou
   for (std::size_t k = 1; k < before.size(); ++k) before[k] += before[k - 1];
   const double here[1] = {static_cast<double>(before.back())};
   const std::vector<double> totals = group.gather(here);
-  double lower = 0;
-  for (int r = 0; r < group.rank(); ++r) lower += totals[to_size(r)];
-  double whole = 0;
-  for (const double total : totals) whole += total;
+  const double lower = std::accumulate(totals.begin(), totals.begin() + group.rank(), 0.0);
+  const double whole = std::accumulate(totals.begin(), totals.end(), 0.0);
   if (whole > std::numeric_limits<int>::max()) throw CommonFailure("more than 2^31 contacts");
   contacts.whole = static_cast<int>(whole);
   for (Buffer& buffer : buffers) {
