@@ -66,7 +66,6 @@ struct SolverOptions {
   std::shared_ptr<const AutoPlan> plan;
   std::function<bool()> cancelled;  ///< polled at every iteration; true ends the solve, for Ctrl-C
   std::function<void(const IterationRecord&)> on_iteration;  ///< history, at the judged iterations
-  bool counts = true;  ///< its records have counts, which cost a reduction in parallel
 };
 
 /// True if the error of one impulse meets options.stop. False for kImpulse, which needs two

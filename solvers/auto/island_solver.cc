@@ -62,8 +62,10 @@ class IslandRun {
     total_ = evaluate_.sums();
     settled_ = share_.others;
     if (options_.on_iteration) {
-      start_ = {
-          .iteration = 0, .seconds = watch_.seconds(), .error = error, .count = counted(p_, s_)};
+      start_ = {.iteration = 0,
+                .seconds = watch_.seconds(),
+                .error = error,
+                .count = count_contacts(p_, s_)};
     }
     for (int k = 0; k < islands_.count(); ++k) {
       if (is_open(p_, islands_.of(k))) {
@@ -326,14 +328,10 @@ class IslandRun {
     return true;
   }
 
-  ContactCount counted(const ContactProblem& p, const Vector& s) const {
-    return options_.counts ? count_contacts(p, s) : ContactCount();
-  }
-
   /// Passes the records of the last island on: errors are those of the whole, contacts are added.
   std::function<void(const IterationRecord&)> history_of(const IslandProblem& part, int size) {
-    const ContactCount all = counted(p_, s_);
-    const ContactCount own = counted(part.problem, part.gather(s_));
+    const ContactCount all = count_contacts(p_, s_);
+    const ContactCount own = count_contacts(part.problem, part.gather(s_));
     return [this, size, all, own, start = watch_.seconds()](const IterationRecord& r) {
       if (r.iteration == 0) return;
       IterationRecord record = r;
@@ -374,7 +372,7 @@ class IslandRun {
       options_.on_iteration({.iteration = iterations(0, 0),
                              .seconds = watch_.seconds(),
                              .error = error,
-                             .count = counted(p_, s_)});
+                             .count = count_contacts(p_, s_)});
     }
     if (meets(options_, error) && run_.space().prove(options_, s_, error).holds) {
       result_.status = SolveStatus::kConverged;

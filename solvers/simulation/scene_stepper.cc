@@ -66,7 +66,6 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
             .reproducible = options_.reproducible};
     own_.options.cancelled = options_.cancelled;
     own_.options.on_iteration = options_.on_iteration;
-    own_.options.counts = false;
     if (options_.on_failure == OnFailure::kSmallerStep && !scene.solver.limits_iterations &&
         scene.solver.max_iterations == SolverChoice{}.max_iterations) {
       own_.options.max_iterations = kAttemptIterations;
