@@ -136,7 +136,7 @@ bool SolveRun::stop(int iteration, const Eigen::Ref<const Vector>& s, double ste
                            .seconds = seconds(),
                            .error = last_,
                            .step = step,
-                           .count = count()});
+                           .count = [this] { return count(); }});
   }
   free_energy_ = divergence_reference(iteration, last_, free_energy_);
   if (met) {

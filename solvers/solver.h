@@ -40,13 +40,15 @@ bool is_success(SolveStatus status);
 enum class StopTest { kGuarded, kRaw42, kImpulse };
 std::string_view to_string(StopTest stop);
 
-/// One judged iteration: its errors and the number of contacts in each status.
+/// One judged iteration.
 struct IterationRecord {
   int iteration = 0;
   double seconds = 0;  ///< wall time since the solver began, criterion included
   ContactError error;
   double step = kNaN;  ///< solver's own, NaN if it has none
-  ContactCount count;
+  /// Counts the contacts in each status, at the cost of an iteration. Only while the record is
+  /// passed; several processes all have to ask.
+  std::function<ContactCount()> count;
 };
 
 /// Inputs common to all solvers, and the solver's own parameters by name.

@@ -267,11 +267,11 @@ void record_history(const std::string& path, std::ofstream& history, SolverOptio
     history << "iteration,seconds,epsilon,eta,epsilon_raw,natural_map,step,take_off,stick,slip\n";
   }
   options.on_iteration = [&history](const IterationRecord& r) {
+    const ContactCount count = r.count();
     if (!history.is_open()) return;  // another process writes
     history << fmt::format("{},{:.6e},{:.9e},{:.9e},{:.9e},{:.9e},{:.9e},{},{},{}\n", r.iteration,
                            r.seconds, r.error.epsilon, r.error.eta, r.error.raw42,
-                           r.error.natural_map, r.step, r.count.take_off, r.count.stick,
-                           r.count.slip);
+                           r.error.natural_map, r.step, count.take_off, count.stick, count.slip);
   };
 }
 

@@ -43,6 +43,7 @@ const ErrorMethod& method_of(std::string_view id) {
 
 struct History {
   std::vector<IterationRecord> records;
+  int all_rows_reached = -1;  // first judged iteration at which the forces of all rows have begun
   SolveResult result;
   int side = 0;
 };
@@ -60,7 +61,12 @@ History history(const ErrorMethod& method, int side, double mu, double tilt, int
                         .max_iterations = max_iterations,
                         .parameters = method.parameters,
                         .cancelled = context.interrupted};
-  options.on_iteration = [&h](const IterationRecord& record) { h.records.push_back(record); };
+  options.on_iteration = [&h](const IterationRecord& record) {
+    h.records.push_back(record);
+    if (h.all_rows_reached >= 0) return;
+    const ContactCount count = record.count();
+    if (count.stick + count.slip >= h.side * h.side) h.all_rows_reached = record.iteration;
+  };
   h.result = solve(entry, problem, options);
   return h;
 }
@@ -94,14 +100,6 @@ double decay(const History& h) {
     logarithms.push_back(std::log(e));
   }
   return -fitted_slope(iterations, logarithms);
-}
-
-/// First judged iteration at which the forces of all rows have begun.
-int all_rows_reached(const History& h) {
-  for (const IterationRecord& r : h.records) {
-    if (r.count.stick + r.count.slip >= h.side * h.side) return r.iteration;
-  }
-  return -1;
 }
 
 /// First judged iteration at which ε is at most `error`.
@@ -161,7 +159,7 @@ class Fig13 {
         throw std::runtime_error(fmt::format("uzawa, {} rows: {}", side, h.result.message));
       }
       sizes.series.push_back(curve(fmt::format("{0} × {0}", side), style++, h, guarded));
-      const int reached = all_rows_reached(h);
+      const int reached = h.all_rows_reached;
       const double measured = 1 / decay(h);
       rows.rows.push_back({std::to_string(side), std::to_string(reached),
                            fmt::format("{:.1f}", measured),

@@ -41,9 +41,10 @@ struct HistoryRow {
 };
 
 HistoryRow row_of(const IterationRecord& r) {
+  const ContactCount count = r.count();
   return {r.iteration,       r.seconds,     r.error.epsilon,     r.error.eta,
           r.error.guarded(), r.error.raw42, r.error.natural_map, r.step,
-          r.count.take_off,  r.count.stick, r.count.slip};
+          count.take_off,    count.stick,   count.slip};
 }
 
 /// The fields of HistoryRow, described to numpy on demand: the module loads without numpy.

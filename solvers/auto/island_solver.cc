@@ -65,7 +65,7 @@ class IslandRun {
       start_ = {.iteration = 0,
                 .seconds = watch_.seconds(),
                 .error = error,
-                .count = count_contacts(p_, s_)};
+                .count = [count = count_contacts(p_, s_)] { return count; }};
     }
     for (int k = 0; k < islands_.count(); ++k) {
       if (is_open(p_, islands_.of(k))) {
@@ -337,9 +337,12 @@ class IslandRun {
       IterationRecord record = r;
       record.iteration = iterations(r.iteration, size);
       record.seconds += start;
-      record.count.take_off += all.take_off - own.take_off;
-      record.count.stick += all.stick - own.stick;
-      record.count.slip += all.slip - own.slip;
+      record.count = [&] {
+        const ContactCount now = r.count();
+        return ContactCount{.take_off = all.take_off - own.take_off + now.take_off,
+                            .stick = all.stick - own.stick + now.stick,
+                            .slip = all.slip - own.slip + now.slip};
+      };
       options_.on_iteration(record);
     };
   }
@@ -372,7 +375,7 @@ class IslandRun {
       options_.on_iteration({.iteration = iterations(0, 0),
                              .seconds = watch_.seconds(),
                              .error = error,
-                             .count = count_contacts(p_, s_)});
+                             .count = [this] { return count_contacts(p_, s_); }});
     }
     if (meets(options_, error) && run_.space().prove(options_, s_, error).holds) {
       result_.status = SolveStatus::kConverged;
