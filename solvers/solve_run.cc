@@ -224,6 +224,7 @@ SolveResult run_solver(const SolverEntry& entry, ContactSpace& space, const Solv
     return runs_on_parts(entry, options) == Parallel::kNo ? space.solve_on_root(entry, options)
                                                           : in(space);
   }
+  if (space.whole()->share() == share) return in(space);
   WholeSpace own(*space.whole(), share);
   return in(own);
 }

@@ -77,9 +77,7 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int 
       delassus_(
           std::make_unique<DelassusOperator>(problem, DelassusOperator::Form::kAuto, threads)),
       prepared_(std::make_shared<const Prepared>(problem, delassus_->diagonal())),
-      share_(share),
-      s_(zeros(problem.num_rows())),
-      u_(zeros(problem.num_rows())) {}
+      share_(share) {}
 
 ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made,
                                              const ErrorShare& share)
@@ -87,15 +85,14 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made,
       threads_(made.threads_),
       delassus_(std::make_unique<DelassusOperator>(*made.delassus_)),
       prepared_(made.prepared_),
-      share_(share),
-      s_(zeros(problem_.num_rows())),
-      u_(zeros(problem_.num_rows())) {}
+      share_(share) {}
 
 ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made)
     : ContactErrorEvaluator(made, made.share_) {
   sums_ = made.sums_;
   s_ = made.s_;
   u_ = made.u_;
+  last_ = made.last_;
 }
 
 ContactErrorEvaluator::ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept = default;
@@ -115,8 +112,11 @@ ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s
   if (s_.size() != problem_.num_rows()) {
     s_ = zeros(problem_.num_rows());
     u_ = zeros(problem_.num_rows());
+  } else if (s.size() > 0 && std::equal(s.begin(), s.end(), s_.begin())) {
+    return last_;
   }
-  return dispatch_form(problem_, [&](auto d, auto scaled) { return evaluate<d(), scaled()>(s); });
+  last_ = dispatch_form(problem_, [&](auto d, auto scaled) { return evaluate<d(), scaled()>(s); });
+  return last_;
 }
 
 /// s <- its projection on the cones of the contacts [begin, end).

@@ -114,6 +114,7 @@ class ContactErrorEvaluator {
   ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept;
   ~ContactErrorEvaluator();
 
+  /// Of the impulse() that was judged last: that error again, at the cost of a comparison.
   ContactError operator()(const Eigen::Ref<const Vector>& s);
 
   /// Projected impulse and its velocity of the last evaluation, in the problem's variables.
@@ -151,6 +152,7 @@ class ContactErrorEvaluator {
   ErrorShare share_;
   ErrorSums sums_;
   Vector s_, u_;
+  ContactError last_;  // of s_, if it is not empty
 };
 
 /// One evaluation.

@@ -152,7 +152,6 @@ class Race {
       return forecast.failed() || (options_.cancelled && options_.cancelled());
     };
     SolveResult result;
-    space_.release_scratch();
     // Memory of the previous stage is fragmented for the next one's arrays.
     if (!trail_.empty() && p_.num_contacts() > kFreedFrom) return_freed_memory();
     try {
