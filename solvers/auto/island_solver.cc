@@ -330,15 +330,14 @@ class IslandRun {
 
   /// Passes the records of the last island on: errors are those of the whole, contacts are added.
   std::function<void(const IterationRecord&)> history_of(const IslandProblem& part, int size) {
-    const ContactCount all = count_contacts(p_, s_);
-    const ContactCount own = count_contacts(part.problem, part.gather(s_));
-    return [this, size, all, own, start = watch_.seconds()](const IterationRecord& r) {
+    return [this, &part, size, start = watch_.seconds()](const IterationRecord& r) {
       if (r.iteration == 0) return;
       IterationRecord record = r;
       record.iteration = iterations(r.iteration, size);
       record.seconds += start;
       record.count = [&] {
-        const ContactCount now = r.count();
+        const ContactCount all = count_contacts(p_, s_), now = r.count();
+        const ContactCount own = count_contacts(part.problem, part.gather(s_));
         return ContactCount{.take_off = all.take_off - own.take_off + now.take_off,
                             .stick = all.stick - own.stick + now.stick,
                             .slip = all.slip - own.slip + now.slip};
