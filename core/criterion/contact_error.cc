@@ -112,8 +112,6 @@ ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s
   if (s_.size() != problem_.num_rows()) {
     s_ = zeros(problem_.num_rows());
     u_ = zeros(problem_.num_rows());
-  } else if (s.size() > 0 && std::equal(s.begin(), s.end(), s_.begin())) {
-    return last_;
   }
   last_ = dispatch_form(problem_, [&](auto d, auto scaled) { return evaluate<d(), scaled()>(s); });
   return last_;

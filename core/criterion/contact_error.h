@@ -114,12 +114,12 @@ class ContactErrorEvaluator {
   ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept;
   ~ContactErrorEvaluator();
 
-  /// Of the impulse() that was judged last: that error again, at the cost of a comparison.
   ContactError operator()(const Eigen::Ref<const Vector>& s);
 
   /// Projected impulse and its velocity of the last evaluation, in the problem's variables.
   const Vector& impulse() const { return s_; }
   const Vector& velocity() const { return u_; }
+  const ContactError& error() const { return last_; }  ///< of that impulse
   const DelassusOperator& delassus() const { return *delassus_; }
 
   /// E of the impulse s = 0.

@@ -323,9 +323,9 @@ SolveResult half_done(const ContactProblem& p, const SolverOptions& options) {
   SolveResult result = solve("pgs", p, {.tol = options.tol, .max_iterations = 5});
   if (options.on_iteration) {
     for (int k = 0; k <= 5; ++k) {
-      options.on_iteration({.iteration = k,
-                            .error = contact_error(p, result.s),
-                            .count = count_contacts(p, result.s)});
+      options.on_iteration({.iteration = k, .error = contact_error(p, result.s), .count = [&] {
+                              return count_contacts(p, result.s);
+                            }});
     }
   }
   result.message = "half done";
