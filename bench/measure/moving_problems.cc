@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <optional>
 
 #include "bench/problems/moving_run.h"
@@ -48,8 +49,9 @@ fs::path path_of(const MovingRunRequest& request, int step) {
   return problem_cache_folder() / fmt::format("{}_step{}.hdf5", key_of(request), step);
 }
 
-std::optional<TestProblem> read_step(const MovingRunRequest& request, int step) {
-  const fs::path path = path_of(request, step);
+/// Empty where the file is missing, damaged, or of another recipe.
+std::optional<TestProblem> read_step(const MovingRunRequest& request, int step,
+                                     const fs::path& path) {
   if (!fs::exists(path)) return std::nullopt;
   ProblemFile file;
   try {
@@ -64,8 +66,9 @@ std::optional<TestProblem> read_step(const MovingRunRequest& request, int step) 
   return made;
 }
 
-void write_step(const MovingRunRequest& request, int step, const ContactProblem& problem,
-                const Vector& start) {
+/// Keeps a step, and returns it as it is read again. (Another build may write this file meanwhile.)
+std::optional<TestProblem> write_step(const MovingRunRequest& request, int step,
+                                      const ContactProblem& problem, const Vector& start) {
   const fs::path path = path_of(request, step);
   std::error_code failed;
   fs::create_directories(path.parent_path(), failed);
@@ -75,7 +78,9 @@ void write_step(const MovingRunRequest& request, int step, const ContactProblem&
               {.title = fmt::format("{}, step {}", key_of(request), step),
                .description = recipe_of(request, step)},
               start.size() > 0 ? std::vector<Vector>{start} : std::vector<Vector>{});
+  std::optional<TestProblem> written = read_step(request, step, file.draft());
   file.commit();
+  return written;
 }
 
 }  // namespace
@@ -115,17 +120,22 @@ template <int D>
 std::vector<TestProblem> problems_of(const Scene<D>& scene, const MovingRunRequest& request) {
   // Uncommitted changes have no version of their own: files of such builds are not used.
   const bool trusted = !build_info().commit.ends_with("-dirty");
-  const bool complete =
-      trusted && std::all_of(request.steps.begin(), request.steps.end(),
-                             [&](int step) { return read_step(request, step).has_value(); });
+  std::map<int, std::optional<TestProblem>> problems;
+  bool complete = trusted;
+  for (const int step : request.steps) {
+    if (complete) problems[step] = read_step(request, step, path_of(request, step));
+    complete = complete && problems[step].has_value();
+  }
   if (!complete) {
+    problems.clear();
     run_moving_scene<D>(scene, request.steps, [&](const SceneStep<D>& step) {
-      write_step(request, step.report.step, step.problem, step.start);
+      const int number = step.report.step;
+      problems[number] = write_step(request, number, step.problem, step.start);
     });
   }
   std::vector<TestProblem> made;
   for (const int step : request.steps) {
-    std::optional<TestProblem> problem = read_step(request, step);
+    std::optional<TestProblem> problem = std::move(problems[step]);
     if (!problem) {  // no contacts: FCLIB has no such problem
       problem.emplace();
       problem->origin = recipe_of(request, step);

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <numbers>
+#include <thread>
 
 #include "bench/measure/iteration_growth.h"
 #include "bench/measure/problem_target.h"
@@ -125,6 +127,30 @@ TEST(MovingProblems, TheCacheGivesTheSameBits) {
   other.options.seed = 4;
   EXPECT_NE(moving_problems(other)[0].problem.u_free, fresh[0].problem.u_free);
   EXPECT_EQ(cache.files(), 4u);
+}
+
+TEST(MovingProblems, DoNotDependOnWhatOthersDoToTheCache) {
+  const OwnCache cache;
+  const auto cached = [&] {
+    std::vector<std::filesystem::path> paths;
+    for (const auto& entry : std::filesystem::directory_iterator(cache.folder().path())) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with("pour") && name.ends_with(".hdf5")) paths.push_back(entry.path());
+    }
+    return paths;
+  };
+  std::atomic<bool> done = false;
+  std::thread other([&] {
+    while (!done) {
+      for (const std::filesystem::path& path : cached()) std::filesystem::remove(path);
+    }
+  });
+  const auto made =
+      moving_problems({.family = "pour", .side = 6, .options = {}, .steps = {150, 250}});
+  done = true;
+  other.join();
+  ASSERT_EQ(made.size(), 2u);
+  for (const TestProblem& problem : made) EXPECT_GT(problem.problem.num_contacts(), 0);
 }
 
 TEST(MovingProblems, AreTargetsAndFamilies) {
