@@ -213,7 +213,7 @@ SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const Solver
     result.s = start_of(space.problem(), options);
   } else {
     const double before = watch.seconds();
-    space.release_scratch();  // until the end
+    space.release_scratch();  // until the solver judges
     result.s = Vector();
     const auto run_with = [&](const SolverOptions& how) { result = run(space, entry, how); };
     // Impulses of jammed bodies at rest in the previous step may be huge beside this one: no solver

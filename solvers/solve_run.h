@@ -162,8 +162,8 @@ class SolveRun {
   std::optional<SolveResult> taken_;
 };
 
-/// A whole run of `entry`: solve() without its refusals and its last judgement. In a space of its
-/// own made from the given one, if that has the whole.
+/// A whole run of `entry`: solve() without its refusals and its last judgement. In the given space,
+/// whose last judgement it replaces; for another share of the whole in one made from it.
 SolveResult run_solver(const SolverEntry& entry, ContactSpace& space, const SolverOptions& options,
                        const ErrorShare& share = {}, SystemFactor* factor = nullptr);
 SolveResult run_solver(const SolverEntry& entry, const ContactProblem& problem,

@@ -46,8 +46,8 @@ struct IterationRecord {
   double seconds = 0;  ///< wall time since the solver began, criterion included
   ContactError error;
   double step = kNaN;  ///< solver's own, NaN if it has none
-  /// Counts the contacts in each status, at the cost of an iteration. Only while the record is
-  /// passed; several processes all have to ask.
+  /// Counts the contacts in each status, in a pass over them. Only while the record is passed;
+  /// several processes all have to ask.
   std::function<ContactCount()> count;
 };
 

@@ -131,9 +131,8 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (flags.substep) scene.dem.substep = *flags.substep;
   if (scene.model == Model::kSpringDashpot &&
       scene.contact_distance != default_contact_distance(scene)) {
-    scene.caution +=
-        fmt::format("{}[contact] distance is left out: springs of --model dem need none",
-                    scene.caution.empty() ? "" : "; ");
+    scene.caution += fmt::format("{}[contact] distance is left out: springs need none",
+                                 scene.caution.empty() ? "" : "; ");
   }
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
 }

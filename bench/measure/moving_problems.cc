@@ -79,6 +79,7 @@ std::optional<TestProblem> write_step(const MovingRunRequest& request, int step,
                .description = recipe_of(request, step)},
               start.size() > 0 ? std::vector<Vector>{start} : std::vector<Vector>{});
   std::optional<TestProblem> written = read_step(request, step, file.draft());
+  if (!written) throw FileError(path, "", "cannot be read again");
   file.commit();
   return written;
 }

@@ -37,7 +37,7 @@ Table::Cell worst_outcome(const SceneTrade& s, const SceneTrade::Cell& cell) {
 
 Table answers_table(const std::vector<SceneTrade>& scenes) {
   Table table{.columns = {{.name = "scene"},
-                          {.name = "enough tolerance", .show = tolerance_label},
+                          {.name = "loosest tol", .show = tolerance_label},
                           {.name = "decided by"},
                           {.name = "CPU per simulated s", .show = seconds_label},
                           {.name = "tightest costs", .show = seconds_label},

@@ -92,7 +92,6 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made)
   sums_ = made.sums_;
   s_ = made.s_;
   u_ = made.u_;
-  last_ = made.last_;
 }
 
 ContactErrorEvaluator::ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept = default;
@@ -113,8 +112,7 @@ ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s
     s_ = zeros(problem_.num_rows());
     u_ = zeros(problem_.num_rows());
   }
-  last_ = dispatch_form(problem_, [&](auto d, auto scaled) { return evaluate<d(), scaled()>(s); });
-  return last_;
+  return dispatch_form(problem_, [&](auto d, auto scaled) { return evaluate<d(), scaled()>(s); });
 }
 
 /// s <- its projection on the cones of the contacts [begin, end).

@@ -119,7 +119,6 @@ class ContactErrorEvaluator {
   /// Projected impulse and its velocity of the last evaluation, in the problem's variables.
   const Vector& impulse() const { return s_; }
   const Vector& velocity() const { return u_; }
-  const ContactError& error() const { return last_; }  ///< of that impulse
   const DelassusOperator& delassus() const { return *delassus_; }
 
   /// E of the impulse s = 0.
@@ -152,7 +151,6 @@ class ContactErrorEvaluator {
   ErrorShare share_;
   ErrorSums sums_;
   Vector s_, u_;
-  ContactError last_;  // of s_, if it is not empty
 };
 
 /// One evaluation.

@@ -44,10 +44,10 @@ DisjointSets through_bodies(const ContactProblem& p) {
   const int contacts = p.num_contacts();
   DisjointSets sets(contacts + p.num_dofs());
   for (int c = 0; c < contacts; ++c) {
-    const int first = p.H.outerIndexPtr()[c * p.dim];
-    const int last = p.H.outerIndexPtr()[c * p.dim + live_rows(p, c)];
-    for (int k = first; k < last; ++k) {
-      if (p.H.valuePtr()[k] != 0) sets.unite(c, contacts + p.H.innerIndexPtr()[k]);
+    for (int k = 0; k < live_rows(p, c); ++k) {
+      for (SparseMatrix::InnerIterator it(p.H, c * p.dim + k); it; ++it) {
+        if (it.value() != 0) sets.unite(c, contacts + static_cast<int>(it.row()));
+      }
     }
   }
   for (int column = 0; column < p.A.outerSize(); ++column) {

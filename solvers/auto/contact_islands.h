@@ -5,8 +5,8 @@
 
 namespace bipot {
 
-/// The contacts of a problem, island by island, ascending within each. Islands do not couple: no block of W between them
-/// acts on an impulse of the law.
+/// The contacts of a problem, island by island, ascending within each. Islands do not couple: no
+/// block of W between them acts on an impulse of the law.
 using ContactIslands = Lists<>;
 
 /// Splits the contact graph into its connected components, smaller ones first, equal ones by their

@@ -170,7 +170,7 @@ class Race {
     last_ = result.status;
     double error = std::numeric_limits<double>::infinity();
     if (!space_.any(result.s.size() != p_.num_rows() || !result.s.allFinite())) {
-      error = error_of(result.s);
+      error = space_.error(result.s).guarded();
       own_.insert_or_assign(std::string(stage.solver->name), result.s);
       last_s_ = result.s;
     }
@@ -192,17 +192,6 @@ class Race {
       best_.s = result.s;
     }
     ended_ = stopped && !given_up;
-  }
-
-  /// Without work for the impulse that the stage judged last.
-  double error_of(const Vector& s) {
-    if (alone()) {
-      const ContactErrorEvaluator& judged = run_.whole().evaluator();
-      if (std::equal(s.begin(), s.end(), judged.impulse().begin(), judged.impulse().end())) {
-        return judged.error().guarded();
-      }
-    }
-    return space_.error(s).guarded();
   }
 
   /// The problem with W, assembled by the first stage that needs it.

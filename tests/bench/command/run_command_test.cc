@@ -121,7 +121,7 @@ TEST_F(RunCommand, WhatIsLeftOutIsToldOnceByEveryCommand) {
   }
   // The springs of a scene with the distance of rigid contacts do not use it.
   expect_said("run foreign.toml --model dem --overwrite", 0,
-              {told + "; [contact] distance is left out: springs of --model dem need none\n"});
+              {told + "; [contact] distance is left out: springs need none\n"});
 }
 
 TEST_F(RunCommand, ARunOutOfTimeSaysHowToGoOn) {
