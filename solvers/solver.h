@@ -94,6 +94,9 @@ struct SolveResult {
 /// one of the words in `choices`, separated by '|'. The solver checks a text.
 struct ParameterSpec {
   enum class Kind { kNumber, kInteger, kChoice, kText };
+  struct Range {
+    double minimum, maximum;
+  };
   std::string_view name;
   Kind kind;
   std::string_view default_value;
@@ -101,16 +104,30 @@ struct ParameterSpec {
   double minimum = 0, maximum = 0;
   std::string_view help = {};
   std::string_view unit = {};  ///< numbers and integers; empty: a pure number
+
+  static constexpr ParameterSpec number(std::string_view name, std::string_view value, Range range,
+                                        std::string_view help, std::string_view unit = {}) {
+    return {name, Kind::kNumber, value, {}, range.minimum, range.maximum, help, unit};
+  }
+  static constexpr ParameterSpec integer(std::string_view name, std::string_view value, Range range,
+                                         std::string_view help, std::string_view unit = {}) {
+    return {name, Kind::kInteger, value, {}, range.minimum, range.maximum, help, unit};
+  }
+  static constexpr ParameterSpec choice(std::string_view name, std::string_view value,
+                                        std::string_view choices, std::string_view help) {
+    return {name, Kind::kChoice, value, choices, 0, 0, help};
+  }
+  static constexpr ParameterSpec text(std::string_view name, std::string_view value,
+                                      std::string_view help) {
+    return {name, Kind::kText, value, {}, 0, 0, help};
+  }
 };
 
 /// A parameter of every solver, through solve(): text for SolverOptions::islands. A solver with
 /// this parameter of its own reads that option itself; for others solve() does.
-inline constexpr ParameterSpec kIslandsParameter{
-    .name = "islands",
-    .kind = ParameterSpec::Kind::kChoice,
-    .default_value = "on for auto, else off",
-    .choices = "on|off",
-    .help = "solve parts that are not coupled one by one (any solver; guarded stop test)"};
+inline constexpr ParameterSpec kIslandsParameter = ParameterSpec::choice(
+    "islands", "on for auto, else off", "on|off",
+    "solve parts that are not coupled one by one (any solver; guarded stop test)");
 
 /// How a solver runs in parallel.
 enum class Parallel {

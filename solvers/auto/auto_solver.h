@@ -20,19 +20,14 @@ void solve_auto(SolveRun& run);
 IslandSolver plan_solver(const AutoPlan& plan);
 
 inline constexpr ParameterSpec kAutoParameters[] = {
-    {.name = kIslandsParameter.name,
-     .kind = kIslandsParameter.kind,
-     .default_value = "on",
-     .choices = kIslandsParameter.choices,
-     .help = kIslandsParameter.help},
-    {.name = "plan",
-     .kind = ParameterSpec::Kind::kText,
-     .default_value = "",
-     .help = "file of the plan of stages, as `bipot tune` writes it; empty: the shipped plan"},
-    {.name = "forces",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "any",
-     .choices = "any|spread",
-     .help = "any: of many force networks also that of load_path; spread: not, as in all runs"}};
+    ParameterSpec::choice(kIslandsParameter.name, "on", kIslandsParameter.choices,
+                          kIslandsParameter.help),
+    ParameterSpec::text(
+        "plan", "",
+        "file of the plan of stages, as `bipot tune` writes it; empty: the shipped plan"),
+    ParameterSpec::choice(
+        "forces", "any", "any|spread",
+        "any: of many force networks also that of load_path; spread: not, as in all runs"),
+};
 
 }  // namespace bipot

@@ -5,26 +5,15 @@
 namespace bipot {
 
 inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
-    {.name = "map",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "auto",
-     .choices = "auto|split|followed",
-     .help = "normal part first, then the friction disk; or projection on the cone with de Saxce's "
-             "term held and followed; auto: split, and followed once it stagnates"},
-    {.name = "hold",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "16",
-     .minimum = 1,
-     .maximum = 100000,
-     .help = "of map = followed: iterations between two steps of de Saxce's term",
-     .unit = "iterations"},
-    {.name = "step",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "1",
-     .minimum = 1e-3,
-     .maximum = 2,
-     .help = "step in multiples of 1/lambda_max",
-     .unit = "1/lambda_max"},
+    ParameterSpec::choice(
+        "map", "auto", "auto|split|followed",
+        "normal part first, then the friction disk; or projection on the cone with de Saxce's "
+        "term held and followed; auto: split, and followed once it stagnates"),
+    ParameterSpec::integer("hold", "16", {1, 100000},
+                           "of map = followed: iterations between two steps of de Saxce's term",
+                           "iterations"),
+    ParameterSpec::number("step", "1", {1e-3, 2}, "step in multiples of 1/lambda_max",
+                          "1/lambda_max"),
 };
 
 /// Nesterov's accelerated projected gradient with adaptive restart, for contact by Mazhar, Heyn,

@@ -5,30 +5,15 @@
 namespace bipot {
 
 inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
-    {.name = "omega",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "0",
-     .minimum = 0,
-     .maximum = 1.999,
-     .help = "relaxation of each local update; 0: from the number of contacts"},
-    {.name = "sweeps",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "2",
-     .minimum = 1,
-     .maximum = 64,
-     .help = "sweeps each way in an iteration, as long as the error falls"},
-    {.name = "most_sweeps",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "16",
-     .minimum = 1,
-     .maximum = 64,
-     .help = "sweeps each way, where it does not; no fewer than `sweeps`"},
-    {.name = "stresses_from",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "20000",
-     .minimum = 1,
-     .maximum = 2e9,
-     .help = "contacts of disks in the plane from which on stresses are taken out in the end"},
+    ParameterSpec::number("omega", "0", {0, 1.999},
+                          "relaxation of each local update; 0: from the number of contacts"),
+    ParameterSpec::integer("sweeps", "2", {1, 64},
+                           "sweeps each way in an iteration, as long as the error falls"),
+    ParameterSpec::integer("most_sweeps", "16", {1, 64},
+                           "sweeps each way, where it does not; no fewer than `sweeps`"),
+    ParameterSpec::integer(
+        "stresses_from", "20000", {1, 2e9},
+        "contacts of disks in the plane from which on stresses are taken out in the end"),
 };
 
 /// Symmetric projected Gauss-Seidel, over-relaxed, with Nesterov's momentum and adaptive restart.

@@ -5,13 +5,8 @@
 namespace bipot {
 
 inline constexpr ParameterSpec kAdmmParameters[] = {
-    {.name = "rho",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "0.001",
-     .minimum = 1e-9,
-     .maximum = 1e9,
-     .help = "first penalty, in units of the diagonal of W",
-     .unit = "W_ii"},
+    ParameterSpec::number("rho", "0.001", {1e-9, 1e9},
+                          "first penalty, in units of the diagonal of W", "W_ii"),
 };
 
 /// Alternating direction method of multipliers (Boyd, Parikh, Chu, Peleato and Eckstein, Found.

@@ -5,18 +5,11 @@
 namespace bipot {
 
 inline constexpr ParameterSpec kAndersonParameters[] = {
-    {.name = "memory",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "8",
-     .minimum = 1,
-     .maximum = 100,
-     .help = "number of earlier iterates that are combined",
-     .unit = "iterates"},
-    {.name = "map",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "sweep",
-     .choices = "sweep|gradient",
-     .help = "accelerated map: a symmetric Gauss-Seidel sweep, or one projected gradient step"},
+    ParameterSpec::integer("memory", "8", {1, 100}, "number of earlier iterates that are combined",
+                           "iterates"),
+    ParameterSpec::choice(
+        "map", "sweep", "sweep|gradient",
+        "accelerated map: a symmetric Gauss-Seidel sweep, or one projected gradient step"),
 };
 
 /// Anderson acceleration of a fixed-point map G in variables with a unit diagonal of W. With

@@ -5,43 +5,20 @@
 namespace bipot {
 
 inline constexpr ParameterSpec kGaussSeidelParameters[] = {
-    {.name = "local",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "projection",
-     .choices = "projection|exact",
-     .help = "contact problem: rounds of projected steps, or solved exactly"},
-    {.name = "local_iterations",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "1",
-     .minimum = 1,
-     .maximum = 1000,
-     .help = "rounds of local = projection",
-     .unit = "rounds"},
-    {.name = "order",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "forward",
-     .choices = "forward|symmetric|shuffled|tiled",
-     .help =
-         "contacts as they stand, alternately forwards and backwards, or drawn anew each sweep; "
-         "tiled: disks and spheres in vectors and on threads, tile by tile from both ends of the "
-         "packing"},
-    {.name = "seed",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "1",
-     .minimum = 0,
-     .maximum = 4294967295.0,
-     .help = "of order = shuffled"},
-    {.name = "omega",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "1",
-     .minimum = 1e-3,
-     .maximum = 1.999,
-     .help = "relaxation of each local update"},
-    {.name = "operator",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "auto",
-     .choices = "auto|explicit",
-     .help = "body velocities updated in place where A is diagonal, or products with W"},
+    ParameterSpec::choice("local", "projection", "projection|exact",
+                          "contact problem: rounds of projected steps, or solved exactly"),
+    ParameterSpec::integer("local_iterations", "1", {1, 1000}, "rounds of local = projection",
+                           "rounds"),
+    ParameterSpec::choice(
+        "order", "forward", "forward|symmetric|shuffled|tiled",
+        "contacts as they stand, alternately forwards and backwards, or drawn anew each sweep; "
+        "tiled: disks and spheres in vectors and on threads, tile by tile from both ends of the "
+        "packing"),
+    ParameterSpec::integer("seed", "1", {0, 4294967295.0}, "of order = shuffled"),
+    ParameterSpec::number("omega", "1", {1e-3, 1.999}, "relaxation of each local update"),
+    ParameterSpec::choice(
+        "operator", "auto", "auto|explicit",
+        "body velocities updated in place where A is diagonal, or products with W"),
 };
 
 /// Projected block Gauss-Seidel, the NSGS of Jean (Comput. Methods Appl. Mech. Eng. 177, 1999) and

@@ -5,39 +5,21 @@
 namespace bipot {
 
 inline constexpr ParameterSpec kHomotopyParameters[] = {
-    {.name = "start_tol",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "1e-3",
-     .minimum = 1e-8,
-     .maximum = 1,
-     .help = "error to which apgd prepares the start of the first path; 1: the start as it is"},
-    {.name = "delta",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "3e-4",
-     .minimum = 1e-10,
-     .maximum = 1,
-     .help = "proximal term of the first path, in units of the diagonal of W"},
-    {.name = "schedule",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "bold",
-     .choices = "bold|cautious|steady",
-     .help =
-         "of the first chain of starts: bold shrinks delta at every path that arrives, cautious "
-         "not soon again past one that failed, steady by the root of the factor; the latter two "
-         "have shorter paths. Chains take them in turns"},
-    {.name = "shake",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "after",
-     .choices = "after|first",
-     .help =
-         "chains from the best impulse with every component changed by up to a tenth, at random: "
-         "after each of the others, or before them"},
-    {.name = "seed",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "1",
-     .minimum = 0,
-     .maximum = 2147483647,
-     .help = "of the random changes of starts"},
+    ParameterSpec::number(
+        "start_tol", "1e-3", {1e-8, 1},
+        "error to which apgd prepares the start of the first path; 1: the start as it is"),
+    ParameterSpec::number("delta", "3e-4", {1e-10, 1},
+                          "proximal term of the first path, in units of the diagonal of W"),
+    ParameterSpec::choice(
+        "schedule", "bold", "bold|cautious|steady",
+        "of the first chain of starts: bold shrinks delta at every path that arrives, cautious "
+        "not soon again past one that failed, steady by the root of the factor; the latter two "
+        "have shorter paths. Chains take them in turns"),
+    ParameterSpec::choice(
+        "shake", "after", "after|first",
+        "chains from the best impulse with every component changed by up to a tenth, at random: "
+        "after each of the others, or before them"),
+    ParameterSpec::integer("seed", "1", {0, 2147483647}, "of the random changes of starts"),
 };
 
 /// Exact path following on Coulomb's law as a piecewise linear manifold, d <= 2. For each contact

@@ -8,10 +8,10 @@ namespace bipot {
 inline constexpr int kMultistartMaxContacts = 100;
 
 inline constexpr ParameterSpec kMultistartNewtonParameters[] = {
-    {"starts", ParameterSpec::Kind::kInteger, "1000", "", 1, 1e9, "starts that are tried"},
-    {"steps_each", ParameterSpec::Kind::kInteger, "60", "", 1, 1e9,
-     "Newton steps from each, at most"},
-    {"seed", ParameterSpec::Kind::kInteger, "1", "", 0, 1e9, "of the random starts"}};
+    ParameterSpec::integer("starts", "1000", {1, 1e9}, "starts that are tried"),
+    ParameterSpec::integer("steps_each", "60", {1, 1e9}, "Newton steps from each, at most"),
+    ParameterSpec::integer("seed", "1", {0, 1e9}, "of the random starts"),
+};
 
 /// Exact answers of small problems, d = 1, 2, 3, by semismooth Newton steps on the map of Alart and
 /// Curnier (1991). The starts are s0, the result of sweeps, and then alternately random impulses

@@ -5,15 +5,9 @@
 namespace bipot {
 
 inline constexpr ParameterSpec kPdasParameters[] = {
-    {.name = "set_changes",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "30",
-     .minimum = 1,
-     .maximum = 1e9,
-     .help = "changes of the sets at one kappa, at most",
-     .unit = "iterations"},
-    kKappaParameter,
-    kLargestKappaParameter};
+    ParameterSpec::integer("set_changes", "30", {1, 1e9},
+                           "changes of the sets at one kappa, at most", "iterations"),
+    kKappaParameter, kLargestKappaParameter};
 
 /// Primal-dual active sets (Hintermüller, Ito and Kunisch 2002; for frictional contact of rigid
 /// bodies Abide, Barboteu, Cherkaoui, Danan and Dumont, Comput. Methods Appl. Mech. Eng. 387,

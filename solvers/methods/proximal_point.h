@@ -51,36 +51,17 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
                               const InnerSolve& inner, SolveRun& run);
 
 /// The parameters that every solver with this outer loop has.
-inline constexpr ParameterSpec kKappaParameter = {
-    .name = "kappa",
-    .kind = ParameterSpec::Kind::kNumber,
-    .default_value = "100",
-    .minimum = 1e-3,
-    .maximum = 1e12,
-    .help = "first proximal parameter, in units of the diagonal of W"};
-inline constexpr ParameterSpec kLargestKappaParameter = {.name = "kappa_max",
-                                                         .kind = ParameterSpec::Kind::kNumber,
-                                                         .default_value = "1e7",
-                                                         .minimum = 1e-3,
-                                                         .maximum = 1e12,
-                                                         .help = "largest proximal parameter"};
+inline constexpr ParameterSpec kKappaParameter = ParameterSpec::number(
+    "kappa", "100", {1e-3, 1e12}, "first proximal parameter, in units of the diagonal of W");
+inline constexpr ParameterSpec kLargestKappaParameter =
+    ParameterSpec::number("kappa_max", "1e7", {1e-3, 1e12}, "largest proximal parameter");
 
 inline constexpr ParameterSpec kProximalPointParameters[] = {
-    {.name = "inner",
-     .kind = ParameterSpec::Kind::kText,
-     .default_value = "pgs",
-     .help = "solver of the regularised problems, any other row of the table"},
-    {.name = "inner_parameters",
-     .kind = ParameterSpec::Kind::kText,
-     .default_value = "",
-     .help = "its parameters, name=value,name=value"},
-    {.name = "inner_iterations",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "20000",
-     .minimum = 1,
-     .maximum = 1e9,
-     .help = "iteration limit of each regularised problem",
-     .unit = "iterations"},
+    ParameterSpec::text("inner", "pgs",
+                        "solver of the regularised problems, any other row of the table"),
+    ParameterSpec::text("inner_parameters", "", "its parameters, name=value,name=value"),
+    ParameterSpec::integer("inner_iterations", "20000", {1, 1e9},
+                           "iteration limit of each regularised problem", "iterations"),
     kKappaParameter,
     kLargestKappaParameter,
 };

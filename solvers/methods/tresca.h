@@ -5,12 +5,9 @@
 namespace bipot {
 
 inline constexpr ParameterSpec kTrescaParameters[] = {
-    {.name = "bound_accuracy",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "0.1",
-     .minimum = 1e-6,
-     .maximum = 1,
-     .help = "of the problem with held bounds, as a part of the error of Coulomb's law"},
+    ParameterSpec::number(
+        "bound_accuracy", "0.1", {1e-6, 1},
+        "of the problem with held bounds, as a part of the error of Coulomb's law"),
 };
 
 /// Fixed point on the bounds of friction (Haslinger 1983; Licht, Pratt and Raous 1991): friction

@@ -6,16 +6,11 @@ namespace bipot {
 
 /// Of `uzawa` and `classical`.
 inline constexpr ParameterSpec kUzawaParameters[] = {
-    {.name = "rho",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "stable",
-     .choices = "stable|paper",
-     .help = "predictor step: a bound that converges, or the paper's (1+e_n) m_i m_j/(m_i+m_j)"},
-    {.name = "refresh",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "jacobi",
-     .choices = "jacobi|gauss-seidel",
-     .help = "velocities are refreshed after all contacts, or after each"},
+    ParameterSpec::choice(
+        "rho", "stable", "stable|paper",
+        "predictor step: a bound that converges, or the paper's (1+e_n) m_i m_j/(m_i+m_j)"),
+    ParameterSpec::choice("refresh", "jacobi", "jacobi|gauss-seidel",
+                          "velocities are refreshed after all contacts, or after each"),
 };
 
 /// The paper's solver: bi-potential Uzawa (32)/(37)/(41), one predictor-corrector per contact,
