@@ -15,7 +15,6 @@
 
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/methods/proximal_point.h"
 #include "solvers/petsc/newton_system.h"
 #include "solvers/petsc/petsc_session.h"
 #include "solvers/solve_run.h"
@@ -122,7 +121,7 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
   if (run->recent.size() < kLongestCycle) {
     run->recent.push_back(std::move(s));
   } else {
-    run->recent[static_cast<std::size_t>(iteration) % kLongestCycle] = std::move(s);
+    run->recent[to_size(iteration) % kLongestCycle] = std::move(s);
   }
   return 0;
 }
@@ -134,10 +133,10 @@ class FactorElsewhere {
   explicit FactorElsewhere(SystemFactor& factor) : factor_(factor) {}
 
   void attach_to(PC pc) {
-    check_petsc(PCSetType(pc, PCSHELL), "PCSetType");
-    check_petsc(PCShellSetContext(pc, this), "PCShellSetContext");
-    check_petsc(PCShellSetSetUp(pc, set_up), "PCShellSetSetUp");
-    check_petsc(PCShellSetApply(pc, apply), "PCShellSetApply");
+    BIPOT_PETSC(PCSetType, pc, PCSHELL);
+    BIPOT_PETSC(PCShellSetContext, pc, this);
+    BIPOT_PETSC(PCShellSetSetUp, pc, set_up);
+    BIPOT_PETSC(PCShellSetApply, pc, apply);
   }
   void rethrow() const {
     if (thrown_) std::rethrow_exception(thrown_);
@@ -214,43 +213,38 @@ class Snes {
       : Snes(run) {  // delegated: the destructor cleans up after a failure below, too
     const NewtonSystem& system = *run.system;
     const PetscInt n = system.size();
-    check_petsc(VecCreateSeq(PETSC_COMM_SELF, n, &z_), "VecCreateSeq");
-    check_petsc(VecDuplicate(z_, &f_), "VecDuplicate");
-    check_petsc(MatCreate(PETSC_COMM_SELF, &J_), "MatCreate");
-    check_petsc(MatSetSizes(J_, n, n, n, n), "MatSetSizes");
-    check_petsc(MatSetType(J_, MATSEQAIJ), "MatSetType");
+    BIPOT_PETSC(VecCreateSeq, PETSC_COMM_SELF, n, &z_);
+    BIPOT_PETSC(VecDuplicate, z_, &f_);
+    BIPOT_PETSC(MatCreate, PETSC_COMM_SELF, &J_);
+    BIPOT_PETSC(MatSetSizes, J_, n, n, n, n);
+    BIPOT_PETSC(MatSetType, J_, MATSEQAIJ);
     const std::vector<PetscInt> starts(system.row_start().begin(), system.row_start().end());
     const std::vector<PetscInt> columns(system.columns().begin(), system.columns().end());
-    check_petsc(MatSeqAIJSetPreallocationCSR(J_, starts.data(), columns.data(), nullptr),
-                "MatSeqAIJSetPreallocationCSR");
-    check_petsc(MatSetOption(J_, MAT_NEW_NONZERO_LOCATIONS, PETSC_FALSE), "MatSetOption");
+    BIPOT_PETSC(MatSeqAIJSetPreallocationCSR, J_, starts.data(), columns.data(), nullptr);
+    BIPOT_PETSC(MatSetOption, J_, MAT_NEW_NONZERO_LOCATIONS, PETSC_FALSE);
 
-    check_petsc(SNESCreate(PETSC_COMM_SELF, &snes_), "SNESCreate");
-    check_petsc(SNESSetOptionsPrefix(snes_, kPrefix), "SNESSetOptionsPrefix");
-    check_petsc(
-        SNESSetType(snes_, residual == NewtonSystem::Residual::kInequality ? SNESVINEWTONRSLS
-                                                                           : SNESNEWTONLS),
-        "SNESSetType");
-    check_petsc(SNESSetFunction(snes_, f_, form_function, &run_), "SNESSetFunction");
-    check_petsc(SNESSetJacobian(snes_, J_, J_, form_jacobian, &run_), "SNESSetJacobian");
-    check_petsc(SNESSetConvergenceTest(snes_, test_convergence, &run_, nullptr),
-                "SNESSetConvergenceTest");
-    check_petsc(SNESSetTolerances(snes_, 0, 0, 0, inner_iterations, PETSC_MAX_INT),
-                "SNESSetTolerances");
+    BIPOT_PETSC(SNESCreate, PETSC_COMM_SELF, &snes_);
+    BIPOT_PETSC(SNESSetOptionsPrefix, snes_, kPrefix);
+    BIPOT_PETSC(SNESSetType, snes_,
+                residual == NewtonSystem::Residual::kInequality ? SNESVINEWTONRSLS : SNESNEWTONLS);
+    BIPOT_PETSC(SNESSetFunction, snes_, f_, form_function, &run_);
+    BIPOT_PETSC(SNESSetJacobian, snes_, J_, J_, form_jacobian, &run_);
+    BIPOT_PETSC(SNESSetConvergenceTest, snes_, test_convergence, &run_, nullptr);
+    BIPOT_PETSC(SNESSetTolerances, snes_, 0, 0, 0, inner_iterations, PETSC_MAX_INT);
     if (residual == NewtonSystem::Residual::kInequality) {
-      check_petsc(VecDuplicate(z_, &lower_), "VecDuplicate");
-      check_petsc(VecDuplicate(z_, &upper_), "VecDuplicate");
-      check_petsc(VecSet(lower_, 0), "VecSet");
-      check_petsc(VecSet(upper_, PETSC_INFINITY), "VecSet");
-      check_petsc(SNESVISetVariableBounds(snes_, lower_, upper_), "SNESVISetVariableBounds");
+      BIPOT_PETSC(VecDuplicate, z_, &lower_);
+      BIPOT_PETSC(VecDuplicate, z_, &upper_);
+      BIPOT_PETSC(VecSet, lower_, 0);
+      BIPOT_PETSC(VecSet, upper_, PETSC_INFINITY);
+      BIPOT_PETSC(SNESVISetVariableBounds, snes_, lower_, upper_);
     }
     SNESLineSearch search = nullptr;
-    check_petsc(SNESGetLineSearch(snes_, &search), "SNESGetLineSearch");
-    check_petsc(SNESLineSearchSetType(search, line_search.c_str()), "SNESLineSearchSetType");
+    BIPOT_PETSC(SNESGetLineSearch, snes_, &search);
+    BIPOT_PETSC(SNESLineSearchSetType, search, line_search.c_str());
 
     if (elsewhere != nullptr) elsewhere_.emplace(*elsewhere);
     choose_linear_solver(linear);
-    check_petsc(SNESSetFromOptions(snes_), "SNESSetFromOptions");
+    BIPOT_PETSC(SNESSetFromOptions, snes_);
   }
   ~Snes() {
     SNESDestroy(&snes_);
@@ -274,11 +268,11 @@ class Snes {
     if (elsewhere_) elsewhere_->rethrow();
     check_petsc(failed, "SNESSolve");
     SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-    check_petsc(SNESGetConvergedReason(snes_, &reason), "SNESGetConvergedReason");
+    BIPOT_PETSC(SNESGetConvergedReason, snes_, &reason);
     const PetscScalar* values = nullptr;
-    check_petsc(VecGetArrayRead(z_, &values), "VecGetArrayRead");
+    BIPOT_PETSC(VecGetArrayRead, z_, &values);
     report.s = run_.system->impulse(values);
-    check_petsc(VecRestoreArrayRead(z_, &values), "VecRestoreArrayRead");
+    BIPOT_PETSC(VecRestoreArrayRead, z_, &values);
     const int steps = run_.iterations - before;
     if (run_.stop) {
       report.outcome = InnerReport::Outcome::kStop;
@@ -298,37 +292,37 @@ class Snes {
   void choose_linear_solver(const std::string& linear) {
     KSP ksp = nullptr;
     PC pc = nullptr;
-    check_petsc(SNESGetKSP(snes_, &ksp), "SNESGetKSP");
-    check_petsc(KSPGetPC(ksp, &pc), "KSPGetPC");
+    BIPOT_PETSC(SNESGetKSP, snes_, &ksp);
+    BIPOT_PETSC(KSPGetPC, ksp, &pc);
     if (elsewhere_) {
-      check_petsc(KSPSetType(ksp, KSPPREONLY), "KSPSetType");
+      BIPOT_PETSC(KSPSetType, ksp, KSPPREONLY);
       elsewhere_->attach_to(pc);
     } else if (linear == "gmres") {
-      check_petsc(KSPSetType(ksp, KSPGMRES), "KSPSetType");
-      check_petsc(KSPGMRESSetRestart(ksp, 100), "KSPGMRESSetRestart");
-      check_petsc(KSPSetTolerances(ksp, 1e-10, 0, PETSC_DEFAULT, 1000), "KSPSetTolerances");
-      check_petsc(PCSetType(pc, PCILU), "PCSetType");
-      check_petsc(PCFactorSetLevels(pc, 2), "PCFactorSetLevels");
-      check_petsc(PCFactorSetShiftType(pc, MAT_SHIFT_NONZERO), "PCFactorSetShiftType");
+      BIPOT_PETSC(KSPSetType, ksp, KSPGMRES);
+      BIPOT_PETSC(KSPGMRESSetRestart, ksp, 100);
+      BIPOT_PETSC(KSPSetTolerances, ksp, 1e-10, 0, PETSC_DEFAULT, 1000);
+      BIPOT_PETSC(PCSetType, pc, PCILU);
+      BIPOT_PETSC(PCFactorSetLevels, pc, 2);
+      BIPOT_PETSC(PCFactorSetShiftType, pc, MAT_SHIFT_NONZERO);
     } else {
-      check_petsc(KSPSetType(ksp, KSPPREONLY), "KSPSetType");
-      check_petsc(PCSetType(pc, PCLU), "PCSetType");
-      check_petsc(PCFactorSetMatSolverType(pc, linear == "umfpack" ? MATSOLVERUMFPACK
-                                               : linear == "mumps" ? MATSOLVERMUMPS
-                                                                   : MATSOLVERPETSC),
-                  "PCFactorSetMatSolverType");
+      BIPOT_PETSC(KSPSetType, ksp, KSPPREONLY);
+      BIPOT_PETSC(PCSetType, pc, PCLU);
+      BIPOT_PETSC(PCFactorSetMatSolverType, pc,
+                  linear == "umfpack" ? MATSOLVERUMFPACK
+                  : linear == "mumps" ? MATSOLVERMUMPS
+                                      : MATSOLVERPETSC);
       if (linear == "petsc") {
-        check_petsc(PCFactorSetMatOrderingType(pc, MATORDERINGND), "PCFactorSetMatOrderingType");
-        check_petsc(PCFactorSetShiftType(pc, MAT_SHIFT_NONZERO), "PCFactorSetShiftType");
+        BIPOT_PETSC(PCFactorSetMatOrderingType, pc, MATORDERINGND);
+        BIPOT_PETSC(PCFactorSetShiftType, pc, MAT_SHIFT_NONZERO);
       }
     }
   }
 
   void set(const Vector& start) {
     PetscScalar* values = nullptr;
-    check_petsc(VecGetArray(z_, &values), "VecGetArray");
+    BIPOT_PETSC(VecGetArray, z_, &values);
     Eigen::Map<Vector>(values, start.size()) = start;
-    check_petsc(VecRestoreArray(z_, &values), "VecRestoreArray");
+    BIPOT_PETSC(VecRestoreArray, z_, &values);
   }
 
   NewtonRun& run_;

@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <exception>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <type_traits>
@@ -54,9 +53,9 @@ class FactorGroup {
   /// From the root process to all. The others wait without using a core.
   Order give(Order order) {
     MPI_Request request = MPI_REQUEST_NULL;
-    check_mpi(MPI_Ibcast(&order, 3, MPI_INT, 0, PETSC_COMM_WORLD, &request), "MPI_Ibcast");
+    BIPOT_MPI(MPI_Ibcast, &order, 3, MPI_INT, 0, PETSC_COMM_WORLD, &request);
     for (int over = 0; over == 0;) {
-      check_mpi(MPI_Test(&request, &over, MPI_STATUS_IGNORE), "MPI_Test");
+      BIPOT_MPI(MPI_Test, &request, &over, MPI_STATUS_IGNORE);
       if (over == 0 && rank_ != 0) std::this_thread::sleep_for(kNap);
     }
     count(sizeof(Order));
@@ -64,7 +63,7 @@ class FactorGroup {
   }
   std::string give_text(std::string text, int size) {
     text.resize(to_size(size));
-    check_mpi(MPI_Bcast(text.data(), size, MPI_CHAR, 0, PETSC_COMM_WORLD), "MPI_Bcast");
+    BIPOT_MPI(MPI_Bcast, text.data(), size, MPI_CHAR, 0, PETSC_COMM_WORLD);
     return text;
   }
 
@@ -76,25 +75,23 @@ class FactorGroup {
     scatter(A == nullptr ? nullptr : A->valuePtr(), entry_counts_, entry_firsts_, values_);
     const auto finite = [](double x) { return std::isfinite(x); };
     int good = std::all_of(values_.begin(), values_.end(), finite) ? 1 : 0;
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD),
-              "MPI_Allreduce");
+    BIPOT_MPI(MPI_Allreduce, MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
     if (good == 0) return false;
     if (matrix_ == nullptr) {
-      check_petsc(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, rows(), rows(), size_, size_,
-                                            starts_.data(), rows_.data(), values_.data(), &matrix_),
-                  "MatCreateMPIAIJWithArrays");
-      check_petsc(MatCreateVecs(matrix_, &right_, &left_), "MatCreateVecs");
+      BIPOT_PETSC(MatCreateMPIAIJWithArrays, PETSC_COMM_WORLD, rows(), rows(), size_, size_,
+                  starts_.data(), rows_.data(), values_.data(), &matrix_);
+      BIPOT_PETSC(MatCreateVecs, matrix_, &right_, &left_);
     } else {
-      check_petsc(MatUpdateMPIAIJWithArray(matrix_, values_.data()), "MatUpdateMPIAIJWithArray");
+      BIPOT_PETSC(MatUpdateMPIAIJWithArray, matrix_, values_.data());
     }
     while (true) {
       if (factor_ == nullptr) analyse();
       if (!analysed_) return false;
       MatFactorInfo info;
-      check_petsc(MatFactorInfoInitialize(&info), "MatFactorInfoInitialize");
-      check_petsc(MatLUFactorNumeric(factor_, matrix_, &info), "MatLUFactorNumeric");
+      BIPOT_PETSC(MatFactorInfoInitialize, &info);
+      BIPOT_PETSC(MatLUFactorNumeric, factor_, matrix_, &info);
       PetscInt said = 0;
-      check_petsc(MatMumpsGetInfog(factor_, 1, &said), "MatMumpsGetInfog");
+      BIPOT_PETSC(MatMumpsGetInfog, factor_, 1, &said);
       if (said >= 0) break;
       if (said != kWorkspaceTooSmall && said != kIndicesTooMany) return drop_factor();
       if (workspace_ >= kMostWorkspace) return drop_factor();
@@ -102,7 +99,7 @@ class FactorGroup {
       drop_factor();
     }
     PetscReal determinant = 0;  // its mantissa
-    check_petsc(MatMumpsGetRinfog(factor_, 12, &determinant), "MatMumpsGetRinfog");
+    BIPOT_PETSC(MatMumpsGetRinfog, factor_, 12, &determinant);
     sign_ = determinant < 0 ? -1 : 1;
     return determinant != 0 && std::isfinite(determinant);
   }
@@ -112,18 +109,16 @@ class FactorGroup {
   void solve(const Vector* b, Vector* x) {
     PetscScalar* values = nullptr;
     const double* const source = b == nullptr ? nullptr : b->data();
-    check_petsc(VecGetArray(left_, &values), "VecGetArray");
+    BIPOT_PETSC(VecGetArray, left_, &values);
     scatter(source, column_counts_, column_firsts_, {values, to_size(rows())});
-    check_petsc(VecRestoreArray(left_, &values), "VecRestoreArray");
-    check_petsc(MatSolveTranspose(factor_, left_, right_), "MatSolveTranspose");
+    BIPOT_PETSC(VecRestoreArray, left_, &values);
+    BIPOT_PETSC(MatSolveTranspose, factor_, left_, right_);
     const PetscScalar* solved = nullptr;
-    check_petsc(VecGetArrayRead(right_, &solved), "VecGetArrayRead");
+    BIPOT_PETSC(VecGetArrayRead, right_, &solved);
     if (x != nullptr) x->resize(size_);
-    check_mpi(
-        MPI_Gatherv(solved, rows(), MPI_DOUBLE, x == nullptr ? nullptr : x->data(),
-                    column_counts_.data(), column_firsts_.data(), MPI_DOUBLE, 0, PETSC_COMM_WORLD),
-        "MPI_Gatherv");
-    check_petsc(VecRestoreArrayRead(right_, &solved), "VecRestoreArrayRead");
+    BIPOT_MPI(MPI_Gatherv, solved, rows(), MPI_DOUBLE, x == nullptr ? nullptr : x->data(),
+              column_counts_.data(), column_firsts_.data(), MPI_DOUBLE, 0, PETSC_COMM_WORLD);
+    BIPOT_PETSC(VecRestoreArrayRead, right_, &solved);
     count(to_size(rank_ == 0 ? 0 : rows()) * sizeof(double));
   }
 
@@ -150,8 +145,7 @@ class FactorGroup {
     entry_counts_.assign(to_size(processes_), 0);
     entry_firsts_.assign(to_size(processes_), 0);
     const int mine = starts_.back();
-    check_mpi(MPI_Gather(&mine, 1, MPI_INT, entry_counts_.data(), 1, MPI_INT, 0, PETSC_COMM_WORLD),
-              "MPI_Gather");
+    BIPOT_MPI(MPI_Gather, &mine, 1, MPI_INT, entry_counts_.data(), 1, MPI_INT, 0, PETSC_COMM_WORLD);
     for (std::size_t r = 1; r < entry_firsts_.size(); ++r) {
       entry_firsts_[r] = entry_firsts_[r - 1] + entry_counts_[r - 1];
     }
@@ -163,9 +157,8 @@ class FactorGroup {
   void scatter(const T* all, const std::vector<int>& counts, const std::vector<int>& firsts,
                std::span<T> mine) {
     const MPI_Datatype type = std::is_same_v<T, int> ? MPI_INT : MPI_DOUBLE;
-    check_mpi(MPI_Scatterv(all, counts.data(), firsts.data(), type, mine.data(),
-                           static_cast<int>(mine.size()), type, 0, PETSC_COMM_WORLD),
-              "MPI_Scatterv");
+    BIPOT_MPI(MPI_Scatterv, all, counts.data(), firsts.data(), type, mine.data(),
+              static_cast<int>(mine.size()), type, 0, PETSC_COMM_WORLD);
     std::size_t sent = 0;
     if (rank_ == 0) {
       for (std::size_t r = 1; r < counts.size(); ++r) sent += to_size(counts[r]);
@@ -185,15 +178,14 @@ class FactorGroup {
 
   void analyse() {
     analysed_ = false;
-    check_petsc(MatGetFactor(matrix_, MATSOLVERMUMPS, MAT_FACTOR_LU, &factor_), "MatGetFactor");
-    check_petsc(MatMumpsSetIcntl(factor_, 33, 1), "MatMumpsSetIcntl");  // the determinant
-    check_petsc(MatMumpsSetIcntl(factor_, 14, workspace_), "MatMumpsSetIcntl");
+    BIPOT_PETSC(MatGetFactor, matrix_, MATSOLVERMUMPS, MAT_FACTOR_LU, &factor_);
+    BIPOT_PETSC(MatMumpsSetIcntl, factor_, 33, 1);  // the determinant
+    BIPOT_PETSC(MatMumpsSetIcntl, factor_, 14, workspace_);
     MatFactorInfo info;
-    check_petsc(MatFactorInfoInitialize(&info), "MatFactorInfoInitialize");
-    check_petsc(MatLUFactorSymbolic(factor_, matrix_, nullptr, nullptr, &info),
-                "MatLUFactorSymbolic");
+    BIPOT_PETSC(MatFactorInfoInitialize, &info);
+    BIPOT_PETSC(MatLUFactorSymbolic, factor_, matrix_, nullptr, nullptr, &info);
     PetscInt said = 0;
-    check_petsc(MatMumpsGetInfog(factor_, 1, &said), "MatMumpsGetInfog");
+    BIPOT_PETSC(MatMumpsGetInfog, factor_, 1, &said);
     analysed_ = said >= 0;
     if (!analysed_) drop_factor();
   }

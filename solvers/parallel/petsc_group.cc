@@ -22,8 +22,8 @@ namespace {
 class BlockType {
  public:
   explicit BlockType(int block) {
-    check_mpi(MPI_Type_contiguous(block, MPI_DOUBLE, &type_), "MPI_Type_contiguous");
-    check_mpi(MPI_Type_commit(&type_), "MPI_Type_commit");
+    BIPOT_MPI(MPI_Type_contiguous, block, MPI_DOUBLE, &type_);
+    BIPOT_MPI(MPI_Type_commit, &type_);
   }
   ~BlockType() { MPI_Type_free(&type_); }
   BlockType(const BlockType&) = delete;
@@ -39,42 +39,35 @@ class ForestExchange : public ProcessGroup::Exchange {
   ForestExchange(int originals, std::span<const ProcessGroup::RemoteItem> copies,
                  std::shared_ptr<ProcessGroup::Traffic> traffic)
       : traffic_(std::move(traffic)) {
-    check_petsc(PetscSFCreate(PETSC_COMM_WORLD, &forest_), "PetscSFCreate");
+    BIPOT_PETSC(PetscSFCreate, PETSC_COMM_WORLD, &forest_);
     std::vector<PetscSFNode> remote;
     for (const ProcessGroup::RemoteItem& item : copies)
       remote.push_back({item.owner, item.original});
-    check_petsc(PetscSFSetGraph(forest_, originals, static_cast<PetscInt>(remote.size()), nullptr,
-                                PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES),
-                "PetscSFSetGraph");
-    check_petsc(PetscSFSetUp(forest_), "PetscSFSetUp");
+    BIPOT_PETSC(PetscSFSetGraph, forest_, originals, static_cast<PetscInt>(remote.size()), nullptr,
+                PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES);
+    BIPOT_PETSC(PetscSFSetUp, forest_);
     int rank = 0;
     MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
     const PetscMPIInt* ranks = nullptr;
     const PetscInt* offsets = nullptr;
     PetscMPIInt count = 0;
-    check_petsc(PetscSFGetLeafRanks(forest_, &count, &ranks, &offsets, nullptr),
-                "PetscSFGetLeafRanks");
+    BIPOT_PETSC(PetscSFGetLeafRanks, forest_, &count, &ranks, &offsets, nullptr);
     for (int k = 0; k < count; ++k) add_partner(ranks[k] != rank, offsets, k, copies_out_);
-    check_petsc(PetscSFGetRootRanks(forest_, &count, &ranks, &offsets, nullptr, nullptr),
-                "PetscSFGetRootRanks");
+    BIPOT_PETSC(PetscSFGetRootRanks, forest_, &count, &ranks, &offsets, nullptr, nullptr);
     for (int k = 0; k < count; ++k) add_partner(ranks[k] != rank, offsets, k, sums_out_);
   }
   ~ForestExchange() override { PetscSFDestroy(&forest_); }
 
   void copy(std::span<const double> originals, std::span<double> copies, int block) override {
     const MPI_Datatype type = type_of(block);
-    check_petsc(PetscSFBcastBegin(forest_, type, originals.data(), copies.data(), MPI_REPLACE),
-                "PetscSFBcastBegin");
-    check_petsc(PetscSFBcastEnd(forest_, type, originals.data(), copies.data(), MPI_REPLACE),
-                "PetscSFBcastEnd");
+    BIPOT_PETSC(PetscSFBcastBegin, forest_, type, originals.data(), copies.data(), MPI_REPLACE);
+    BIPOT_PETSC(PetscSFBcastEnd, forest_, type, originals.data(), copies.data(), MPI_REPLACE);
     count(copies_out_, block);
   }
   void add(std::span<const double> copies, std::span<double> originals, int block) override {
     const MPI_Datatype type = type_of(block);
-    check_petsc(PetscSFReduceBegin(forest_, type, copies.data(), originals.data(), MPI_SUM),
-                "PetscSFReduceBegin");
-    check_petsc(PetscSFReduceEnd(forest_, type, copies.data(), originals.data(), MPI_SUM),
-                "PetscSFReduceEnd");
+    BIPOT_PETSC(PetscSFReduceBegin, forest_, type, copies.data(), originals.data(), MPI_SUM);
+    BIPOT_PETSC(PetscSFReduceEnd, forest_, type, copies.data(), originals.data(), MPI_SUM);
     count(sums_out_, block);
   }
 
@@ -112,13 +105,11 @@ class MachineCores {
   /// Collective.
   MachineCores() {
     MPI_Comm machine = MPI_COMM_NULL;
-    check_mpi(
-        MPI_Comm_split_type(PETSC_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine),
-        "MPI_Comm_split_type");
+    BIPOT_MPI(MPI_Comm_split_type, PETSC_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL,
+              &machine);
     known_ = sched_getaffinity(0, sizeof own_, &own_) == 0;
     if (!known_) CPU_ZERO(&own_);
-    check_mpi(MPI_Allreduce(&own_, &all_, sizeof own_, MPI_BYTE, MPI_BOR, machine),
-              "MPI_Allreduce");
+    BIPOT_MPI(MPI_Allreduce, &own_, &all_, sizeof own_, MPI_BYTE, MPI_BOR, machine);
     int processes = 1;
     MPI_Comm_size(machine, &processes);
     MPI_Comm_free(&machine);
@@ -162,9 +153,8 @@ class PetscGroup : public ProcessGroup {
   void sum(std::span<double> values) override {
     const int items = static_cast<int>(values.size());
     blocks_.resize(values.size() * to_size(size_));
-    check_mpi(MPI_Allgather(values.data(), items, MPI_DOUBLE, blocks_.data(), items, MPI_DOUBLE,
-                            PETSC_COMM_WORLD),
-              "MPI_Allgather");
+    BIPOT_MPI(MPI_Allgather, values.data(), items, MPI_DOUBLE, blocks_.data(), items, MPI_DOUBLE,
+              PETSC_COMM_WORLD);
     count(values.size_bytes());
     for (std::size_t k = 0; k < values.size(); ++k) {
       double total = 0;
@@ -173,15 +163,13 @@ class PetscGroup : public ProcessGroup {
     }
   }
   void sum(std::span<std::int64_t> values) override {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()),
-                            MPI_INT64_T, MPI_SUM, PETSC_COMM_WORLD),
-              "MPI_Allreduce");
+    BIPOT_MPI(MPI_Allreduce, MPI_IN_PLACE, values.data(), static_cast<int>(values.size()),
+              MPI_INT64_T, MPI_SUM, PETSC_COMM_WORLD);
     count(values.size_bytes());
   }
   void largest(std::span<double> values) override {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()),
-                            MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD),
-              "MPI_Allreduce");
+    BIPOT_MPI(MPI_Allreduce, MPI_IN_PLACE, values.data(), static_cast<int>(values.size()),
+              MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
     count(values.size_bytes());
   }
   std::vector<double> gather(std::span<const double> mine) override {
@@ -195,8 +183,7 @@ class PetscGroup : public ProcessGroup {
       }
       sizes[r] = static_cast<int>(buffers[r].size());
     }
-    check_mpi(MPI_Alltoall(sizes.data(), 1, MPI_INT, coming.data(), 1, MPI_INT, PETSC_COMM_WORLD),
-              "MPI_Alltoall");
+    BIPOT_MPI(MPI_Alltoall, sizes.data(), 1, MPI_INT, coming.data(), 1, MPI_INT, PETSC_COMM_WORLD);
     count(to_size(size_) * sizeof(int));
     std::vector<Buffer> received(to_size(size_));
     std::vector<MPI_Request> requests;
@@ -206,22 +193,19 @@ class PetscGroup : public ProcessGroup {
         from = std::move(buffers[to_size(r)]);
       } else if (coming[to_size(r)] > 0) {
         from.resize(to_size(coming[to_size(r)]));
-        check_mpi(MPI_Irecv(from.data(), coming[to_size(r)], MPI_DOUBLE, r, kBufferTag,
-                            PETSC_COMM_WORLD, &requests.emplace_back()),
-                  "MPI_Irecv");
+        BIPOT_MPI(MPI_Irecv, from.data(), coming[to_size(r)], MPI_DOUBLE, r, kBufferTag,
+                  PETSC_COMM_WORLD, &requests.emplace_back());
       }
     }
     for (int r = 0; r < size_; ++r) {
       const Buffer& to = buffers[to_size(r)];
       if (r == rank_ || to.empty()) continue;
-      check_mpi(MPI_Isend(to.data(), sizes[to_size(r)], MPI_DOUBLE, r, kBufferTag, PETSC_COMM_WORLD,
-                          &requests.emplace_back()),
-                "MPI_Isend");
+      BIPOT_MPI(MPI_Isend, to.data(), sizes[to_size(r)], MPI_DOUBLE, r, kBufferTag,
+                PETSC_COMM_WORLD, &requests.emplace_back());
       ++traffic_->messages;
       traffic_->bytes += static_cast<std::int64_t>(to.size() * sizeof(double));
     }
-    check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
-              "MPI_Waitall");
+    BIPOT_MPI(MPI_Waitall, static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
     return received;
   }
   std::string first_text(const std::string& mine) override {
@@ -253,9 +237,8 @@ class PetscGroup : public ProcessGroup {
     const std::vector<int> counts = counts_of(mine.size());
     std::vector<int> starts = starts_of(counts);
     Values all(to_size(starts.back()), {});
-    check_mpi(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), type, all.data(),
-                             counts.data(), starts.data(), type, PETSC_COMM_WORLD),
-              "MPI_Allgatherv");
+    BIPOT_MPI(MPI_Allgatherv, mine.data(), static_cast<int>(mine.size()), type, all.data(),
+              counts.data(), starts.data(), type, PETSC_COMM_WORLD);
     count(mine.size_bytes());
     return {std::move(all), std::move(starts)};
   }
@@ -265,8 +248,7 @@ class PetscGroup : public ProcessGroup {
     }
     std::vector<int> counts(to_size(size_));
     const int own = static_cast<int>(mine);
-    check_mpi(MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, PETSC_COMM_WORLD),
-              "MPI_Allgather");
+    BIPOT_MPI(MPI_Allgather, &own, 1, MPI_INT, counts.data(), 1, MPI_INT, PETSC_COMM_WORLD);
     return counts;
   }
   /// Start of each rank's values, and the end.

@@ -133,12 +133,12 @@ LocalResidual<D> NewtonSystem::equation(int c, const Eigen::Map<const Vector>& x
 /// on the contact's own columns.
 template <int D>
 void NewtonSystem::fill_contact(int c, const LocalResidual<D>& r, double* values) const {
-  const auto contact = static_cast<std::size_t>(c);
+  const auto contact = to_size(c);
   const std::size_t begin = coupling_start_[contact];
   const std::size_t width = coupling_start_[contact + 1] - begin;
   const typename LocalResidual<D>::Block own = r.P + r.Q / kappa_;
   for (int a = 0; a < D; ++a) {
-    double* row = values + row_start_[static_cast<std::size_t>(dofs_ + c * D + a)];
+    double* row = values + row_start_[to_size(dofs_ + c * D + a)];
     const double* G = coupling_.data() + begin * D;
     for (std::size_t k = 0; k < width; ++k, G += D) {
       double sum = 0;
@@ -146,7 +146,7 @@ void NewtonSystem::fill_contact(int c, const LocalResidual<D>& r, double* values
       row[k] = sum;
     }
     if (mixed_) {
-      for (int b = 0; b < D; ++b) row[width + static_cast<std::size_t>(b)] = own(a, b);
+      for (int b = 0; b < D; ++b) row[width + to_size(b)] = own(a, b);
     } else {
       for (int b = 0; b < D; ++b) row[own_position_[contact] + b] += own(a, b);
     }
@@ -156,14 +156,14 @@ void NewtonSystem::fill_contact(int c, const LocalResidual<D>& r, double* values
 /// Merges columns and values of the D rows of contact c in `block_rows`. `own`: the contact's own
 /// columns are stored even if the rows have no entry there.
 void NewtonSystem::add_coupling(const SparseRows& block_rows, int contact, bool own) {
-  const auto D = static_cast<std::size_t>(d_);
+  const auto D = to_size(d_);
   std::map<int, std::vector<double>> block;  // column -> D values, sorted
   for (int b = 0; own && b < d_; ++b) block[contact * d_ + b].assign(D, 0.0);
   for (int a = 0; a < d_; ++a) {
     for (SparseRows::InnerIterator it(block_rows, contact * d_ + a); it; ++it) {
       std::vector<double>& column = block[static_cast<int>(it.col())];
       column.resize(D, 0.0);
-      column[static_cast<std::size_t>(a)] += it.value();
+      column[to_size(a)] += it.value();
     }
   }
   for (const auto& [column, value] : block) {
@@ -182,7 +182,7 @@ void NewtonSystem::build_contact_pattern() {
   coupling_start_.assign(1, 0);
   for (int c = 0; c < contacts_; ++c) {
     add_coupling(W_, c, /*own=*/true);
-    const auto first = static_cast<std::ptrdiff_t>(coupling_start_[static_cast<std::size_t>(c)]);
+    const auto first = static_cast<std::ptrdiff_t>(coupling_start_[to_size(c)]);
     for (int a = 0; a < d_; ++a) {
       columns_.insert(columns_.end(), coupling_column_.begin() + first, coupling_column_.end());
       row_start_.push_back(static_cast<int>(columns_.size()));
@@ -207,7 +207,7 @@ void NewtonSystem::build_mixed_pattern() {
   const SparseRows wrenches = H_.transpose();
   for (int c = 0; c < contacts_; ++c) {
     add_coupling(wrenches, c, /*own=*/false);
-    const auto first = static_cast<std::ptrdiff_t>(coupling_start_[static_cast<std::size_t>(c)]);
+    const auto first = static_cast<std::ptrdiff_t>(coupling_start_[to_size(c)]);
     for (int a = 0; a < d_; ++a) {
       columns_.insert(columns_.end(), coupling_column_.begin() + first, coupling_column_.end());
       for (int b = 0; b < d_; ++b) columns_.push_back(dofs_ + c * d_ + b);

@@ -96,9 +96,8 @@ PetscSession::PetscSession(PetscOptions options)
   PetscLibrary::ensure();
   for (const auto* list : {&options_.given(), &options_.defaults()}) {
     for (const auto& [name, value] : *list) {
-      check_petsc(PetscOptionsSetValue(nullptr, options_.key(name).c_str(),
-                                       value.empty() ? nullptr : value.c_str()),
-                  "PetscOptionsSetValue");
+      BIPOT_PETSC(PetscOptionsSetValue, nullptr, options_.key(name).c_str(),
+                  value.empty() ? nullptr : value.c_str());
     }
   }
   PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);

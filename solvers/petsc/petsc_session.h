@@ -19,6 +19,9 @@ class PetscFailure : public std::runtime_error {
 void check_petsc(int code, const char* what);
 /// Throws std::runtime_error unless `code`, of an MPI function, says success.
 void check_mpi(int code, const char* what);
+// Call a function and check its code, as BIPOT_PETSC(VecDuplicate, z, &f).
+#define BIPOT_PETSC(function, ...) ::bipot::check_petsc(function(__VA_ARGS__), #function)
+#define BIPOT_MPI(function, ...) ::bipot::check_mpi(function(__VA_ARGS__), #function)
 
 /// The options string of a user in PETSc's notation "-name value -name", and the defaults of a
 /// solver. A name may begin with the prefix or leave it out.
