@@ -64,7 +64,7 @@ bool SolveRun::accept(double impulse_change) {
 
 bool SolveRun::meets(const Eigen::Ref<const Vector>& s) {
   last_ = space_.error(s);
-  return accept(std::numeric_limits<double>::infinity());
+  return accept(kInfinity);
 }
 
 /// Squared norms, over the rows of this process, of s and of its change since the iterate judged
@@ -127,9 +127,8 @@ bool SolveRun::stop(int iteration, const Eigen::Ref<const Vector>& s, double ste
   const double norm2 = exact ? exact_norm2 : more[0];
   const double change2 = exact ? exact_change2 : more[1];
   // Two iterates at 0 give 0/0. (0 is no solution here, or solve() would have returned it.)
-  const double change =
-      known && norm2 > 0 ? std::sqrt(change2 / norm2) : std::numeric_limits<double>::infinity();
-  const bool met = accept(comparable ? change : std::numeric_limits<double>::infinity());
+  const double change = known && norm2 > 0 ? std::sqrt(change2 / norm2) : kInfinity;
+  const bool met = accept(comparable ? change : kInfinity);
 
   if (options_.on_iteration) {
     options_.on_iteration({.iteration = iteration,

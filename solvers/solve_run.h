@@ -79,8 +79,8 @@ class SolveRun {
   /// Call after every iteration (iteration = number of completed iterations). True: stop now. No
   /// effect unless due(iteration). `step` goes into the history. `moving`: a state of the solver
   /// beside s (multipliers) still changes, so that an equal s is no stall.
-  bool stop(int iteration, const Eigen::Ref<const Vector>& s,
-            double step = std::numeric_limits<double>::quiet_NaN(), bool moving = false);
+  bool stop(int iteration, const Eigen::Ref<const Vector>& s, double step = kNaN,
+            bool moving = false);
 
   /// For solvers that detect their end themselves, successful or not.
   void end(SolveStatus status, std::string message);
@@ -148,7 +148,7 @@ class SolveRun {
   bool factor_asked_ = false;
   double setup_seconds_ = 0;
   ContactError last_;
-  double best_error_ = std::numeric_limits<double>::infinity();
+  double best_error_ = kInfinity;
   Vector best_s_;
   Vector previous_;  // iterate of the judgement before (all iterations for the impulse test)
   int previous_iteration_ = -1;

@@ -55,9 +55,9 @@ struct IterationRecord {
 struct SolverOptions {
   double tol = 1e-8;  ///< > 0
   StopTest stop = StopTest::kGuarded;
-  int max_iterations = 1000000;                                 ///< >= 0
-  double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds, > 0
-  Vector s0;                                                    ///< start; empty: s = 0
+  int max_iterations = 1000000;   ///< >= 0
+  double time_limit = kInfinity;  ///< wall seconds, > 0
+  Vector s0;                      ///< start; empty: s = 0
   /// True: uncoupled parts of the problem are solved one by one (solvers/auto/islands.h). By
   /// default `auto` does so, the others do not. Only with the guarded test. Also a parameter:
   /// "islands".

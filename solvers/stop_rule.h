@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "solvers/solver.h"
@@ -36,12 +35,11 @@ struct JudgedIterate {
   };
   int iteration = 0;
   ContactError error;
-  double best_error = 0;   ///< guarded, up to here
-  double free_energy = 0;  ///< divergence_reference()                                    [J]
-  double change =
-      std::numeric_limits<double>::infinity();  ///< from the one judged before, relative
-  bool moving = false;  ///< a state beside s still changes: an equal s is no stall
-  bool met = false;     ///< the stop test
+  double best_error = 0;      ///< guarded, up to here
+  double free_energy = 0;     ///< divergence_reference()                                    [J]
+  double change = kInfinity;  ///< from the one judged before, relative
+  bool moving = false;        ///< a state beside s still changes: an equal s is no stall
+  bool met = false;           ///< the stop test
 };
 
 /// All but the clock and the caller's stop.

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -62,10 +61,10 @@ struct SeveralAnswers {
     std::string message;       ///< of the solver that came last
   };
   struct Options {
-    int starts = 10;         ///< >= 1
-    std::uint64_t seed = 1;  ///< of orders, multiples and perturbations
-    double tol = 1e-11;      ///< guarded error that every start is driven to
-    double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of everything
+    int starts = 10;                ///< >= 1
+    std::uint64_t seed = 1;         ///< of orders, multiples and perturbations
+    double tol = 1e-11;             ///< guarded error that every start is driven to
+    double time_limit = kInfinity;  ///< wall seconds of everything
     Vector
         guess;  ///< impulse of the previous step, where the first starts begin; empty: none [N s]
     std::string solver;                             ///< every start by this one; empty: by several

@@ -1,7 +1,6 @@
 #include "solvers/auto/few_contacts.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <vector>
 

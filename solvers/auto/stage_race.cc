@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "core/base/release.h"
 #include "core/base/stopwatch.h"
@@ -69,7 +68,7 @@ class Race {
     inner_.s0 = Vector();  // of the stages: their own
     best_.s = run.start();
     best_error_ = space_.error(best_.s).guarded();
-    if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
+    if (std::isnan(best_error_)) best_error_ = kInfinity;
     start_error_ = best_error_;
     goes_on_ = best.size() != 0;
     if (!goes_on_) return;
@@ -168,7 +167,7 @@ class Race {
     iterations_ += result.iterations;
     best_.setup_seconds += result.setup_seconds;
     last_ = result.status;
-    double error = std::numeric_limits<double>::infinity();
+    double error = kInfinity;
     if (!space_.any(result.s.size() != p_.num_rows() || !result.s.allFinite())) {
       error = space_.error(result.s).guarded();
       own_.insert_or_assign(std::string(stage.solver->name), result.s);

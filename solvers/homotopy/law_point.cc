@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
-#include <vector>
 
 #include "core/problem/delassus.h"
 
@@ -133,7 +131,7 @@ Crossing LawPoint::across(const LawProblem& problem, int slot) const {
 void LawPoint::impulse(const LawProblem& problem, Vector& s) const {
   s.setZero(problem.num_rows());
   for (Eigen::Index slot = 0; slot < value.size(); ++slot) {
-    const Column kind = column[static_cast<std::size_t>(slot)];
+    const Column kind = column[to_size(slot)];
     if (!is_impulse(kind)) continue;
     const int contact = static_cast<int>(slot) / problem.dim;
     const Eigen::Index row = contact * problem.dim;
@@ -147,7 +145,7 @@ void LawPoint::impulse(const LawProblem& problem, Vector& s) const {
 void LawPoint::velocity(const LawProblem& problem, Vector& u) const {
   u.setZero(problem.num_rows());
   for (Eigen::Index slot = 0; slot < value.size(); ++slot) {
-    const Column kind = column[static_cast<std::size_t>(slot)];
+    const Column kind = column[to_size(slot)];
     const Eigen::Index row = slot / problem.dim * problem.dim;
     if (kind == Column::kOpening) u[row] = value[slot];
     if (kind == Column::kSliding) u[row + 1] = value[slot];
@@ -158,8 +156,8 @@ void LawPoint::velocity(const LawProblem& problem, Vector& u) const {
 LawPoint nearest_point(const LawProblem& problem, const Vector& s, const Vector& u) {
   const int d = problem.dim;
   LawPoint point;
-  point.cell.resize(static_cast<std::size_t>(problem.num_contacts()));
-  point.column.resize(static_cast<std::size_t>(problem.num_rows()));
+  point.cell.resize(to_size(problem.num_contacts()));
+  point.column.resize(to_size(problem.num_rows()));
   point.bound.resize(problem.num_rows());
   point.value.resize(problem.num_rows());
   for (int i = 0; i < problem.num_contacts(); ++i) {

@@ -13,7 +13,7 @@ constexpr int kRefinements = 2;
 
 template <ContactRows D>
 ActiveSet<D>::ActiveSet(InteriorSystem<D>& system)
-    : system_(system), status_(static_cast<std::size_t>(system.num_contacts())) {}
+    : system_(system), status_(to_size(system.num_contacts())) {}
 
 template <ContactRows D>
 void ActiveSet<D>::start(const InteriorState<D>& z) {
@@ -72,12 +72,12 @@ template <ContactRows D>
 bool ActiveSet<D>::step() {
   using Block = Eigen::Matrix<double, D, D, Eigen::RowMajor>;
   const int contacts = system_.num_contacts();
-  R_.assign(static_cast<std::size_t>(contacts) * D * D, 0.0);
+  R_.assign(to_size(contacts) * D * D, 0.0);
   g_.setZero(s_.size());
   for (int c = 0; c < contacts; ++c) {
     const unsigned status = status_[to_size(c)];
     if (status == kOpen) continue;
-    Eigen::Map<Block> R(&R_[static_cast<std::size_t>(c) * D * D]);
+    Eigen::Map<Block> R(&R_[to_size(c) * D * D]);
     const Vector& mobility = system_.mobility();
     R(0, 0) = 1 / (kProximal * mobility[c * D]);
     g_[c * D] = s_[c * D];
@@ -110,7 +110,7 @@ bool ActiveSet<D>::step() {
     residual_ = g_ - next_;
     for (int c = 0; c < contacts; ++c) {
       residual_.template segment<D>(c * D) -=
-          Eigen::Map<const Block>(&R_[static_cast<std::size_t>(c) * D * D]) * local<D>(u_, c);
+          Eigen::Map<const Block>(&R_[to_size(c) * D * D]) * local<D>(u_, c);
     }
     system_.shifted().solve(residual_, correction_);
     next_ += correction_;

@@ -33,14 +33,14 @@ template <ContactRows D>
 double EqualProductStart<D>::spring_energy() {
   const ContactProblem& p = system.problem();
   const Vector& mobility = system.mobility();
-  std::vector<double> R(static_cast<std::size_t>(p.num_contacts()) * D * D, 0.0);
+  std::vector<double> R(to_size(p.num_contacts()) * D * D, 0.0);
   Vector g = Vector::Zero(p.num_rows());
   double fallback = 0;
   for (int c = 0; c < p.num_contacts(); ++c) {
     // Forces must reach across the largest packing with this number of contacts.
     const double stiffness =
         std::max(kSpringStiffness, static_cast<double>(p.num_contacts())) / mobility[c * D];
-    R[static_cast<std::size_t>(c) * D * D] = stiffness;
+    R[to_size(c) * D * D] = stiffness;
     g[c * D] = -stiffness * p.u_free[c * D];
     fallback += p.u_free.segment<D>(c * D).squaredNorm() / mobility[c * D];
   }

@@ -23,7 +23,7 @@ InteriorSystem<D>::InteriorSystem(const ContactProblem& problem, const DelassusO
     parts_[to_size(c)] = static_cast<unsigned char>(Jordan::parts_of(mu(c)));
     eigenvalues_ += Jordan::rank(parts(c));
   }
-  C_.resize(static_cast<std::size_t>(num_contacts()) * D * D);
+  C_.resize(to_size(num_contacts()) * D * D);
   R_.resize(C_.size());
 }
 
@@ -88,7 +88,7 @@ double InteriorSystem<D>::mean_product(const Vector& products) const {
 
 template <ContactRows D>
 double InteriorSystem<D>::smallest_product(const Vector& products) const {
-  double smallest = std::numeric_limits<double>::infinity();
+  double smallest = kInfinity;
   for (int c = 0; c < num_contacts(); ++c) {
     smallest = std::min(smallest, Jordan::eigenvalues(pairs(products, c), parts(c)).minCoeff());
   }
@@ -107,7 +107,7 @@ double InteriorSystem<D>::residual_energy(const State& z) const {
 
 template <ContactRows D>
 double InteriorSystem<D>::longest_step(const State& z, const PairDirection& d) const {
-  double t = std::numeric_limits<double>::infinity();
+  double t = kInfinity;
   for (int c = 0; c < num_contacts(); ++c) {
     t = std::min(t, Jordan::longest_step(pairs(z.X, c), pairs(d.dX, c), parts(c)));
     t = std::min(t, Jordan::longest_step(pairs(z.Y, c), pairs(d.dY, c), parts(c)));
@@ -121,8 +121,8 @@ bool InteriorSystem<D>::linearise(const State& z, double delta) {
   for (int c = 0; c < num_contacts(); ++c) {
     const unsigned f = parts(c);
     const Pairs x = pairs(z.X, c), y = pairs(z.Y, c);
-    Eigen::Map<Block> C(&C_[static_cast<std::size_t>(c) * D * D]);
-    Eigen::Map<Block> R(&R_[static_cast<std::size_t>(c) * D * D]);
+    Eigen::Map<Block> C(&C_[to_size(c) * D * D]);
+    Eigen::Map<Block> R(&R_[to_size(c) * D * D]);
     C.setZero();
     Local<D> active = Local<D>::Ones();
     Jordan::clear_smooth_rows(active, f);

@@ -89,7 +89,7 @@ class InteriorSystem {
  private:
   bool refined(const State& z, const Vector& ds) const;
   /// Start of the d x d block of contact c.
-  static std::size_t block(int c) { return static_cast<std::size_t>(c) * D * D; }
+  static std::size_t block(int c) { return to_size(c) * D * D; }
 
   const ContactProblem& problem_;
   const DelassusOperator& delassus_;

@@ -44,7 +44,7 @@ StageEnd ProximalInteriorPoint<D>::operator()(InteriorState<D>& z,
   double delta = kLeastDelta;
   double first_ratio = 0;  // of residual and products
   int holds = 0, tiny_steps = 0;
-  double best_error = std::numeric_limits<double>::infinity();
+  double best_error = kInfinity;
   double progress_error = best_error;
   int progress = 0;
   PairDirection affine, d;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <vector>
 
 #include "core/base/types.h"
@@ -103,7 +102,7 @@ inline void iterate_anderson(SolveRun& run, const ContactScaling& scaling, int c
   AndersonMemory<ContactSpace> memory(run.space(), s.size(), columns);
   Vector x = scaling.impulse.cwiseProduct(s), g(x.size()), f(x.size());
   Vector f_before, g_before;
-  double smallest = std::numeric_limits<double>::infinity();
+  double smallest = kInfinity;
   bool accelerated = false;
   bool known_before =
       false;  // not by sizes: a process without rows must still take part in all sums
@@ -118,7 +117,7 @@ inline void iterate_anderson(SolveRun& run, const ContactScaling& scaling, int c
       x = g_before;
       accelerated = false;
       known_before = false;
-      smallest = std::numeric_limits<double>::infinity();
+      smallest = kInfinity;
       continue;
     }
     smallest = std::min(smallest, residual);

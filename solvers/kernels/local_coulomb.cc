@@ -49,7 +49,7 @@ bool accepted(const LocalProblem<D>& p, const Local<D>& s) {
 /// Slip in 2D: u_n = 0, s_t = side mu s_n, side u_t <= 0. The candidate nearest to s.
 bool solve_slip(const LocalProblem<2>& p, Local<2>& s) {
   bool found = false;
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest = kInfinity;
   const Local<2> start = s;
   for (const double side : {-1.0, 1.0}) {
     const double stiffness = p.w(0, 0) + side * p.mu * p.w(0, 1);

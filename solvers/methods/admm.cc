@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -162,7 +161,7 @@ class Stages {
  private:
   static constexpr double kRaise = 3.1622776601683795, kRounding = 1e-9;
   double left_ = kRaisedBy;
-  double mark_ = std::numeric_limits<double>::infinity();
+  double mark_ = kInfinity;
   int mark_iteration_ = 0;
 };
 

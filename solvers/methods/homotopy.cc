@@ -207,7 +207,7 @@ class Homotopy {
     for (int slot = 0; slot < problem_.num_rows(); ++slot) {
       if (point.bound[slot] == 0) continue;
       const double part = 0.5 + random_.uniform();
-      const bool pushes = is_impulse(point.column[static_cast<std::size_t>(slot)]);
+      const bool pushes = is_impulse(point.column[to_size(slot)]);
       const double least = lift * part * (pushes ? impulse : speed);
       if (point.bound[slot] * point.value[slot] < least) {
         point.value[slot] += point.bound[slot] * least;

@@ -148,7 +148,7 @@ class Driver {
   /// packing grow from contact to contact) or too large is soon detected, and so is a case in which
   /// the other one is no better.
   StageEnd attempt_directly(int round) {
-    const std::size_t turn = static_cast<std::size_t>(round) % std::size(kDirectScales);
+    const std::size_t turn = to_size(round) % std::size(kDirectScales);
     const double factor = scale_ * kDirectScales[turn];
     ProximalInteriorPointOptions options{.patience = kDirectPatience,
                                          .largest_growth = kDirectGrowth,

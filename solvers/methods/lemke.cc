@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/portable_random.h"
 #include "core/linear/dense_factor.h"
@@ -249,7 +248,7 @@ void solve_lemke(SolveRun& run) {
   if (!run.stop(0, run.start())) {
     PortableRandom random(1996);
     std::string failures;
-    double closest = std::numeric_limits<double>::infinity();
+    double closest = kInfinity;
     for (int attempt = 0; attempt < kDraws; ++attempt) {
       Vector cover(lcp.q.size());
       for (double& x : cover) x = 0.5 + random.uniform();

@@ -95,7 +95,7 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
   ProximalReport report;
   double kappa = std::min(options.kappa, options.kappa_max);
   int still = 0;
-  double failed_at = std::numeric_limits<double>::infinity();
+  double failed_at = kInfinity;
   // The run's errors are those of the last judged iterate; the anchor's own is stored here.
   ContactErrorEvaluator judge = run.whole().evaluator();
   double anchor_error = judge(start).guarded();
@@ -105,7 +105,7 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
     InnerReport step = inner(kappa, start);
     if (step.outcome == InnerReport::Outcome::kStop) return report;
     const bool usable = step.s.size() == start.size() && step.s.allFinite();
-    const double error = usable ? judge(step.s).guarded() : std::numeric_limits<double>::infinity();
+    const double error = usable ? judge(step.s).guarded() : kInfinity;
     if (step.outcome == InnerReport::Outcome::kSolved && usable) {
       const Vector root = weights.cwiseSqrt();
       const double moved = root.cwiseProduct(step.s - start).norm();

@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <climits>
 #include <cstdlib>
-#include <memory>
 #include <stdexcept>
 
 #include "core/problem/delassus.h"

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_iteration.h"

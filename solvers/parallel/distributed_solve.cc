@@ -7,7 +7,6 @@
 #include "core/base/stopwatch.h"
 #include "solvers/parallel/cell_tree.h"
 #include "solvers/parallel/contact_owners.h"
-#include "solvers/parallel/distributed_space.h"
 #include "solvers/parallel/whole_problem.h"
 #include "solvers/registry.h"
 #include "solvers/solve_run.h"

@@ -1,7 +1,5 @@
 #include "solvers/parallel/distributed_space.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "solvers/parallel/whole_problem.h"

@@ -1,7 +1,6 @@
 #include "solvers/simulation/scene_run.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "core/base/stopwatch.h"
 #include "solvers/simulation/run_folder.h"
