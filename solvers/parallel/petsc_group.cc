@@ -1,8 +1,5 @@
 #include "solvers/parallel/petsc_group.h"
 
-// The deprecated C++ bindings would need a library of their own.
-#define OMPI_SKIP_MPICXX 1
-#define MPICH_SKIP_MPICXX 1
 #include <petscsf.h>
 #include <sched.h>
 
