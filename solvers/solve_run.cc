@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/base/large_pages.h"
@@ -181,7 +182,7 @@ bool SolveRun::late() { return space_.any(late_here()); }
 bool SolveRun::out_of_time() { return space_.any(cancelled_here() || late_here()); }
 
 double SolveRun::remaining_seconds() const {
-  return std::max(0.0, options_.time_limit - seconds());
+  return std::max(1e-9, options_.time_limit - seconds());
 }
 
 const Vector& SolveRun::best_impulse() {
@@ -197,8 +198,12 @@ SolveResult SolveRun::nested(const SolverEntry& entry, const SolverOptions& opti
   return run_solver(entry, space_, options, share, factor_);
 }
 
-SolveResult SolveRun::nested(std::string_view solver, const SolverOptions& options) {
-  return nested(require_solver(solver), options);
+SolveResult SolveRun::nested(std::string_view solver, double tol, int max_iterations, Vector s0) {
+  return nested(require_solver(solver), {.tol = tol,
+                                         .max_iterations = max_iterations,
+                                         .time_limit = remaining_seconds(),
+                                         .s0 = std::move(s0),
+                                         .cancelled = options_.cancelled});
 }
 
 SolveResult SolveRun::finish() {

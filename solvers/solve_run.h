@@ -102,6 +102,7 @@ class SolveRun {
   bool cancelled();    ///< the caller asked to stop
   bool late();         ///< the time limit is reached
   bool out_of_time();  ///< either of them, for loops within an iteration
+  /// Time limit of an inner solver: what is left, > 0.
   double remaining_seconds() const;
   /// Ends the set-up phase: seconds so far become setup_seconds.
   void end_setup() { setup_seconds_ = seconds(); }
@@ -118,8 +119,8 @@ class SolveRun {
   /// that this problem may use as a part of a larger one.
   SolveResult nested(const SolverEntry& entry, const SolverOptions& options,
                      const ErrorShare& share = {});
-  /// The same for a row of the table.
-  SolveResult nested(std::string_view solver, const SolverOptions& options);
+  /// The same for a row of the table with default parameters; it ends with the run.
+  SolveResult nested(std::string_view solver, double tol, int max_iterations, Vector s0);
 
   /// Status, message, iterations, timings and the impulse: the last one if it converged, else the
   /// best.

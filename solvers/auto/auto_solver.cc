@@ -59,7 +59,7 @@ void solve_recovered(const AutoPlan& plan, const ContactProblem& bodies, SolveRu
   if (!missed) return run.take(std::move(result));
   SolverOptions rest = options;
   rest.s0 = result.s;
-  rest.time_limit = std::max(options.time_limit - run.seconds(), 1e-9);
+  rest.time_limit = run.remaining_seconds();
   rest.max_iterations -= std::min(result.iterations, options.max_iterations);
   SolveResult more = run.nested(entry, rest, run.whole().share());
   more.message = result.message + "; then by W: " + more.message;

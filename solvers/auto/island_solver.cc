@@ -491,7 +491,7 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
   if (over) return run.take(first);
   const double seconds = run.seconds();
   SolverOptions rest = options;
-  rest.time_limit = std::max(options.time_limit - seconds, 1e-9);
+  rest.time_limit = run.remaining_seconds();
   rest.max_iterations -= first.iterations;
   if (options.on_iteration) {
     rest.on_iteration = [&](IterationRecord record) {

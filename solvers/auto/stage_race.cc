@@ -134,7 +134,7 @@ class Race {
       inner_.s0 = own != own_.end() ? own->second : options_.s0;
     }
     inner_.s0 *= stage.of_start;
-    inner_.time_limit = std::max(options_.time_limit - run_.seconds(), 1e-9);
+    inner_.time_limit = run_.remaining_seconds();
     inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
     inner_.parameters = stage_parameters(stage.parameters);
     Forecast forecast(stage, inner_.tol, options_.stop);

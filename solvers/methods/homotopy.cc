@@ -173,12 +173,7 @@ class Homotopy {
   bool prepare(Vector& s, double wanted) {
     const int limit = std::min(kStartIterations, options_.max_iterations - iteration());
     if (wanted >= 1 || limit <= 0) return false;
-    SolverOptions inner{.tol = wanted,
-                        .max_iterations = limit,
-                        .time_limit = std::max(run_.remaining_seconds(), 1e-9),
-                        .s0 = s,
-                        .cancelled = options_.cancelled};
-    const SolveResult start = run_.nested("apgd", inner);
+    const SolveResult start = run_.nested("apgd", wanted, limit, s);
     start_steps_ += start.iterations;
     s = start.s;
     return judge(s);

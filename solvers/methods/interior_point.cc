@@ -66,7 +66,6 @@ class Driver {
  public:
   Driver(SolveRun& run, const Parameters& parameters)
       : p_(run.problem()),
-        options_(run.options()),
         run_(run),
         system_(p_, run.delassus(), form(parameters), run.factor()),
         stages_(run),
@@ -173,12 +172,7 @@ class Driver {
     Vector network = run_.best_impulse();
     double error = run_.best_error();
     if (!(error <= kNetworkError)) {
-      SolverOptions rough{.tol = kNetworkError,
-                          .max_iterations = kNetworkIterations,
-                          .time_limit = std::max(run_.remaining_seconds(), 1e-9),
-                          .s0 = options_.s0,
-                          .cancelled = options_.cancelled};
-      network = run_.nested("apgd", rough).s;
+      network = run_.nested("apgd", kNetworkError, kNetworkIterations, run_.options().s0).s;
       error = contact_error(p_, network).guarded();
     }
     const bool good = error <= kNetworkError;
@@ -235,7 +229,6 @@ class Driver {
   }
 
   const ContactProblem& p_;
-  const SolverOptions& options_;
   SolveRun& run_;
   InteriorSystem<D> system_;
   InteriorRun stages_;

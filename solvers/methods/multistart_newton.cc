@@ -235,7 +235,7 @@ void solve_multistart_newton(SolveRun& run) {
     sweeps.parameters.clear();
     sweeps.on_iteration = nullptr;
     sweeps.max_iterations = std::min(kSweeps, options.max_iterations - iteration);
-    sweeps.time_limit = std::max(run.remaining_seconds(), 1e-9);
+    sweeps.time_limit = run.remaining_seconds();
     const SolveResult swept = run.nested(require_solver("pgs"), sweeps, run.whole().share());
     iteration += swept.iterations;
     if (is_success(swept.status)) arrived = swept.s;

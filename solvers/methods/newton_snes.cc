@@ -379,12 +379,7 @@ Settings settings_for(const ContactProblem& p, const Parameters& parameters) {
 /// Start sweeps, then the proximal loop around SNES; returns an addition to the message.
 std::string iterate(SolveRun& solve, const Settings& settings, NewtonRun& run, Snes& snes) {
   const SolverOptions& options = solve.options();
-  SolverOptions sweeps{.tol = options.tol,
-                       .max_iterations = settings.start_sweeps,
-                       .time_limit = std::max(solve.remaining_seconds(), 1e-9),
-                       .s0 = solve.start(),
-                       .cancelled = options.cancelled};
-  const SolveResult swept = solve.nested("pgs", sweeps);
+  const SolveResult swept = solve.nested("pgs", options.tol, settings.start_sweeps, solve.start());
   ProximalReport report;
   if (solve.meets(swept.s)) {
     solve.end(SolveStatus::kConverged, "stop test met by the start sweeps");
@@ -448,7 +443,7 @@ void run_with_delassus(SolveRun& solve, SystemFactor* factor) {
   p.W = assemble_delassus(p.A, p.H, p.dim);
   const double before = solve.seconds();
   SolverOptions options = solve.options();
-  options.time_limit = std::max(solve.remaining_seconds(), 1e-9);
+  options.time_limit = solve.remaining_seconds();
   if (options.on_iteration) {
     options.on_iteration = [&](IterationRecord record) {
       record.seconds += before;

@@ -191,7 +191,7 @@ void solve_proximal_point(SolveRun& run) {
                             (std::isfinite(share) ? std::min(share, 1.0) : 1.0);
       inner_options.tol = std::clamp(target, 1e-15, 0.1);
       inner_options.s0 = anchor;
-      inner_options.time_limit = std::max(run.remaining_seconds(), 1e-9);
+      inner_options.time_limit = run.remaining_seconds();
       SolveResult r = run_solver(*inner_solver, sub, inner_options);
       inner_iterations += r.iterations;
       const bool solved = is_success(r.status);

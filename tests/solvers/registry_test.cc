@@ -53,7 +53,7 @@ TEST(Registry, RowsSayWhetherTheirPathIgnoresTheTolerance) {
     looks.run = [](SolveRun& run) {
       SolverOptions own = run.options();
       own.parameters["omega"] = own.tol < 1e-6 ? "1.1" : "1";
-      run.take(run.nested("pgs", own));
+      run.take(run.nested(require_solver("pgs"), own));
     };
     EXPECT_FALSE(begins_alike(looks, p));
   }
