@@ -239,6 +239,18 @@ SolveResult run_solver(const SolverEntry& entry, const ContactProblem& problem,
   return run_solver(entry, space, options);
 }
 
+std::function<void(const IterationRecord&)> history_after(const SolverOptions& options,
+                                                          int iterations, double seconds,
+                                                          bool with_start) {
+  if (!options.on_iteration) return nullptr;
+  return [=, &options](IterationRecord record) {
+    if (record.iteration == 0 && !with_start) return;
+    record.iteration += iterations;
+    record.seconds += seconds;
+    options.on_iteration(record);
+  };
+}
+
 Parallel runs_on_parts(const SolverEntry& entry, const SolverOptions& options) {
   if (entry.parallel == nullptr) return Parallel::kNo;
   return entry.parallel(Parameters(options.parameters, entry.parameters));

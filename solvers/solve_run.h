@@ -170,6 +170,12 @@ SolveResult run_solver(const SolverEntry& entry, ContactSpace& space, const Solv
 SolveResult run_solver(const SolverEntry& entry, const ContactProblem& problem,
                        const SolverOptions& options);
 
+/// on_iteration for a part of a solve with these options, which must live: of a part that begins
+/// after so many iterations and seconds. `with_start`: its iteration 0 is passed on, too.
+std::function<void(const IterationRecord&)> history_after(const SolverOptions& options,
+                                                          int iterations, double seconds,
+                                                          bool with_start);
+
 /// How the entry runs with these options in parallel. Throws for unknown parameters.
 Parallel runs_on_parts(const SolverEntry& entry, const SolverOptions& options);
 

@@ -399,15 +399,7 @@ class IslandRun {
     evaluate_.release_scratch();
     inner.time_limit = std::max(time_left(), 1e-9);
     const int before = iterations(0, 0);
-    if (options_.on_iteration) {
-      inner.on_iteration = [&, start = watch_.seconds()](const IterationRecord& r) {
-        if (r.iteration == 0) return;
-        IterationRecord record = r;
-        record.iteration += before;
-        record.seconds += start;
-        options_.on_iteration(record);
-      };
-    }
+    inner.on_iteration = history_after(options_, before, watch_.seconds(), /*with_start=*/false);
     SolveResult result;
     try {
       result = run_.nested(entry_from(best), inner, share_);
@@ -493,14 +485,7 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
   SolverOptions rest = options;
   rest.time_limit = run.remaining_seconds();
   rest.max_iterations -= first.iterations;
-  if (options.on_iteration) {
-    rest.on_iteration = [&](IterationRecord record) {
-      if (record.iteration == 0) return;
-      record.iteration += first.iterations;
-      record.seconds += seconds;
-      options.on_iteration(record);
-    };
-  }
+  rest.on_iteration = history_after(options, first.iterations, seconds, /*with_start=*/false);
   settle(rest, first.s);
   SolveResult result = parts->solve_left();
   result.message = fmt::format("the whole: {}; then {}", first.message, result.message);

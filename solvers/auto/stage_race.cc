@@ -138,14 +138,10 @@ class Race {
     inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
     inner_.parameters = stage_parameters(stage.parameters);
     Forecast forecast(stage, inner_.tol, options_.stop);
-    const double stage_start = run_.seconds();
+    const auto history = history_after(options_, iterations_, run_.seconds(), iterations_ == 0);
     inner_.on_iteration = [&](const IterationRecord& r) {
       forecast.record(r);
-      if (!options_.on_iteration || (iterations_ > 0 && r.iteration == 0)) return;
-      IterationRecord shifted = r;
-      shifted.iteration += iterations_;
-      shifted.seconds += stage_start;
-      options_.on_iteration(shifted);
+      if (history) history(r);
     };
     inner_.cancelled = [&] {
       return forecast.failed() || (options_.cancelled && options_.cancelled());

@@ -444,12 +444,7 @@ void run_with_delassus(SolveRun& solve, SystemFactor* factor) {
   const double before = solve.seconds();
   SolverOptions options = solve.options();
   options.time_limit = solve.remaining_seconds();
-  if (options.on_iteration) {
-    options.on_iteration = [&](IterationRecord record) {
-      record.seconds += before;
-      solve.options().on_iteration(record);
-    };
-  }
+  options.on_iteration = history_after(solve.options(), 0, before, /*with_start=*/true);
   WholeSpace space(p, options.execution.threads);
   SolveResult result = run_solver(solve.entry(), space, options, solve.whole().share(), factor);
   result.setup_seconds += before;
