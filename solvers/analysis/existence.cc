@@ -131,10 +131,16 @@ class Search {
     return factor.factor(shifted) ? "" : "W is not positive semidefinite";
   }
 
-  /// The columns of wrench_ times the edges of the cones (`normals_only`: times the normals).
-  /// `work`: their work on the data, r·w over work_scale_. `contact` and `scale`: of each column.
-  SparseMatrix columns(bool normals_only, Vector& work, std::vector<int>& contact,
-                       std::vector<double>& scale) const {
+  /// The columns of wrench_ times the edges of the cones (or times the normals), of unit length.
+  struct Stresses {
+    SparseMatrix columns;
+    Vector work;  // of each column on the data, r·w over work_scale
+    double work_scale = 1;
+    std::vector<int> contact;   // of each column
+    std::vector<double> scale;  // to its unit length
+  };
+  Stresses stresses(bool normals_only) const {
+    Stresses all;
     Triplets entries;
     std::vector<double> works;
     int column = 0;
@@ -158,32 +164,34 @@ class Search {
           sum[i] = 0;
         }
         works.push_back(by * w);
-        contact.push_back(c);
-        scale.push_back(by);
+        all.contact.push_back(c);
+        all.scale.push_back(by);
         ++column;
       }
     }
-    work = Eigen::Map<const Vector>(works.data(), column);
-    const double most = work.cwiseAbs().maxCoeff();
-    if (most > 0) work /= most;
-    work_scale_ = most > 0 ? most : 1;
-    return from_triplets(wrench_.rows(), column, entries);
+    all.work = Eigen::Map<const Vector>(works.data(), column);
+    const double most = all.work.cwiseAbs().maxCoeff();
+    if (most > 0) all.work_scale = most;
+    all.work /= all.work_scale;
+    all.columns = from_triplets(wrench_.rows(), column, entries);
+    return all;
+  }
+  /// The least work of shares of at most 1 that are in balance.
+  LinearProgramme::Optimum least_work(const Stresses& all) const {
+    return solve({all.columns, all.work, Vector::Ones(all.work.size())}, seconds_left());
   }
 
   /// Programme 1.
   std::string try_opening(ExistenceCertificate& found) const {
+    const Stresses all = stresses(false);
+    const Eigen::Index n = all.columns.cols(), k = all.columns.rows();
     LinearProgramme lp;
-    Vector work;
-    std::vector<int> contact;
-    std::vector<double> scale;
-    const SparseMatrix stress = columns(false, work, contact, scale);
-    const Eigen::Index n = stress.cols(), k = stress.rows();
     Triplets entries;
-    for (int c = 0; c < stress.outerSize(); ++c) {
-      for (SparseMatrix::InnerIterator it(stress, c); it; ++it) {
+    for (int c = 0; c < n; ++c) {
+      for (SparseMatrix::InnerIterator it(all.columns, c); it; ++it) {
         entries.emplace_back(it.row(), it.col(), it.value());
       }
-      if (work[c] != 0) entries.emplace_back(static_cast<int>(k), c, work[c]);
+      if (all.work[c] != 0) entries.emplace_back(static_cast<int>(k), c, all.work[c]);
     }
     entries.emplace_back(static_cast<int>(k), static_cast<int>(n), 1.0);  // slack: r·w <= 0
     lp.A = from_triplets(k + 1, n + 1, entries);
@@ -197,7 +205,7 @@ class Search {
       return "there is a self-stress in the friction cones: contacts can be jammed";
     }
     Vector y = -best.y.head(k).cwiseProduct(row_scale_);
-    double weight = std::max(0.0, -best.y[k]) / work_scale_;
+    double weight = std::max(0.0, -best.y[k]) / all.work_scale;
     // Powers of two, hence without rounding: values near 1 avoid the ends of the range.
     const double most = std::max(y.cwiseAbs().maxCoeff(), weight);
     const double unit = most > 0 && std::isfinite(most) ? std::exp2(-std::ilogb(most)) : 1;
@@ -220,18 +228,14 @@ class Search {
 
   /// Programme 2.
   std::string try_obstruction(ExistenceCertificate& found) const {
-    LinearProgramme lp;
-    std::vector<int> contact;
-    std::vector<double> scale;
-    lp.A = columns(true, lp.cost, contact, scale);
-    lp.upper = Vector::Ones(lp.cost.size());
-    const LinearProgramme::Optimum best = solve(lp, seconds_left());
+    const Stresses all = stresses(true);
+    const LinearProgramme::Optimum best = least_work(all);
     if (!best.found) return best.message;
     if (!(best.value < -kZero)) return {};
     Vector stress = Vector::Zero(p_.num_contacts());
-    for (std::size_t k = 0; k < contact.size(); ++k) {
+    for (std::size_t k = 0; k < all.contact.size(); ++k) {
       const double x = best.x[static_cast<Eigen::Index>(k)];
-      if (x > 1e-12) stress[contact[k]] = x * scale[k];
+      if (x > 1e-12) stress[all.contact[k]] = x * all.scale[k];
     }
     stress /= std::exp2(std::ilogb(stress.maxCoeff()));
     const Obstruction proof = obstruction(p_, stress);
@@ -271,15 +275,11 @@ class Search {
 
   /// Programme 3.
   std::string try_reachable(ExistenceCertificate& found) const {
-    LinearProgramme lp;
-    std::vector<int> contact;
-    std::vector<double> scale;
-    lp.A = columns(false, lp.cost, contact, scale);
-    lp.upper = Vector::Ones(lp.cost.size());
-    const LinearProgramme::Optimum best = solve(lp, seconds_left());
+    const Stresses all = stresses(false);
+    const LinearProgramme::Optimum best = least_work(all);
     if (!best.found) return best.message;
     if (best.value < -kZero) return "a self-stress in the friction cones works against the data";
-    const Vector y = -work_scale_ * best.y.cwiseProduct(row_scale_);
+    const Vector y = -all.work_scale * best.y.cwiseProduct(row_scale_);
     accept_reachable(y,
                      "no self-stress in the friction cones works against the data: a motion leaves "
                      "every contact",
@@ -292,7 +292,6 @@ class Search {
   Stopwatch watch_;
   SparseMatrix wrench_;
   Vector row_scale_;
-  mutable double work_scale_ = 1;
 };
 
 }  // namespace

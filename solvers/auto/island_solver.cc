@@ -481,11 +481,10 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
                     first.status == SolveStatus::kInterrupted ||
                     first.iterations >= options.max_iterations;
   if (over) return run.take(first);
-  const double seconds = run.seconds();
   SolverOptions rest = options;
   rest.time_limit = run.remaining_seconds();
   rest.max_iterations -= first.iterations;
-  rest.on_iteration = history_after(options, first.iterations, seconds, /*with_start=*/false);
+  rest.on_iteration = history_after(options, first.iterations, run.seconds(), /*with_start=*/false);
   settle(rest, first.s);
   SolveResult result = parts->solve_left();
   result.message = fmt::format("the whole: {}; then {}", first.message, result.message);
