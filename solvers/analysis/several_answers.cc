@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "core/base/portable_random.h"
+#include "core/base/stopwatch.h"
 #include "core/problem/body_rows.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
@@ -19,8 +19,6 @@
 
 namespace bipot {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Iterations of a start's own solver; exact solvers then continue from its result.
 struct Recipe {
@@ -50,12 +48,11 @@ std::vector<ContactStatus> statuses(const ContactProblem& p, const Vector& s) {
   const int contacts = p.num_contacts();
   std::vector<ContactStatus> all(to_size(contacts), ContactStatus::kStick);
   dispatch_dim(p.dim, [&](auto d) {
-    constexpr int D = d();
     for (int c = 0; c < contacts; ++c) {
-      const Local<D> x = s.segment<D>(c * D);
+      const auto x = local<d()>(s, c);
       if (x[0] <= 0) {
         all[to_size(c)] = ContactStatus::kTakeOff;
-      } else if (D > 1 && !(tangential_norm<D>(x) < kConeEdge * p.mu[c] * x[0])) {
+      } else if (on_edge<d()>(x, p.mu[c])) {
         all[to_size(c)] = ContactStatus::kSlip;
       }
     }
@@ -67,15 +64,15 @@ std::vector<ContactStatus> statuses(const ContactProblem& p, const Vector& s) {
 class AnswerSearch {
  public:
   AnswerSearch(const ContactProblem& p, const SeveralAnswers::Options& options)
-      : p_(p), options_(options), distinct_(p), begin_(Clock::now()), random_(options.seed) {}
+      : p_(p), options_(options), distinct_(p), delassus_(p), random_(options.seed) {}
 
   SeveralAnswers run() {
     for (int k = 0; k < options_.starts && !stopped(); ++k) {
-      const Clock::time_point start = Clock::now();
+      const Stopwatch watch;
       SeveralAnswers::Start made = begin_start(k);
       if (invalid_) break;
       if (stopped() && made.answer < 0) break;  // cut short: says nothing
-      made.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      made.seconds = watch.seconds();
       found_.starts.push_back(std::move(made));
     }
     if (!invalid_) {
@@ -90,9 +87,8 @@ class AnswerSearch {
   }
 
  private:
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
   bool cancelled() const { return options_.cancelled && options_.cancelled(); }
-  bool stopped() const { return cancelled() || seconds() >= options_.time_limit; }
+  bool stopped() const { return cancelled() || watch_.seconds() >= options_.time_limit; }
 
   bool usable(std::string_view name) const {
     const SolverEntry* entry = find_solver(name);
@@ -103,11 +99,21 @@ class AnswerSearch {
                       std::map<std::string, std::string> parameters) const {
     SolverOptions options{.tol = options_.tol,
                           .max_iterations = iterations,
-                          .time_limit = std::max(1e-9, options_.time_limit - seconds()),
+                          .time_limit = std::max(1e-9, options_.time_limit - watch_.seconds()),
                           .s0 = s0,
                           .parameters = std::move(parameters),
                           .cancelled = options_.cancelled};
     return solve(solver, p_, options);
+  }
+
+  /// Replaces the result by one of this solver from there, if that is better.
+  void improve(SolveResult& result, std::string& by, const char* solver, int iterations,
+               std::map<std::string, std::string> parameters) const {
+    if (result.error.guarded() <= options_.tol || stopped() || !usable(solver)) return;
+    SolveResult next = attempt(solver, result.s, iterations, std::move(parameters));
+    if (!(next.error.guarded() < result.error.guarded())) return;
+    result = std::move(next);
+    by = solver;
   }
 
   /// Solver and start number k.
@@ -183,20 +189,13 @@ class AnswerSearch {
       found_.message = result.message;
       return;
     }
-    std::string by = recipe.solver;
-    const auto better = [&](const char* solver, int iterations,
-                            std::map<std::string, std::string> parameters) {
-      if (result.error.guarded() <= options_.tol || stopped() || !usable(solver)) return;
-      SolveResult next = attempt(solver, result.s, iterations, std::move(parameters));
-      if (!(next.error.guarded() < result.error.guarded())) return;
-      result = std::move(next);
-      by = solver;
-    };
-    better("homotopy", kPivots, {{"start_tol", "1"}});
-    if (!(result.error.guarded() <= DistinctAnswers::kTrusted)) better("homotopy", kPivots, {});
-    if (!(result.error.guarded() <= DistinctAnswers::kTrusted)) better("newton", kNewtons, {});
-    if (!(result.error.guarded() <= DistinctAnswers::kTrusted)) better("ipm", kInteriors, {});
-    made.finished_by = by;
+    made.finished_by = recipe.solver;
+    improve(result, made.finished_by, "homotopy", kPivots, {{"start_tol", "1"}});
+    for (const auto& [solver, iterations] :
+         {std::pair{"homotopy", kPivots}, {"newton", kNewtons}, {"ipm", kInteriors}}) {
+      if (result.error.guarded() <= DistinctAnswers::kTrusted) break;
+      improve(result, made.finished_by, solver, iterations, {});
+    }
     made.error = result.error;
     made.message = result.message;
     made.answer = distinct_.add(result.s, made.solver);
@@ -206,7 +205,7 @@ class AnswerSearch {
   /// Contacts that stick; -1 if an impulse acts across a gap that opens.
   int sticking(const Vector& s) const {
     Vector u;
-    DelassusOperator(p_).velocity(s, u);
+    delassus_.velocity(s, u);
     const double rest = kAtRest * p_.u_free.cwiseAbs().maxCoeff();
     const std::vector<ContactStatus> all = statuses(p_, s);
     for (std::size_t c = 0; c < all.size(); ++c) {
@@ -226,7 +225,7 @@ class AnswerSearch {
   /// All cases of few contacts; answers that no start found are added with a start of their own.
   void look_at_all_cases() {
     if (!options_.solver.empty() || stopped()) return;
-    const Clock::time_point start = Clock::now();
+    const Stopwatch watch;
     const EnumeratedCases all = enumerate_cases(p_, [this] { return stopped(); });
     bool judged = true;
     for (const Vector& s : all.candidates) {
@@ -237,7 +236,7 @@ class AnswerSearch {
       if (distinct_.answers().size() == before) continue;
       made.error = distinct_.answers().back().error;
       made.message = "a case of open, sticking and slipping contacts";
-      made.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      made.seconds = watch.seconds();
       found_.starts.push_back(std::move(made));
     }
     if (all.cases == 0) return;
@@ -255,14 +254,12 @@ class AnswerSearch {
       Answer answer;
       const std::size_t k = found_.answers.size();
       answer.impulse = k < shown_.size() ? shown_[k] : distinct_.answers()[k];
-      const DelassusOperator delassus(p_);
-      delassus.velocity(answer.impulse.s, answer.u);
+      delassus_.velocity(answer.impulse.s, answer.u);
       answer.status = statuses(p_, answer.impulse.s);
-      for (const ContactStatus status : answer.status) {
-        answer.take_off += status == ContactStatus::kTakeOff ? 1 : 0;
-        answer.stick += status == ContactStatus::kStick ? 1 : 0;
-        answer.slip += status == ContactStatus::kSlip ? 1 : 0;
-      }
+      const ContactCount count = count_contacts(p_, answer.impulse.s);
+      answer.take_off = count.take_off;
+      answer.stick = count.stick;
+      answer.slip = count.slip;
       if (p_.has_velocities()) {
         const Vector v = body_velocities(p_, answer.impulse.s);
         answer.kinetic = 0.5 * v.dot(without_equality_rows(p_).A * v);
@@ -291,13 +288,9 @@ class AnswerSearch {
       Answer& answer = found_.answers[k];
       const Vector& s = answer.impulse.s;
       const Vector away = random_multiples(s, p_.dim, kPerturbation, random_);
-      SeveralAnswers::Start made;
-      Recipe recipe{"pgs", kSweeps};
-      SolveResult back = attempt(recipe.solver, away, recipe.iterations, {});
-      if (!(back.error.guarded() <= options_.tol) && usable("homotopy") && !stopped()) {
-        SolveResult next = attempt("homotopy", back.s, kPivots, {{"start_tol", "1"}});
-        if (next.error.guarded() < back.error.guarded()) back = std::move(next);
-      }
+      SolveResult back = attempt("pgs", away, kSweeps, {});
+      std::string by;
+      improve(back, by, "homotopy", kPivots, {{"start_tol", "1"}});
       const VerifiedAnswer found = distinct_.judge(back.s, "");
       if (!(found.error.guarded() <= DistinctAnswers::kTrusted)) continue;
       answer.perturbed = distinct_.relative(distinct_.distance(away, s));
@@ -402,7 +395,7 @@ class AnswerSearch {
   }
 
   void close() {
-    found_.seconds = seconds();
+    found_.seconds = watch_.seconds();
     const auto exact = static_cast<int>(
         std::count_if(found_.starts.begin(), found_.starts.end(),
                       [](const SeveralAnswers::Start& s) { return s.answer >= 0; }));
@@ -415,7 +408,7 @@ class AnswerSearch {
     if (cancelled()) {
       found_.status = SolveStatus::kInterrupted;
       found_.message += fmt::format("; interrupted, {} starts asked for", options_.starts);
-    } else if (seconds() >= options_.time_limit) {
+    } else if (watch_.seconds() >= options_.time_limit) {
       found_.status = SolveStatus::kTimeLimit;
       found_.message += fmt::format("; time limit {} s reached, {} starts asked for",
                                     options_.time_limit, options_.starts);
@@ -428,7 +421,8 @@ class AnswerSearch {
   const SeveralAnswers::Options& options_;
   DistinctAnswers distinct_;
   std::vector<VerifiedAnswer> shown_;  // of answers that starts found
-  const Clock::time_point begin_;
+  const DelassusOperator delassus_;
+  const Stopwatch watch_;
   PortableRandom random_;
   std::optional<BodyRows> rows_;
   SeveralAnswers found_;
@@ -436,55 +430,41 @@ class AnswerSearch {
   bool invalid_ = false;
 };
 
-double larger(double a, double b) { return std::fmax(a, b); }
+/// Why a search is refused; empty where it is not.
+std::string refusal(const ContactProblem& problem, const SeveralAnswers::Options& options) {
+  if (std::string defect = validate(problem); !defect.empty()) return defect;
+  if (problem.rolls()) return "several answers are not sought with rolling friction";
+  if (options.starts < 1) {
+    return fmt::format("starts = {}, expected at least 1", options.starts);
+  }
+  if (!(options.tol <= DistinctAnswers::kTrusted)) {
+    return fmt::format("tol = {:g}: answers are told apart from {:g} on", options.tol,
+                       DistinctAnswers::kTrusted);
+  }
+  if (options.guess.size() != 0 && options.guess.size() != problem.num_rows()) {
+    return fmt::format("guess has size {}, expected {}", options.guess.size(), problem.num_rows());
+  }
+  const bool unknown = !options.solver.empty() && find_solver(options.solver) == nullptr;
+  return unknown ? unknown_solver_message(options.solver) : "";
+}
 
 }  // namespace
 
 std::string_view to_string(Answer::Kind kind) {
-  switch (kind) {
-    case Answer::Kind::kIsolated:
-      return "isolated";
-    case Answer::Kind::kFamily:
-      return "family";
-    case Answer::Kind::kLeft:
-      return "left";
-    case Answer::Kind::kUnknown:
-      break;
-  }
-  return "unknown";
+  static constexpr std::string_view kNames[] = {"isolated", "family", "left", "unknown"};
+  return kNames[static_cast<int>(kind)];
 }
 
 Answer::Difference larger_of(const Answer::Difference& a, const Answer::Difference& b) {
-  return {larger(a.velocity, b.velocity), larger(a.body_velocity, b.body_velocity),
-          larger(a.kinetic, b.kinetic),   larger(a.force, b.force),
-          larger(a.total, b.total),       std::max(a.contacts, b.contacts)};
+  return {std::fmax(a.velocity, b.velocity), std::fmax(a.body_velocity, b.body_velocity),
+          std::fmax(a.kinetic, b.kinetic),   std::fmax(a.force, b.force),
+          std::fmax(a.total, b.total),       std::max(a.contacts, b.contacts)};
 }
 
 SeveralAnswers find_several_answers(const ContactProblem& problem,
                                     const SeveralAnswers::Options& options) {
-  SeveralAnswers refused{.status = SolveStatus::kInvalidInput};
-  if (refused.message = validate(problem); !refused.message.empty()) return refused;
-  if (problem.rolls()) {
-    refused.message = "several answers are not sought with rolling friction";
-    return refused;
-  }
-  if (options.starts < 1) {
-    refused.message = fmt::format("starts = {}, expected at least 1", options.starts);
-    return refused;
-  }
-  if (!(options.tol <= DistinctAnswers::kTrusted)) {
-    refused.message = fmt::format("tol = {:g}: answers are told apart from {:g} on", options.tol,
-                                  DistinctAnswers::kTrusted);
-    return refused;
-  }
-  if (options.guess.size() != 0 && options.guess.size() != problem.num_rows()) {
-    refused.message =
-        fmt::format("guess has size {}, expected {}", options.guess.size(), problem.num_rows());
-    return refused;
-  }
-  if (!options.solver.empty() && find_solver(options.solver) == nullptr) {
-    refused.message = unknown_solver_message(options.solver);
-    return refused;
+  if (std::string refused = refusal(problem, options); !refused.empty()) {
+    return {.status = SolveStatus::kInvalidInput, .message = std::move(refused)};
   }
   if (problem.num_contacts() == 0) {
     return {.status = SolveStatus::kNothingToDo, .message = "no contacts"};
