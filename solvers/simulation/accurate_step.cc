@@ -92,8 +92,11 @@ double quarter_period(const Scene<D>& scene) {
   return fastest > 0 ? 0.25 / fastest : kInfinity;
 }
 
+}  // namespace
+
 /// What a part of a step did wrong, over the accuracy.
-struct PartError {
+template <int D>
+struct AccurateStepper<D>::Error {
   double misplaced = 0;  // largest displacement by an impact
   int i = -1, j = -1;    // the pair
   double drift = 0, acceleration = 0;
@@ -103,105 +106,83 @@ struct PartError {
   const char* smooth_kind() const { return drift > acceleration ? "drift" : "acceleration"; }
 };
 
-}  // namespace
+/// A step under way.
+template <int D>
+struct AccurateStepper<D>::Step {
+  Step(const Scene<D>& scene, const State<D>& state)
+      : start(state),
+        now(state),
+        shortest(scene.step),
+        last(scene.step),
+        smooth(kFirst * scene.step) {
+    cut.smallest = kInfinity;
+  }
+  void begin_again(double whole) {
+    now = start;
+    sums.reject_all();
+    done = cut.misplaced = cut.misplaced_sum = 0;
+    smooth = first = std::min(smooth, 0.5 * first);
+    last = shortest = whole;
+    cut.smallest = kInfinity;
+    a.reset();
+  }
+  const State<D> start;
+  State<D> now;
+  SummedParts<D> sums;
+  StepParts cut;
+  double done = 0;                    // time of the parts so far
+  double shortest;                    // of all parts
+  double last;                        // size of the last one, of its impulses
+  double smooth;                      // size that smooth motion allows
+  double first = smooth;              // of the first part
+  std::string smooth_by = "none";     // why
+  double shrink = 1;                  // after rejected parts
+  std::string shrunk_by;              // why
+  std::optional<Accelerations<D>> a;  // of the last part, if it had no impact
+  bool jump = false;                  // of a wall, now
+};
 
 template <int D>
-struct AccurateStepper<D>::Inside {
-  const Scene<D>& scene;
-  SceneRunOptions<D> options;
-  std::function<bool()> is_over;
-  Scene<D> part;  // the scene with the size of a part as its step, without gates
-  TimeStepper<D> stepper;
-  ClosingPairs<D> closings;
-  const double longest;  // part [s]
-  const double radius;   // the smallest [m]
-
-  Inside(const Scene<D>& whole, const SceneRunOptions<D>& choice, StepSolver solver,
-         std::function<bool()> over)
-      : scene(whole),
-        options(choice),
-        is_over(std::move(over)),
-        part(part_of(whole)),
-        stepper(part, std::move(solver), choice.explicit_delassus, choice.threads),
-        closings(part, choice.threads),
-        longest(quarter_period(whole)),
-        radius(smallest_radius(whole)) {
-    stepper.refuse_passages();
-  }
-
-  /// A step under way.
-  struct Step {
-    Step(const Scene<D>& scene, const State<D>& state)
-        : start(state),
-          now(state),
-          shortest(scene.step),
-          last(scene.step),
-          smooth(kFirst * scene.step) {
-      cut.smallest = kInfinity;
-    }
-    void begin_again(double whole) {
-      now = start;
-      sums.reject_all();
-      done = cut.misplaced = cut.misplaced_sum = 0;
-      smooth = first = std::min(smooth, 0.5 * first);
-      last = shortest = whole;
-      cut.smallest = kInfinity;
-      a.reset();
-    }
-    const State<D> start;
-    State<D> now;
-    SummedParts<D> sums;
-    StepParts cut;
-    double done = 0;                    // time of the parts so far
-    double shortest;                    // of all parts
-    double last;                        // size of the last one, of its impulses
-    double smooth;                      // size that smooth motion allows
-    double first = smooth;              // of the first part
-    std::string smooth_by = "none";     // why
-    double shrink = 1;                  // after rejected parts
-    std::string shrunk_by;              // why
-    std::optional<Accelerations<D>> a;  // of the last part, if it had no impact
-    bool jump = false;                  // of a wall, now
-  };
-  struct Part {
-    double h;
-    bool ends;                         // the step, or a time of a scheduled change
-    std::string by;                    // what limits it
-    std::vector<Closing<D>> closings;  // within it, and maybe later
-  };
-
-  std::string impact(const State<D>& state, int i, int j) const;
-  std::string place(const State<D>& now, const std::vector<Closing<D>>& closing, double& h) const;
-  PartError measure(const Step& step, const Part& taken, const State<D>& after,
-                    const Accelerations<D>& a_after);
-  Part next_part(const Step& step);
-  std::string take(const Step& step, double h, State<D>& next, StepReport<D>& report);
-  bool rejects(const PartError& error, double h, const State<D>& next, Step& step) const;
-  void go_on(const Part& taken, const PartError& error, const Accelerations<D>& a,
-             Step& step) const;
-  StepReport<D> advance(State<D>& state);
+struct AccurateStepper<D>::Part {
+  double h;
+  bool ends;                         // the step, or a time of a scheduled change
+  std::string by;                    // what limits it
+  std::vector<Closing<D>> closings;  // within it, and maybe later
 };
+
+template <int D>
+AccurateStepper<D>::AccurateStepper(const Scene<D>& scene, const SceneRunOptions<D>& options,
+                                    StepSolver solver, std::function<bool()> is_over)
+    : scene_(scene),
+      options_(options),
+      is_over_(std::move(is_over)),
+      part_(part_of(scene)),
+      stepper_(part_, std::move(solver), options.explicit_delassus, options.threads),
+      closings_(part_, options.threads),
+      longest_(quarter_period(scene)),
+      radius_(smallest_radius(scene)) {
+  stepper_.refuse_passages();
+}
 
 /// "impact 3 7" with the numbers of bodies, "impact 3 floor" with the name of a wall.
 template <int D>
-std::string AccurateStepper<D>::Inside::impact(const State<D>& state, int i, int j) const {
+std::string AccurateStepper<D>::impact(const State<D>& state, int i, int j) const {
   const std::size_t bodies = state.bodies.size();
   return fmt::format("impact {} {}", body_number(state, i),
                      to_size(j) < bodies ? fmt::format("{}", body_number(state, j))
-                                         : scene.walls[to_size(j) - bodies].name);
+                                         : scene_.walls[to_size(j) - bodies].name);
 }
 
 /// Shortens h so that the first collision that matters is in the middle of this part or, where that
 /// would be too long, of the next. Returns which, or nothing.
 template <int D>
-std::string AccurateStepper<D>::Inside::place(const State<D>& now,
-                                              const std::vector<Closing<D>>& closing,
-                                              double& h) const {
+std::string AccurateStepper<D>::place(const State<D>& now, const std::vector<Closing<D>>& closing,
+                                      double& h) const {
   const Closing<D>* limit = nullptr;
   for (const Closing<D>& c : closing) {
     if (c.time >= h) break;
-    const double most = scene.accuracy * pair_radius(now.bodies, now.walls, c.i, c.j) /
-                        (1 + pair_law(scene, now.bodies, now.walls, c.i, c.j).e_n);
+    const double most = scene_.accuracy * pair_radius(now.bodies, now.walls, c.i, c.j) /
+                        (1 + pair_law(scene_, now.bodies, now.walls, c.i, c.j).e_n);
     if (c.speed * h <= most) continue;
     const double at_impact = most / c.speed;
     limit = &c;
@@ -234,21 +215,20 @@ double approach_speed(const std::vector<Closing<D>>& closings, int i, int j) {
 /// drift: after a start from rest or an impact, velocities are along contacts as they were in its
 /// middle, and no short part undoes that.
 template <int D>
-PartError AccurateStepper<D>::Inside::measure(const Step& step, const Part& taken,
-                                              const State<D>& after,
-                                              const Accelerations<D>& a_after) {
+auto AccurateStepper<D>::measure(const Step& step, const Part& taken, const State<D>& after,
+                                 const Accelerations<D>& a_after) -> Error {
   const double h = taken.h;
   const State<D>& before = step.now;
-  const double x = scene.accuracy, last = step.done > 0 ? step.last : kFirst * scene.step;
+  const double x = scene_.accuracy, last = step.done > 0 ? step.last : kFirst * scene_.step;
   using Pair = typename NearPairs<D>::Pair;
   const auto gap = [&](const State<D>& state, const Pair& pair) {
     return pair_place<D>(state.bodies, state.walls, state.cell, pair).gap;
   };
-  PartError error;
+  Error error;
   error.hit = step.jump;
   const auto misplace = [&](int i, int j, double overlap) {
-    const double way = (1 + pair_law(scene, after.bodies, after.walls, i, j).e_n) * overlap;
-    if (way < 2 * scene.contact_distance) return;
+    const double way = (1 + pair_law(scene_, after.bodies, after.walls, i, j).e_n) * overlap;
+    if (way < 2 * scene_.contact_distance) return;
     const double radii = way / pair_radius(after.bodies, after.walls, i, j);
     if (radii <= x * error.misplaced) return;
     error.misplaced = radii / x;
@@ -280,7 +260,7 @@ PartError AccurateStepper<D>::Inside::measure(const Step& step, const Part& take
     }
     error.drift = std::max(error.drift, std::abs(gap(after, pair) - start) / (x * way));
   }
-  for (const Pair& pair : closings.overlapping(after)) {
+  for (const Pair& pair : closings_.overlapping(after)) {
     if (find_pair(after.contacts, pair.i, pair.j) != nullptr) continue;
     misplace(pair.i, pair.j, std::min(gap(before, pair), 0.0) - gap(after, pair));
   }
@@ -304,30 +284,30 @@ PartError AccurateStepper<D>::Inside::measure(const Step& step, const Part& take
   for (std::size_t w = 0; w < after.walls.size(); ++w) {
     if (after.walls[w].motion != Wall<D>::Motion::kDriven) continue;
     add((a_after.walls[w] - step.a->walls[w]).norm(),
-        0.5 * h * (before.walls[w].v + after.walls[w].v).norm(), radius);
+        0.5 * h * (before.walls[w].v + after.walls[w].v).norm(), radius_);
   }
   return error;
 }
 
 /// The size of the next part, and what limits it.
 template <int D>
-auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
-  const double whole = scene.step, smallest = kSmallest * whole;
+auto AccurateStepper<D>::next_part(const Step& step) -> Part {
+  const double whole = scene_.step, smallest = kSmallest * whole;
   const State<D>& now = step.now;
-  if (is_over()) {
+  if (is_over_()) {
     throw StepFailure(StepFailure::Kind::kCutShort, step.start, "ended within the step");
   }
   const double left =
-      std::min(whole - step.done, next_change(scene, now.time, kEnd * whole) - now.time);
-  double h = std::min({step.smooth, left, longest});
+      std::min(whole - step.done, next_change(scene_, now.time, kEnd * whole) - now.time);
+  double h = std::min({step.smooth, left, longest_});
   // Rounding must not keep a wall at rest that starts now.
-  const std::vector<Wall<D>> walls = walls_at(scene.walls, now.walls, now.time + kEnd * whole);
+  const std::vector<Wall<D>> walls = walls_at(scene_.walls, now.walls, now.time + kEnd * whole);
   Accelerations<D> without_contacts;
-  if (!step.a) without_contacts = free_accelerations(scene, now, walls);
+  if (!step.a) without_contacts = free_accelerations(scene_, now, walls);
   std::vector<Closing<D>> closing =
-      closings.find(now, walls, step.a ? *step.a : without_contacts, h);
+      closings_.find(now, walls, step.a ? *step.a : without_contacts, h);
   std::string by = place(now, closing, h);
-  if (by.empty()) by = h == longest ? "acceleration" : h == step.smooth ? step.smooth_by : "none";
+  if (by.empty()) by = h == longest_ ? "acceleration" : h == step.smooth ? step.smooth_by : "none";
   if (step.shrink < 1) {
     h *= step.shrink;
     by = step.shrunk_by;
@@ -338,7 +318,7 @@ auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
     throw StepFailure(StepFailure::Kind::kInvalidInput, step.start,
                       fmt::format("accuracy = {:g} asks for a part of {:.3g} s ({}), shorter than "
                                   "the step / 2^20: give a larger accuracy or a shorter step",
-                                  scene.accuracy, h, by));
+                                  scene_.accuracy, h, by));
   }
   return {h, ends, by, std::move(closing)};
 }
@@ -346,15 +326,15 @@ auto AccurateStepper<D>::Inside::next_part(const Step& step) -> Part {
 /// Takes a part; `next` is the state after it. The reason if it failed and is to be halved, else
 /// empty.
 template <int D>
-std::string AccurateStepper<D>::Inside::take(const Step& step, double h, State<D>& next,
-                                             StepReport<D>& report) {
-  const bool halves = 0.5 * h >= kSmallest * scene.step;
+std::string AccurateStepper<D>::take(const Step& step, double h, State<D>& next,
+                                     StepReport<D>& report) {
+  const bool halves = 0.5 * h >= kSmallest * scene_.step;
   scale_impulses(next.contacts, h / step.last);
-  part.step = h;
+  part_.step = h;
   try {
-    report = stepper.advance(next);
-    if (report.converged || options.takes_unsolved()) return {};
-    if (options.on_failure == OnFailure::kStop || !halves) {
+    report = stepper_.advance(next);
+    if (report.converged || options_.takes_unsolved()) return {};
+    if (options_.on_failure == OnFailure::kStop || !halves) {
       throw StepFailure(StepFailure::Kind::kNotConverged, step.start, report.message);
     }
     return report.message;
@@ -362,7 +342,7 @@ std::string AccurateStepper<D>::Inside::take(const Step& step, double h, State<D
     const bool again = failure.kind == StepFailure::Kind::kPassage ||
                        failure.kind == StepFailure::Kind::kPlaces ||
                        (failure.kind == StepFailure::Kind::kNumerical &&
-                        options.on_failure == OnFailure::kSmallerStep);
+                        options_.on_failure == OnFailure::kSmallerStep);
     if (!again || !halves) throw;
     return failure.what();
   }
@@ -370,8 +350,8 @@ std::string AccurateStepper<D>::Inside::take(const Step& step, double h, State<D
 
 /// True if the part misses the accuracy: the next attempt is shorter.
 template <int D>
-bool AccurateStepper<D>::Inside::rejects(const PartError& error, double h, const State<D>& next,
-                                         Step& step) const {
+bool AccurateStepper<D>::rejects(const Error& error, double h, const State<D>& next,
+                                 Step& step) const {
   if (error.misplaced > kSlack) {
     ++step.cut.misplacing;
     step.shrink *= std::clamp(0.8 / error.misplaced, 0.1, 0.7);
@@ -387,9 +367,9 @@ bool AccurateStepper<D>::Inside::rejects(const PartError& error, double h, const
 
 /// Goes on after a part: counts, and the size that smooth motion allows for the next one.
 template <int D>
-void AccurateStepper<D>::Inside::go_on(const Part& taken, const PartError& error,
-                                       const Accelerations<D>& a, Step& step) const {
-  const double whole = scene.step, x = scene.accuracy, h = taken.h;
+void AccurateStepper<D>::go_on(const Part& taken, const Error& error, const Accelerations<D>& a,
+                               Step& step) const {
+  const double whole = scene_.step, x = scene_.accuracy, h = taken.h;
   step.done = h == whole - step.done ? whole : step.done + h;
   step.now.time = step.start.time + step.done;
   step.now.step = step.start.step;
@@ -417,11 +397,11 @@ void AccurateStepper<D>::Inside::go_on(const Part& taken, const PartError& error
 }
 
 template <int D>
-StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
-  Step step(scene, with_changed_population(scene, state));
-  if (scene.has_gates()) closings.forget();
-  while (step.done < scene.step) {
-    step.jump = a_wall_jumps(scene, step.now.time, kEnd * scene.step);
+StepReport<D> AccurateStepper<D>::advance(State<D>& state) {
+  Step step(scene_, with_changed_population(scene_, state));
+  if (scene_.has_gates()) closings_.forget();
+  while (step.done < scene_.step) {
+    step.jump = a_wall_jumps(scene_, step.now.time, kEnd * scene_.step);
     if (step.jump) step.a.reset();
     const Part chosen = next_part(step);
     State<D> next = step.now;
@@ -433,15 +413,15 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
       step.shrunk_by = "failure";
       continue;
     }
-    const Accelerations<D> a = mean_accelerations(scene, step.now, next, chosen.h);
-    const PartError error = measure(step, chosen, next, a);
+    const Accelerations<D> a = mean_accelerations(scene_, step.now, next, chosen.h);
+    const Error error = measure(step, chosen, next, a);
     if (rejects(error, chosen.h, next, step)) {
       step.sums.add_rejected(report);
       // The first part was not judged by its acceleration, and the second one against it alone. By
       // this change both may have been too long.
       const double of_last = error.acceleration * std::pow(step.last / chosen.h, 2);
       if (step.sums.count() > 0 && step.sums.count() <= 2 && of_last > kSlack) {
-        step.begin_again(scene.step);
+        step.begin_again(scene_.step);
       }
       continue;
     }
@@ -455,7 +435,7 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
     step.cut.limited_by = "none";
   }
   const std::vector<ContactOutcome<D>> of_last_part = step.now.contacts;
-  StepReport<D> report = step.sums.finish(step.start, scene.step, step.now);
+  StepReport<D> report = step.sums.finish(step.start, scene_.step, step.now);
   for (ContactOutcome<D>& c : step.now.contacts) {
     if (find_pair(of_last_part, c.contact.i, c.contact.j) == nullptr) {
       c.status = ContactStatus::kTakeOff;
@@ -464,24 +444,6 @@ StepReport<D> AccurateStepper<D>::Inside::advance(State<D>& state) {
   report.cut = std::move(step.cut);
   state = std::move(step.now);
   return report;
-}
-
-template <int D>
-AccurateStepper<D>::AccurateStepper(const Scene<D>& scene, const SceneRunOptions<D>& options,
-                                    StepSolver solver, std::function<bool()> is_over)
-    : inside_(new Inside(scene, options, std::move(solver), std::move(is_over))) {}
-
-template <int D>
-AccurateStepper<D>::~AccurateStepper() = default;
-
-template <int D>
-StepReport<D> AccurateStepper<D>::advance(State<D>& state) {
-  return inside_->advance(state);
-}
-
-template <int D>
-const ContactProblem& AccurateStepper<D>::problem() const {
-  return inside_->stepper.problem();
 }
 
 template class AccurateStepper<2>;
