@@ -1,15 +1,13 @@
 #include "solvers/auto/island_problem.h"
 
 #include <algorithm>
-#include <utility>
+
+#include "core/problem/problem_part.h"
 
 namespace bipot {
 
 Vector IslandProblem::gather(const Vector& whole) const {
-  if (whole.size() == 0) return {};
-  Vector part(static_cast<Eigen::Index>(rows.size()));
-  for (std::size_t k = 0; k < rows.size(); ++k) part[static_cast<Eigen::Index>(k)] = whole[rows[k]];
-  return part;
+  return whole.size() == 0 ? Vector() : Vector(whole(rows));
 }
 
 void IslandProblem::scatter(const Vector& part, int whole_dim, Vector& whole) const {
@@ -26,85 +24,38 @@ IslandCutter::IslandCutter(const ContactProblem& whole)
       contact_(to_size(whole.num_contacts()), -1) {}
 
 IslandProblem IslandCutter::operator()(std::span<const int> contacts) {
-  IslandProblem island;
-  ContactProblem& p = island.problem;
   const bool frictionless =
       !whole_.rolls() &&
       std::all_of(contacts.begin(), contacts.end(), [&](int c) { return whole_.mu[c] == 0; });
-  p.dim = frictionless ? 1 : whole_.dim;
-  p.mu.resize(static_cast<Eigen::Index>(contacts.size()));
-  for (auto [part, all] :
-       {std::pair{&p.mu_r, &whole_.mu_r}, std::pair{&p.mu_spin, &whole_.mu_spin}}) {
-    if (all->size() > 0) part->resize(p.mu.size());
-  }
-  island.rows.reserve(contacts.size() * to_size(p.dim));
-  Eigen::Index number = 0;
-  for (const int c : contacts) {
-    if (p.rolls()) p.mu_r[number] = whole_.mu_r[c];
-    if (p.mu_spin.size() > 0) p.mu_spin[number] = whole_.mu_spin[c];
-    p.mu[number++] = whole_.mu[c];
-    for (int k = 0; k < p.dim; ++k) island.rows.push_back(c * whole_.dim + k);
-  }
-  p.u_free = island.gather(whole_.u_free);
-  p.row_scale = island.gather(whole_.row_scale);
-  if (whole_.has_velocities()) cut_bodies(island);
+  const int dim = frictionless ? 1 : whole_.dim;
+  IslandProblem island{.rows = rows_of_contacts(contacts, whole_.dim, dim)};
+  std::vector<int> dofs;
+  if (whole_.has_velocities()) dofs = number_dofs(island.rows);
+  island.problem = cut_problem(whole_, contacts, dim, dofs, dof_);
+  for (const int dof : dofs) dof_[to_size(dof)] = -1;
   if (whole_.has_delassus()) cut_delassus(contacts, island);
   return island;
 }
 
-/// If A couples them, the degrees of freedom beside the contacts' own take part.
-void IslandCutter::add_coupled_dofs(std::vector<int>& dofs) {
-  for (std::size_t k = 0; k < dofs.size(); ++k) {
-    for (SparseMatrix::InnerIterator it(whole_.A, dofs[k]); it; ++it) {
-      int& number = dof_[to_size(it.row())];
-      if (number >= 0 || it.value() == 0) continue;
-      number = 0;
-      dofs.push_back(static_cast<int>(it.row()));
-    }
-  }
-}
-
-void IslandCutter::cut_bodies(IslandProblem& island) {
-  ContactProblem& p = island.problem;
+/// The degrees of freedom of these rows, and those that A couples with them; sets their numbers.
+std::vector<int> IslandCutter::number_dofs(const std::vector<int>& rows) {
   std::vector<int> dofs;
-  Eigen::Index entries = 0;
-  for (const int row : island.rows) {
-    for (SparseMatrix::InnerIterator it(whole_.H, row); it; ++it, ++entries) {
-      int& number = dof_[to_size(it.row())];
-      if (number >= 0) continue;
-      number = 0;
-      dofs.push_back(static_cast<int>(it.row()));
+  const auto add = [&](Eigen::Index dof) {
+    if (dof_[to_size(dof)] >= 0) return;
+    dof_[to_size(dof)] = 0;
+    dofs.push_back(static_cast<int>(dof));
+  };
+  for (const int row : rows) {
+    for (SparseMatrix::InnerIterator it(whole_.H, row); it; ++it) add(it.row());
+  }
+  for (std::size_t k = 0; !diagonal_ && k < dofs.size(); ++k) {
+    for (SparseMatrix::InnerIterator it(whole_.A, dofs[k]); it; ++it) {
+      if (it.value() != 0) add(it.row());
     }
   }
-  if (!diagonal_) add_coupled_dofs(dofs);
   std::sort(dofs.begin(), dofs.end());
-  const int n = static_cast<int>(dofs.size());
-  p.v_free.resize(n);
-  for (int k = 0; k < n; ++k) {
-    dof_[to_size(dofs[to_size(k)])] = k;
-    p.v_free[k] = whole_.v_free[dofs[to_size(k)]];
-  }
-  p.H.resize(n, static_cast<Eigen::Index>(island.rows.size()));
-  p.H.reserve(entries);
-  for (std::size_t column = 0; column < island.rows.size(); ++column) {
-    p.H.startVec(static_cast<Eigen::Index>(column));
-    for (SparseMatrix::InnerIterator it(whole_.H, island.rows[column]); it; ++it) {
-      p.H.insertBack(dof_[to_size(it.row())], static_cast<Eigen::Index>(column)) = it.value();
-    }
-  }
-  p.H.finalize();
-  p.A.resize(n, n);
-  p.A.reserve(n);
-  for (int k = 0; k < n; ++k) {
-    p.A.startVec(k);
-    for (SparseMatrix::InnerIterator it(whole_.A, dofs[to_size(k)]); it; ++it) {
-      const int number = dof_[to_size(it.row())];
-      // Zeros stored beside a diagonal may point out of the island.
-      if (number >= 0) p.A.insertBack(number, k) = it.value();
-    }
-  }
-  p.A.finalize();
-  for (const int dof : dofs) dof_[to_size(dof)] = -1;
+  for (std::size_t k = 0; k < dofs.size(); ++k) dof_[to_size(dofs[k])] = static_cast<int>(k);
+  return dofs;
 }
 
 void IslandCutter::cut_delassus(std::span<const int> contacts, IslandProblem& island) {

@@ -33,9 +33,8 @@ class IslandCutter {
   IslandProblem operator()(std::span<const int> contacts);
 
  private:
-  void cut_bodies(IslandProblem& island);
+  std::vector<int> number_dofs(const std::vector<int>& rows);
   void cut_delassus(std::span<const int> contacts, IslandProblem& island);
-  void add_coupled_dofs(std::vector<int>& dofs);
 
   const ContactProblem& whole_;
   bool diagonal_ = true;

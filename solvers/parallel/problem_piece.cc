@@ -5,61 +5,10 @@
 #include <string>
 
 #include "core/problem/packed_bodies.h"
+#include "core/problem/problem_part.h"
 
 namespace bipot {
 namespace {
-
-/// Contacts `contacts` of the whole in the degrees of freedom with dof_number >= 0, which are
-/// `dofs`, ascending.
-ContactProblem cut_problem(const ContactProblem& whole, const std::vector<int>& contacts,
-                           const std::vector<int>& dofs, const std::vector<int>& dof_number) {
-  ContactProblem p;
-  const int d = whole.dim;
-  p.dim = d;
-  const auto rows = static_cast<Eigen::Index>(contacts.size()) * d;
-  for (const auto part : {&ContactProblem::mu, &ContactProblem::mu_r, &ContactProblem::mu_spin}) {
-    if ((whole.*part).size() > 0) (p.*part).resize(static_cast<Eigen::Index>(contacts.size()));
-  }
-  p.u_free.resize(rows);
-  if (whole.row_scale.size() != 0) p.row_scale.resize(rows);
-  p.v_free.resize(static_cast<Eigen::Index>(dofs.size()));
-  p.A.resize(p.v_free.size(), p.v_free.size());
-  p.A.reserve(p.v_free.size());
-  for (std::size_t k = 0; k < dofs.size(); ++k) {
-    const auto to = static_cast<Eigen::Index>(k);
-    p.v_free[to] = whole.v_free[dofs[k]];
-    p.A.startVec(to);
-    p.A.insertBack(to, to) = whole.A.coeff(dofs[k], dofs[k]);
-  }
-  p.A.finalize();
-  p.H.resize(p.v_free.size(), rows);
-  Eigen::Index entries = 0;
-  for (const int c : contacts) {
-    for (int k = 0; k < d; ++k) {
-      entries += whole.H.outerIndexPtr()[c * d + k + 1] - whole.H.outerIndexPtr()[c * d + k];
-    }
-  }
-  p.H.reserve(entries);
-  for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const int from = contacts[c] * d;
-    const auto to = static_cast<Eigen::Index>(c) * d;
-    for (const auto part : {&ContactProblem::mu, &ContactProblem::mu_r, &ContactProblem::mu_spin}) {
-      if ((whole.*part).size() == 0) continue;
-      (p.*part)[static_cast<Eigen::Index>(c)] = (whole.*part)[contacts[c]];
-    }
-    p.u_free.segment(to, d) = whole.u_free.segment(from, d);
-    if (whole.row_scale.size() != 0) p.row_scale.segment(to, d) = whole.row_scale.segment(from, d);
-    for (int k = 0; k < d; ++k) {
-      p.H.startVec(to + k);
-      for (SparseMatrix::InnerIterator it(whole.H, from + k); it; ++it) {
-        const int number = dof_number[to_size(it.row())];
-        if (number >= 0) p.H.insertBack(number, to + k) = it.value();
-      }
-    }
-  }
-  p.H.finalize();
-  return p;
-}
 
 /// Cuts one piece.
 class PieceCutter {
@@ -139,7 +88,7 @@ class PieceCutter {
   void cut_own() {
     std::vector<int> number(nodes_.node.size(), -1);
     for (std::size_t k = 0; k < dofs_.size(); ++k) number[to_size(dofs_[k])] = static_cast<int>(k);
-    piece_.own = cut_problem(whole_, piece_.number, dofs_, number);
+    piece_.own = cut_problem(whole_, piece_.number, whole_.dim, dofs_, number);
     count_sharers(number);
   }
   /// Owner after owner: the last one seen at a body then tells whether this one is new there.
@@ -185,7 +134,7 @@ class PieceCutter {
       number[dof] = static_cast<int>(dofs.size());
       dofs.push_back(static_cast<int>(dof));
     }
-    piece_.with_halo = cut_problem(whole_, with_halo_, dofs, number);
+    piece_.with_halo = cut_problem(whole_, with_halo_, whole_.dim, dofs, number);
     for (const int dof : dofs_) piece_.dof_with_halo.push_back(number[to_size(dof)]);
   }
   void find_everywhere() {
