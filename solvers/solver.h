@@ -142,7 +142,7 @@ struct SolverEntry {
   std::string_view name;
   std::string_view summary;  ///< one line with the citation
   std::function<void(SolveRun&)> run;
-  std::span<const ParameterSpec> parameters;
+  std::span<const ParameterSpec> parameters = {};
   bool needs_delassus = false;  ///< W must be present; solve() assembles it if it is missing
   int max_dim = 3;              ///< largest contact dimension
   int max_contacts = std::numeric_limits<int>::max();  ///< beyond it: kInvalidInput, saying so

@@ -27,13 +27,19 @@ enum class Storage { kDense, kBlocks, kTriplets };
 
 /// Request to Siconos of one row of the registry.
 struct Method {
-  const char* name;
+  std::string_view name;
   int planar_id;   // fc2d solver, 0: none
   int spatial_id;  // fc3d solver, 0: none
   Storage storage;
   int first_calls_iterations;
   int inner_iterations = 0;  // of Siconos' inner solver; 0: its default
 };
+constexpr Method kMethods[] = {
+    {"NSGS", SICONOS_FRICTION_2D_NSGS, SICONOS_FRICTION_3D_NSGS, Storage::kBlocks, 1000},
+    {"NSN_AC", 0, SICONOS_FRICTION_3D_NSN_AC, Storage::kTriplets, 200},
+    {"ADMM", 0, SICONOS_FRICTION_3D_ADMM, Storage::kTriplets, 1000},
+    {"PROX", 0, SICONOS_FRICTION_3D_PROX, Storage::kTriplets, 10, 200},
+    {"LEMKE", SICONOS_FRICTION_2D_LEMKE, 0, Storage::kDense, 10000}};
 
 // Least tolerance requested of Siconos.
 constexpr double kSmallestTolerance = 1e-16;
@@ -57,9 +63,7 @@ class SiconosProblem {
     for (int c = 0; c < contacts_; ++c) mobility_ += p.W.coeff(c * d_, c * d_) / contacts_;
     speed_ = p.u_free.cwiseAbs().maxCoeff();
 
-    const int n = contacts_ * dim_;
-    Vector q = Vector::Zero(n);
-    for (int i = 0; i < p.num_rows(); ++i) q[row(i)] = p.u_free[i] / speed_;
+    const int n = rows();
     NumericsMatrix* matrix = NM_create(NM_SPARSE, n, n);
     NM_triplet_alloc(matrix, static_cast<CS_INT>(p.W.nonZeros() + n));
     matrix->matrix2->origin = NSM_TRIPLET;
@@ -90,8 +94,8 @@ class SiconosProblem {
       NM_free(matrix);
       matrix = dense;
     }
-    problem_ = frictionContactProblem_new_with_data(dim_, contacts_, matrix, copy_to_c(q),
-                                                    copy_to_c(p.mu));
+    problem_ = frictionContactProblem_new_with_data(dim_, contacts_, matrix,
+                                                    copy_to_c(velocity(p.u_free)), copy_to_c(p.mu));
   }
   ~SiconosProblem() {
     if (problem_ != nullptr) frictionContactProblem_free(problem_);
@@ -100,18 +104,11 @@ class SiconosProblem {
   SiconosProblem& operator=(const SiconosProblem&) = delete;
 
   FrictionContactProblem* get() const { return problem_; }
+  bool planar() const { return dim_ == 2; }
   int rows() const { return contacts_ * dim_; }
 
-  Vector reaction(const Vector& s) const {
-    Vector r = Vector::Zero(rows());
-    for (int i = 0; i < contacts_ * d_; ++i) r[row(i)] = s[i] * mobility_ / speed_;
-    return r;
-  }
-  Vector velocity(const Vector& u) const {
-    Vector out = Vector::Zero(rows());
-    for (int i = 0; i < contacts_ * d_; ++i) out[row(i)] = u[i] / speed_;
-    return out;
-  }
+  Vector reaction(const Vector& s) const { return in_rows(s * mobility_ / speed_); }
+  Vector velocity(const Vector& u) const { return in_rows(u / speed_); }
   Vector impulse(const Vector& reaction) const {
     Vector s(contacts_ * d_);
     for (int i = 0; i < contacts_ * d_; ++i) s[i] = reaction[row(i)] * speed_ / mobility_;
@@ -120,6 +117,11 @@ class SiconosProblem {
 
  private:
   int row(int i) const { return i / d_ * dim_ + i % d_; }
+  Vector in_rows(const Vector& x) const {
+    Vector out = Vector::Zero(rows());
+    for (int i = 0; i < contacts_ * d_; ++i) out[row(i)] = x[i];
+    return out;
+  }
 
   int d_, dim_, contacts_;
   double mobility_ = 1, speed_ = 1;
@@ -129,20 +131,35 @@ class SiconosProblem {
 struct DeleteOptions {
   void operator()(::SolverOptions* options) const { solver_options_delete(options); }
 };
+using TheirOptions = std::unique_ptr<::SolverOptions, DeleteOptions>;
+
+TheirOptions make_options(int solver) {
+  TheirOptions theirs(solver_options_create(solver));
+  if (theirs == nullptr) throw std::runtime_error("Siconos: solver_options_create failed");
+  return theirs;
+}
+
+/// One call from the given reaction and velocity, which become the result. Returns 0 for success.
+int call_siconos(const SiconosProblem& problem, ::SolverOptions& theirs, double tol,
+                 int max_iterations, Vector& reaction, Vector& velocity) {
+  theirs.iparam[SICONOS_IPARAM_MAX_ITER] = max_iterations;
+  theirs.iparam[SICONOS_IPARAM_ITER_DONE] = 0;
+  theirs.dparam[SICONOS_DPARAM_TOL] = tol;
+  numerics_set_verbose(0);
+  const auto driver = problem.planar() ? &fc2d_driver : &fc3d_driver;
+  return driver(problem.get(), reaction.data(), velocity.data(), &theirs);
+}
 
 void run_siconos(const Method& method, SolveRun& run) {
   const ContactProblem& p = run.problem();
   const SolverOptions& options = run.options();
   const bool planar = p.dim <= 2 && method.planar_id != 0;
   const SiconosProblem problem(p, planar ? 2 : 3, method.storage);
-  const std::unique_ptr<::SolverOptions, DeleteOptions> theirs(
-      solver_options_create(planar ? method.planar_id : method.spatial_id));
-  if (theirs == nullptr) throw std::runtime_error("Siconos: solver_options_create failed");
+  const TheirOptions theirs = make_options(planar ? method.planar_id : method.spatial_id);
   // Upper limit of one outer iteration: a call cannot be interrupted.
   if (method.inner_iterations > 0) {
     theirs->internalSolvers[0]->iparam[SICONOS_IPARAM_MAX_ITER] = method.inner_iterations;
   }
-  numerics_set_verbose(0);
   ensure_mpi();  // Siconos' linear solver is MUMPS, and it leaves MPI to the caller
   Vector s = run.start();
   run.end_setup();
@@ -158,12 +175,8 @@ void run_siconos(const Method& method, SolveRun& run) {
     for (;;) {
       const double best = run.best_error();
       const int left = options.max_iterations - iteration;
-      theirs->iparam[SICONOS_IPARAM_MAX_ITER] = std::min(budget, left);
-      theirs->iparam[SICONOS_IPARAM_ITER_DONE] = 0;
-      theirs->dparam[SICONOS_DPARAM_TOL] = tolerance;
       const int info =
-          planar ? fc2d_driver(problem.get(), reaction.data(), velocity.data(), theirs.get())
-                 : fc3d_driver(problem.get(), reaction.data(), velocity.data(), theirs.get());
+          call_siconos(problem, *theirs, tolerance, std::min(budget, left), reaction, velocity);
       ++calls;
       // Some solvers do not count; none may loop without effect.
       iteration += std::max(1, theirs->iparam[SICONOS_IPARAM_ITER_DONE]);
@@ -212,40 +225,13 @@ void run_siconos(const Method& method, SolveRun& run) {
                          planar ? "fc2d" : "fc3d", calls, tolerance));
 }
 
-constexpr Method kNsgs{.name = "NSGS",
-                       .planar_id = SICONOS_FRICTION_2D_NSGS,
-                       .spatial_id = SICONOS_FRICTION_3D_NSGS,
-                       .storage = Storage::kBlocks,
-                       .first_calls_iterations = 1000};
-constexpr Method kNsnAc{.name = "NSN_AC",
-                        .planar_id = 0,
-                        .spatial_id = SICONOS_FRICTION_3D_NSN_AC,
-                        .storage = Storage::kTriplets,
-                        .first_calls_iterations = 200};
-constexpr Method kAdmm{.name = "ADMM",
-                       .planar_id = 0,
-                       .spatial_id = SICONOS_FRICTION_3D_ADMM,
-                       .storage = Storage::kTriplets,
-                       .first_calls_iterations = 1000};
-constexpr Method kProx{.name = "PROX",
-                       .planar_id = 0,
-                       .spatial_id = SICONOS_FRICTION_3D_PROX,
-                       .storage = Storage::kTriplets,
-                       .first_calls_iterations = 10,
-                       .inner_iterations = 200};
-constexpr Method kLemke{.name = "LEMKE",
-                        .planar_id = SICONOS_FRICTION_2D_LEMKE,
-                        .spatial_id = 0,
-                        .storage = Storage::kDense,
-                        .first_calls_iterations = 10000};
-
 }  // namespace
 
-void solve_siconos_nsgs(SolveRun& run) { run_siconos(kNsgs, run); }
-void solve_siconos_nsn_ac(SolveRun& run) { run_siconos(kNsnAc, run); }
-void solve_siconos_admm(SolveRun& run) { run_siconos(kAdmm, run); }
-void solve_siconos_prox(SolveRun& run) { run_siconos(kProx, run); }
-void solve_siconos_lemke(SolveRun& run) { run_siconos(kLemke, run); }
+std::function<void(SolveRun&)> siconos_solver(std::string_view name) {
+  const Method& method = *std::find_if(std::begin(kMethods), std::end(kMethods),
+                                       [&](const Method& of) { return of.name == name; });
+  return [&method](SolveRun& run) { run_siconos(method, run); };
+}
 
 struct SiconosCall::Impl {
   SiconosProblem problem;
@@ -282,23 +268,17 @@ bool SiconosCall::run(double tol, int max_iterations) {
       {SICONOS_FRICTION_3D_NSN_AC, 0},
       {SICONOS_FRICTION_3D_ADMM, 0}};
   const Request& request = kRequests[static_cast<int>(impl_->algorithm)];
-  const std::unique_ptr<::SolverOptions, DeleteOptions> theirs(
-      solver_options_create(request.solver));
-  if (theirs == nullptr) throw std::runtime_error("Siconos: solver_options_create failed");
+  const TheirOptions theirs = make_options(request.solver);
   if (request.of_one_contact != 0) {
     solver_options_update_internal(theirs.get(), 0, request.of_one_contact);
   }
   if (impl_->freezing > 0) {
     theirs->iparam[SICONOS_FRICTION_3D_NSGS_FREEZING_CONTACT] = impl_->freezing;
   }
-  theirs->iparam[SICONOS_IPARAM_MAX_ITER] = max_iterations;
-  theirs->dparam[SICONOS_DPARAM_TOL] = tol;
-  numerics_set_verbose(0);
   impl_->reaction = Vector::Zero(impl_->problem.rows());
-  Vector velocity = Vector::Zero(impl_->problem.rows());
-  const auto driver = impl_->algorithm == Algorithm::kPlanar ? &fc2d_driver : &fc3d_driver;
+  Vector velocity = impl_->reaction;
   const int info =
-      driver(impl_->problem.get(), impl_->reaction.data(), velocity.data(), theirs.get());
+      call_siconos(impl_->problem, *theirs, tol, max_iterations, impl_->reaction, velocity);
   impl_->iterations = theirs->iparam[SICONOS_IPARAM_ITER_DONE];
   impl_->residual = theirs->dparam[SICONOS_DPARAM_RESIDU];
   return info == 0;

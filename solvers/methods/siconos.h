@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string_view>
 
 #include "solvers/solver.h"
 
@@ -20,11 +22,9 @@ namespace bipot {
 /// more iterations where it ran into their limit. A call cannot be interrupted: a time limit is
 /// looked at between calls. Siconos ends the process on some internal errors; that cannot be caught
 /// here.
-void solve_siconos_nsgs(SolveRun& run);
-void solve_siconos_nsn_ac(SolveRun& run);
-void solve_siconos_admm(SolveRun& run);
-void solve_siconos_prox(SolveRun& run);
-void solve_siconos_lemke(SolveRun& run);
+///
+/// `name`: NSGS, NSN_AC, ADMM, PROX or LEMKE.
+std::function<void(SolveRun&)> siconos_solver(std::string_view name);
 
 /// A solver of Siconos as its own users call it: one call, from s = 0, to its own measure, with its
 /// default options. For measurements; the solvers above are for solving.
