@@ -4,7 +4,6 @@
 #include "solvers/methods/accelerated_ssor.h"
 #include "solvers/methods/admm.h"
 #include "solvers/methods/anderson.h"
-#include "solvers/methods/classical.h"
 #include "solvers/methods/convex.h"
 #include "solvers/methods/gauss_seidel.h"
 #include "solvers/methods/homotopy.h"

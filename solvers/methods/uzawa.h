@@ -22,8 +22,19 @@ inline constexpr ParameterSpec kUzawaParameters[] = {
 /// The paper does not say when velocities are refreshed; both orders are offered. Impulses replace
 /// the paper's forces (s = h r), which removes 1/h from rho.
 ///
-/// In parallel, refresh = jacobi: the iterates of one process up to the bound of W's norm, which
-/// may be larger where driven walls take part. An iteration is one exchange.
+/// In parallel (`classical` as well), refresh = jacobi: the iterates of one process up to the bound
+/// of W's norm, which may be larger where driven walls take part. An iteration is one exchange.
 void solve_uzawa(SolveRun& run);
+
+/// The classical treatment, with which the paper compares its own (its references [2] and [15]). It
+/// has two predictor-correctors for each contact, first the unilateral part, then friction with the
+/// new s_n,
+///
+///     s_n <- max(0, s_n - rho u_n),      s_t <- s_t - rho u_t cut off at mu s_n,
+///
+/// in place of the single one of the bi-potential method. Both parts use the same velocities.
+/// All else is as in uzawa. The stop test of the classical method in the paper is the relative
+/// change of s between iterations: SolverOptions::stop = kImpulse.
+void solve_classical(SolveRun& run);
 
 }  // namespace bipot
