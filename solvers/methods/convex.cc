@@ -39,8 +39,9 @@ std::string opening(const ContactProblem& p, const Vector& s, const Vector& u) {
 }
 
 template <ContactRows D>
-void iterate_associated(SolveRun& run, const ContactScaling& scaling) {
+void iterate_associated(SolveRun& run) {
   const ContactProblem& p = run.problem();
+  const ContactScaling scaling = equilibrated_scaling(p, run.space().diagonal());
   SpaceSums sums{run.space()};
   GradientIteration<D, SpaceSums> kernel(p, sums, scaling);
   GradientKernel::Control control{
@@ -80,8 +81,7 @@ void iterate_associated(SolveRun& run, const ContactScaling& scaling) {
 }  // namespace
 
 void solve_convex(SolveRun& run) {
-  const ContactScaling scaling = equilibrated_scaling(run.problem(), run.space().diagonal());
-  dispatch_rows(run.problem(), [&](auto d) { iterate_associated<d()>(run, scaling); });
+  dispatch_rows(run.problem(), [&](auto d) { iterate_associated<d()>(run); });
 }
 
 }  // namespace bipot

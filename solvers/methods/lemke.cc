@@ -129,8 +129,7 @@ class Pivoting {
 
   /// z of the final basis, solved from the data with refinement.
   Vector solution() const {
-    Dense basis(n_, n_);
-    for (int i = 0; i < n_; ++i) basis.col(i) = column(basis_[i]);
+    const Dense basis = this->basis();
     const DenseLu lu(basis);
     if (!lu.ok()) return Vector::Constant(n_, kNaN);
     Vector x = lu.solve(lcp_.q);
@@ -148,6 +147,12 @@ class Pivoting {
     if (variable < n_) return Vector::Unit(n_, variable);
     if (variable < 2 * n_) return -lcp_.M.col(variable - n_);
     return -cover_;
+  }
+
+  Dense basis() const {
+    Dense columns(n_, n_);
+    for (int i = 0; i < n_; ++i) columns.col(i) = column(basis_[i]);
+    return columns;
   }
 
   /// Row i before row j in the order of (values, inverse rows) over the divisors.
@@ -202,21 +207,16 @@ class Pivoting {
     values_[row] /= by;
     const Eigen::RowVectorXd pivot_row = inverse_.row(row);
     const double pivot_value = values_[row];
-    for (int i = 0; i < n_; ++i) {
-      if (i == row || column[i] == 0) continue;
-      values_[i] -= column[i] * pivot_value;
-    }
     Vector others = column;
     others[row] = 0;
+    values_ -= others * pivot_value;
     inverse_.noalias() -= others * pivot_row;
     basis_[row] = entering;
   }
 
   /// Inverts the basis again. False if it is singular.
   bool refresh(SolveRun& solve) {
-    Dense basis(n_, n_);
-    for (int i = 0; i < n_; ++i) basis.col(i) = column(basis_[i]);
-    const DenseLu lu(basis);
+    const DenseLu lu(basis());
     if (!lu.ok() || !(lu.reciprocal_condition() > 1e-15)) return false;
     // The longest operation; without it the inverse at hand serves the last pivot.
     if (solve.out_of_time()) return true;

@@ -16,7 +16,8 @@ constexpr int kHeldSteps = 8;  // of the gradient, between two looks at the prob
 constexpr double kBoundsStand = 1e-15;  // relative change of bounds that stand
 
 template <ContactRows D>
-void iterate_bounds(SolveRun& run, const ContactScaling& scaling) {
+void iterate_bounds(SolveRun& run) {
+  const ContactScaling scaling = equilibrated_scaling(run.problem(), run.space().diagonal());
   SpaceSums sums{run.space()};
   GradientIteration<D, SpaceSums> kernel(run.problem(), sums, scaling);
   GradientKernel::Control control{
@@ -57,8 +58,7 @@ void iterate_bounds(SolveRun& run, const ContactScaling& scaling) {
 }  // namespace
 
 void solve_tresca(SolveRun& run) {
-  const ContactScaling scaling = equilibrated_scaling(run.problem(), run.space().diagonal());
-  dispatch_rows(run.problem(), [&](auto d) { iterate_bounds<d()>(run, scaling); });
+  dispatch_rows(run.problem(), [&](auto d) { iterate_bounds<d()>(run); });
 }
 
 }  // namespace bipot
