@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/lists.h"
 #include "core/base/parallel.h"
 #include "core/problem/coulomb_cone.h"
 #include "solvers/solve_run.h"
@@ -140,25 +141,20 @@ class LoadPath {
 
   /// The contacts of each body, how many of them are with bodies above, and the bodies without.
   void list_sides() {
-    start_.assign(to_size(surroundings_ + 2), 0);
-    above_.assign(to_size(surroundings_ + 1), 0);
-    const auto each_side = [&](const auto& f) {
+    sides_ = make_lists(surroundings_, [&](const auto& put) {
       for (int c = 0; c < p_.num_contacts(); ++c) {
         for (const int body : {contacts_[to_size(c)].i, contacts_[to_size(c)].j}) {
-          if (body != surroundings_) f(c, body);
+          if (body != surroundings_) put(body, c);
         }
       }
-    };
-    each_side([&](int, int body) { ++start_[to_size(body + 2)]; });
-    for (std::size_t k = 1; k < start_.size(); ++k) start_[k] += start_[k - 1];
-    side_.resize(2 * to_size(p_.num_contacts()));
-    each_side([&](int c, int body) {
-      side_[to_size(start_[to_size(body + 1)]++)] = c;
-      const bool wall = other_body(c, body) == surroundings_;
-      if (!wall && lean(c, body) > kAcross) ++above_[to_size(body)];
     });
     for (int b = 0; b < surroundings_; ++b) {
-      if (above_[to_size(b)] == 0) queue_.push_back(b);
+      const auto of = sides_.of(b);
+      const auto carried = std::count_if(of.begin(), of.end(), [&](int c) {
+        return other_body(c, b) != surroundings_ && lean(c, b) > kAcross;
+      });
+      above_.push_back(static_cast<int>(carried));
+      if (carried == 0) queue_.push_back(b);
     }
   }
 
@@ -190,8 +186,8 @@ class LoadPath {
   }
   /// The body is held: those below that wait for no other one are due.
   void release_below(int body) {
-    for (int k = start_[to_size(body)]; k < start_[to_size(body + 1)]; ++k) {
-      const int c = side_[to_size(k)], other = other_body(c, body);
+    for (const int c : sides_.of(body)) {
+      const int other = other_body(c, body);
       if (other == surroundings_ || !(lean(c, body) < -kAcross)) continue;
       if (--above_[to_size(other)] == 0) queue_.push_back(other);
     }
@@ -201,8 +197,7 @@ class LoadPath {
     const Motion mass = at(mass_, body), inverse = mass.cwiseInverse();
     Motion v = at(p_.v_free, body);
     supports.clear();
-    for (int k = start_[to_size(body)]; k < start_[to_size(body + 1)]; ++k) {
-      const int c = side_[to_size(k)];
+    for (const int c : sides_.of(body)) {
       const double leans = lean(c, body);
       const bool wall = other_body(c, body) == surroundings_;
       if (!wall && std::abs(leans) <= kAcross) continue;
@@ -258,10 +253,10 @@ class LoadPath {
   const int surroundings_;
   const Vector mass_;
   Vector s_;
-  Direction load_;                 // of the order, along the load or nearly so
-  std::vector<int> start_, side_;  // the contacts of each body, in their order
-  std::vector<int> above_;         // contacts of each body with bodies above that are not done
-  std::vector<int> queue_;         // bodies that are due, or done
+  Direction load_;          // of the order, along the load or nearly so
+  Lists<> sides_;           // the contacts of each body, in their order
+  std::vector<int> above_;  // contacts of each body with bodies above that are not done
+  std::vector<int> queue_;  // bodies that are due, or done
 };
 
 }  // namespace

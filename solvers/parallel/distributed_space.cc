@@ -175,18 +175,13 @@ Vector DistributedSpace::products(const Eigen::MatrixXd& columns, int size, cons
 /// Sums of the contacts here, or with `exact` the same with each contact's terms added to these.
 ErrorSums DistributedSpace::local_sums(ExactSum* exact) {
   const ContactProblem& p = problem();
-  const bool scaled = p.row_scale.size() != 0;
   worst_ = {};
   ErrorSums sums;
-  dispatch_rows(p, [&](auto d) {
-    constexpr ContactRows D = d();
+  dispatch_form(p, [&](auto d, auto scaled) {
     for (int c = 0; c < p.num_contacts(); ++c) {
       ErrorSums part;
       ErrorSums& to = exact != nullptr ? part : sums;
-      const auto add = [&](auto is_scaled) {
-        return add_error_terms<D, is_scaled()>(p, c, s_, u_, weights_, to);
-      };
-      const ContactTerms terms = scaled ? add(std::true_type{}) : add(std::false_type{});
+      const ContactTerms terms = add_error_terms<d(), scaled()>(p, c, s_, u_, weights_, to);
       add_free_terms(p, weights_, c, to);
       if (exact != nullptr) {
         for (std::size_t k = 0; k < kFields; ++k) exact[k] += part.*kErrorFields[k];
@@ -203,13 +198,9 @@ ErrorSums DistributedSpace::local_sums(ExactSum* exact) {
 ContactError DistributedSpace::error(const Eigen::Ref<const Vector>& s, std::span<double> more) {
   const ContactProblem& p = problem();
   s_ = s;
-  dispatch_rows(p, [&](auto d) {
+  dispatch_form(p, [&](auto d, auto scaled) {
     for (int c = 0; c < p.num_contacts(); ++c) {
-      if (p.row_scale.size() != 0) {
-        project_physically<d(), true>(p, c, weights_.arm_of(c), s_);
-      } else {
-        project_physically<d(), false>(p, c, weights_.arm_of(c), s_);
-      }
+      project_physically<d(), scaled()>(p, c, weights_.arm_of(c), s_);
     }
   });
   velocity(s_, u_);

@@ -69,7 +69,8 @@ class FactorGroup {
     if (order.fresh != 0) take_pattern(order.size, A);
     const int mine = starts_.back();
     values_.resize(to_size(mine));
-    scatter(A == nullptr ? nullptr : A->valuePtr(), entry_counts_, entry_firsts_, values_);
+    scatter(A == nullptr ? nullptr : A->valuePtr(), entry_counts_, entry_firsts_,
+            std::span(values_));
     const auto finite = [](double x) { return std::isfinite(x); };
     int good = std::all_of(values_.begin(), values_.end(), finite) ? 1 : 0;
     BIPOT_MPI(MPI_Allreduce, MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
@@ -107,7 +108,7 @@ class FactorGroup {
     PetscScalar* values = nullptr;
     const double* const source = b == nullptr ? nullptr : b->data();
     BIPOT_PETSC(VecGetArray, left_, &values);
-    scatter(source, column_counts_, column_firsts_, {values, to_size(rows())});
+    scatter(source, column_counts_, column_firsts_, std::span(values, to_size(rows())));
     BIPOT_PETSC(VecRestoreArray, left_, &values);
     BIPOT_PETSC(MatSolveTranspose, factor_, left_, right_);
     const PetscScalar* solved = nullptr;
@@ -136,7 +137,8 @@ class FactorGroup {
     std::vector<int> with_end = column_counts_;
     for (int& columns : with_end) ++columns;
     starts_.resize(to_size(rows() + 1));
-    scatter(A == nullptr ? nullptr : A->outerIndexPtr(), with_end, column_firsts_, starts_);
+    scatter(A == nullptr ? nullptr : A->outerIndexPtr(), with_end, column_firsts_,
+            std::span(starts_));
     const int first = starts_.front();
     for (int& start : starts_) start -= first;
     entry_counts_.assign(to_size(processes_), 0);
@@ -147,7 +149,8 @@ class FactorGroup {
       entry_firsts_[r] = entry_firsts_[r - 1] + entry_counts_[r - 1];
     }
     rows_.resize(to_size(mine));
-    scatter(A == nullptr ? nullptr : A->innerIndexPtr(), entry_counts_, entry_firsts_, rows_);
+    scatter(A == nullptr ? nullptr : A->innerIndexPtr(), entry_counts_, entry_firsts_,
+            std::span(rows_));
   }
 
   template <class T>
@@ -162,11 +165,6 @@ class FactorGroup {
       traffic_.messages += processes_ - 1;
     }
     traffic_.bytes += static_cast<std::int64_t>(sent * sizeof(T));
-  }
-  template <class T>
-  void scatter(const T* all, const std::vector<int>& counts, const std::vector<int>& firsts,
-               std::vector<T>& mine) {
-    scatter(all, counts, firsts, std::span<T>(mine));
   }
   void count(std::size_t bytes) {
     ++traffic_.reductions;

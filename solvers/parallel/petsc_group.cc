@@ -231,35 +231,24 @@ class PetscGroup : public ProcessGroup {
   template <class Values>
   std::pair<Values, std::vector<int>> gather_all(std::span<const typename Values::value_type> mine,
                                                  MPI_Datatype type) {
-    const std::vector<int> counts = counts_of(mine.size());
-    std::vector<int> starts = starts_of(counts);
+    const auto own = static_cast<std::int64_t>(mine.size());
+    std::vector<std::int64_t> sizes(to_size(size_));
+    BIPOT_MPI(MPI_Allgather, &own, 1, MPI_INT64_T, sizes.data(), 1, MPI_INT64_T, PETSC_COMM_WORLD);
+    std::vector<int> counts, starts{0};
+    std::int64_t end = 0;
+    for (const std::int64_t size : sizes) {
+      end += size;
+      if (end > std::numeric_limits<int>::max()) {
+        throw std::runtime_error("MPI: more than 2^31 values to gather");
+      }
+      counts.push_back(static_cast<int>(size));
+      starts.push_back(static_cast<int>(end));
+    }
     Values all(to_size(starts.back()), {});
     BIPOT_MPI(MPI_Allgatherv, mine.data(), static_cast<int>(mine.size()), type, all.data(),
               counts.data(), starts.data(), type, PETSC_COMM_WORLD);
     count(mine.size_bytes());
     return {std::move(all), std::move(starts)};
-  }
-  std::vector<int> counts_of(std::size_t mine) {
-    if (mine > to_size(std::numeric_limits<int>::max())) {
-      throw std::runtime_error("MPI: more than 2^31 values of one process");
-    }
-    std::vector<int> counts(to_size(size_));
-    const int own = static_cast<int>(mine);
-    BIPOT_MPI(MPI_Allgather, &own, 1, MPI_INT, counts.data(), 1, MPI_INT, PETSC_COMM_WORLD);
-    return counts;
-  }
-  /// Start of each rank's values, and the end.
-  static std::vector<int> starts_of(const std::vector<int>& counts) {
-    std::vector<int> starts{0};
-    std::int64_t end = 0;
-    for (const int count : counts) {
-      end += count;
-      if (end > std::numeric_limits<int>::max()) {
-        throw std::runtime_error("MPI: more than 2^31 values to gather");
-      }
-      starts.push_back(static_cast<int>(end));
-    }
-    return starts;
   }
 
   static constexpr int kBufferTag = 4711;  // PETSc takes its tags from a communicator of its own

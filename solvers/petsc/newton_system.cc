@@ -30,11 +30,10 @@ NewtonSystem::NewtonSystem(const ContactProblem& p, const Vector& delassus_diago
     if (!diagonal_mass_ && !mass_factor_.factor(SparseMatrix(A_))) {
       throw std::runtime_error("the mass matrix A is not positive definite");
     }
-    build_mixed_pattern();
   } else {
     W_ = SparseRows(scaling_.velocity.asDiagonal() * p.W * scaling_.velocity.asDiagonal());
-    build_contact_pattern();
   }
+  build_pattern();
 }
 
 void NewtonSystem::set_proximal(double kappa, const Vector& anchor_impulse) {
@@ -177,20 +176,7 @@ void NewtonSystem::add_coupling(const SparseRows& block_rows, int contact, bool 
   }
 }
 
-void NewtonSystem::build_contact_pattern() {
-  row_start_.assign(1, 0);
-  coupling_start_.assign(1, 0);
-  for (int c = 0; c < contacts_; ++c) {
-    add_coupling(W_, c, /*own=*/true);
-    const auto first = static_cast<std::ptrdiff_t>(coupling_start_[to_size(c)]);
-    for (int a = 0; a < d_; ++a) {
-      columns_.insert(columns_.end(), coupling_column_.begin() + first, coupling_column_.end());
-      row_start_.push_back(static_cast<int>(columns_.size()));
-    }
-  }
-}
-
-void NewtonSystem::build_mixed_pattern() {
+void NewtonSystem::build_pattern() {
   row_start_.assign(1, 0);
   for (int i = 0; i < dofs_; ++i) {
     for (SparseRows::InnerIterator it(A_, i); it; ++it) {
@@ -206,11 +192,11 @@ void NewtonSystem::build_mixed_pattern() {
   coupling_start_.assign(1, 0);
   const SparseRows wrenches = H_.transpose();
   for (int c = 0; c < contacts_; ++c) {
-    add_coupling(wrenches, c, /*own=*/false);
+    add_coupling(mixed_ ? wrenches : W_, c, /*own=*/!mixed_);
     const auto first = static_cast<std::ptrdiff_t>(coupling_start_[to_size(c)]);
     for (int a = 0; a < d_; ++a) {
       columns_.insert(columns_.end(), coupling_column_.begin() + first, coupling_column_.end());
-      for (int b = 0; b < d_; ++b) columns_.push_back(dofs_ + c * d_ + b);
+      for (int b = 0; mixed_ && b < d_; ++b) columns_.push_back(dofs_ + c * d_ + b);
       row_start_.push_back(static_cast<int>(columns_.size()));
     }
   }

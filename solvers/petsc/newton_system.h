@@ -63,8 +63,7 @@ class NewtonSystem {
   LocalResidual<D> equation(int c, const Eigen::Map<const Vector>& x, const Vector& w) const;
   template <int D>
   void fill_contact(int c, const LocalResidual<D>& r, double* values) const;
-  void build_contact_pattern();
-  void build_mixed_pattern();
+  void build_pattern();
   void add_coupling(const SparseRows& block_rows, int contact, bool own);
 
   int d_, contacts_, dofs_ = 0;
