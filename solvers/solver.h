@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/execution.h"
 #include "core/criterion/contact_error.h"
@@ -152,6 +153,13 @@ struct SolverEntry {
   bool path_ignores_tolerance = false;
   /// For these parameters; null: kNo.
   Parallel (*parallel)(const Parameters&) = nullptr;
+
+  /// The same row with another solver.
+  SolverEntry with(std::function<void(SolveRun&)> other) const {
+    SolverEntry entry = *this;
+    entry.run = std::move(other);
+    return entry;
+  }
 };
 
 /// Empty if the solver takes problems of this kind and size, else why not, as "solver X ...".

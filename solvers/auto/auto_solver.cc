@@ -48,8 +48,7 @@ void solve_by(const AutoPlan& plan, SolveRun& run) {
 /// By the recovered bodies, then, where W rounds otherwise than they do, on W from there.
 void solve_recovered(const AutoPlan& plan, const ContactProblem& bodies, SolveRun& run) {
   const SolverOptions& options = run.options();
-  SolverEntry entry = run.entry();
-  entry.run = [&plan](SolveRun& part) { solve_by(plan, part); };
+  const SolverEntry entry = run.entry().with([&plan](SolveRun& part) { solve_by(plan, part); });
   run.space().release_scratch();
   WholeSpace space(bodies, options.execution.threads);
   SolveResult result = run_solver(entry, space, options, run.whole().share());

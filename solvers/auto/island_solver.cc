@@ -217,7 +217,7 @@ class IslandRun {
     const ErrorShare share = share_of(islands.back(), free_sums(contacts), false);
     SolveResult result;
     try {
-      result = run_solver(attempt_entry(), space, inner_options(part), share);
+      result = run_solver(run_.entry().with(solver_.attempt), space, inner_options(part), share);
     } catch (const std::exception& e) {
       result.message = e.what();
     }
@@ -273,14 +273,8 @@ class IslandRun {
   }
   /// The solver that goes on from an attempt's impulse, as rows of the problem that it is run on.
   SolverEntry entry_from(Vector best) const {
-    SolverEntry entry = run_.entry();
-    entry.run = [this, best = std::move(best)](SolveRun& run) { solver_.run(run, best); };
-    return entry;
-  }
-  SolverEntry attempt_entry() const {
-    SolverEntry entry = run_.entry();
-    entry.run = solver_.attempt;
-    return entry;
+    return run_.entry().with(
+        [this, best = std::move(best)](SolveRun& run) { solver_.run(run, best); });
   }
 
   /// False if none is to follow.
@@ -469,10 +463,9 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
       return run.take(parts->solve_left());
     }
   }
-  SolverEntry entry = run.entry();
-  entry.run = solver.attempt;
   run.space().release_scratch();
-  const SolveResult first = run.nested(entry, options, run.whole().share());
+  const SolveResult first =
+      run.nested(run.entry().with(solver.attempt), options, run.whole().share());
   if (first.status == SolveStatus::kNotRun) {
     settle(options, Vector());  // once more: its evaluation was released
     return run.take(parts->solve_left());
@@ -495,11 +488,9 @@ void solve_islands(SolveRun& run, const IslandSolver& solver) {
 }
 
 SolverEntry on_islands(const SolverEntry& entry) {
-  SolverEntry cut = entry;
-  cut.run = [inner = entry.run](SolveRun& run) {
+  return entry.with([inner = entry.run](SolveRun& run) {
     solve_islands(run, {.run = [&](SolveRun& part, const Vector&) { inner(part); }});
-  };
-  return cut;
+  });
 }
 
 std::string explain_islands(const ContactProblem& p) {

@@ -265,13 +265,12 @@ SolveResult DistributedSpace::solve_on_root(const SolverEntry& entry, const Solv
   SolveResult result;
   bool systems = false;  // the solver asked who factors them
   group_.run_on_root([&](SystemFactor& factor) {
-    SolverEntry led = entry;
-    led.run = [&](SolveRun& run) {
+    const auto led = [&](SolveRun& run) {
       if (shared) run.set_factor(&factor);
       entry.run(run);
       systems = run.factor_was_asked();
     };
-    result = solve(led, whole, options);
+    result = solve(entry.with(led), whole, options);
   });
   // From the root process to all.
   const bool first = group_.rank() == 0;
