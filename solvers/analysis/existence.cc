@@ -297,16 +297,9 @@ class Search {
 }  // namespace
 
 std::string_view to_string(Existence verdict) {
-  switch (verdict) {
-    case Existence::kExists:
-      return "exists";
-    case Existence::kExistsNearby:
-      return "exists within rounding";
-    case Existence::kNone:
-      return "none";
-    default:
-      return "undecided";
-  }
+  static constexpr std::string_view kNames[] = {"undecided", "exists", "exists within rounding",
+                                                "none"};
+  return kNames[static_cast<int>(verdict)];
 }
 
 ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds) {

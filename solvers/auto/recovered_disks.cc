@@ -41,7 +41,11 @@ bool alike(double x, double y, double size) { return std::abs(x - y) <= kSame * 
 class DiskRecovery {
  public:
   explicit DiskRecovery(const ContactProblem& p)
-      : p_(p), n_(to_size(p.num_contacts())), couplings_(n_), diagonal_(n_), disks_of_(n_) {}
+      : p_(p),
+        n_(to_size(p.num_contacts())),
+        couplings_(n_),
+        diagonal_(n_, Mat<2>::Zero()),
+        disks_of_(n_) {}
 
   std::optional<ContactProblem> operator()() {
     if (!read_blocks() || !find_disks() || !add_lone_disks()) return {};
@@ -64,11 +68,10 @@ class DiskRecovery {
           const double value = it.value() * scale(i) * scale(it.col());
           if (value == 0) continue;
           if (to_size(other) == c) {
-            diagonal_[c][k][it.col() % 2] = value;
+            diagonal_[c](k, it.col() % 2) = value;
             continue;
           }
-          auto at = std::lower_bound(row.begin(), row.end(), other,
-                                     [](const Coupling& a, int b) { return a.other < b; });
+          auto at = place_of(row, other);
           if (at == row.end() || at->other != other) {
             at = row.insert(at, Coupling());
             at->other = other;
@@ -88,10 +91,13 @@ class DiskRecovery {
     return true;
   }
 
+  static std::vector<Coupling>::iterator place_of(std::vector<Coupling>& row, int other) {
+    return std::lower_bound(row.begin(), row.end(), other,
+                            [](const Coupling& a, int b) { return a.other < b; });
+  }
   Coupling* find(int c, int d) {
     std::vector<Coupling>& row = couplings_[to_size(c)];
-    const auto at = std::lower_bound(row.begin(), row.end(), d,
-                                     [](const Coupling& a, int b) { return a.other < b; });
+    const auto at = place_of(row, d);
     return at != row.end() && at->other == d ? &*at : nullptr;
   }
 
@@ -139,7 +145,7 @@ class DiskRecovery {
 
   /// What a diagonal block has beyond its disks.
   std::pair<double, double> rest_of(std::size_t c) const {
-    double light = diagonal_[c][0][0], spin = diagonal_[c][1][1] - light;
+    double light = diagonal_[c](0, 0), spin = diagonal_[c](1, 1) - light;
     for (const int k : disks_of_[c]) {
       light -= disks_[to_size(k)].light;
       spin -= disks_[to_size(k)].spin;
@@ -150,13 +156,13 @@ class DiskRecovery {
   bool add_lone_disks() {
     for (std::size_t c = 0; c < n_; ++c) {
       const auto [light, spin] = rest_of(c);
-      const double size = diagonal_[c][0][0] + diagonal_[c][1][1];
+      const double size = diagonal_[c](0, 0) + diagonal_[c](1, 1);
       if (light > kRounding * size && disks_of_[c].size() < 2) {
         disks_of_[c].push_back(static_cast<int>(disks_.size()));
         disks_.push_back({light, std::max(spin, 0.0), {{static_cast<int>(c), 0}}, 0});
       }
       const auto [left, turned] = rest_of(c);
-      const double mixed = std::abs(diagonal_[c][0][1]) + std::abs(diagonal_[c][1][0]);
+      const double mixed = std::abs(diagonal_[c](0, 1)) + std::abs(diagonal_[c](1, 0));
       if (!(std::abs(left) + std::abs(turned) + mixed <= 4 * kRounding * size)) return false;
       if (disks_of_[c].empty()) return false;
     }
@@ -209,8 +215,8 @@ class DiskRecovery {
         const double light = same_side ? disk.light : -disk.light;
         const double cosine = normals_[c].dot(normals_[d]);
         const double sine = normals_[c].x() * normals_[d].y() - normals_[c].y() * normals_[d].x();
-        const double size = std::sqrt(diagonal_[c][0][0] * diagonal_[d][0][0]) +
-                            std::sqrt(diagonal_[c][1][1] * diagonal_[d][1][1]);
+        const double size = std::sqrt(diagonal_[c](0, 0) * diagonal_[d](0, 0)) +
+                            std::sqrt(diagonal_[c](1, 1) * diagonal_[d](1, 1));
         const double error = std::abs(a.block[0][0] - light * cosine) +
                              std::abs(a.block[0][1] + light * sine) +
                              std::abs(a.block[1][0] - light * sine) +
@@ -255,16 +261,10 @@ class DiskRecovery {
   }
   static bool turns(const RecoveredDisk& disk) { return disk.spin > kRounding * disk.light; }
 
-  struct Block {
-    double values[2][2] = {};
-    double* operator[](int k) { return values[k]; }
-    const double* operator[](int k) const { return values[k]; }
-  };
-
   const ContactProblem& p_;
   const std::size_t n_;
   std::vector<std::vector<Coupling>> couplings_;
-  std::vector<Block> diagonal_;
+  std::vector<Mat<2>> diagonal_;
   std::vector<std::vector<int>> disks_of_;  // of a contact; the first is the one it pushes along n
   std::vector<RecoveredDisk> disks_;
   std::vector<Vec2> normals_;

@@ -39,10 +39,10 @@ constexpr int kShakenIterations = 3, kLeastShaken = 2000;  // for each contact, 
 struct Schedule {
   bool slow;  // the root of kDeltaShrink is taken
   double barrier, fade;
-  int least_pivots, contacts;  // limits of the pivots of a path: at least, and for each contact
+  int contacts;  // for each pivot of a path that is allowed
 };
-constexpr Schedule kSchedules[] = {
-    {false, 3, 0.6, 200, 24}, {false, 4, 0.8, 200, 18}, {true, 0, 0, 200, 18}};
+constexpr Schedule kSchedules[] = {{false, 3, 0.6, 24}, {false, 4, 0.8, 18}, {true, 0, 0, 18}};
+constexpr int kLeastPivots = 200;  // of a path, allowed at least
 constexpr int kNumSchedules = std::size(kSchedules);
 // A stall below it, and within ten tolerances, is rounding, which no other chain can reduce.
 constexpr double kRoundingError = 1e-10;
@@ -220,8 +220,7 @@ class Homotopy {
     anchor.array() /= problem_.impulse_unit.array();
     Vector s;
     LawPoint point = lifted_point(anchor, run_.last_error());
-    const int longest =
-        std::max(schedule_.least_pivots, problem_.num_contacts() / schedule_.contacts);
+    const int longest = std::max(kLeastPivots, problem_.num_contacts() / schedule_.contacts);
     int failures = 0, idle = 0;
     double failed = 0;  // delta of the last path that did, fading
     for (int stage = 0; stage < kStages && iteration() < chain_end_; ++stage) {
@@ -282,12 +281,11 @@ class Homotopy {
 
   /// Reports the cause of the stop, and the kinds of iterations in place of their number.
   bool stopped() {
-    return run_.cancelled() ? end(SolveStatus::kInterrupted,
-                                  fmt::format("interrupted after {}, best error {:.2e}", counted(),
-                                              run_.best_error()))
-                            : end(SolveStatus::kTimeLimit,
-                                  fmt::format("time limit {} s reached after {}, best error {:.2e}",
-                                              options_.time_limit, counted(), run_.best_error()));
+    const bool by_caller = run_.cancelled();
+    const std::string cause =
+        by_caller ? "interrupted" : fmt::format("time limit {} s reached", options_.time_limit);
+    return end(by_caller ? SolveStatus::kInterrupted : SolveStatus::kTimeLimit,
+               fmt::format("{} after {}, best error {:.2e}", cause, counted(), run_.best_error()));
   }
 
   SolveRun& run_;
@@ -307,9 +305,6 @@ class Homotopy {
 
 }  // namespace
 
-void solve_homotopy(SolveRun& run) {
-  Homotopy homotopy(run);
-  homotopy();
-}
+void solve_homotopy(SolveRun& run) { Homotopy{run}(); }
 
 }  // namespace bipot
