@@ -28,8 +28,7 @@ struct Answer {
     double velocity = kNaN;  ///< ‖v - v'‖_A / ‖v - v_free‖_A of the first answer      [-]
     double body_velocity = kNaN;  ///< largest |v_b - v_b'| over the largest |v_b|, translations [-]
     double kinetic = kNaN;  ///< |½ vᵀA v - ½ v'ᵀA v'| over that of the first answer        [-]
-    double force =
-        kNaN;  ///< largest |R_b - R_b'| over the mean |R_b|, R_b the resultant contact impulse
+    double force = kNaN;    ///< largest |R_b - R_b'| over the mean |R_b|, R_b: contact impulse [-]
     /// Change of the sum of all R_b, the impulse of walls, over that of the first answer [-]
     double total = kNaN;
     int contacts = 0;  ///< whose status differs
@@ -65,8 +64,7 @@ struct SeveralAnswers {
     std::uint64_t seed = 1;         ///< of orders, multiples and perturbations
     double tol = 1e-11;             ///< guarded error that every start is driven to
     double time_limit = kInfinity;  ///< wall seconds of everything
-    Vector
-        guess;  ///< impulse of the previous step, where the first starts begin; empty: none [N s]
+    Vector guess;  ///< impulse, as of the step before: the first starts begin there; or empty [N s]
     std::string solver;                             ///< every start by this one; empty: by several
     std::map<std::string, std::string> parameters;  ///< of that one
     std::function<bool()> cancelled;                ///< true ends the search

@@ -48,11 +48,9 @@ DistributedResult distributed_solve(std::string_view solver, const ContactProble
 
 /// Result on one process for a distributed problem.
 struct PieceResult {
-  SolveResult
-      result;  ///< s and u of the owned contacts; all else is of the whole, the same everywhere
-  Vector with_halo;  ///< s in the rows of ProblemPiece::with_halo
-  std::vector<double>
-      everywhere_momentum;  ///< H s in the degrees of freedom that every process has
+  SolveResult result;  ///< s and u of the owned contacts; else of the whole, the same everywhere
+  Vector with_halo;    ///< s in the rows of ProblemPiece::with_halo
+  std::vector<double> everywhere_momentum;  ///< H s in the rows that every process has
   DistributedResult::Counts counts;
 };
 

@@ -29,8 +29,7 @@ struct ProblemPiece {
   /// A number in the whole for each degree of freedom of `own`, ascending; those of all processes
   /// together are in the order of the whole, with or without gaps.
   std::vector<int> dof_number;
-  std::vector<ProcessGroup::RemoteItem>
-      copies;  ///< for each contact of the halo: its owner and its index there
+  std::vector<ProcessGroup::RemoteItem> copies;  ///< of each halo contact: owner and index there
   /// For each degree of freedom of `own`: number of processes that own contacts of its body.
   std::vector<int> sharers;
 

@@ -17,9 +17,8 @@ struct LocalContacts {
   std::vector<Contact<D>> all;   ///< own ones and halo, likewise
   std::vector<int> owned, halo;  ///< places in `all`
   std::vector<int> number;       ///< of each own one in the whole
-  std::vector<ProcessGroup::RemoteItem>
-      copies;     ///< owner of each halo contact, and its position there
-  int whole = 0;  ///< of all processes
+  std::vector<ProcessGroup::RemoteItem> copies;  ///< of each halo contact: owner and place there
+  int whole = 0;                                 ///< of all processes
 };
 
 /// Finds the contacts among these bodies, own ones with the bits of detect_contacts() on the whole
