@@ -12,7 +12,6 @@
 #include "core/base/release.h"
 #include "core/base/stopwatch.h"
 #include "core/criterion/contact_error.h"
-#include "solvers/registry.h"
 
 namespace bipot {
 namespace {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/linear/system_factor.h"
 #include "solvers/solver.h"
 
 namespace bipot {

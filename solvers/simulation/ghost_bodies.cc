@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/motion/midpoint.h"
-#include "core/scene/scene_box.h"
 #include "solvers/simulation/body_buffer.h"
 
 namespace bipot {

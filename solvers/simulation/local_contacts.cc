@@ -12,7 +12,6 @@
 
 #include "core/base/release.h"
 #include "core/scene/contact_detection.h"
-#include "solvers/simulation/body_buffer.h"
 
 namespace bipot {
 namespace {

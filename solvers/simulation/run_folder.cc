@@ -5,7 +5,6 @@
 #include <system_error>
 #include <vector>
 
-#include "core/motion/stress_tensor.h"
 #include "core/pictures/flat_view.h"
 #include "core/pictures/force_picture.h"
 #include "core/pictures/stress_picture.h"

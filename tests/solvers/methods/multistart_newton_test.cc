@@ -4,7 +4,6 @@
 
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "solvers/solve.h"
-#include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "core/base/triplets.h"
 #include "core/problem_files/problem_file.h"

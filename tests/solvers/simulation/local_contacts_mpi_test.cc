@@ -11,7 +11,6 @@
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/distributed_space.h"
 #include "solvers/parallel/whole_problem.h"
-#include "solvers/simulation/body_buffer.h"
 #include "solvers/simulation/domain_piece.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/solvers/simulation/domain_scenes.h"
