@@ -36,12 +36,10 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 /// [ours] The default is m = 2: the second sweep follows the first through the cache, or on another
 /// thread. m = 4 to 16 is more robust on moving packings (data/manual/results/performance.md).
 ///
-/// [ours] omega = 2/(1 + 11/n), at least 1, at most 1.91 with two sweeps, 1.85 with one, 1.6 with
-/// more, with n = (contacts/3)^(1/2), in 3D ^(1/3). This suits lattices; settled piles need 1.
-/// Therefore it restarts with omega = 1 if it stagnates (disks, if omega is above 1; at least 200 +
-/// 3 n iterations). It then continues from the best impulse without momentum, and so on in turn.
-/// Later variants have four times the sweeps, from the second round on eight times, at most
-/// `most_sweeps`.
+/// [ours] omega = 2/(1 + 11/n), at least 1, at most 1.6 to 1.91 by the sweeps, with n =
+/// (contacts/3)^(1/2), in 3D ^(1/3). This suits lattices; settled piles need 1. Therefore it restarts
+/// with omega = 1 if it stagnates, then continues from the best impulse without momentum, and so on
+/// in turn. Later variants have more sweeps.
 ///
 /// [ours] On packings of disks with 20 000 contacts and more, the error below 0.5 is mostly due to
 /// smooth stresses, which cause the O(N^1/4) iterations. There conjugate gradients continue, with

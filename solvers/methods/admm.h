@@ -30,13 +30,11 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
 ///
 /// The penalties. A small rho is quick on packings whose forces reach everywhere, a large one where
 /// contacts slip and open. [ours] Each contact has a metric by what it does
-/// (kernels/contact_penalties.h), changed every 75 iterations. While the best error has not halved
-/// for 70, all are raised by sqrt(10), up to 60 times rho, then up to 300 times rho at intervals of
-/// 600. Where that does not halve it for 2000, they become one rho, which is then balanced: when
-/// the primal residual ‖x - z‖ / max(‖x‖, ‖z‖) and the dual residual ‖z⁺ - z‖ / ‖y‖ differ by a
-/// factor above 25, rho is multiplied by the root of their ratio (relative residuals: Wohlberg
-/// 2017; the rule of OSQP), at intervals that grow with the iteration count. One iteration is one
-/// linear solve.
+/// (kernels/contact_penalties.h). While the best error does not halve, all are raised in steps, at
+/// last to 300 times rho. Where that does not help either, they become one rho, which is then
+/// balanced: when the primal residual ‖x - z‖ / max(‖x‖, ‖z‖) and the dual residual ‖z⁺ - z‖ / ‖y‖
+/// differ by a factor above 25, rho is multiplied by the root of their ratio (relative residuals:
+/// Wohlberg 2017; the rule of OSQP). One iteration is one linear solve.
 void solve_admm(SolveRun& run);
 
 }  // namespace bipot

@@ -22,18 +22,14 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
     ParameterSpec::integer("seed", "1", {0, 2147483647}, "of the random changes of starts"),
 };
 
-/// Exact path following on Coulomb's law as a piecewise linear manifold, d <= 2. For each contact
-/// the law has four cells (take-off, two of slip, stick; with rolling friction eleven;
-/// law_cells.h), and u = W s + u_free is linear in each. From a point p0 of the manifold next to an impulse s0, the path
-///
-///     u - W s - u_free - delta D (s - anchor) = (1 - t) r,    r: the residual of p0
-///
-/// with D = diag W by the load of each contact (homotopy/proximal_term.h), is followed through the
-/// cells by pivots, one exchange of a column each. Lemke's algorithm follows its path in this way
-/// (Lemke 1965; Eaves 1976 for piecewise linear equations in general). At t = 1 the proximal
-/// problem is solved exactly. Its impulse is the anchor of the next one, with a smaller delta. The
-/// fixed points solve the problem itself to rounding, for any delta: the linear systems are refined
-/// by residuals in 80 bits. Folds, where t turns back, are part of the path.
+/// Exact path following on Coulomb's law as a piecewise linear manifold (homotopy/law_cells.h),
+/// d <= 2. From a point next to an impulse s0 the path of a proximal problem
+/// (homotopy/path_follower.h) is followed by pivots, as Lemke's algorithm does (Lemke 1965; Eaves
+/// 1976 for piecewise linear equations in general). Its proximal term is delta times diag W by the
+/// load of each contact (homotopy/proximal_term.h). At the end the proximal problem is solved
+/// exactly; its impulse is the anchor of the next one, with a smaller delta. The fixed points solve
+/// the problem itself to rounding, for any delta: the linear systems are refined by residuals in 80
+/// bits.
 ///
 /// [ours] The cells are used directly instead of a complementarity problem with four rows for each
 /// contact. The start is arbitrary, prepared by apgd. Its orientation follows from the sign of a
@@ -43,11 +39,10 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
 /// judged too: its error is mostly below that of the path's start.
 ///
 /// W may be singular. An iteration is a step of apgd, a pivot, or an impulse judged at a path's end
-/// or turning point. Deterministic: `seed` fixes the perturbations of the starts. The message
-/// counts pivots, turns, paths and failed paths. If paths keep failing, apgd improves the best
-/// impulse so far to a better start. If that fails, another chain of starts begins with the first
-/// start again: less or better prepared, or with another schedule of delta. After the last chain
-/// the solver ends with kStalled.
+/// or turning point. Deterministic: `seed` fixes the perturbations of the starts. If paths keep
+/// failing, apgd improves the best impulse so far to a better start; then another chain begins with
+/// the first start again, less or better prepared, or with another schedule of delta. After the
+/// last chain the solver ends with kStalled.
 void solve_homotopy(SolveRun& run);
 
 }  // namespace bipot

@@ -27,19 +27,16 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
 /// rounds of two stages until one meets the stop test:
 ///
 ///   1. Direct: the proximal interior point (proximal_interior_point.h) from an equal-product start
-///      (equal_product_start.h). It ends after 12 iterations without halving the error, or if the
-///      error is above 1 after 10: then once more from products 30 times as large. Later rounds try
-///      10, 0.1 and 100 times the start.
+///      (equal_product_start.h), once more from a larger or smaller one where that was far away.
+///      Later rounds try 10, 0.1 and 100 times the start.
 ///   2. Paths (taylor_path.h): the central path from equal products, followed through its folds by
 ///      Taylor series, the method and the finding of Nguyen, Armand and Acary (2025). The path of
 ///      the exact law is analytic, leads to a solution and is not monotone. Which path is short is
-///      not known beforehand. Therefore several alternate after 30 series, doubled each round: from
-///      near the force network of a rough impulse, and the cold one from products ten times the
-///      energy of the spring estimate. The rough impulse is the best one so far if its error is
-///      below 1e-2, else that of up to 2000 iterations of apgd, which are not counted; products are
-///      1e-2, 1e-3, 1e-1 of its energy. A path continues while t decreases fast. If the network is
-///      bad the cold path comes first, and the others join in the next round (in space, in the
-///      fourth).
+///      not known beforehand. Therefore several alternate: from near the force network of a rough
+///      impulse, and the cold one from products ten times the energy of the spring estimate. The
+///      rough impulse is the best one so far if its error is below 1e-2, else that of up to 2000
+///      iterations of apgd, which are not counted. A path continues while t decreases fast. If the
+///      network is bad the cold path comes first, and the others join in a later round.
 /// Endgame of a path whose error is below 1e-4, and again at every decade below: active set
 /// (active_set.h, below 1e-5), proximal interior point, active set.
 ///

@@ -29,10 +29,10 @@ inline constexpr ParameterSpec kMultistartNewtonParameters[] = {
 /// method loses as many digits as mu has (mu = 1e6). [ours]
 ///
 /// Steps are least-squares solutions of least norm over the closed contacts, so that W may be
-/// singular. From the seventh step of a start on, a random part of the contacts that require
-/// another status get it, because pure steps end in cycles. [ours] A start is given up if ten steps
-/// did not lower their number. The first start is the result of up to 1000 Gauss-Seidel sweeps from
-/// s0 (for s0 other than 0: the second start). An iteration is one step or one such sweep.
+/// singular. After the first steps of a start, a random part of the contacts that require another
+/// status get it, because pure steps end in cycles. [ours] A start is given up if ten steps did not
+/// lower their number. An iteration is one step, or one of up to 1000 sweeps before the first start
+/// (for s0 other than 0: the second).
 void solve_multistart_newton(SolveRun& run);
 
 }  // namespace bipot
