@@ -86,17 +86,8 @@ class Planner {
     }
     const int most = row.most.of(problem_.contacts, times);
     const int near = std::min(row.near.of(problem_.contacts, times), most);
-    stages_.push_back({.solver = solver,
-                       .parameters = row.parameters,
-                       .start = row.start,
-                       .of_start = row.of_start,
-                       .min_iterations = std::min(row.least.of(problem_.contacts, times), most),
-                       .max_iterations = most,
-                       .near_iterations = problem_.tol >= kFair ? near : most,
-                       .largest_error = row.largest_error,
-                       .before_cutting = row.before_cutting,
-                       .on_whole_only = row.on_whole_only,
-                       .reason = row.reason});
+    const int least = std::min(row.least.of(problem_.contacts, times), most);
+    stages_.push_back({row, solver, least, most, problem_.tol >= kFair ? near : most});
   }
 
   const AutoPlan* plan_;

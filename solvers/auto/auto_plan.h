@@ -2,7 +2,6 @@
 
 #include <limits>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/problem/delassus.h"
@@ -16,21 +15,11 @@ namespace bipot {
 /// error fell over the second half of the stage are extrapolated, and must reach the tolerance
 /// within `max_iterations`. Within a decade of the tolerance a stage has `near_iterations` first. A
 /// stage is skipped while the best error of all stages is above `largest_error`.
-struct AutoStage {
-  /// A stage starts at the impulse of the same solver's last stage (at first, at the caller's
-  /// start), at the caller's start, at the impulse of the last stage, or at the best one.
-  using Start = AutoPlan::Row::Start;
+struct AutoStage : StageTerms {
   static constexpr int kUnlimited = std::numeric_limits<int>::max();
 
   const SolverEntry* solver = nullptr;
-  std::string_view parameters;  ///< "name=value name=value"
-  Start start = Start::kOwn;
-  double of_start = 1;                                              ///< factor of that impulse
   int min_iterations = 0, max_iterations = 0, near_iterations = 0;  ///< of this stage
-  double largest_error = kInfinity;
-  bool before_cutting = false;  ///< tried on the whole before it is split into islands
-  bool on_whole_only = false;   ///< then not tried again on islands
-  std::string_view reason;
 };
 
 /// What a plan knows of this problem. `delassus` is the problem's; of the options start, tolerance
@@ -40,7 +29,7 @@ ProblemTraits traits_of(const ContactProblem& problem, const DelassusOperator& d
 
 /// The stages that the plan has for a problem; those that this build or the problem's dimension
 /// lacks are left out. Limits count iterations, not seconds: the result does not depend on the
-/// machine. The stages keep references to the plan.
+/// machine.
 std::vector<AutoStage> plan_stages(const AutoPlan& plan, const ProblemTraits& problem);
 
 /// Those of the plan; where it has none for the problem, those of the shipped plan.

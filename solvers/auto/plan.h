@@ -54,11 +54,25 @@ struct PlanConditions {
   std::string to_text() const;
 };
 
+/// What a stage of `auto` has from its row of the plan.
+struct StageTerms {
+  /// A stage starts at the impulse of the same solver's last stage (at first, at the caller's
+  /// start), at the caller's start, at the impulse of the last stage, or at the best one.
+  enum class Start { kOwn, kCaller, kLast, kBest };
+
+  std::string parameters;  ///< "name=value name=value"
+  Start start = Start::kOwn;
+  double of_start = 1;  ///< factor of that impulse
+  double largest_error = kInfinity;
+  bool before_cutting = false;  ///< tried on the whole before it is split into islands
+  bool on_whole_only = false;   ///< then not tried again on islands
+  std::string reason;
+};
+
 /// The plan of `auto`: data/manual/explanation/auto.md has the form of the file.
 struct AutoPlan {
   /// A stage (auto_plan.h), or a list of stages.
-  struct Row {
-    enum class Start { kOwn, kCaller, kLast, kBest };
+  struct Row : StageTerms {
     /// max(least, factor N^power), rounded down; a single number does not depend on N.
     struct Count {
       double factor = 0, power = 0, least = 0;
@@ -70,13 +84,7 @@ struct AutoPlan {
     int repeat = 1;     ///< of the list
     double growth = 1;  ///< of its budgets, with each repetition
     std::string solver;
-    std::string parameters;  ///< "name=value name=value"
-    Start start = Start::kOwn;
-    double of_start = 1;
     Count least, most, near;
-    double largest_error = kInfinity;
-    bool before_cutting = false, on_whole_only = false;
-    std::string reason;
   };
   /// The rows for one class of problems.
   struct Class {

@@ -26,11 +26,7 @@ SolverEntry scripted(const char* name, Script& script) {
 }
 
 AutoStage stage_of(const SolverEntry& entry, int most) {
-  return {.solver = &entry,
-          .min_iterations = most,
-          .max_iterations = most,
-          .near_iterations = most,
-          .reason = "script"};
+  return {{.reason = "script"}, &entry, most, most, most};
 }
 
 class StageRace : public ::testing::Test {
