@@ -116,15 +116,16 @@ class IslandRun {
     return share;
   }
 
-  ErrorSums sums_of(int island) const {
+  /// Of these contacts at the last evaluation; the free terms are always those of s = 0.
+  ErrorSums sums_of(std::span<const int> contacts) const {
     ErrorSums sums;
-    for (const int c : islands_.of(island)) sums += evaluate_.part(c);
+    for (const int c : contacts) sums += evaluate_.part(c);
     return sums;
   }
 
   /// Marks the island as settled if its impulses of the last evaluation are accurate enough.
   bool settled(int island) {
-    const ErrorSums own = sums_of(island);
+    const ErrorSums own = sums_of(islands_.of(island));
     const ErrorShare share = share_of(island, own, false);
     ErrorSums whole = own;
     whole += share.others;
@@ -214,7 +215,7 @@ class IslandRun {
     std::sort(contacts.begin(), contacts.end());
     const IslandProblem part = cut(contacts);
     WholeSpace space(part.problem, options_.execution.threads);
-    const ErrorShare share = share_of(islands.back(), free_sums(contacts), false);
+    const ErrorShare share = share_of(islands.back(), sums_of(contacts), false);
     SolveResult result;
     try {
       result = run_solver(run_.entry().with(solver_.attempt), space, inner_options(part), share);
@@ -253,16 +254,6 @@ class IslandRun {
   }
   double time_left() const { return options_.time_limit - watch_.seconds(); }
 
-  /// Sums at s = 0 of these contacts.
-  ErrorSums free_sums(std::span<const int> contacts) const {
-    ErrorSums free;
-    for (const int c : contacts) {
-      const ErrorSums sums = evaluate_.part(c);
-      free.free_energy += sums.free_energy;
-      free.free_impulse2 += sums.free_impulse2;
-    }
-    return free;
-  }
   /// For the solver on a part.
   SolverOptions inner_options(const IslandProblem& part) const {
     SolverOptions inner = options_;
@@ -289,7 +280,7 @@ class IslandRun {
     SolveResult result;
     try {
       const Vector& best = tried_of_.contains(island) ? tried_ : best_;
-      const ErrorShare share = share_of(island, free_sums(contacts), last);
+      const ErrorShare share = share_of(island, sums_of(contacts), last);
       result = run_solver(entry_from(part.gather(best)), space, inner, share);
     } catch (const std::exception& e) {
       result.status = SolveStatus::kNumericalFailure;
