@@ -12,10 +12,7 @@ namespace bipot {
 /// is recomputed from s; the kinematic residual is p = u - U Y.
 template <ContactRows D>
 struct InteriorState {
-  using Jordan = ContactJordan<D>;
-  static constexpr int P = Jordan::P;
-
-  Vector X, Y;  ///< P components a contact
+  Vector X, Y;  ///< ContactJordan<D>::P components a contact
   Vector s, u;  ///< m
   Vector p;     ///< m, u - U Y; zero for rows without friction
 };

@@ -27,8 +27,6 @@ ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, Form form, Syste
   factor_ = here_.get();
 }
 
-ShiftedDelassus::~ShiftedDelassus() = default;
-
 void ShiftedDelassus::build_contact_pattern() {
   const ContactProblem& p = problem_;
   const int d = p.dim;

@@ -29,7 +29,6 @@ class ShiftedDelassus {
   /// LocalFactor; may be null. Throws std::invalid_argument for an impossible form.
   explicit ShiftedDelassus(const ContactProblem& problem, Form form = Form::kAuto,
                            SystemFactor* elsewhere = nullptr);
-  ~ShiftedDelassus();
 
   /// R: row-major d x d blocks, contact after contact, [kg]. False: singular to working precision.
   [[nodiscard]] bool factor(const std::vector<double>& R);
