@@ -10,28 +10,17 @@
 namespace bipot {
 namespace {
 
-/// Calls f(kernel) with the vectorised iteration on disks or spheres. False if the problem is not
-/// one of these. Spheres run so on one process only.
+/// Calls f(kernel) with the vectorised iteration on disks of several processes. False if the problem
+/// is another one.
 template <int D, class F>
-bool with_tiled_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
-  const Execution& execution = run.options().execution;
-  if (DistributedSpace* const parts = run.space().parts()) {
-    if constexpr (D == 3) {
-      return false;
-    } else {
-      if (parts->exact()) return false;
-      std::optional<DiskStructure> disks = DiskFrontier<D>::structure(*parts);
-      if (!disks) return false;
-      DiskFrontier<D> frontier(*parts);
-      TiledGradient<D> kernel(run.problem(), *disks, scaling, execution, &frontier);
-      disks.reset();  // packed: 48 bytes a contact less
-      f(kernel);
-      return true;
-    }
-  }
-  const auto& bodies = run.delassus().bodies<D>();
-  if (!bodies) return false;
-  TiledGradient<D> kernel(run.problem(), *bodies, scaling, execution);
+bool with_frontier_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
+  DistributedSpace& parts = *run.space().parts();
+  if (parts.exact()) return false;
+  std::optional<DiskStructure> disks = DiskFrontier<D>::structure(parts);
+  if (!disks) return false;
+  DiskFrontier<D> frontier(parts);
+  TiledGradient<D> kernel(run.problem(), *disks, scaling, run.options().execution, &frontier);
+  disks.reset();  // packed: 48 bytes a contact less
   f(kernel);
   return true;
 }
@@ -65,15 +54,14 @@ void solve_accelerated_gradient(SolveRun& run) {
   };
   dispatch_rows(run.problem(), [&](auto d) {
     constexpr ContactRows D = d();
-    if constexpr (!D.rolls) {
-      if (with_tiled_kernel<D>(run, scaling, iterate)) return;
-    } else if (run.space().parts() == nullptr) {
-      if (const auto bodies = rolling_bodies<kKernelOf<D>>(run.problem())) {
+    if (run.space().parts() == nullptr) {
+      if (const auto bodies = kernel_bodies<D>(run.problem(), run.delassus())) {
         TiledGradient<kKernelOf<D>> kernel(run.problem(), *bodies, scaling,
                                            run.options().execution);
-        iterate(kernel);
-        return;
+        return iterate(kernel);
       }
+    } else if constexpr (!D.rolls && D < 3) {
+      if (with_frontier_kernel<D>(run, scaling, iterate)) return;
     }
     with_any_kernel<D>(run, scaling, iterate);
   });
