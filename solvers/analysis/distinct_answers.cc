@@ -33,15 +33,8 @@ int DistinctAnswers::add(const Vector& s, std::string_view found_by) {
   VerifiedAnswer answer = judge(s, found_by);
   if (!(answer.error.guarded() <= kTrusted)) return -1;
   // Near several answers, as in a family: the nearest.
-  int same = -1;
-  double closest = kInfinity;
-  for (std::size_t k = 0; k < answers_.size(); ++k) {
-    if (are_distinct(answer, answers_[k])) continue;
-    const double apart = distance(answer.s, answers_[k].s);
-    if (same >= 0 && apart >= closest) continue;
-    same = static_cast<int>(k);
-    closest = apart;
-  }
+  const int same =
+      nearest(answer.s, [&](const VerifiedAnswer& other) { return !are_distinct(answer, other); });
   if (same >= 0) return same;
   answers_.push_back(std::move(answer));
   return static_cast<int>(answers_.size()) - 1;
@@ -57,10 +50,12 @@ double DistinctAnswers::relative(double distance) const {
       distance, std::sqrt(energy_product(problem_, evaluate_.delassus(), answers_.front().s)));
 }
 
-int DistinctAnswers::nearest(const Vector& s) const {
+int DistinctAnswers::nearest(const Vector& s,
+                             const std::function<bool(const VerifiedAnswer&)>& among) const {
   int best = -1;
   double closest = kInfinity;
   for (std::size_t k = 0; k < answers_.size(); ++k) {
+    if (among && !among(answers_[k])) continue;
     const double apart = distance(s, answers_[k].s);
     if (best >= 0 && !(apart < closest)) continue;
     best = static_cast<int>(k);

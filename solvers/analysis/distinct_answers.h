@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -54,8 +55,9 @@ class DistinctAnswers {
   double distance(const Vector& a, const Vector& b) const;
   /// A distance over ‖v - v_free‖_A of the first answer; NaN if that is zero.
   double relative(double distance) const;
-  /// Index of the answer nearest to s; -1 without answers.
-  int nearest(const Vector& s) const;
+  /// Index of the answer nearest to s, of those that `among` takes; -1 without any.
+  int nearest(const Vector& s,
+              const std::function<bool(const VerifiedAnswer&)>& among = nullptr) const;
 
   const std::vector<VerifiedAnswer>& answers() const { return answers_; }
   /// Largest relative distance between two answers; 0 with one, NaN with none.

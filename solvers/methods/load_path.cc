@@ -12,6 +12,7 @@
 #include "core/base/lists.h"
 #include "core/base/parallel.h"
 #include "core/problem/coulomb_cone.h"
+#include "core/problem/packed_motion.h"
 #include "solvers/solve_run.h"
 
 namespace bipot {
@@ -31,13 +32,11 @@ constexpr double kBefore = 1e-12;
 constexpr int kMostSweeps = 400;
 constexpr int kTaskBodies = 32;
 
-/// Degrees of freedom of a body, and of its translation.
+/// Degrees of freedom of the translation of a body, and of the body.
 template <int D>
-constexpr int kDofs = D == 3   ? 6
-                      : D == 2 ? 3
-                               : 2;
+constexpr int kPlaces = BodyPlace<D>::kForces;
 template <int D>
-constexpr int kPlaces = D == 3 ? 3 : 2;
+constexpr int kDofs = kPlaces<D> + BodyPlace<D>::kTorques;
 
 const double* normal_of(const DiskStructure::Contact& c) { return c.n; }
 const double* normal_of(const SphereStructure::Contact& c) { return c.frame[0]; }

@@ -71,20 +71,21 @@ PetscOptions::PetscOptions(std::string_view prefix, const std::string& text) : p
     if (is_name) {
       std::string name = token.substr(1);
       if (name.starts_with(prefix_)) name.erase(0, prefix_.size());
-      given_.emplace_back(std::move(name), "");
-    } else if (given_.empty() || !given_.back().second.empty()) {
+      all_.emplace_back(std::move(name), "");
+    } else if (all_.empty() || !all_.back().second.empty()) {
       throw std::invalid_argument(
           fmt::format("parameter petsc: '{}' follows no option name", token));
     } else {
-      given_.back().second = token;
+      all_.back().second = token;
     }
   }
+  given_ = all_.size();
 }
 
 void PetscOptions::add_default(const std::string& name, const std::string& value) {
-  const bool is_given = std::any_of(given_.begin(), given_.end(),
-                                    [&](const Entry& entry) { return entry.first == name; });
-  if (!is_given) defaults_.emplace_back(name, value);
+  const bool known = std::any_of(all_.begin(), all_.end(),
+                                 [&](const Entry& entry) { return entry.first == name; });
+  if (!known) all_.emplace_back(name, value);
 }
 
 std::string PetscOptions::key(const std::string& name) const {
@@ -94,21 +95,17 @@ std::string PetscOptions::key(const std::string& name) const {
 PetscSession::PetscSession(PetscOptions options)
     : lock_(one_at_a_time()), options_(std::move(options)) {
   PetscLibrary::ensure();
-  for (const auto* list : {&options_.given(), &options_.defaults()}) {
-    for (const auto& [name, value] : *list) {
-      BIPOT_PETSC(PetscOptionsSetValue, nullptr, options_.key(name).c_str(),
-                  value.empty() ? nullptr : value.c_str());
-    }
+  for (const auto& [name, value] : options_.all()) {
+    BIPOT_PETSC(PetscOptionsSetValue, nullptr, options_.key(name).c_str(),
+                value.empty() ? nullptr : value.c_str());
   }
   PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
 }
 
 PetscSession::~PetscSession() {
   PetscPopErrorHandler();
-  for (const auto* list : {&options_.given(), &options_.defaults()}) {
-    for (const auto& [name, value] : *list) {
-      PetscOptionsClearValue(nullptr, options_.key(name).c_str());
-    }
+  for (const auto& [name, value] : options_.all()) {
+    PetscOptionsClearValue(nullptr, options_.key(name).c_str());
   }
 }
 

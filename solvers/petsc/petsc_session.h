@@ -1,6 +1,7 @@
 #pragma once
 
 #include <mutex>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -35,14 +36,15 @@ class PetscOptions {
   /// Adds an option unless the user has set it.
   void add_default(const std::string& name, const std::string& value);
 
-  const std::vector<Entry>& given() const { return given_; }
-  const std::vector<Entry>& defaults() const { return defaults_; }
+  std::span<const Entry> given() const { return {all_.data(), given_}; }
+  const std::vector<Entry>& all() const { return all_; }  ///< given ones, then defaults
   /// Name in PETSc's database, "-prefix_name".
   std::string key(const std::string& name) const;
 
  private:
   std::string prefix_;
-  std::vector<Entry> given_, defaults_;
+  std::vector<Entry> all_;
+  std::size_t given_ = 0;  // number
 };
 
 /// The use of PETSc by one solve, with its options in PETSc's database for that time. Initialises
