@@ -259,10 +259,8 @@ double reach_of_exclusion(const ContactProblem& p, const CaseExclusion::Case& ex
 }
 
 CaseExclusion exclude_cases(const ContactProblem& p, double seconds) {
-  CaseExclusion out;
   if (p.dim > 2 || p.num_contacts() > kMostContactsByCases) {
-    out.message = "too many contacts or dimensions to go through the cases";
-    return out;
+    return {.message = "too many contacts or dimensions to go through the cases"};
   }
   return CaseSearch(p, seconds).run();
 }

@@ -4,9 +4,7 @@
 namespace bipot {
 
 LinearProgramme::Optimum solve(const LinearProgramme&, double) {
-  LinearProgramme::Optimum none;
-  none.message = "this program was built without CLP (-DBIPOT_WITH_CLP=OFF)";
-  return none;
+  return {.message = "this program was built without CLP (-DBIPOT_WITH_CLP=OFF)"};
 }
 
 }  // namespace bipot

@@ -94,11 +94,9 @@ bool is_refused(const std::string& mine, ProcessGroup& group, SolveResult& resul
 }
 
 SolveResult without_contacts(const ContactProblem& p) {
-  SolveResult result;
-  result.status = SolveStatus::kNothingToDo;
-  result.message = "no contacts";
-  result.error = contact_error(p, Vector());
-  return result;
+  return {.status = SolveStatus::kNothingToDo,
+          .message = "no contacts",
+          .error = contact_error(p, Vector())};
 }
 
 }  // namespace

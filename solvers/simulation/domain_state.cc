@@ -27,14 +27,12 @@ std::vector<double> contact_weights(const std::vector<int>& numbers,
 /// A copy without bodies and contacts.
 template <int D>
 State<D> frame_of(const State<D>& state) {
-  State<D> frame;
-  frame.time = state.time;
-  frame.step = state.step;
-  frame.walls = state.walls;
-  frame.wall_work = state.wall_work;
-  frame.friction_loss = state.friction_loss;
-  frame.shock_loss = state.shock_loss;
-  return frame;
+  return {.time = state.time,
+          .step = state.step,
+          .walls = state.walls,
+          .wall_work = state.wall_work,
+          .friction_loss = state.friction_loss,
+          .shock_loss = state.shock_loss};
 }
 
 }  // namespace

@@ -85,10 +85,8 @@ LocalBodies<D> with_ghosts(const Scene<D>& scene, const DomainState<D>& state,
   std::sort(ghosts.begin(), ghosts.end(),
             [](const Ghost& a, const Ghost& b) { return a.body.number < b.body.number; });
 
-  LocalBodies<D> local;
-  local.state.time = state.here.time;
-  local.state.step = state.here.step;
-  local.state.walls = state.here.walls;
+  LocalBodies<D> local{
+      .state = {.time = state.here.time, .step = state.here.step, .walls = state.here.walls}};
   const std::size_t total = state.numbers.size() + ghosts.size();
   local.numbers.reserve(total);
   local.owner.reserve(total);

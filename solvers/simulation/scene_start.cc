@@ -22,9 +22,7 @@ State<D> overlapping_state(const Scene<D>& scene, const std::vector<StartOverlap
   State<D> state = initial_state(scene);
   for (const StartOverlap<D>& overlap : overlaps) {
     if (to_size(overlap.contact.j) >= scene.bodies.size() + scene.walls.size()) continue;
-    ContactOutcome<D> outcome;
-    outcome.contact = overlap.contact;
-    state.contacts.push_back(outcome);
+    state.contacts.push_back({.contact = overlap.contact});
   }
   return state;
 }

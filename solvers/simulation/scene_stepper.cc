@@ -120,14 +120,13 @@ template <int D>
 State<D>& SceneStepper<D>::begin(State<D>& state) {
   if (options_.on_failure != OnFailure::kSmallerStep) state.halvings = 0;  // of another run
   if (rigid_ || springs_ || accurate_) return state;
-  DomainOptions choice;
-  choice.review = [this](StepSolution& solution) {
+  const auto solve = [this](const ProblemPiece& piece, const Vector& s0) {
+    return own_.solve(piece, s0);
+  };
+  const auto review = [this](StepSolution& solution) {
     seek_proof([&] { return domain_->gather_problem(); }, solution);
   };
-  domain_.emplace(
-      scene_, state, *options_.processes,
-      [this](const ProblemPiece& piece, const Vector& s0) { return own_.solve(piece, s0); },
-      choice);
+  domain_.emplace(scene_, state, *options_.processes, solve, DomainOptions{.review = review});
   rigid_.emplace(scene_, *domain_);
   if (options_.on_tunnel != OnTunnel::kWarn) rigid_->refuse_passages();
   state = {};

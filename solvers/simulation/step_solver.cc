@@ -22,8 +22,9 @@ SolverOptions in_a_run(SolverOptions options, std::string_view solver) {
 SolveResult solve_with(const RunSolver& run, const ContactProblem& problem, SolverOptions options,
                        ProcessGroup* processes) {
   if (processes == nullptr) return bipot::solve(run.solver, problem, std::move(options));
-  const DistributedOptions extra{.reproducible = run.reproducible, .contact_places = {}};
-  return distributed_solve(run.solver, problem, options, *processes, extra).result;
+  return distributed_solve(run.solver, problem, options, *processes,
+                           {.reproducible = run.reproducible})
+      .result;
 }
 
 /// Options of a step that begins now.
@@ -80,7 +81,7 @@ SolveResult RunSolver::solve(const ContactProblem& problem, Vector s0) const {
 
 PieceResult RunSolver::solve(const ProblemPiece& piece, const Vector& s0) const {
   return distributed_solve(solver, piece, options_now(*this, s0), *processes,
-                           {.reproducible = reproducible, .contact_places = {}});
+                           {.reproducible = reproducible});
 }
 
 StopTest parse_stop_test(const std::string& name) {
@@ -93,13 +94,11 @@ StopTest parse_stop_test(const std::string& name) {
 }
 
 SolverOptions to_options(const SolverChoice& choice) {
-  SolverOptions options;
-  options.tol = choice.tol;
-  options.stop = parse_stop_test(choice.stop);
-  options.max_iterations = choice.max_iterations;
-  options.parameters = choice.parameters;
-  options.plan = named_plan(choice.parameters);
-  return options;
+  return {.tol = choice.tol,
+          .stop = parse_stop_test(choice.stop),
+          .max_iterations = choice.max_iterations,
+          .parameters = choice.parameters,
+          .plan = named_plan(choice.parameters)};
 }
 
 }  // namespace bipot
