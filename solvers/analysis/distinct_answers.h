@@ -24,17 +24,13 @@ struct VerifiedAnswer {
 /// velocities. Distances are ‖v - v'‖_A = sqrt(dᵀ W d), d = s - s', [J^½]: unlike impulses,
 /// velocities do not depend on self-stress.
 ///
-/// Distance explained by an error: let the law be monotone (no friction, or friction of given
-/// normal forces). Then an impulse on the cone with a residual power of G + V is at most
+/// An error explains a distance of
 ///
 ///     explained(s) = sqrt(2 max(ε, η) max(D, θ E))
 ///
-/// from the exact answer in this norm, for any conditioning of W. Proof: (s - s*)·(u - u*) = ‖d‖²
-/// is the power that both laws leave unexplained, and ε max(D, θ E) = G + V. (max(ε, η) >= ε, so
-/// the number is the larger one.) Coulomb's law adds Σ μ (s_n - s_n*)(|u_t| - |u_t*|), the cause of
-/// several answers. Near one answer it is a part c < 1 of ‖d‖², and the bound becomes explained /
-/// sqrt(1 - c). Answers count as distinct beyond 100 times the explained distance, which allows 1 -
-/// c down to 1e-4. [ours]
+/// from an exact answer, for any conditioning of W, where the law is monotone (no friction, or
+/// friction of given normal forces). Answers count as distinct beyond 100 times that, for Coulomb's
+/// law. [ours] The reasons are in data/manual/explanation/answers.md.
 class DistinctAnswers {
  public:
   static constexpr double kTrusted = 1e-9;  ///< guarded error above which nothing is believed

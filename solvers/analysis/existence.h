@@ -28,21 +28,19 @@ struct ExistenceCertificate {
   double seconds = 0;    ///< of the search
 };
 
-/// Seeks a proof by linear programmes of the size of the problem, in this order:
+/// Seeks a proof by linear programmes of the size of the problem, in this order
+/// (data/manual/explanation/method.md §6 has the proofs and the sources):
 ///
-///   1. r ∈ K_mu, r ≠ 0, H r = 0, r·w <= 0. If there is none, the multipliers are a motion that
-///      opens every contact, weight w + Hᵀ v ∈ int K_mu*, and a solution exists;
-///   2. r_n >= 0, H_n r_n = 0, r_n·w_n < 0. Such a self-stress excludes every solution;
-///   3. for d <= 2, r ∈ K_mu, H r = 0, r·w < 0. If there is none, w + Hᵀ v ∈ K_mu* for some v. In
-///      2D that is enough, but without margin: true for data within rounding of these;
-///   4. for d <= 2 and few contacts: every case of open, sticking and slipping contacts is excluded
-///      by itself (case_exclusion.h), for any W.
+///   1. r ∈ K_mu, r ≠ 0, H r = 0, r·w <= 0: none, if a motion opens every contact;
+///   2. r_n >= 0, H_n r_n = 0, r_n·w_n < 0: such a self-stress excludes every solution;
+///   3. for d <= 2, r ∈ K_mu, H r = 0, r·w < 0: none, if a motion closes no contact, which is enough
+///      there, but without margin: true for data within rounding of these;
+///   4. for d <= 2 and few contacts, for any W: case_exclusion.h.
 ///
 /// For d = 3, K_mu is widened to a cone with 16 edges, which narrows K_mu*: proofs remain valid.
 /// Without A and H, H r = 0 reads W r = 0. A result counts only as far as certificate_check.h
 /// confirms it. `seconds`: wall-clock limit of the search. The problem must pass validate(). For an
-/// unsymmetric or indefinite W only 4 applies. Sources: Acary, Cadoux, Lemaréchal and Malick, ZAMM
-/// 91 (2011), for 1; data/manual/explanation/method.md §6 has the proofs.
+/// unsymmetric or indefinite W only 4 applies.
 ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds = kInfinity);
 
 /// As "a solution exists (proved, margin 2.1e-03)", "no solution exists (proved, …)", "undecided:

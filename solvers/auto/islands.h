@@ -33,23 +33,9 @@ struct IslandSolver {
 /// a problem for each takes as long to make as to solve. Parts that it leaves good enough are not
 /// solved again.
 ///
-/// **The tolerance of the parts.** With the sums of data/manual/explanation/criterion.md the whole
-/// meets tol when
-///
-///     Σ (G + V) <= tol M  and  Σ N² <= tol² M,   M = max(Σ D, θ Σ ½ sᵀ W s, θ Σ F),
-///
-/// F = ½ (b_n⁻)² / W_nn. The numerators add up over the parts. The denominators do not: a sum of
-/// maxima may be three times the maximum of the sums. Parts are settled in the order of their size,
-/// and each is judged together with those that are settled (ErrorShare), with the F of all parts in
-/// M, which then only grows as more are settled. A part is done when
-///
-///  * what is settled so far, itself included, has an error <= tol c / 2, with c the part of all
-///    contacts up to here: for a part with little energy beside the others; or
-///  * its own error is <= tol / 12.
-///
-/// So before the last part, the largest, the numerators are at most tol M / 2 by the first rule and
-/// tol Σ M_i / 12 <= tol M / 4 by the second, of the squares less; the last one has what is left,
-/// and its stop test is that of the whole.
+/// The tolerance of the parts: they are settled in the order of their size, each judged together
+/// with those that are settled (ErrorShare). Why the whole then meets its tolerance:
+/// data/manual/explanation/auto.md, "Sharing the tolerance".
 ///
 /// `iterations` is the number of iterations over the whole that the work amounts to: that of each
 /// part times its part of the contacts, rounded up. `options.max_iterations` holds for each part.

@@ -30,13 +30,11 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 ///     earlier iterate: every `hold` iterations sigma <- sigma + kappa (mu |w_t| - sigma), kappa
 ///     = min(1, 1600/k) after k iterations. It begins with mu |w_t| of a start that is not 0, else
 ///     with 0.
-/// The fixed points of both are exactly the solutions of Coulomb's law. [ours] For a given sigma
-/// the steps of `followed` minimise a convex function on K_mu, with the velocity v(sigma)
-/// of data/manual/explanation/method.md §6. Thus sigma follows the map of Brouwer's theorem there,
-/// with the damping of Krasnoselskii and Mann. De Saxcé's term at the iterate itself (kappa = 1 in
-/// every iteration) cycles where bodies slide, as split does. Split needs fewer iterations on
-/// lattices and piles. [ours] auto starts with split. If it stagnates (at least 1000 iterations),
-/// followed continues from the best iterate.
+/// The fixed points of both are exactly the solutions of Coulomb's law. [ours] `followed` is
+/// explained in data/manual/explanation/method.md §5: sigma follows the map of Brouwer's theorem of
+/// §6, with the damping of Krasnoselskii and Mann. Split cycles where bodies slide, but needs fewer
+/// iterations on lattices and piles. [ours] auto starts with split. If it stagnates (at least 1000
+/// iterations), followed continues from the best iterate.
 ///
 /// L: 30 steps of the power method, with a margin of 5 %. Each step measures the curvature (x -
 /// x⁻)·W(x - x⁻)/‖x - x⁻‖². If it exceeds L, L is raised and momentum dropped.

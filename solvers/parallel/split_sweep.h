@@ -11,11 +11,9 @@ namespace bipot {
 // Gauss-Seidel sweeps over the contacts of this process. In parallel all processes sweep at once
 // over their contacts, with the velocities that the others left. A body shared by n processes
 // counts in each sweep with 1/n of its mass (mass splitting: Tonge, Benevolenski and Voroshilov,
-// ACM Trans. Graph. 31, 2012). By Cauchy and Schwarz the split operator is a bound, W <= W~ =
-// diag(W_1, ..., W_P). For mu = 0 a sweep therefore lowers the majorant s·b + ½ s_k·W s_k + (s -
-// s_k)·W s_k + ½ (s - s_k)·W~ (s - s_k), and with it the energy: it converges whenever Gauss-Seidel
-// does. With friction convergence is not proved, as on one process. The iterates depend on the
-// number of processes; one sweep is one exchange.
+// ACM Trans. Graph. 31, 2012). For mu = 0 that converges whenever Gauss-Seidel does
+// (data/manual/explanation/parallel.md). With friction it is not proved, as on one process. The
+// iterates depend on the number of processes; one sweep is one exchange.
 
 /// True if sweeps can follow the velocities of these contacts: disks, or at most two bodies each.
 template <int D>

@@ -10,13 +10,8 @@
 namespace bipot {
 
 /// Takes the steps of a scene in parts of unequal size, so that an impact, and a radius of way,
-/// misplace no body by more than about `accuracy` radii (data/manual/explanation/accuracy.md).
-///
-/// An impact in the middle of a part is exact. Elsewhere the overlap in the middle, where the
-/// impact is noticed, is its error. Parts therefore end so that the next one has a collision in its
-/// middle (core/motion/closing_pairs.h). Smooth motion is judged by the drift of contacts that
-/// stay, and by the change of accelerations. A part that misses the accuracy is taken again,
-/// shorter.
+/// misplace no body by more than about `accuracy` radii (data/manual/explanation/accuracy.md has the
+/// method). A part that misses the accuracy is taken again, shorter.
 ///
 /// Every step begins with a short part and forgets the last one: the same state gives the same
 /// parts, so that a restart continues bit for bit. Sums and contacts: as in summed_parts.h; a pair
