@@ -1,6 +1,5 @@
 #include "solvers/homotopy/cell_matrix.h"
 
-
 namespace bipot {
 namespace {
 
