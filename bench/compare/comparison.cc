@@ -351,7 +351,10 @@ class TableFiller {
     return true;
   }
 
-  Comparison& table() { return table_; }
+  Comparison& finish() {
+    store_.finish();
+    return table_;
+  }
 
  private:
   bool interrupted() const { return options_.interrupted && options_.interrupted(); }
@@ -455,9 +458,11 @@ Comparison compare(const std::vector<ProblemSource>& sources, const Comparison::
   }
 
   TableFiller filler(options, std::move(entries), std::move(tols), sources.size());
-  Comparison& table = filler.table();
-  table.complete = std::all_of(sources.begin(), sources.end(),
-                               [&](const ProblemSource& source) { return filler.fill(source); });
+  const bool complete =
+      std::all_of(sources.begin(), sources.end(),
+                  [&](const ProblemSource& source) { return filler.fill(source); });
+  Comparison& table = filler.finish();
+  table.complete = complete;
   return std::move(table);
 }
 

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <vector>
 
 #include "bench/compare/comparison_rows.h"
 #include "bench/report/csv_text.h"
@@ -21,6 +22,10 @@ namespace fs = std::filesystem;
 
 std::string key_of(const std::string& problem, const std::string& solver, double tol, bool warm) {
   return fmt::format("{}|{}|{}|{}", problem, solver, tol, warm);
+}
+
+std::string key_of(const Comparison::Row& row) {
+  return key_of(row.problem, row.solver, row.tol, row.warm != 0);
 }
 
 /// A problem's name as a file name.
@@ -79,8 +84,7 @@ ComparisonStore::ComparisonStore(const Comparison::Options& options) : folder_(o
   if (fs::exists(rows)) {
     for (Comparison::Row& row : read_csv_rows(rows)) {
       if (is_unread(row)) continue;
-      const std::string key = key_of(row.problem, row.solver, row.tol, row.warm != 0);
-      rows_.insert_or_assign(key, std::move(row));
+      rows_.insert_or_assign(key_of(row), std::move(row));
     }
   }
   if (fs::exists(histories)) {
@@ -104,6 +108,23 @@ void ComparisonStore::append(const Comparison::Row& row, const Comparison::Histo
   if (!history.problem.empty()) history_file_ << to_csv(history) << std::flush;
   rows_file_ << to_csv(row) << std::endl;
   if (!rows_file_ || !history_file_) throw FileError(folder_ / "rows.csv", "", "cannot be written");
+}
+
+void ComparisonStore::finish() const {
+  if (folder_.empty()) return;
+  const fs::path path = folder_ / "rows.csv";
+  const std::vector<Comparison::Row> lines = read_csv_rows(path);
+  std::vector<const Comparison::Row*> rows;
+  std::map<std::string, std::size_t> places;
+  for (const Comparison::Row& row : lines) {
+    const auto [place, fresh] = places.try_emplace(key_of(row), rows.size());
+    if (fresh) rows.push_back(&row);
+    rows[place->second] = &row;
+  }
+  if (rows.size() == lines.size()) return;
+  std::string text = csv_header() + '\n';
+  for (const Comparison::Row* row : rows) text += to_csv(*row) + '\n';
+  write_text_file(path, text);
 }
 
 const Comparison::History* ComparisonStore::history(const std::string& problem,

@@ -26,6 +26,8 @@ class ComparisonStore {
                               bool warm) const;
   /// Writes the history before the row: a row in the file has its history.
   void append(const Comparison::Row& row, const Comparison::History& history);
+  /// After the last row: of lines for one row, rows.csv keeps the last, in the place of the first.
+  void finish() const;
   const Comparison::History* history(const std::string& problem, const std::string& solver) const;
 
   std::optional<ReferenceSolution> reference(const std::string& problem) const;

@@ -473,6 +473,29 @@ TEST(Comparison, NamesProblemsWithSeveralVelocities) {
   EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kForce);
 }
 
+TEST(Comparison, RowsThatWereMeasuredAgainHaveOneLine) {
+  const TemporaryFolder folder;
+  Comparison::Options options = quick({"lemke", "pgs"}, {1e-10});
+  options.out = folder / "table";
+  const auto lines = [&] { return read_csv_rows(options.out / "rows.csv"); };
+  const auto sources = expand_targets({"pyramid:5"});
+  const Comparison c = compare(sources, options);
+  ASSERT_EQ(lines().size(), 2u);
+  EXPECT_EQ(to_csv(lines()[0]), to_csv(c.rows[0]));
+  // A program that died left an old line; other rows of the file are kept.
+  Comparison::Row old = c.rows[0], other = c.rows[0];
+  other.solver = "another";
+  std::ofstream file(options.out / "rows.csv");
+  old.velocity_error = 7;
+  file << csv_header() << '\n';
+  for (const Comparison::Row& row : {old, other, c.rows[1], c.rows[0]}) file << to_csv(row) << '\n';
+  file.close();
+  EXPECT_EQ(to_csv(compare(sources, options)), to_csv(c));
+  ASSERT_EQ(lines().size(), 3u);
+  EXPECT_EQ(to_csv(lines()[0]), to_csv(c.rows[0]));
+  EXPECT_EQ(lines()[1].solver, "another");
+}
+
 TEST(ComparisonTargets, AreCheckedBeforeAnythingRuns) {
   for (const char* bad :
        {"no_such_scene", "squre:10", "square:0", "square:ten", "square", "square:10:mu=-1",
