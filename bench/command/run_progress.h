@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
@@ -36,8 +37,8 @@ class RunProgress {
   /// `done`: steps of this run; `time` at its end.                                            [s]
   template <int D>
   void add(const StepReport<D>& report, long done, double time);
-  /// The solver of the present step is there.
-  void judged(const IterationRecord& record) { error_ = record.error.guarded(); }
+  /// The solver of the present step is there. Stages of `auto` begin anew: the best counts.
+  void judged(const IterationRecord& record) { error_ = std::fmin(error_, record.error.guarded()); }
 
  private:
   void look_at_the_step();
@@ -48,7 +49,7 @@ class RunProgress {
   std::filesystem::path log_;
   Stopwatch watch_;
   double step_began_ = 0, tell_after_;  // in seconds
-  std::atomic<double> error_ = kNaN;    // of the present step
+  std::atomic<double> error_ = kNaN;    // of the present step, the best
   long done_ = 0;
   bool over_ = false;
   std::mutex mutex_;

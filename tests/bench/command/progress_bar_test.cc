@@ -67,6 +67,7 @@ TEST(RunProgress, TellsOfAStepThatTakesLong) {
                                .hint = "give up",
                                .patience = 0.05});
     progress.judged({.error = {.epsilon = 2e-3, .eta = 1e-3}});
+    progress.judged({.error = {.epsilon = 0.5, .eta = 1e-3}});
     while (times(file_text(folder / "run.log")) < 2 && watch.seconds() < 60) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
@@ -81,7 +82,7 @@ TEST(RunProgress, TellsOfAStepThatTakesLong) {
     std::size_t digits = 0;
     EXPECT_LE(std::stod(told.substr(at + begin.size()), &digits), seconds + 0.5);
     EXPECT_TRUE(told.substr(at + begin.size() + digits)
-                    .starts_with(" s so far, error 2.0e-03, tolerance 1e-08\n"));
+                    .starts_with(" s so far, best error 2.0e-03, tolerance 1e-08\n"));
     EXPECT_EQ(told.find("give up"), told.rfind("give up"));
     EXPECT_GE(std::count(told.begin(), told.end(), '\n'), 3);
   }
