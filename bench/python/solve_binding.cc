@@ -21,9 +21,11 @@
 #include "bench/python/callable_solver.h"
 #include "bench/python/python_problem.h"
 #include "bench/python/python_watch.h"
+#include "core/base/file_error.h"
 #include "core/base/version.h"
 #include "core/problem/delassus.h"
 #include "core/problem/equality_rows.h"
+#include "solvers/auto/plan.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
@@ -89,6 +91,15 @@ class IterationCallback {
   PythonWatch& watch_;
 };
 
+/// The plan that the parameters name, if they do. Throws std::invalid_argument.
+std::shared_ptr<const AutoPlan> usable_plan(const std::map<std::string, std::string>& parameters) {
+  try {
+    return named_plan(parameters);
+  } catch (const FileError& e) {
+    throw std::invalid_argument(e.what());
+  }
+}
+
 /// What all solves of a call share.
 struct SolveRequest {
   py::object solver;  ///< a name or a callable
@@ -97,6 +108,8 @@ struct SolveRequest {
   int max_iterations;
   std::map<std::string, std::string> parameters;
   py::object callback;  ///< or None
+  /// Read before the clock starts.
+  std::shared_ptr<const AutoPlan> plan = usable_plan(parameters);
 };
 
 /// One solve; all but run() with Python's lock held.
@@ -116,6 +129,7 @@ class PythonSolve {
     options_.stop = parse_stop_test(request.stop);
     options_.max_iterations = request.max_iterations;
     options_.parameters = request.parameters;
+    options_.plan = request.plan;
     if (!s0.is_none()) {
       options_.s0 = to_vector(s0, "s0");
       if (options_.s0.size() == 0 && given.problem->num_rows() > 0) {

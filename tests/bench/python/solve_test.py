@@ -11,7 +11,7 @@ import pytest
 import scipy.sparse as sparse
 
 import bipot
-from conftest import chain, gauss_seidel, one_contact, refused
+from conftest import DATA, chain, gauss_seidel, one_contact, refused
 
 
 def test_a_result_has_what_the_command_says(lattice):
@@ -108,6 +108,17 @@ def test_parameters_are_those_of_the_table(lattice):
 )
 def test_bad_options_are_refused_with_the_commands_sentence(options, words):
     refused(ValueError, words, bipot.solve, chain(400), **options)
+
+
+def test_the_plan_is_read_before_the_clock_starts(lattice, tmp_path):
+    shipped = (DATA.parent / "solvers" / "auto" / "plan.toml").read_text()
+    plan = tmp_path / "long.toml"
+    plan.write_text(shipped + "# more\n" * 1_000_000)
+    begin = time.perf_counter()
+    r = bipot.solve(lattice, plan=plan)
+    assert r.setup_seconds + r.solve_seconds < 0.5 * (time.perf_counter() - begin)
+    plan.unlink()
+    refused(ValueError, "long.toml: cannot be read", bipot.solve, lattice, plan=plan)
 
 
 def test_starts_are_used(lattice):
