@@ -113,11 +113,7 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
     const double left = std::max(1e-3, limit_of(of, options) - (cpu_seconds() - begin));
     const SolveResult r = solve_within(solver, p, options.tol, left, s0);
     cell.iterations += r.iterations;
-    StepSolution step{.converged = is_success(r.status),
-                      .refused = r.status == SolveStatus::kInvalidInput,
-                      .message = r.message,
-                      .s = r.s,
-                      .error = r.error};
+    StepSolution step = taken_step(r);
     if (step.refused) {
       beyond = true;
       fail(false, std::string(to_string(r.status)), r.message);

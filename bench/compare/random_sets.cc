@@ -210,11 +210,7 @@ std::string scene_job(const RandomSets::Options& options, int index) {
   run.solver = [&](const ContactProblem& p, const Vector& s0) {
     const double begin = cpu_seconds();
     const SolveResult r = solve_within(name, p, options.tol, options.time_limit, s0);
-    StepSolution step{.converged = is_success(r.status),
-                      .refused = r.status == SolveStatus::kInvalidInput,
-                      .message = r.message,
-                      .s = r.s,
-                      .error = r.error};
+    StepSolution step = taken_step(r);
     if (p.num_contacts() == 0) {
       ++without_contacts;
       return step;

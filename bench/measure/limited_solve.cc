@@ -17,6 +17,14 @@ SolveResult solve_within(const std::string& solver, const ContactProblem& proble
   return r;
 }
 
+StepSolution taken_step(const SolveResult& result) {
+  return {.converged = is_success(result.status),
+          .refused = result.status == SolveStatus::kInvalidInput,
+          .message = result.message,
+          .s = result.s,
+          .error = result.error};
+}
+
 CpuLimit::CpuLimit(double seconds)
     : end_(cpu_seconds() + seconds),
       grain_(std::min(1e-3, seconds / 20)),

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <string>
 
+#include "core/motion/time_stepping.h"
 #include "core/problem/contact_problem.h"
 #include "solvers/solver.h"
 
@@ -13,6 +14,9 @@ namespace bipot {
 SolveResult solve_within(const std::string& solver, const ContactProblem& problem, double tol,
                          double seconds, const Vector& s0 = {},
                          const std::function<bool()>& cancelled = {});
+
+/// For runs that take each step, however its solve ended, unless the solver refuses it.
+StepSolution taken_step(const SolveResult& result);
 
 /// A limit on CPU time for inner loops: other work on the machine must not change the result of a
 /// solver. It asks the system once in a millisecond at most.
