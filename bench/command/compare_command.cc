@@ -233,9 +233,10 @@ int run_compare(const CompareFlags& flags) {
     if (nothing_to_solve(comparison, p)) {
       fmt::print(stderr, "bipot: {}: no impulse is needed there, which compares nothing{}\n",
                  p.name,
-                 p.name.find('@') == std::string::npos
-                     ? ""
-                     : "; other steps of the scene: --scene-steps, --scene-problems");
+                 p.name.find('@') != std::string::npos
+                     ? "; other steps of the scene: --scene-steps, --scene-problems"
+                 : p.name.starts_with("random:") ? "; its disks are loose: pile has them at rest"
+                                                 : "");
     }
   }
   if (!any) return kExitBadInput;

@@ -48,6 +48,8 @@ TEST(CommandLine, ASceneThatIsMissedIsPointedOut) {
 TEST(CommandLine, ComparingAStepWithoutImpulsesIsPointedOut) {
   expect_said("compare bouncing_ball --quick --solvers apgd --tols 1e-2", 0,
               {"bouncing_ball@100: no impulse is needed", "--scene-steps"});
+  expect_said("compare random:4 --quick --solvers apgd --tols 1e-2", 0,
+              {"random:4: no impulse is needed", "its disks are loose: pile"});
 }
 
 TEST(CommandLine, TheSameQuestionHasManyForms) {
