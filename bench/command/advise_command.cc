@@ -133,7 +133,9 @@ int run_advise(const AdviseFlags& flags) {
   const fs::path path = find_scene(flags.scene);
   const std::string text = read_text_file(path);
   AnyScene scene = parse_any_scene(text, path.string());
-  std::visit([](auto& any) { check_start(any, {}, 1); }, scene);
+  const std::function<void(const std::string&)> warn =
+      flags.quiet ? nullptr : std::function(&warn_once);
+  std::visit([&](auto& any) { check_start(any, warn); }, scene);
   Advice::Options options{.goal = flags.goal};
   for (const std::string& name : flags.solvers) options.solvers.push_back({name, name, {}});
   options.time_limit = flags.time_limit;
@@ -143,7 +145,6 @@ int run_advise(const AdviseFlags& flags) {
   // Refused before the work, not after it.
   if (flags.tune) tuned_variants(flags.solvers);
   const bool quiet = flags.silent();
-  if (!quiet) std::visit([](const auto& any) { warn_once(any.caution); }, scene);
   if (!quiet) options.say = [](const std::string& stage) { fmt::print(stderr, "{} ...\n", stage); };
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;

@@ -169,7 +169,7 @@ int run_compare(const CompareFlags& flags) {
   TargetOptions scenes;
   scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
   scenes.quick = flags.quick;
-  if (!flags.silent()) scenes.warn = &warn_once;
+  if (!flags.quiet) scenes.warn = &warn_once;
   scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
   if (flags.targets.empty() && flags.settings.empty()) {
     throw std::invalid_argument("TARGETS is missing: problem files, scenes or families");
@@ -196,7 +196,7 @@ int run_compare(const CompareFlags& flags) {
     TradeRequest request;
     if (flags.whole_runs != std::vector<std::string>{"set"}) request.scenes = flags.whole_runs;
     request.quick = flags.quick;
-    whole = run_watched_trade(request, quiet);
+    whole = run_watched_trade(request, flags);
   }
 
   ReportContext context;

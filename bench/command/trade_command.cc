@@ -65,7 +65,7 @@ CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
 
 int run_trade(const TradeFlags& flags) {
   flags.prepare(true);
-  const FinishedTrade finished = run_watched_trade(flags.request, flags.silent());
+  const FinishedTrade finished = run_watched_trade(flags.request, flags);
   if (!flags.out.empty()) write_trade(flags.out, finished);
   flags.deliver(to_json(finished), to_text(trade_document(finished)), "results in " + flags.out);
   return finished.trade.complete ? kExitConverged : kExitInterrupted;

@@ -31,6 +31,7 @@
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_run.h"
+#include "solvers/simulation/scene_start.h"
 #include "solvers/simulation/step_solver.h"
 
 namespace bipot {
@@ -337,7 +338,7 @@ void add_folder(const std::string& target, std::vector<ProblemSource>& sources) 
 template <int D>
 void add_steps(const std::string& target, const fs::path& path, Scene<D>&& scene,
                const TargetOptions& options, std::vector<ProblemSource>& sources) {
-  if (options.warn) options.warn(scene.caution);
+  check_start(scene, options.warn);
   const int last = std::min(scene.num_steps, options.scene_steps);
   std::set<int> steps;
   for (int i = 1; i <= options.scene_problems; ++i) {

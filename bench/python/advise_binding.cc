@@ -34,7 +34,7 @@ std::string advise_scene(const std::string& name, const std::map<std::string, do
   options.keep_step = keep_step;
   options.interrupted = [&watch] { return watch.stopped(); };
   AnyScene scene = read_any_scene(scene_path(name));
-  std::visit([](auto& any) { check_start(any, {}, 1); }, scene);
+  std::visit([](auto& any) { check_start(any, python_warnings()); }, scene);
   std::string json;
   {
     const py::gil_scoped_release release;

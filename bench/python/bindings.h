@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace bipot {
@@ -19,6 +20,10 @@ void bind_advise(pybind11::module_& module);
 
 /// Objects of the class are made by the module alone: `Class.__new__(Class)` would have no data.
 void refuse_new(const pybind11::object& bound);
+
+/// Makes Python warnings of texts, each once. They name the line that called a function of the
+/// package with @named_options. Call with Python's lock held; throws where a warning is an error.
+std::function<void(const std::string&)> python_warnings();
 
 /// find_scene(), but Python's FileNotFoundError for a file that does not exist.
 std::filesystem::path scene_path(const std::string& path_or_name);

@@ -41,6 +41,12 @@ ProblemSource source_of(const std::string& name, const PythonProblem& given, Vec
   return source;
 }
 
+TargetOptions target_options(int scene_problems, const py::object& scene_steps) {
+  TargetOptions options{.scene_problems = scene_problems, .warn = python_warnings()};
+  if (!scene_steps.is_none()) options.scene_steps = scene_steps.cast<int>();
+  return options;
+}
+
 /// From strings, which are targets of `bipot compare`, and tuples (name, Problem, start or None).
 std::vector<ProblemSource> sources_of(const py::list& given, const TargetOptions& scenes) {
   std::vector<ProblemSource> sources;
@@ -128,9 +134,8 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
   options.out = out;
   options.interrupted = options.cancelled = [&watch] { return watch.stopped(); };
   report_rows_to(on_row, watch, options);
-  TargetOptions scenes{.scene_problems = scene_problems};
-  if (!scene_steps.is_none()) scenes.scene_steps = scene_steps.cast<int>();
-  const std::vector<ProblemSource> sources = sources_of(targets, scenes);
+  const std::vector<ProblemSource> sources =
+      sources_of(targets, target_options(scene_problems, scene_steps));
   {
     const py::gil_scoped_release release;
     made.comparison = compare(sources, options);
@@ -155,11 +160,11 @@ void write_into(const PythonComparison& self, const std::filesystem::path& folde
 std::vector<std::shared_ptr<PythonProblem>> load_problems(const std::vector<std::string>& targets,
                                                           int scene_problems,
                                                           const py::object& scene_steps) {
-  TargetOptions scenes{.scene_problems = scene_problems};
-  if (!scene_steps.is_none()) scenes.scene_steps = scene_steps.cast<int>();
+  const std::vector<ProblemSource> sources =
+      expand_targets(targets, target_options(scene_problems, scene_steps));
   std::vector<std::shared_ptr<PythonProblem>> problems;
   const py::gil_scoped_release release;
-  for (const ProblemSource& source : expand_targets(targets, scenes)) {
+  for (const ProblemSource& source : sources) {
     TestProblem made = source.load();
     problems.push_back(std::make_shared<PythonProblem>(std::move(made.problem), source.name));
     if (made.start.size() > 0) problems.back()->guesses.push_back(std::move(made.start));

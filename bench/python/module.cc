@@ -4,6 +4,8 @@
 #include <pybind11/stl.h>
 
 #include <filesystem>
+#include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -21,6 +23,15 @@ void bipot::refuse_new(const py::object& bound) {
   bound.attr("__new__") = py::cpp_function([name](const py::args&, const py::kwargs&) {
     throw py::type_error("bipot." + name + " is made by the functions of bipot alone");
   });
+}
+
+std::function<void(const std::string&)> bipot::python_warnings() {
+  return [said = std::make_shared<std::set<std::string>>()](const std::string& text) {
+    constexpr int kCaller = 3;  // of the function that the options' check calls
+    if (said->insert(text).second && PyErr_WarnEx(nullptr, text.c_str(), kCaller) < 0) {
+      throw py::error_already_set();
+    }
+  };
 }
 
 std::filesystem::path bipot::scene_path(const std::string& path_or_name) {

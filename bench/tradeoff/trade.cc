@@ -89,8 +89,7 @@ Trade::Scene load_target(const std::string& target, const Trade::Options& option
   made.scene = read_any_scene(path);
   std::visit(
       [&]<int D>(Scene<D>& scene) {
-        if (options.warn) options.warn(scene.caution);
-        check_start(scene, {}, 1);
+        check_start(scene, options.warn);
         if (steps) scene.num_steps = *steps;
         if ((scene.bodies.empty() && scene.inlets.empty()) || scene.num_steps == 0) {
           throw std::invalid_argument(target + ": a run needs bodies and steps");

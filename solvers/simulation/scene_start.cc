@@ -132,7 +132,17 @@ StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, i
   return report;
 }
 
+template <int D>
+void check_start(Scene<D>& scene, const std::function<void(const std::string&)>& warn) {
+  const std::string start = check_start(scene, {}, 1).text;
+  for (const std::string& text : {scene.caution, start}) {
+    if (warn && !text.empty()) warn(text);
+  }
+}
+
 template StartReport check_start(Scene<2>&, const std::filesystem::path&, int);
 template StartReport check_start(Scene<3>&, const std::filesystem::path&, int);
+template void check_start(Scene<2>&, const std::function<void(const std::string&)>&);
+template void check_start(Scene<3>&, const std::function<void(const std::string&)>&);
 
 }  // namespace bipot

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -24,5 +25,10 @@ struct StartReport {
 /// drawn is said in the message.
 template <int D>
 StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, int threads);
+
+/// The same for callers that do not report the start: `warn`, which may be empty, is told what the
+/// scene leaves out and what overlaps.
+template <int D>
+void check_start(Scene<D>& scene, const std::function<void(const std::string&)>& warn);
 
 }  // namespace bipot

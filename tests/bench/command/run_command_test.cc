@@ -42,8 +42,9 @@ TEST_F(RunCommand, AStartThatOverlapsIsRefusedWithAPicture) {
     EXPECT_FALSE(fs::exists(folder_ / "out" / "cut" / "run.h5"));
     fs::remove(folder_ / "out" / "cut" / "start.png");
   }
-  EXPECT_EQ(code_of("advise " + scene + " --energy 1e-2"), 2);
-  EXPECT_EQ(code_of("trade " + scene + " --quick"), 2);
+  for (const char* command : {"advise --energy 1e-2 ", "trade --quick ", "compare ", "tune "}) {
+    EXPECT_EQ(code_of(command + scene), 2) << command;
+  }
 }
 
 TEST_F(RunCommand, AShippedSceneIsFoundBesideAFolderOfItsName) {
@@ -65,6 +66,8 @@ TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
   expect_said("run " + write("jammed.toml", text), 2, {"pushed apart in "});
   text.replace(text.find("rectangular"), 11, "triangular");
   const json pushed = json_of("run " + write("push.toml", text) + " --steps 0 --json -");
+  expect_said("compare push.toml --quick --json -", 0, {"warning: 5 disks", "pushed apart in "},
+              &complaints);
   EXPECT_TRUE(pushed["energy"]["potential"].is_null());  // no step, no ledger
   const json& push = pushed["start"]["pushed_apart"];
   EXPECT_GE(push["rounds"], 1);
@@ -113,7 +116,9 @@ TEST_F(RunCommand, WhatIsLeftOutIsToldOnceByEveryCommand) {
   const std::string told = "bipot: warning: BODIES.DAT: 1 read, left out: 1 JONCx";
   for (const char* command :
        {"run foreign.toml", "trade foreign.toml --quick", "advise foreign.toml --time-limit 1",
-        "compare foreign.toml --quick --whole-runs foreign.toml", "tune foreign.toml"}) {
+        "compare foreign.toml --quick --whole-runs foreign.toml", "tune foreign.toml",
+        "trade foreign.toml --quick --json -", "advise foreign.toml --time-limit 1 --json -",
+        "compare foreign.toml --quick --json -"}) {
     const std::string said = complaints(command).out;
     EXPECT_TRUE(says(said, told)) << command << ": " << said;
     EXPECT_EQ(said.find(told), said.rfind(told)) << command;

@@ -9,7 +9,7 @@ import pytest
 import scipy.sparse as sparse
 
 import bipot
-from conftest import chain, gauss_seidel, one_contact, refused
+from conftest import chain, foreign_scene, gauss_seidel, one_contact, refused
 
 
 def family(count=20):
@@ -178,17 +178,7 @@ def test_other_processes_take_problems_and_give_results():
 
 
 def test_copies_of_a_simulation_do_not_warn_again(tmp_path, recwarn):
-    bodies = "$bdyty\n RBDY2  1\n$nodty\n NO3xx  1  coo1= 0.1  coo2= 0.2  coo3= 0\n$tacty\n"
-    (tmp_path / "BODIES.DAT").write_text(
-        f"{bodies} DISKx  1  color  BLEUx  byrd= 0.05\n$$$$$$\n"
-        f"{bodies} JONCx  1  color  DOWNx  axe1= 4  axe2= 0.1\n$$$$$$\n"
-    )
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
-        '[[disks]]\narrangement = "file"\nfile = "BODIES.DAT"\ndensity = 100\n'
-        "[time]\nstep = 1e-3\nsteps = 2\n"
-    )
-    sim = bipot.Simulation(scene)
+    sim = bipot.Simulation(foreign_scene(tmp_path))
     pickle.loads(pickle.dumps(copy.deepcopy(sim)))
     assert [str(w.message) for w in recwarn] == ["BODIES.DAT: 1 read, left out: 1 JONCx"]
     assert recwarn[0].filename == __file__

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import bipot
-from conftest import DATA, chain, gauss_seidel, one_contact, refused
+from conftest import DATA, chain, foreign_scene, gauss_seidel, one_contact, refused
 
 QUICK = dict(time_limit=2, reference_time_limit=2, min_time=0)
 
@@ -181,3 +181,16 @@ def test_targets_of_the_command_are_problems():
     assert [p.name for p in ps] == ["square:5", "pyramid:4:mu=0.5"]
     assert ps[1].mu[0] == 0.5
     refused(ValueError, "side = 0", bipot.problems, "square:0")
+
+
+def test_what_a_scene_leaves_out_is_a_warning(tmp_path, recwarn):
+    scene = foreign_scene(tmp_path)
+    for call in (
+        lambda: bipot.compare([scene], tols=[1e-2], **QUICK),
+        lambda: bipot.problems(str(scene)),
+        lambda: bipot.advise(scene, time_limit=1),
+    ):
+        recwarn.clear()
+        call()
+        assert [str(w.message) for w in recwarn] == ["BODIES.DAT: 1 read, left out: 1 JONCx"]
+        assert recwarn[0].filename == __file__

@@ -34,6 +34,21 @@ def one_contact(b_n, b_t, mu=0.5, dim=2):
     return bipot.Problem(W=sparse.eye(dim), u_free=u_free, mu=[mu], name="one contact")
 
 
+def foreign_scene(folder):
+    """A scene of one disk, whose import leaves out another body."""
+    bodies = "$bdyty\n RBDY2  1\n$nodty\n NO3xx  1  coo1= 0.1  coo2= 0.2  coo3= 0\n$tacty\n"
+    (folder / "BODIES.DAT").write_text(
+        f"{bodies} DISKx  1  color  BLEUx  byrd= 0.05\n$$$$$$\n"
+        f"{bodies} JONCx  1  color  DOWNx  axe1= 4  axe2= 0.1\n$$$$$$\n"
+    )
+    scene = folder / "scene.toml"
+    scene.write_text(
+        '[[disks]]\narrangement = "file"\nfile = "BODIES.DAT"\ndensity = 100\n'
+        "[time]\nstep = 1e-3\nsteps = 2\n"
+    )
+    return scene
+
+
 def chain(contacts):
     """`contacts` disks of 1 kg side by side on a floor, each pushed down and aside: W is diagonal,
     W_nn = 1 and W_tt = 3; with mu = 0.5 every one of them slides with s = (1, -0.5)."""
