@@ -172,7 +172,9 @@ int run_compare(const CompareFlags& flags) {
   if (!flags.quiet) scenes.warn = &warn_once;
   scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
   if (flags.targets.empty() && flags.settings.empty()) {
-    throw std::invalid_argument("TARGETS is missing: problem files, scenes or families");
+    throw std::invalid_argument(
+        "TARGETS is missing: problem files, scenes or families, in front of lists such as "
+        "--solvers");
   }
   const std::vector<std::string> shipped = {(data_folder() / "problems").string()};
   const std::vector<ProblemSource> sources =

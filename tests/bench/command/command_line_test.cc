@@ -45,6 +45,10 @@ TEST(CommandLine, ASceneThatIsMissedIsPointedOut) {
   expect_said("run heap", 2, {"heap: no such file; a template: bipot new heap > heap.toml"});
 }
 
+TEST(CommandLine, ATargetBehindAListIsMissed) {
+  expect_said("compare --solvers pgs square:4", 2, {"TARGETS is missing", "in front of lists"});
+}
+
 TEST(CommandLine, ComparingAStepWithoutImpulsesIsPointedOut) {
   expect_said("compare bouncing_ball --quick --solvers apgd --tols 1e-2", 0,
               {"bouncing_ball@100: no impulse is needed", "--scene-steps"});
