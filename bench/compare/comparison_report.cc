@@ -41,7 +41,7 @@ char letter(const std::string& status) {
 std::string cell(const Comparison::Row& row) {
   if (row.status == "invalid input") return "-";
   if (row.status == Comparison::Row::kNotTried) return "N";
-  return fmt::format("{} {} {:.0e}", letter(row.status), row.iterations, row.guarded);
+  return fmt::format("{} {} {}", letter(row.status), row.iterations, digit_label(row.guarded));
 }
 
 Json regret_json(const Regret& regret) {
@@ -249,8 +249,8 @@ std::string to_text(const Comparison& comparison) {
     if (!p.defect.empty()) {
       text += fmt::format("{}: {}\n", p.name, p.defect);
     } else if (!(p.reference_guarded <= ReferenceSolution::kTarget)) {
-      text += fmt::format("{}: the reference stands at {:.1e} only ({})\n", p.name,
-                          p.reference_guarded, p.reference_solver);
+      text += fmt::format("{}: the reference stands at {} only ({})\n", p.name,
+                          error_label(p.reference_guarded), p.reference_solver);
     }
   }
   return text + several_text(comparison);

@@ -220,7 +220,7 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
       m,
       [](const ExtremeCell& cell) {
         const bool figure = std::isfinite(cell.guarded) && cell.end != ExtremeCell::kNotForIt;
-        return Table::Cell(figure ? fmt::format("{:.0e}", cell.guarded) : "")
+        return Table::Cell(figure ? digit_label(cell.guarded) : "")
             .tipped(cell.status + ": " + cell.message)
             .as(words_of(cell.end).look);
       },

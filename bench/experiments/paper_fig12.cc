@@ -8,6 +8,7 @@
 
 #include "bench/experiments/compression_run.h"
 #include "bench/experiments/paper_item.h"
+#include "bench/report/labels.h"
 #include "core/pictures/force_picture.h"
 
 namespace bipot {
@@ -62,7 +63,7 @@ std::vector<std::string> row(const Variation& v) {
           fmt::format("{:.3f}", at_lag(j, 2)),
           fmt::format("{:.2f}", overlap(c)),
           fmt::format("{} of {}", c.jammed_run.converged, c.jammed_run.steps),
-          fmt::format("{:.1e}", c.jammed_run.mean_error),
+          error_label(c.jammed_run.mean_error),
           fmt::format("{}", c.run.iterations)};
 }
 

@@ -8,6 +8,7 @@
 
 #include "bench/experiments/paper_item.h"
 #include "bench/measure/iteration_growth.h"
+#include "bench/report/labels.h"
 
 namespace bipot {
 namespace {
@@ -323,8 +324,8 @@ class Fig14 {
         last = &row;
       }
       cells.insert(cells.end(), its.begin(), its.end());
-      cells.push_back(fmt::format("{:.1e}", last->error.guarded()));
-      cells.push_back(fmt::format("{:.1e}", last->error.natural_map));
+      cells.push_back(error_label(last->error.guarded()));
+      cells.push_back(error_label(last->error.natural_map));
       cells.push_back(to_text(last->setup_seconds + last->solve_seconds, "s", 2));
       rows.rows.push_back(std::move(cells));
     }

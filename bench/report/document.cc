@@ -5,14 +5,17 @@
 #include <algorithm>
 #include <cctype>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
 
 #include "bench/report/csv_text.h"
+#include "bench/report/labels.h"
 #include "bench/report/text_lines.h"
 
 namespace bipot {
 namespace {
 
-constexpr std::size_t kTextWidth = 100, kColumnGap = 2;
+constexpr std::size_t kTextWidth = 100, kHeadsWidth = 60, kColumnGap = 2;
 
 template <class... Cases>
 struct Overloaded : Cases... {
@@ -39,13 +42,34 @@ void write_paragraph(std::string& out, std::string_view text) {
   for (const std::string& line : wrapped_lines(plain(text), kTextWidth)) out += line + '\n';
 }
 
-/// The columns [begin, end) after the first one.
+/// How many first columns tell the rows below a title apart: each block of a table has them. If
+/// they are too wide, 1.
+std::size_t heads_of(const std::vector<std::vector<std::string>>& cells,
+                     const std::vector<std::size_t>& widths) {
+  std::size_t width = 0;
+  for (std::size_t heads = 1; heads < widths.size(); ++heads) {
+    width += widths[heads - 1] + kColumnGap;
+    if (width > kHeadsWidth) break;
+    std::set<std::vector<std::string>> names;
+    const bool apart = std::all_of(cells.begin(), cells.end(), [&](const auto& texts) {
+      if (texts.size() == 1) names.clear();
+      std::vector<std::string> name = texts;
+      name.resize(heads);
+      return names.insert(std::move(name)).second;
+    });
+    if (apart) return heads;
+  }
+  return std::min(widths.size(), std::size_t{1});
+}
+
+/// The columns [begin, end) after the heads.
 void write_columns(std::string& out, const Table& table, const std::vector<std::size_t>& shown,
                    const std::vector<std::vector<std::string>>& cells,
-                   const std::vector<std::size_t>& widths, std::size_t begin, std::size_t end) {
+                   const std::vector<std::size_t>& widths, std::size_t heads, std::size_t begin,
+                   std::size_t end) {
   const auto line = [&](const std::vector<std::string>& texts) {
     std::string made;
-    for (std::size_t k = 0; k < end; k = k == 0 ? begin : k + 1) {
+    for (std::size_t k = 0; k < end; k = k + 1 == heads ? begin : k + 1) {
       if (k >= texts.size()) break;
       const std::string fill(widths[k] - std::min(widths[k], letters(texts[k])), ' ');
       if (k > 0) made += std::string(kColumnGap, ' ');
@@ -119,13 +143,15 @@ Table::Cell& Table::Cell::as(std::string x) {
 
 std::string text_of(const Table::Cell& cell, const Table::Column& column) {
   if (cell.text) return *cell.text;
-  return std::visit(
-      Overloaded{[](std::monostate) { return std::string(); },
-                 [](bool x) { return std::string(x ? "yes" : ""); },
-                 [](long x) { return std::to_string(x); },
-                 [&](double x) { return column.show ? column.show(x) : fmt::format("{:g}", x); },
-                 [](const std::string& x) { return x; }},
-      cell.value);
+  return std::visit(Overloaded{[](std::monostate) { return std::string(); },
+                               [](bool x) { return std::string(x ? "yes" : ""); },
+                               [](long x) { return std::to_string(x); },
+                               [&](double x) {
+                                 return column.show ? column.show(x)
+                                                    : short_exponent(fmt::format("{:g}", x));
+                               },
+                               [](const std::string& x) { return x; }},
+                    cell.value);
 }
 
 bool is_title(const Table& table, const Table::Row& row) {
@@ -209,14 +235,16 @@ std::string to_text(const Table& table) {
   }
   std::string out;
   if (!table.caption.empty()) write_paragraph(out, table.caption);
-  std::size_t begin = 1;
+  const std::size_t heads = heads_of(cells, widths);
+  std::size_t begin = heads;
   do {
-    std::size_t end = begin, width = widths.empty() ? 0 : widths[0];
+    std::size_t end = begin, width = 0;
+    for (std::size_t k = 0; k < heads; ++k) width += widths[k] + (k > 0 ? kColumnGap : 0);
     while (end < shown.size() && (end == begin || width + kColumnGap + widths[end] <= kTextWidth)) {
       width += kColumnGap + widths[end++];
     }
-    if (begin > 1) out += '\n';
-    write_columns(out, table, shown, cells, widths, begin, std::max(end, std::size_t{1}));
+    if (begin > heads) out += '\n';
+    write_columns(out, table, shown, cells, widths, heads, begin, std::max(end, heads));
     begin = end;
   } while (begin < shown.size());
   if (!table.note.empty()) write_paragraph(out, table.note);

@@ -8,6 +8,15 @@
 #include "core/base/number_text.h"
 
 namespace bipot {
+namespace {
+
+std::string with_exponent(double x, int decimals) {
+  if (x == 0) return "0";
+  if (!std::isfinite(x)) return "–";
+  return short_exponent(fmt::format("{:.{}e}", x, decimals));
+}
+
+}  // namespace
 
 std::string short_exponent(const std::string& text) {
   const std::size_t e = text.find('e');
@@ -39,9 +48,7 @@ std::string duration_label(double seconds) {
   return seconds >= 120 ? fmt::format("{:.3g} min", seconds / 60) : seconds_label(seconds);
 }
 
-std::string error_label(double error) {
-  return std::isfinite(error) ? fmt::format("{:.1e}", error) : std::isnan(error) ? "–" : "∞";
-}
+std::string error_label(double error) { return std::isinf(error) ? "∞" : compact_label(error); }
 
 std::string ratio_label(double ratio) {
   if (std::isnan(ratio)) return "–";
@@ -53,11 +60,8 @@ std::string accuracy_label(double accuracy) {
   return accuracy >= 1e-3 ? fmt::format("{:g} %", 100 * accuracy) : tolerance_label(accuracy);
 }
 
-std::string compact_label(double x) {
-  if (x == 0) return "0";
-  if (!std::isfinite(x)) return "–";
-  return short_exponent(fmt::format("{:.1e}", x));
-}
+std::string compact_label(double x) { return with_exponent(x, 1); }
+std::string digit_label(double x) { return with_exponent(x, 0); }
 
 std::string share_label(double x) {
   if (x >= 0.0995) return fmt::format("{:.0f} %", 100 * x);
@@ -66,6 +70,8 @@ std::string share_label(double x) {
 
 std::string overlap_label(double x) { return fmt::format("{:.3g} %", 100 * x); }
 
-std::string value_label(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "–"; }
+std::string value_label(double x) {
+  return std::isfinite(x) ? short_exponent(fmt::format("{:.4g}", x)) : "–";
+}
 
 }  // namespace bipot

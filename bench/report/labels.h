@@ -14,7 +14,7 @@ std::string count_label(double count);
 std::string seconds_label(double seconds);
 /// The same, in minutes from 120 s on.
 std::string duration_label(double seconds);
-/// Two digits, 1.2e-05; a dash if undefined.
+/// As compact_label, but infinite where it is.
 std::string error_label(double error);
 /// Three digits, 1.23 or 45.6 or 123; a dash if undefined.
 std::string ratio_label(double ratio);
@@ -22,6 +22,8 @@ std::string ratio_label(double ratio);
 std::string accuracy_label(double accuracy);
 /// 1.2e-3 and not 1.2e-03; 0 stays 0; a dash if not finite.
 std::string compact_label(double x);
+/// The same with one digit.
+std::string digit_label(double x);
 /// Per cent if that is short, from 1e-4 on; else as compact_label.
 std::string share_label(double x);
 /// An overlap over the smaller radius with the digits that a run prints: 5.04 %.

@@ -30,7 +30,7 @@ bool RunSetting::operator==(const RunSetting& other) const {
 
 std::string RunSetting::label() const {
   if (dem()) {
-    return std::isfinite(stiffness) ? fmt::format("springs, k_n = {:.3g} N/m", stiffness)
+    return std::isfinite(stiffness) ? fmt::format("springs, k_n = {} N/m", value_label(stiffness))
                                     : fmt::format("springs, overlap {}", tolerance_label(overlap));
   }
   const std::string length = step_factor == 1  ? "h"

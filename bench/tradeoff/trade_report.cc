@@ -15,7 +15,8 @@ namespace {
 
 /// Rounded, without an exponent up to a million.
 std::string digits(double x, int number) {
-  return std::isfinite(x) ? fmt::format("{:g}", number_at(fmt::format("{:.{}g}", x, number))) : "–";
+  if (!std::isfinite(x)) return "–";
+  return short_exponent(fmt::format("{:g}", number_at(fmt::format("{:.{}g}", x, number))));
 }
 std::string three_digits(double x) { return digits(x, 3); }
 std::string model_name(const RunSetting& s) { return s.dem() ? "dem" : "nscd"; }
@@ -114,7 +115,7 @@ Table spring_table(const SceneTrade& s) {
   Table table{.columns = {{.name = "contacts"},
                           {.name = "stiffness", .show = compact_label, .unit = "N/m"},
                           {.name = "steps per second", .show = compact_label},
-                          {.name = "CPU per simulated second", .show = seconds_label},
+                          {.name = "CPU per simulated s", .show = seconds_label},
                           {.name = "over rigid", .show = times_label},
                           {.name = "overlap / radius", .show = compact_label},
                           {.name = "worst outcome", .show = share_label}},
@@ -147,7 +148,7 @@ Table setting_table(const SceneTrade& s) {
   Table table{
       .columns = {{.name = "setting"},
                   {.name = "status"},
-                  {.name = "CPU per simulated second", .show = seconds_label},
+                  {.name = "CPU per simulated s", .show = seconds_label},
                   {.name = "iterations", .show = three_digits},
                   {.name = "overlap / radius", .show = compact_label},
                   {.name = "worst error", .show = compact_label}},
@@ -164,7 +165,7 @@ Table setting_table(const SceneTrade& s) {
     std::string name = cell.setting.label();
     if (cell.setting.dem() && std::isfinite(cell.stiffness) &&
         !std::isfinite(cell.setting.stiffness)) {
-      name += fmt::format(", k_n = {:.3g} N/m", cell.stiffness);
+      name += fmt::format(", {} N/m", compact_label(cell.stiffness));
     }
     std::vector<Table::Cell> cells = {name,
                                       Table::Cell(cell.status).tipped(cell.message),

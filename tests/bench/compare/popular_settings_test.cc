@@ -126,7 +126,7 @@ TEST(PopularSettings, AStudyHasARowForEachSettingAndProblem) {
                     {.code = SettingStudy::Overlap::kExact, .scene = "two", .largest = 0.0789},
                     {.code = "Chrono", .scene = "two", .end = "bodies left"}};
   const std::string text = to_text(settings_document(study, Provenance{}));
-  for (const char* seen : {"two: largest", "4.6e-02", "two, Chrono: bodies left"}) {
+  for (const char* seen : {"two: largest", "4.6e-2", "two, Chrono: bodies left"}) {
     EXPECT_TRUE(says(text, seen)) << seen;
   }
   for (const PopularSetting& setting : popular_settings()) {

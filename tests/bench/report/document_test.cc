@@ -135,6 +135,9 @@ TEST(Document, TextAlignsColumnsAndFitsTheTerminal) {
     EXPECT_LE(letters(text.substr(begin, end - begin)), 100u);
   }
   for (int k = 0; k < 30; ++k) EXPECT_TRUE(says(text, "column " + std::to_string(k)));
+  cells[1] = 7;  // only this tells the rows apart
+  wide.add(cells);
+  EXPECT_TRUE(says(to_text(wide), "\n\nname  column 0  column 9"));
   EXPECT_TRUE(says(to_text(small_document()), "What `a < b` says, loudly: see the end, not"));
 }
 
@@ -150,6 +153,14 @@ TEST(Document, MarksAreLettersInTextAndNotesOnPagesAreNot) {
 TEST(Labels, AnOverlapHasTheDigitsOfARun) {
   EXPECT_EQ(overlap_label(0.0504), "5.04 %");
   EXPECT_EQ(overlap_label(0.113), "11.3 %");
+}
+
+TEST(Labels, ExponentsHaveOneForm) {
+  Table table{
+      .columns = {
+          {"", "a", tolerance_label}, {"", "b", error_label}, {"", "c", value_label}, {"", "d"}}};
+  table.add({1e-6, 7.8e-4, 2.819e-9, 6e7});
+  EXPECT_EQ(to_text(table), "   a       b         c  d\n1e-6  7.8e-4  2.819e-9  6e7\n");
 }
 
 TEST(TextLines, BreakAtSpacesAndCountLetters) {

@@ -395,6 +395,15 @@ TEST(TradeReport, TheTableOfAnswersFitsInOneBlock) {
   EXPECT_TRUE(says(text.substr(head, end - head), "at tol")) << text;
 }
 
+TEST(TradeReport, CostAndOverlapOfASettingStandInOneBlock) {
+  Trade trade = manufactured(1, 0, by_solver_and_step);
+  trade.rows[0].setting = {.model = Model::kSpringDashpot, .overlap = 1e-3};
+  trade.rows[0].stiffness = 3.72e7;
+  const std::string text = to_text(trade_document(FinishedTrade(trade)));
+  const std::size_t head = text.find("setting  "), end = text.find('\n', head);
+  EXPECT_TRUE(says(text.substr(head, end - head), "overlap / radius")) << text;
+}
+
 TEST(TradeRun, TakesScenesWhoseBodiesComeAndGo) {
   // Disks of 1 kg fall through an outlet: all 4 are gone at the end.
   const TemporaryFolder folder;
