@@ -28,7 +28,7 @@ void bipot::refuse_new(const py::object& bound) {
 std::function<void(const std::string&)> bipot::python_warnings() {
   return [said = std::make_shared<std::set<std::string>>()](const std::string& text) {
     constexpr int kCaller = 3;  // of the function that the options' check calls
-    if (said->insert(text).second && PyErr_WarnEx(nullptr, text.c_str(), kCaller) < 0) {
+    if (said->insert(text).second && PyErr_WarnEx(PyExc_UserWarning, text.c_str(), kCaller) < 0) {
       throw py::error_already_set();
     }
   };

@@ -69,7 +69,8 @@ def advise(
     those means that the scene has. time_limit: wall seconds of the trials; window: length of a stretch in s;
     samples: number of stretches, more narrow the error bars; keep_step: the scene's own.
 
-    Raises FileNotFoundError, ValueError for a scene or a goal that is refused, KeyboardInterrupt.
+    Warns of what the scene leaves out and of overlaps at its start. Raises FileNotFoundError,
+    ValueError for a scene or a goal that is refused, KeyboardInterrupt.
     """
 
     goals = {

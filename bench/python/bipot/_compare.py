@@ -92,8 +92,8 @@ def compare(
         scene_problems, scene_steps: of scenes: problems taken, steps run.
     on_row: called as on_row(row, done, total).
 
-    Raises ValueError for a target or solver that does not exist, OSError, KeyboardInterrupt (rows in
-    `out` are kept).
+    Warns of what scenes leave out and of overlaps at their start. Raises ValueError for a target or
+    solver that does not exist, OSError, KeyboardInterrupt (rows in `out` are kept).
     """
     if isinstance(targets, (str, Problem)):
         targets = [targets]
@@ -136,7 +136,8 @@ def compare(
 def problems(
     *targets: str, scene_problems: int = 3, scene_steps: int | None = None
 ) -> list[Problem]:
-    """The problems of what `compare` takes as text: files, folders, scenes, families ("pile:18")."""
+    """The problems of what `compare` takes as text: files, folders, scenes, families ("pile:18").
+    Warns as `compare`."""
     return _bipot.problems(
         [text(target, "target") for target in targets],
         integer(scene_problems, "scene_problems"),

@@ -193,4 +193,4 @@ def test_what_a_scene_leaves_out_is_a_warning(tmp_path, recwarn):
         recwarn.clear()
         call()
         assert [str(w.message) for w in recwarn] == ["BODIES.DAT: 1 read, left out: 1 JONCx"]
-        assert recwarn[0].filename == __file__
+        assert recwarn[0].filename == __file__ and recwarn[0].category is UserWarning
