@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/report/labels.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/population.h"
 #include "core/motion/spring_dashpot_setup.h"
@@ -99,9 +100,9 @@ std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
        "the solver: none got there, though a solution exists; try --solver ipm or homotopy with a "
        "--time-limit of minutes"},
       {scene.solver.tol < 1e-6 && c.verdict != Existence::kNone,
-       fmt::format("the tolerance {:.0e} is tight: `bipot advise` says what "
+       fmt::format("the tolerance {} is tight: `bipot advise` says what "
                    "your question needs",
-                   scene.solver.tol)},
+                   tolerance_label(scene.solver.tol))},
       {!smaller_steps_tried && path <= 0.1, "the step: try --on-failure smaller-step"},
       {c.verdict != Existence::kNone,
        "several solutions: a solver that wanders between them may settle with --no-warm-start"},
@@ -134,8 +135,8 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state,
     const double reached = std::pow(10, std::ceil(std::log10(error.guarded())));
     return text +
            fmt::format(
-               "  1. the tolerance {:.0e} is below what doubles can express here; try --tol {:.0e}\n",
-               scene.solver.tol, reached);
+               "  1. the tolerance {} is below what doubles can express here; try --tol {:.0e}\n",
+               tolerance_label(scene.solver.tol), reached);
   }
   const ExistenceCertificate certificate = certify_existence(problem, kCertificateSeconds);
   const std::string verdict = to_text(certificate);

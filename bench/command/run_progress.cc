@@ -10,6 +10,7 @@
 #include <fstream>
 #include <utility>
 
+#include "bench/report/labels.h"
 #include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/base/interrupt.h"
@@ -60,11 +61,11 @@ RunProgress::~RunProgress() {
 void RunProgress::look_at_the_step() {
   const double waited = watch_.seconds() - step_began_, error = error_;
   if (waited < options_.patience || done_ == steps_) return;
-  const std::string state =
-      fmt::format("{:.0f} s so far{}", waited,
-                  std::isnan(error)
-                      ? ""
-                      : fmt::format(", best error {:.1e}, tolerance {:.0e}", error, options_.tol));
+  const std::string state = fmt::format(
+      "{:.0f} s so far{}", waited,
+      std::isnan(error)
+          ? ""
+          : fmt::format(", best error {:.1e}, tolerance {}", error, tolerance_label(options_.tol)));
   bar_.update(done_, fmt::format("step {}: {}", options_.step + 1, state));
   if (waited < tell_after_) return;
   std::string text =

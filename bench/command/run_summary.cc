@@ -9,6 +9,7 @@
 
 #include "bench/command/help_text.h"
 #include "bench/report/json_output.h"
+#include "bench/report/labels.h"
 #include "core/base/counted.h"
 #include "core/base/version.h"
 #include "core/motion/sample_area.h"
@@ -259,8 +260,8 @@ std::string to_text(const RunSummary<D>& s) {
       fmt::format_to(add, "  note         {}\n", line);
     }
   } else {
-    fmt::format_to(add, "  solver       {} to {} {:.0e}\n", scene.solver.name, scene.solver.stop,
-                   scene.solver.tol);
+    fmt::format_to(add, "  solver       {} to {} {}\n", scene.solver.name, scene.solver.stop,
+                   tolerance_label(scene.solver.tol));
   }
   if (t.steps == 0) {
     fmt::format_to(add, "  results in   {}\n", s.out);

@@ -20,6 +20,7 @@
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/settled_pile.h"
 #include "bench/problems/sphere_problems.h"
+#include "bench/report/labels.h"
 #include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
 #include "core/base/number_text.h"
@@ -264,9 +265,9 @@ class ProblemRun {
       const int k = step.report.step;
       if (!std::binary_search(steps_.begin(), steps_.end(), k)) return true;
       TestProblem& made = problems_[k];
-      made.origin = fmt::format("scene {}, step {} at t = {:g} s of a run with auto to {:.0e}",
+      made.origin = fmt::format("scene {}, step {} at t = {:g} s of a run with auto to {}",
                                 fs::path(scene_.source).filename().string(), k, step.report.time,
-                                scene_.solver.tol);
+                                tolerance_label(scene_.solver.tol));
       made.problem = step.problem;
       made.start = step.start;
       made.step = scene_.step;

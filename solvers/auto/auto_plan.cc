@@ -156,7 +156,7 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
   const AutoPlan& plan = own ? *own : shipped_plan();
   const bool warm = is_warm(options);
   const ProblemTraits problem = traits_of(p, DelassusOperator(p), options);
-  std::string text = fmt::format("auto: {}, d = {}, {}, {} start, tolerance {:.0e}\n",
+  std::string text = fmt::format("auto: {}, d = {}, {}, {} start, tolerance {:g}\n",
                                  counted(p.num_contacts(), "contact"), p.dim,
                                  p.has_velocities() ? "bodies given" : "W alone given",
                                  warm ? "warm" : "cold", options.tol);
@@ -169,7 +169,7 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
             : fmt::format("({} to {})", stage.min_iterations, stage.max_iterations);
     const std::string condition =
         std::isfinite(stage.largest_error)
-            ? fmt::format("; if the best error is at most {:.0e}", stage.largest_error)
+            ? fmt::format("; if the best error is at most {:g}", stage.largest_error)
             : "";
     text += fmt::format("  {:>2}. {:<10} {:<16} {}{}{}\n", ++number, stage.solver->name, budget,
                         stage.reason, start_in_words(stage), condition);

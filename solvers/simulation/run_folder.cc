@@ -23,7 +23,7 @@ std::string caption(const Scene<D>& scene, const SceneTotals<D>& totals, const S
     return fmt::format("{}: step {}, t = {:.4g} s, springs and dashpots, {} substeps a step", title,
                        state.step, state.time, totals.last.iterations);
   }
-  return fmt::format("{}: step {}, t = {:.4g} s, solver {}, max(ε, η) = {:.1e} (tol {:.0e})", title,
+  return fmt::format("{}: step {}, t = {:.4g} s, solver {}, max(ε, η) = {:.1e} (tol {:g})", title,
                      state.step, state.time, scene.solver.name, totals.last.error.guarded(),
                      scene.solver.tol);
 }

@@ -82,7 +82,7 @@ TEST(RunProgress, TellsOfAStepThatTakesLong) {
     std::size_t digits = 0;
     EXPECT_LE(std::stod(told.substr(at + begin.size()), &digits), seconds + 0.5);
     EXPECT_TRUE(told.substr(at + begin.size() + digits)
-                    .starts_with(" s so far, best error 2.0e-03, tolerance 1e-08\n"));
+                    .starts_with(" s so far, best error 2.0e-03, tolerance 1e-8\n"));
     EXPECT_EQ(told.find("give up"), told.rfind("give up"));
     EXPECT_GE(std::count(told.begin(), told.end(), '\n'), 3);
   }

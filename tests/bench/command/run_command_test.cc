@@ -354,6 +354,10 @@ TEST_F(RunCommand, TheAdviceAgainstOverlapsFitsTheScene) {
   EXPECT_TRUE(says(cut, "a travel below 0.2 in [time]"));
 }
 
+TEST_F(RunCommand, TheSummaryHasTheToleranceThatWasGiven) {
+  expect_said("run square_lattice --steps 1 --tol 1.5e-3", 0, {"to guarded 1.5e-3\n"});
+}
+
 TEST_F(RunCommand, ADurationBelowAStepIsRefused) {
   expect_said("run sliding_cylinder --duration 1e-9", 2, {"1e-09 s is shorter than a step of"});
 }
