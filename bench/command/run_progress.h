@@ -37,8 +37,13 @@ class RunProgress {
   /// `done`: steps of this run; `time` at its end.                                            [s]
   template <int D>
   void add(const StepReport<D>& report, long done, double time);
-  /// The solver of the present step is there. Stages of `auto` begin anew: the best counts.
-  void judged(const IterationRecord& record) { error_ = std::fmin(error_, record.error.guarded()); }
+  /// The solver of the present step is there. Stages of `auto` begin anew: the best counts, until
+  /// the count of a new solve begins.
+  void judged(const IterationRecord& record) {
+    const double error = record.error.guarded();
+    error_ = record.iteration > iteration_ ? std::fmin(error_, error) : error;
+    iteration_ = record.iteration;
+  }
 
  private:
   void look_at_the_step();
@@ -49,7 +54,8 @@ class RunProgress {
   std::filesystem::path log_;
   Stopwatch watch_;
   double step_began_ = 0, tell_after_;  // in seconds
-  std::atomic<double> error_ = kNaN;    // of the present step, the best
+  std::atomic<double> error_ = kNaN;    // of the present step's last solve, the best
+  int iteration_ = 0;                   // of it, the last that was judged
   long done_ = 0;
   bool over_ = false;
   std::mutex mutex_;

@@ -66,8 +66,9 @@ TEST(RunProgress, TellsOfAStepThatTakesLong) {
                                .tol = 1e-8,
                                .hint = "give up",
                                .patience = 0.05});
-    progress.judged({.error = {.epsilon = 2e-3, .eta = 1e-3}});
-    progress.judged({.error = {.epsilon = 0.5, .eta = 1e-3}});
+    progress.judged({.iteration = 7, .error = {.epsilon = 1e-9, .eta = 1e-9}});  // of a part
+    progress.judged({.iteration = 0, .error = {.epsilon = 2e-3, .eta = 1e-3}});
+    progress.judged({.iteration = 1, .error = {.epsilon = 0.5, .eta = 1e-3}});
     while (times(file_text(folder / "run.log")) < 2 && watch.seconds() < 60) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
