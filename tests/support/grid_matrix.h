@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <vector>
 
 #include "core/base/portable_random.h"
 #include "core/base/triplets.h"

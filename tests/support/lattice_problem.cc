@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <vector>
 
 #include "core/base/triplets.h"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <vector>
 
 #include "core/base/stopwatch.h"
 #include "core/base/triplets.h"

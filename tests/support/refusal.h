@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <exception>
+#include <optional>
 #include <string>
 
 namespace bipot {
@@ -16,6 +17,18 @@ std::string refusal_of(const Call& call) {
     return e.what();
   }
   return "nothing was thrown";
+}
+
+/// The exception of this type that `call` must throw; without one the test fails.
+template <class Exception, class Call>
+std::optional<Exception> caught(const Call& call) {
+  try {
+    call();
+  } catch (const Exception& e) {
+    return e;
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return {};
 }
 
 /// Whether the text has this part; a failed expectation shows both.

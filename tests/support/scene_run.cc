@@ -3,16 +3,13 @@
 namespace bipot {
 
 template <int D>
-State<D> solved_run(
-    const Scene<D>& scene,
-    const std::type_identity_t<std::function<void(const State<D>&, const StepReport<D>&)>>& on_step,
-    const std::string& solver) {
+State<D> solved_run(const Scene<D>& scene, const OnStep<D>& on_step, const std::string& solver) {
+  EXPECT_GT(scene.num_steps, 0) << "no step is checked";
   const SolverEntry& entry = require_solver(solver.empty() ? scene.solver.name : solver);
   SolverOptions options = to_options(scene.solver);
   if (!solver.empty()) options.parameters.clear();
-  SceneRunOptions<D> run;
-  run.solver = make_step_solver(entry, options);
-  run.explicit_delassus = entry.needs_delassus;
+  SceneRunOptions<D> run{.solver = make_step_solver(entry, options),
+                         .explicit_delassus = entry.needs_delassus};
   run.on_step = [&](const SceneStep<D>& step) {
     EXPECT_TRUE(step.report.converged)
         << "step " << step.report.step << ": " << step.report.message;
@@ -25,11 +22,7 @@ State<D> solved_run(
   return state;
 }
 
-template State<2> solved_run<2>(const Scene<2>&,
-                                const std::function<void(const State<2>&, const StepReport<2>&)>&,
-                                const std::string&);
-template State<3> solved_run<3>(const Scene<3>&,
-                                const std::function<void(const State<3>&, const StepReport<3>&)>&,
-                                const std::string&);
+template State<2> solved_run<2>(const Scene<2>&, const OnStep<2>&, const std::string&);
+template State<3> solved_run<3>(const Scene<3>&, const OnStep<3>&, const std::string&);
 
 }  // namespace bipot

@@ -8,7 +8,9 @@
 #include <type_traits>
 
 #include "core/motion/time_stepping.h"
+#include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_run.h"
 #include "solvers/simulation/step_solver.h"
@@ -17,13 +19,30 @@
 
 namespace bipot {
 
+template <int D>
+using OnStep = std::type_identity_t<std::function<void(const State<D>&, const StepReport<D>&)>>;
+
 /// Runs a scene with its own solver choice (or `solver` if not empty) and hands every step to
 /// `on_step`. Returns the final state. A step that does not converge fails the test that called.
 template <int D>
-State<D> solved_run(const Scene<D>& scene,
-                    const std::type_identity_t<
-                        std::function<void(const State<D>&, const StepReport<D>&)>>& on_step = {},
+State<D> solved_run(const Scene<D>& scene, const OnStep<D>& on_step = {},
                     const std::string& solver = "");
+/// The same over that many steps, whatever the scene has.
+template <int D>
+State<D> solved_run(Scene<D> scene, int steps, const OnStep<D>& on_step = {}) {
+  scene.num_steps = steps;
+  return solved_run(scene, on_step);
+}
+
+/// Such a run whose books close: imbalances of energy [J] and momentum [N s] stay below, step by
+/// step.
+template <int D>
+State<D> closed_run(const Scene<D>& scene, int steps, double energy, double momentum) {
+  return solved_run(scene, steps, [=](const State<D>&, const StepReport<D>& r) {
+    EXPECT_LT(std::abs(r.energy.imbalance), energy) << "step " << r.step;
+    EXPECT_LT(r.momentum_imbalance.norm(), momentum) << "step " << r.step;
+  });
+}
 
 /// A stepper of the scene with that solver, by the scene's options or by others.
 template <int D>
@@ -56,6 +75,14 @@ State<D> after_steps(const Scene<D>& scene, int steps, double bound = 1e-10) {
   State<D> state = initial_state(scene);
   balanced_steps(scene, state, steps, bound);
   return state;
+}
+
+/// The state as the files of a run give it back.
+template <int D>
+State<D> written_and_read(const Scene<D>& scene, const State<D>& state) {
+  const TemporaryFolder place;
+  RunWriter<D>(place / "run", scene, "").frame(state);
+  return read_state<D>(place / "run");
 }
 
 /// A run that is cut after `at` steps and goes on from its folder must end with the same bits.

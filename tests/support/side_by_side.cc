@@ -61,9 +61,7 @@ SideBySide side_by_side(const std::vector<ContactProblem>& parts) {
     p.A = from_triplets(dofs, dofs, a);
     p.H = from_triplets(dofs, contacts * d, h);
   }
-  if (!w.empty()) {
-    p.W = from_triplets<SparseRows>(contacts * d, contacts * d, w);
-  }
+  if (!w.empty()) p.W = from_triplets<SparseRows>(contacts * d, contacts * d, w);
   return out;
 }
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <string>
+#include <utility>
 
 namespace bipot {
 
@@ -11,6 +13,13 @@ inline std::string test_name(std::string text) {
   const auto other = [](unsigned char c) { return std::isalnum(c) == 0; };
   std::replace_if(text.begin(), text.end(), other, '_');
   return text;
+}
+
+/// A solver and its parameters as the name of a test.
+inline std::string test_name(std::string solver,
+                             const std::map<std::string, std::string>& parameters) {
+  for (const auto& [key, value] : parameters) solver += "_" + key + "_" + value;
+  return test_name(std::move(solver));
 }
 
 }  // namespace bipot

@@ -15,8 +15,11 @@ void write(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path) << text;
 }
 
-TEST(PageCurves, TakesTheColumnsOfAnyFileAndLeavesACutLine) {
+struct PageCurves : testing::Test {
   const TemporaryFolder folder;
+};
+
+TEST_F(PageCurves, TakesTheColumnsOfAnyFileAndLeavesACutLine) {
   write(folder / "ledger.csv", "step,time [s],new thing [W]\n1,0.5,7\n2,1,nan\n3,1.");
   const auto tables = read_curves(folder.path());
   ASSERT_EQ(tables.size(), 1u);
@@ -29,8 +32,7 @@ TEST(PageCurves, TakesTheColumnsOfAnyFileAndLeavesACutLine) {
   EXPECT_EQ(tables[0].column("thing"), nullptr);
 }
 
-TEST(PageCurves, AColumnOfWordsMakesATableForEach) {
-  const TemporaryFolder folder;
+TEST_F(PageCurves, AColumnOfWordsMakesATableForEach) {
   write(folder / "walls.csv",
         "step,time [s],wall,force_x [N]\n1,0.5,left,3\n1,0.5,right,-3\n2,1,left,4\n");
   const auto tables = read_curves(folder.path());
@@ -41,8 +43,7 @@ TEST(PageCurves, AColumnOfWordsMakesATableForEach) {
   EXPECT_EQ(*tables[1].column("force_x"), (std::vector<double>{-3}));
 }
 
-TEST(PageCurves, UnitsComeFromTheirFileAndNamesMayHaveCommas) {
-  const TemporaryFolder folder;
+TEST_F(PageCurves, UnitsComeFromTheirFileAndNamesMayHaveCommas) {
   write(folder / "units.csv", "file,column,unit\nwalls.csv,reaction_x,N\n");
   write(folder / "walls.csv", "step,time,wall,reaction_x\n1,0.5,\"left, \"\"low\"\"\",3\n");
   const auto tables = read_curves(folder.path());
@@ -52,13 +53,12 @@ TEST(PageCurves, UnitsComeFromTheirFileAndNamesMayHaveCommas) {
   EXPECT_NE(tables[0].column("reaction_x"), nullptr);
 }
 
-TEST(PageCurves, AFileWithoutTimeIsRefused) {
-  const TemporaryFolder folder;
+TEST_F(PageCurves, AFileWithoutTimeIsRefused) {
   write(folder / "ledger.csv", "step,x\n1,2\n");
   EXPECT_THROW(read_curves(folder.path()), FileError);
 }
 
-TEST(PageCurves, ThinningKeepsEveryExtreme) {
+TEST_F(PageCurves, ThinningKeepsEveryExtreme) {
   CurveTable table{.file = "ledger", .part = "", .names = {"time [s]", "x"}, .columns = {{}, {}}};
   for (int k = 0; k < 1000; ++k) {
     table.columns[0].push_back(k);

@@ -5,9 +5,8 @@
 #include <stdexcept>
 
 #include "bench/page/run_frames.h"
-#include "core/scene_files/scene_file.h"
 #include "solvers/simulation/scene_run.h"
-#include "tests/support/floor_text.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -15,9 +14,8 @@ namespace {
 
 TEST(RunMovie, AnotherEndingIsRefusedBeforeAnythingIsDrawn) {
   const TemporaryFolder folder;
-  const Scene<2> scene = parse_scene(
-      "[[disks]]\nradius = 1\ndensity = 1\nposition = [0, 0]\n[time]\nstep = 0.1\nsteps = 1\n",
-      "one");
+  const Scene<2> scene = scene_of(
+      "[[disks]]\nradius = 1\ndensity = 1\nposition = [0, 0]\n[time]\nstep = 0.1\nsteps = 1\n");
   State<2> state = initial_state(scene);
   run_scene(scene, state, {.folder = {.folder = folder.path()}});
   EXPECT_THROW(write_run_movie(folder.path(), "movie.avi"), std::invalid_argument);
@@ -25,13 +23,9 @@ TEST(RunMovie, AnotherEndingIsRefusedBeforeAnythingIsDrawn) {
 
 TEST(RunFrames, AShownStateIsTheOneOfItsFile) {
   const TemporaryFolder folder;
-  const Scene<2> scene = parse_scene(floor_text(5) + R"([[disks]]
-radius = 0.1
-density = 1000
-position = [0.05, 0.1]
-velocity = [1, 0]
-)",
-                                     "one");
+  const Scene<2> scene = scene_of(floor_text(5) + R"(
+disks = [{radius = 0.1, density = 1000, position = [0.05, 0.1], velocity = [1, 0]}]
+)");
   State<2> state = initial_state(scene);
   run_scene(scene, state, {.folder = {.folder = folder.path()}});
   const RunFrames<2> run = read_frames<2>(folder.path(), scene.step);

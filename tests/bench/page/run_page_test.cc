@@ -9,26 +9,24 @@
 
 #include "bench/page/page_update.h"
 #include "core/base/file_error.h"
-#include "core/scene_files/scene_file.h"
 #include "solvers/simulation/scene_run.h"
-#include "tests/support/floor_text.h"
+#include "tests/support/refusal.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
 
-const std::string kScene = "title = \"A disk & <a floor>\"" + floor_text(30) + R"([[disks]]
-radius = 0.1
-density = 1000
-position = [0, 0.15]
+const std::string kScene = "title = \"A disk & <a floor>\"" + floor_text(30) + R"(
+disks = [{radius = 0.1, density = 1000, position = [0, 0.15]}]
 [output]
 every = 10
 picture = false
 )";
 
 void run_into(const std::filesystem::path& folder) {
-  const Scene<2> scene = parse_scene(kScene, "floor.toml");
+  const Scene<2> scene = scene_of(kScene);
   State<2> state = initial_state(scene);
   run_scene(scene, state, {.folder = {.folder = folder, .scene_text = kScene, .program = "test"}});
 }
@@ -46,12 +44,12 @@ TEST(RunPage, HoldsEveryStepOfAShortRun) {
   EXPECT_EQ(written.frames, 31u);
   const std::string page = file_text(written.path);
   EXPECT_EQ(page.size(), written.bytes);
-  EXPECT_EQ(page.find("{{"), std::string::npos);
-  EXPECT_NE(page.find("<title>A disk &amp; &lt;a floor&gt;</title>"), std::string::npos);
-  EXPECT_EQ(page.find("src="), std::string::npos);                   // nothing is loaded
+  EXPECT_FALSE(says(page, "{{"));
+  EXPECT_TRUE(says(page, "<title>A disk &amp; &lt;a floor&gt;</title>"));
+  EXPECT_FALSE(says(page, "src="));                                  // nothing is loaded
   EXPECT_EQ(page.find("://"), page.find("://github.com/leeoniya"));  // a comment of uPlot
   EXPECT_EQ(page.rfind("://"), page.find("://"));
-  EXPECT_NE(page.find("Permission is hereby granted"), std::string::npos);  // its licence
+  EXPECT_TRUE(says(page, "Permission is hereby granted"));  // its licence
   const auto facts = about(page);
   EXPECT_EQ(facts["frames"].size(), 31u);
   EXPECT_EQ(facts["scene"], kScene);
@@ -112,7 +110,7 @@ TEST(RunPage, AnUpdateHasWhatCameAfterAStep) {
   EXPECT_EQ(update["curves"][0]["all_rows"], 30);
   EXPECT_EQ(update["ended"], true);
   EXPECT_EQ(nlohmann::json::parse(page_update(folder.path(), 30, false))["frames"].size(), 0u);
-  EXPECT_NE(live_run_page(folder.path()).find("connect-src 'self'"), std::string::npos);
+  EXPECT_TRUE(says(live_run_page(folder.path()), "connect-src 'self'"));
 }
 
 TEST(RunPage, AFolderWithoutARunIsRefused) {
@@ -123,7 +121,7 @@ TEST(RunPage, AFolderWithoutARunIsRefused) {
 TEST(RunPage, AScenesKeyLeavesTheFilmOut) {
   const TemporaryFolder folder;
   std::string text = kScene + "page = false\n";
-  const Scene<2> scene = parse_scene(text, "floor.toml");
+  const Scene<2> scene = scene_of(text);
   EXPECT_FALSE(scene.output.page);
   State<2> state = initial_state(scene);
   run_scene(scene, state, {.folder = {.folder = folder.path(), .scene_text = text, .program = ""}});

@@ -6,11 +6,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/base/portable_random.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/scene_parts.h"
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/random_vector.h"
 
 namespace bipot {
@@ -176,8 +175,7 @@ TEST(Assembly, OperatorIsThatOfTheBodies) {
 TEST(Assembly, OneDiskOnAFloorHasItsKnownOperator) {
   // m = 2, a = 0.5, I = m a²/2: W = diag(1/m, 1/m + a²/I) = diag(1, 3)/m.
   const Scene<2> scene = unit_step_scene(0.3, 0, 0);
-  Bodies b;
-  b.bodies = {disk_at(0, 0.5, 0.5, Vec2(3, -1), 4)};
+  Bodies b{.bodies = {disk_at(0, 0.5, 0.5, Vec2(3, -1), 4)}};
   b.bodies[0].mass = 2;
   b.bodies[0].inertia = 0.25;
   b.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))};
@@ -196,9 +194,8 @@ TEST(Assembly, OneDiskOnAFloorHasItsKnownOperator) {
 TEST(Assembly, AnApproachBelowTheRoundingOfTheSlipIsNone) {
   const Scene<2> scene = unit_step_scene(0.3, 0, 0);
   for (const double approach : {1e-12, 1e-15, 1e-17, 1e-60}) {
-    Bodies b;
-    b.bodies = {disk_at(0.5, 0, 0.5, Vec2(-approach, 1))};
-    b.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0))};
+    Bodies b{.bodies = {disk_at(0.5, 0, 0.5, Vec2(-approach, 1))},
+             .walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0))}};
     const ContactProblem p = b.assemble(scene).problem;
     EXPECT_EQ(p.u_free[0], approach > 0x1p-52 ? -approach : 0);
     EXPECT_EQ(p.u_free[1], 1);
@@ -209,11 +206,9 @@ TEST(Assembly, RestitutionReversesOneContact) {
   // u_n⁺ = -e_n u_n⁻ for a head-on shock of two disks, whatever the masses.
   for (const double e_n : {0.0, 0.3, 1.0}) {
     const Scene<2> scene = unit_step_scene(0, e_n, 0);
-    Bodies b;
-    b.bodies = {disk_at(0, 0, 0.5, Vec2(2, 0)), disk_at(1.2, 0, 0.7, Vec2(-1, 0))};
+    Bodies b{.bodies = {disk_at(0, 0, 0.5, Vec2(2, 0)), disk_at(1.2, 0, 0.7, Vec2(-1, 0))}};
     const AssembledStep step = b.assemble(scene);
-    const SolveResult r = solve("pgs", step.problem, tolerance(1e-12));
-    ASSERT_EQ(r.status, SolveStatus::kConverged);
+    const SolveResult r = converged(solve("pgs", step.problem, tolerance(1e-12)));
     const Vector v = body_velocities(step.problem, r.s);
     EXPECT_DOUBLE_EQ(step.u_before[0], -3);
     EXPECT_NEAR(v[2] - v[0], 3 * e_n, 1e-11);  // from -3 to +3 e_n, n = (-1, 0)
@@ -235,8 +230,7 @@ TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
     b.walls = {half_space<2>(Vec2(0, 0.12), Vec2(0.0, 1.0))};
     const AssembledStep step = b.assemble(scene);
     const ContactProblem& p = step.problem;
-    const SolveResult r = solve("pgs", p, tolerance(1e-11));
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    const SolveResult r = converged(solve("pgs", p, tolerance(1e-11)));
     const Vector v = body_velocities(p, r.s);
     const Vector s = r.s.cwiseQuotient(p.row_scale);
     const auto contacts = detect_contacts(b.bodies, b.walls, 0);
@@ -268,10 +262,9 @@ TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
 
 TEST(Assembly, MovingWallsStandInTheRightHandSide) {
   const Scene<2> scene = unit_step_scene(0.5, 0.25, 0);
-  Bodies b;
-  b.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
-  b.v_free = {Vec2(1, -3)};
-  b.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))};
+  Bodies b{.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))},
+           .walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))},
+           .v_free = {Vec2(1, -3)}};
   move_at(b.walls[0], Vec2(4, 5));
   const AssembledStep step = b.assemble(scene);
   EXPECT_EQ(step.problem.num_dofs(), 3);
@@ -287,9 +280,8 @@ TEST(Assembly, MovingWallsStandInTheRightHandSide) {
 
 TEST(Assembly, DrivenWallsHaveOneDegreeOfFreedom) {
   const Scene<2> scene = unit_step_scene(0.5, 0, 0);
-  Bodies b;
-  b.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
-  b.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))};
+  Bodies b{.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))},
+           .walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))}};
   drive(b.walls[0], Vec2(0.6, 0.8), 4);
   b.walls[0].v = 5 * b.walls[0].direction;
   b.wall_free = {6};
@@ -325,9 +317,10 @@ TEST(Assembly, WithoutFrictionThereAreNoTangentsAndNoSpins) {
 
 TEST(Assembly, BodiesWithoutContactsDoNotEnter) {
   const Scene<2> scene = unit_step_scene(0.3, 0, 0);
-  Bodies b;
-  b.bodies = {disk_at(50, 50, 0.5), disk_at(0, 0, 0.5), disk_at(-50, 7, 0.5), disk_at(1, 0, 0.5)};
-  b.walls = {half_space<2>(Vec2(0, -80), Vec2(0, 1)), half_space<2>(Vec2(0, -90), Vec2(0, 1))};
+  Bodies b{
+      .bodies = {disk_at(50, 50, 0.5), disk_at(0, 0, 0.5), disk_at(-50, 7, 0.5),
+                 disk_at(1, 0, 0.5)},
+      .walls = {half_space<2>(Vec2(0, -80), Vec2(0, 1)), half_space<2>(Vec2(0, -90), Vec2(0, 1))}};
   drive(b.walls[1], Vec2(0, 1), 1);
   const AssembledStep step = b.assemble(scene);
   EXPECT_EQ(step.problem.num_dofs(), 6);
@@ -347,8 +340,8 @@ TEST(Assembly, EveryPairOfMaterialsHasItsLaw) {
   const ContactLaw steel{.mu = 0.1, .e_n = 1}, mixed{.mu = 0.2, .e_n = 0.5},
       wood{.mu = 0.4, .e_n = 0};
   scene.laws = {steel, mixed, mixed, wood};
-  Bodies b;
-  b.bodies = {disk_at(0, 0, 0.5), disk_at(1, 0, 0.5), disk_at(2, 0, 0.5), disk_at(3, 0, 0.5)};
+  Bodies b{
+      .bodies = {disk_at(0, 0, 0.5), disk_at(1, 0, 0.5), disk_at(2, 0, 0.5), disk_at(3, 0, 0.5)}};
   b.bodies[2].material = b.bodies[3].material = 1;
   const ContactProblem p = b.assemble(scene).problem;
   ASSERT_EQ(p.num_contacts(), 3);

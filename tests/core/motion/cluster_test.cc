@@ -11,13 +11,11 @@
 #include "core/motion/midpoint.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/stress_tensor.h"
-#include "core/motion/time_stepping.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/disk_union.h"
-#include "core/scene/scene_parts.h"
-#include "core/scene_files/scene_file.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -26,8 +24,7 @@ namespace {
 void add_cluster(Scene<2>& scene, const std::vector<Circle>& parts, double density, const Vec2& v,
                  double spin) {
   for (const Circle& part : parts) {
-    Disk disk{.x = part.centre, .radius = part.radius};
-    scene.bodies.push_back(disk);
+    scene.bodies.push_back({.x = part.centre, .radius = part.radius});
   }
   join_disks(scene, parts.size(), {.density = density});
   scene.clusters.bodies.back().v = v;
@@ -199,7 +196,7 @@ TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
 /// Two disks of radius 0.1 side by side, b to both sides, touching the floor, and a third on top.
 Scene<2> stool(double b, double top, double shift) {
   Scene<2> scene = one_law<2>({.mu = 3});
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   add_cluster(scene, {{Vec2(-b, 0.1), 0.1}, {Vec2(b, 0.1), 0.1}, {Vec2(shift, top), 0.12}}, 100,
               Vec2::Zero(), 0);
   scene.contact_distance = 1e-9;
@@ -256,10 +253,9 @@ TEST(Cluster, OneDiskJoinedToNothingIsThatDisk) {
       "[contact]\nmu = 0.4\ne_n = 0.3\n[[walls]]\npoint = [0, 0]\nnormal = [0.1, 1]\n"
       "[time]\nstep = 1e-3\nsteps = 300\n[solver]\nname = 'pgs'\ntol = 1e-9\n";
   const std::string motion = "density = 300\nvelocity = [1, -0.3]\nspin = 4\n";
-  const Scene<2> disk =
-      parse_scene("[[disks]]\nposition = [0, 0.31]\nradius = 0.2\n" + motion + rest, "disk.toml");
-  const Scene<2> cluster = parse_scene(
-      "[[clusters]]\nposition = [0, 0.3]\nparts = [[0, 0.01, 0.2]]\n" + motion + rest, "one.toml");
+  const Scene<2> disk = scene_of("[[disks]]\nposition = [0, 0.31]\nradius = 0.2\n" + motion + rest);
+  const Scene<2> cluster =
+      scene_of("[[clusters]]\nposition = [0, 0.3]\nparts = [[0, 0.01, 0.2]]\n" + motion + rest);
   Scene<2> inside = disk;  // the same as a cluster with one member, which no file asks for
   const Disk& d = disk.bodies[0];
   inside.clusters.bodies = {{.x = d.x,
@@ -288,31 +284,30 @@ TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
   const std::string two = "[[clusters]]\nparts = [[0, 0, 0.1], [0.3, 0, 0.1]]\n";
   // A quarter turn puts the second disk above the first.
   const Scene<2> turned =
-      parse_scene(two + "position = [1, 2]\ndegrees = 90\nmass = 3\ninertia = 5\n" + time, "t");
+      scene_of(two + "position = [1, 2]\ndegrees = 90\nmass = 3\ninertia = 5\n" + time);
   EXPECT_LT((turned.bodies[0].x - Vec2(1, 2)).norm(), 1e-15);
   EXPECT_LT((turned.bodies[1].x - Vec2(1, 2.3)).norm(), 1e-15);
   EXPECT_LT((turned.clusters.bodies[0].x - Vec2(1, 2.15)).norm(), 1e-15);
   EXPECT_EQ(turned.clusters.bodies[0].mass, 3);
   EXPECT_EQ(turned.clusters.bodies[0].inertia, 5);
   // By density, two disks apart: 2 ρ π a²; inertia of both, ½ m a² + m (0.15)².
-  const Scene<2> dense = parse_scene(two + "position = [0, 0]\ndensity = 100\n" + time, "t");
+  const Scene<2> dense = scene_of(two + "position = [0, 0]\ndensity = 100\n" + time);
   const double mass = 200 * std::numbers::pi * 0.01;
   EXPECT_NEAR(dense.clusters.bodies[0].mass, mass, 1e-13);
   EXPECT_NEAR(dense.clusters.bodies[0].inertia, mass * (0.005 + 0.0225), 1e-14);
   // A group in a lattice of cells that hold a cluster however it is turned: 0.5 m; nothing touches.
   const Scene<2> many =
-      parse_scene(two +
-                      "arrangement = 'random'\ncount = 20\nwidth = 3\nseed = 4\n"
-                      "density = 9\n[[disks]]\nposition = [9, 9]\nradius = 1\nmass = 1\n" +
-                      time,
-                  "t");
+      scene_of(two +
+               "arrangement = 'random'\ncount = 20\nwidth = 3\nseed = 4\n"
+               "density = 9\n[[disks]]\nposition = [9, 9]\nradius = 1\nmass = 1\n" +
+               time);
   EXPECT_EQ(many.bodies.size(), 41u);
   EXPECT_EQ(many.clusters.arms.size(), 41u);
   EXPECT_EQ(many.bodies[0].cluster, -1);
   EXPECT_TRUE(detect_contacts(many.bodies, many.walls, 0).empty());
   EXPECT_NE(many.clusters.bodies[0].x, many.clusters.bodies[1].x);
-  const Scene<2> rows = parse_scene(
-      two + "arrangement = 'rectangular'\ncolumns = 2\nrows = 3\nmass = 1\n" + time, "t");
+  const Scene<2> rows =
+      scene_of(two + "arrangement = 'rectangular'\ncolumns = 2\nrows = 3\nmass = 1\n" + time);
   EXPECT_EQ(rows.clusters.bodies.size(), 6u);
   EXPECT_LT((rows.clusters.bodies[1].x - Vec2(0.75, 0.25)).norm(), 1e-15);
   refused(two + "mass = 1\n", "position");

@@ -7,15 +7,11 @@
 #include <string>
 
 #include "core/motion/midpoint.h"
-#include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"
-#include "core/scene/generators.h"
-#include "core/scene/scene_parts.h"
-#include "core/scene_files/scene_file.h"
-#include "solvers/registry.h"
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -62,9 +58,7 @@ void hang_chain() {
   }
   State<D> falls = initial_state(hanging_chain<D>(4, 3.5 * weight));
   balanced_steps(hanging_chain<D>(4, 3.5 * weight), falls, 1);
-  for (const Body<D>& b : falls.bodies) {
-    EXPECT_NEAR(b.v[D - 1], -kGrainStep * kGravity / 8, 1e-12);
-  }
+  for (const Body<D>& b : falls.bodies) EXPECT_NEAR(b.v[D - 1], -kGrainStep * kGravity / 8, 1e-12);
   // Its work while it opened: c times the mean speed times h.
   EXPECT_NEAR(falls.cohesion_loss, 3.5 * weight * kGrainStep * kGravity * kGrainStep / 16, 1e-12);
   balanced_steps(hanging_chain<D>(4, 3.5 * weight), falls, 9);
@@ -197,19 +191,12 @@ TEST(Cohesion, ARangeHoldsBodiesThatTurnAboutEachOther) {
 TEST(Cohesion, HoldsAClusterAtBothOfItsDisks) {
   for (const double share : {0.9, 1.1}) {
     const std::string text = R"(
-      [contact]
-      cohesion = 10
-      [[clusters]]
-      parts = [[-0.5, 0, 0.5], [0.5, 0, 0.5]]
-      position = [0, -0.5]
-      density = 1
-      [[walls]]
-      point = [0, 0]
-      normal = [0, -1]
-      [time]
-      step = 0.01
-      steps = 10)";
-    Scene<2> scene = parse_scene(text, "test");
+contact = {cohesion = 10}
+clusters = [{parts = [[-0.5, 0, 0.5], [0.5, 0, 0.5]], position = [0, -0.5], density = 1}]
+walls = [{point = [0, 0], normal = [0, -1]}]
+time = {step = 0.01, steps = 10}
+)";
+    Scene<2> scene = scene_of(text);
     scene.solver.tol = 1e-13;
     scene.gravity = Vec2(0, -share * 20 / scene.clusters.bodies[0].mass);
     const double v = after_steps(scene, 1).clusters.bodies[0].v[1];
@@ -278,13 +265,11 @@ Scene<2> sticky_heap() {
 TEST(Cohesion, EverySolverFindsTheSameStep) {
   const Scene<2> scene = sticky_heap();
   const ContactProblem p = step_problem(scene, initial_state(scene), true);
-  const SolveResult exact = solve("pgs", p, {.tol = 1e-13});
-  ASSERT_TRUE(is_success(exact.status));
+  const SolveResult exact = converged(solve("pgs", p, {.tol = 1e-13}));
   for (const std::string& name : solver_names()) {
     const SolverEntry& entry = require_solver(name);
     if (p.dim > entry.max_dim || p.num_contacts() > entry.max_contacts) continue;
-    const SolveResult r = solve(name, p, {.tol = 1e-9, .max_iterations = 200000});
-    EXPECT_TRUE(is_success(r.status)) << name << ": " << r.message;
+    const SolveResult r = converged(solve(name, p, {.tol = 1e-9, .max_iterations = 200000}), name);
     EXPECT_LT((r.u - exact.u).norm(), 1e-6) << name;
     EXPECT_LT((p.H * (r.s - exact.s)).norm(), 1e-6) << name;
   }
@@ -302,11 +287,10 @@ TEST(Cohesion, ARestartContinuesBitForBit) {
 
 TEST(Cohesion, IsReadAndRefusedWithItsReason) {
   const std::string rest = "\n[time]\nstep = 0.01\nsteps = 1\n";
-  const Scene<2> scene = parse_scene(
+  const Scene<2> scene = scene_of(
       "materials = [\"a\", \"b\"]\n[contact]\ncohesion = 2\ncohesion_range = 0.1\nheal = false\n"
       "[[pairs]]\nbetween = [\"a\", \"b\"]\ncohesion = 0\n" +
-          rest,
-      "test");
+      rest);
   EXPECT_EQ(scene.law(0, 0).cohesion, 2);
   EXPECT_EQ(scene.law(0, 1).cohesion, 0);
   EXPECT_EQ(scene.cohesion_range, 0.1);

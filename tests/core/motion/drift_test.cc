@@ -8,11 +8,8 @@
 #include <limits>
 #include <string>
 
-#include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
-#include "core/scene/scene_parts.h"
 #include "tests/support/scene_run.h"
-#include "tests/support/state_bits.h"
 
 namespace bipot {
 namespace {
@@ -34,7 +31,7 @@ struct Drift {
 };
 
 /// `steps` of the scene, or fewer: until `shocks` steps had an active contact.
-Drift run(const Scene<2>& scene, int steps, int shocks = std::numeric_limits<int>::max()) {
+Drift drift_of(const Scene<2>& scene, int steps, int shocks = std::numeric_limits<int>::max()) {
   State<2> state = initial_state(scene);
   TimeStepper<2> stepper = stepper_of(scene, scene.solver.name);
   Drift drift;
@@ -65,7 +62,7 @@ TEST(Drift, APileAtRestDoesNotCreep) {
     const Scene<2> scene = make_family_scene(family, 4, {.mu = 0.3});
     ASSERT_EQ(scene.solver.tol, 1e-8);
     const double radius = scene.bodies[0].radius;
-    const Drift drift = run(scene, kSteps);
+    const Drift drift = drift_of(scene, kSteps);
     const double way = farthest(scene.bodies, drift.end.bodies);
     RecordProperty(family, std::to_string(way / (radius * kSteps)));
     EXPECT_LE(way, 1e-9 * radius * kSteps) << family;
@@ -79,7 +76,7 @@ Scene<2> elastic_ball(double e_n, double step) {
   Scene<2> scene = one_law<2>({.mu = 0, .e_n = e_n});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = step;
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   scene.bodies = {round_body<2>(Vec2(0, 1.5), 0.5, 1)};
   return scene;
 }
@@ -91,7 +88,7 @@ TEST(Drift, AnElasticBallKeepsItsEnergy) {
   for (const bool project : {false, true}) {
     Scene<2> scene = elastic_ball(1, 1e-2);
     scene.project_overlaps = project;
-    const Drift drift = run(scene, 1000000, 1000);
+    const Drift drift = drift_of(scene, 1000000, 1000);
     EXPECT_EQ(drift.shocks, 1000);
     const double energy = 1.5 * kGravity;
     EXPECT_GT(drift.lowest, 0.99 * energy) << project;
@@ -107,12 +104,11 @@ Scene<2> drum(double mu, double spin, double speed, double step) {
   Scene<2> scene = one_law<2>({.mu = mu});
   scene.step = step;
   scene.contact_distance = 1e-6;
-  Wall<2> wall{.name = "drum",
-               .shape = Wall<2>::Shape::kHollowCircle,
-               .motion = spin != 0 ? Wall<2>::Motion::kMoving : Wall<2>::Motion::kFixed,
-               .radius = 2,
-               .spin = spin};
-  scene.walls = {wall};
+  scene.walls = {{.name = "drum",
+                  .shape = Wall<2>::Shape::kHollowCircle,
+                  .motion = spin != 0 ? Wall<2>::Motion::kMoving : Wall<2>::Motion::kFixed,
+                  .radius = 2,
+                  .spin = spin}};
   scene.bodies = {round_body<2>(Vec2(0, -1.5), 0.5, 1, Vec2(speed, 0))};
   return scene;
 }
@@ -125,7 +121,7 @@ Scene<2> drum(double mu, double spin, double speed, double step) {
 TEST(Drift, ADiskInADrumDriftsThroughItsWallAsTheSchemePredicts) {
   for (const double h : {1e-2, 1e-3}) {
     const Scene<2> scene = drum(0, 0, 2, h);
-    const Drift drift = run(scene, static_cast<int>(std::lround(20 / h)));
+    const Drift drift = drift_of(scene, static_cast<int>(std::lround(20 / h)));
     const double predicted = std::pow(std::pow(1.5, 4) + 2 * 9 * h * 20, 0.25);
     EXPECT_NEAR(drift.end.bodies[0].x.norm() - 1.5, predicted - 1.5, 0.02 * (predicted - 1.5)) << h;
     EXPECT_NEAR(drift.end.bodies[0].v.norm(), 3 / predicted, 1e-3 * 3 / predicted) << h;
@@ -139,7 +135,7 @@ TEST(Drift, ProjectionKeepsADiskInItsDrum) {
   for (const double h : {1e-2, 1e-3}) {
     Scene<2> scene = drum(0, 0, 2, h);
     scene.project_overlaps = true;
-    const Drift drift = run(scene, static_cast<int>(std::lround(kDrumSeconds / h)));
+    const Drift drift = drift_of(scene, static_cast<int>(std::lround(kDrumSeconds / h)));
     const double one_step = 4 * h * h / 3;
     EXPECT_LE(drift.penetration, 1.5 * one_step + scene.contact_distance) << h;
     const double predicted = 1 / std::sqrt(0.25 + h * kDrumSeconds / (1.5 * 1.5));
@@ -156,7 +152,7 @@ TEST(Drift, ADiskRollsInADrumThatTurns) {
     Scene<2> scene = drum(0.5, 1, 0, 1e-2);
     scene.gravity = Vec2(0, -kGravity);
     scene.project_overlaps = project;
-    const Drift drift = run(scene, static_cast<int>(kDrumSeconds / scene.step));
+    const Drift drift = drift_of(scene, static_cast<int>(kDrumSeconds / scene.step));
     const double depth = drift.end.bodies[0].x.norm() - 1.5;
     if (project) {
       // Speeds below 1.5 m/s: an overlap below (1.5 h)² / 3 a step, and a half of it in its middle.

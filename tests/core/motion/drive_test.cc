@@ -8,12 +8,10 @@
 #include <numbers>
 #include <string>
 
-#include "core/scene/scene_parts.h"
 #include "core/scene/wall_motion.h"
-#include "core/scene_files/scene_file.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -22,7 +20,7 @@ constexpr double kDriveStep = 0.01, kOmega = 2 * std::numbers::pi * 3, kDriveBou
 
 /// The scene of a text, with the step above.
 Scene<2> drive_scene(const std::string& text) {
-  return parse_scene("gravity = [0, 0]\n" + text + "\n[time]\nstep = 0.01\nsteps = 1\n", "test");
+  return scene_of("gravity = [0, 0]\n" + text + "\n[time]\nstep = 0.01\nsteps = 1\n");
 }
 
 TEST(Drive, AWallSwingsAndIsPushedAsASine) {
@@ -110,9 +108,7 @@ TEST(Drive, DragIsExactInDecayAndAtTheTerminalSpeed) {
 TEST(Drive, SizesFollowADistribution) {
   const auto radii = [](const std::string& law) {
     const Scene<2> scene = drive_scene(
-        "[[disks]]\narrangement = \"random\"\ncount = 1001\nwidth = 99\n"
-        "density = 1\n" +
-        law);
+        "[[disks]]\narrangement = \"random\"\ncount = 1001\nwidth = 99\ndensity = 1\n" + law);
     std::vector<double> sizes;
     for (const Disk& d : scene.bodies) sizes.push_back(d.radius);
     EXPECT_FALSE(std::is_sorted(sizes.begin(), sizes.end())) << "they lie at random";

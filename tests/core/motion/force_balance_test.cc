@@ -12,10 +12,7 @@ namespace {
 TEST(ForceBalance, SumsForcesAndMoments) {
   Scene<2> scene = make_family_scene("square", 1, {});
   State<2> state = initial_state(scene);
-  ContactOutcome<2> c;
-  c.contact = {.i = 0, .j = 1, .n = Vec2(0, 1)};
-  c.s_n = 9.81 * scene.step;
-  state.contacts = {c};
+  state.contacts = {{.contact = {.i = 0, .j = 1, .n = Vec2(0, 1)}, .s_n = 9.81 * scene.step}};
   EXPECT_NEAR(force_balance(scene, state).force, 0, 1e-15);
   state.contacts[0].s_t = 0.01;
   const ForceBalance<2> balance = force_balance(scene, state);

@@ -8,16 +8,11 @@
 #include <vector>
 
 #include "core/base/portable_random.h"
-#include "core/motion/time_stepping.h"
 #include "core/scene/generators.h"
-#include "core/scene/scene_parts.h"
 #include "core/scene/sphere_generators.h"
-#include "core/scene_files/scene_file.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/scene_run.h"
-#include "solvers/simulation/step_solver.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -222,11 +217,11 @@ Scene<D> random_cluster(Impact impact, std::uint64_t seed, bool friction, bool o
   const double e = random.uniform();
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t b = a; b < 3; ++b) {
-      const ContactLaw law{.mu = friction ? random.between(0.1, 1.5) : 0,
-                           .e_n = one_e                ? e
-                                  : random.chance(0.5) ? 1
-                                                       : random.uniform()};
-      scene.laws[3 * a + b] = scene.laws[3 * b + a] = law;
+      scene.laws[3 * a + b] =
+          scene.laws[3 * b + a] = {.mu = friction ? random.between(0.1, 1.5) : 0,
+                                   .e_n = one_e                ? e
+                                          : random.chance(0.5) ? 1
+                                                               : random.uniform()};
     }
   }
   for (Body<D>& body : scene.bodies) {
@@ -272,9 +267,7 @@ Scene<2> pile(Impact impact, bool struck) {
   scene.solver.tol = 1e-12;
   scene.bodies = pyramid(2, 0.5, Vec2::Zero());
   for (Disk& d : scene.bodies) give_mass(d, 1);
-  if (struck) {
-    scene.bodies.push_back(round_body<2>(Vec2(-0.51, 0.6), 0.5, 2, Vec2(5, -1)));
-  }
+  if (struck) scene.bodies.push_back(round_body<2>(Vec2(-0.51, 0.6), 0.5, 2, Vec2(5, -1)));
   scene.walls = {flat_floor<2>()};
   return scene;
 }
@@ -282,8 +275,7 @@ Scene<2> pile(Impact impact, bool struck) {
 TEST(ImpactLaw, WhatRestsStaysAtRest) {
   for (const Impact impact : kLaws) {
     Scene<2> scene = pile(impact, false);
-    scene.num_steps = 50;
-    const State<2> end = solved_run(scene);
+    const State<2> end = solved_run(scene, 50);
     for (const Disk& d : end.bodies) EXPECT_LT(d.v.norm(), 1e-6) << name_of(impact);
   }
 }
@@ -329,13 +321,12 @@ TEST(ImpactLaw, ActsOnDrivenWallsClustersAndCells) {
     EXPECT_NEAR(hit.bodies[0].v[1], 0, 1e-10) << name_of(impact);
     EXPECT_NEAR(hit.walls[0].v[1], -0.5, 1e-10) << name_of(impact);
 
-    const Scene<2> joined = parse_scene(
+    const Scene<2> joined = scene_of(
         std::string("gravity = [0, 0]\n[contact]\nmu = 0.3\ne_n = 0.5\nimpact = \"") +
-            name_of(impact) +
-            "\"\n[[clusters]]\nparts = [[-0.5, 0, 0.5], [0.5, 0, 0.5]]\nposition = [0, 0.5005]\n"
-            "mass = 3\nvelocity = [0, -1]\n[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n"
-            "[time]\nstep = 1e-3\nsteps = 1\n[solver]\ntol = 1e-13\n",
-        "joined.toml");
+        name_of(impact) +
+        "\"\n[[clusters]]\nparts = [[-0.5, 0, 0.5], [0.5, 0, 0.5]]\nposition = [0, 0.5005]\n"
+        "mass = 3\nvelocity = [0, -1]\n[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n"
+        "[time]\nstep = 1e-3\nsteps = 1\n[solver]\ntol = 1e-13\n");
     const State<2> fallen = after_steps(joined, 1, kImpactBound);
     EXPECT_NEAR(fallen.clusters.bodies[0].v[1], 0.5, 1e-6) << name_of(impact);
     EXPECT_NEAR(fallen.clusters.bodies[0].spin, 0, 1e-6) << name_of(impact);
@@ -388,7 +379,7 @@ TEST(ImpactLaw, ARestartContinuesBitForBit) {
 TEST(ImpactLaw, IsReadAndRefusedWithItsReason) {
   const std::string time = "\n[time]\nstep = 1e-3\nsteps = 1\n";
   const auto with = [&](const std::string& keys) { return "[contact]\n" + keys + time; };
-  const auto parse = [](const std::string& text) { return parse_scene(text, "test.toml"); };
+  const auto parse = [](const std::string& text) { return scene_of(text); };
   EXPECT_EQ(parse(with("e_n = 1")).impact, Impact::kNewton);
   EXPECT_EQ(parse(with("impact = \"newton\"\ne_t = 1")).impact, Impact::kNewton);
   EXPECT_EQ(parse(with("impact = \"poisson\"")).impact, Impact::kPoisson);

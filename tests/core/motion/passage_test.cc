@@ -128,11 +128,7 @@ TEST(Passage, ASphereThroughASphereAndThroughARod) {
   scene.bodies = {round_body<3>(Vec3(-0.15, 0, 0), 0.01, 1, Vec3(400, 0, 0)),
                   round_body<3>(Vec3(0, 0, 0), 0.01, 1)};
   EXPECT_EQ(free_step(scene).passages.size(), 1u);
-  Wall<3> rod;
-  rod.shape = Wall<3>::Shape::kSolidCircle;
-  rod.name = "rod";
-  rod.radius = 0.02;
-  scene.walls = {rod};
+  scene.walls = {{.name = "rod", .shape = Wall<3>::Shape::kSolidCircle, .radius = 0.02}};
   scene.bodies.pop_back();
   const Seen seen = free_step(scene);
   ASSERT_EQ(seen.passages.size(), 1u);
@@ -193,11 +189,7 @@ TEST(Passage, ACentreThatLeavesItsRoomIsSeen) {
   scene.bodies = {disk(Vec2(0, 0), Vec2(300, 0))};
   scene.walls = {half_space<2>(Vec2(1, 0), Vec2(-1, 0), "wall")};
   EXPECT_EQ(passages_in_flight(scene, 0.235), 1);
-  Wall<2> drum;
-  drum.name = "drum";
-  drum.shape = Wall<2>::Shape::kHollowCircle;
-  drum.radius = 1;
-  scene.walls = {drum};
+  scene.walls = {{.name = "drum", .shape = Wall<2>::Shape::kHollowCircle, .radius = 1}};
   EXPECT_EQ(passages_in_flight(scene, 0.235), 1);
 }
 

@@ -11,16 +11,11 @@
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"
-#include "core/motion/time_stepping.h"
 #include "core/pictures/flat_view.h"
-#include "core/run_files/run_output.h"
-#include "core/run_files/run_reader.h"
 #include "core/scene/periodic_detection.h"
-#include "core/scene/scene_parts.h"
-#include "core/scene_files/scene_file.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -88,7 +83,7 @@ velocity = [1, -2, 0]
 
 TEST(PeriodicSpheres, WhereTheCellBeginsChangesNothing) {
   // All spheres moved by half a cell, and by whole cells: the same impulses, other images.
-  auto scene = std::get<Scene<3>>(parse_any_scene(kLayer, "layer.toml"));
+  auto scene = scene_of<3>(kLayer);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const double k = static_cast<double>(i);
     scene.bodies[i].v = Vec3(std::sin(3 * k), std::cos(5 * k), 0);
@@ -124,8 +119,7 @@ TEST(PeriodicSpheres, WhereTheCellBeginsChangesNothing) {
 
 TEST(PeriodicSpheres, VolumeIsThatOfTheCellAndOfWhatClosesIt) {
   // Without planes as high as the spheres reach; in a cell of x alone as deep as they reach.
-  State<3> state;
-  state.cell = block(2, 3);
+  State<3> state{.cell = block(2, 3)};
   state.bodies = {round_body<3>(Vec3(0.5, 0.5, 1), 0.5, 2),
                   round_body<3>(Vec3(9, 1.5, 2), 0.25, 2)};
   EXPECT_NEAR(sample_measure(state, 0), 2 * 3 * (2.25 - 0.5), 1e-9);
@@ -159,7 +153,7 @@ TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
 }
 
 TEST(PeriodicSpheres, ARunGoesOnBitForBitAndIsDrawn) {
-  const auto scene = std::get<Scene<3>>(parse_any_scene(kLayer, "layer.toml"));
+  const auto scene = scene_of<3>(kLayer);
   const TemporaryFolder folder;
   const auto run = [&](State<3> state, RunWriter<3>* writer) {
     TimeStepper<3> stepper = stepper_of(scene, "pgs");

@@ -5,9 +5,7 @@
 #include <cmath>
 
 #include "core/motion/midpoint.h"
-#include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
-#include "core/scene/scene_parts.h"
 #include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
 
@@ -36,7 +34,7 @@ Landed advance(const Scene<D>& scene, State<D>& state, int steps) {
 /// step, at 0.05 m less, its gap is 0.03 m.
 Scene<2> fall(const ContactLaw& law) {
   Scene<2> scene = one_law<2>(law);
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   scene.bodies = {round_body<2>(Vec2(0, 0.58), 0.5, 2, Vec2(0, -10))};
   scene.step = 0.01;
   return scene;

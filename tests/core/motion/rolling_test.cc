@@ -6,14 +6,9 @@
 #include <string>
 
 #include "core/motion/midpoint.h"
-#include "core/motion/time_stepping.h"
-#include "core/scene/generators.h"
-#include "core/scene/scene_parts.h"
-#include "core/scene_files/scene_file.h"
-#include "solvers/simulation/scene_run.h"
-#include "solvers/solve.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -252,11 +247,10 @@ TEST(RollingFriction, AWarmStartHasTheMoments) {
 
 TEST(RollingFriction, IsReadAndRefusedWithItsReason) {
   const std::string rest = "\n[time]\nstep = 0.01\nsteps = 1\n";
-  const Scene<2> scene = parse_scene(
+  const Scene<2> scene = scene_of(
       "materials = [\"a\", \"b\"]\n[contact]\nmu_r = 0.1\n[[pairs]]\nbetween = [\"a\", \"b\"]\n"
       "mu_r = 0\n" +
-          rest,
-      "test");
+      rest);
   EXPECT_EQ(scene.law(0, 0).mu_r, 0.1);
   EXPECT_EQ(scene.law(0, 1).mu_r, 0);
   EXPECT_EQ(scene.contact_rows(), 3);

@@ -10,10 +10,7 @@
 namespace bipot {
 namespace {
 
-Disk still_disk(double x, double y, double radius) {
-  Disk d{.x = Vec2(x, y), .radius = radius};
-  return d;
-}
+Disk still_disk(double x, double y, double radius) { return {.x = Vec2(x, y), .radius = radius}; }
 
 TEST(SampleArea, OfDisksWithoutWallsIsThatOfTheirHullWhateverLiesInside) {
   // Nine disks of radius 1 on a square of side 8: its hull is the square and its border of width 1,
@@ -88,8 +85,8 @@ TEST(SampleArea, HasADiskBetweenTwoThatExtendEquallyFar) {
   const double d = 0.8 * std::numbers::sqrt2, r = 0.15, phi = std::acos((1 - r) / d);
   const double more = (1 + r) * std::sqrt(d * d - (1 - r) * (1 - r)) - phi + r * r * phi;
   for (const double side : {-1.0, 1.0}) {
-    State<2> state;
-    state.bodies = {still_disk(0, 0, 1), still_disk(10, 0, 1), still_disk(10.8, 0.8 * side, r)};
+    State<2> state{
+        .bodies = {still_disk(0, 0, 1), still_disk(10, 0, 1), still_disk(10.8, 0.8 * side, r)}};
     EXPECT_NEAR(sample_measure(state, 1e-3), 20 + std::numbers::pi + more, 2e-3) << side;
   }
 }

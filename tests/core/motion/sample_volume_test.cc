@@ -50,8 +50,7 @@ TEST(SampleVolume, IsWhatWallsEnclose) {
 
 // A pipe of radius 3 m that a floor and a lid close: π r² h. Without the lid nothing is enclosed.
 TEST(SampleVolume, IsWhatAPipeEncloses) {
-  State<3> state;
-  state.bodies = {round_body<3>(Vec3(6, 5, 1), 0.5, 2)};
+  State<3> state{.bodies = {round_body<3>(Vec3(6, 5, 1), 0.5, 2)}};
   Wall<3> pipe = half_space<3>(Vec3(5, 5, 9), Vec3::UnitZ());
   pipe.shape = Wall<3>::Shape::kHollowCircle;
   pipe.radius = 3;
@@ -67,8 +66,7 @@ TEST(SampleVolume, IsWhatAPipeEncloses) {
 // (2π/46)²/6 = 0.3 % of the round, and the radius is chosen 0.3 % larger for the sphere.
 TEST(SampleVolume, IsNearlyTheHullWithoutWalls) {
   const double round = 4 * std::numbers::pi / 3 * 8;
-  State<3> state;
-  state.bodies = {round_body<3>(Vec3(5, 6, 7), 2, 2)};
+  State<3> state{.bodies = {round_body<3>(Vec3(5, 6, 7), 2, 2)}};
   EXPECT_NEAR(sample_measure(state, 0), round, 1e-12 * round);
   state.walls = {half_space<3>(Vec3(0, 0, 5), Vec3::UnitZ())};  // a floor encloses nothing
   EXPECT_NEAR(sample_measure(state, 0), round, 1e-12 * round);

@@ -5,26 +5,21 @@
 #include <cmath>
 #include <numbers>
 #include <string>
-#include <variant>
-#include <vector>
 
 #include "core/motion/force_balance.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/stress_tensor.h"
 #include "core/problem/sphere_structure.h"
 #include "core/scene/cluster_motion.h"
-#include "core/scene/scene_parts.h"
-#include "core/scene_files/scene_file.h"
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
 
-Scene<3> space_scene(const std::string& text) {
-  return std::get<Scene<3>>(parse_any_scene("dim = 3\n" + text, "test"));
-}
+Scene<3> space_scene(const std::string& text) { return scene_of<3>("dim = 3\n" + text); }
 
 /// A body of principal moments 1, 2 and 3 kg m² along x, y and z, with this spin at the start.
 Cluster<3> asymmetric_top(const Vec3& spin) {
@@ -177,7 +172,7 @@ velocity = [1, 0, 0.5]
 spin = [0, -3, 0]
 )");
   const Vec3 centre = spheres.clusters.bodies[0].x;
-  Scene<2> disks = parse_scene(R"(
+  Scene<2> disks = scene_of(R"(
 contact = {mu = 0.3, e_n = 0.4}
 walls = [{point = [0, 0], normal = [0, 1]}]
 time = {step = 1e-3, steps = 700}
@@ -190,8 +185,7 @@ mass = 2
 inertia = 0.3
 velocity = [1, 0.5]
 spin = 3
-)",
-                               "test");
+)");
   // The centre of mass of spheres is not that of disks: the arms are set to the former.
   disks.clusters.bodies[0].x = Vec2(centre[0], centre[2]);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -240,28 +234,22 @@ TEST(SpaceCluster, EnergyAndMomentumBalanceWhereClumpsCollide) {
 TEST(SpaceCluster, SolversAgreeOnClumps) {
   Scene<3> scene = space_scene(kHeap);
   for (ContactLaw& law : scene.laws) law.mu_r = 0;
-  scene.num_steps = 100;
-  const State<3> state = solved_run(scene);
-  const auto mid = make_midpoint(scene, state);
+  const auto mid = make_midpoint(scene, solved_run(scene, 100));
   const ContactProblem problem = assemble_step(scene, mid, true).problem;
   ASSERT_GT(problem.num_contacts(), 5);
   EXPECT_FALSE(sphere_structure(problem).has_value());
   EXPECT_EQ(validate(problem), "");
-  SolverOptions options;
-  options.tol = 1e-10;
-  const SolveResult first = solve("pgs", problem, options);
-  ASSERT_EQ(first.status, SolveStatus::kConverged) << first.message;
+  SolverOptions options{.tol = 1e-10};
+  const SolveResult first = converged(solve("pgs", problem, options));
   for (const char* name : {"auto", "apgd", "admm", "ipm", "anderson"}) {
-    const SolveResult other = solve(name, problem, options);
-    EXPECT_EQ(other.status, SolveStatus::kConverged) << name << ": " << other.message;
+    const SolveResult other = converged(solve(name, problem, options), name);
     EXPECT_LT((other.u - first.u).norm(), 1e-6 * (1 + first.u.norm())) << name;
   }
 }
 
 TEST(SpaceCluster, WhatDoesNotGoWithClumpsIsRefused) {
   const std::string two =
-      "clusters = [{parts = [[0, 0, 0, 0.1], [0.1, 0, 0, 0.1]], "
-      "position = [0, 0, 1], mass = 1}]\n";
+      "clusters = [{parts = [[0, 0, 0, 0.1], [0.1, 0, 0, 0.1]], position = [0, 0, 1], mass = 1}]\n";
   const auto refusal = [&](const std::string& more) {
     return refusal_of([&] { space_scene(two + more); });
   };

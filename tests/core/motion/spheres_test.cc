@@ -13,9 +13,7 @@
 #include "core/motion/midpoint.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"
-#include "core/motion/time_stepping.h"
 #include "core/motion/warm_start.h"
-#include "core/scene/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -118,8 +116,7 @@ TEST(Spheres, OnASlopeTheyRollUpToSevenHalvesMu) {
   for (const double angle : {0.5 * limit, 0.99 * limit, 1.01 * limit, 1.3 * limit}) {
     Scene<3> scene = sphere_on_floor(mu);
     scene.gravity = kGravity * Vec3(0.6 * std::sin(angle), 0.8 * std::sin(angle), -std::cos(angle));
-    scene.num_steps = 100;
-    const auto end = solved_run(scene);
+    const auto end = solved_run(scene, 100);
     const double rolling = 5.0 / 7 * kGravity * std::sin(angle);
     const double sliding = kGravity * (std::sin(angle) - mu * std::cos(angle));
     const double expected = angle < limit ? rolling : sliding;
@@ -130,11 +127,10 @@ TEST(Spheres, OnASlopeTheyRollUpToSevenHalvesMu) {
 
 /// Three touching spheres on a floor and one in their hollow.
 Scene<3> tetrahedron(double mu_between, double mu_floor) {
-  Scene<3> scene;
-  scene.materials = {"sphere", "floor"};
-  scene.laws = {{.mu = mu_between}, {.mu = mu_floor}, {.mu = mu_floor}, {.mu = 0}};
-  scene.gravity = Vec3(0, 0, -kGravity);
-  scene.walls = {half_space<3>(Vec3::Zero(), Vec3::UnitZ())};
+  Scene<3> scene{.gravity = Vec3(0, 0, -kGravity),
+                 .walls = {half_space<3>(Vec3::Zero(), Vec3::UnitZ())},
+                 .materials = {"sphere", "floor"},
+                 .laws = {{.mu = mu_between}, {.mu = mu_floor}, {.mu = mu_floor}, {.mu = 0}}};
   scene.walls[0].material = 1;
   const double a = 0.5, ring = 2 * a / std::sqrt(3.0);
   for (int k = 0; k < 3; ++k) {
@@ -280,8 +276,7 @@ TEST(Spheres, APlateIsDrivenByItsForce) {
   for (const Vec3& n : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) {
     scene.walls.push_back(half_space<3>(-2 * n, n));
   }
-  scene.num_steps = 20;
-  const auto end = solved_run(scene);
+  const auto end = solved_run(scene, 20);
   EXPECT_LT(end.bodies[0].v.norm(), 1e-12);
   ASSERT_EQ(end.contacts.size(), 2u);
   for (const auto& c : end.contacts) EXPECT_NEAR(c.s_n / scene.step, 50, 1e-9);
@@ -358,8 +353,7 @@ TEST(Spheres, AWarmStartKeepsTheImpulseWhereTheFrameJumps) {
   scene.bodies[0].x = Vec3(0.5, 0, 0);
   scene.gravity = Vec3(-kGravity, 2, 1);
   scene.walls[0].normal = Vec3(1, 0, 1e-12).normalized();
-  scene.num_steps = 3;
-  State<3> state = solved_run(scene);
+  State<3> state = solved_run(scene, 3);
   ASSERT_EQ(state.contacts.size(), 1u);
   EXPECT_GT(state.contacts[0].s_t.norm(), 1e-4);
   std::vector<Contact<3>> contacts = {state.contacts[0].contact};

@@ -11,7 +11,6 @@
 #include "core/scene/contact_detection.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
-#include "core/scene/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -20,18 +19,15 @@ namespace {
 constexpr double kStep = 1e-3;
 
 Disk disk(double x, double y, double radius, double mass = 1) {
-  Disk d{.x = Vec2(x, y), .radius = radius, .mass = mass, .inertia = 0.5 * mass * radius * radius};
-  return d;
+  return {.x = Vec2(x, y), .radius = radius, .mass = mass, .inertia = 0.5 * mass * radius * radius};
 }
 
 /// A contact with the force f on disk i.
 ContactOutcome<2> contact(int i, int j, const Vec2& n, const Vec2& force, double gap = 0) {
-  ContactOutcome<2> o;
-  o.contact = {.i = i, .j = j, .n = n, .gap = gap};
-  o.s_n = kStep * force.dot(n);
-  o.s_t = kStep * force.dot(Vec2(-n[1], n[0]));
-  o.status = ContactStatus::kStick;
-  return o;
+  return {.contact = {.i = i, .j = j, .n = n, .gap = gap},
+          .s_n = kStep * force.dot(n),
+          .s_t = kStep * force.dot(Vec2(-n[1], n[0])),
+          .status = ContactStatus::kStick};
 }
 
 void expect_equal(const Mat2& a, const Mat2& b, double tolerance) {
@@ -78,8 +74,7 @@ Scene<2> pushed_box() {
 
 TEST(StressTensor, OfTwoDisksSqueezedBetweenWallsIsForceOverHeight) {
   // Radii 1 and 2 between x = -1 and x = 5, F = 7 N: Σ F l = F 6, over the box 6 × 4: σ_xx = F / 4.
-  State<2> state;
-  state.bodies = {disk(0, 0, 1), disk(3, 0, 2)};
+  State<2> state{.bodies = {disk(0, 0, 1), disk(3, 0, 2)}};
   state.walls = {half_space<2>(Vec2(-1, 0), Vec2(1, 0)), half_space<2>(Vec2(5, 0), Vec2(-1, 0)),
                  half_space<2>(Vec2(0, -2), Vec2(0, 1)), half_space<2>(Vec2(0, 2), Vec2(0, -1))};
   state.contacts = {contact(0, 1, Vec2(-1, 0), Vec2(-7, 0)), contact(0, 2, Vec2(1, 0), Vec2(7, 0)),
@@ -146,8 +141,7 @@ TEST(StressTensor, OfALatticeUnderGravityIsTheWeightAbove) {
 }
 
 TEST(StressTensor, OfAGasIsMassTimesVelocityFluctuationsOverArea) {
-  State<2> state;
-  state.bodies = {disk(0, 0, 0.1, 2), disk(1, 0, 0.1, 2), disk(0, 1, 0.1, 2)};
+  State<2> state{.bodies = {disk(0, 0, 0.1, 2), disk(1, 0, 0.1, 2), disk(0, 1, 0.1, 2)}};
   state.bodies[0].v = Vec2(5 + 1, 7);
   state.bodies[1].v = Vec2(5 - 1, 7 + 2);
   state.bodies[2].v = Vec2(5, 7 - 2);

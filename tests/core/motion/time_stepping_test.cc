@@ -8,12 +8,8 @@
 
 #include "core/base/portable_random.h"
 #include "core/scene/generators.h"
-#include "core/scene/scene_parts.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
 #include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
-#include "tests/support/state_bits.h"
 
 namespace bipot {
 namespace {
@@ -42,8 +38,7 @@ TEST(TimeStepping, FreeFlightIsExact) {
   // The mid-point rule is exact for a parabola.
   Scene<2> scene = one_material(0.3);
   scene.bodies = {round_body<2>(Vec2(1, 2), 0.1, 2, Vec2(3, 4), 5)};
-  scene.num_steps = 1000;
-  const State<2> end = solved_run(scene);
+  const State<2> end = solved_run(scene, 1000);
   EXPECT_DOUBLE_EQ(end.time, 1);
   EXPECT_NEAR(end.bodies[0].x[0], 1 + 3, 1e-12);
   EXPECT_NEAR(end.bodies[0].x[1], 2 + 4 - kGravity / 2, 1e-12);
@@ -54,11 +49,10 @@ TEST(TimeStepping, FreeFlightIsExact) {
 
 TEST(TimeStepping, DiskLeavesThePlane) {
   Scene<2> scene = one_material(0.5);
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 1), 3)};
   scene.contact_distance = 0.01;
-  scene.num_steps = 1;
-  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, 1, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 1);
     EXPECT_EQ(r.active, 0);
     EXPECT_EQ(r.iterations, 0);
@@ -102,7 +96,7 @@ TEST(TimeStepping, SpinningDiskSetOnAPlaneSpinsDownAndRollsOff) {
   // mu m g acts on the rim: a = mu g, spin falls by 2 mu g / radius; rolling at v = |w| radius / 3
   // after t = |w| radius / (3 mu g).
   Scene<2> scene = one_material(0.2);
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2::Zero(), -20)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 400;
@@ -132,8 +126,7 @@ Scene<2> row_of_disks(int count, double e_n, const Vec2& first_velocity) {
 TEST(TimeStepping, ElasticHeadOnShockExchangesVelocities) {
   Scene<2> scene = row_of_disks(2, 1, Vec2(1, 0));
   scene.bodies[1].v = Vec2(-0.5, 0);
-  scene.num_steps = 5;
-  const State<2> end = solved_run(scene);
+  const State<2> end = solved_run(scene, 5);
   EXPECT_NEAR(end.bodies[0].v[0], -0.5, 1e-9);
   EXPECT_NEAR(end.bodies[1].v[0], 1, 1e-9);
   EXPECT_NEAR(end.shock_loss, 0, 1e-9);
@@ -145,8 +138,7 @@ TEST(TimeStepping, NewtonsCradleFollowsMoreausLaw) {
   // momentum 1: v = (-1/3, 2/3, 2/3). Energy is conserved; that only the last ball flies off, as
   // in a cradle, would need the shocks one after the other.
   Scene<2> scene = row_of_disks(3, 1, Vec2(1, 0));
-  scene.num_steps = 1;
-  const State<2> end = solved_run(scene);
+  const State<2> end = solved_run(scene, 1);
   EXPECT_NEAR(end.bodies[0].v[0], -1.0 / 3, 1e-9);
   EXPECT_NEAR(end.bodies[1].v[0], 2.0 / 3, 1e-9);
   EXPECT_NEAR(end.bodies[2].v[0], 2.0 / 3, 1e-9);
@@ -163,8 +155,7 @@ TEST(TimeStepping, RowJammedBetweenTwoWallsHasASolution) {
     for (Disk& d : scene.bodies) d.v = Vec2(1e-4 * draw.symmetric(), 0);
     // A little overlap everywhere keeps all seven contacts candidates at mid-step.
     scene.contact_distance = 1e-5;
-    scene.num_steps = 1;
-    const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
+    const State<2> end = solved_run(scene, 1, [](const State<2>&, const StepReport<2>& r) {
       EXPECT_EQ(r.contacts, 7);
       EXPECT_LE(r.error.guarded(), 1e-10);
     });
@@ -176,12 +167,11 @@ TEST(TimeStepping, RowJammedBetweenTwoWallsHasASolution) {
 
 TEST(TimeStepping, MovingWallCarriesADisk) {
   Scene<2> scene = one_material(0);
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   move_at(scene.walls[0], Vec2(0, 0.5));
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 0.5))};
   scene.contact_distance = 1e-6;
-  scene.num_steps = 100;
-  const State<2> end = solved_run(scene);
+  const State<2> end = solved_run(scene, 100);
   EXPECT_NEAR(end.bodies[0].x[1], 0.1 + 0.05, 1e-12);
   EXPECT_NEAR(end.walls[0].a[1], 0.05, 1e-14);
   EXPECT_NEAR(end.wall_work, 2 * kGravity * 0.05, 1e-8);  // lifts m g
@@ -195,8 +185,7 @@ TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
   drive(scene.walls[0], Vec2(1, 0), 1, 6);
   scene.bodies = {round_body<2>(Vec2(0.1, 0), 0.1, 2)};
   scene.contact_distance = 1e-6;
-  scene.num_steps = 500;
-  const State<2> end = solved_run(scene);
+  const State<2> end = solved_run(scene, 500);
   EXPECT_NEAR(end.bodies[0].v[0], 1, 1e-8);
   EXPECT_NEAR(end.walls[0].v[0], 1, 1e-8);
   EXPECT_NEAR(end.bodies[0].x[0], 0.1 + 0.25, 1e-8);
@@ -207,11 +196,10 @@ TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
 TEST(TimeStepping, FrictionDissipatesWhatTheSlidingCylinderLoses) {
   // From v0 to 2/3 v0 with the rolling energy: loss m v0²/2 - 3/4 m (2/3 v0)² = m v0²/6.
   Scene<2> scene = one_material(0.5);
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(1, 0))};
   scene.contact_distance = 1e-6;
-  scene.num_steps = 150;
-  const State<2> end = solved_run(scene);
+  const State<2> end = solved_run(scene, 150);
   EXPECT_NEAR(end.friction_loss, 2.0 / 6, 1e-8);
   EXPECT_NEAR(end.shock_loss, 0, 1e-8);
 }
@@ -220,17 +208,14 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
   // The solver sees, at every step, the impulses of the step before at the contacts that stay:
   // also when others come and go and the contacts' numbers shift.
   Scene<2> scene = one_material(0.4, 0.2, 0.6);
-  const std::vector<Disk> filling =
-      random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 3, Vec2::Zero());
-  for (const Disk& d : filling) {
+  for (const Disk& d : random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 3, Vec2::Zero())) {
     scene.bodies.push_back(round_body<2>(d.x, d.radius, 2, Vec2(0, -0.5)));
   }
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+  scene.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
                  half_space<2>(Vec2(0.2, 0), Vec2(-1, 0))};
   State<2> state = initial_state(scene);
-  SolverOptions options{.tol = 1e-4};
   Vector start;
-  const StepSolver inner = make_step_solver(*find_solver("pgs"), options);
+  const StepSolver inner = make_step_solver(*find_solver("pgs"), {.tol = 1e-4});
   TimeStepper<2> stepper(
       scene,
       [&](const ContactProblem& p, const Vector& s0) {
@@ -288,20 +273,13 @@ TEST(TimeStepping, FailureLeavesTheStateAsItWas) {
   state.step = 7;
   const auto expect_failure = [&](const StepSolver& solver, const std::string& message) {
     TimeStepper<2> stepper(scene, solver, false);
-    try {
-      stepper.advance(state);
-      ADD_FAILURE() << "no failure";
-    } catch (const StepFailure& failure) {
-      EXPECT_TRUE(says(failure.what(), message));
-      EXPECT_TRUE(says(failure.what(), "step 8"));
-    }
+    const std::string said = refusal_of<StepFailure>([&] { stepper.advance(state); });
+    EXPECT_TRUE(says(said, message));
+    EXPECT_TRUE(says(said, "step 8"));
     EXPECT_EQ(state.step, 7);
     EXPECT_EQ(state.time, 0);
     EXPECT_TRUE(state.contacts.empty());
-    for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(state.bodies[k].x, scene.bodies[k].x);
-      EXPECT_EQ(state.bodies[k].v, scene.bodies[k].v);
-    }
+    EXPECT_EQ(bits_of_bodies(state), bits_of_bodies(initial_state(scene)));
   };
   expect_failure(
       [](const ContactProblem&, const Vector&) {
@@ -310,10 +288,7 @@ TEST(TimeStepping, FailureLeavesTheStateAsItWas) {
       "the pivot broke");
   expect_failure(
       [](const ContactProblem& p, const Vector&) {
-        StepSolution step{
-            .converged = true,
-            .s = Vector::Constant(p.num_rows(), std::numeric_limits<double>::quiet_NaN())};
-        return step;
+        return StepSolution{.converged = true, .s = Vector::Constant(p.num_rows(), kNaN)};
       },
       "no finite impulse");
   expect_failure([](const ContactProblem& p,
@@ -340,12 +315,10 @@ Scene<2> falling_box(double length, double mass, double time) {
   scene.gravity = Vec2(0, -kGravity * length / (time * time));
   scene.step = 5e-4 * time;
   for (const Disk& d : random_filling(80, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 5, Vec2::Zero())) {
-    Disk disk = round_body<2>(d.x * length, d.radius * length, 2, Vec2(0, -0.5 * length / time));
-    disk.mass = 2 * mass;
-    disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
-    scene.bodies.push_back(disk);
+    scene.bodies.push_back(
+        round_body<2>(d.x * length, d.radius * length, 2 * mass, Vec2(0, -0.5 * length / time)));
   }
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+  scene.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
                  half_space<2>(Vec2(0.2 * length, 0), Vec2(-1, 0))};
   scene.contact_distance = 1e-8 * length;
   scene.num_steps = 120;
@@ -387,8 +360,7 @@ TEST(TimeStepping, UnitsOfAnotherBaseChangeTheIterationsByOneAtMost) {
   std::vector<int> iterations[2];
   for (int k : {0, 1}) {
     Scene<2> scene = k == 0 ? falling_box(1, 1, 1) : falling_box(1000, 1000, 1000);
-    scene.num_steps = 30;
-    solved_run(scene, [&](const State<2>&, const StepReport<2>& r) {
+    solved_run(scene, 30, [&](const State<2>&, const StepReport<2>& r) {
       iterations[k].push_back(r.iterations);
     });
   }
@@ -400,10 +372,9 @@ TEST(TimeStepping, UnitsOfAnotherBaseChangeTheIterationsByOneAtMost) {
 TEST(TimeStepping, PenetrationIsThatOfTheMidPoint) {
   Scene<2> scene = one_material(0);
   scene.gravity = Vec2::Zero();
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, -1))};
-  scene.num_steps = 1;
-  solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
+  solved_run(scene, 1, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_NEAR(r.penetration, 5e-4, 1e-15);
   });
 }

@@ -5,10 +5,7 @@
 
 #include <cmath>
 #include <numbers>
-#include <vector>
 
-#include "core/motion/time_stepping.h"
-#include "core/scene/scene_parts.h"
 #include "tests/support/pendulum_angle.h"
 #include "tests/support/scene_run.h"
 
@@ -60,10 +57,7 @@ void expect_second_order(const Scene<D>& scene, double time, int steps, const Ve
 Scene<2> in_a_bowl(double mu, double angle) {
   Scene<2> scene = one_law<2>({.mu = mu});
   scene.gravity = Vec2(0, -kGravity);
-  Wall<2> bowl;
-  bowl.shape = Wall<2>::Shape::kHollowCircle;
-  bowl.radius = kBowl;
-  scene.walls = {bowl};
+  scene.walls = {{.shape = Wall<2>::Shape::kHollowCircle, .radius = kBowl}};
   scene.bodies = {round_body<2>(kLength * Vec2(std::sin(angle), -std::cos(angle)), kRadius, 1)};
   return scene;
 }
@@ -99,11 +93,7 @@ TEST(TurningContacts, ASphereRollsRoundAnUprightPipe) {
   const double rate = 40, time = 0.2;
   Scene<3> scene = one_law<3>({.mu = 50});
   scene.gravity = Vec3(0, 0, -kGravity);
-  Wall<3> pipe;
-  pipe.shape = Wall<3>::Shape::kHollowCircle;
-  pipe.normal = Vec3::UnitZ();
-  pipe.radius = kBowl;
-  scene.walls = {pipe};
+  scene.walls = {{.shape = Wall<3>::Shape::kHollowCircle, .radius = kBowl}};
   scene.bodies = {round_body<3>(Vec3(kLength, 0, 0), kRadius, 1, Vec3(0, rate * kLength, 0))};
   scene.bodies[0].spin = Vec3(0, 0, -rate * kLength / kRadius);
   const double z =
@@ -121,12 +111,7 @@ TEST(TurningContacts, ARodSlidesOnItsEnd) {
   scene.walls = {flat_floor<2>()};
   const Vec2 arm = c * Vec2(std::cos(start), std::sin(start)), centre(0, kRadius + arm[1]);
   scene.bodies = {round_body<2>(centre - arm, kRadius, 1), round_body<2>(centre + arm, kRadius, 1)};
-  Cluster<2> rod;
-  rod.x = centre;
-  rod.mass = mass;
-  rod.size = 1;
-  rod.inertia = inertia;
-  scene.clusters.bodies = {rod};
+  scene.clusters.bodies = {{.x = centre, .mass = mass, .inertia = inertia, .size = 1}};
   scene.clusters.arms = {-arm, arm};
   for (Body<2>& d : scene.bodies) {
     d.mass = d.inertia = 0;

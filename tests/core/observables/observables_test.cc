@@ -9,8 +9,8 @@
 #include "core/run_files/run_output.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/scene_parts.h"
-#include "core/scene_files/scene_file.h"
 #include "tests/support/refusal.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -28,7 +28,7 @@ Scene<2> row_scene(State<2>& state) {
   Scene<2> scene = one_law<2>({.mu = 0.3});
   scene.step = 0.5;
   for (int k = 0; k < 4; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.2 * k, 0.1), 0.1, 2));
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   state = initial_state(scene);
   const Vec2 left(-1, 0), up(0, 1);
   state.contacts = {touching(0, 1, left, 3), touching(0, 4, up, 1, ContactStatus::kSlip),
@@ -109,8 +109,7 @@ TEST(Observables, ProfileOfShear) {
     scene.bodies.push_back(round_body<2>(x, 0.1, 2, Vec2(k / 5, k % 2 == 0 ? 1 : -1), 4));
   }
   scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0)), half_space<2>(Vec2(1, 0), Vec2(-1, 0))};
-  ObservableChoice<2> choice;
-  choice.profile = ProfileChoice{.axis = 1, .bins = 3, .low = 0, .high = 0.6};
+  ObservableChoice<2> choice{.profile = ProfileChoice{.axis = 1, .bins = 3, .low = 0, .high = 0.6}};
   const Profile<2> p = observe_profile(initial_state(scene), 1, choice);
   for (std::size_t b = 0; b < 2; ++b) {
     EXPECT_NEAR(p.position[b], 0.1 + 0.2 * static_cast<double>(b), 1e-15);
@@ -130,8 +129,7 @@ TEST(Observables, FluxThroughALineIsTheMassThatCrosses) {
   // from a to b, left is up.
   for (const double end : {1.0, 0.0}) {
     const FluxLine line{.name = "l", .a = Vec2(-1, 0), .b = Vec2(end, 0)};
-    State<2> state;
-    state.bodies = {round_body<2>(Vec2::Zero(), 0.1, 2, Vec2(0, 2))};
+    State<2> state{.bodies = {round_body<2>(Vec2::Zero(), 0.1, 2, Vec2(0, 2))}};
     double crossed = 0;
     constexpr int kSteps = 10000;
     for (int k = 0; k < kSteps; ++k) {
@@ -210,8 +208,7 @@ TEST(Observables, OfAWindowLongerThanTheCellAreThoseOfTheCell) {
   state.bodies = {round_body<2>(Vec2(0.1, 0.1), 0.05, 1)};
   Scene<2> scene = one_law<2>({});
   scene.step = 1e-3;
-  ObservableChoice<2> choice;
-  choice.window = {Vec2(0, 0), Vec2(1, 1.2)};
+  ObservableChoice<2> choice{.window = Box<2>{Vec2(0, 0), Vec2(1, 1.2)}};
   const Observables<2> seen = observe(scene, state, choice);
   EXPECT_NEAR(seen.solid_fraction, std::numbers::pi * 0.0025 / 0.2, 1e-12);
   // Speeds along y 0, 0.4 and 0.8 m/s, twice: Σ m (v - 0.4)² = 4 · 0.16 J over 1.2 m².
@@ -234,13 +231,12 @@ TEST(Observables, OfAWindowLongerThanTheCellAreThoseOfTheCell) {
 TEST(Observables, FilesAndTheirMeans) {
   const TemporaryFolder folder;
   const std::string text =
-      "[[disks]]\nposition = [0, 0.1]\nradius = 0.1\nmass = 2\nvelocity = [1, 0]\n"
-      "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n"
-      "[time]\nstep = 0.5\nsteps = 8\n"
+      "disks = [{position = [0, 0.1], radius = 0.1, mass = 2, velocity = [1, 0]}]\n"
+      "walls = [{point = [0, 0], normal = [0, 1]}]\ntime = {step = 0.5, steps = 8}\n"
       "[observables]\nevery = 2\nstarts = 2\nprofile = 'y'\nprofile_range = [0, 0.2]\n"
       "profile_bins = 2\nforce_bins = 2\nforce_limit = 2\n"
-      "[[observables.lines]]\nname = 'gate'\nfrom = [0, -1]\nto = [0, 1]\n";
-  const Scene<2> scene = parse_scene(text, "test.toml");
+      "lines = [{name = 'gate', from = [0, -1], to = [0, 1]}]\n";
+  const Scene<2> scene = scene_of(text);
   State<2> state = initial_state(scene);
   {
     RunWriter<2> writer(folder / "out", scene, text);
@@ -261,8 +257,7 @@ TEST(Observables, FilesAndTheirMeans) {
   // The line points up, its left is -x: the whole disk's width 0.2 crosses with velocity 8.
   EXPECT_NEAR(rows.rows[3][rows.column("flux_gate")], -2 / (std::numbers::pi * 0.01) * 0.2 * 8,
               1e-6);
-  const std::string all = file_text(folder / "out/observables_mean.csv");
-  EXPECT_TRUE(says(all, "\ncontacts,1,0,3\n"));
+  EXPECT_TRUE(says(file_text(folder / "out/observables_mean.csv"), "\ncontacts,1,0,3\n"));
   const NumberTable profile = read_number_table(folder / "out/profile_mean.csv");
   ASSERT_EQ(profile.rows.size(), 2u);
   EXPECT_NEAR(profile.rows[0][profile.column("vx")], 6, 1e-12);  // of 4, 6, 8
@@ -395,8 +390,7 @@ TEST(Observables, ProfileOfSpheresIsCutExactly) {
     state.walls.push_back(half_space<3>(-Vec3::Unit(axis), Vec3::Unit(axis)));
     state.walls.push_back(half_space<3>(Vec3::Unit(axis), -Vec3::Unit(axis)));
   }
-  ObservableChoice<3> choice;
-  choice.profile = ProfileChoice{.axis = 2, .bins = 8, .low = 0, .high = 4};
+  ObservableChoice<3> choice{.profile = ProfileChoice{.axis = 2, .bins = 8, .low = 0, .high = 4}};
   Profile<3> p = observe_profile<3>(state, 1e-9, choice);
   const double pi = std::numbers::pi;
   for (std::size_t b = 0; b < 8; ++b) {
@@ -436,8 +430,7 @@ TEST(Observables, StressOfABinIsTheWeightAboveIt) {
   state.contacts = {{.contact = {.i = 0, .j = 1, .n = -Vec3::UnitZ()}, .s_n = 2 * weight * step},
                     {.contact = {.i = 0, .j = 7, .n = Vec3::UnitZ()}, .s_n = 3 * weight * step},
                     {.contact = {.i = 1, .j = 2, .n = -Vec3::UnitZ()}, .s_n = weight * step}};
-  ObservableChoice<3> choice;
-  choice.profile = ProfileChoice{.axis = 2, .bins = 6, .low = 0, .high = 6};
+  ObservableChoice<3> choice{.profile = ProfileChoice{.axis = 2, .bins = 6, .low = 0, .high = 6}};
   const Profile<3> p = observe_profile<3>(state, step, choice);
   const double expected[] = {3, 2, 2, 1, 1, 0};
   for (std::size_t b = 0; b < 6; ++b) {
@@ -454,8 +447,7 @@ TEST(Observables, FluxThroughAFaceIsTheMassThatCrosses) {
   // edge its centre meets, and against the normal negative.
   const Vec3 way = Vec3(1, 1, 0).normalized(), up = Vec3::UnitZ();
   const auto crossed = [&](const FluxFace& face) {
-    State<3> state;
-    state.bodies = {round_body<3>(Vec3::Zero(), 0.1, 2, 3 * way)};
+    State<3> state{.bodies = {round_body<3>(Vec3::Zero(), 0.1, 2, 3 * way)}};
     double mass = 0;
     constexpr int kSteps = 10000;
     for (int k = 0; k < kSteps; ++k) {
@@ -507,7 +499,7 @@ Scene<2> dumbbell_scene(State<2>& state) {
   join_disks(scene, 2, {.mass = 6});
   scene.bodies.push_back(round_body<2>(Vec2(2, 1 + std::sqrt(3.0)), 1, 2));
   scene.clusters.arms.emplace_back(Vec2::Zero());
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   state = initial_state(scene);
   const Vec2 up(0, 1), left(-0.5, -std::sqrt(0.75));
   state.contacts = {touching(0, 2, left, 1), touching(0, 3, up, 2),
@@ -555,8 +547,7 @@ TEST(Observables, WhatTwoDisksOfAClusterCoverCountsOnce) {
   place_members(scene.clusters, scene.bodies);
   const State<2> state = initial_state(scene);
   const double area = 4 * std::numbers::pi / 3 + std::sqrt(0.75);
-  ObservableChoice<2> choice;
-  choice.window = {Vec2(-1, -1), Vec2(2, 1)};
+  ObservableChoice<2> choice{.window = Box<2>{Vec2(-1, -1), Vec2(2, 1)}};
   EXPECT_NEAR(observe(scene, state, choice).solid_fraction, area / 6, 1e-14);
   EXPECT_NEAR(observe(scene, state, {}).mean_mass, 1, 0);
   choice.profile = ProfileChoice{.axis = 0, .bins = 3, .low = -2.5, .high = 6.5};
@@ -604,8 +595,7 @@ TEST(Observables, AClusterAcrossTheEdgeOfACellIsSeenWhole) {
   join_disks(scene, 2, {.mass = 1});
   ASSERT_EQ(validate(scene), "");
   const State<2> state = initial_state(scene);
-  ObservableChoice<2> choice;
-  choice.window = {Vec2(0, 0), Vec2(5, 2)};
+  ObservableChoice<2> choice{.window = Box<2>{Vec2(0, 0), Vec2(5, 2)}};
   EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 2 * std::numbers::pi / 10, 1e-13);
   choice.window = {Vec2(4, 0), Vec2(5, 2)};  // half of the disk at x = 4
   EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 0.5 * std::numbers::pi / 2, 1e-13);
@@ -622,8 +612,7 @@ TEST(Observables, StressRatioOfSimpleShearIsShearOverPressure) {
 
 TEST(Observables, WithoutFrictionASphereNeedsThreeContactsUnderGravityAndFourWithout) {
   Scene<3> scene = one_law<3>({});
-  State<3> state;
-  state.bodies = {round_body<3>(Vec3::Zero(), 1, 2)};
+  State<3> state{.bodies = {round_body<3>(Vec3::Zero(), 1, 2)}};
   state.walls.resize(4, half_space<3>(Vec3::Zero(), Vec3::UnitZ()));
   for (int contacts = 1; contacts <= 4; ++contacts) {
     state.contacts.push_back({.contact = {.i = 0, .j = contacts}, .s_n = 1});
@@ -639,19 +628,10 @@ TEST(Observables, WithoutFrictionASphereNeedsThreeContactsUnderGravityAndFourWit
 
 TEST(Observables, ARunOfSpheresWritesThem) {
   const char* text = R"(
-[cell]
-width = 1
-depth = 1
-[[spheres]]
-arrangement = "cubic"
-columns = 2
-rows = 2
-layers = 2
-radius = 0.2
-mass = 1
-[[walls]]
-point = [0, 0, 0]
-normal = [0, 0, 1]
+cell = {width = 1, depth = 1}
+spheres = [{arrangement = "cubic", columns = 2, rows = 2, layers = 2, radius = 0.2, mass = 1}]
+walls = [{point = [0, 0, 0], normal = [0, 0, 1]}]
+time = {step = 1e-3, steps = 2}
 [observables]
 every = 1
 force_bins = 5
@@ -659,19 +639,10 @@ window = [0, 0, 0, 1, 1, 0.8]
 profile = "z"
 profile_range = [0, 0.8]
 profile_bins = 2
-[[observables.faces]]
-name = "middle"
-point = [0, 0, 0.4]
-normal = [0, 0, 2]
-[[observables.faces]]
-point = [0.5, 0.5, 0.2]
-normal = [0, 0, -1]
-radius = 0.5
-[time]
-step = 1e-3
-steps = 2
+faces = [{name = "middle", point = [0, 0, 0.4], normal = [0, 0, 2]},
+  {point = [0.5, 0.5, 0.2], normal = [0, 0, -1], radius = 0.5}]
 )";
-  const auto scene = std::get<Scene<3>>(parse_any_scene(text, "test.toml"));
+  const auto scene = scene_of<3>(text);
   const TemporaryFolder folder;
   RunWriter<3> writer(folder / "out", scene, text);
   State<3> state = initial_state(scene);

@@ -6,8 +6,7 @@
 #include <filesystem>
 #include <numbers>
 
-#include "core/scene_files/scene_file.h"
-#include "tests/support/floor_text.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -43,16 +42,10 @@ TEST(FilmFrame, DirectionsAreWithinATenThousandth) {
 }
 
 Scene<2> two_disks() {
-  return parse_scene(floor_text(10) + R"([[disks]]
-radius = 0.5
-density = 1000
-position = [0, 0.5]
-[[disks]]
-radius = 0.25
-density = 1000
-position = [3, 0.25]
-)",
-                     "two");
+  return scene_of(floor_text(10) + R"(
+disks = [{radius = 0.5, density = 1000, position = [0, 0.5]},
+  {radius = 0.25, density = 1000, position = [3, 0.25]}]
+)");
 }
 
 State<2> touching(const Scene<2>& scene) {
@@ -62,8 +55,7 @@ State<2> touching(const Scene<2>& scene) {
   state.bodies[1].v = Vec2(-2, 0.125);
   state.bodies[1].spin = -3;
   state.bodies[1].angle = 7;
-  ContactOutcome<2> contact;
-  contact.contact = {.i = 1, .j = 2, .n = Vec2(0, 1), .gap = -1e-4};
+  ContactOutcome<2> contact{.contact = {.i = 1, .j = 2, .n = Vec2(0, 1), .gap = -1e-4}};
   contact.s_n = 0.02;  // 2 N for a step of 0.01 s
   contact.s_t = -0.005;
   contact.status = ContactStatus::kSlip;
@@ -131,11 +123,11 @@ void record(FilmRecorder<2>& film, State<2> state, int first, int last) {
 TEST(Film, HasTheTurnsOfWalls) {
   const TemporaryFolder folder;
   Scene<2> scene = two_disks();
-  Wall<2> wheel{.shape = Wall<2>::Shape::kSolidCircle, .motion = Wall<2>::Motion::kMoving};
-  wheel.radius = 1;
-  wheel.spin = 6;
-  wheel.starts = 0.03;
-  scene.walls.push_back(wheel);
+  scene.walls.push_back({.shape = Wall<2>::Shape::kSolidCircle,
+                         .motion = Wall<2>::Motion::kMoving,
+                         .radius = 1,
+                         .spin = 6,
+                         .starts = 0.03});
   State<2> state = touching(scene);
   state.step = 5;
   state.time = 0.05;

@@ -1,13 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "core/run_files/run_output.h"
-#include "core/run_files/run_reader.h"
-#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
-#include "tests/support/state_bits.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -21,51 +17,20 @@ const NamedScene kRestartScenes[] = {
     {"plate, drum, dam and tilt", R"(
 contact = {mu = 0.3}
 tilt = {degrees_per_second = 200, starts = 0.005}
+walls = [{center = [0, 0], radius = 0.7, hollow = true, spin = 2, starts = 0.012},
+  {center = [0, -0.6], radius = 0.05, removed = 0.03},
+  {point = [0, 0.12], normal = [0, -1], force = 20, mass = 2, velocity = [0.2, 0], stops = 0.025}]
+disks = [{arrangement = "rectangular", columns = 3, rows = 3, radius = 0.1, mass = 1, corner = [-0.3, -0.5]}]
 time = {step = 1e-3, steps = 40}
-[[disks]]
-arrangement = "rectangular"
-columns = 3
-rows = 3
-radius = 0.1
-mass = 1
-corner = [-0.3, -0.5]
-[[walls]]
-center = [0, 0]
-radius = 0.7
-hollow = true
-spin = 2
-starts = 0.012
-[[walls]]
-center = [0, -0.6]
-radius = 0.05
-removed = 0.03
-[[walls]]
-point = [0, 0.12]
-normal = [0, -1]
-force = 20
-mass = 2
-velocity = [0.2, 0]
-stops = 0.025
 )"},
     {"rough plate, pressed and pulled, in a periodic scene", R"(
 contact = {mu = 0.3}
 cell = {width = 1}
 walls = [{point = [0, 0], normal = [0, 1]},
   {name = "plate", point = [0, 0.55], normal = [0, -1], force = 20, mass = 2, velocity = [2, 0]}]
+disks = [{arrangement = "rectangular", columns = 5, rows = 2, radius = 0.1, mass = 1},
+  {arrangement = "rectangular", columns = 4, rows = 1, radius = 0.08, corner = [0.05, 0.37], wall = "plate"}]
 time = {step = 1e-3, steps = 40}
-[[disks]]
-arrangement = "rectangular"
-columns = 5
-rows = 2
-radius = 0.1
-mass = 1
-[[disks]]
-arrangement = "rectangular"
-columns = 4
-rows = 1
-radius = 0.08
-corner = [0.05, 0.37]
-wall = "plate"
 )"},
     {"pins, a rope that tightens, and a bar on a drum", R"(
 contact = {mu = 0.3}
@@ -115,15 +80,8 @@ spin = 3
     {"periodic cell under shear and pressure", R"(
 gravity = [0, 0]
 contact = {mu = 0.4}
+cell = {width = 1, height = 1.1, offset = 0.1, width_speed = -0.5, pressure_y = 100, mass = 2, shear_stress = 20}
 time = {step = 1e-3, steps = 40}
-[cell]
-width = 1
-height = 1.1
-offset = 0.1
-width_speed = -0.5
-pressure_y = 100
-mass = 2
-shear_stress = 20
 [[disks]]
 arrangement = "random"
 count = 30
@@ -177,7 +135,7 @@ template <int D>
 void expect_same_bits(const NamedScene& named) {
   SCOPED_TRACE(named.name);
   const TemporaryFolder folder;
-  const auto scene = std::get<Scene<D>>(parse_any_scene(named.text, "test.toml"));
+  const auto scene = scene_of<D>(named.text);
   State<D> end;
   {
     RunWriter<D> writer(folder / "out", scene, named.text);

@@ -16,8 +16,7 @@ namespace {
 template <int D>
 void expect_complete(bool periodic) {
   PortableRandom draw(3);
-  PeriodicCell cell;
-  cell.in_x = periodic;
+  PeriodicCell cell{.in_x = periodic};
   cell.width.length = 20;
   std::vector<Body<D>> bodies(60);
   for (Body<D>& b : bodies) {

@@ -13,9 +13,7 @@ Scene<2> pressed(double left, double right) {
   scene.bodies = {round_body<2>(Vec2(0.5, 0.5), 0.5, 2)};
   scene.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
                  half_space<2>(Vec2(1, 0), Vec2(-1, 0), "right")};
-  for (Wall<2>& wall : scene.walls) {
-    drive(wall, wall.normal, 1);
-  }
+  for (Wall<2>& wall : scene.walls) drive(wall, wall.normal, 1);
   scene.walls[0].force = left;
   scene.walls[1].force = right;
   return scene;

@@ -10,10 +10,8 @@
 
 #include "core/motion/passage.h"
 #include "core/scene/contact_detection.h"
-#include "core/scene/scene_parts.h"
-#include "core/scene_files/scene_file.h"
 #include "tests/support/scene_run.h"
-#include "tests/support/state_bits.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -247,16 +245,15 @@ solver = {tol = 1e-12}
 [[walls]]
 corners = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
 )";
-  const State<3> moved = solved_run(
-      std::get<Scene<3>>(parse_any_scene(head + "surface_velocity = [5, 0, 0]\n", "test")));
+  const State<3> moved = solved_run(scene_of<3>(head + "surface_velocity = [5, 0, 0]\n"));
   EXPECT_NEAR(moved.bodies[0].v[0], 0.1 * 9.81 * 0.1, 1e-9);
   EXPECT_NEAR(moved.bodies[0].spin[1], -2.5 * 0.1 * 9.81 * 0.1 / 0.5, 1e-8);
   EXPECT_EQ(moved.walls[0].a, Vec3(-1, -1, 0));
   // A lid pressed by 30 N: the floor bears it and the weight.
-  const State<3> pressed = solved_run(std::get<Scene<3>>(parse_any_scene(
-      head + "[[walls]]\ncorners = [[-1, -1, 1], [1, -1, 1], [0, 1, 1]]\nforce = 30\nmass = 1\n"
-             "direction = [0, 0, -1]\n",
-      "test")));
+  const State<3> pressed =
+      solved_run(scene_of<3>(
+          head + "[[walls]]\ncorners = [[-1, -1, 1], [1, -1, 1], [0, 1, 1]]\nforce = 30\nmass = 1\n"
+                 "direction = [0, 0, -1]\n"));
   ASSERT_EQ(pressed.contacts.size(), 2u);
   EXPECT_NEAR(pressed.contacts[0].s_n / 1e-3, 30 + 2 * 9.81, 1e-6);
   EXPECT_NEAR(pressed.contacts[1].s_n / 1e-3, 30, 1e-6);

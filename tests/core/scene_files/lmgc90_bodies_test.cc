@@ -10,7 +10,6 @@
 #include "core/scene_files/scene_file.h"
 #include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
-#include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
@@ -28,8 +27,11 @@ void put_file(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path) << text;
 }
 
-TEST(Lmgc90Bodies, DisksComeWithDisplacementsAndVelocitiesAndWithoutWalls) {
+struct Lmgc90Bodies : testing::Test {
   const TemporaryFolder folder;
+};
+
+TEST_F(Lmgc90Bodies, DisksComeWithDisplacementsAndVelocitiesAndWithoutWalls) {
   put_file(folder / "BODIES.DAT", "! File BODIES\n!\n" + disk_record("0.1000000D+00", kDiskLine) +
                                       disk_record("0.0000000D+00", kWallLine) +
                                       disk_record("-3.0000000D-01", kDiskLine));
@@ -52,8 +54,7 @@ TEST(Lmgc90Bodies, DisksComeWithDisplacementsAndVelocitiesAndWithoutWalls) {
   EXPECT_EQ(scene.bodies[1].spin, 20);
 }
 
-TEST(Lmgc90Bodies, WhatIsLeftOutIsTold) {
-  const TemporaryFolder folder;
+TEST_F(Lmgc90Bodies, WhatIsLeftOutIsTold) {
   const auto scene = [&](const std::string& bodies) {
     put_file(folder / "BODIES.DAT", bodies);
     return parse_scene(
@@ -71,8 +72,7 @@ TEST(Lmgc90Bodies, WhatIsLeftOutIsTold) {
 }
 
 // The spin of a sphere is that along the axes a, b, c of the body: here a = z, b = x, c = y.
-TEST(Lmgc90Bodies, ASphereTurnsInItsOwnFrame) {
-  const TemporaryFolder folder;
+TEST_F(Lmgc90Bodies, ASphereTurnsInItsOwnFrame) {
   put_file(
       folder / "BODIES.DAT",
       "$bdyty\n RBDY3      1\n$nodty\n NO6xx      1  coo1= 0.1D+01  coo2= 0.2D+01  coo3= "
@@ -93,8 +93,7 @@ TEST(Lmgc90Bodies, ASphereTurnsInItsOwnFrame) {
 }
 
 // A body at rest may have velocities of 1e-100 and less.
-TEST(Lmgc90Bodies, NumbersAreThoseOfFortran) {
-  const TemporaryFolder folder;
+TEST_F(Lmgc90Bodies, NumbersAreThoseOfFortran) {
   const auto x_of = [&](const std::string& x) {
     put_file(folder / "BODIES.DAT", disk_record(x, kDiskLine));
     return read_lmgc90_bodies(folder / "BODIES.DAT", 2).at(0).x[0];
@@ -122,8 +121,7 @@ std::string constant(const std::string& value) {
 
 // The lower disk of 0.5 m rises at 0.5 m/s and carries the upper one, straight above it. The lower
 // one is a wall. Turning at 20 rad/s, it drives the upper one by friction.
-TEST(Lmgc90Bodies, ADrivenDiskIsAWallThatCarriesOthers) {
-  const TemporaryFolder folder;
+TEST_F(Lmgc90Bodies, ADrivenDiskIsAWallThatCarriesOthers) {
   const std::string line = " DISKx      1  color  BLEUx  byrd= 0.5D+00\n";
   const auto at = [&](const char* y) {
     return "$bdyty\n RBDY2      1\n$nodty\n NO3xx      1                coo1= 0.0D+00  coo2= " +
@@ -153,8 +151,7 @@ TEST(Lmgc90Bodies, ADrivenDiskIsAWallThatCarriesOthers) {
   }
 }
 
-TEST(Lmgc90Bodies, ADrivenSphereCarriesOthers) {
-  const TemporaryFolder folder;
+TEST_F(Lmgc90Bodies, ADrivenSphereCarriesOthers) {
   const auto at = [&](const char* z) {
     return "$bdyty\n RBDY3      1\n$nodty\n NO6xx      1  coo1= 0.0D+00  coo2= 0.0D+00  coo3= " +
            std::string(z) + "\n$tacty\n SPHER      1  color  BLEUx  byrd= 0.5D+00\n$$$$$$\n";
@@ -176,8 +173,7 @@ TEST(Lmgc90Bodies, ADrivenSphereCarriesOthers) {
 }
 
 // Walls are left out, and so is whatever drives them.
-TEST(Lmgc90Bodies, WallsMayBeDrivenInAnyWay) {
-  const TemporaryFolder folder;
+TEST_F(Lmgc90Bodies, WallsMayBeDrivenInAnyWay) {
   put_file(folder / "BODIES.DAT",
            disk_record("0.1D+00", kDiskLine) + disk_record("0.0D+00", kWallLine));
   put_file(folder / "DRV_DOF.DAT",
@@ -187,8 +183,7 @@ TEST(Lmgc90Bodies, WallsMayBeDrivenInAnyWay) {
   EXPECT_FALSE(rows[0].driven);
 }
 
-TEST(Lmgc90Bodies, WhatItCannotTakeIsRefusedWithTheLine) {
-  const TemporaryFolder folder;
+TEST_F(Lmgc90Bodies, WhatItCannotTakeIsRefusedWithTheLine) {
   const auto refused = [&](const std::string& text, int dim) {
     put_file(folder / "BODIES.DAT", text);
     return refusal_of<SceneFileError>([&] { read_lmgc90_bodies(folder / "BODIES.DAT", dim); });

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <fstream>
 
-#include "tests/support/refusal.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/temporary_folder.h"
 
@@ -64,13 +63,8 @@ TEST(SceneFilling, NamesANumberThatFits) {
     const auto filling = [&](int count) {
       return fmt::format("{}seed = {}\ncount = {}\n{}", drum, seed, count, kShortTime);
     };
-    int fits = 0;
-    try {
-      parse_filling(filling(200));
-    } catch (const std::exception& e) {
-      const std::string text = e.what();
-      fits = std::stoi(text.substr(text.find("fits ") + 5));
-    }
+    const std::string text = refusal_of([&] { parse_filling(filling(200)); });
+    const int fits = std::stoi(text.substr(text.find("fits ") + 5));
     ASSERT_GT(fits, 10);
     EXPECT_EQ(parse_filling(filling(fits)).bodies.size(), to_size(fits));
   }

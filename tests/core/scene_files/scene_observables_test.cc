@@ -3,7 +3,6 @@
 #include <string>
 #include <variant>
 
-#include "core/scene_files/scene_tables.h"
 #include "tests/support/refused_scene.h"
 
 namespace bipot {
@@ -15,7 +14,7 @@ Scene<2> parse_scene_text(const std::string& text) { return parse_scene(text, "t
 
 TEST(SceneObservables, AreMeasuredWhereTheyAreAskedFor) {
   const auto refused = [](const std::string& text, std::initializer_list<const char*> parts) {
-    expect_scene_refused(parse_scene_text, text, parts);
+    expect_scene_refused(parse_scene_text, kTenSteps + "[observables]\n" + text, parts);
   };
   EXPECT_FALSE(parse_scene_text(kTenSteps).observables.has_value());
   const std::string table = "[observables]\n";
@@ -41,16 +40,15 @@ TEST(SceneObservables, AreMeasuredWhereTheyAreAskedFor) {
   EXPECT_EQ(s.observables->crossings[0].name, "line0");
   EXPECT_EQ(s.observables->crossings[0].b, Vec2(2, 3));
 
-  refused(kTenSteps + table + "every = 0\n", {"test.toml:5", "'every'", "positive"});
-  refused(kTenSteps + table + "window = [0, 0, 0, 1]\n", {"test.toml:5", "'window'", "right"});
-  refused(kTenSteps + table + "profile = 'y'\n", {"'profile_range'", "two numbers"});
-  refused(kTenSteps + table + "profile_bins = 3\n", {"'profile_bins'", "belongs to a profile"});
-  refused(kTenSteps + table + "profile = 'z'\n", {"test.toml:5", "'profile'"});
+  refused("every = 0\n", {"test.toml:5", "'every'", "positive"});
+  refused("window = [0, 0, 0, 1]\n", {"test.toml:5", "'window'", "right"});
+  refused("profile = 'y'\n", {"'profile_range'", "two numbers"});
+  refused("profile_bins = 3\n", {"'profile_bins'", "belongs to a profile"});
+  refused("profile = 'z'\n", {"test.toml:5", "'profile'"});
   const std::string line = "[[observables.lines]]\nname = 'a'\nfrom = [0, 0]\nto = [1, 0]\n";
-  refused(kTenSteps + table + line + line, {"test.toml:10", "'name'", "must differ"});
-  refused(kTenSteps + table + "[[observables.lines]]\nname = 'a,b'\n", {"letters"});
-  refused(kTenSteps + table + "[[observables.lines]]\nfrom = [1, 1]\nto = [1, 1]\n",
-          {"two different points"});
+  refused(line + line, {"test.toml:10", "'name'", "must differ"});
+  refused("[[observables.lines]]\nname = 'a,b'\n", {"letters"});
+  refused("[[observables.lines]]\nfrom = [1, 1]\nto = [1, 1]\n", {"two different points"});
 }
 
 TEST(SceneObservables, InSpace) {

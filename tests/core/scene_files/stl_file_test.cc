@@ -52,8 +52,11 @@ void write(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-TEST(StlFile, BothFormsGiveTheSameTrianglesAndDropThoseWithoutArea) {
+struct StlFile : testing::Test {
   const TemporaryFolder folder;
+};
+
+TEST_F(StlFile, BothFormsGiveTheSameTrianglesAndDropThoseWithoutArea) {
   for (const std::string& bytes : {kText, binary()}) {
     write(folder / "a.stl", bytes);
     const auto triangles = read_stl(folder / "a.stl");
@@ -64,8 +67,7 @@ TEST(StlFile, BothFormsGiveTheSameTrianglesAndDropThoseWithoutArea) {
   }
 }
 
-TEST(StlFile, ATextMayBreakItsLinesAnywhere) {
-  const TemporaryFolder folder;
+TEST_F(StlFile, ATextMayBreakItsLinesAnywhere) {
   const std::string facet =
       "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 2.5e-1 0 endloop endfacet";
   std::string large = kText;
@@ -79,16 +81,10 @@ TEST(StlFile, ATextMayBreakItsLinesAnywhere) {
   }
 }
 
-TEST(StlFile, ADamagedFileIsRefused) {
-  const TemporaryFolder folder;
+TEST_F(StlFile, ADamagedFileIsRefused) {
   const auto refused = [&](const std::string& bytes, const char* why) {
     write(folder / "a.stl", bytes);
-    try {
-      read_stl(folder / "a.stl");
-      ADD_FAILURE() << "accepted: " << why;
-    } catch (const SceneFileError& e) {
-      EXPECT_TRUE(says(e.what(), why)) << e.what();
-    }
+    EXPECT_TRUE(says(refusal_of<SceneFileError>([&] { read_stl(folder / "a.stl"); }), why));
   };
   const auto without = [](std::string text, const std::string& part) {
     return text.erase(text.find(part), part.size());
@@ -104,8 +100,7 @@ TEST(StlFile, ADamagedFileIsRefused) {
   refused("solid a\nendsolid\n", "has no triangle with an area");
 }
 
-TEST(StlFile, AWallScalesAndMovesItsTriangles) {
-  const TemporaryFolder folder;
+TEST_F(StlFile, AWallScalesAndMovesItsTriangles) {
   write(folder / "a.stl", kText);
   const auto scene = std::get<Scene<3>>(parse_any_scene(
       "dim = 3\nwalls = [{file = \"a.stl\", scale = 0.1, point = [1, 2, 3], velocity = [0, 0, 1]}]\n"

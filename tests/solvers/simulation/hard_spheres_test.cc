@@ -8,14 +8,13 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "core/scene/contact_frame.h"
-#include "core/scene_files/scene_file.h"
-#include "solvers/simulation/scene_run.h"
 #include "solvers/solve.h"
+#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -56,7 +55,7 @@ struct CostlyStep {
 // factorisation costs hundreds of sweeps, so that none may be needed where sweeps arrive. Those of
 // `assor` go both ways.
 TEST(HardSpheres, ThreeSizesSettleAtTheCostOfTheBestSolver) {
-  const auto scene = std::get<Scene<3>>(parse_any_scene(kThreeSizes, "three_sizes.toml"));
+  const auto scene = scene_of<3>(kThreeSizes);
   std::vector<CostlyStep> costly(4);
   SceneRunOptions<3> options;
   options.on_step = [&](const SceneStep<3>& step) {
@@ -88,7 +87,7 @@ TEST(HardSpheres, ThreeSizesSettleAtTheCostOfTheBestSolver) {
     ++swept;
     EXPECT_LE(chosen.iterations, 3 * best) << "step " << step.step << ": " << chosen.message;
     for (const char* solver : {"admm", "ipm", "newton"}) {
-      EXPECT_EQ(chosen.message.find(solver), std::string::npos) << chosen.message;
+      EXPECT_FALSE(says(chosen.message, solver)) << chosen.message;
     }
   }
   EXPECT_GE(swept, 3);
@@ -104,12 +103,11 @@ TEST(HardSpheres, AFreePyramidStandsAndHandsOnItsWeight) {
   constexpr int kLayers = 12;
 #endif
   const double step = 5e-4;
-  const auto scene = std::get<Scene<3>>(parse_any_scene(
+  const auto scene = scene_of<3>(
       fmt::format("dim = 3\ncontact = {{ mu = 2 }}\ntime = {{ step = {}, steps = 1 }}\n"
                   "solver = {{ tol = 1e-4 }}\nwalls = [{{ point = [0, 0, 0], normal = [0, 0, 1] "
                   "}}]\n[[spheres]]\narrangement = 'pyramid'\nrows = {}\nradius = 0.1\nmass = 3\n",
-                  step, kLayers),
-      "pyramid.toml"));
+                  step, kLayers));
   const double weight = 3 * 9.81 * step;  // as an impulse
   const State<3> end = solved_run(scene);
   // In free fall: velocity g h, energy m (g h)² / 2 each.

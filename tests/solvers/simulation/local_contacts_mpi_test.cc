@@ -262,8 +262,7 @@ TEST(Domains, EverySolverOfPiecesIsJudgedAsOnTheWhole) {
         EXPECT_EQ(out.result.status, SolveStatus::kNothingToDo);
         continue;
       }
-      const Vector impulse = cut.gathered(out.result.s, group);
-      const ContactError error = contact_error(cut.problem, impulse);
+      const ContactError error = contact_error(cut.problem, cut.gathered(out.result.s, group));
       EXPECT_LE(error.guarded(), 1e-7 * (1 + 1e-6));
       EXPECT_NEAR(error.epsilon, out.result.error.epsilon, 1e-6 * error.epsilon + 1e-16);
       EXPECT_EQ(error.worst_epsilon, out.result.error.worst_epsilon);
