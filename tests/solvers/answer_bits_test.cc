@@ -53,9 +53,7 @@ std::string row(const Answer& a) {
 /// Of 60 iterations, so that every solver has an impulse that no tolerance has stopped.
 std::uint64_t bits_of(const std::string& solver, const ContactProblem& p, int threads,
                       const std::map<std::string, std::string>& parameters = {}) {
-  SolverOptions options;
-  options.tol = 1e-15;
-  options.max_iterations = 60;
+  SolverOptions options{.tol = 1e-15, .max_iterations = 60};
   options.execution.threads = threads;
   options.parameters = parameters;
   BitHash hash;

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
@@ -23,11 +23,7 @@ struct Variant {
   std::string solver;
   std::map<std::string, std::string> parameters;
 
-  std::string name() const {
-    std::string text = solver;
-    for (const auto& [key, value] : parameters) text += "_" + key + "_" + value;
-    return test_name(text);
-  }
+  std::string name() const { return test_name(solver, parameters); }
 };
 
 std::vector<Variant> variants() {
@@ -69,8 +65,8 @@ TEST_P(FirstOrder, SolvesTheContactThatSticks) {
   for (int dim = 1; dim <= 3; ++dim) {
     Vector b_t(dim - 1);
     if (dim > 1) b_t.setConstant(3.0 / std::sqrt(dim - 1.0));  // |s_t| = 3/5 < 1
-    const SolveResult r = run(one_contact_problem(dim, 2, 5, 0.5, -4, b_t), options(1e-10));
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << dim << r.message;
+    const SolveResult r =
+        converged(run(one_contact_problem(dim, 2, 5, 0.5, -4, b_t), options(1e-10)), dim);
     EXPECT_NEAR(r.s[0], 2, 1e-8);
     EXPECT_NEAR(r.s.tail(dim - 1).norm(), dim > 1 ? 0.6 : 0, 1e-8);
     EXPECT_LT(r.u.norm(), 1e-8);
@@ -81,8 +77,8 @@ TEST_P(FirstOrder, SolvesTheContactThatSlips) {
   for (int dim = 2; dim <= 3; ++dim) {
     Vector b_t = Vector::Zero(dim - 1);
     b_t[dim - 2] = -20;  // sticking would need |s_t| = 4 > 1
-    const SolveResult r = run(one_contact_problem(dim, 2, 5, 0.5, -4, b_t), options(1e-10));
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << dim << r.message;
+    const SolveResult r =
+        converged(run(one_contact_problem(dim, 2, 5, 0.5, -4, b_t), options(1e-10)), dim);
     EXPECT_NEAR(r.s[0], 2, 1e-8);
     EXPECT_NEAR(r.s[dim - 1], 1, 1e-8);
     EXPECT_NEAR(r.u[dim - 1], -15, 1e-7);
@@ -96,8 +92,7 @@ TEST_P(FirstOrder, LeavesTheContactThatOpensAlone) {
   W.makeCompressed();
   ContactProblem p{.dim = 2, .W = W, .u_free = Vector(4), .mu = Vector::Constant(2, 0.5)};
   p.u_free << 1, 2, -4, 0;
-  const SolveResult r = run(p, options(1e-10));
-  ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  const SolveResult r = converged(run(p, options(1e-10)));
   EXPECT_EQ(r.s[0], 0);
   EXPECT_EQ(r.s[1], 0);
   EXPECT_NEAR(r.s[2], 2, 1e-8);
@@ -106,8 +101,7 @@ TEST_P(FirstOrder, LeavesTheContactThatOpensAlone) {
 TEST_P(FirstOrder, FindsTheManufacturedVelocities) {
   for (int dim = 1; dim <= 3; ++dim) {
     const Manufactured m = manufactured_problem(dim, 20, 22, 11);
-    const SolveResult r = run(m.problem, options());
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << dim << r.message;
+    const SolveResult r = converged(run(m.problem, options()), dim);
     EXPECT_LE(r.error.guarded(), 1e-8);
     EXPECT_LT((r.u - m.u).norm(), 1e-6 * m.u.norm()) << dim;
   }
@@ -118,8 +112,7 @@ TEST_P(FirstOrder, SolvesLatticesOfDisksAndSpheres) {
   for (const ContactProblem& p :
        {triangular_lattice(6, o), square_lattice(6), cubic_lattice(3, {.tilt = o.tilt})}) {
     ASSERT_EQ(validate(p), "");
-    const SolveResult r = run(p, options(1e-6));
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << p.dim << r.message;
+    converged(run(p, options(1e-6)), p.dim);
   }
 }
 
@@ -127,8 +120,7 @@ TEST_P(FirstOrder, SaysThatTheIterationLimitWasReached) {
   const ContactProblem p = triangular_lattice(8);
   SolverOptions o = options();
   o.max_iterations = 3;
-  const SolveResult r = run(p, o);
-  EXPECT_EQ(r.status, SolveStatus::kIterationLimit) << r.message;
+  const SolveResult r = ended(SolveStatus::kIterationLimit, run(p, o));
   EXPECT_EQ(r.iterations, 3);
   EXPECT_TRUE(r.s.allFinite());
 }
@@ -142,17 +134,12 @@ TEST_P(FirstOrder, SaysThatTimeIsUp) {
 
 TEST_P(FirstOrder, NeedsFewerIterationsFromANearbyStart) {
   const ContactProblem p = triangular_lattice(8, {.tilt = 0.1});
-  const SolveResult cold = run(p, options(1e-7));
-  ASSERT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
+  const SolveResult cold = converged(run(p, options(1e-7)));
   SolverOptions o = options(1e-7);
   o.s0 = cold.s;
-  const SolveResult same = run(p, o);
-  EXPECT_EQ(same.status, SolveStatus::kConverged) << same.message;
-  EXPECT_EQ(same.iterations, 0);
+  EXPECT_EQ(converged(run(p, o)).iterations, 0);
   o.tol = 1e-8;
-  const SolveResult warm = run(p, o);
-  EXPECT_EQ(warm.status, SolveStatus::kConverged) << warm.message;
-  EXPECT_LT(warm.iterations, cold.iterations);
+  EXPECT_LT(converged(run(p, o)).iterations, cold.iterations);
 }
 
 TEST_P(FirstOrder, GivesTheSameBitsTwice) {
@@ -170,10 +157,8 @@ TEST_P(FirstOrder, DoesNotDependOnUnits) {
   small.mass *= 1e3;
   small.time_step *= 1e3;
   small.gravity *= 1e3 / 1e6;
-  const SolveResult a = run(triangular_lattice(6, si), options(1e-6));
-  const SolveResult b = run(triangular_lattice(6, small), options(1e-6));
-  ASSERT_EQ(a.status, SolveStatus::kConverged) << a.message;
-  ASSERT_EQ(b.status, SolveStatus::kConverged) << b.message;
+  const SolveResult a = converged(run(triangular_lattice(6, si), options(1e-6)));
+  const SolveResult b = converged(run(triangular_lattice(6, small), options(1e-6)));
   EXPECT_NEAR(a.iterations, b.iterations, 1);
   EXPECT_NEAR(a.error.guarded(), b.error.guarded(), 0.1 * a.error.guarded());
   for (int dim = 1; dim <= 3; ++dim) {
@@ -205,8 +190,7 @@ TEST(FirstOrderSolvers, SolveAnUnsymmetricOperator) {
   for (int k = 0; k < p.W.nonZeros(); ++k) p.W.valuePtr()[k] += 1e-3 * scale * std::sin(k + 1);
   p.u_free = m.u - Vector(p.W * m.s);
   for (const char* solver : {"apgd", "admm"}) {
-    const SolveResult r = solve(solver, p, {.max_iterations = 20000});
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << solver << ": " << r.message;
+    converged(solve(solver, p, {.max_iterations = 20000}), solver);
   }
 }
 

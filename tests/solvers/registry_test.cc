@@ -17,9 +17,7 @@ namespace {
 std::vector<IterationRecord> history(const SolverEntry& entry, const ContactProblem& p,
                                      double tol) {
   std::vector<IterationRecord> records;
-  SolverOptions options;
-  options.tol = tol;
-  options.max_iterations = 3000;
+  SolverOptions options{.tol = tol, .max_iterations = 3000};
   options.on_iteration = [&](const IterationRecord& r) { records.push_back(r); };
   solve(entry, p, options);
   return records;

@@ -67,8 +67,7 @@ Vector four(double a, double b, double c, double d) {
 TEST(Existence, AMassOnAFloorHasASolution) {
   // H = [1]: r = 0 is the only self-stress. v = 1 opens the contact, every term of a = H v is
   // positive, so that the margin is 1 but for the data's part.
-  const ContactProblem p = on_a_line({1}, Vector::Constant(1, -3.0));
-  const ExistenceCertificate c = certify_existence(p);
+  const ExistenceCertificate c = certify_existence(on_a_line({1}, Vector::Constant(1, -3.0)));
   EXPECT_EQ(c.verdict, Existence::kExists) << to_text(c);
   EXPECT_GT(c.margin, 0.0);
   EXPECT_LE(c.margin, 1.0);
@@ -95,8 +94,7 @@ TEST(Existence, WallsDrivenApartHaveOne) {
 TEST(Existence, AJammedMassWithFixedWallsHasOneUpToRounding) {
   // Gravity pushes a mass that touches both walls: w = (-1, 1) = Hᵀ v with v = -1. r = (1, 1) does
   // no work: v = 1 stops it exactly, any further approach has no solution.
-  const ContactProblem p = on_a_line({1, -1}, pair(-1, 1));
-  const ExistenceCertificate c = certify_existence(p);
+  const ExistenceCertificate c = certify_existence(on_a_line({1, -1}, pair(-1, 1)));
   EXPECT_EQ(c.verdict, Existence::kExistsNearby) << to_text(c);
   EXPECT_LE(c.margin, 1e-15);
   EXPECT_EQ(certify_existence(on_a_line({1, -1}, pair(-1.001, 1))).verdict, Existence::kNone);

@@ -8,7 +8,7 @@
 
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
-#include "solvers/registry.h"
+#include "tests/support/converged.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
@@ -26,8 +26,7 @@ int known(const SeveralProblem& several, const Vector& s) {
 
 TEST(SeveralAnswers, FindsThoseOfAPainleveContact) {
   const SeveralProblem several = painleve_problem();
-  const SeveralAnswers found = find_several_answers(several.problem, {.starts = 16});
-  EXPECT_EQ(found.status, SolveStatus::kConverged) << found.message;
+  const SeveralAnswers found = converged(find_several_answers(several.problem, {.starts = 16}));
   ASSERT_GE(found.answers.size(), 2u);
   for (const Answer& answer : found.answers) {
     EXPECT_GE(known(several, answer.impulse.s), 0);
@@ -74,8 +73,7 @@ TEST(SeveralAnswers, TellsAContinuousFamily) {
 
 TEST(SeveralAnswers, FindsOneWhereThereIsOne) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 5, 0.3, 10);
-  const SeveralAnswers found = find_several_answers(p, {.starts = 10});
-  EXPECT_EQ(found.status, SolveStatus::kConverged) << found.message;
+  const SeveralAnswers found = converged(find_several_answers(p, {.starts = 10}));
   ASSERT_EQ(found.answers.size(), 1u);
   EXPECT_EQ(found.answers[0].starts.size(), 10u);
   EXPECT_EQ(found.answers[0].kind, Answer::Kind::kIsolated);
@@ -93,8 +91,7 @@ TEST(SeveralAnswers, FindsOneWhereThereIsOne) {
 TEST(SeveralAnswers, ThreeIsolatedOnesOfATiltedPacking) {
   const ContactProblem p =
       read_fclib(source_folder().string() + "/data/problems/2d_tilt1000hi_182.hdf5").problem;
-  const SeveralAnswers found = find_several_answers(p, {.starts = 12, .seed = 3});
-  EXPECT_EQ(found.status, SolveStatus::kConverged) << found.message;
+  const SeveralAnswers found = converged(find_several_answers(p, {.starts = 12, .seed = 3}));
   EXPECT_GE(found.answers.size(), 3u);
   EXPECT_GE(found.sets, 3);
   EXPECT_GT(found.spread.velocity, 5e-2);
@@ -161,15 +158,13 @@ TEST(SeveralAnswers, StartsByOneSolverAlone) {
 TEST(SeveralAnswers, StopsWhenAsked) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 12, 0.3, 10);
   SeveralAnswers::Options options{.starts = 1000, .time_limit = 0.05};
-  const SeveralAnswers late = find_several_answers(p, options);
-  EXPECT_EQ(late.status, SolveStatus::kTimeLimit) << late.message;
+  const SeveralAnswers late = ended(SolveStatus::kTimeLimit, find_several_answers(p, options));
   EXPECT_LT(late.starts.size(), 1000u);
   EXPECT_LT(late.seconds, 5 * BIPOT_TEST_SLOWNESS);
   options.time_limit = kInfinity;
   int polls = 0;
   options.cancelled = [&] { return ++polls > 50; };
-  const SeveralAnswers cut = find_several_answers(p, options);
-  EXPECT_EQ(cut.status, SolveStatus::kInterrupted) << cut.message;
+  const SeveralAnswers cut = ended(SolveStatus::kInterrupted, find_several_answers(p, options));
   EXPECT_LT(cut.starts.size(), 1000u);
   EXPECT_EQ(find_several_answers(p, {.starts = 0}).status, SolveStatus::kInvalidInput);
   EXPECT_EQ(find_several_answers(p, {.tol = 1e-6}).status, SolveStatus::kInvalidInput);
@@ -177,15 +172,13 @@ TEST(SeveralAnswers, StopsWhenAsked) {
 
 TEST(SeveralAnswers, WithoutContactsThereIsNothingToDo) {
   for (const int dim : {1, 2, 3}) {
-    const SeveralAnswers found = find_several_answers({.dim = dim}, {.starts = 3});
-    EXPECT_EQ(found.status, SolveStatus::kNothingToDo) << found.message;
+    ended(SolveStatus::kNothingToDo, find_several_answers({.dim = dim}, {.starts = 3}));
   }
 }
 
 TEST(SeveralAnswers, NothingToDoIsOneAnswer) {
   ContactProblem p = one_contact_problem(2, 1, 1, 0.5, 1, Vector::Constant(1, 0.3));
-  const SeveralAnswers found = find_several_answers(p, {.starts = 3});
-  EXPECT_EQ(found.status, SolveStatus::kConverged);
+  const SeveralAnswers found = converged(find_several_answers(p, {.starts = 3}));
   ASSERT_EQ(found.answers.size(), 1u);
   EXPECT_EQ(found.answers[0].impulse.s, Vector::Zero(2));
 }

@@ -13,9 +13,8 @@
 #include "solvers/auto/auto_solver.h"
 #include "solvers/auto/contact_islands.h"
 #include "solvers/auto/islands.h"
-#include "solvers/registry.h"
-#include "solvers/solve.h"
 #include "solvers/solve_run.h"
+#include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
@@ -60,8 +59,7 @@ TEST(Islands, TheWholeMeetsTheTolerance) {
       for (const bool local : {false, true}) {
         const ContactProblem p = archipelago(dim, seed, local);
         for (const double tol : {1e-2, 1e-5, 1e-9}) {
-          const SolveResult result = solve(cutting_auto(), p, {.tol = tol});
-          EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+          const SolveResult result = converged(solve(cutting_auto(), p, {.tol = tol}));
           EXPECT_TRUE(says(result.message, "6 islands"));
           EXPECT_LE(naive_error(p, result.s).guarded(), tol * (1 + 1e-6))
               << dim << ' ' << seed << ' ' << local;
@@ -73,29 +71,22 @@ TEST(Islands, TheWholeMeetsTheTolerance) {
 
 /// A solver that stops as early as the stop test lets it: on the line from an exact impulse to 0.
 SolverEntry lazy_solver(std::vector<double>* errors) {
-  return {.name = "lazy",
-          .summary = "",
-          .run =
-              [errors](SolveRun& run) {
-                const ContactProblem& p = run.problem();
-                const SolveResult exact =
-                    run_solver(*find_solver("auto"), p, {.tol = 1e-13, .islands = false});
-                ContactErrorEvaluator evaluate(p, 1, run.whole().share());
-                // Within the tolerance by more than rounding, or no claim is proved.
-                SolverOptions proved = run.options();
-                proved.tol *= 1 - 1e-9;
-                double low = 0, high = 1;
-                for (int k = 0; k < 60; ++k) {
-                  const double middle = 0.5 * (low + high);
-                  (meets(proved, evaluate(middle * exact.s)) ? high : low) = middle;
-                }
-                SolveResult result{.s = high * exact.s};
-                errors->push_back(contact_error(p, result.s).guarded());
-                result.status = SolveStatus::kConverged;
-                result.iterations = 1;
-                run.take(std::move(result));
-              },
-          .parameters = {}};
+  const auto run_lazily = [errors](SolveRun& run) {
+    const ContactProblem& p = run.problem();
+    const SolveResult exact = run_solver(*find_solver("auto"), p, {.tol = 1e-13, .islands = false});
+    ContactErrorEvaluator evaluate(p, 1, run.whole().share());
+    // Within the tolerance by more than rounding, or no claim is proved.
+    SolverOptions proved = run.options();
+    proved.tol *= 1 - 1e-9;
+    double low = 0, high = 1;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (low + high);
+      (meets(proved, evaluate(middle * exact.s)) ? high : low) = middle;
+    }
+    errors->push_back(contact_error(p, high * exact.s).guarded());
+    run.take({.status = SolveStatus::kConverged, .s = high * exact.s, .iterations = 1});
+  };
+  return {.name = "lazy", .run = run_lazily};
 }
 
 /// 20 contacts that approach at 1 and slide at 10, W = 1 but for tangents that are neighbours: 0.2.
@@ -126,8 +117,7 @@ TEST(Islands, PartsThatJustMeetTheirSharesMeetTheWhole) {
       parts.back().u_free *= std::pow(3.0, seed);
     }
     const ContactProblem p = side_by_side(parts).problem;
-    const SolveResult result = solve(lazy, p, {.tol = tol, .islands = true});
-    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    const SolveResult result = converged(solve(lazy, p, {.tol = tol, .islands = true}));
     EXPECT_FALSE(says(result.message, "then the whole"));
     EXPECT_LE(result.error.guarded(), tol);
     EXPECT_GE(result.error.guarded(), 0.5 * tol);  // what was left to the last part is used
@@ -158,10 +148,15 @@ TEST(Islands, MaximaOfDifferentTermsDoNotUseUpTheTolerance) {
   EXPECT_GT(sum_of_maxima, 1.5 * maximum_of_sums);
   std::vector<double> errors;
   const SolverEntry lazy = lazy_solver(&errors);
-  const SolveResult result = solve(lazy, p, {.tol = 1e-3, .islands = true});
-  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  const SolveResult result = converged(solve(lazy, p, {.tol = 1e-3, .islands = true}));
   EXPECT_FALSE(says(result.message, "then the whole"));
   EXPECT_LE(naive_error(p, result.s).guarded(), 1e-3 * (1 + 1e-9));
+}
+
+void expect_near(const ContactError& error, const ContactError& expected) {
+  EXPECT_NEAR(error.epsilon, expected.epsilon, 1e-12 * expected.epsilon);
+  EXPECT_NEAR(error.eta, expected.eta, 1e-12 * expected.eta);
+  EXPECT_NEAR(error.natural_map, expected.natural_map, 1e-12 * expected.natural_map);
 }
 
 TEST(Islands, APartIsJudgedAsAPieceOfTheWhole) {
@@ -175,9 +170,7 @@ TEST(Islands, APartIsJudgedAsAPieceOfTheWhole) {
     ErrorSums sums;
     for (int c = 0; c < p.num_contacts(); ++c) sums += evaluate.part(c);
     const ContactError added = error_of(sums);
-    EXPECT_NEAR(added.epsilon, whole.epsilon, 1e-12 * whole.epsilon);
-    EXPECT_NEAR(added.eta, whole.eta, 1e-12 * whole.eta);
-    EXPECT_NEAR(added.natural_map, whole.natural_map, 1e-12 * whole.natural_map);
+    expect_near(added, whole);
     EXPECT_NEAR(added.energy, whole.energy, 1e-12 * whole.energy);
     const SideBySide two = side_by_side({p, p});
     Vector both(2 * s.size());
@@ -192,9 +185,7 @@ TEST(Islands, APartIsJudgedAsAPieceOfTheWhole) {
     ContactErrorEvaluator part(p, 1, share);
     const ContactError as_piece = part(s);
     const ContactError expected = contact_error(two.problem, both);
-    EXPECT_NEAR(as_piece.epsilon, expected.epsilon, 1e-12 * expected.epsilon);
-    EXPECT_NEAR(as_piece.eta, expected.eta, 1e-12 * expected.eta);
-    EXPECT_NEAR(as_piece.natural_map, expected.natural_map, 1e-12 * expected.natural_map);
+    expect_near(as_piece, expected);
     // Half the tolerance: twice the figure. By itself it is better here and counts threefold.
     share.share = 0.5;
     EXPECT_NEAR(ContactErrorEvaluator(p, 1, share)(s).epsilon, 2 * expected.epsilon,
@@ -216,8 +207,7 @@ TEST(Islands, SingleContactsAreSolvedInClosedForm) {
       parts.push_back(one_contact_problem(dim, 2, 3, 0.3, b_n, b_t));
     }
     const ContactProblem p = side_by_side(parts).problem;
-    const SolveResult result = solve("auto", p, {.tol = 1e-14});
-    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    const SolveResult result = converged(solve("auto", p, {.tol = 1e-14}));
     EXPECT_TRUE(says(result.message, "3 islands: 1 open, 0 kept, 2 of few contacts, 0 by auto"));
     Vector expected = Vector::Zero(3 * dim);
     expected[dim] = expected[2 * dim] = 0.5;
@@ -234,14 +224,12 @@ TEST(Islands, WhatRestsKeepsItsImpulsesAndIsCheckedAllTheSame) {
     parts.push_back(manufactured_problem(2, std::max(1, contacts - 1), contacts, 9).problem);
   }
   const SideBySide before = side_by_side(parts);
-  const SolveResult first = solve("auto", before.problem, {.tol = 1e-8});
-  ASSERT_EQ(first.status, SolveStatus::kConverged) << first.message;
+  const SolveResult first = converged(solve("auto", before.problem, {.tol = 1e-8}));
   for (std::size_t moved = 0; moved < parts.size(); ++moved) {
     std::vector<ContactProblem> changed = parts;
     changed[moved].u_free *= 1.5;  // its impulses are 1.5 times the ones before
     const ContactProblem p = side_by_side(changed).problem;
-    const SolveResult result = solve("auto", p, {.tol = 1e-7, .s0 = first.s});
-    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    const SolveResult result = converged(solve("auto", p, {.tol = 1e-7, .s0 = first.s}));
     EXPECT_TRUE(says(result.message, "3 kept"));
     for (std::size_t k = 0; k < parts.size(); ++k) {
       for (const int c : before.place[k]) {
@@ -259,12 +247,10 @@ TEST(Islands, OtherSolversCutOnlyWhereAsked) {
   const ContactProblem p = archipelago(2, 1, false);
   const SolveResult whole = solve("pgs", p, {.tol = 1e-6});
   EXPECT_FALSE(says(whole.message, "islands"));
-  const SolveResult cut = solve("pgs", p, {.tol = 1e-6, .islands = true});
-  EXPECT_EQ(cut.status, SolveStatus::kConverged) << cut.message;
+  const SolveResult cut = converged(solve("pgs", p, {.tol = 1e-6, .islands = true}));
   EXPECT_TRUE(says(cut.message, "6 islands"));
   EXPECT_LE(cut.iterations, whole.iterations);
-  const SolveResult off = solve("auto", p, {.tol = 1e-6, .islands = false});
-  EXPECT_EQ(off.status, SolveStatus::kConverged) << off.message;
+  const SolveResult off = converged(solve("auto", p, {.tol = 1e-6, .islands = false}));
   EXPECT_FALSE(says(off.message, "islands"));
 }
 
@@ -274,13 +260,12 @@ TEST(Islands, TheyAreAParameterOfEverySolver) {
   EXPECT_EQ(on.s, solve("pgs", p, {.tol = 1e-6, .islands = true}).s);
   const SolveResult off = solve("auto", p, {.tol = 1e-6, .parameters = {{"islands", "off"}}});
   EXPECT_EQ(off.s, solve("auto", p, {.tol = 1e-6, .islands = false}).s);
-  const SolveResult other = solve("pgs", p, {.parameters = {{"islands", "some"}}});
-  EXPECT_EQ(other.status, SolveStatus::kInvalidInput);
+  const SolveResult other =
+      ended(SolveStatus::kInvalidInput, solve("pgs", p, {.parameters = {{"islands", "some"}}}));
   EXPECT_TRUE(says(other.message, "on|off"));
   // A solver's own parameters are read all the same.
-  const SolveResult own =
-      solve("pgs", p, {.tol = 1e-6, .parameters = {{"islands", "on"}, {"omega", "1.3"}}});
-  EXPECT_EQ(own.status, SolveStatus::kConverged) << own.message;
+  const SolveResult own = converged(
+      solve("pgs", p, {.tol = 1e-6, .parameters = {{"islands", "on"}, {"omega", "1.3"}}}));
   EXPECT_NE(own.s, on.s);
 }
 
@@ -304,9 +289,8 @@ TEST(Islands, SameBitsForAnyNumberOfThreads) {
   const ContactProblem p = archipelago(2, 2, false);
   const SolveResult one = solve(cutting_auto(), p, {.tol = 1e-8});
   for (const int threads : {2, 3, 4}) {
-    SolverOptions options{.tol = 1e-8};
-    options.execution.threads = threads;
-    const SolveResult more = solve(cutting_auto(), p, options);
+    const SolveResult more =
+        solve(cutting_auto(), p, {.tol = 1e-8, .execution = {.threads = threads}});
     EXPECT_EQ(more.s, one.s) << threads;
     EXPECT_EQ(more.iterations, one.iterations);
   }
@@ -343,8 +327,7 @@ TEST(Islands, HistoryEndsWithTheErrorOfTheWhole) {
       const ContactCount count = r.count();
       EXPECT_EQ(count.take_off + count.stick + count.slip, p.num_contacts());
     };
-    const SolveResult result = solve(entry, p, options);
-    ASSERT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    const SolveResult result = converged(solve(entry, p, options));
     ASSERT_GT(records.size(), 1u);
     EXPECT_EQ(records.front().iteration, 0);
     EXPECT_TRUE(std::is_sorted(records.begin(), records.end(), [](const auto& a, const auto& b) {
@@ -364,9 +347,7 @@ TEST(Islands, AnAttemptOnTheWholeThatArrivesIsAll) {
   });
   const SolverEntry entry = attempting(
       attempt, [](SolveRun&, const Vector&) { throw std::logic_error("nothing was left to do"); });
-  const SolveResult result = solve(entry, p, {.tol = 1e-6});
-  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
-  EXPECT_EQ(result.s, solve("pgs", p, {.tol = 1e-6}).s);
+  EXPECT_EQ(converged(solve(entry, p, {.tol = 1e-6})).s, solve("pgs", p, {.tol = 1e-6}).s);
 }
 
 TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
@@ -381,15 +362,13 @@ TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
     EXPECT_EQ(run.options().max_iterations, 995);
     run_race(run, best);
   });
-  const SolveResult result = solve(entry, p, {.tol = 1e-9, .max_iterations = 1000});
-  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  const SolveResult result = converged(solve(entry, p, {.tol = 1e-9, .max_iterations = 1000}));
   EXPECT_GT(parts, 0);
   EXPECT_TRUE(says(result.message, "the whole: half done; then 6 islands")) << result.message;
   EXPECT_GT(result.iterations, 5);
   entry = attempting(run_of(&half_done));
   // From a warm start too, where that settles little.
-  const SolveResult again = solve(entry, p, {.tol = 1e-9, .s0 = 0.5 * result.s});
-  EXPECT_EQ(again.status, SolveStatus::kConverged) << again.message;
+  const SolveResult again = converged(solve(entry, p, {.tol = 1e-9, .s0 = 0.5 * result.s}));
   EXPECT_TRUE(says(again.message, "half done"));
 }
 
@@ -399,8 +378,8 @@ TEST(Islands, AStartThatSettlesMuchOfManyContactsSavesTheAttempt) {
     Vector mostly = solve("auto", p, {.tol = 1e-9}).s;
     const ContactIslands islands = contact_islands(p);
     for (const int c : islands.of(islands.count() - 2)) mostly.segment<2>(2 * c) *= 0.5;
-    const SolveResult rest = solve(attempting(run_of(&half_done)), p, {.tol = 1e-8, .s0 = mostly});
-    EXPECT_EQ(rest.status, SolveStatus::kConverged) << rest.message;
+    const SolveResult rest =
+        converged(solve(attempting(run_of(&half_done)), p, {.tol = 1e-8, .s0 = mostly}));
     EXPECT_EQ(says(rest.message, "half done"), copies == 1) << rest.message;
   }
 }
@@ -416,8 +395,7 @@ TEST(Islands, AnAttemptThatIsNotMadeLeavesAllToTheParts) {
   Vector start = solve("auto", p, {.tol = 1e-9}).s;
   const ContactIslands islands = contact_islands(p);
   for (const int c : islands.of(islands.count() - 1)) start.segment<2>(2 * c) *= 0.99;
-  const SolveResult result = solve(entry, p, {.tol = 1e-5, .s0 = start});
-  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  converged(solve(entry, p, {.tol = 1e-5, .s0 = start}));
   EXPECT_EQ(attempts, 1);
 }
 
@@ -441,8 +419,7 @@ TEST(Islands, WhatAnAttemptSolvedIsNotSolvedAgain) {
         sizes.push_back(run.problem().num_contacts());
         run_race(run, best);
       });
-  const SolveResult result = solve(entry, p, {.tol = 1e-8});
-  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  const SolveResult result = converged(solve(entry, p, {.tol = 1e-8}));
   EXPECT_EQ(sizes, std::vector<int>{14});
   EXPECT_LE(naive_error(p, result.s).guarded(), 1e-8);
 }
@@ -499,8 +476,7 @@ TEST(Islands, ThoseOfOneSizeAreTriedTogether) {
           EXPECT_EQ(best.size() != 0, run.problem().num_contacts() == 22);
           run_race(run, best);
         });
-    const SolveResult result = solve(entry, p, {.tol = 1e-6});
-    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    const SolveResult result = converged(solve(entry, p, {.tol = 1e-6}));
     EXPECT_LE(naive_error(p, result.s).guarded(), 1e-6);
     EXPECT_EQ(tried, (Sizes{{1, 2200}, {2, 2200}}));
     EXPECT_EQ(solved.size(), done ? 1u : 101u);
@@ -526,8 +502,7 @@ TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
     EXPECT_GT(run.options().s0[2 * sides.place[1][0]], 0) << "the small part is settled";
     run_race(run, best);
   }});
-  const SolveResult result = solve(entry, p, {.tol = 1e-6});
-  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  const SolveResult result = converged(solve(entry, p, {.tol = 1e-6}));
   EXPECT_EQ(contacts, std::vector<int>{p.num_contacts()});
   EXPECT_TRUE(says(result.message, "1 of few contacts, 0 by auto; then the whole"))
       << result.message;
@@ -535,8 +510,7 @@ TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
 
   entry = cutting_auto(
       {.run = [](SolveRun&, const Vector&) { throw std::runtime_error("no memory is left"); }});
-  const SolveResult failed = solve(entry, p, {.tol = 1e-6});
-  EXPECT_EQ(failed.status, SolveStatus::kNumericalFailure);
+  const SolveResult failed = ended(SolveStatus::kNumericalFailure, solve(entry, p, {.tol = 1e-6}));
   EXPECT_TRUE(says(failed.message, "no memory is left"));
   EXPECT_GT(failed.s[2 * sides.place[1][0]], 0);
 
@@ -546,34 +520,28 @@ TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
     contacts.push_back(run.problem().num_contacts());
     run_race(run, best);
   }});
-  const SolveResult halves = solve(entry, side_by_side({large, large}).problem, {.tol = 1e-3});
-  EXPECT_EQ(halves.status, SolveStatus::kConverged) << halves.message;
+  converged(solve(entry, side_by_side({large, large}).problem, {.tol = 1e-3}));
   EXPECT_EQ(contacts, std::vector<int>(2, large.num_contacts()));
 }
 
 TEST(Islands, AnAttemptThatUsesUpTheIterationsIsTheEnd) {
   const ContactProblem p = archipelago(2, 1, false);
   const SolveResult result =
-      solve(attempting(run_of(&half_done)), p, {.tol = 1e-9, .max_iterations = 5});
-  EXPECT_EQ(result.status, SolveStatus::kIterationLimit) << result.message;
+      ended(SolveStatus::kIterationLimit,
+            solve(attempting(run_of(&half_done)), p, {.tol = 1e-9, .max_iterations = 5}));
   EXPECT_EQ(result.iterations, 5);
   EXPECT_EQ(result.s, half_done(p, {.tol = 1e-9}).s);
 }
 
 TEST(Islands, APartThatFailsIsNamedAndTheOthersAreSolved) {
-  const SolverEntry failing{.name = "failing",
-                            .summary = "",
-                            .run =
-                                [](SolveRun& run) {
-                                  if (run.problem().num_contacts() != 14) {
-                                    return run_race(run, Vector());
-                                  }
-                                  run.end(SolveStatus::kStalled, "not today");
-                                },
-                            .parameters = {}};
+  const auto fail = [](SolveRun& run) {
+    if (run.problem().num_contacts() != 14) return run_race(run, Vector());
+    run.end(SolveStatus::kStalled, "not today");
+  };
+  const SolverEntry failing{.name = "failing", .run = fail};
   const ContactProblem p = archipelago(2, 1, false);
-  const SolveResult result = solve(failing, p, {.tol = 1e-12, .islands = true});
-  EXPECT_EQ(result.status, SolveStatus::kStalled) << result.message;
+  const SolveResult result =
+      ended(SolveStatus::kStalled, solve(failing, p, {.tol = 1e-12, .islands = true}));
   EXPECT_TRUE(says(result.message, "14 contacts: not today"));
   // What it left undone is all that is wrong.
   ContactErrorEvaluator evaluate(p);
@@ -592,17 +560,14 @@ TEST(Islands, APartThatFailsIsNamedAndTheOthersAreSolved) {
 }
 
 TEST(Islands, TheTimeLimitHoldsForAllPartsTogether) {
-  const SolverEntry slow{.name = "slow",
-                         .summary = "",
-                         .run =
-                             [](SolveRun& run) {
-                               EXPECT_LE(run.options().time_limit, 3600);
-                               run.end(SolveStatus::kTimeLimit, "out of time");
-                             },
-                         .parameters = {}};
-  const SolveResult result =
-      solve(slow, archipelago(2, 1, false), {.tol = 1e-8, .time_limit = 3600, .islands = true});
-  EXPECT_EQ(result.status, SolveStatus::kTimeLimit) << result.message;
+  const auto wait = [](SolveRun& run) {
+    EXPECT_LE(run.options().time_limit, 3600);
+    run.end(SolveStatus::kTimeLimit, "out of time");
+  };
+  const SolverEntry slow{.name = "slow", .run = wait};
+  const SolveResult result = ended(
+      SolveStatus::kTimeLimit,
+      solve(slow, archipelago(2, 1, false), {.tol = 1e-8, .time_limit = 3600, .islands = true}));
   EXPECT_TRUE(says(result.message, "1 by slow"));  // nothing was begun after that
 }
 
@@ -611,9 +576,7 @@ TEST(Islands, ShippedMovingProblemsAreSolvedBothWays) {
     const ContactProblem p = read_problem(source_folder() / "data/problems" / name).problem;
     EXPECT_GT(contact_islands(p).count(), 1) << name;
     for (const double tol : {1e-3, 1e-8}) {
-      const SolveResult result = solve("auto", p, {.tol = tol});
-      EXPECT_EQ(result.status, SolveStatus::kConverged) << name << ' ' << result.message;
-      EXPECT_LE(result.error.guarded(), tol);
+      EXPECT_LE(converged(solve("auto", p, {.tol = tol}), name).error.guarded(), tol);
     }
   }
 }

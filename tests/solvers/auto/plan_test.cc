@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "solvers/auto/auto_plan.h"
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/temporary_folder.h"
@@ -103,13 +103,11 @@ TEST(Plan, WhereAClassHasNoStageTheShippedPlanServes) {
   const SolverOptions options{.tol = 1e-4, .parameters = {{"plan", path}}};
   for (const char* stage : {"", "{solver = \"pgs\", contacts = [10000, inf]}"}) {
     std::ofstream(path) << with_stage(stage);
-    const SolveResult result = solve("auto", p, options);
-    EXPECT_EQ(result.status, SolveStatus::kConverged) << stage << result.message;
+    converged(solve("auto", p, options), stage);
   }
   // The attempt on the whole was all that there is.
   std::ofstream(path) << with_stage("{solver = \"pgs\", most = 3, whole = \"only\"}");
-  const SolveResult result = solve("auto", p, options);
-  EXPECT_EQ(result.status, SolveStatus::kIterationLimit) << result.message;
+  const SolveResult result = ended(SolveStatus::kIterationLimit, solve("auto", p, options));
   EXPECT_TRUE(says(result.message, "none was run"));
 }
 
@@ -212,21 +210,17 @@ TEST(Plan, AFileServesASolveAndAFaultyOneIsInvalidInput) {
   const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
   SolverOptions options{.tol = 1e-2};
   options.parameters["plan"] = path;
-  const SolveResult own = solve("auto", p, options);
-  EXPECT_EQ(own.status, SolveStatus::kConverged) << own.message;
+  const SolveResult own = converged(solve("auto", p, options));
   EXPECT_FALSE(says(own.message, "assor")) << own.message;
   EXPECT_TRUE(says(own.message, "pgs"));
-  const std::string words = explain_auto(p, options);
-  EXPECT_TRUE(says(words, path + ": class 'all' (all others)"));
+  EXPECT_TRUE(says(explain_auto(p, options), path + ": class 'all' (all others)"));
   std::ofstream(path) << with_stage("{solver = \"assor\"}");
   EXPECT_TRUE(says(solve("auto", p, options).message, "assor"));  // a file that has changed
   std::ofstream(path) << with_stage("{solver = \"pgz\"}");
-  SolveResult faulty = solve("auto", p, options);
-  EXPECT_EQ(faulty.status, SolveStatus::kInvalidInput) << faulty.message;
+  SolveResult faulty = ended(SolveStatus::kInvalidInput, solve("auto", p, options));
   EXPECT_TRUE(says(faulty.message, "own.toml:4: "));
   options.parameters["plan"] = (folder / "none.toml").string();
-  faulty = solve("auto", p, options);
-  EXPECT_EQ(faulty.status, SolveStatus::kInvalidInput);
+  faulty = ended(SolveStatus::kInvalidInput, solve("auto", p, options));
   EXPECT_TRUE(says(faulty.message, "cannot be read"));
 }
 

@@ -6,7 +6,7 @@
 
 #include "core/problem/delassus.h"
 #include "core/problem/disk_structure.h"
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -77,8 +77,7 @@ TEST(RecoveredDisks, OtherProblemsHaveNone) {
 TEST(RecoveredDisks, AutoSolvesByThemAndIsJudgedByW) {
   const ContactProblem local = local_form(shipped_file("2d_pour300_392.hdf5"));
   for (const double tol : {1e-2, 1e-8, 1e-11}) {
-    const SolveResult result = solve("auto", local, {.tol = tol});
-    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    const SolveResult result = converged(solve("auto", local, {.tol = tol}));
     EXPECT_LE(result.error.guarded(), tol);
     EXPECT_EQ(result.message.rfind("disks recovered from W: ", 0), 0u) << result.message;
   }

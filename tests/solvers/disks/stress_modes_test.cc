@@ -73,8 +73,7 @@ Vector unit(int size, int k) { return Vector::Unit(size, k); }
 // Loops of contacts close: what was walked along some contacts holds for all others.
 TEST(DiskPositions, AllContactsAgreeWithThem) {
   for (const bool square : {false, true}) {
-    const ContactProblem p = stressed_packing(square);
-    const DiskStructure disks = *disk_structure(p);
+    const DiskStructure disks = *disk_structure(stressed_packing(square));
     const DiskPositions positions = disk_positions(disks, 1);
     for (const DiskStructure::Contact& c : disks.contacts) {
       if (c.j == disks.surroundings()) continue;

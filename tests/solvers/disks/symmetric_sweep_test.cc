@@ -182,8 +182,7 @@ void check_against_scalar(int rows, int sweeps) {
     expected = diagonal.dot((y - now).cwiseProduct(now - before));
   }
   double turn = 0;
-  const Vector s = iterated<D>(at, {}, turn, sweeps);
-  EXPECT_LT((s - now).norm(), 1e-12 * now.norm());
+  EXPECT_LT((iterated<D>(at, {}, turn, sweeps) - now).norm(), 1e-12 * now.norm());
   EXPECT_NEAR(turn, expected, 1e-9 * std::abs(expected));
 }
 
@@ -206,8 +205,7 @@ void check_paths(int rows) {
   for (const SimdPath path : {SimdPath::kAvx2, SimdPath::kAvx512}) {
     if (!has_path(path)) continue;
     double other = 0;
-    const Vector s = iterated<D>(at, {1, path}, other, 2);
-    EXPECT_TRUE(same_bits(s, portable)) << to_string(path);
+    EXPECT_TRUE(same_bits(iterated<D>(at, {1, path}, other, 2), portable)) << to_string(path);
     EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << to_string(path);
   }
 }

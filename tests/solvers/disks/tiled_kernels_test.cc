@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -21,8 +20,8 @@
 #include "solvers/kernels/gradient_iteration.h"
 #include "solvers/kernels/local_updates.h"
 #include "solvers/kernels/spectral_estimate.h"
-#include "solvers/solve.h"
 #include "tests/support/bit_hash.h"
+#include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"
 
@@ -396,8 +395,7 @@ TEST(TiledKernels, SolversReturnTheSameBitsForAllThreads) {
        std::vector<std::pair<std::string, std::map<std::string, std::string>>>{
            {"pgs", {{"order", "tiled"}, {"omega", "1.7"}}}, {"apgd", {}}}) {
     SolverOptions options{.tol = 1e-6, .max_iterations = 50, .parameters = parameters};
-    const SolveResult one = solve(solver, p, options);
-    ASSERT_EQ(one.status, SolveStatus::kIterationLimit) << one.message;
+    const SolveResult one = ended(SolveStatus::kIterationLimit, solve(solver, p, options));
     for (options.execution.threads = 2; options.execution.threads <= 4;
          ++options.execution.threads) {
       const SolveResult many = solve(solver, p, options);

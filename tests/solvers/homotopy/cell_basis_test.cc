@@ -45,12 +45,19 @@ std::vector<__float128> product(const LawProblem& p, const LawPoint& point, cons
   return out;
 }
 
+/// A random problem of the plane and the point of its solution.
+struct SolvedLaw {
+  Manufactured m = manufactured_problem(2, 30, 40, 11);
+  ContactProblem local = local_form(m.problem);
+  LawProblem problem{local, Vector(local.W.diagonal())};
+  Vector s = m.s.cwiseQuotient(problem.impulse_unit);
+  LawPoint point = nearest_point(problem, s, problem.W* s + problem.b);
+};
+
 TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
-  const Manufactured m = manufactured_problem(2, 30, 40, 11);
-  const ContactProblem local = local_form(m.problem);
-  const LawProblem problem(local, Vector(local.W.diagonal()));
-  const Vector s = m.s.cwiseQuotient(problem.impulse_unit);
-  LawPoint point = nearest_point(problem, s, problem.W * s + problem.b);
+  SolvedLaw law;
+  const LawProblem& problem = law.problem;
+  LawPoint& point = law.point;
   const Vector proximal = Vector::LinSpaced(problem.num_rows(), 1e-2, 3e-2);
   CellBasis updated(problem), fresh(problem);
   ASSERT_TRUE(updated.factor(point, proximal));
@@ -89,11 +96,9 @@ TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
 
 /// Columns that are prepared together enter as those that are solved for one by one.
 TEST(CellBasis, PreparedColumnsEnterAsOthersDo) {
-  const Manufactured m = manufactured_problem(2, 30, 40, 11);
-  const ContactProblem local = local_form(m.problem);
-  const LawProblem problem(local, Vector(local.W.diagonal()));
-  const Vector s = m.s.cwiseQuotient(problem.impulse_unit);
-  const LawPoint point = nearest_point(problem, s, problem.W * s + problem.b);
+  const SolvedLaw law;
+  const LawProblem& problem = law.problem;
+  const LawPoint& point = law.point;
   const Vector proximal = Vector::Constant(problem.num_rows(), 1e-2);
   CellBasis together(problem), alone(problem);
   ASSERT_TRUE(together.factor(point, proximal));
@@ -200,8 +205,7 @@ class CellBases : public testing::TestWithParam<int> {};
 // With a proximal term of 1e-9 an error of rounding grows to 1e-7: refined three times it is gone,
 // and refining in two parts is the same, bit for bit.
 TEST_P(CellBases, RefinedSolutionsMeetTheEquations) {
-  const int d = GetParam();
-  const ContactProblem problem = local_form(manufactured_problem(d, 30, 60, 5).problem);
+  const ContactProblem problem = local_form(manufactured_problem(GetParam(), 30, 60, 5).problem);
   const LawProblem law(problem, Vector(problem.W.diagonal()));
   const Vector s = random_numbers(law.num_rows(), 1);
   LawPoint point = nearest_point(law, s, law.W * s + law.b);

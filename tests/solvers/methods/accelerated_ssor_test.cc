@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/criterion/contact_error.h"
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -15,11 +15,8 @@ namespace {
 
 int needed(const std::string& solver, const ContactProblem& p,
            std::map<std::string, std::string> parameters = {}) {
-  SolverOptions options{.tol = 1e-6, .max_iterations = 100000};
-  options.parameters = std::move(parameters);
-  const SolveResult result = solve(solver, p, options);
-  EXPECT_EQ(result.status, SolveStatus::kConverged) << solver << ": " << result.message;
-  return result.iterations;
+  SolverOptions options{.tol = 1e-6, .max_iterations = 100000, .parameters = std::move(parameters)};
+  return converged(solve(solver, p, options), solver).iterations;
 }
 
 // Why it is there: an iteration is four sweeps, some five steps of the accelerated gradient, and
@@ -87,8 +84,7 @@ TEST(AcceleratedSsor, GoesOnWhereStressesDoNotHelp) {
         taken_out.push_back(at.step == 1.5);
       }
     };
-    const SolveResult result = solve("assor", p, options);
-    EXPECT_EQ(result.status, SolveStatus::kConverged) << faster << ": " << result.message;
+    const SolveResult result = converged(solve("assor", p, options), faster);
     EXPECT_LE(contact_error(p, result.s).guarded(), 1e-3) << faster;
     given_up += taken_out == std::vector<bool>({false, true, false}) ? 1 : 0;
   }
@@ -97,13 +93,13 @@ TEST(AcceleratedSsor, GoesOnWhereStressesDoNotHelp) {
 
 // The limit is kept to where it falls into that part.
 TEST(AcceleratedSsor, StopsAtItsLimitWhileStressesAreTakenOut) {
-  SolverOptions options{.tol = 1e-9, .max_iterations = 57};
-  options.parameters = {{"stresses_from", "1"}, {"omega", "1.2"}};
+  SolverOptions options{
+      .tol = 1e-9, .max_iterations = 57, .parameters = {{"stresses_from", "1"}, {"omega", "1.2"}}};
   double last = 0;
   options.on_iteration = [&](const IterationRecord& at) { last = at.step; };
   const SolveResult result =
-      solve("assor", lattice_step(Lattice::kTriangular, 40, 0.3, 10), options);
-  EXPECT_EQ(result.status, SolveStatus::kIterationLimit);
+      ended(SolveStatus::kIterationLimit,
+            solve("assor", lattice_step(Lattice::kTriangular, 40, 0.3, 10), options));
   EXPECT_EQ(result.iterations, 57);
   EXPECT_EQ(last, 1.5);  // the omega of that part
 }
@@ -128,11 +124,9 @@ TEST(AcceleratedSsor, SolvesTheFreePyramidOfTenRows) {
 TEST(AcceleratedSsor, MoreSweepsSolveWhereFewStandStill) {
   const ContactProblem p = lattice_step(Lattice::kPyramid, 20, 0.5, 0);
   SolverOptions options{.tol = 1e-4, .max_iterations = 4000};
-  const SolveResult growing = solve("assor", p, options);
-  EXPECT_EQ(growing.status, SolveStatus::kConverged) << growing.message;
+  converged(solve("assor", p, options));
   options.parameters = {{"most_sweeps", "2"}};
-  const SolveResult two = solve("assor", p, options);
-  EXPECT_EQ(two.status, SolveStatus::kIterationLimit) << two.message;
+  ended(SolveStatus::kIterationLimit, solve("assor", p, options));
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 
@@ -16,10 +16,8 @@ SolveResult run_accelerated(const std::string& solver, const ContactProblem& p,
 
 TEST(Anderson, BeatsTheSweepsItAccelerates) {
   for (const ContactProblem& p : {square_lattice(16), cubic_lattice(5)}) {
-    const SolveResult plain = run_accelerated("pgs", p, {{"order", "symmetric"}}),
-                      fast = run_accelerated("anderson", p);
-    ASSERT_EQ(plain.status, SolveStatus::kConverged) << plain.message;
-    ASSERT_EQ(fast.status, SolveStatus::kConverged) << fast.message;
+    const SolveResult plain = converged(run_accelerated("pgs", p, {{"order", "symmetric"}})),
+                      fast = converged(run_accelerated("anderson", p));
     // An iteration of anderson is a forward and a backward sweep.
     EXPECT_LT(2 * 2 * fast.iterations, plain.iterations) << p.dim;
   }
@@ -27,17 +25,14 @@ TEST(Anderson, BeatsTheSweepsItAccelerates) {
 
 TEST(Anderson, MoreMemoryThanIterationsIsNoHarm) {
   const ContactProblem p = manufactured_problem(2, 6, 6, 3).problem;
-  const SolveResult r = run_accelerated("anderson", p, {{"memory", "100"}});
-  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  converged(run_accelerated("anderson", p, {{"memory", "100"}}));
 }
 
 // One column of memory is the secant method: it converges, and not faster than eight columns.
 TEST(Anderson, MemoryHelps) {
   const ContactProblem p = square_lattice(16);
-  const SolveResult one = run_accelerated("anderson", p, {{"memory", "1"}}),
-                    eight = run_accelerated("anderson", p);
-  ASSERT_EQ(one.status, SolveStatus::kConverged) << one.message;
-  ASSERT_EQ(eight.status, SolveStatus::kConverged) << eight.message;
+  const SolveResult one = converged(run_accelerated("anderson", p, {{"memory", "1"}})),
+                    eight = converged(run_accelerated("anderson", p));
   EXPECT_LT(eight.iterations, one.iterations);
 }
 

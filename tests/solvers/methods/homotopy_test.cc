@@ -6,8 +6,8 @@
 #include <string>
 
 #include "solvers/homotopy/path_follower.h"
-#include "solvers/solve.h"
 #include "solvers/solve_run.h"
+#include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/refusal.h"
@@ -54,9 +54,7 @@ TEST(Homotopy, SolvesRandomNetworksFromZeroAndAgreesWithLemke) {
 TEST(Homotopy, SolvesManufacturedProblemsBeyondTheReachOfLemke) {
   for (int dim = 1; dim <= 2; ++dim) {
     const Manufactured m = manufactured_problem(dim, 600, 900, 3);
-    const SolveResult r = homotopy(m.problem, 1e-12);
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
-    EXPECT_LE(contact_error(m.problem, r.s).guarded(), 1e-12);
+    EXPECT_LE(contact_error(m.problem, converged(homotopy(m.problem, 1e-12)).s).guarded(), 1e-12);
   }
 }
 
@@ -64,8 +62,7 @@ TEST(Homotopy, SolvesSquareLatticesWhoseSideContactsNeitherPushNorMove) {
   // Every cell of a side contact touches its state: ties everywhere.
   for (const double mu : {0.0, 0.3}) {
     const ContactProblem p = lattice_step(Lattice::kSquare, 30, mu, 0);
-    const SolveResult r = homotopy(p, 1e-8);
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    const SolveResult r = converged(homotopy(p, 1e-8));
     EXPECT_LE(counted(r, "pivots"), p.num_contacts()) << r.message;
   }
 }
@@ -73,20 +70,16 @@ TEST(Homotopy, SolvesSquareLatticesWhoseSideContactsNeitherPushNorMove) {
 TEST(Homotopy, SolvesMovingStepsToTwelveDigits) {
   for (const char* name : {"2d_pour300_273", "2d_pour300_392", "2d_tilt1000hi_182"}) {
     const ContactProblem p = shipped_file(std::string(name) + ".hdf5");
-    const SolveResult r = homotopy(p, 1e-12);
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << name << ": " << r.message;
-    EXPECT_LE(naive_error(p, r.s).guarded(), 1.01e-12) << name;
+    EXPECT_LE(naive_error(p, converged(homotopy(p, 1e-12), name).s).guarded(), 1.01e-12) << name;
   }
 }
 
 TEST(Homotopy, AWarmStartNeedsFewerPivots) {
   const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
-  const SolveResult cold = homotopy(p, 1e-10, kFromZero);
-  ASSERT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
+  const SolveResult cold = converged(homotopy(p, 1e-10, kFromZero));
   SolverOptions options{.tol = 1e-10, .s0 = cold.s, .parameters = kFromZero};
   for (Eigen::Index i = 0; i < options.s0.size(); ++i) options.s0[i] *= i % 4 < 2 ? 0.99 : 1.01;
-  const SolveResult warm = solve("homotopy", p, options);
-  ASSERT_EQ(warm.status, SolveStatus::kConverged) << warm.message;
+  const SolveResult warm = converged(solve("homotopy", p, options));
   EXPECT_LT(2 * counted(warm, "pivots"), counted(cold, "pivots"))
       << warm.message << "; cold: " << cold.message;
 }
@@ -94,15 +87,14 @@ TEST(Homotopy, AWarmStartNeedsFewerPivots) {
 TEST(Homotopy, AnotherChainOfStartsArrivesWhereTheFirstStops) {
   // From a small delta all paths of the first chain fail, here after 42 of them.
   const ContactProblem p = shipped_file("2d_pyramid_10.hdf5");
-  const SolveResult r = homotopy(p, 1e-9, {{"start_tol", "1e-2"}, {"delta", "1e-6"}});
-  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  converged(homotopy(p, 1e-9, {{"start_tol", "1e-2"}, {"delta", "1e-6"}}));
 }
 
 /// Impulses are judged where a path arrived, and at the turning points of others: so many
 /// iterations are neither pivots nor steps of apgd.
 TEST(Homotopy, TurningPointsThatItGoesOnFromAreJudged) {
-  const SolveResult r = homotopy(shipped_file("2d_pyramid_20_mu05.hdf5"), 1e-8, kFromZero);
-  ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  const SolveResult r =
+      converged(homotopy(shipped_file("2d_pyramid_20_mu05.hdf5"), 1e-8, kFromZero));
   const int judged = r.iterations - counted(r, "pivots") - counted(r, "of apgd");
   const int arrived = counted(r, "paths (") - counted(r, "paths failed");
   ASSERT_GT(arrived, 0);
@@ -125,8 +117,7 @@ TEST(Homotopy, ShakenStartsArriveEachInItsOwnWay) {
     options.tol = 1e-10;
     options.max_iterations = 100000;
     options.parameters = parameters;
-    const SolveResult r = solve("homotopy", p, options);
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    const SolveResult r = converged(solve("homotopy", p, options));
     EXPECT_LE(naive_error(p, r.s).guarded(), 1e-10);
     pivots.insert(counted(r, "pivots"));
     said.insert(r.message);
@@ -140,9 +131,9 @@ TEST(Homotopy, EveryScheduleArrivesInItsOwnWay) {
   const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
   std::set<int> iterations;
   for (const char* schedule : {"bold", "cautious", "steady"}) {
-    const SolveResult r =
-        homotopy(p, 1e-9, {{"schedule", schedule}, {"start_tol", "1"}, {"delta", "1e-5"}});
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << schedule << ": " << r.message;
+    const SolveResult r = converged(
+        homotopy(p, 1e-9, {{"schedule", schedule}, {"start_tol", "1"}, {"delta", "1e-5"}}),
+        schedule);
     iterations.insert(r.iterations);
   }
   EXPECT_EQ(iterations.size(), 3U);
@@ -154,8 +145,7 @@ TEST(Homotopy, StopsInsideAPath) {
   SolverOptions options{.parameters = kFromZero};
   int polls = 0;
   options.cancelled = [&] { return ++polls > 12; };
-  const SolveResult r = solve("homotopy", p, options);
-  EXPECT_EQ(r.status, SolveStatus::kInterrupted) << r.message;
+  const SolveResult r = ended(SolveStatus::kInterrupted, solve("homotopy", p, options));
   EXPECT_TRUE(says(r.message, "1 paths"));
   EXPECT_GE(counted(r, "pivots"), 16) << r.message;
   EXPECT_LE(polls, 20);

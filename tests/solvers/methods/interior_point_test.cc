@@ -10,12 +10,14 @@
 #include "core/criterion/contact_error.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/interior/interior_state.h"
-#include "solvers/solve.h"
 #include "solvers/systems/shifted_delassus.h"
+#include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
+#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -27,54 +29,38 @@ SolverOptions with(std::map<std::string, std::string> parameters, double tol = 1
 
 /// The problem of the first step of a scene at rest.
 ContactProblem first_problem(const Scene<2>& scene) {
-  ContactProblem problem;
-  const StepSolver copy = [&](const ContactProblem& p, const Vector&) {
-    problem = p;
-    return StepSolution{.converged = true, .s = Vector::Zero(p.num_rows())};
-  };
-  State<2> state = initial_state(scene);
-  TimeStepper<2>(scene, copy, false).advance(state);
-  return problem;
+  return step_problem(scene, initial_state(scene), false);
 }
 
-Scene<2> scene_of(std::vector<Disk> disks, double mu, double tilt_degrees) {
-  constexpr double kGravity = 9.81, kDensity = 1000;
+Scene<2> heap_of(std::vector<Disk> disks, double mu, double tilt_degrees) {
   const double tilt = tilt_degrees * std::numbers::pi / 180;
-  Scene<2> scene{.gravity = kGravity * Vec2(std::sin(tilt), -std::cos(tilt)),
-                 .bodies = std::move(disks),
-                 .materials = {"grain"},
-                 .laws = {ContactLaw{mu, 0, 0}},
-                 .step = 1e-3,
-                 .num_steps = 1,
-                 .contact_distance = 1e-8};
-  for (Disk& d : scene.bodies) {
-    d.mass = kDensity * std::numbers::pi * d.radius * d.radius;
-    d.inertia = d.mass * d.radius * d.radius / 2;
-  }
-  scene.walls.push_back({.name = "floor"});
+  Scene<2> scene = one_law<2>({.mu = mu});
+  scene.gravity = kGravity * Vec2(std::sin(tilt), -std::cos(tilt));
+  scene.bodies = std::move(disks);
+  for (Disk& d : scene.bodies) give_density(d, 1000);
+  scene.walls = {flat_floor<2>()};
+  scene.step = 1e-3;
+  scene.contact_distance = 1e-8;
   return scene;
 }
 
-Wall<2> side_wall(double x, double normal) {
-  Wall<2> wall{.name = "side"};
-  wall.a = Vec2(x, 0);
-  wall.normal = Vec2(normal, 0);
-  return wall;
+/// The same between upright walls, this far apart.
+Scene<2> boxed(Scene<2> scene, double width) {
+  scene.walls.push_back(half_space<2>(Vec2::Zero(), Vec2(1, 0), "left"));
+  scene.walls.push_back(half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right"));
+  return scene;
 }
 
 constexpr double kRadius = 0.01;
 
 ContactProblem lattice(bool triangular, int n, double mu, double tilt) {
-  Scene<2> scene = scene_of(triangular ? triangular_lattice(n, n, kRadius, Vec2::Zero())
-                                       : rectangular_lattice(n, n, kRadius, Vec2::Zero()),
-                            mu, tilt);
-  scene.walls.push_back(side_wall(0, 1));
-  scene.walls.push_back(side_wall(2 * kRadius * n, -1));
-  return first_problem(scene);
+  const auto disks = triangular ? triangular_lattice(n, n, kRadius, Vec2::Zero())
+                                : rectangular_lattice(n, n, kRadius, Vec2::Zero());
+  return first_problem(boxed(heap_of(disks, mu, tilt), 2 * kRadius * n));
 }
 
 ContactProblem free_pyramid(int rows, double mu) {
-  return first_problem(scene_of(pyramid(rows, kRadius, Vec2::Zero()), mu, 0));
+  return first_problem(heap_of(pyramid(rows, kRadius, Vec2::Zero()), mu, 0));
 }
 
 TEST(ShiftedDelassus, BothFormsSolveTheDenseSystemAndAgreeOnTheSign) {
@@ -292,8 +278,7 @@ TEST(InteriorPoint, SolvesLocalProblemsWithUnsymmetricOperators) {
       }
     }
     ASSERT_GT(asymmetry, 1e-6);
-    const SolveResult r = solve("ipm", p);
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << dim << ": " << r.message;
+    converged(solve("ipm", p), dim);
   }
 }
 
@@ -301,18 +286,16 @@ TEST(InteriorPoint, HandlesContactsWithoutFrictionAmongOthers) {
   for (int dim = 2; dim <= 3; ++dim) {
     ContactProblem p = manufactured_problem(dim, 30, 40, 8).problem;
     for (int c = 0; c < 40; c += 3) p.mu[c] = 0;
-    const SolveResult r = solve("ipm", p);
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << dim << ": " << r.message;
+    const SolveResult r = converged(solve("ipm", p), dim);
     for (int c = 0; c < 40; c += 3) EXPECT_EQ(r.s.segment(c * dim + 1, dim - 1).norm(), 0);
   }
 }
 
 TEST(InteriorPoint, BothLinearSystemsReachTheSameVelocities) {
   const ContactProblem p = lattice(true, 6, 0.3, 10);
-  const SolveResult body = solve("ipm", p, with({{"linear_system", "body"}}, 1e-10));
-  const SolveResult contact = solve("ipm", p, with({{"linear_system", "contact"}}, 1e-10));
-  ASSERT_EQ(body.status, SolveStatus::kConverged) << body.message;
-  ASSERT_EQ(contact.status, SolveStatus::kConverged) << contact.message;
+  const SolveResult body = converged(solve("ipm", p, with({{"linear_system", "body"}}, 1e-10)));
+  const SolveResult contact =
+      converged(solve("ipm", p, with({{"linear_system", "contact"}}, 1e-10)));
   EXPECT_LT((body.u - contact.u).norm(), 1e-8 * p.u_free.norm());
 }
 
@@ -333,33 +316,25 @@ TEST(InteriorPoint, LatticesTakeFewIterationsFromStartsOfAnyScale) {
 TEST(InteriorPoint, NoticesAStartThatIsFarTooSmallOrFarTooLarge) {
   const ContactProblem p = lattice(true, 60, 0.3, 10);
   for (const char* scale : {"0.01", "10", "100"}) {
-    const SolveResult r = solve("ipm", p, with({{"start_scale", scale}}));
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << scale << ": " << r.message;
+    const SolveResult r = converged(solve("ipm", p, with({{"start_scale", scale}})), scale);
     EXPECT_LE(r.iterations, 25) << scale;
-    EXPECT_NE(r.message.find("no path"), std::string::npos) << scale << ": " << r.message;
+    EXPECT_TRUE(says(r.message, "no path")) << scale << ": ";
   }
 }
 
 TEST(InteriorPoint, FreePyramidsAreReached) {
   for (const double mu : {0.3, 0.5}) {
-    const SolveResult r = solve("ipm", free_pyramid(10, mu));
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << mu << ": " << r.message;
-    EXPECT_LE(r.iterations, 150);
+    EXPECT_LE(converged(solve("ipm", free_pyramid(10, mu)), mu).iterations, 150);
   }
 }
 
 TEST(InteriorPoint, RandomPilesAreReachedFromStartsOfAnyScale) {
   // A loose filling that falls and settles; then the problem of one more step.
-  Scene<2> scene = scene_of(random_filling(80, {{0.7 * kRadius, 0.4}, {kRadius, 0.6}}, 20 * kRadius,
-                                           0.02, 7, Vec2::Zero()),
-                            0.5, 0);
-  scene.walls.push_back(side_wall(0, 1));
-  scene.walls.push_back(side_wall(20 * kRadius, -1));
-  const StepSolver step = [&](const ContactProblem& p, const Vector& s0) {
-    SolverOptions options = with({}, 1e-4);
-    options.max_iterations = 100;
-    options.s0 = s0;
-    const SolveResult r = solve("pgs", p, options);
+  const auto disks = random_filling(80, {{0.7 * kRadius, 0.4}, {kRadius, 0.6}}, 20 * kRadius, 0.02,
+                                    7, Vec2::Zero());
+  const Scene<2> scene = boxed(heap_of(disks, 0.5, 0), 20 * kRadius);
+  const StepSolver step = [](const ContactProblem& p, const Vector& s0) {
+    const SolveResult r = solve("pgs", p, {.tol = 1e-4, .max_iterations = 100, .s0 = s0});
     return StepSolution{.converged = true, .s = r.s};
   };
   State<2> state = initial_state(scene);
@@ -368,9 +343,7 @@ TEST(InteriorPoint, RandomPilesAreReachedFromStartsOfAnyScale) {
   ContactProblem p = stepper.problem();
   ASSERT_GT(p.num_contacts(), 100);
   for (const char* scale : {"0.1", "1", "10"}) {
-    const SolveResult r = solve("ipm", p, with({{"start_scale", scale}}));
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << scale << ": " << r.message;
-    EXPECT_LE(r.iterations, 150);
+    EXPECT_LE(converged(solve("ipm", p, with({{"start_scale", scale}})), scale).iterations, 150);
   }
 }
 
@@ -393,9 +366,7 @@ TEST(InteriorPoint, IterationsDoNotDependOnTheUnits) {
   const ContactProblem short_way = free_pyramid(5, 0.3), long_way = free_pyramid(8, 0.5);
   for (const auto& [si, other] : {std::pair{short_way, in_units(short_way, 1000)},
                                   std::pair{long_way, in_units(long_way, 1024)}}) {
-    const SolveResult a = solve("ipm", si), b = solve("ipm", other);
-    ASSERT_EQ(a.status, SolveStatus::kConverged) << a.message;
-    ASSERT_EQ(b.status, SolveStatus::kConverged) << b.message;
+    const SolveResult a = converged(solve("ipm", si)), b = converged(solve("ipm", other));
     EXPECT_NEAR(a.iterations, b.iterations, 1);
   }
 }
@@ -406,31 +377,24 @@ TEST(InteriorPoint, PolishRemovesTheImpulsesOfDegenerateContacts) {
   // Contacts: body 1 (x, y) on the floor, body 2, and both side by side.
   const Eigen::MatrixXd H{{0, 0, -1}, {1, 0, 0}, {0, 0, 1}, {0, 1, 0}};
   const ContactProblem p = unit_masses(1, H, Eigen::Vector4d(0, -1, 0, -1), Vector::Zero(3));
-  const SolveResult r = solve("ipm", p, with({}, 1e-14));
-  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  const SolveResult r = converged(solve("ipm", p, with({}, 1e-14)));
   EXPECT_NEAR(r.s[0], 1, 1e-12);
   EXPECT_LT(r.s[2], 1e-14);
 }
 
 TEST(InteriorPoint, AGoodStartCostsAFewNewtonSteps) {
   const ContactProblem p = lattice(true, 10, 0.3, 10);
-  const SolveResult rough = solve("ipm", p, with({}, 1e-5));
-  ASSERT_EQ(rough.status, SolveStatus::kConverged);
-  SolverOptions options = with({}, 1e-10);
-  options.s0 = rough.s;
-  const SolveResult warm = solve("ipm", p, options);
-  EXPECT_EQ(warm.status, SolveStatus::kConverged) << warm.message;
+  const SolveResult rough = converged(solve("ipm", p, with({}, 1e-5)));
+  const SolveResult warm = converged(solve("ipm", p, {.tol = 1e-10, .s0 = rough.s}));
   EXPECT_LE(warm.iterations, 8) << warm.message;
-  options.s0 = 1.5 * rough.s;  // a bad start: back to the cold one
-  const SolveResult cold = solve("ipm", p, options);
-  EXPECT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
+  // A bad start: back to the cold one.
+  converged(solve("ipm", p, {.tol = 1e-10, .s0 = 1.5 * rough.s}));
 }
 
 TEST(InteriorPoint, EachStageCanBeSwitchedOff) {
   const ContactProblem p = lattice(true, 8, 0.3, 10);
   for (const char* name : {"direct", "paths", "polish"}) {
-    const SolveResult r = solve("ipm", p, with({{name, "off"}}));
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << name << ": " << r.message;
+    converged(solve("ipm", p, with({{name, "off"}})), name);
   }
 }
 
@@ -440,9 +404,9 @@ TEST(InteriorPoint, FollowsTheCentralPathThroughItsFolds) {
   const SolveResult without = solve("ipm", p, with({{"paths", "off"}, {"rounds", "3"}}));
   const SolveResult with_paths = solve("ipm", p, with({{"rounds", "3"}}));
   EXPECT_EQ(without.status, SolveStatus::kStalled) << without.message;
-  EXPECT_NE(without.message.find("best error"), std::string::npos) << without.message;
+  EXPECT_TRUE(says(without.message, "best error"));
   EXPECT_EQ(with_paths.status, SolveStatus::kConverged) << with_paths.message;
-  EXPECT_NE(with_paths.message.find("folds"), std::string::npos) << with_paths.message;
+  EXPECT_TRUE(says(with_paths.message, "folds"));
 }
 
 TEST(InteriorPoint, ThePathAloneSolvesShakenSpheres) {
@@ -453,17 +417,16 @@ TEST(InteriorPoint, ThePathAloneSolvesShakenSpheres) {
     ContactProblem shaken = p;
     shaken.v_free += kick;
     shaken.u_free += p.H.transpose() * kick;
-    const SolveResult r = solve("ipm", shaken, with({{"direct", "off"}}, 1e-10));
-    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    const SolveResult r = converged(solve("ipm", shaken, with({{"direct", "off"}}, 1e-10)));
     EXPECT_LE(contact_error(shaken, r.s).guarded(), 1e-10) << seed;
-    EXPECT_NE(r.message.find("on 1 paths"), std::string::npos) << r.message;
+    EXPECT_TRUE(says(r.message, "on 1 paths"));
   }
 }
 
 TEST(InteriorPoint, RespectsTheLimits) {
   const ContactProblem p = free_pyramid(10, 0.5);
-  const SolveResult limited = solve("ipm", p, {.max_iterations = 3});
-  EXPECT_EQ(limited.status, SolveStatus::kIterationLimit);
+  const SolveResult limited =
+      ended(SolveStatus::kIterationLimit, solve("ipm", p, {.max_iterations = 3}));
   EXPECT_EQ(limited.iterations, 3);
   EXPECT_EQ(solve("ipm", p, {.time_limit = 1e-9}).status, SolveStatus::kTimeLimit);
 }
@@ -472,8 +435,7 @@ TEST(InteriorPoint, ReportsEveryIteration) {
   SolverOptions options;
   std::vector<int> seen;
   options.on_iteration = [&](const IterationRecord& r) { seen.push_back(r.iteration); };
-  const SolveResult r = solve("ipm", lattice(true, 6, 0.3, 10), options);
-  ASSERT_EQ(r.status, SolveStatus::kConverged);
+  const SolveResult r = converged(solve("ipm", lattice(true, 6, 0.3, 10), options));
   ASSERT_EQ(static_cast<int>(seen.size()), r.iterations + 1);
   for (int k = 0; k <= r.iterations; ++k) EXPECT_EQ(seen[k], k);
 }

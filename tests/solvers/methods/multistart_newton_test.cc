@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
 
 namespace bipot {
@@ -21,8 +21,7 @@ TEST(MultistartNewton, SlipsExactlyWhateverTheFriction) {
                            .W = Eigen::MatrixXd{{2, -1}, {-1, 2}}.sparseView(),
                            .u_free = Vector{{-1, 5}},
                            .mu = Vector::Constant(1, mu)};
-    const SolveResult r = multistart(p, 1e-9);
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << mu << " " << r.message;
+    const SolveResult r = converged(multistart(p, 1e-9), mu);
     EXPECT_NEAR(r.s[0] * (mu + 2), 1, 1e-9) << mu;
     EXPECT_NEAR(r.s[1], -mu / (mu + 2), 1e-9) << mu;
     EXPECT_NEAR(r.u[1], 5 - (2 * mu + 1) / (mu + 2), 1e-8) << mu;
@@ -31,16 +30,16 @@ TEST(MultistartNewton, SlipsExactlyWhateverTheFriction) {
 
 TEST(MultistartNewton, BeginsWithTheCallersImpulse) {
   const Manufactured m = manufactured_problem(3, 8, 10, 1);
-  const SolveResult r = solve("multistart", m.problem, {.tol = 1e-11, .s0 = m.s * (1 + 1e-6)});
-  ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  const SolveResult r =
+      converged(solve("multistart", m.problem, {.tol = 1e-11, .s0 = m.s * (1 + 1e-6)}));
   EXPECT_LE(r.iterations, 3);
 }
 
 TEST(MultistartNewton, SaysThatItsStartsAreUsedUp) {
   const ContactProblem p = manufactured_problem(3, 12, 20, 3).problem;
-  const SolveResult r =
-      solve("multistart", p, {.tol = 1e-18, .parameters = {{"starts", "1"}, {"steps_each", "1"}}});
-  EXPECT_EQ(r.status, SolveStatus::kStalled) << r.message;
+  ended(
+      SolveStatus::kStalled,
+      solve("multistart", p, {.tol = 1e-18, .parameters = {{"starts", "1"}, {"steps_each", "1"}}}));
 }
 
 }  // namespace

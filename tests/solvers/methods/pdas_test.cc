@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
@@ -20,8 +20,8 @@ TEST(Pdas, SolvesOnceForEachSetOfOneContact) {
   };
   for (const Known& k : {Known{-1, 0.25, 1, -0.25}, Known{-1, 4, 1, -0.5}, Known{-1, -4, 1, 0.5}}) {
     const ContactProblem p = one_contact_problem(2, 1, 1, 0.5, k.b_n, Vector{{k.b_t}});
-    const SolveResult r = solve("pdas", p, {.tol = 1e-11, .parameters = {{"kappa", "1e7"}}});
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    const SolveResult r =
+        converged(solve("pdas", p, {.tol = 1e-11, .parameters = {{"kappa", "1e7"}}}));
     EXPECT_LE(r.iterations, 2);
     EXPECT_NEAR(r.s[0], k.s_n, 1e-11);
     EXPECT_NEAR(r.s[1], k.s_t, 1e-11);
@@ -32,8 +32,7 @@ TEST(Pdas, SolvesOnceForEachSetOfOneContact) {
 // (0.6, 0.8), whatever the start.
 TEST(Pdas, FindsTheDirectionOfSliding) {
   const ContactProblem p = one_contact_problem(3, 1, 1, 0.5, -1, Vector{{3, 4}});
-  const SolveResult r = solve("pdas", p, {.tol = 1e-10, .s0 = Vector{{1, 0.3, -0.2}}});
-  ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  const SolveResult r = converged(solve("pdas", p, {.tol = 1e-10, .s0 = Vector{{1, 0.3, -0.2}}}));
   EXPECT_NEAR(r.s[1], -0.3, 1e-9);
   EXPECT_NEAR(r.s[2], -0.4, 1e-9);
 }
@@ -42,8 +41,9 @@ TEST(Pdas, FindsTheDirectionOfSliding) {
 // no smaller one: the first failure is the end.
 TEST(Pdas, SaysThatTheSetsDoNotSettle) {
   const ContactProblem p = manufactured_problem(2, 20, 24, 7).problem;
-  const SolveResult r = solve("pdas", p, {.parameters = {{"set_changes", "1"}, {"kappa", "1e-3"}}});
-  EXPECT_EQ(r.status, SolveStatus::kStalled) << r.message;
+  const SolveResult r =
+      ended(SolveStatus::kStalled,
+            solve("pdas", p, {.parameters = {{"set_changes", "1"}, {"kappa", "1e-3"}}}));
   EXPECT_TRUE(says(r.message, "the sets still change after 1 solves"));
   EXPECT_GT(r.error.guarded(), 1e-2);
 }

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
@@ -17,8 +17,7 @@ TEST(PseudoTransient, SolvesOneContactInAStepForEachDelta) {
   for (const auto& [b_t, s_t] :
        {std::pair(0.05, -0.05), std::pair(4.0, -0.5), std::pair(-4.0, 0.5)}) {
     const ContactProblem p = one_contact_problem(2, 1, 1, 0.5, -1, Vector{{b_t}});
-    const SolveResult r = solve("ptc", p, {.tol = 1e-12});
-    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    const SolveResult r = converged(solve("ptc", p, {.tol = 1e-12}));
     EXPECT_LE(r.iterations, 6);
     EXPECT_NEAR(r.s[0], 1, 1e-12);
     EXPECT_NEAR(r.s[1], s_t, 1e-12);
@@ -29,8 +28,7 @@ TEST(PseudoTransient, SolvesOneContactInAStepForEachDelta) {
 // (0.6, 0.8), whatever the start.
 TEST(PseudoTransient, FindsTheDirectionOfSliding) {
   const ContactProblem p = one_contact_problem(3, 1, 1, 0.5, -1, Vector{{3, 4}});
-  const SolveResult r = solve("ptc", p, {.tol = 1e-10, .s0 = Vector{{1, 0.3, -0.2}}});
-  ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  const SolveResult r = converged(solve("ptc", p, {.tol = 1e-10, .s0 = Vector{{1, 0.3, -0.2}}}));
   EXPECT_NEAR(r.s[1], -0.3, 1e-9);
   EXPECT_NEAR(r.s[2], -0.4, 1e-9);
 }
@@ -39,10 +37,8 @@ TEST(PseudoTransient, FindsTheDirectionOfSliding) {
 // degrees of freedom, known velocity.
 TEST(PseudoTransient, EndsWhatSweepsBegan) {
   const Manufactured known = manufactured_problem(3, 40, 100, 3);
-  const SolveResult start = solve("pgs", known.problem, {.tol = 1e-3});
-  ASSERT_EQ(start.status, SolveStatus::kConverged) << start.message;
-  const SolveResult r = solve("ptc", known.problem, {.tol = 1e-12, .s0 = start.s});
-  ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  const SolveResult start = converged(solve("pgs", known.problem, {.tol = 1e-3}));
+  const SolveResult r = converged(solve("ptc", known.problem, {.tol = 1e-12, .s0 = start.s}));
   EXPECT_LE(r.iterations, 30);
   EXPECT_LE((r.u - known.u).norm(), 1e-8 * known.problem.u_free.norm());
 }
@@ -50,8 +46,7 @@ TEST(PseudoTransient, EndsWhatSweepsBegan) {
 // Below rounding no tolerance is met, and the solver says so.
 TEST(PseudoTransient, StopsWhereRoundingForbidsMore) {
   const ContactProblem p = manufactured_problem(3, 20, 40, 5).problem;
-  const SolveResult r = solve("ptc", p, {.tol = 1e-30});
-  EXPECT_EQ(r.status, SolveStatus::kStalled) << r.message;
+  const SolveResult r = ended(SolveStatus::kStalled, solve("ptc", p, {.tol = 1e-30}));
   EXPECT_TRUE(says(r.message, "no step helps")) << r.message;
   EXPECT_LT(r.error.guarded(), 1e-9);
 }

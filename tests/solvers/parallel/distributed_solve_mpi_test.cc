@@ -11,12 +11,10 @@
 
 #include "core/base/triplets.h"
 #include "core/problem/delassus.h"
-#include "solvers/parallel/contact_owners.h"
 #include "solvers/parallel/distributed_solve.h"
-#include "solvers/registry.h"
-#include "solvers/solve.h"
 #include "solvers/solve_run.h"
 #include "tests/solvers/parallel/mpi_group.h"
+#include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/refusal.h"
@@ -123,9 +121,7 @@ TEST(DistributedSolve, VelocitiesAreThoseOfOneProcessWhereTheyAreUnique) {
   // bodies: these are unique. Its excess over the least one is at most of the size of the guarded
   // error squared times E, so that velocities agree to about the root of 1e-10.
   const ContactProblem p = triangular_lattice(8, {.dim = 1, .tilt = 0.1});
-  const SolveResult one = solve("ipm", p, {.tol = 1e-12});
-  ASSERT_EQ(one.status, SolveStatus::kConverged);
-  const Vector v = body_velocities(p, one.s);
+  const Vector v = body_velocities(p, converged(solve("ipm", p, {.tol = 1e-12})).s);
   for (const char* solver : {"apgd", "anderson", "pgs"}) {
     const DistributedResult out = distributed_solve(solver, p, {.tol = 1e-10}, mpi_group());
     ASSERT_EQ(out.result.status, SolveStatus::kConverged) << solver << out.result.message;
@@ -142,8 +138,7 @@ TEST(DistributedSolve, AStartFarBeyondTheFreeMotionIsNoGrowth) {
   ASSERT_GT(contact_error(p, s0).energy,
             1e20 * contact_error(p, Vector::Zero(p.num_rows())).energy);
   for (const char* solver : {"apgd", "uzawa", "pgs"}) {
-    SolverOptions options{.tol = 1e-6, .max_iterations = 40};
-    options.s0 = s0;
+    SolverOptions options{.tol = 1e-6, .max_iterations = 40, .s0 = s0};
     const DistributedResult out = distributed_solve(solver, p, options, mpi_group());
     EXPECT_NE(out.result.status, SolveStatus::kDiverged) << solver << ": " << out.result.message;
     EXPECT_GT(out.result.iterations, 0) << solver;
@@ -407,8 +402,7 @@ TEST(DistributedSolve, RefusalsSayWhy) {
   coupled.A.coeffRef(0, 3) = coupled.A.coeffRef(3, 0) = 1e-3 * p.A.coeff(0, 0);
   coupled.A.makeCompressed();
   EXPECT_TRUE(says(refusal("apgd", coupled, plain), "not diagonal"));
-  SolverOptions options;
-  options.parameters = {{"nonsense", "1"}};
+  SolverOptions options{.parameters = {{"nonsense", "1"}}};
   EXPECT_TRUE(says(refusal("apgd", p, options), "nonsense"));
   options.parameters = {{"islands", "on"}};
   EXPECT_TRUE(says(refusal("apgd", p, options), "islands"));
@@ -448,9 +442,8 @@ TEST(DistributedSolve, NothingToDoAndGoodStartsAreSeen) {
   apart.u_free.setConstant(1);
   EXPECT_EQ(distributed_solve("apgd", apart, {}, mpi_group()).result.status,
             SolveStatus::kNothingToDo);
-  SolverOptions options;
-  options.tol = 1e-8;
-  options.s0 = distributed_solve("apgd", p, {.tol = 1e-9}, mpi_group()).result.s;
+  SolverOptions options{.tol = 1e-8,
+                        .s0 = distributed_solve("apgd", p, {.tol = 1e-9}, mpi_group()).result.s};
   const DistributedResult out = distributed_solve("apgd", p, options, mpi_group());
   EXPECT_EQ(out.result.status, SolveStatus::kConverged);
   EXPECT_EQ(out.result.iterations, 0);

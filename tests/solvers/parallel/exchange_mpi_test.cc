@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "solvers/parallel/problem_piece.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
 

@@ -12,8 +12,8 @@
 #include "core/base/triplets.h"
 #include "core/problem_files/problem_file.h"
 #include "solvers/parallel/distributed_solve.h"
-#include "solvers/solve.h"
 #include "tests/solvers/parallel/mpi_group.h"
+#include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
@@ -96,8 +96,7 @@ TEST(SharedFactor, AFailureOfTheWorkIsKnownToAll) {
 /// rounding; without the shared factor the bits are its own.
 DistributedResult expect_shared(const std::string& solver, const ContactProblem& p,
                                 const SolverOptions& options, int slack) {
-  const SolveResult alone = solve(solver, p, options);
-  EXPECT_EQ(alone.status, SolveStatus::kConverged) << alone.message;
+  const SolveResult alone = converged(solve(solver, p, options));
   const DistributedResult all = distributed_solve(solver, p, options, mpi_group(), kShared);
   EXPECT_EQ(all.result.status, SolveStatus::kConverged) << all.result.message;
   EXPECT_NEAR(all.result.iterations, alone.iterations, slack);
@@ -165,8 +164,7 @@ TEST(SharedFactor, NewtonFactorsOnTheFirstProcessWhereTheOthersCannot) {
 TEST(SharedFactor, AutoTurnsToItWhereGradientsDoNotArrive) {
   const ContactProblem p =
       read_problem(source_folder() / "data/problems/2d_triangular_12_mass1e6.hdf5").problem;
-  SolverOptions options;
-  options.tol = 1e-9;
+  SolverOptions options{.tol = 1e-9};
   options.max_iterations = 12000;  // three rounds, and some for factorisations
   const DistributedResult out = distributed_solve("auto", p, options, mpi_group());
   EXPECT_EQ(out.result.status, SolveStatus::kConverged) << out.result.message;
