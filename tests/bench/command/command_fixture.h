@@ -53,7 +53,8 @@ inline std::string expect_said(const std::string& arguments, int code,
   return outcome.out;
 }
 
-/// A fresh folder for one test, removed at its end.
+/// A fresh folder for one test, removed at its end. The test and its commands run in it: names of
+/// files are relative to it.
 class Command : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -61,34 +62,37 @@ class Command : public ::testing::Test {
     folder_ = std::filesystem::temp_directory_path() /
               (std::string("bipot_") + info->name() + "_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
-    std::filesystem::current_path(folder_);  // runs without --out write there
+    std::filesystem::current_path(folder_);
   }
   void TearDown() override {
     std::filesystem::current_path(folder_.parent_path());
     std::filesystem::remove_all(folder_);
   }
+  /// The name from the root, for what is asked in that form.
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name)) << text;
-    return path(name);
+  static std::string write(const std::string& name, const std::string& text) {
+    std::ofstream(name) << text;
+    return name;
   }
-  /// Each of these files in a folder of the test's has more than `size` bytes.
-  void expect_files(const std::string& folder, std::initializer_list<const char*> names,
-                    std::size_t size = 100) const {
+  /// Each of these files in a folder has more than `size` bytes.
+  static void expect_files(const std::filesystem::path& folder,
+                           std::initializer_list<const char*> names, std::size_t size = 100) {
     for (const char* name : names) {
-      EXPECT_GT(std::filesystem::file_size(folder_ / folder / name), size) << name;
+      EXPECT_GT(std::filesystem::file_size(folder / name), size) << name;
     }
   }
   std::filesystem::path folder_;
 };
 
-/// Runs bipot and interrupts it after a second; again after twenty if it lives, as a shell's
-/// children in the background ignore SIGINT until they ask for it themselves. (A second one ends it
-/// at once.)
-inline Outcome interrupted(const std::string& arguments) {
-  return bipot(arguments +
-               " >/dev/null & p=$!; sleep 1; kill -INT $p; for k in $(seq 600); do sleep 0.1; "
-               "kill -0 $p || break; [ $((k % 200)) = 0 ] && kill -INT $p; done; wait $p; exit $?");
+/// Runs bipot and interrupts it after a second, which it must say by its exit code; again after
+/// twenty if it lives, as a shell's children in the background ignore SIGINT until they ask for it
+/// themselves. (A second one ends it at once.)
+inline void expect_interrupted(const std::string& arguments) {
+  const int code =
+      code_of(arguments +
+              " >/dev/null & p=$!; sleep 1; kill -INT $p; for k in $(seq 600); do sleep 0.1; "
+              "kill -0 $p || break; [ $((k % 200)) = 0 ] && kill -INT $p; done; wait $p; exit $?");
+  EXPECT_EQ(code, 5) << arguments;
 }
 
 inline std::string content(const std::filesystem::path& file) { return file_text(file); }

@@ -4,13 +4,9 @@
 
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "tests/bench/command/command_fixture.h"
-#include "tests/support/refusal.h"
-#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -160,8 +156,8 @@ TEST_F(Command, EveryTemplateRunsWithoutChange) {
     const Outcome text = bipot("new " + name);
     EXPECT_EQ(text.exit_code, 0);
     EXPECT_EQ(text.out.rfind("# ", 0), 0u) << name;
-    const nlohmann::json j = json_of("run " + write(name + ".toml", text.out) +
-                                     " --steps 5 --json - --out " + path(name));
+    const nlohmann::json j =
+        json_of("run " + write(name + ".toml", text.out) + " --steps 5 --json - --out " + name);
     EXPECT_EQ(j["status"], "completed") << name;
     EXPECT_FALSE(j["title"].get<std::string>().empty());
     EXPECT_LT(j["penetration"].get<double>(), 1e-4) << name;  // nothing overlaps at the start
@@ -173,17 +169,15 @@ TEST_F(Command, EveryTemplateRunsWithoutChange) {
 }
 
 TEST_F(Command, ARunKeepsALogAndSaysWhatIsOdd) {
-  const std::string scene = write("scene.toml",
-                                  "title = \"\\u001b[31mred\"\ngravity = [0, 0]\n"
-                                  "[[disks]]\nposition = [1, 1]\nradius = 1\nmass = 1\n"
-                                  "[[walls]]\nname = 'left'\npoint = [0, 0]\nnormal = [1, 0]\n"
-                                  "force = 5\nmass = 1\n"
-                                  "[[walls]]\nname = 'right'\npoint = [2, 0]\nnormal = [-1, 0]\n"
-                                  "force = 4\nmass = 1\n[time]\nstep = 1e-3\nsteps = 20\n");
-  const std::string run = expect_said("run " + scene + " --out " + path("out"), 0,
+  write("scene.toml",
+        "title = \"\\u001b[31mred\"\ngravity = [0, 0]\ntime = {step = 1e-3, steps = 20}\n"
+        "disks = [{position = [1, 1], radius = 1, mass = 1}]\n"
+        "walls = [{name = 'left', point = [0, 0], normal = [1, 0], force = 5, mass = 1},\n"
+        "  {name = 'right', point = [2, 0], normal = [-1, 0], force = 4, mass = 1}]\n");
+  const std::string run = expect_said("run scene.toml --out out", 0,
                                       {"walls 'left' and 'right'", "top at 2 m", "work of walls"});
   EXPECT_EQ(run.find('\x1b'), std::string::npos) << run;
-  const std::string log = content(folder_ / "out" / "run.log");
+  const std::string log = content("out/run.log");
   EXPECT_TRUE(says(log, " 50 %  step 10, t = 0.01 s, 0 unsolved"));
   EXPECT_TRUE(says(log, "completed: 20 of 20 steps"));
 }

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -16,8 +15,6 @@
 #include "core/files/input_file.h"
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
-#include "tests/support/refusal.h"
-#include "tests/support/source_folder.h"
 #include "tests/support/state_bits.h"
 
 namespace bipot {
@@ -51,8 +48,7 @@ TEST_F(Command, RunsOnKernelsOfThisProcessor) {
 }
 
 TEST_F(Command, RunsAShippedSceneAndLeavesItsFiles) {
-  const json j = json_of("run square_lattice --json - --out " +
-                         path("out"));  // nothing else on standard output
+  const json j = json_of("run square_lattice --json - --out " + path("out"));
   EXPECT_EQ(j["status"], "completed");
   EXPECT_EQ(j["steps"], 10);
   EXPECT_EQ(j["steps_converged"], 10);
@@ -68,10 +64,10 @@ TEST_F(Command, TheStressPictureIsDrawnWhereTheSceneAsksForIt) {
                            (scene.find("[output]") == std::string::npos ? "\n[output]" : "") +
                            "\nstress_picture = true\n";
   const json stress =
-      json_of("run " + write("lattice.toml", text) + " --json - --out " + path("out"))["stress"];
+      json_of("run " + write("lattice.toml", text) + " --json - --out out")["stress"];
   expect_files("out", {"stress.svg", "stress.png"});
   // The summary's stress is that of the ledger's last row: area, xx, yy, xy, kinetic pressure.
-  const std::string ledger = content(folder_ / "out" / "ledger.csv");
+  const std::string ledger = content("out/ledger.csv");
   std::stringstream last(ledger.substr(ledger.rfind('\n', ledger.size() - 2) + 1));
   std::vector<double> row;
   for (std::string cell; std::getline(last, cell, ',');) row.push_back(std::stod(cell));
@@ -79,18 +75,18 @@ TEST_F(Command, TheStressPictureIsDrawnWhereTheSceneAsksForIt) {
   EXPECT_NEAR(stress["area"].get<double>(), row[23], 1e-8 * std::abs(row[23]));
   EXPECT_NEAR(stress["yy"].get<double>(), row[25], 1e-8 * std::abs(row[25]));
   EXPECT_NEAR(stress["pressure"].get<double>(), 0.5 * (row[24] + row[25]), 1e-8 * row[25]);
-  bipot("run square_lattice --steps 1 --quiet --out " + path("plain"));
-  EXPECT_FALSE(fs::exists(folder_ / "plain" / "stress.svg"));
+  bipot("run square_lattice --steps 1 --quiet --out plain");
+  EXPECT_FALSE(fs::exists("plain/stress.svg"));
 }
 
 // 142² = 20 164 disks that nothing moves.
 TEST_F(Command, AVectorPictureIsLeftOutOfManyBodies) {
-  std::ofstream(path("many.toml")) << "gravity = [0, 0]\n[[disks]]\narrangement = 'rectangular'\n"
-                                      "columns = 142\nrows = 142\nradius = 1\nmass = 1\n"
-                                      "[time]\nstep = 1\nsteps = 1\n[output]\npage = false\n";
-  ASSERT_EQ(code_of("run " + path("many.toml") + " -q --out " + path("out")), 0);
+  std::ofstream("many.toml") << "gravity = [0, 0]\n[[disks]]\narrangement = 'rectangular'\n"
+                                "columns = 142\nrows = 142\nradius = 1\nmass = 1\n"
+                                "[time]\nstep = 1\nsteps = 1\n[output]\npage = false\n";
+  ASSERT_EQ(code_of("run many.toml -q --out out"), 0);
   expect_files("out", {"run.h5", "forces.png"});
-  EXPECT_FALSE(std::filesystem::exists(path("out/forces.svg")));
+  EXPECT_FALSE(std::filesystem::exists("out/forces.svg"));
 }
 
 TEST_F(Command, EachFailureHasItsExitCode) {
@@ -99,7 +95,7 @@ TEST_F(Command, EachFailureHasItsExitCode) {
   EXPECT_EQ(code_of("run square_lattice --solver no_such_solver"), 2);
   EXPECT_EQ(code_of("run square_lattice --solver pgs --omega 7"), 2);
   EXPECT_EQ(code_of("run square_lattice --no-such-flag"), 2);
-  EXPECT_EQ(code_of("solve " + path("missing.hdf5")), 4);
+  EXPECT_EQ(code_of("solve missing.hdf5"), 4);
   EXPECT_EQ(code_of("solve " + write("text.dat", "not a problem")), 2);
   EXPECT_EQ(code_of("run square_lattice --steps 1 --out /proc/nowhere"), 4);
   const std::string nan_scene = content(shipped_scene("square_lattice"));
@@ -108,13 +104,11 @@ TEST_F(Command, EachFailureHasItsExitCode) {
 
 TEST_F(Command, RestartContinuesBitForBit) {
   const std::string flags = " --tol 1e-4 --quiet --out ";
-  ASSERT_EQ(code_of("run compaction --steps 60" + flags + path("whole")), 0);
-  ASSERT_EQ(code_of("run compaction --steps 35" + flags + path("first")), 0);
-  ASSERT_EQ(code_of("run compaction --steps 25 --restart " + path("first/run.h5") + flags +
-                    path("second")),
-            0);
-  const State<2> whole = read_state(path("whole/run.h5"));
-  const State<2> parts = read_state(path("second/run.h5"));
+  ASSERT_EQ(code_of("run compaction --steps 60" + flags + "whole"), 0);
+  ASSERT_EQ(code_of("run compaction --steps 35" + flags + "first"), 0);
+  ASSERT_EQ(code_of("run compaction --steps 25 --restart first/run.h5" + flags + "second"), 0);
+  const State<2> whole = read_state("whole/run.h5");
+  const State<2> parts = read_state("second/run.h5");
   EXPECT_EQ(whole.step, parts.step);
   EXPECT_EQ(whole.friction_loss, parts.friction_loss);
   EXPECT_EQ(bits_of_bodies(whole), bits_of_bodies(parts));
@@ -131,32 +125,31 @@ std::string collapsing_scene(int steps) {
 }
 
 TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
-  const std::string scene = write("collapse.toml", collapsing_scene(400));
-  const std::string run = "run " + scene + " --tol 1e-4 --json - --out ";
-  ASSERT_EQ(code_of(run + path("whole")), 0);
-  ASSERT_EQ(code_of(run + path("parts") + " --steps 260"), 0);
-  const json j = json_of(run + path("parts") + " --restart " + path("parts"));
+  write("collapse.toml", collapsing_scene(400));
+  const std::string run = "run collapse.toml --tol 1e-4 --json - --out ";
+  ASSERT_EQ(code_of(run + "whole"), 0);
+  ASSERT_EQ(code_of(run + "parts --steps 260"), 0);
+  const json j = json_of(run + "parts --restart parts");
   EXPECT_EQ(j["steps"], 140);
   EXPECT_EQ(j["steps_planned"], 140);
   EXPECT_EQ(j["last_step"], 400);
-  const State<2> whole = read_state(path("whole")), parts = read_state(path("parts"));
+  const State<2> whole = read_state("whole"), parts = read_state("parts");
   EXPECT_EQ(parts.step, 400);
   EXPECT_EQ(whole.time, parts.time);
   EXPECT_EQ(whole.friction_loss, parts.friction_loss);
   EXPECT_GT(whole.friction_loss, 0);  // something slid
   EXPECT_EQ(bits_of_bodies(whole), bits_of_bodies(parts));
-  EXPECT_EQ(content(path("whole/ledger.csv")), content(path("parts/ledger.csv")));
+  EXPECT_EQ(content("whole/ledger.csv"), content("parts/ledger.csv"));
 
   // At the end there is nothing to do, and nothing is touched.
-  const std::string summary = content(path("parts/summary.json"));
-  const json again = json_of(run + path("parts") + " --restart " + path("parts"));
+  const std::string summary = content("parts/summary.json");
+  const json again = json_of(run + "parts --restart parts");
   EXPECT_EQ(again["status"], "nothing to do");
   EXPECT_EQ(again["last_step"], 400);
-  EXPECT_EQ(content(path("parts/summary.json")), summary);
+  EXPECT_EQ(content("parts/summary.json"), summary);
   // --steps N is N more.
-  const json more = json_of(run + path("more") + " --steps 5 --restart " + path("parts"));
-  EXPECT_EQ(more["steps"], 5);
-  EXPECT_EQ(read_state(path("more")).step, 405);
+  EXPECT_EQ(json_of(run + "more --steps 5 --restart parts")["steps"], 5);
+  EXPECT_EQ(read_state("more").step, 405);
 }
 
 TEST_F(Command, EveryCommandSaysInItsJsonWhyItRefuses) {
@@ -182,22 +175,22 @@ TEST_F(Command, EveryCommandSaysInItsJsonWhyItRefuses) {
     EXPECT_EQ(j["exit_code"], code) << words;
     EXPECT_EQ(j["status"], code == 4 ? "input or output failed" : "invalid input") << words;
     EXPECT_FALSE(j["message"].get<std::string>().empty()) << words;
-    fs::remove(path("refusal.json"));
-    bipot(words + " --json=" + path("refusal.json"));
-    EXPECT_EQ(json::parse(content(path("refusal.json"))), j) << words;
+    fs::remove("refusal.json");
+    bipot(words + " --json=refusal.json");
+    EXPECT_EQ(json::parse(content("refusal.json")), j) << words;
   }
 }
 
 TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
   const std::string problem = shipped_problem("2d_triangular_lattice");
   const std::string solve = "solve " + problem + " --solver pgs --tol 1e-4";
-  EXPECT_EQ(code_of(solve + " --history " + path("h.csv") + " --json /proc/nowhere/a.json"), 4);
-  EXPECT_FALSE(fs::exists(path("h.csv")));  // nothing was solved
-  EXPECT_EQ(code_of(solve + " --json " + path("a.json") + " --solution /proc/nowhere/s.hdf5"), 4);
-  EXPECT_EQ(json_in(path("a.json"))["exit_code"], 4);
+  EXPECT_EQ(code_of(solve + " --history h.csv --json /proc/nowhere/a.json"), 4);
+  EXPECT_FALSE(fs::exists("h.csv"));  // nothing was solved
+  EXPECT_EQ(code_of(solve + " --json a.json --solution /proc/nowhere/s.hdf5"), 4);
+  EXPECT_EQ(json_in("a.json")["exit_code"], 4);
   EXPECT_EQ(code_of("run square_lattice --json /proc/nowhere/a.json"), 4);
-  EXPECT_EQ(code_of(solve + " --solution " + path("s.hdf5")), 0);
-  EXPECT_EQ(code_of(solve + " --solution " + path("s.hdf5")), 0);  // the same problem
+  EXPECT_EQ(code_of(solve + " --solution s.hdf5"), 0);
+  EXPECT_EQ(code_of(solve + " --solution s.hdf5"), 0);  // the same problem
 }
 
 TEST_F(Command, ASolverOfAnotherBuildNamesItsOption) {
@@ -209,19 +202,16 @@ TEST_F(Command, ASolverOfAnotherBuildNamesItsOption) {
 }
 
 TEST_F(Command, InterruptedRunLeavesAReadableState) {
-  const std::string out = path("out");
-  const Outcome run = interrupted("run compaction --tol 1e-3 --out " + out);
-  EXPECT_EQ(run.exit_code, 5);
-  const State<2> state = read_state(out + "/run.h5");
+  expect_interrupted("run compaction --tol 1e-3 --out out");
+  const State<2> state = read_state("out/run.h5");
   EXPECT_EQ(state.bodies.size(), 342u);
   EXPECT_GT(state.step, 0);
-  EXPECT_EQ(json_in(out + "/summary.json")["status"], "interrupted");
+  EXPECT_EQ(json_in("out/summary.json")["status"], "interrupted");
 }
 
 TEST_F(Command, ComparisonLeavesATableAndAPage) {
   const std::string arguments =
-      "compare square:4 pyramid:3 --solvers pgs,ipm,lemke --tols 1e-2,1e-6 --quick --out " +
-      path("out");
+      "compare square:4 pyramid:3 --solvers pgs,ipm,lemke --tols 1e-2,1e-6 --quick --out out";
   const json j = json_of(arguments + " --json -");  // nothing else on standard output
   EXPECT_EQ(j["rows"].size(), 12u);
   EXPECT_EQ(j["rows_kept"], 0);
@@ -229,19 +219,18 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   for (const json& row : j["rows"]) EXPECT_EQ(row["status"], "converged") << row;
   expect_files("out", {"rows.csv", "comparison.csv", "comparison.json", "report.html",
                        "problems/square_4.hdf5", "references/pyramid_3.json"});
-  const std::string table = content(path("out/comparison.csv"));
+  const std::string table = content("out/comparison.csv");
   expect_said(arguments, 0, {"12 of 12 rows from before"}, &bipot);
-  EXPECT_EQ(content(path("out/comparison.csv")), table);
+  EXPECT_EQ(content("out/comparison.csv"), table);
   EXPECT_EQ(code_of("compare no_such_thing"), 2);
-  const std::string no_problem = write("no_problem.hdf5", "hi");
-  EXPECT_EQ(code_of("compare " + no_problem + " --solvers pgs --tols 1e-2 --quiet"), 2);
+  write("no_problem.hdf5", "hi");
+  EXPECT_EQ(code_of("compare no_problem.hdf5 --solvers pgs --tols 1e-2 --quiet"), 2);
   EXPECT_EQ(code_of("compare square:4 --solvers pgz"), 2);
   EXPECT_EQ(code_of("compare square:4 --out /proc/nowhere"), 4);
 }
 
 TEST_F(Command, JudgesPopularSettingsAndSubmittedImpulses) {
-  const json j =
-      json_of("compare square:4 --settings popular --quick --json - --out " + path("set"));
+  const json j = json_of("compare square:4 --settings popular --quick --json - --out set");
   EXPECT_EQ(j["settings"].size(), 8u);
   EXPECT_GT(j["tolerances"].size(), 4u);
   expect_files("set", {"settings.csv", "popular.svg", "report.html"});
@@ -250,71 +239,64 @@ TEST_F(Command, JudgesPopularSettingsAndSubmittedImpulses) {
     EXPECT_EQ(code_of(fmt::format("compare square:4 --settings popular --quick {}", flag)), 2);
   }
   EXPECT_EQ(code_of("compare"), 2);
-  const std::string problem = path("set") + ".hdf5";
-  fs::copy_file(source_folder() / "data/problems/2d_triangular_lattice.hdf5", problem);
-  fs::create_directories(path("mine"));
-  EXPECT_EQ(code_of("solve " + problem + " --tol 1e-9 --quiet --solution " + path("mine/set.hdf5")),
-            0);
-  const json board = json_of("leaderboard " + path("mine") + " --problems " + problem +
-                             " --json - --out " + path("board"));
+  fs::copy_file(source_folder() / "data/problems/2d_triangular_lattice.hdf5", "set.hdf5");
+  fs::create_directories("mine");
+  EXPECT_EQ(code_of("solve set.hdf5 --tol 1e-9 --quiet --solution mine/set.hdf5"), 0);
+  const json board = json_of("leaderboard mine --problems set.hdf5 --json - --out board");
   ASSERT_EQ(board["solved"].size(), 2u);  // it, and auto
   EXPECT_EQ(board["solved"][0]["who"], "mine");
   EXPECT_EQ(board["solved"][0]["solved_1e-8"], 1);
   expect_files("board", {"leaderboard.csv", "index.html"});
-  EXPECT_EQ(code_of("leaderboard " + path("nowhere")), 4);
-  std::ofstream(path("mine/set.csv")) << "1 2 3\n";  // comes before the other
-  const std::string without =
-      "leaderboard " + path("mine") + " --problems " + problem + " --no-solvers";
+  EXPECT_EQ(code_of("leaderboard nowhere"), 4);
+  std::ofstream("mine/set.csv") << "1 2 3\n";  // comes before the other
+  const std::string without = "leaderboard mine --problems set.hdf5 --no-solvers";
   EXPECT_TRUE(says(whole_output(without).out, "mine, set: "));
   EXPECT_EQ(code_of(without + " --solvers pgs"), 2);
 }
 
 TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
-  const std::string plan = path("plan.toml");
   const std::string arguments =
-      "tune square:4 pyramid:4 --solvers pgs,ipm --tols 1e-2,1e-6 --least-rows 2 --out " + plan;
+      "tune square:4 pyramid:4 --solvers pgs,ipm --tols 1e-2,1e-6 --least-rows 2 --out plan.toml";
   expect_said(arguments, 0,
               {"tuned, scenes left out", "auto, present plan", "ipm",
-               "12 rows in " + path("plan.csv") + ", 0 of them from before"},
+               "12 rows in plan.csv, 0 of them from before"},
               &bipot);
-  const std::string rows = content(path("plan.csv")), text = content(plan);
+  const std::string rows = content("plan.csv"), text = content("plan.toml");
   EXPECT_TRUE(says(text, "[[class]]"));
   EXPECT_TRUE(says(bipot(arguments).out, ", 12 of them from before"));
   EXPECT_EQ(bipot(arguments + " -q").out, "");
-  EXPECT_EQ(content(path("plan.csv")), rows);
-  EXPECT_EQ(content(plan).substr(text.find('\n')), text.substr(text.find('\n')));  // from the rows
+  EXPECT_EQ(content("plan.csv"), rows);
+  EXPECT_EQ(content("plan.toml").substr(text.find('\n')),
+            text.substr(text.find('\n')));  // from the rows
   const std::string problem = shipped_problem("1d_square_20");
-  expect_said("solve " + problem + " --explain --plan " + plan, 0, {plan + ": "}, &bipot);
+  expect_said("solve " + problem + " --explain --plan plan.toml", 0, {"plan.toml: "}, &bipot);
   const json told = json_of("solve " + problem + " --explain --json -");
   EXPECT_TRUE(says(told["explanation"].get<std::string>(), "contacts, d = "));
-  EXPECT_EQ(code_of("solve " + problem + " --solver pgs --plan " + plan), 2);
-  EXPECT_EQ(code_of("run four_spheres --steps 2 --plan " + plan + " --out " + path("run")), 0);
-  std::ofstream(plan) << "[[class]]\nname = 'a'\nstages = [{solver = 'pgz'}]\n";
-  expect_said("solve " + problem + " --json - --plan " + plan, 2,
+  EXPECT_EQ(code_of("solve " + problem + " --solver pgs --plan plan.toml"), 2);
+  EXPECT_EQ(code_of("run four_spheres --steps 2 --plan plan.toml --out run"), 0);
+  std::ofstream("plan.toml") << "[[class]]\nname = 'a'\nstages = [{solver = 'pgz'}]\n";
+  expect_said("solve " + problem + " --json - --plan plan.toml", 2,
               {"plan.toml:3: unknown solver 'pgz'"}, &bipot);
-  EXPECT_EQ(code_of("tune square:4 --solvers pgs --tols 1e-2 --least-rows 1 -q --out " +
-                    path("new/folder/plan.toml")),
-            0);
-  EXPECT_EQ(code_of("tune no_such_thing --out " + plan), 2);
-  EXPECT_EQ(code_of("tune --out " + path("none.toml")), 2);
-  EXPECT_EQ(code_of("tune square:4 --solvers auto --out " + path("none.toml")), 2);
-  EXPECT_EQ(code_of("tune square:4 --solvers pgs --out " + path("none.csv")), 2);  // the rows
-  for (const char* none : {"none.toml", "none.csv"}) EXPECT_FALSE(fs::exists(path(none))) << none;
+  const std::string one_row = "tune square:4 --solvers pgs --tols 1e-2 --least-rows 1 -q ";
+  EXPECT_EQ(code_of(one_row + "--out new/folder/plan.toml"), 0);
+  EXPECT_EQ(code_of("tune no_such_thing --out plan.toml"), 2);
+  EXPECT_EQ(code_of("tune --out none.toml"), 2);
+  EXPECT_EQ(code_of("tune square:4 --solvers auto --out none.toml"), 2);
+  EXPECT_EQ(code_of("tune square:4 --solvers pgs --out none.csv"), 2);  // the rows
+  for (const char* none : {"none.toml", "none.csv"}) EXPECT_FALSE(fs::exists(none)) << none;
   const std::string hopeless =
-      "tune pyramid:8 --solvers pgs --tols 1e-12 --time-limit 1e-6 -q --out " + path("hard.toml");
+      "tune pyramid:8 --solvers pgs --tols 1e-12 --time-limit 1e-6 -q --out hard.toml";
   EXPECT_EQ(code_of(hopeless), 1);
-  EXPECT_FALSE(fs::exists(path("hard.toml")));
-  const std::string apart = write(
-      "apart.toml",
-      "time = { step = 1e-3, steps = 2 }\n[[disks]]\nposition = [0, 0]\nradius = 1\nmass = 1\n");
-  expect_said("tune " + apart + " --out " + path("free.toml"), 2,
-              {"nothing touches in the targets"});
-  EXPECT_TRUE(fs::exists(path("hard.csv")));
+  EXPECT_FALSE(fs::exists("hard.toml"));
+  write("apart.toml",
+        "time = { step = 1e-3, steps = 2 }\n[[disks]]\nposition = [0, 0]\nradius = 1\nmass = 1\n");
+  expect_said("tune apart.toml --out free.toml", 2, {"nothing touches in the targets"});
+  EXPECT_TRUE(fs::exists("hard.csv"));
   // No contact arises in two steps of this scene: nothing but the check would read the plan.
-  const std::string run = "run drum --steps 2 --no-page --out " + path("none");
-  EXPECT_EQ(code_of(run + " --plan " + plan), 2);
-  EXPECT_EQ(code_of(run + " --plan " + path("missing.toml")), 4);
-  EXPECT_EQ(code_of("solve " + problem + " --plan " + path("missing.toml")), 4);
+  const std::string run = "run drum --steps 2 --no-page --out none";
+  EXPECT_EQ(code_of(run + " --plan plan.toml"), 2);
+  EXPECT_EQ(code_of(run + " --plan missing.toml"), 4);
+  EXPECT_EQ(code_of("solve " + problem + " --plan missing.toml"), 4);
 }
 
 TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
@@ -323,38 +305,37 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
                                   {{"steps = 10", "steps = 40"}}));  // for several stretches
   const std::string arguments = "advise " + scene +
                                 " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
-                                "--write " +
-                                path("advised.toml");
+                                "--write advised.toml";
   const json j = json_of(arguments);  // nothing else on standard output
   EXPECT_EQ(j["status"], "met");
   EXPECT_EQ(j["advised_run"]["steps_run"], j["advised_run"]["steps_planned"]);
   EXPECT_TRUE(j["goal"]["energy"].is_null());            // not asked for
   EXPECT_EQ(code_of(arguments), 2);                      // the copy exists
   const json written = json_of(arguments + " --force");  // times decide: the choice may differ
-  const json r = json_of("run " + path("advised.toml") + " --json -");
+  const json r = json_of("run advised.toml --json -");
   EXPECT_EQ(r["solver"], written["advice"]["solver"]);
   EXPECT_EQ(r["tol"], written["advice"]["tol"]);
   EXPECT_EQ(r["steps"], written["advice"]["steps"]);
   // Without a goal: five lines, the last of which is a command that runs, and a page.
   const Outcome five =
-      bipot("advise " + scene + " --solvers ipm --time-limit 20 --tune --out " + path("advice"));
+      bipot("advise " + scene + " --solvers ipm --time-limit 20 --tune --out advice");
   EXPECT_EQ(five.exit_code, 0) << five.out;
   EXPECT_TRUE(says(five.out, "tuned, problems left out")) << five.out;
-  EXPECT_TRUE(says(content(path("plan.toml")), "solver = \"ipm\""));
-  EXPECT_TRUE(says(five.out, "--plan " + path("plan.toml")));
+  EXPECT_TRUE(says(content("plan.toml"), "solver = \"ipm\""));
+  EXPECT_TRUE(says(five.out, "--plan plan.toml"));
   const std::size_t command = five.out.find("bipot run ");
   ASSERT_NE(command, std::string::npos) << five.out;
   const std::string line = five.out.substr(command + 6, five.out.find('\n', command) - command - 6);
-  EXPECT_EQ(code_of(line + " --out " + path("as_advised")), 0) << line;
+  EXPECT_EQ(code_of(line + " --out as_advised"), 0) << line;
   const std::size_t last = five.out.rfind("bipot run ");
   const std::string planned = five.out.substr(last + 6, five.out.find('\n', last) - last - 6);
   const json with_plan = json_of(planned + " --json -");
-  const json advised = json_in(path("advice/advice.json"))["advice"];
+  const json advised = json_in("advice/advice.json")["advice"];
   EXPECT_EQ(with_plan["tol"], advised["tol"]);
   EXPECT_EQ(with_plan["steps"], advised["steps"]);
   EXPECT_EQ(with_plan["solver"], "auto");
-  EXPECT_TRUE(says(content(path("advice/advice.html")), "Step and tolerance"));
-  EXPECT_TRUE(says(content(path("advice/advice.csv")), "choice,solver,tol,"));
+  EXPECT_TRUE(says(content("advice/advice.html"), "Step and tolerance"));
+  EXPECT_TRUE(says(content("advice/advice.csv"), "choice,solver,tol,"));
   EXPECT_EQ(code_of("advise " + scene + " --force-error 1e-2 --json /proc/nowhere/a.json"), 4);
   EXPECT_EQ(code_of("advise " + scene + " --energy nan"), 2);
   EXPECT_EQ(code_of("advise " + scene + " --solvers auto --tune"), 2);
@@ -363,82 +344,72 @@ TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
 }
 
 TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
-  const std::string arguments = "paper --quick --out " + path("out");
+  const std::string arguments = "paper --quick --out out";
   const json j = json_of(arguments + " --only table2 --json -");  // nothing else on standard output
   EXPECT_EQ(j["checks"], j["checks_held"]);
   EXPECT_GT(j["checks"], 2);
   EXPECT_FALSE(j["all_items_done"]);
   ASSERT_EQ(code_of(arguments + " --only table1"), 0);
-  const json both = json_in(path("out/results.json"));
+  const json both = json_in("out/results.json");
   for (const json& item : both["items"]) {
     const bool made = item["name"] == "table1" || item["name"] == "table2";
     EXPECT_EQ(item["status"], made ? "done" : "not run") << item["name"];
   }
-  const std::string page = content(path("out/index.html"));
+  const std::string page = content("out/index.html");
   for (const char* name : {"table2_velocity.svg", "table1_film.csv"}) {
     EXPECT_TRUE(says(page, name)) << name;
-    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+    EXPECT_GT(fs::file_size(std::string("out/") + name), 100u) << name;
   }
-  EXPECT_EQ(code_of("paper --only table3 --out " + path("out")), 2);
+  EXPECT_EQ(code_of("paper --only table3 --out out"), 2);
   EXPECT_EQ(code_of("paper --only table2 --out /proc/nowhere"), 4);
 }
 
 TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
-  const std::string out = path("out");
-  const Outcome run = interrupted("paper --only table2,fig13 --out " + out);
-  EXPECT_EQ(run.exit_code, 5);
-  const json results = json_in(out + "/results.json");
+  expect_interrupted("paper --only table2,fig13 --out out");
+  const json results = json_in("out/results.json");
   for (const json& item : results["items"]) {
     if (item["name"] != "table2" && item["name"] != "fig13") continue;
     EXPECT_EQ(item["status"], item["name"] == "table2" ? "done" : "interrupted");
   }
-  EXPECT_GT(fs::file_size(out + "/index.html"), 100u);
+  EXPECT_GT(fs::file_size("out/index.html"), 100u);
 }
 
 TEST_F(Command, InterruptedMeasurementsSaySoAndLeaveValidFiles) {
-  const std::string compare = path("compare"), trade = path("trade"), advice = path("advice.json");
-  EXPECT_EQ(interrupted("compare pile:24 --tols 1e-2,1e-4,1e-6,1e-8,1e-10 --min-time 1 --json " +
-                        path("compare.json") + " --out " + compare)
-                .exit_code,
-            5);
-  EXPECT_EQ(json_in(path("compare.json"))["complete"], false);
-  EXPECT_EQ(json_in(compare + "/comparison.json")["complete"], false);
-  EXPECT_GT(fs::file_size(compare + "/report.html"), 100u);
+  expect_interrupted(
+      "compare pile:24 --tols 1e-2,1e-4,1e-6,1e-8,1e-10 --min-time 1 "
+      "--json compare.json --out compare");
+  EXPECT_EQ(json_in("compare.json")["complete"], false);
+  EXPECT_EQ(json_in("compare/comparison.json")["complete"], false);
+  EXPECT_GT(fs::file_size("compare/report.html"), 100u);
 
-  EXPECT_EQ(
-      interrupted("extremes --random-problems 100000 --solver auto --json " + path("random.json"))
-          .exit_code,
-      5);
-  EXPECT_EQ(json_in(path("random.json"))["complete"], false);
+  expect_interrupted("extremes --random-problems 100000 --solver auto --json random.json");
+  EXPECT_EQ(json_in("random.json")["complete"], false);
 
-  EXPECT_EQ(
-      interrupted("trade compaction --json " + path("trade.json") + " --out " + trade).exit_code,
-      5);
-  EXPECT_EQ(json_in(path("trade.json"))["complete"], false);
-  EXPECT_EQ(json_in(trade + "/trade.json")["complete"], false);
+  expect_interrupted("trade compaction --json trade.json --out trade");
+  EXPECT_EQ(json_in("trade.json")["complete"], false);
+  EXPECT_EQ(json_in("trade/trade.json")["complete"], false);
 
-  EXPECT_EQ(interrupted("validate --quick --out " + path("validate")).exit_code, 5);
-  EXPECT_EQ(json_in(path("validate/validate.json"))["all_items_done"], false);
+  expect_interrupted("validate --quick --out validate");
+  EXPECT_EQ(json_in("validate/validate.json")["all_items_done"], false);
 
-  EXPECT_EQ(interrupted("advise compaction --force-error 1e-2 --json " + advice).exit_code, 5);
-  EXPECT_EQ(json_in(advice)["status"], "interrupted");
-  EXPECT_EQ(json_in(advice)["exit_code"], 5);
+  expect_interrupted("advise compaction --force-error 1e-2 --json advice.json");
+  EXPECT_EQ(json_in("advice.json")["status"], "interrupted");
+  EXPECT_EQ(json_in("advice.json")["exit_code"], 5);
 }
 
 TEST_F(Command, TimeLimitLeavesTheLastWholeStep) {
-  const json j =
-      json_of("run compaction --tol 1e-6 --time-limit 1.5 --json - --out " + path("out"), 1);
+  const json j = json_of("run compaction --tol 1e-6 --time-limit 1.5 --json - --out out", 1);
   EXPECT_EQ(j["status"], "time limit");
   EXPECT_EQ(j["message"], "");                  // the status says all
   EXPECT_EQ(j["steps"], j["steps_converged"]);  // the step that was cut short is not taken
-  EXPECT_EQ(read_state(path("out")).step, j["steps"]);
+  EXPECT_EQ(read_state("out").step, j["steps"]);
 }
 
 TEST_F(Command, RestartRefusesAnotherScene) {
-  ASSERT_EQ(code_of("run sliding_cylinder --steps 5 --quiet --out " + path("a")), 0);
+  ASSERT_EQ(code_of("run sliding_cylinder --steps 5 --quiet --out a"), 0);
   const std::string text =
       changed(content(shipped_scene("sliding_cylinder")), {{"radius = 0.01", "radius = 0.02"}});
-  const json j = json_of("run " + write("other.toml", text) + " --json - --restart " + path("a"),
+  const json j = json_of("run " + write("other.toml", text) + " --json - --restart a",
                          2);  // refusals are JSON too
   EXPECT_EQ(j["status"], "invalid input");
   EXPECT_TRUE(says(j["message"], "radius"));
@@ -454,7 +425,7 @@ TEST_F(Command, ForeignOutputDoesNotMixWithJson) {
 }
 
 TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
-  const json j = json_of("run square_lattice --model dem --steps 60 --json - --out " + path("a"));
+  const json j = json_of("run square_lattice --model dem --steps 60 --json - --out a");
   EXPECT_EQ(j["status"], "completed");
   EXPECT_EQ(j["model"], "dem");
   EXPECT_TRUE(j["epsilon"].is_null());  // there is no contact problem to judge
@@ -465,16 +436,11 @@ TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
   EXPECT_TRUE(says(j["overlap"]["pair"], "disk "));
   expect_files("a", {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "summary.json"});
   // 40 and 20 steps with a restart between: the same bits.
-  ASSERT_EQ(code_of("run square_lattice --model dem --steps 40 -q --out " + path("b")), 0);
-  ASSERT_EQ(code_of("run square_lattice --model dem --steps 20 -q --restart " + path("b") +
-                    " --out " + path("b")),
-            0);
-  const State<2> whole = read_state(path("a")), parts = read_state(path("b"));
-  for (std::size_t i = 0; i < whole.bodies.size(); ++i) {
-    EXPECT_EQ(whole.bodies[i].x, parts.bodies[i].x);
-    EXPECT_EQ(whole.bodies[i].v, parts.bodies[i].v);
-  }
-  EXPECT_EQ(content(path("a/ledger.csv")), content(path("b/ledger.csv")));
+  ASSERT_EQ(code_of("run square_lattice --model dem --steps 40 -q --out b"), 0);
+  ASSERT_EQ(code_of("run square_lattice --model dem --steps 20 -q --restart b --out b"), 0);
+  const State<2> whole = read_state("a"), parts = read_state("b");
+  EXPECT_EQ(bits_of_bodies(whole), bits_of_bodies(parts));
+  EXPECT_EQ(content("a/ledger.csv"), content("b/ledger.csv"));
   // Unstable substeps, flags of the other model and a stiffness that gives way are refused.
   EXPECT_EQ(code_of("run square_lattice --model dem --substep 1e-3"), 2);
   EXPECT_EQ(code_of("run square_lattice --model dem --tol 1e-3"), 2);
@@ -489,9 +455,9 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
                                    {{"columns = 10", "columns = 3"},
                                     {"rows = 10", "rows = 3"},
                                     {"point = [0.2, 0.0]", "point = [0.06, 0.0]"}});
-  const std::string scene = write("tiny.toml", text);
-  const json j = json_of("trade --quick " + scene + ":steps=30 --json - --out " +
-                         path("out"));  // nothing else on standard output
+  write("tiny.toml", text);
+  const json j = json_of(
+      "trade --quick tiny.toml:steps=30 --json - --out out");  // nothing else on standard output
   EXPECT_TRUE(j["complete"]);
   // 2 tolerances, the witness, 2 more time steps, an accuracy, 2 kinds of springs; disks that stand
   // need no replicas.
@@ -503,12 +469,12 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
   EXPECT_FALSE(j["scenes"][0]["answer"].get<std::string>().empty());
   expect_files("out", {"trade.csv", "trade.json", "trade.html"}, 1000);
   EXPECT_EQ(code_of("trade no_such_scene"), 2);
-  EXPECT_EQ(code_of("trade " + scene + " --solvers pgz"), 2);
-  EXPECT_EQ(code_of("trade " + scene + ":steps=x"), 2);
-  expect_said("trade " + scene + ":stps=3", 2, {"unknown part 'stps'; did you mean 'steps'?"});
-  EXPECT_EQ(code_of("trade " + scene + " --overlaps 0.5"), 2);
-  EXPECT_EQ(code_of("trade " + scene + " --out /proc/nowhere"), 4);
-  EXPECT_EQ(code_of("trade " + scene + " --json /proc/nowhere/a.json"), 4);
+  EXPECT_EQ(code_of("trade tiny.toml --solvers pgz"), 2);
+  EXPECT_EQ(code_of("trade tiny.toml:steps=x"), 2);
+  expect_said("trade tiny.toml:stps=3", 2, {"unknown part 'stps'; did you mean 'steps'?"});
+  EXPECT_EQ(code_of("trade tiny.toml --overlaps 0.5"), 2);
+  EXPECT_EQ(code_of("trade tiny.toml --out /proc/nowhere"), 4);
+  EXPECT_EQ(code_of("trade tiny.toml --json /proc/nowhere/a.json"), 4);
   EXPECT_EQ(json_of("trade no_such_scene --json -", 2)["exit_code"], 2);
 }
 
@@ -516,14 +482,13 @@ TEST_F(Command, AStepThatIsNotSolvedLeavesItsProblemAndSaysWhatToTry) {
   // Ten sweeps are too few for the first disks that land on others, in step 28.
   const std::string run = "run " + shipped_scene("compaction_100") +
                           " --solver pgs --tol 1e-3 "
-                          "--max-iterations 10 --steps 40 --on-failure stop --out " +
-                          path("out");
+                          "--max-iterations 10 --steps 40 --on-failure stop --out out";
   const std::string stopped = expect_said(
       run, 1,
       {"worst contact", "disk 7 and disk 15", "a solution exists (proved", "1. ", "3. ", "try "},
       &complaints);
-  EXPECT_TRUE(fs::exists(folder_ / "out" / "problems" / "step_000028.hdf5"));
-  EXPECT_EQ(code_of("solve " + path("out/problems/step_000028.hdf5") + " -q"), 0);
+  EXPECT_TRUE(fs::exists("out/problems/step_000028.hdf5"));
+  EXPECT_EQ(code_of("solve out/problems/step_000028.hdf5 -q"), 0);
   EXPECT_TRUE(says(stopped, "smaller-step"));
   // What was tried is not proposed again.
   const std::string split = expect_said("run " + shipped_scene("compaction_100") +
@@ -543,59 +508,53 @@ TEST_F(Command, ARestartGoesOnAcrossSplitStepsBitForBit) {
                           " --solver anderson --tol 1e-2 --step-size 3e-3 --max-iterations 500 "
                           "--on-failure smaller-step --out ";
   const auto split = [](const Outcome& o) { return json::parse(o.out)["steps_split"].get<int>(); };
-  const Outcome whole = bipot(run + path("whole") + " --steps 26 --json -");
+  const Outcome whole = bipot(run + "whole --steps 26 --json -");
   ASSERT_EQ(whole.exit_code, 0) << whole.out;
   EXPECT_EQ(split(whole), 7);
-  const Outcome first = bipot(run + path("part") + " --steps 18 --json -");
-  EXPECT_EQ(split(first), 1);
-  const Outcome rest =
-      bipot(run + path("part") + " --restart " + path("part") + " --steps 8 --json -");
+  EXPECT_EQ(split(bipot(run + "part --steps 18 --json -")), 1);
+  const Outcome rest = bipot(run + "part --restart part --steps 8 --json -");
   ASSERT_EQ(rest.exit_code, 0) << rest.out;
   EXPECT_EQ(split(rest), 6);
-  EXPECT_EQ(content(path("whole/ledger.csv")), content(path("part/ledger.csv")));
+  EXPECT_EQ(content("whole/ledger.csv"), content("part/ledger.csv"));
   int frames = 0;
-  for (const auto& frame : fs::directory_iterator(folder_ / "whole" / "frames")) {
+  for (const auto& frame : fs::directory_iterator("whole/frames")) {
     ++frames;
-    EXPECT_EQ(content(frame.path().string()),
-              content((folder_ / "part" / "frames" / frame.path().filename()).string()))
+    EXPECT_EQ(content(frame.path()), content("part/frames" / frame.path().filename()))
         << frame.path();
   }
   EXPECT_EQ(frames, 27);
 }
 
 TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
-  const Outcome matrix = bipot("extremes --only s --solver auto,pgs --quick --out " + path("out"));
+  const Outcome matrix = bipot("extremes --only s --solver auto,pgs --quick --out out");
   EXPECT_EQ(matrix.exit_code, 0) << matrix.out;
   expect_files("out", {"extremes.csv", "extremes.html", "extremes.json", "extremes.md"});
-  for (const json& row : json_in(path("out/extremes.json"))["cells"]) {
+  for (const json& row : json_in("out/extremes.json")["cells"]) {
     EXPECT_EQ(row["steps_solved"] == row["steps"], row["end"] == "solved") << row;
   }
   EXPECT_EQ(code_of("extremes --only no_such_case"), 2);
-  expect_said("extremes --random-problems 6 --random-scenes 2 --solver auto --out " + path("out"),
-              0, {"6 random problems"}, &bipot);
-  EXPECT_TRUE(fs::exists(folder_ / "out" / "random.csv"));
+  expect_said("extremes --random-problems 6 --random-scenes 2 --solver auto --out out", 0,
+              {"6 random problems"}, &bipot);
+  EXPECT_TRUE(fs::exists("out/random.csv"));
   // One of the set, on its own.
-  ASSERT_EQ(code_of("extremes --random-problems 1 --first 4 --dump-problem " + path("4.hdf5")), 0);
-  EXPECT_EQ(code_of("solve " + path("4.hdf5") + " -q"), 0);
+  ASSERT_EQ(code_of("extremes --random-problems 1 --first 4 --dump-problem 4.hdf5"), 0);
+  EXPECT_EQ(code_of("solve 4.hdf5 -q"), 0);
 }
 
 TEST_F(Command, StudyDrawsItsRowsAgain) {
-  ASSERT_EQ(code_of("study --quick --only answers -q --out " + path("out")), 0);
+  ASSERT_EQ(code_of("study --quick --only answers -q --out out"), 0);
   expect_files("out", {"index.html", "rows.csv", "answers_speed.svg"});
-  const std::string drawn = read_text_file(folder_ / "out" / "answers_speed.svg");
-  ASSERT_EQ(code_of("study --draw -q --rows " + path("out/rows.csv") + " --out " + path("again")),
-            0);
-  EXPECT_EQ(read_text_file(folder_ / "again" / "answers_speed.svg"), drawn);
+  const std::string drawn = read_text_file("out/answers_speed.svg");
+  ASSERT_EQ(code_of("study --draw -q --rows out/rows.csv --out again"), 0);
+  EXPECT_EQ(read_text_file("again/answers_speed.svg"), drawn);
   EXPECT_EQ(code_of("study --only no_such_part"), 2);
-  EXPECT_EQ(code_of("study --draw --only depth --rows " + path("out/rows.csv") + " --out " +
-                    path("none")),
-            4);
-  EXPECT_EQ(code_of("study --draw --rows " + path("none.csv") + " --out " + path("none")), 4);
+  EXPECT_EQ(code_of("study --draw --only depth --rows out/rows.csv --out none"), 4);
+  EXPECT_EQ(code_of("study --draw --rows none.csv --out none"), 4);
 }
 
 TEST_F(Command, ValidateLeavesAPageAndAnExitCode) {
-  const std::string out = expect_said("validate --quick --only disk_,groove --out " + path("out"),
-                                      0, {"disk_rolls", "groove_interval"}, &bipot);
+  const std::string out = expect_said("validate --quick --only disk_,groove --out out", 0,
+                                      {"disk_rolls", "groove_interval"}, &bipot);
   EXPECT_FALSE(says(out, "sphere_")) << out;
   expect_files("out",
                {"index.html", "validate.json", "validate.csv", "verdicts.csv", "errors_1.svg"});
@@ -670,10 +629,10 @@ TEST_F(Command, TheBenchmarksHelpShowsItsOwnFlagsAndGoogles) {
 }
 
 TEST_F(Command, ThePeersBenchmarkHoldsSolversAgainstSiconosOrSaysThatItIsNotThere) {
-  const Outcome out = run_command_line(
-      std::string("(") + BIPOT_PEER_BENCH,
-      "square:4 --tols 1e-4 --repeat 1 --variants planar,newton --solvers auto --csv " +
-          path("peers.csv") + " 2>&1)");
+  const Outcome out =
+      run_command_line("(" BIPOT_PEER_BENCH,
+                       "square:4 --tols 1e-4 --repeat 1 --variants planar,newton --solvers auto "
+                       "--csv peers.csv 2>&1)");
 #ifdef BIPOT_WITH_SICONOS
   EXPECT_EQ(out.exit_code, 0) << out.out;
   // Four lines: two variants, `auto` by natural map and by the shared criterion; all of them met.
@@ -681,7 +640,7 @@ TEST_F(Command, ThePeersBenchmarkHoldsSolversAgainstSiconosOrSaysThatItIsNotTher
     EXPECT_TRUE(says(out.out, who)) << who;
   }
   EXPECT_FALSE(says(out.out, "not met")) << out.out;
-  EXPECT_TRUE(std::filesystem::exists(path("peers.csv")));
+  EXPECT_TRUE(std::filesystem::exists("peers.csv"));
 #else
   EXPECT_EQ(out.exit_code, 2);
   EXPECT_TRUE(says(out.out, "built without Siconos"));

@@ -49,8 +49,7 @@ TEST(PassageAdvice, NamesTheBodiesAlsoWithSprings) {
   Scene<3> scene = one_law<3>({});
   scene.step = 1e-3;
   scene.bodies = {round_body<3>(Vec3::Zero(), 0.1, 1, Vec3(2, 0, 0))};
-  SpringDashpotSetup springs;
-  springs.substep = scene.step;
+  SpringDashpotSetup springs{.substep = scene.step};
   const std::string advice = passage_advice(scene, initial_state(scene), &springs, false);
   EXPECT_TRUE(says(advice, "spheres move 0.02 of the smallest radius")) << advice;
 }

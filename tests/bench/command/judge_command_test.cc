@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/problem_files/problem_file.h"
@@ -26,20 +25,20 @@ class JudgeCommand : public Command {
   /// The impulses of `s`, a line a contact, tangent first, forces of steps of 0.5 s, pulling
   /// positive.
   std::string foreign_file(const ContactProblem& p, const Vector& s) const {
-    std::ofstream out(path("foreign.csv"));
+    std::ofstream out("foreign.csv");
     out.precision(17);
     out << "t,n\n";
     for (int c = 0; c < p.num_contacts(); ++c) {
       out << 2 * s[2 * c + 1] << ',' << -2 * s[2 * c] << '\n';
     }
-    return path("foreign.csv");
+    return "foreign.csv";
   }
 };
 
 TEST_F(JudgeCommand, AgreesWithTheSolverThatWroteTheSolution) {
-  const json said = json_of("solve " + kProblem + " --solver ipm --tol 1e-10 --json - --solution " +
-                            path("solved.hdf5"));
-  const json j = json_of("judge " + path("solved.hdf5") + " --json -");
+  const json said =
+      json_of("solve " + kProblem + " --solver ipm --tol 1e-10 --json - --solution solved.hdf5");
+  const json j = json_of("judge solved.hdf5 --json -");
   EXPECT_EQ(j["command"], "judge");
   EXPECT_EQ(j["status"], "within");
   for (const char* key :
@@ -48,8 +47,8 @@ TEST_F(JudgeCommand, AgreesWithTheSolverThatWroteTheSolution) {
   }
   EXPECT_LT(j["cone"].get<double>(), 1e-15);
   // The problem file and the impulses may be two files.
-  EXPECT_EQ(judge(kProblem + " --impulses " + path("solved.hdf5") + " -q"), 0);
-  EXPECT_EQ(judge(kProblem + " --impulses " + path("solved.hdf5") + " -q --tol 1e-16"), 1);
+  EXPECT_EQ(judge(kProblem + " --impulses solved.hdf5 -q"), 0);
+  EXPECT_EQ(judge(kProblem + " --impulses solved.hdf5 -q --tol 1e-16"), 1);
 }
 
 TEST_F(JudgeCommand, UndoesTheLayoutOfAnotherCode) {
@@ -69,11 +68,11 @@ TEST_F(JudgeCommand, NamesTheContactThatWasSabotaged) {
   const int contact = p.num_contacts() / 2;
   s[2 * contact] = -0.1;
   s[2 * contact + 1] = 0;
-  std::ofstream out(path("s.txt"));
+  std::ofstream out("s.txt");
   out.precision(17);
   for (const double x : s) out << x << '\n';
   out.close();
-  const json j = json_of("judge " + kProblem + " --impulses " + path("s.txt") + " --json -", 1);
+  const json j = json_of("judge " + kProblem + " --impulses s.txt --json -", 1);
   EXPECT_EQ(j["status"], "not within");
   EXPECT_EQ(j["cone_contact"], contact);
   EXPECT_DOUBLE_EQ(j["cone_violation"].get<double>(), 0.1);
@@ -83,7 +82,7 @@ TEST_F(JudgeCommand, NamesTheContactThatWasSabotaged) {
                       c["message"].get<std::string>().find("pulls") != std::string::npos);
   }
   EXPECT_TRUE(named) << j;
-  expect_said("judge " + kProblem + " --impulses " + path("s.txt") + " --worst 2", 1,
+  expect_said("judge " + kProblem + " --impulses s.txt --worst 2", 1,
               {"not within the tolerance 1e-08", "open "}, &bipot);
 }
 
@@ -91,8 +90,8 @@ TEST_F(JudgeCommand, BadInputHasItsExitCode) {
   const auto with = [&](const std::string& name, const std::string& content) {
     return kProblem + " --impulses " + write(name, content);
   };
-  EXPECT_EQ(judge(path("missing.hdf5")), 4);
-  EXPECT_EQ(judge(kProblem + " --impulses " + path("missing.npy")), 4);
+  EXPECT_EQ(judge("missing.hdf5"), 4);
+  EXPECT_EQ(judge(kProblem + " --impulses missing.npy"), 4);
   EXPECT_EQ(judge(with("short.txt", "1 2 3")), 2);
   EXPECT_EQ(judge(with("words.txt", "1 two 3")), 2);
   EXPECT_EQ(judge(kProblem + " --components tt"), 2);

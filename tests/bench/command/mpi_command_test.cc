@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
-#include "tests/support/refusal.h"
 #include "tests/support/state_bits.h"
 
 namespace bipot {
@@ -66,7 +64,7 @@ TEST_F(MpiCommand, SolveSaysAndWritesWhatOneProcessDoes) {
       "solve " + shipped_problem("2d_pile_300_mu03") + " --solver apgd --tol 1e-5";
   const json one = json_of(solve + " --json -");
   EXPECT_FALSE(one.contains("distributed"));
-  const Outcome run = on(2, solve + " --json - --out " + path("out"));
+  const Outcome run = on(2, solve + " --json - --out out");
   ASSERT_EQ(run.exit_code, 0);
   const json two = json::parse(run.out);  // one document: one process printed
   for (const char* key : {"status", "message", "solver", "contacts", "dim", "iterations", "stick",
@@ -77,11 +75,11 @@ TEST_F(MpiCommand, SolveSaysAndWritesWhatOneProcessDoes) {
               1e-6 * one["epsilon"].get<double>());
   EXPECT_EQ(two["distributed"]["processes"], 2);
   EXPECT_LE(two["distributed"]["imbalance"].get<double>(), 1.2);
-  EXPECT_EQ(code_of("judge " + shipped_problem("2d_pile_300_mu03") + " --impulses " +
-                    path("out/solution.hdf5") + " --tol 1e-5"),
+  EXPECT_EQ(code_of("judge " + shipped_problem("2d_pile_300_mu03") +
+                    " --impulses out/solution.hdf5 --tol 1e-5"),
             0);
   // The history has a line for each judged iteration, from one process.
-  EXPECT_EQ(count(content(path("out/history.csv")), "\n0,"), 1);
+  EXPECT_EQ(count(content("out/history.csv"), "\n0,"), 1);
 }
 
 TEST_F(MpiCommand, OneProcessOfMpirunIsTheOrdinaryCommand) {
@@ -99,7 +97,7 @@ TEST_F(MpiCommand, ReproducibleSolvesHaveTheSameBits) {
                             " --solver apgd --tol 1e-6 --reproducible --out ";
   const auto history = [&](const std::string& name) {
     std::string text, line;
-    std::istringstream lines(content(path(name + "/history.csv")));
+    std::istringstream lines(content(name + "/history.csv"));
     // Without the seconds, the second column.
     while (std::getline(lines, line)) {
       const std::size_t first = line.find(','), second = line.find(',', first + 1);
@@ -107,12 +105,12 @@ TEST_F(MpiCommand, ReproducibleSolvesHaveTheSameBits) {
     }
     return text;
   };
-  ASSERT_EQ(code_of(solve + path("p1")), 0);
+  ASSERT_EQ(code_of(solve + "p1"), 0);
   const std::string alone = history("p1");
   EXPECT_GT(alone.size(), 1000u);
   for (const int processes : {2, 4}) {
     const std::string name = "p" + std::to_string(processes);
-    ASSERT_EQ(on(processes, solve + path(name)).exit_code, 0);
+    ASSERT_EQ(on(processes, solve + name).exit_code, 0);
     EXPECT_EQ(history(name), alone) << processes;
   }
   EXPECT_EQ(code_of("solve " + shipped_problem("2d_pour12_170") + " --solver pgs --reproducible"),
@@ -148,10 +146,10 @@ TEST_F(MpiCommand, AProcessThatFailsEndsTheRunWithItsMessage) {
   const Outcome full = both_streams(2, good + " --solver apgd --history /dev/full");
   EXPECT_EQ(full.exit_code, 4);
   EXPECT_EQ(count(full.out, "bipot: process 1 of 2: /dev/full: cannot be written"), 1) << full.out;
-  std::filesystem::create_directories(path("out"));
+  std::filesystem::create_directories("out");
   write("out/problems", "a file where a folder is to be");
-  const Outcome in_a_step = both_streams(
-      2, "run pyramid --steps 5 --solver apgd --dump-problems all --out " + path("out"));
+  const Outcome in_a_step =
+      both_streams(2, "run pyramid --steps 5 --solver apgd --dump-problems all --out out");
   EXPECT_NE(in_a_step.exit_code, 0);
   EXPECT_LT(in_a_step.exit_code, 124) << "a hang, or a crash";
   EXPECT_EQ(count(in_a_step.out, "bipot: process 1 of 2:"), 1) << in_a_step.out;
@@ -162,21 +160,21 @@ TEST_F(MpiCommand, ARunHasTheSameFilesAndGoesOnWithAnotherNumberOfProcesses) {
   // 12 steps, 10 more and the last 8: on one process, and on four, two and three.
   const auto in_parts = [&](const std::string& name, int a, int b, int c) {
     const auto go = [&](int processes, const std::string& more) {
-      const std::string all = run + path(name) + more;
+      const std::string all = run + name + more;
       return processes == 1 ? code_of(all) : on(processes, all).exit_code;
     };
     EXPECT_EQ(go(a, " --steps 12"), 0);
-    EXPECT_EQ(go(b, " --restart " + path(name) + " --steps 10"), 0);
-    EXPECT_EQ(go(c, " --restart " + path(name) + " --steps 8"), 0);
+    EXPECT_EQ(go(b, " --restart " + name + " --steps 10"), 0);
+    EXPECT_EQ(go(c, " --restart " + name + " --steps 8"), 0);
   };
   in_parts("one", 1, 1, 1);
   in_parts("several", 4, 2, 3);
-  const std::string ledger = content(path("one/ledger.csv"));
+  const std::string ledger = content("one/ledger.csv");
   EXPECT_EQ(count(ledger, "\n"), 31) << ledger;
-  EXPECT_EQ(content(path("several/ledger.csv")), ledger);
-  EXPECT_EQ(files_in(path("several")), files_in(path("one")));
-  EXPECT_EQ(content(path("several/frames/00000030.h5")), content(path("one/frames/00000030.h5")));
-  const json j = json_in(path("several/summary.json"));
+  EXPECT_EQ(content("several/ledger.csv"), ledger);
+  EXPECT_EQ(files_in("several"), files_in("one"));
+  EXPECT_EQ(content("several/frames/00000030.h5"), content("one/frames/00000030.h5"));
+  const json j = json_in("several/summary.json");
   EXPECT_EQ(j["processes"], 3);
   EXPECT_EQ(j["status"], "completed");
 }
@@ -184,12 +182,12 @@ TEST_F(MpiCommand, ARunHasTheSameFilesAndGoesOnWithAnotherNumberOfProcesses) {
 TEST_F(MpiCommand, AnAccuracyCutsStepsAlikeOnEachNumberOfProcesses) {
   const std::string run =
       "run drum --accuracy 0.05 --step-size 0.05 --steps 3 --solver apgd --reproducible -q --out ";
-  EXPECT_EQ(code_of(run + path("one")), 0);
-  const std::string ledger = content(path("one/ledger.csv"));
+  EXPECT_EQ(code_of(run + "one"), 0);
+  const std::string ledger = content("one/ledger.csv");
   EXPECT_TRUE(says(ledger, ",parts,rejected,smallest_part,misplaced,limited_by\n"));
   EXPECT_TRUE(says(ledger, ",impact "));
   for (const int processes : {2, 3}) {
-    const std::string folder = path(std::to_string(processes));
+    const std::string folder = std::to_string(processes);
     EXPECT_EQ(on(processes, run + folder).exit_code, 0);
     EXPECT_EQ(content(folder + "/ledger.csv"), ledger);
   }
@@ -212,13 +210,13 @@ output = {every = 10}
 
 TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
   const std::string run = "run " + write("pressed.toml", kPressed) + " --steps 25 --out ";
-  ASSERT_EQ(code_of(run + path("one")), 0);
-  const Outcome four = on(4, run + path("four"));
+  ASSERT_EQ(code_of(run + "one"), 0);
+  const Outcome four = on(4, run + "four");
   ASSERT_EQ(four.exit_code, 0);
   EXPECT_EQ(count(four.out, "processes    4, state distributed"), 1) << four.out;
-  EXPECT_EQ(files_in(path("four")), files_in(path("one")));
+  EXPECT_EQ(files_in("four"), files_in("one"));
   // Impulses agree to the tolerance, places to what it moves in 25 steps.
-  const State<2> one = read_state<2>(path("one")), many = read_state<2>(path("four"));
+  const State<2> one = read_state<2>("one"), many = read_state<2>("four");
   EXPECT_EQ(many.step, 25);
   EXPECT_LE(farthest(one.bodies, many.bodies), 1e-6);
   EXPECT_NEAR(one.walls[3].a[1], many.walls[3].a[1], 1e-6);
@@ -230,7 +228,7 @@ TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
   // Rows of the ledger: the same columns, the same steps, numbers of the same size.
   const auto rows = [&](const std::string& name) {
     std::vector<std::vector<double>> table;
-    std::istringstream lines(content(path(name + "/ledger.csv")));
+    std::istringstream lines(content(name + "/ledger.csv"));
     std::string line, cell;
     while (std::getline(lines, line)) {
       table.emplace_back();
@@ -255,7 +253,7 @@ TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
     EXPECT_NEAR(b[k][18], 0, 1e-10) << "momentum, step " << k;
     EXPECT_NEAR(b[k][19], 0, 1e-10) << "momentum, step " << k;
   }
-  const json j = json_in(path("four/summary.json"));
+  const json j = json_in("four/summary.json");
   EXPECT_EQ(j["state"], "distributed");
   EXPECT_EQ(j["disks"], one.bodies.size());
   EXPECT_LT(j["domains"]["most_bodies"].get<double>(), 0.6 * one.bodies.size());
@@ -266,12 +264,11 @@ TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
 TEST_F(MpiCommand, TheStateIsGatheredWhenItIsDueAndNotElse) {
   const std::string scene = changed(kPressed, {{"every = 10", "every = 10, ledger_every = 4"}});
   const std::string run = "run " + write("rare.toml", scene) + " --steps 14 --tol 1e-4 -q --out ";
-  ASSERT_EQ(on(2, run + path("two")).exit_code, 0);
-  const json j = json_in(path("two/summary.json"));
+  ASSERT_EQ(on(2, run + "two").exit_code, 0);
+  const json j = json_in("two/summary.json");
   EXPECT_EQ(j["domains"]["gathers"], 5);  // rows 4, 8, 12, the frame of step 10, and the end
-  ASSERT_EQ(code_of(run + path("one")), 0);
-  EXPECT_EQ(count(content(path("two/ledger.csv")), "\n"),
-            count(content(path("one/ledger.csv")), "\n"));
+  ASSERT_EQ(code_of(run + "one"), 0);
+  EXPECT_EQ(count(content("two/ledger.csv"), "\n"), count(content("one/ledger.csv"), "\n"));
 }
 
 TEST_F(MpiCommand, WhatKeepsItsStateOnEveryProcessSaysWhy) {
@@ -291,26 +288,25 @@ TEST_F(MpiCommand, WhatKeepsItsStateOnEveryProcessSaysWhy) {
 }
 
 TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
-  const std::string scene = write("pressed.toml", kPressed);
-  const std::string run = "run " + scene + " --tol 1e-6 -q --out " + path("several");
+  write("pressed.toml", kPressed);
+  const std::string run = "run pressed.toml --tol 1e-6 -q --out several";
   // One of four processes is killed once there is a frame of a later step; mpirun ends the others.
-  const Outcome killed =
-      both_streams(4, run,
-                   " & run=$!; for k in $(seq 300); do [ -e " + path("several/frames/00000010.h5") +
-                       " ] && break; sleep 0.1; done; launcher=$(pgrep -P $run); "
-                       "kill -9 $(pgrep -P $launcher | head -n 1); wait $run");
+  const Outcome killed = both_streams(
+      4, run,
+      " & run=$!; for k in $(seq 300); do [ -e several/frames/00000010.h5 ] && break; "
+      "sleep 0.1; done; launcher=$(pgrep -P $run); kill -9 $(pgrep -P $launcher | head -n 1); wait $run");
   ASSERT_NE(killed.exit_code, 0) << killed.out;
-  const int left = read_state<2>(path("several")).step;
+  const int left = read_state<2>("several").step;
   ASSERT_GE(left, 10);
-  ASSERT_EQ(on(2, run + " --restart " + path("several") + " --steps 9").exit_code, 0);
-  ASSERT_EQ(on(3, run + " --restart " + path("several") + " --steps 7").exit_code, 0);
-  const State<2> several = read_state<2>(path("several"));
+  ASSERT_EQ(on(2, run + " --restart several --steps 9").exit_code, 0);
+  ASSERT_EQ(on(3, run + " --restart several --steps 7").exit_code, 0);
+  const State<2> several = read_state<2>("several");
   EXPECT_EQ(several.step, left + 16);
-  ASSERT_EQ(code_of("run " + scene + " --tol 1e-6 -q --steps " + std::to_string(left + 16) +
-                    " --out " + path("one")),
-            0);
-  EXPECT_LE(farthest(several.bodies, read_state<2>(path("one")).bodies), 1e-5);
-  EXPECT_EQ(count(content(path("several/ledger.csv")), "\n"), left + 17);
+  ASSERT_EQ(
+      code_of("run pressed.toml --tol 1e-6 -q --steps " + std::to_string(left + 16) + " --out one"),
+      0);
+  EXPECT_LE(farthest(several.bodies, read_state<2>("one").bodies), 1e-5);
+  EXPECT_EQ(count(content("several/ledger.csv"), "\n"), left + 17);
 }
 
 TEST_F(MpiCommand, AKilledSolveEndsAtOnce) {
@@ -333,49 +329,48 @@ TEST_F(MpiCommand, SeveralProcessesSeeTheSamePassagesAndOverlaps) {
              std::to_string(0.05 * (k / 20)) + "]\nradius = 0.012\nmass = 1\n";
   }
   const std::string run = "run " + write("shot.toml", scene) + " --on-tunnel warn --json - --out ";
-  const json one = json_of(run + path("one"));
+  const json one = json_of(run + "one");
   EXPECT_GT(one["passages"]["count"], 2);
   EXPECT_GT(one["overlap"]["steps_beyond"], 0);
-  const json three = json::parse(on(3, run + path("three")).out);
+  const json three = json::parse(on(3, run + "three").out);
   EXPECT_EQ(three["state"], "distributed");
   for (const char* entry : {"passages", "travel"}) EXPECT_EQ(three[entry], one[entry]) << entry;
   EXPECT_EQ(three["overlap"]["pair"], one["overlap"]["pair"]);
   EXPECT_NEAR(three["overlap"]["largest"].get<double>(), one["overlap"]["largest"].get<double>(),
               1e-6);
   // The verdict as well.
-  const std::string refused = "run " + path("shot.toml") + " --out ";
-  EXPECT_EQ(code_of(refused + path("refused")), 3);
-  EXPECT_EQ(on(3, refused + path("refused_three")).exit_code, 3);
-  EXPECT_EQ(read_state<2>(path("refused")).step, read_state<2>(path("refused_three")).step);
+  const std::string refused = "run shot.toml --out ";
+  EXPECT_EQ(code_of(refused + "refused"), 3);
+  EXPECT_EQ(on(3, refused + "refused_three").exit_code, 3);
+  EXPECT_EQ(read_state<2>("refused").step, read_state<2>("refused_three").step);
 }
 
 // A disk of 1 m between walls that come at 1 m/s and 2 m/s; others lie far away.
 TEST_F(MpiCommand, SeveralProcessesEndBeforeAStepWithoutSolution) {
   std::string scene =
       "gravity = [0, 0]\n[time]\nstep = 1e-3\nsteps = 3\n[[disks]]\nposition = [0, 0]\n"
-      "radius = 0.5\nmass = 1\n"
-      "[[walls]]\nfrom = [-0.5, -1]\nto = [-0.5, 1]\nvelocity = [1, 0]\n"
+      "radius = 0.5\nmass = 1\n[[walls]]\nfrom = [-0.5, -1]\nto = [-0.5, 1]\nvelocity = [1, 0]\n"
       "[[walls]]\nfrom = [0.5, -1]\nto = [0.5, 1]\nvelocity = [-2, 0]\n";
   for (int k = 0; k < 20; ++k) {
     scene += "[[disks]]\nposition = [" + std::to_string(10 + k) + ", 0]\nradius = 0.5\nmass = 1\n";
   }
   const std::string run =
       "run " + write("jam.toml", scene) + " --max-iterations 2000 --json - --out ";
-  const Outcome two = on(2, run + path("two"));
+  const Outcome two = on(2, run + "two");
   EXPECT_EQ(two.exit_code, 3);
   EXPECT_EQ(json::parse(two.out)["status"], "no solution");
   EXPECT_EQ(json::parse(two.out)["last_step"], 0);
 }
 
 TEST_F(MpiCommand, AProcessThatFailsEndsARunWhoseStateIsDistributed) {
-  const std::string scene = write("pressed.toml", kPressed);
+  write("pressed.toml", kPressed);
   const auto three = [&](const std::string& arguments) {
     return both_streams(3, "run " + arguments);
   };
   // The first one alone fails to write, when the others are at the next step: a frame stands as a
   // folder where a file is to be.
-  std::filesystem::create_directories(path("out/run.xdmf/in_the_way"));
-  const Outcome full = three(scene + " --steps 30 --tol 1e-4 --out " + path("out"));
+  std::filesystem::create_directories("out/run.xdmf/in_the_way");
+  const Outcome full = three("pressed.toml --steps 30 --tol 1e-4 --out out");
   EXPECT_EQ(full.exit_code, 4) << full.out;
   EXPECT_EQ(count(full.out, "bipot: process 1 of 3:"), 1) << full.out;
   // All know what one cannot detect.
@@ -387,7 +382,7 @@ TEST_F(MpiCommand, AProcessThatFailsEndsARunWhoseStateIsDistributed) {
   EXPECT_NE(coincident.exit_code, 124) << "a hang";
   EXPECT_EQ(count(coincident.out, "disks 95 and 96 have the same centre"), 1) << coincident.out;
   // A step that is not solved: taken, told once, and the run goes on.
-  const Outcome unsolved = three(scene + " --steps 3 --max-iterations 2 --out " + path("unsolved"));
+  const Outcome unsolved = three("pressed.toml --steps 3 --max-iterations 2 --out unsolved");
   EXPECT_EQ(unsolved.exit_code, 1);
   EXPECT_EQ(count(unsolved.out, "status       not converged: 3 of 3 steps"), 1) << unsolved.out;
 }

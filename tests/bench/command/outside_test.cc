@@ -4,14 +4,11 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/files/hdf5_file.h"
 #include "solvers/registry.h"
 #include "tests/bench/command/command_fixture.h"
-#include "tests/support/refusal.h"
-#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -40,7 +37,7 @@ std::string complaint(const std::string& arguments, const std::string& output = 
 }
 
 TEST_F(Command, OnlyRegularFilesAreRead) {
-  const std::string pipe = path("pipe.hdf5");
+  const std::string pipe = "pipe.hdf5";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const std::string& words : std::initializer_list<std::string>{
            "solve " + pipe, "judge " + pipe, "judge " + a_problem() + " --impulses " + pipe,
@@ -58,18 +55,18 @@ TEST_F(Command, ScenesAndProblemsAreToldApart) {
 }
 
 TEST_F(Command, OutputThatIsNotWrittenIsAFailure) {
-  const std::string scene = write("one.toml", scene_with(""));
+  write("one.toml", scene_with(""));
   for (const std::string& words : std::initializer_list<std::string>{
            "solve " + a_problem() + " --tol 1e-3 --json -", "solve " + a_problem() + " --tol 1e-3",
            std::string("list scenes"), std::string("--help"), std::string("help --man"),
-           "run " + scene + " --out " + path("out")}) {
+           "run one.toml --out out"}) {
     EXPECT_EQ(code_of(words + " >/dev/full"), 4) << words;
   }
   EXPECT_TRUE(says(complaint("list scenes --json -", "/dev/full"), "No space left"));
 }
 
 TEST_F(Command, APipeIsWrittenOnceItIsRead) {
-  const std::string pipe = path("pipe");
+  const std::string pipe = "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   const std::string solve = "solve " + a_problem() + " --tol 1e-3 -q --json " + pipe;
   const Outcome read = bipot(solve + " & cat " + pipe + "; wait $!");
@@ -79,13 +76,12 @@ TEST_F(Command, APipeIsWrittenOnceItIsRead) {
 }
 
 TEST_F(Command, AFailureReplacesNoEarlierResult) {
-  const std::string file = path("verdict.json");
-  ASSERT_EQ(code_of("solve " + a_problem() + " --tol 1e-3 --json " + file), 0);
-  const std::string verdict = content(file);
-  EXPECT_EQ(code_of("solve no_such_file --json " + file), 4);
-  EXPECT_EQ(content(file), verdict);
-  EXPECT_EQ(code_of("solve no_such_file --json " + path("new.json")), 4);
-  EXPECT_EQ(json_in(path("new.json"))["exit_code"], 4);
+  ASSERT_EQ(code_of("solve " + a_problem() + " --tol 1e-3 --json verdict.json"), 0);
+  const std::string verdict = content("verdict.json");
+  EXPECT_EQ(code_of("solve no_such_file --json verdict.json"), 4);
+  EXPECT_EQ(content("verdict.json"), verdict);
+  EXPECT_EQ(code_of("solve no_such_file --json new.json"), 4);
+  EXPECT_EQ(json_in("new.json")["exit_code"], 4);
 }
 
 TEST_F(Command, KeysWithManyPartsAreRefused) {
@@ -96,37 +92,37 @@ TEST_F(Command, KeysWithManyPartsAreRefused) {
   // Dots elsewhere do not count.
   const std::string dots(1000, '.');
   const std::string scene = scene_with("title = \"" + dots + "\"  # " + dots + "\n");
-  EXPECT_EQ(code_of("run " + write("dots.toml", scene) + " --out " + path("dots")), 0);
+  EXPECT_EQ(code_of("run " + write("dots.toml", scene) + " --out dots"), 0);
 }
 
 TEST_F(Command, TitlesHarmNeitherTerminalNorPicture) {
   const std::string scene = scene_with(R"(title = "a\u001b]0;own\u0007\uFFFE\U0010FFFF b")");
-  const Outcome run = bipot("run " + write("title.toml", scene) + " --out " + path("out"));
+  const Outcome run = bipot("run " + write("title.toml", scene) + " --out out");
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.out.find('\x1b'), std::string::npos);
   EXPECT_EQ(run.out.find('\x07'), std::string::npos);
-  EXPECT_TRUE(std::filesystem::exists(path("out/summary.json")));
-  EXPECT_TRUE(std::filesystem::exists(path("out/forces.svg")));
+  EXPECT_TRUE(std::filesystem::exists("out/summary.json"));
+  EXPECT_TRUE(std::filesystem::exists("out/forces.svg"));
   // Nor do keys in messages.
-  const std::string key = write("key.toml", "\"\\u001b[2J\" = 1\n" + scene_with(""));
-  EXPECT_EQ(complaint("run " + key).find('\x1b'), std::string::npos);
+  write("key.toml", "\"\\u001b[2J\" = 1\n" + scene_with(""));
+  EXPECT_EQ(complaint("run key.toml").find('\x1b'), std::string::npos);
 }
 
 TEST_F(Command, TablesOfAllPairsOfMaterialsHaveALimit) {
   std::string names = "\"m0\"";
   for (int k = 1; k < 20000; ++k) names += ", \"m" + std::to_string(k) + "\"";
-  const std::string scene = write("many.toml", scene_with("materials = [" + names + "]\n"));
-  EXPECT_EQ(limited("run " + scene).exit_code, 2);
+  write("many.toml", scene_with("materials = [" + names + "]\n"));
+  EXPECT_EQ(limited("run many.toml").exit_code, 2);
 }
 
 TEST_F(Command, ProblemFilesCannotReadOtherFiles) {
-  std::filesystem::copy_file(a_problem(), path("linked.hdf5"));
+  std::filesystem::copy_file(a_problem(), "linked.hdf5");
   {
-    Hdf5File file(path("linked.hdf5"), Hdf5File::Mode::kAppend);
+    Hdf5File file("linked.hdf5", Hdf5File::Mode::kAppend);
     file.remove("/fclib_global/vectors/mu");
     file.link("/fclib_global/vectors/mu", a_problem(), "/fclib_global/vectors/mu");
   }
-  EXPECT_EQ(code_of("solve " + path("linked.hdf5")), 2);
+  EXPECT_EQ(code_of("solve linked.hdf5"), 2);
 }
 
 TEST_F(Command, MpiFindsAFolderForItsFiles) {
@@ -138,20 +134,19 @@ TEST_F(Command, MpiFindsAFolderForItsFiles) {
 
 /// Also while the problems are made.
 TEST_F(Command, ASignalEndsTheRunThatMakesProblems) {
-  EXPECT_EQ(bipot("compare pour:100 --quick --solvers apgd -q --out " + path("out") +
-                  " & p=$!; sleep 2; kill $p; for k in $(seq 200); do sleep 0.1; "
-                  "kill -0 $p || break; done; kill -9 $p; wait $p; exit $?")
-                .exit_code,
-            5);
+  EXPECT_EQ(
+      code_of("compare pour:100 --quick --solvers apgd -q --out out & p=$!; sleep 2; kill $p; "
+              "for k in $(seq 200); do sleep 0.1; kill -0 $p || break; done; kill -9 $p; "
+              "wait $p; exit $?"),
+      5);
 }
 
 /// A gnuplot that hangs does not outlive the signal.
 TEST_F(Command, ASignalEndsTheWaitForGnuplot) {
-  const std::string gnuplot = write("gnuplot", "#!/bin/sh\nexec sleep 600\n");
-  ASSERT_EQ(chmod(gnuplot.c_str(), 0700), 0);
+  ASSERT_EQ(chmod(write("gnuplot", "#!/bin/sh\nexec sleep 600\n").c_str(), 0700), 0);
   const Outcome run = run_command_line(
       "PATH=" + folder_.string() + ":$PATH timeout --kill-after=20 3 " BIPOT_COMMAND,
-      "compare square:4 --quick --solvers pgs --out " + path("out"));
+      "compare square:4 --quick --solvers pgs --out out");
   EXPECT_NE(run.exit_code, 137);  // timeout had to kill it
 }
 

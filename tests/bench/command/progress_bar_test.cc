@@ -45,8 +45,7 @@ TEST(ProgressLine, FitsTheTerminalAndControlsNothing) {
     EXPECT_LT(static_cast<int>(letters(line)), columns);
     EXPECT_EQ(line.find('\x1b'), std::string::npos);
   }
-  const std::string narrow = progress_line(400, 1000, 75, note, 40);
-  EXPECT_TRUE(says(narrow, "40 %  about 75 s  t = 0.41"));
+  EXPECT_TRUE(says(progress_line(400, 1000, 75, note, 40), "40 %  about 75 s  t = 0.41"));
   EXPECT_EQ(progress_line(0, 9, kNaN, "t = 0", 40), "[........] 0 %  t = 0");
 }
 

@@ -6,13 +6,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
-#include "tests/support/refusal.h"
 
 namespace bipot {
 namespace {
@@ -25,25 +23,24 @@ using RunCommand = Command;
 /// Five rows of disks, 40 mm high; the lid hangs at 28 mm and cuts two rows off.
 std::string cut_packing(const std::string& more = "") {
   return "[[disks]]\narrangement = 'rectangular'\ncolumns = 3\nrows = 5\nradius = 0.004\n"
-         "mass = 1\n[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n"
-         "[[walls]]\nname = 'lid'\npoint = [0, 0.028]\nnormal = [0, -1]\n"
-         "[time]\nstep = 1e-4\nsteps = 3\n" +
+         "mass = 1\n[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n[[walls]]\nname = 'lid'\n"
+         "point = [0, 0.028]\nnormal = [0, -1]\n[time]\nstep = 1e-4\nsteps = 3\n" +
          more;
 }
 
 TEST_F(RunCommand, AStartThatOverlapsIsRefusedWithAPicture) {
-  const std::string scene = write("cut.toml", cut_packing());
+  write("cut.toml", cut_packing());
   for (const std::string steps : {"", " --steps 0"}) {
     // The rows at 28 and 36 mm; the highest disk by 36 + 4 - 28 = 12 mm, 3 radii.
-    expect_said("run " + scene + steps, 2,
+    expect_said("run cut.toml" + steps, 2,
                 {"6 disks overlap at the start, worst disk 12 and wall 'lid': 12 mm, 3 radii",
                  "out/cut/start.png"});
-    EXPECT_GT(fs::file_size(folder_ / "out" / "cut" / "start.png"), 1000u);
-    EXPECT_FALSE(fs::exists(folder_ / "out" / "cut" / "run.h5"));
-    fs::remove(folder_ / "out" / "cut" / "start.png");
+    EXPECT_GT(fs::file_size("out/cut/start.png"), 1000u);
+    EXPECT_FALSE(fs::exists("out/cut/run.h5"));
+    fs::remove("out/cut/start.png");
   }
   for (const char* command : {"advise --energy 1e-2 ", "trade --quick ", "compare ", "tune "}) {
-    EXPECT_EQ(code_of(command + scene), 2) << command;
+    EXPECT_EQ(code_of(std::string(command) + "cut.toml"), 2) << command;
   }
 }
 
@@ -55,8 +52,8 @@ TEST_F(RunCommand, AShippedSceneIsFoundBesideAFolderOfItsName) {
 }
 
 TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
-  const std::string allow = write("allow.toml", cut_packing("[start]\noverlaps = 'allow'\n"));
-  const json start = json_of("run " + allow + " --json -")["start"];
+  write("allow.toml", cut_packing("[start]\noverlaps = 'allow'\n"));
+  const json start = json_of("run allow.toml --json -")["start"];
   EXPECT_EQ(start["overlapping"], 6);
   EXPECT_EQ(start["pair"], "disk 12 and wall 'lid'");
   EXPECT_NEAR(start["depth"].get<double>(), 0.012, 1e-12);
@@ -73,7 +70,7 @@ TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
   EXPECT_GE(push["rounds"], 1);
   // Five rows of 0.008 √3/2 m: the highest disks came down by 0.008 + 0.0277 - 0.028 m at least.
   EXPECT_GE(push["way"].get<double>(), 0.0077);
-  for (const Disk& d : read_state<2>(path("out/push")).bodies) {
+  for (const Disk& d : read_state<2>("out/push").bodies) {
     EXPECT_GE(d.x[1], 0.004 - 1e-7);
     EXPECT_LE(d.x[1], 0.024 + 1e-7);
   }
@@ -82,27 +79,27 @@ TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
 TEST_F(RunCommand, ARunIsNotDeletedUnlessToldSo) {
   const std::string run = "run sliding_cylinder --steps ";
   ASSERT_EQ(code_of(run + "7"), 0);
-  const std::string ledger = content(path("out/sliding_cylinder/ledger.csv"));
+  const std::string ledger = content("out/sliding_cylinder/ledger.csv");
   expect_said(run + "2", 2,
               {"out/sliding_cylinder holds a run of 7 steps: --restart out/sliding_cylinder or "
                "--overwrite"});
-  EXPECT_EQ(content(path("out/sliding_cylinder/ledger.csv")), ledger);
+  EXPECT_EQ(content("out/sliding_cylinder/ledger.csv"), ledger);
   // Without --out a restart goes on where it is.
   ASSERT_EQ(code_of(run + "4 --restart out/sliding_cylinder"), 0);
-  EXPECT_EQ(read_state<2>(path("out/sliding_cylinder")).step, 11);
+  EXPECT_EQ(read_state<2>("out/sliding_cylinder").step, 11);
   EXPECT_EQ(code_of(run + "2 --restart out/sliding_cylinder --overwrite"), 2);
   // The folder of another run is not a place to go on to.
   ASSERT_EQ(code_of(run + "3 --out other"), 0);
   EXPECT_EQ(code_of(run + "1 --restart out/sliding_cylinder --out other"), 2);
   for (const char* name : {"gates.csv", "observables_x.png", "summary.json", "notes.txt"}) {
-    std::ofstream(path(std::string("out/sliding_cylinder/") + name)) << "{}";
+    std::ofstream(std::string("out/sliding_cylinder/") + name) << "{}";
   }
   expect_said(run + "2 --overwrite", 0, {"results in   out/sliding_cylinder\n"});
-  EXPECT_EQ(read_state<2>(path("out/sliding_cylinder")).step, 2);
-  EXPECT_FALSE(fs::exists(path("out/sliding_cylinder/gates.csv")));
-  EXPECT_FALSE(fs::exists(path("out/sliding_cylinder/observables_x.png")));
-  EXPECT_GT(content(path("out/sliding_cylinder/summary.json")).size(), 2u);
-  EXPECT_EQ(content(path("out/sliding_cylinder/notes.txt")), "{}");
+  EXPECT_EQ(read_state<2>("out/sliding_cylinder").step, 2);
+  EXPECT_FALSE(fs::exists("out/sliding_cylinder/gates.csv"));
+  EXPECT_FALSE(fs::exists("out/sliding_cylinder/observables_x.png"));
+  EXPECT_GT(content("out/sliding_cylinder/summary.json").size(), 2u);
+  EXPECT_EQ(content("out/sliding_cylinder/notes.txt"), "{}");
 }
 
 TEST_F(RunCommand, WhatIsLeftOutIsToldOnceByEveryCommand) {
@@ -111,8 +108,9 @@ TEST_F(RunCommand, WhatIsLeftOutIsToldOnceByEveryCommand) {
   write("BODIES.DAT", disk + " DISKx  1  color  BLEUx  byrd= 0.05\n$$$$$$\n" + disk +
                           " JONCx  1  color  DOWNx  axe1= 4  axe2= 0.1\n$$$$$$\n");
   write("foreign.toml",
-        "[contact]\ndistance = 1e-4\n[[disks]]\narrangement = 'file'\nfile = 'BODIES.DAT'\n"
-        "density = 100\n[time]\nstep = 1e-3\nsteps = 2\n");
+        "contact = {distance = 1e-4}\n"
+        "disks = [{arrangement = 'file', file = 'BODIES.DAT', density = 100}]\n"
+        "time = {step = 1e-3, steps = 2}\n");
   const std::string told = "bipot: warning: BODIES.DAT: 1 read, left out: 1 JONCx";
   for (const char* command :
        {"run foreign.toml", "trade foreign.toml --quick", "advise foreign.toml --time-limit 1",
@@ -146,21 +144,19 @@ TEST_F(RunCommand, WithoutGnuplotNothingButChartsIsMissing) {
 }
 
 TEST_F(RunCommand, ChartsOfAProfileNameItsAxis) {
-  std::ofstream(path("layers.toml"))
+  std::ofstream("layers.toml")
       << "disks = [{ position = [0, 0.01], radius = 0.01, mass = 1 }]\n"
-         "walls = [{ point = [0, 0], normal = [0, 1] }]\n"
-         "time = { step = 1e-3, steps = 10 }\n"
+         "walls = [{ point = [0, 0], normal = [0, 1] }]\ntime = { step = 1e-3, steps = 10 }\n"
          "observables = { every = 1, profile = 'x', profile_range = [-0.1, 0.1] }\n";
   const Outcome run = whole_output("run layers.toml --no-page --out out");
   EXPECT_EQ(run.exit_code, 0) << run.out;
   for (const char* chart : {"velocity", "stress", "fraction"}) {
-    EXPECT_TRUE(says(content(path(fmt::format("out/observables_{}.gp", chart))), "x [m]")) << chart;
+    EXPECT_TRUE(says(content(fmt::format("out/observables_{}.gp", chart)), "x [m]")) << chart;
   }
 }
 
 TEST_F(RunCommand, TwoRunsDoNotWriteIntoOneFolder) {
-  const std::string run =
-      std::string("run compaction --tol 1e-6 --time-limit 20 -q --out ") + path("one");
+  const std::string run = "run compaction --tol 1e-6 --time-limit 20 -q --out one";
   // The first one runs until the second one has been refused.
   const Outcome second = run_command_line(
       "sh", "-c '" BIPOT_COMMAND " " + run + " & p=$!; sleep 2; " BIPOT_COMMAND " " + run +
@@ -210,10 +206,9 @@ TEST_F(RunCommand, AnAccuracyIsKeptWithALongStep) {
 }
 
 TEST_F(RunCommand, WhereStepsCountTheStepSizeChangesTheTimeAndSaysSo) {
-  const std::string scene = write("count.toml",
-                                  "[[disks]]\nposition = [0, 1]\nradius = 0.1\nmass = 1\n"
-                                  "[time]\nstep = 1e-3\nsteps = 20\n");
-  const json run = json_of("run " + scene + " --step-size 2e-3 --json -");
+  write("count.toml",
+        "[[disks]]\nposition = [0, 1]\nradius = 0.1\nmass = 1\n[time]\nstep = 1e-3\nsteps = 20\n");
+  const json run = json_of("run count.toml --step-size 2e-3 --json -");
   EXPECT_EQ(run["steps"], 20);
   EXPECT_EQ(run["note"], "the run ends at t = 0.04 s, the scene at 0.02 s");
 }
@@ -228,10 +223,10 @@ TEST_F(RunCommand, EachRowOfTheLedgerHasTheColumnsOfItsHeader) {
                     "point = [0, 0, 0]\nnormal = [0, 0, 1]\n")}) {
     for (const std::string more : {"", "[contact]\ncohesion = 1\n", "accuracy", "dem"}) {
       const bool rigid = more != "dem", parts = more == "accuracy";
-      const std::string scene = write("columns.toml", (rigid && !parts ? more : "") + body + time);
-      json_of("run " + scene + " --overwrite --out " + path("columns") + " --json -" +
+      write("columns.toml", (rigid && !parts ? more : "") + body + time);
+      json_of(std::string("run columns.toml --overwrite --out columns --json -") +
               (parts ? " --accuracy 1e-2" : "") + (rigid ? "" : " --model dem"));
-      std::ifstream file(path("columns/ledger.csv"));
+      std::ifstream file("columns/ledger.csv");
       std::string line;
       std::set<long> counts;
       while (std::getline(file, line)) counts.insert(std::count(line.begin(), line.end(), ','));
@@ -243,21 +238,22 @@ TEST_F(RunCommand, EachRowOfTheLedgerHasTheColumnsOfItsHeader) {
 // The centre comes to lie on the segment in the middle of the first step, but for rounding: no
 // normal. The files stay, and the step is named.
 TEST_F(RunCommand, AContactWithoutANormalEndsTheRunWithASummary) {
-  const std::string scene =
-      write("normal.toml",
-            "gravity = [0, 0]\n[[disks]]\nposition = [0.2, 0.3]\nradius = 0.02\nmass = 1\n"
-            "velocity = [0, -200]\n[[walls]]\nname = 'plate'\nfrom = [0, 0.2]\nto = [1, 0.2]\n"
-            "[time]\nstep = 1e-3\nsteps = 3\n");
-  expect_said("run " + scene + " --overwrite --out " + path("normal"), 3,
+  write("normal.toml",
+        "gravity = [0, 0]\n"
+        "disks = [{position = [0.2, 0.3], radius = 0.02, mass = 1, velocity = [0, -200]}]\n"
+        "walls = [{name = 'plate', from = [0, 0.2], to = [1, 0.2]}]\n"
+        "time = {step = 1e-3, steps = 3}\n");
+  expect_said("run normal.toml --overwrite --out normal", 3,
               {"step 1 at t = 0 s: the centre of disk 0 lies on wall 'plate'"});
-  EXPECT_EQ(json_in(path("normal/summary.json"))["status"], "failed");
+  EXPECT_EQ(json_in("normal/summary.json")["status"], "failed");
 }
 
 // 300 m/s in steps of 1 ms: 30 radii a step.
 const char* const kShot =
-    "gravity = [0, 0]\n[[disks]]\nposition = [-0.1, 0]\nradius = 0.01\nmass = 1\n"
-    "velocity = [300, 0]\n[[walls]]\nname = 'plate'\nfrom = [0, -1]\nto = [0, 1]\n"
-    "[time]\nstep = 1e-3\nsteps = 3\n";
+    "gravity = [0, 0]\n"
+    "disks = [{position = [-0.1, 0], radius = 0.01, mass = 1, velocity = [300, 0]}]\n"
+    "walls = [{name = 'plate', from = [0, -1], to = [0, 1]}]\n"
+    "time = {step = 1e-3, steps = 3}\n";
 
 TEST_F(RunCommand, ADiskThatGoesThroughAWallEndsTheRun) {
   const std::string run = "run " + write("shot.toml", kShot) + " --overwrite";
@@ -276,7 +272,7 @@ TEST_F(RunCommand, ADiskThatGoesThroughAWallEndsTheRun) {
   EXPECT_EQ(parts["status"], "completed");
   EXPECT_EQ(parts["passages"]["count"], 0);
   EXPECT_EQ(parts["steps_split"], 1);
-  const State<2> end = read_state<2>(path("out/shot"));
+  const State<2> end = read_state<2>("out/shot");
   EXPECT_NEAR(end.bodies[0].x[0], -0.01, 0.005);
   EXPECT_NEAR(end.bodies[0].v[0], 0, 1e-6);
 }
@@ -284,32 +280,30 @@ TEST_F(RunCommand, ADiskThatGoesThroughAWallEndsTheRun) {
 // A disk of 0.5 m falls at 10 m/s, h = 10 ms: at the middle of the second step its centre is at
 // 0.58 - 0.15 = 0.43 m, an overlap of 0.07 m, 14 % of its radius.
 TEST_F(RunCommand, DeepOverlapsAreAWarningWithStepAndPair) {
-  const std::string scene = write("fall.toml",
-                                  "gravity = [0, 0]\n[[disks]]\nposition = [0, 0.58]\n"
-                                  "radius = 0.5\nmass = 2\nvelocity = [0, -10]\n[[walls]]\n"
-                                  "name = 'floor'\npoint = [0, 0]\nnormal = [0, 1]\n"
-                                  "[time]\nstep = 0.01\nsteps = 2\n");
-  expect_said("run " + scene, 0,
+  write("fall.toml",
+        "gravity = [0, 0]\n"
+        "disks = [{position = [0, 0.58], radius = 0.5, mass = 2, velocity = [0, -10]}]\n"
+        "walls = [{name = 'floor', point = [0, 0], normal = [0, 1]}]\n"
+        "time = {step = 0.01, steps = 2}\n");
+  expect_said("run fall.toml", 0,
               {"warning: overlaps beyond 5 % of the smaller radius in 1 step, most in step 2: "
                "14 %, disk 0 and wall 'floor'"});
-  const json overlap = json_of("run " + scene + " --overwrite --json -")["overlap"];
+  const json overlap = json_of("run fall.toml --overwrite --json -")["overlap"];
   EXPECT_NEAR(overlap["largest"].get<double>(), 0.14, 1e-12);
   EXPECT_EQ(overlap["step"], 2);
   EXPECT_EQ(overlap["pair"], "disk 0 and wall 'floor'");
   EXPECT_EQ(overlap["steps_beyond"], 1);
-  EXPECT_TRUE(says(content(path("out/fall/ledger.csv")), "penetration,overlap,travel,"));
+  EXPECT_TRUE(says(content("out/fall/ledger.csv"), "penetration,overlap,travel,"));
 }
 
 // A disk between walls that come at 1 m/s and 2 m/s: no velocity obeys the law.
 TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
-  const std::string scene = write("jam.toml",
-                                  "gravity = [0, 0]\n[[disks]]\nposition = [0, 0]\n"
-                                  "radius = 0.5\nmass = 1\n"
-                                  "[[walls]]\npoint = [-0.5, 0]\nnormal = [1, 0]\n"
-                                  "velocity = [1, 0]\n[[walls]]\npoint = [0.5, 0]\n"
-                                  "normal = [-1, 0]\nvelocity = [-2, 0]\n"
-                                  "[time]\nstep = 1e-3\nsteps = 3\n");
-  const std::string run = "run " + scene + " --overwrite --max-iterations 2000";
+  write("jam.toml",
+        "gravity = [0, 0]\ndisks = [{position = [0, 0], radius = 0.5, mass = 1}]\n"
+        "walls = [{point = [-0.5, 0], normal = [1, 0], velocity = [1, 0]},\n"
+        "  {point = [0.5, 0], normal = [-1, 0], velocity = [-2, 0]}]\n"
+        "time = {step = 1e-3, steps = 3}\n");
+  const std::string run = "run jam.toml --overwrite --max-iterations 2000";
   const std::string ended =
       expect_said(run, 3,
                   {"no solution exists (proved", "no solution: 0 of 3 steps",
@@ -328,30 +322,28 @@ TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
 
 // 1e10 kg on 1 kg on a floor: the rounding of the upper impulse alone is beyond 1e-8 of the energies.
 TEST_F(RunCommand, WhereDoublesEndNothingButALooserToleranceIsAdvised) {
-  const std::string scene = write("heavy.toml",
-                                  "[[disks]]\nposition = [0, 1]\nradius = 1\nmass = 1\n"
-                                  "[[disks]]\nposition = [0, 3]\nradius = 1\nmass = 1e10\n"
-                                  "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n"
-                                  "[time]\nstep = 1e-3\nsteps = 1\n");
+  write("heavy.toml",
+        "disks = [{position = [0, 1], radius = 1, mass = 1},\n"
+        "  {position = [0, 3], radius = 1, mass = 1e10}]\n"
+        "walls = [{point = [0, 0], normal = [0, 1]}]\n"
+        "time = {step = 1e-3, steps = 1}\n");
   const std::string run =
-      expect_said("run " + scene, 1, {"below what doubles can express here; try --tol 1e-0"});
+      expect_said("run heavy.toml", 1, {"below what doubles can express here; try --tol 1e-0"});
   EXPECT_FALSE(says(run, "try --solver")) << run;
 }
 
 TEST_F(RunCommand, TheAdviceAgainstOverlapsFitsTheScene) {
   const auto said = [&](const std::string& contact, const std::string& time) {
-    const std::string scene =
-        write("fall.toml", "gravity = [0, 0]\n" + contact +
-                               "[[disks]]\nposition = [0, 0.58]\nradius = 0.5\nmass = 2\n"
-                               "velocity = [0, -10]\n[[walls]]\nname = 'floor'\npoint = [0, 0]\n"
-                               "normal = [0, 1]\n[time]\nstep = 0.01\nsteps = 2\n" +
-                               time);
-    return whole_output("run " + scene + " --overwrite").out;
+    write("fall.toml", "gravity = [0, 0]\n" + contact +
+                           "[[disks]]\nposition = [0, 0.58]\nradius = 0.5\nmass = 2\n"
+                           "velocity = [0, -10]\n[[walls]]\nname = 'floor'\npoint = [0, 0]\n"
+                           "normal = [0, 1]\n[time]\nstep = 0.01\nsteps = 2\n" +
+                           time);
+    return whole_output("run fall.toml --overwrite").out;
   };
   EXPECT_TRUE(says(said("", ""), "or overlaps = \"predict\""));
   EXPECT_FALSE(says(said("[contact]\ne_n = 0.5\ne_t = 0.5\n", ""), "predict"));
-  const std::string cut = said("", "travel = 0.2\n");
-  EXPECT_TRUE(says(cut, "a travel below 0.2 in [time]"));
+  EXPECT_TRUE(says(said("", "travel = 0.2\n"), "a travel below 0.2 in [time]"));
 }
 
 TEST_F(RunCommand, TheSummaryHasTheToleranceThatWasGiven) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/criterion/contact_error.h"
@@ -13,9 +12,7 @@
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
 #include "tests/bench/command/command_fixture.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
-#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -24,11 +21,10 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
-  ASSERT_EQ(code_of("run triangular_lattice --steps 1 --dump-problems all --out " + path("out")),
-            0);
-  const std::string problem = path("out/problems/step_000001.hdf5");
+  ASSERT_EQ(code_of("run triangular_lattice --steps 1 --dump-problems all --out out"), 0);
+  const std::string problem = "out/problems/step_000001.hdf5";
   const json j = json_of("solve " + problem + " --solver pgs --tol 1e-9 --json - --solution " +
-                         problem + " --history " + path("history.csv"));
+                         problem + " --history history.csv");
   EXPECT_EQ(j["status"], "converged");
   EXPECT_EQ(j["dim"], 2);
   const ProblemFile file = read_problem(problem);
@@ -37,55 +33,53 @@ TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
   const ContactError error = contact_error(file.problem, *file.r);
   EXPECT_LE(error.guarded(), 1e-9);
   EXPECT_NEAR(j["epsilon"].get<double>(), error.epsilon, 1e-14);
-  EXPECT_EQ(content(path("history.csv")).substr(0, 26), "iteration,seconds,epsilon,");
+  EXPECT_EQ(content("history.csv").substr(0, 26), "iteration,seconds,epsilon,");
 }
 
 TEST_F(Command, EqualityRowsAreSolvedReportedJudgedAndCompared) {
   // small_problems.h derives the answer.
   const FourBars bars = four_bars();
-  const std::string problem = path("bars.hdf5");
-  write_fclib(problem, with_equality_rows(bars.problem, bars.G, Vector::Zero(8)), {});
-  const json j =
-      json_of("solve " + problem + " --tol 1e-10 --certify --json - --solution " + problem);
+  write_fclib("bars.hdf5", with_equality_rows(bars.problem, bars.G, Vector::Zero(8)), {});
+  const json j = json_of("solve bars.hdf5 --tol 1e-10 --certify --json - --solution bars.hdf5");
   EXPECT_EQ(j["status"], "converged");
   EXPECT_EQ(j["existence"]["verdict"], "exists");
   EXPECT_EQ(j["equality_rows"], 8);
   EXPECT_LE(j["equality_residual"].get<double>(), 1e-15);
-  const ProblemFile file = read_problem(problem);
+  const ProblemFile file = read_problem("bars.hdf5");
   EXPECT_LE((*file.r - bars.s).norm(), 1e-9 * bars.s.norm());
   EXPECT_NEAR((*file.v)[2], bars.turns_at[0], 1e-10);
   const Vector impulses = multipliers(file.problem, *file.r);
   for (int k = 0; k < 8; ++k) EXPECT_EQ(j["multipliers"][to_size(k)], impulses[k]);
-  EXPECT_TRUE(says(bipot("solve " + problem).out, "  8 equality rows, |G v - b| "));
-  EXPECT_EQ(code_of("judge " + problem + " --tol 1e-9"), 0);
-  EXPECT_EQ(code_of("solve " + problem + " --several 4"), 0);
-  const json table = json_of("compare " + problem + " --solvers pgs,ipm --tols 1e-8 --json -");
+  EXPECT_TRUE(says(bipot("solve bars.hdf5").out, "  8 equality rows, |G v - b| "));
+  EXPECT_EQ(code_of("judge bars.hdf5 --tol 1e-9"), 0);
+  EXPECT_EQ(code_of("solve bars.hdf5 --several 4"), 0);
+  const json table = json_of("compare bars.hdf5 --solvers pgs,ipm --tols 1e-8 --json -");
   ASSERT_EQ(table["rows"].size(), 2u);
   for (const json& row : table["rows"]) EXPECT_EQ(row["status"], "converged");
 
   Eigen::MatrixXd twice(16, 12);
   twice << bars.G.toDense(), bars.G.toDense();
-  write_fclib(problem, with_equality_rows(bars.problem, twice.sparseView(), Vector::Zero(16)), {});
+  write_fclib("bars.hdf5", with_equality_rows(bars.problem, twice.sparseView(), Vector::Zero(16)),
+              {});
   {
-    Hdf5File spoilt(problem, Hdf5File::Mode::kAppend);
+    Hdf5File spoilt("bars.hdf5", Hdf5File::Mode::kAppend);
     std::vector<double> b(16, 0.0);
     b[3] = 1;
     spoilt.remove("/fclib_global/vectors/b");
     spoilt.write("/fclib_global/vectors/b", b);
   }
-  EXPECT_TRUE(says(json_of("solve " + problem + " --json -", 2)["message"],
-                   "of G contradicts other rows: b["));
+  EXPECT_TRUE(
+      says(json_of("solve bars.hdf5 --json -", 2)["message"], "of G contradicts other rows: b["));
 }
 
 TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
   // Disks at rest: the impulses of a step solve the next one.
   ASSERT_EQ(
-      code_of("run square_lattice --steps 3 --tol 1e-12 --warm-start --dump-problems all --out " +
-              path("out")),
+      code_of(
+          "run square_lattice --steps 3 --tol 1e-12 --warm-start --dump-problems all --out out"),
       0);
-  const std::string problem = path("out/problems/step_000003.hdf5");
-  EXPECT_EQ(read_problem(problem).guesses.size(), 1u);
-  const std::string solve = "solve " + problem + " --solver pgs --tol 1e-6 --json -";
+  EXPECT_EQ(read_problem("out/problems/step_000003.hdf5").guesses.size(), 1u);
+  const std::string solve = "solve out/problems/step_000003.hdf5 --solver pgs --tol 1e-6 --json -";
   const json cold = json_of(solve), warm = json_of(solve + " --warm");
   EXPECT_EQ(cold["warm"], false);
   EXPECT_EQ(warm["warm"], true);
@@ -93,7 +87,8 @@ TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
   EXPECT_GT(cold["iterations"], 0);
   EXPECT_EQ(warm["iterations"], 0);
 
-  const json table = json_of("compare " + problem + " --solvers pgs --tols 1e-6 --warm --json -");
+  const json table =
+      json_of("compare out/problems/step_000003.hdf5 --solvers pgs --tols 1e-6 --warm --json -");
   ASSERT_EQ(table["rows"].size(), 2u);
   EXPECT_EQ(table["rows"][0]["warm"], 0);
   EXPECT_EQ(table["rows"][0]["iterations"], cold["iterations"]);
@@ -101,10 +96,9 @@ TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
   EXPECT_EQ(table["rows"][1]["iterations"], 0);
   EXPECT_EQ(table["warm_starts"][0]["solved_warm"], 1);
 
-  ASSERT_EQ(code_of("run square_lattice --steps 1 --no-warm-start --dump-problems all --out " +
-                    path("cold")),
+  ASSERT_EQ(code_of("run square_lattice --steps 1 --no-warm-start --dump-problems all --out cold"),
             0);
-  EXPECT_EQ(code_of("solve " + path("cold/problems/step_000001.hdf5") + " --warm"), 2);
+  EXPECT_EQ(code_of("solve cold/problems/step_000001.hdf5 --warm"), 2);
 }
 
 TEST_F(Command, SolveLooksForSeveralAnswers) {
@@ -129,48 +123,46 @@ TEST_F(Command, SolveLooksForSeveralAnswers) {
   EXPECT_EQ(code_of("solve " + problem + " --several 0"), 2);
   EXPECT_EQ(code_of("solve " + problem + " --several 3 --explain"), 2);
   EXPECT_EQ(code_of("solve " + problem + " --several 3 --warm"), 2);  // has no guess
-  EXPECT_EQ(interrupted("solve " + problem + " --several 5000").exit_code, 5);
-  std::ofstream(path("no_contacts.dat")) << "2\n0\n0\n0 0\n0 0\n";
-  const json none = json_of("solve " + path("no_contacts.dat") + " --several 3 --json -");
+  expect_interrupted("solve " + problem + " --several 5000");
+  std::ofstream("no_contacts.dat") << "2\n0\n0\n0 0\n0 0\n";
+  const json none = json_of("solve no_contacts.dat --several 3 --json -");
   EXPECT_EQ(none["status"], "nothing to do");
   EXPECT_EQ(none["exit_code"], 0);
 }
 
 TEST_F(Command, DumpedStepsAreDrawnWithTheirAnswers) {
-  ASSERT_EQ(code_of("run pyramid --steps 2 --dump-problems all --out " + path("run")), 0);
-  const std::string step = path("run/problems/step_000002.hdf5");
-  ASSERT_TRUE(fs::exists(step));
-  EXPECT_EQ(code_of("solve " + step + " --several 4 --warm --out " + path("answers")), 0);
-  const json j = json_in(path("answers/summary.json"));
-  EXPECT_EQ(read_problem(path("answers/answers.hdf5")).guesses.size(), j["answers"].size());
-  EXPECT_TRUE(says(content(path("answers/answers.svg")), "<svg"));
-  EXPECT_GT(fs::file_size(path("answers/answers.png")), 1000u);
-  const std::string page = content(path("answers/index.html"));
+  ASSERT_EQ(code_of("run pyramid --steps 2 --dump-problems all --out run"), 0);
+  ASSERT_TRUE(fs::exists("run/problems/step_000002.hdf5"));
+  EXPECT_EQ(code_of("solve run/problems/step_000002.hdf5 --several 4 --warm --out answers"), 0);
+  const json j = json_in("answers/summary.json");
+  EXPECT_EQ(read_problem("answers/answers.hdf5").guesses.size(), j["answers"].size());
+  EXPECT_TRUE(says(content("answers/answers.svg"), "<svg"));
+  EXPECT_GT(fs::file_size("answers/answers.png"), 1000u);
+  const std::string page = content("answers/index.html");
   EXPECT_TRUE(says(page, "<img src=\"answers.svg\""));
   EXPECT_TRUE(says(page, "<a href=\"answers.csv\">"));
-  EXPECT_TRUE(content(path("answers/answers.csv")).starts_with("answer,starts,error,kinetic [J],"));
+  EXPECT_TRUE(content("answers/answers.csv").starts_with("answer,starts,error,kinetic [J],"));
 }
 
 TEST_F(Command, ASingleAnswerIsDrawnWithoutDifferences) {
-  ASSERT_EQ(code_of("run sliding_cylinder --steps 1 --dump-problems all --out " + path("run")), 0);
-  const std::string step = path("run/problems/step_000001.hdf5");
-  const json j = json_of("solve " + step + " --several 4 --json - --out " + path("answers"));
+  ASSERT_EQ(code_of("run sliding_cylinder --steps 1 --dump-problems all --out run"), 0);
+  const json j = json_of("solve run/problems/step_000001.hdf5 --several 4 --json - --out answers");
   ASSERT_EQ(j["answers"].size(), 1u);
-  EXPECT_TRUE(says(bipot("solve " + step + " --several 4").out, "One answer: no case of open,"));
-  EXPECT_FALSE(says(content(path("answers/answers.svg")), "linearGradient"));  // of the colours
+  EXPECT_TRUE(says(bipot("solve run/problems/step_000001.hdf5 --several 4").out,
+                   "One answer: no case of open,"));
+  EXPECT_FALSE(says(content("answers/answers.svg"), "linearGradient"));  // of the colours
 }
 
 TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
   // Two lattices that differ in friction alone: the same sizes.
   std::string text = content(shipped_scene("triangular_lattice"));
   const std::string run = "run " + write("a.toml", text) + " --steps 1 --quiet --dump-problems all";
-  ASSERT_EQ(code_of(run + " --out " + path("a")), 0);
+  ASSERT_EQ(code_of(run + " --out a"), 0);
   const std::string mu = "mu = 0.3";
   text.replace(text.find(mu), mu.size(), "mu = 0.4");
   write("a.toml", text);
-  ASSERT_EQ(code_of(run + " --out " + path("b")), 0);
-  const std::string a = path("a/problems/step_000001.hdf5"),
-                    b = path("b/problems/step_000001.hdf5");
+  ASSERT_EQ(code_of(run + " --out b"), 0);
+  const std::string a = "a/problems/step_000001.hdf5", b = "b/problems/step_000001.hdf5";
   EXPECT_EQ(code_of("solve " + a + " --solution " + b), 2);
   EXPECT_FALSE(read_problem(b).r.has_value());
   EXPECT_EQ(code_of("solve " + a + " --solution " + a), 0);
@@ -184,13 +176,13 @@ TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
 TEST_F(Command, SolutionsGoIntoTheOtherFormOfTheProblem) {
   const std::string M = "0\n2\n2\n2\t2\n2 0\n0 4\n", H = "0\n2\n2\n2\t2\n1 0\n0 1\n";
   const std::string W = "0\n2\n2\n2\t2\n0.5 0\n0 0.25\n";
-  const std::string global = write("g.dat", "2\n1\n" + M + H + "2 8\n-9 0.5\n0.3\n");
-  const std::string local = write("l.dat", "2\n1\n" + W + "-8 2.5\n0.3\n");
-  const std::string of_global = path("g.hdf5"), of_local = path("l.hdf5");
-  ASSERT_EQ(code_of("solve -q " + global + " --solution " + of_global), 0);
-  ASSERT_EQ(code_of("solve -q " + local + " --solution " + of_local), 0);
+  write("g.dat", "2\n1\n" + M + H + "2 8\n-9 0.5\n0.3\n");
+  write("l.dat", "2\n1\n" + W + "-8 2.5\n0.3\n");
+  const std::string of_global = "g.hdf5", of_local = "l.hdf5";
+  ASSERT_EQ(code_of("solve -q g.dat --solution " + of_global), 0);
+  ASSERT_EQ(code_of("solve -q l.dat --solution " + of_local), 0);
   for (const std::string& flags :
-       {global + " --solution " + of_local, local + " --solution " + of_global}) {
+       {"g.dat --solution " + of_local, "l.dat --solution " + of_global}) {
     EXPECT_EQ(json_of("solve " + flags + " --json -")["status"], "converged") << flags;
   }
   EXPECT_LE((*read_problem(of_local).r - Eigen::Vector2d(16, -4.8)).norm(), 1e-6);
@@ -200,12 +192,11 @@ TEST_F(Command, SolutionsGoIntoTheOtherFormOfTheProblem) {
 
 // Neither the problem nor another result is overwritten, and nothing is removed before the solve.
 TEST_F(Command, ResultsDoNotReplaceTheInputOrEachOther) {
-  const std::string problem = path("problem.hdf5"), out = path("out");
+  const std::string problem = "problem.hdf5", out = "out";
   fs::copy_file(source_folder() / "data/problems/2d_pyramid_10.hdf5", problem);
   const auto size = fs::file_size(problem);
-  for (const std::string& flags : {"--json " + problem, std::string("--history ./problem.hdf5"),
-                                   "--json " + path("x") + " --history " + path("x"),
-                                   "--solution " + path("y.hdf5") + " --json " + path("y.hdf5")}) {
+  for (const std::string flags : {"--json problem.hdf5", "--history ./problem.hdf5",
+                                  "--json x --history x", "--solution y.hdf5 --json y.hdf5"}) {
     EXPECT_EQ(code_of("solve " + problem + " -q " + flags), 2) << flags;
     EXPECT_EQ(fs::file_size(problem), size) << flags;
   }
@@ -216,27 +207,24 @@ TEST_F(Command, ResultsDoNotReplaceTheInputOrEachOther) {
 }
 
 TEST_F(Command, NamesOfShippedProblemsAreTaken) {
-  const std::string solution = path("solved.hdf5");
-  EXPECT_EQ(code_of("solve 2d_pyramid_10 -q --solution " + solution), 0);
-  EXPECT_EQ(code_of("judge 2d_pyramid_10 -q --impulses " + solution), 0);
+  EXPECT_EQ(code_of("solve 2d_pyramid_10 -q --solution solved.hdf5"), 0);
+  EXPECT_EQ(code_of("judge 2d_pyramid_10 -q --impulses solved.hdf5"), 0);
   EXPECT_EQ(code_of("compare 2d_pyramid_10 --solvers apgd --tols 1e-2 -q"), 0);
   EXPECT_EQ(code_of("solve 2d_pyramid -q"), 4);
 }
 
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
-  const std::string out = path("out");
-  const Outcome solve = interrupted("solve " + shipped_problem("2d_compaction_rest") +
-                                    " --solver pgs --tol 1e-13 --out " + out);
-  EXPECT_EQ(solve.exit_code, 5);
-  const json j = json_in(out + "/summary.json");
+  expect_interrupted("solve " + shipped_problem("2d_compaction_rest") +
+                     " --solver pgs --tol 1e-13 --out out");
+  const json j = json_in("out/summary.json");
   EXPECT_EQ(j["status"], "interrupted");
   EXPECT_GT(j["iterations"], 0);
-  EXPECT_TRUE(read_problem(out + "/solution.hdf5").r.has_value());
+  EXPECT_TRUE(read_problem("out/solution.hdf5").r.has_value());
 }
 
 TEST_F(Command, CertifiesWhetherASolutionExists) {
-  ASSERT_EQ(code_of("extremes --only wall_into_row --dump-problem " + path("none.hdf5")), 0);
-  const Outcome none = bipot("solve " + path("none.hdf5") + " --certify --time-limit 1 --json -");
+  ASSERT_EQ(code_of("extremes --only wall_into_row --dump-problem none.hdf5"), 0);
+  const Outcome none = bipot("solve none.hdf5 --certify --time-limit 1 --json -");
   EXPECT_EQ(none.exit_code, 3);
   EXPECT_EQ(json::parse(none.out)["exit_code"], 3);
   const json proof = json::parse(none.out)["existence"];
