@@ -16,8 +16,8 @@ namespace {
 class RunTable {
  public:
   RunTable& problem(const std::string& name, int dofs = 30, const std::string& series = "") {
-    Comparison::Problem p{.name = name, .series = series, .contacts = 10, .dim = 2, .dofs = dofs};
-    made.problems.push_back(p);
+    made.problems.push_back(
+        {.name = name, .series = series, .contacts = 10, .dim = 2, .dofs = dofs});
     return *this;
   }
   RunTable& row(const std::string& solver, double tol, double time, int iterations, double guarded,

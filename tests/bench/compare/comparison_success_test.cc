@@ -12,14 +12,12 @@ namespace bipot {
 namespace {
 
 void add_problem(Comparison& c, const std::string& name, int contacts) {
-  Comparison::Problem p{.name = name, .contacts = contacts};
-  c.problems.push_back(p);
+  c.problems.push_back({.name = name, .contacts = contacts});
 }
 
 void add_row(Comparison& c, const std::string& problem, const std::string& solver, double tol,
              double guarded) {
-  Comparison::Row r{.problem = problem, .solver = solver, .tol = tol, .guarded = guarded};
-  c.rows.push_back(r);
+  c.rows.push_back({.problem = problem, .solver = solver, .tol = tol, .guarded = guarded});
 }
 
 /// Three small problems, one without contacts, one large.

@@ -129,9 +129,7 @@ TEST(PopularSettings, AStudyHasARowForEachSettingAndProblem) {
   for (const char* seen : {"two: largest", "4.6e-2", "two, Chrono: bodies left"}) {
     EXPECT_TRUE(says(text, seen)) << seen;
   }
-  for (const PopularSetting& setting : popular_settings()) {
-    EXPECT_TRUE(says(text, setting.code));
-  }
+  for (const PopularSetting& setting : popular_settings()) EXPECT_TRUE(says(text, setting.code));
   EXPECT_TRUE(says(text, "natural map (Siconos)"));
 }
 

@@ -19,13 +19,12 @@ Claim number(const std::string& name, double value, const std::string& unit = ""
 }
 
 ClaimReport one_entry(Findings result) {
-  ClaimReport::Item entry;
-  entry.name = "table9";
-  entry.title = "Table 9: of nothing";
-  entry.command = "bipot paper --only table9";
-  entry.status = ClaimReport::Item::Status::kDone;
-  entry.quick = true;
-  entry.wall_seconds = 1.5;
+  ClaimReport::Item entry{.name = "table9",
+                          .title = "Table 9: of nothing",
+                          .command = "bipot paper --only table9",
+                          .status = ClaimReport::Item::Status::kDone,
+                          .quick = true,
+                          .wall_seconds = 1.5};
   entry.build.commit = "0123abc";
   entry.date = "2002-05-02 12:00 UTC";
   complete(result, entry.command);
@@ -34,8 +33,8 @@ ClaimReport one_entry(Findings result) {
 }
 
 TEST(ClaimReport, PlaceholdersBecomeNumbersWithUnits) {
-  Findings result;
-  result.claims = {number("load", 0.123456, "N"), number("contacts", 12345), number("none", NAN)};
+  Findings result{
+      .claims = {number("load", 0.123456, "N"), number("contacts", 12345), number("none", NAN)}};
   result.ours = {"The base carries {load} over {contacts} contacts; raw is {none}."};
   complete(result, "bipot paper");
   EXPECT_EQ(result.ours[0],
@@ -141,8 +140,7 @@ TEST(ClaimPage, AFailedItemSaysWhy) {
   ClaimReport report = one_entry({});
   report.items[0].status = ClaimReport::Item::Status::kFailed;
   report.items[0].message = "step 3: <stalled>";
-  const std::string page = to_html(to_document(report));
-  EXPECT_TRUE(says(page, "This item is failed: step 3: &lt;stalled&gt;"));
+  EXPECT_TRUE(says(to_html(to_document(report)), "This item is failed: step 3: &lt;stalled&gt;"));
   EXPECT_FALSE(to_json(report)["all_items_done"].get<bool>());
 }
 

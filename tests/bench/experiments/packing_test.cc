@@ -15,16 +15,11 @@ namespace bipot {
 namespace {
 
 ContactOutcome<2> carried(int i, int j, double s_n, double s_t = 0) {
-  ContactOutcome<2> o;
-  o.contact = {.i = i, .j = j, .n = Vec2(1, 0)};
-  o.s_n = s_n;
-  o.s_t = s_t;
-  return o;
+  return {.contact = {.i = i, .j = j, .n = Vec2(1, 0)}, .s_n = s_n, .s_t = s_t};
 }
 
 Disk disk(double x, double y, double radius) {
-  Disk d{.x = Vec2(x, y), .radius = radius, .mass = 2, .inertia = 3};
-  return d;
+  return {.x = Vec2(x, y), .radius = radius, .mass = 2, .inertia = 3};
 }
 
 TEST(ForceCorrelation, IsPearsonsOverPairsThatCarrySomethingInEitherStep) {
@@ -45,8 +40,7 @@ TEST(ForceCorrelation, IsPearsonsOverPairsThatCarrySomethingInEitherStep) {
 
 TEST(MeanContacts, CountWhatAPairDoesNotCarryAsZero) {
   MeanContacts mean;
-  State<2> state;
-  state.contacts = {carried(0, 1, 6, 3), carried(0, 3, 9)};
+  State<2> state{.contacts = {carried(0, 1, 6, 3), carried(0, 3, 9)}};
   mean.add(state);
   state.contacts = {carried(0, 2, 3), carried(0, 3, 3)};
   mean.add(state);
@@ -62,17 +56,14 @@ TEST(MeanContacts, CountWhatAPairDoesNotCarryAsZero) {
 }
 
 TEST(Packing, CoordinationCountsLoadedContactsAtBothEnds) {
-  State<2> state;
-  state.bodies = {disk(0, 0, 1), disk(2, 0, 1)};
+  State<2> state{.bodies = {disk(0, 0, 1), disk(2, 0, 1)}};
   // One between the disks (two ends), one with a wall, one that carries nothing.
   state.contacts = {carried(0, 1, 1), carried(1, 2, 1), carried(0, 2, 0)};
   EXPECT_DOUBLE_EQ(coordination(state), 1.5);
 }
 
 TEST(Packing, CoveredFractionCountsOverlapsOnce) {
-  State<2> state;
-  state.bodies = {disk(0, 0, 1), disk(1, 0, 1)};
-  state.contacts = {carried(0, 1, 1)};
+  State<2> state{.bodies = {disk(0, 0, 1), disk(1, 0, 1)}, .contacts = {carried(0, 1, 1)}};
   state.contacts[0].contact.gap = -1;
   // Two unit circles, a radius apart: the lens has 2π/3 - √3/2.
   const double lens = 2 * std::numbers::pi / 3 - std::sqrt(3.0) / 2;
@@ -102,8 +93,7 @@ TEST(Packing, DisplacementEnergyIsThatOfTheMeanVelocities) {
 }
 
 TEST(Packing, ForceOnAWallIsOppositeToThatOnTheDisks) {
-  State<2> state;
-  state.bodies = {disk(0, 0, 1)};
+  State<2> state{.bodies = {disk(0, 0, 1)}};
   state.walls.resize(2);
   state.contacts = {carried(0, 1, 2, 0.5), carried(0, 2, 9)};
   // n = (1, 0), t = (0, 1): the wall gets -(2, 0.5)/h.

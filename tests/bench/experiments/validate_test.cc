@@ -217,9 +217,7 @@ TEST(Validate, TheQuickPageHasEveryRowAndNoNaN) {
     EXPECT_TRUE(std::isfinite(v.points[0].seen.bar)) << v.claim.name;
     EXPECT_GT(v.points[0].steps, 0) << v.claim.name;
   }
-  for (const std::string* all : {&html, &text, &csv, &verdicts}) {
-    EXPECT_FALSE(says(*all, "nan"));
-  }
+  for (const std::string* all : {&html, &text, &csv, &verdicts}) EXPECT_FALSE(says(*all, "nan"));
   EXPECT_EQ(std::count(verdicts.begin(), verdicts.end(), '\n'), static_cast<long>(rows) + 1);
   EXPECT_EQ(report.items.size(), groups_of(page).size());
   for (const std::string& group : groups_of(page)) {

@@ -6,8 +6,8 @@
 #include "core/run_files/observable_output.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/scene_family.h"
-#include "core/scene_files/scene_file.h"
 #include "solvers/simulation/run_folder.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
@@ -22,8 +22,7 @@ Scene<2> measured_scene() {
   scene.solver.tol = 1e-6;
   scene.output.every = 25;
   scene.output.picture = false;
-  ObservableChoice<2> choice;
-  choice.every = 3;
+  ObservableChoice<2> choice{.every = 3};
   choice.starts = 0.6;  // the middle of the run
   choice.window = {Vec2(0.2, 0), Vec2(4, 2.5)};
   choice.profile = ProfileChoice{.axis = 1, .bins = 4, .low = 0, .high = 4};
@@ -51,52 +50,39 @@ void run_in_parts(const Scene<D>& scene, const std::filesystem::path& folder,
 constexpr const char* kFiles[] = {"observables.csv",  "observables_mean.csv", "profile.csv",
                                   "profile_mean.csv", "forces.csv",           "forces_mean.csv"};
 
+/// A run in parts writes what it writes as a whole, into these subfolders.
+template <int D>
+void expect_same_means(const Scene<D>& scene, const TemporaryFolder& folder,
+                       const std::vector<int>& stops) {
+  run_in_parts(scene, folder / "whole", {stops.back()});
+  run_in_parts(scene, folder / "parts", stops);
+  for (const char* file : kFiles) {
+    const std::string whole = file_text(folder / "whole" / file);
+    EXPECT_EQ(whole, file_text(folder / "parts" / file)) << file;
+    EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), 1) << file;
+  }
+}
+
 // Stops before the window of the means (at 40), in it on a step that is measured (75), in it on one
 // that is not (100): the means, and every row that they are made of, are the same to the last
 // digit.
 TEST(ObservableMeans, AreTheSameWhetherARunWasRestartedOrNot) {
   const TemporaryFolder folder;
   const Scene<2> scene = measured_scene();
-  run_in_parts(scene, folder.path() / "whole", {120});
-  run_in_parts(scene, folder.path() / "parts", {40, 75, 100, 120});
-  for (const char* file : kFiles) {
-    const std::string whole = file_text(folder.path() / "whole" / file);
-    EXPECT_EQ(whole, file_text(folder.path() / "parts" / file)) << file;
-    EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), 1) << file;
-  }
+  expect_same_means(scene, folder, {40, 75, 100, 120});
 }
 
 TEST(ObservableMeans, InSpaceAreTheSameWhetherARunWasRestartedOrNot) {
   const TemporaryFolder folder;
-  auto scene = std::get<Scene<3>>(parse_any_scene(R"(
-[contact]
-mu = 0.4
-[cell]
-width = 0.5
-[[spheres]]
-arrangement = "random"
-count = 30
-radii = [0.05, 0.07]
-width = 0.5
-depth = 0.4
-density = 1000
-[[walls]]
-point = [0, 0, 0]
-normal = [0, 0, 1]
-[[walls]]
-point = [0, 0, 0]
-normal = [0, 1, 0]
-[[walls]]
-point = [0, 0.4, 0]
-normal = [0, -1, 0]
-[time]
-step = 2e-3
-steps = 60
-[solver]
-tol = 1e-4
-[output]
-every = 25
-picture = false
+  auto scene = scene_of<3>(R"(
+contact = {mu = 0.4}
+cell = {width = 0.5}
+spheres = [{arrangement = "random", count = 30, radii = [0.05, 0.07], width = 0.5, depth = 0.4, density = 1000}]
+walls = [{point = [0, 0, 0], normal = [0, 0, 1]}, {point = [0, 0, 0], normal = [0, 1, 0]},
+  {point = [0, 0.4, 0], normal = [0, -1, 0]}]
+time = {step = 2e-3, steps = 60}
+solver = {tol = 1e-4}
+output = {every = 25, picture = false}
 [observables]
 every = 3
 starts = 0.06
@@ -105,24 +91,10 @@ profile = "z"
 profile_range = [0, 0.6]
 profile_bins = 5
 force_bins = 6
-[[observables.faces]]
-name = "level"
-point = [0, 0, 0.3]
-normal = [0, 0, -1]
-[[observables.faces]]
-name = "hole"
-point = [0.25, 0.2, 0.3]
-normal = [0.1, 0.2, -1]
-radius = 0.1
-)",
-                                                  "test.toml"));
-  run_in_parts(scene, folder.path() / "whole", {60});
-  run_in_parts(scene, folder.path() / "parts", {20, 39, 50, 60});
-  for (const char* file : kFiles) {
-    const std::string whole = file_text(folder.path() / "whole" / file);
-    EXPECT_EQ(whole, file_text(folder.path() / "parts" / file)) << file;
-    EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), 1) << file;
-  }
+faces = [{name = "level", point = [0, 0, 0.3], normal = [0, 0, -1]},
+  {name = "hole", point = [0.25, 0.2, 0.3], normal = [0.1, 0.2, -1], radius = 0.1}]
+)");
+  expect_same_means(scene, folder, {20, 39, 50, 60});
   const NumberTable rows = read_number_table(folder / "whole/observables.csv");
   // They fall through the level, and some of them through the hole.
   double level = 0, hole = 0;

@@ -29,14 +29,12 @@ Scene<3> spheres_in_a_drum(int steps) {
         round_body<3>(Vec3(0.3 * (k % 3 - 1), 0.3 * (k / 3 % 2), 0.35 * (k / 6) - 0.4),
                       k % 2 == 0 ? 0.14 : 0.12, 1, Vec3(0, 0, -1), Vec3(3, 1, k)));
   }
-  Wall<3> drum;
-  drum.name = "drum";
-  drum.shape = Wall<3>::Shape::kHollowCircle;
-  drum.normal = Vec3::UnitY();
-  drum.radius = 0.8;
-  drum.spin = 1;
-  Wall<3> plate = half_space<3>(Vec3(0, 0, 0.3), -Vec3::UnitZ());
-  plate.name = "plate";
+  const Wall<3> drum{.name = "drum",
+                     .shape = Wall<3>::Shape::kHollowCircle,
+                     .normal = Vec3::UnitY(),
+                     .radius = 0.8,
+                     .spin = 1};
+  Wall<3> plate = half_space<3>(Vec3(0, 0, 0.3), -Vec3::UnitZ(), "plate");
   drive(plate, -Vec3::UnitZ(), 3, 20);
   scene.walls = {drum, half_space<3>(Vec3(0, -0.2, 0), Vec3::UnitY()),
                  half_space<3>(Vec3(0, 0.5, 0), -Vec3::UnitY()), plate};
@@ -144,8 +142,7 @@ TEST(SphereRun, OneBallOnARampHasItsVolumeInEachRow) {
 TEST(SphereRun, TheShippedFourSpheresStand) {
   const auto scene = std::get<Scene<3>>(read_any_scene(find_scene("four_spheres")));
   State<3> state = initial_state(scene);
-  const auto run = run_scene(scene, state);
-  EXPECT_EQ(run.totals.converged, scene.num_steps);
+  EXPECT_EQ(run_scene(scene, state).totals.converged, scene.num_steps);
   EXPECT_LT((state.bodies[3].x - scene.bodies[3].x).norm(), 1e-7);
 }
 

@@ -15,7 +15,7 @@ namespace {
 /// radius.
 Scene<2> fall() {
   Scene<2> scene = one_law<2>({.mu = 0.3});
-  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   scene.bodies = {round_body<2>(Vec2(0, 0.647), 0.5, 2, Vec2(0, -10))};
   scene.step = 0.01;
   scene.num_steps = 10;

@@ -28,8 +28,9 @@ Table solver_table() {
 }
 
 Document small_document() {
-  Document d{.title = "Solvers & more", .made = provenance("compare", "bipot compare <x>")};
-  d.contents = true;
+  Document d{.title = "Solvers & more",
+             .made = provenance("compare", "bipot compare <x>"),
+             .contents = true};
   d.say("What `a < b` says, **loudly**: see [the end](#made), not [x](http://y).");
   d.heading("First", "first");
   d.add(solver_table());
@@ -50,8 +51,7 @@ TEST(TextLines, WordsForAShellAreQuotedWhereTheyMust) {
 
 TEST(Document, PageIsWellFormedAndNeedsNoOtherFile) {
   Document d = small_document();
-  Chart chart{.title = "t"};
-  chart.series = {{"s", 0, {{1, 1}, {2, 2}}}};
+  Chart chart{.title = "t", .series = {{"s", 0, {{1, 1}, {2, 2}}}}};
   d.add(Figure{.chart = chart, .caption = "<one>", .command = "bipot <x>", .source = "x.csv"});
   d.add(Figure{.chart = chart, .file = "two.svg", .caption = "two", .wide = true});
   const std::string page = to_html(d);

@@ -158,9 +158,7 @@ TEST(Advice, DigitsBelowTheSpreadOfExactRunsMeetTheBudget) {
 }
 
 TEST(Advice, ExpectedErrorIsThatOfStepAndSolver) {
-  Advice advice;
-  advice.step_error = {force(2e-2), force(1e-3)};
-  advice.trials = {trial("a", 1e-3, 1e-2, 1)};
+  Advice advice{.step_error = {force(2e-2), force(1e-3)}, .trials = {trial("a", 1e-3, 1e-2, 1)}};
   EXPECT_EQ(expected_error(advice).error.force, 2e-2);  // no choice
   advice.choice = 0;
   EXPECT_DOUBLE_EQ(expected_error(advice).error.force, 3e-2);

@@ -14,9 +14,9 @@
 #include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/run_setting.h"
 #include "core/scene/scene_family.h"
-#include "core/scene_files/scene_file.h"
 #include "solvers/simulation/scene_run.h"
 #include "tests/support/refusal.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
@@ -294,7 +294,7 @@ TEST(Advise, SaysThatTimeWasUpAndNotThatNoSolverMeets) {
 
 /// Disks of 1 kg fall one by one from an inlet on a floor and leave at its end.
 Scene<2> stream() {
-  return parse_scene(R"(
+  return scene_of(R"(
 contact = {mu = 0.3}
 walls = [{name = "slope", point = [0, 0], normal = [0.5, 0.8660254037844386]}]
 outlets = [{name = "below", point = [0, -2], normal = [0, 1]}]
@@ -307,8 +307,7 @@ velocity = [0, -1]
 rate = 20
 radii = [0.05]
 density = 100
-)",
-                     "stream.toml");
+)");
 }
 
 TEST(Advise, TakesBodiesThatComeAndGo) {
@@ -331,7 +330,7 @@ TEST(Advise, TakesSpheres) {
 
 /// The drum of a visitor, shortened: 40 of 150 disks, 0.1 of 2 s.
 TEST(Advise, TheDrumIsNotAskedForDigitsThatExactRunsDoNotShare) {
-  const Scene<2> drum = parse_scene(R"(
+  const Scene<2> drum = scene_of(R"(
 contact = {mu = 0.5}
 walls = [{center = [0, 0], radius = 0.15, hollow = true, spin = 1}]
 time = {step = 2e-4, steps = 500}
@@ -342,8 +341,7 @@ radii = [0.004, 0.005, 0.006]
 width = 0.1
 corner = [-0.05, -0.12]
 density = 2000
-)",
-                                    "drum.toml");
+)");
   Advice::Options options;
   options.goal = {.energy = 5e-2};
   options.time_limit = 60;
@@ -365,7 +363,7 @@ density = 2000
 TEST(Advise, TakesClusters) {
   // Dumbbells that fall on a floor: the force on a body is that on the whole cluster.
   for (const double mu : {0.0, 0.3}) {
-    Scene<2> scene = parse_scene(fmt::format(R"(
+    Scene<2> scene = scene_of(fmt::format(R"(
 contact = {{mu = {}}}
 walls = [{{point = [0, 0.07], normal = [0, 1]}}]
 time = {{step = 1e-3, steps = 60}}
@@ -376,8 +374,7 @@ columns = 2
 rows = 2
 density = 100
 )",
-                                             mu),
-                                 "test.toml");
+                                          mu));
     const Advice advice = advise(scene, quick(1e-1));
     EXPECT_NE(advice.status, Advice::Status::kInterrupted) << advice.message;
     ASSERT_FALSE(advice.trials.empty());

@@ -215,8 +215,11 @@ TEST(TradeAnalysis, RunsThatWereNotCompletedSayNothing) {
   EXPECT_FALSE(analyse_trade(trade).at(0).sufficient_tol.has_value());
 }
 
-TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
+struct TradeRun : testing::Test {
   const TemporaryFolder folder;
+};
+
+TEST_F(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
   Trade::Options options{.targets = {scene_file(folder, "columns", kColumns)},
                          .solvers = {"auto", "pgs"},
                          .tols = {1e-2, 1e-8},
@@ -258,8 +261,7 @@ TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
   EXPECT_EQ(s.step_tol, 1e-8);
 }
 
-TEST(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
-  const TemporaryFolder folder;
+TEST_F(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
   Trade::Options options{.targets = {scene_file(folder, "falling", kFalling) + ":steps=90"},
                          .tols = {1e-1, 1e-6},
                          .step_factors = {1},
@@ -279,8 +281,7 @@ TEST(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
   EXPECT_NEAR(first.rows[3].values[lost] / first.rows[5].values[lost], 1, 0.2);
 }
 
-TEST(TradeRun, AccuraciesCutStepsOfOneFrame) {
-  const TemporaryFolder folder;
+TEST_F(TradeRun, AccuraciesCutStepsOfOneFrame) {
   Trade::Options options{.targets = {scene_file(folder, "falling", kFalling)},
                          .tols = {1e-2, 1e-6},
                          .step_factors = {1, 0.5},
@@ -303,11 +304,10 @@ TEST(TradeRun, AccuraciesCutStepsOfOneFrame) {
   EXPECT_LT(trade.rows[4].penetration, equal.penetration);
   const SceneTrade s = analyse_trade(trade).at(0);
   EXPECT_EQ(s.step_tol, trade.rows[4].setting.tol);
-  EXPECT_NE(s.answer().find("--accuracy 0.01"), std::string::npos) << s.answer();
+  EXPECT_TRUE(says(s.answer(), "--accuracy 0.01"));
 }
 
-TEST(TradeRun, FailuresAndTimeOutsStayInTheTable) {
-  const TemporaryFolder folder;
+TEST_F(TradeRun, FailuresAndTimeOutsStayInTheTable) {
   Trade::Options options{.targets = {scene_file(folder, "falling", kFalling)},
                          .tols = {1e-1, 1e-6},
                          .step_factors = {1, 0.5},
@@ -404,9 +404,8 @@ TEST(TradeReport, CostAndOverlapOfASettingStandInOneBlock) {
   EXPECT_TRUE(says(text.substr(head, end - head), "overlap / radius")) << text;
 }
 
-TEST(TradeRun, TakesScenesWhoseBodiesComeAndGo) {
+TEST_F(TradeRun, TakesScenesWhoseBodiesComeAndGo) {
   // Disks of 1 kg fall through an outlet: all 4 are gone at the end.
-  const TemporaryFolder folder;
   Trade::Options options;
   options.targets = {scene_file(folder, "leak", R"(
 disks = [{arrangement = "rectangular", columns = 2, rows = 2, radius = 0.1, mass = 1}]
@@ -424,7 +423,7 @@ time = {step = 1e-3, steps = 700}
   EXPECT_EQ(trade.scenes[0].bodies, 4);
 }
 
-TEST(TradeRun, TakesSpheres) {
+TEST_F(TradeRun, TakesSpheres) {
   Trade::Options options{.targets = {"four_spheres:steps=20"},
                          .tols = {1e-3, 1e-6},
                          .step_factors = {1},
@@ -442,9 +441,8 @@ TEST(TradeRun, TakesSpheres) {
   EXPECT_GT(springs.iterations, 10);
 }
 
-TEST(TradeRun, QuickShortensTheScene) {
+TEST_F(TradeRun, QuickShortensTheScene) {
   // A limit of CPU time that the whole scene does not fit: fewer steps, not fewer tolerances.
-  const TemporaryFolder folder;
   Trade::Options options{.targets = {scene_file(folder, "falling", kFalling) + ":steps=80"},
                          .tols = {1e-1, 1e-3},
                          .step_factors = {1},
@@ -460,11 +458,10 @@ TEST(TradeRun, QuickShortensTheScene) {
   EXPECT_EQ(trade.scenes[0].whole_steps, 400000);
 }
 
-TEST(TradeRun, AClusterIsOneBody) {
+TEST_F(TradeRun, AClusterIsOneBody) {
   // A dumbbell of 3 kg falls flat on a floor 5 mm below, without restitution: it loses m g h, lies
   // with its centre of mass a radius above its lowest point, and the floor carries it. Springs have
   // no clusters.
-  const TemporaryFolder folder;
   Trade::Options options;
   options.targets = {scene_file(folder, "dumbbell", R"(
 contact = {mu = 0.3}
@@ -488,7 +485,7 @@ time = {step = 1e-4, steps = 500}
   EXPECT_TRUE(says(trade.rows.back().message, "clusters"));
 }
 
-TEST(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
+TEST_F(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
   Trade::Options options{.targets = {"bouncing_ball", "sliding_cylinder"},
                          .tols = {1e-8},
                          .step_factors = {2, 1},

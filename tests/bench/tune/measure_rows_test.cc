@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "solvers/solve.h"
-#include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/temporary_folder.h"
 
@@ -57,14 +56,10 @@ TEST(MeasureRows, GoesOnFromTheRowsOfAStoppedMeasurement) {
 TEST(MeasureRows, TheLooserToleranceIsMetOnTheWay) {
   const TemporaryFolder folder;
   const ProblemSource source{
-      "lattice", "lattice", [] {
-        TestProblem made{.problem = lattice_step(Lattice::kTriangular, 12, 0.3, 10)};
-        return made;
-      }};
-  MeasureOptions options;
-  options.variants = tuned_variants({"apgd"});
-  options.tols = {1e-2, 1e-8};
-  options.file = folder / "rows.csv";
+      "lattice", "lattice",
+      [] { return TestProblem{.problem = lattice_step(Lattice::kTriangular, 12, 0.3, 10)}; }};
+  MeasureOptions options{
+      .variants = tuned_variants({"apgd"}), .tols = {1e-2, 1e-8}, .file = folder / "rows.csv"};
   int loose = 0, tight = 0;
   for (const MeasuredRow& row : measure_rows({source}, options)) {
     if (row.variant == "apgd") (row.traits.tol == 1e-2 ? loose : tight) = row.iterations;

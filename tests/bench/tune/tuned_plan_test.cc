@@ -18,12 +18,11 @@ const std::vector<TunedVariant> kVariants{{"pgs", 1}, {"assor sweeps=4", 0}};
 std::vector<MeasuredRow> rows_of_scenes() {
   std::vector<MeasuredRow> rows;
   for (int k = 0; k < 40; ++k) {
-    MeasuredRow row;
-    row.problem = fmt::format("p{}", k);
-    row.scene = fmt::format("s{}", k % 4);
-    row.traits = {.contacts = 200, .dim = 2, .tol = 1e-3, .marks = kInPlane | kCold};
-    row.solved = true;
-    row.limit = 10;
+    MeasuredRow row{.problem = fmt::format("p{}", k),
+                    .scene = fmt::format("s{}", k % 4),
+                    .traits = {.contacts = 200, .dim = 2, .tol = 1e-3, .marks = kInPlane | kCold},
+                    .solved = true,
+                    .limit = 10};
     const auto add = [&](const char* variant, int iterations, double seconds) {
       row.variant = variant;
       row.iterations = iterations;

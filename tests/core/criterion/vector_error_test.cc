@@ -63,11 +63,10 @@ void expect_as_one_by_one(int contacts, int begin, int end) {
   for (int c = begin; c < end; ++c) {
     const ContactTerms terms =
         add_error_terms<D, kScaled>(any.p, c, any.s, any.u, any.weights, lanes[(c - begin) % 8]);
-    PieceSums one;
-    one.worst_gap = terms.violation;
-    one.worst_natural = terms.natural;
-    one.worst_epsilon = c;
-    one.worst_eta = terms.natural >= 0 ? c : -1;
+    PieceSums one{.worst_gap = terms.violation,
+                  .worst_natural = terms.natural,
+                  .worst_epsilon = c,
+                  .worst_eta = terms.natural >= 0 ? c : -1};
     worst.add(one);
   }
   for (const int step : {1, 2, 4}) {

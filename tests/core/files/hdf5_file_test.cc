@@ -13,7 +13,6 @@
 #include <fstream>
 #include <functional>
 #include <future>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <thread>

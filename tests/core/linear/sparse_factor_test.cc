@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <limits>
 
-#include "core/base/portable_random.h"
 #include "tests/support/random_vector.h"
 
 namespace bipot {

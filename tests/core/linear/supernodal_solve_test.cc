@@ -3,11 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <cmath>
 #include <deque>
 #include <vector>
 
-#include "core/base/portable_random.h"
 #include "tests/support/random_vector.h"
 
 namespace bipot {

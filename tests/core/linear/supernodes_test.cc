@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/triplets.h"
 #include "core/linear/frontal_tree.h"
 #include "tests/support/grid_matrix.h"
 

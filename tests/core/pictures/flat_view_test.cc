@@ -14,8 +14,7 @@ namespace {
 /// The middle of a cone, radius 0.2 at z = 0 and 1.2 at z = 1, cuts two lines, from x = ±0.2 to ±1.2.
 /// It is drawn as a prism of 32 sides: up to 0.5 % narrower.
 TEST(FlatView, AConeIsCutOnBothSidesAlsoAtTheSeamOfItsPrism) {
-  Scene<3> scene;
-  scene.gravity = Vec3(0, 0, -9.81);
+  Scene<3> scene{.gravity = Vec3(0, 0, -9.81)};
   Wall<3> cone{.name = "cone", .shape = Wall<3>::Shape::kCone, .a = Vec3::Zero()};
   cone.b = Vec3::UnitZ();
   cone.radius = 0.2;

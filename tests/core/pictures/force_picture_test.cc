@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <iterator>
 #include <regex>
 #include <stdexcept>
 
@@ -37,8 +36,7 @@ Scene<2> column(int disks, double mu) {
 }
 
 ContactOutcome<2> contact(int i, int j, double force, ContactStatus status) {
-  ContactOutcome<2> c;
-  c.contact = {.i = i, .j = j, .n = Vec2(0, i < j && j < 3 ? -1 : 1), .gap = 0};
+  ContactOutcome<2> c{.contact = {.i = i, .j = j, .n = Vec2(0, i < j && j < 3 ? -1 : 1), .gap = 0}};
   c.s_n = force * 1e-3;  // step 1e-3 s
   c.status = status;
   return c;
@@ -146,9 +144,7 @@ TEST_F(ForcePicture, MarkedContactsHaveARingAndAnEntryInTheLegend) {
   const State<2> state = loaded_column(scene);
   constexpr const char* kMark = "stroke:rgb\\(80%,5%,35%\\)";
   EXPECT_TRUE(widths(svg(scene, state), kMark).empty());
-  ForcePictureOptions options;
-  options.marked = {0, 2};
-  options.marked_label = "status differs";
+  ForcePictureOptions options{.marked = {0, 2}, .marked_label = "status differs"};
   const std::string picture = svg(scene, state, "caption", options);
   EXPECT_EQ(widths(picture, kMark).size(), 3u);  // two contacts and the sample
   options.marked = {99};
@@ -224,8 +220,7 @@ TEST(Scales, AreRoundAndNotTooLong) {
 TEST_F(ForcePicture, JointsLeadFromTheCentreOfMassToEachDisk) {
   Scene<2> scene = column(2, 0.5);
   join_disks(scene, 2, {.mass = 1});
-  const std::string picture = svg(scene, initial_state(scene));
-  EXPECT_EQ(widths(picture, "stroke:rgb\\(62%,68%,62%\\)").size(), 2u);
+  EXPECT_EQ(widths(svg(scene, initial_state(scene)), "stroke:rgb\\(62%,68%,62%\\)").size(), 2u);
   EXPECT_TRUE(
       widths(svg(column(2, 0.5), initial_state(column(2, 0.5))), "stroke:rgb\\(62%,68%,62%\\)")
           .empty());

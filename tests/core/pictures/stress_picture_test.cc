@@ -62,10 +62,8 @@ TEST(StressPicture, PressuresAreThoseOfTheDisksOwnAreas) {
   state.bodies = {d};
   state.walls.resize(2);
   for (int k = 0; k < 2; ++k) {
-    ContactOutcome<2> o;
-    o.contact = {.i = 0, .j = 1 + k, .n = Vec2(k == 0 ? 1 : -1, 0)};
-    o.s_n = 7e-3;
-    state.contacts.push_back(o);
+    state.contacts.push_back(
+        {.contact = {.i = 0, .j = 1 + k, .n = Vec2(k == 0 ? 1 : -1, 0)}, .s_n = 7e-3});
   }
   const std::vector<double> pressures = disk_pressures(state, 1e-3);
   ASSERT_EQ(pressures.size(), 1u);

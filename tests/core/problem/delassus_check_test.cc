@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "core/problem/contact_problem.h"
 #include "core/problem/delassus.h"
 #include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
@@ -10,11 +9,7 @@ namespace {
 
 /// A frictionless problem of this W.
 ContactProblem problem_of(const Eigen::MatrixXd& w) {
-  ContactProblem p{.dim = 1, .W = w.sparseView()};
-  p.W.makeCompressed();
-  p.u_free = -Vector::Ones(w.rows());
-  p.mu = Vector::Zero(w.rows());
-  return p;
+  return delassus_problem(1, w, -Vector::Ones(w.rows()), Vector::Zero(w.rows()));
 }
 
 // Eigenvalues 3 and -1.

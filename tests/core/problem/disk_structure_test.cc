@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "core/base/types.h"
 #include "core/problem/delassus.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"

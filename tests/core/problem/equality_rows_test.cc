@@ -29,8 +29,7 @@ TEST_P(Dimension, TheManufacturedAnswerIsOne) {
   const ManufacturedJoints m = manufactured_joints(GetParam(), 9, 12, 5);
   const ContactProblem& p = m.problem;
   EXPECT_EQ(validate(p), "");
-  const int rows = static_cast<int>(m.multipliers.size());
-  EXPECT_EQ(p.num_dofs(), m.v.size() - rows);
+  EXPECT_EQ(p.num_dofs(), m.v.size() - static_cast<int>(m.multipliers.size()));
   EXPECT_TRUE(is_diagonal(p.A));
   EXPECT_LE((velocity_at(p, m.s) - m.u).norm(), 1e-12 * m.u.norm());
   EXPECT_LE(contact_error(p, m.s).guarded(), 1e-12);
@@ -134,14 +133,13 @@ TEST(EqualityRows, DefectsAreRefusedWithTheRowOrTheContact) {
   EXPECT_TRUE(says(refusal(one * kNaN, zero), "row 0 of G is not finite"));
   EXPECT_TRUE(says(refusal(one, Vector::Constant(1, kInfinity)), "b[0] = inf is not finite"));
   EXPECT_TRUE(says(refusal(0 * one, Vector::Ones(1)), "row 0 of G is zero, but b[0] = 1"));
-  EXPECT_TRUE(says(refusal(one, zero),
-                   "contact 0: the equality rows leave no motion along its "
-                   "normal"));
+  EXPECT_TRUE(
+      says(refusal(one, zero), "contact 0: the equality rows leave no motion along its normal"));
   MatrixXd two(2, 2);
   two << 1, 1, 2, 2;
   // In rows of unit norm: b/√2 and b/√8, of which the mean is right for both.
   EXPECT_TRUE(says(refusal(two, Eigen::Vector2d(0, 4)), "of G contradicts other rows: b["));
-  EXPECT_EQ(refusal(two, Eigen::Vector2d(1, 2)).find("contradicts"), std::string::npos);
+  EXPECT_FALSE(says(refusal(two, Eigen::Vector2d(1, 2)), "contradicts"));
   ContactProblem bodiless{.dim = 1, .u_free = zero, .mu = zero};
   EXPECT_TRUE(says(refusal_of<std::invalid_argument>(
                        [&] { with_equality_rows(bodiless, SparseRows(one.sparseView()), zero); }),

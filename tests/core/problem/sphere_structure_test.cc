@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/base/types.h"
 #include "core/problem/delassus.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"

@@ -76,8 +76,7 @@ TEST_F(NpyFile, ReadsEveryWidthAndVersion) {
 
 TEST_F(NpyFile, FortranOrderIsTurned) {
   // [[1, 2, 3], [4, 5, 6]] column by column.
-  const std::string data = bytes({1.0, 4.0, 2.0, 5.0, 3.0, 6.0});
-  const NpyArray a = read(npy("<f8", "True", "(2, 3)", data));
+  const NpyArray a = read(npy("<f8", "True", "(2, 3)", bytes({1.0, 4.0, 2.0, 5.0, 3.0, 6.0})));
   EXPECT_EQ(a.shape, (Shape{2, 3}));
   EXPECT_EQ(a.values, (Values{1, 2, 3, 4, 5, 6}));
 }

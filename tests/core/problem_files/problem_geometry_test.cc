@@ -59,8 +59,7 @@ TEST(ProblemGeometry, ComesBackBitForBit) {
   EXPECT_EQ(read->scene.step, w.scene.step);
   EXPECT_TRUE(read->scene.has_friction());
   // The problem itself is as it was.
-  const ContactProblem p = read_fclib(w.path).problem;
-  EXPECT_EQ(Vector(p.mu), w.problem.mu);
+  EXPECT_EQ(Vector(read_fclib(w.path).problem.mu), w.problem.mu);
 }
 
 TEST(ProblemGeometry, CirclesNeedTheirRadiiButNotWhetherTheyArePresent) {
