@@ -18,6 +18,10 @@ struct Pair {
   double gap;
 };
 
+bool by_pair(const Contact<2>& a, const Contact<2>& b) {
+  return std::pair(a.i, a.j) < std::pair(b.i, b.j);
+}
+
 /// Every pair, no grid.
 std::vector<Pair> brute_force(const std::vector<Disk>& disks, double eta) {
   std::vector<Pair> pairs;
@@ -75,11 +79,8 @@ TEST(Detection, FindsEveryPairForAnyRatioOfRadii) {
 }
 
 TEST(Detection, FindsOneSmallDiskOnALargeOne) {
-  std::vector<Disk> disks(3);
-  disks[0].radius = 1000;
-  disks[1].radius = disks[2].radius = 1;
-  disks[1].x = Vec2(0, 1000.5);
-  disks[2].x = Vec2(0, -1001.5);
+  const std::vector<Disk> disks = {
+      {.radius = 1000}, {.x = Vec2(0, 1000.5), .radius = 1}, {.x = Vec2(0, -1001.5), .radius = 1}};
   const std::vector<Contact<2>> contacts = detect_contacts(disks, {}, 0);
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_EQ(contacts[0].i, 0);
@@ -143,9 +144,7 @@ TEST(Detection, TheOrderOfTheDisksDoesNotMatter) {
       c.n = -c.n;
     }
   }
-  std::sort(back.begin(), back.end(), [](const Contact<2>& a, const Contact<2>& b) {
-    return std::pair(a.i, a.j) < std::pair(b.i, b.j);
-  });
+  std::sort(back.begin(), back.end(), by_pair);
   for (std::size_t k = 0; k < back.size(); ++k) {
     EXPECT_EQ(back[k].i, reference[k].i);
     EXPECT_EQ(back[k].j, reference[k].j);
@@ -155,9 +154,7 @@ TEST(Detection, TheOrderOfTheDisksDoesNotMatter) {
 }
 
 TEST(Detection, EtaIsTheLargestGapOfACandidate) {
-  std::vector<Disk> disks(2);
-  disks[0].radius = disks[1].radius = 1;
-  disks[1].x = Vec2(2.5, 0);
+  std::vector<Disk> disks = {{.radius = 1}, {.x = Vec2(2.5, 0), .radius = 1}};
   EXPECT_EQ(detect_contacts(disks, {}, 0.499).size(), 0u);
   EXPECT_EQ(detect_contacts(disks, {}, 0.5).size(), 1u);
   disks[1].x = Vec2(2, 0);
@@ -166,12 +163,7 @@ TEST(Detection, EtaIsTheLargestGapOfACandidate) {
 
 TEST(Detection, EtaMayExceedTheDisks) { expect_all_found(power_law_disks(100, 3, 2, 6), 50.0); }
 
-std::vector<Disk> one_disk(const Vec2& x, double radius) {
-  std::vector<Disk> disks(1);
-  disks[0].x = x;
-  disks[0].radius = radius;
-  return disks;
-}
+std::vector<Disk> one_disk(const Vec2& x, double radius) { return {{.x = x, .radius = radius}}; }
 
 TEST(Detection, HalfPlaneActsAlongItsNormal) {
   Wall<2> wall{.a = Vec2(5, 1), .normal = Vec2(0.6, 0.8)};
@@ -211,17 +203,12 @@ TEST(Detection, DisksAndWallsAreSortedByPair) {
   walls[1].normal = Vec2(1, 0);
   const std::vector<Contact<2>> contacts = detect_contacts(disks, walls, 1e-9);
   EXPECT_EQ(contacts.size(), 3u * 3 + 4 * 2 + 4 + 3);
-  EXPECT_TRUE(std::is_sorted(contacts.begin(), contacts.end(),
-                             [](const Contact<2>& a, const Contact<2>& b) {
-                               return std::pair(a.i, a.j) < std::pair(b.i, b.j);
-                             }));
+  EXPECT_TRUE(std::is_sorted(contacts.begin(), contacts.end(), by_pair));
   for (const Contact<2>& c : contacts) EXPECT_LT(c.i, c.j);
 }
 
 TEST(Detection, RefusesCoincidentCentres) {
-  std::vector<Disk> disks(2);
-  disks[0].radius = 1;
-  disks[1].radius = 200;
+  const std::vector<Disk> disks = {{.radius = 1}, {.radius = 200}};
   EXPECT_THROW(detect_contacts(disks, {}, 0), std::invalid_argument);
   Wall<2> wall{.shape = Wall<2>::Shape::kSegment, .a = Vec2(-1, 0), .b = Vec2(1, 0)};
   EXPECT_THROW(detect_contacts(one_disk(Vec2(0.5, 0), 1), std::span(&wall, 1), 0),
