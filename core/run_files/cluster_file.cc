@@ -65,7 +65,9 @@ void write_clusters(Hdf5File& frame, const State<D>& state) {
     }
   }
   write_column(frame, "/bodies/cluster", "", state.bodies, &Body<D>::cluster);
-  write_column(frame, "/bodies/arm", "m", state.clusters.arms, std::identity());
+  std::vector<Vec<D>> arms = state.clusters.arms;  // none once all clusters have left
+  arms.resize(state.bodies.size(), Vec<D>::Zero());
+  write_column(frame, "/bodies/arm", "m", arms, std::identity());
 }
 
 template <int D>

@@ -140,6 +140,28 @@ Inlet<2> square_inlet(double side, double rate) {
           .density = 100};
 }
 
+// A cluster falls out, and a disk comes in later: the run can be continued from its frames.
+TEST(Population, ADiskThatComesInAfterAllClustersLeftContinuesARun) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = parse_scene(
+      "gravity = [0, -10]\n[[clusters]]\nparts = [[0, 0, 0.1], [0.15, 0, 0.1]]\nmass = 1\n"
+      "position = [0, 0.1]\n[[outlets]]\npoint = [0, 0]\nnormal = [0, 1]\n"
+      "[[inlets]]\nlower = [0, 1]\nupper = [1, 2]\nrate = 1\nradii = [0.1]\ndensity = 1\n"
+      "starts = 0.25\n[time]\nstep = 0.01\nsteps = 40\n",
+      "test.toml");
+  RunWriter<2> writer(folder / "out", scene, "");
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper(scene, sweeps(), false);
+  while (state.step < 20) stepper.advance(state);
+  EXPECT_TRUE(state.bodies.empty());
+  while (state.step < 40) stepper.advance(state);
+  ASSERT_EQ(state.bodies.size(), 1u);
+  writer.frame(state);
+  writer.close();
+  const State<2> read = read_state<2>(folder / "out");
+  EXPECT_EQ(read.bodies[0].x, state.bodies[0].x);
+}
+
 TEST(Population, BodiesComeInAtTheirTimes) {
   // Body k is due at 0.05 s + k / 20: those of t = 0.05, 0.10, ... appear in the steps that start
   // there, so after step n there are floor((n - 1 - 5) / 5) + 1 of them, no more than 6 in all.
