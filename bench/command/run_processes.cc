@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -86,6 +87,7 @@ void refuse_on_several_processes(const CommonFlags& flags, const std::string& fl
 ExitCode exit_code_for(const std::exception& e) {
   if (const auto* common = dynamic_cast<const CommonCommandFailure*>(&e)) return common->exit_code;
   if (dynamic_cast<const FileError*>(&e) != nullptr) return kExitIo;
+  if (dynamic_cast<const std::filesystem::filesystem_error*>(&e) != nullptr) return kExitIo;
   if (dynamic_cast<const std::invalid_argument*>(&e) != nullptr) return kExitBadInput;
   if (dynamic_cast<const SceneFileError*>(&e) != nullptr) return kExitBadInput;
   if (dynamic_cast<const Interrupted*>(&e) != nullptr) return kExitInterrupted;

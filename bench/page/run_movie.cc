@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "bench/page/run_frames.h"
+#include "bench/report/json_output.h"
 #include "bench/report/program.h"
 #include "core/base/interrupt.h"
+#include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/pictures/flat_view.h"
 #include "core/pictures/force_picture.h"
@@ -127,6 +129,7 @@ fs::path write_run_movie(const fs::path& run, fs::path file, int frames_a_second
   if (!gif && file.extension() != ".mp4") {
     throw std::invalid_argument(file.string() + ": expected a name that ends with .mp4 or .gif");
   }
+  require_writable(file.string());
   run_program({"ffmpeg", "-version"}, "", kFfmpeg, kPatience);
   const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
   const PictureFolder pictures(folder / "movie.part");
@@ -149,7 +152,9 @@ fs::path write_run_movie(const fs::path& run, fs::path file, int frames_a_second
   const fs::path made = pictures.path() / file.filename();
   words.push_back(made.string());
   run_program(words, "", kFfmpeg, kPatience);
-  fs::copy_file(made, file, fs::copy_options::overwrite_existing);
+  AtomicFile target(file);
+  fs::copy_file(made, target.draft(), fs::copy_options::overwrite_existing);
+  target.commit();
   return file;
 }
 

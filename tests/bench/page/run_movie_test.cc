@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "bench/page/run_frames.h"
+#include "core/base/file_error.h"
 #include "solvers/simulation/scene_run.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/temporary_folder.h"
@@ -12,13 +13,14 @@
 namespace bipot {
 namespace {
 
-TEST(RunMovie, AnotherEndingIsRefusedBeforeAnythingIsDrawn) {
+TEST(RunMovie, AnotherEndingOrNoPlaceIsRefusedBeforeAnythingIsDrawn) {
   const TemporaryFolder folder;
   const Scene<2> scene = scene_of(
       "[[disks]]\nradius = 1\ndensity = 1\nposition = [0, 0]\n[time]\nstep = 0.1\nsteps = 1\n");
   State<2> state = initial_state(scene);
   run_scene(scene, state, {.folder = {.folder = folder.path()}});
   EXPECT_THROW(write_run_movie(folder.path(), "movie.avi"), std::invalid_argument);
+  EXPECT_THROW(write_run_movie(folder.path(), folder / "none/movie.gif"), FileError);
 }
 
 TEST(RunFrames, AShownStateIsTheOneOfItsFile) {
