@@ -22,11 +22,14 @@ class Player {
     this.due = true;
     requestAnimationFrame(() => {
       this.due = false;
-      const {width, height} = this.view.size();
-      if (!width || !height) return;  // a window opened behind others: its size comes later
-      this.view.draw(this.frame, this.look);
-      this.showScale();
+      this.draw();
     });
+  }
+  draw() {
+    const {width, height} = this.view.size();
+    if (!width || !height) return;  // a window opened behind others: its size comes later
+    this.view.draw(this.frame, this.look);
+    this.showScale();
   }
 
   /** Shows a frame, and its time wherever time stands. */
@@ -152,9 +155,16 @@ class Player {
       this.view.resize();
       if (before === undefined || before === scale || run.dim === 3) this.view.fit();
       this.drawMarks();
-      this.redraw();
+      this.draw();  // at once: the canvas is empty after a change of its size
     }).observe($('stage'));
     window.addEventListener('hashchange', () => this.readLink());
+    let theme;
+    window.addEventListener('beforeprint', () => {
+      theme = document.documentElement.dataset.theme;
+      this.setTheme('light');
+      this.draw();  // at once: the paper does not wait
+    });
+    window.addEventListener('afterprint', () => this.setTheme(theme));
   }
 
   addPointer() {

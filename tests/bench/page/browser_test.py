@@ -192,6 +192,32 @@ def check_small_stages(page, name):
     expect(not page.errors, f"{name}: small stages draw without errors {page.errors[:1] or ''}")
 
 
+PRINTED = """(() => {
+  window.dispatchEvent(new Event('beforeprint'));
+  const view = document.getElementById('view'), copy = document.createElement('canvas');
+  [copy.width, copy.height] = [view.width, view.height];
+  const pen = copy.getContext('2d');
+  pen.drawImage(view, 0, 0);
+  const pixels = new Uint32Array(pen.getImageData(0, 0, copy.width, copy.height).data.buffer);
+  const theme = document.documentElement.dataset.theme;
+  window.dispatchEvent(new Event('afterprint'));
+  return [theme, view.offsetHeight, new Set(pixels).size, document.documentElement.dataset.theme];
+})()"""
+
+
+def check_paper(page, name):
+    """A page on paper has the picture as well, in light colours."""
+    page.show(1280, 900, True)
+    page.open(FOLDER / name / "index.html")
+    page.wait("window.bipotPlayer !== undefined")
+    page.frames_drawn()
+    page.call("Emulation.setEmulatedMedia", media="print")
+    theme, height, colours, later = page.value(PRINTED)
+    page.call("Emulation.setEmulatedMedia", media="")
+    expect(theme == "light" and later == "dark" and height > 200 and colours > 20,
+           f"{name}: paper shows the picture {theme} {height} {colours} {later}")
+
+
 def check_watched_run(page):
     """A page of a run that goes on gets its frames without a reload, and learns of the end."""
     run = subprocess.Popen([BIPOT, "run", "drum", "--steps", "100000", "--watch", "--port", "0", "--quiet",
@@ -303,6 +329,7 @@ def main():
             subprocess.run([BIPOT, "run", name, "--steps", str(steps), "--out", FOLDER / name, "--quiet"], check=False)
             check_page(page, name, steps)
             check_small_stages(page, name)
+            check_paper(page, name)
         check_watched_run(page)
         measure_frames(page)
     finally:
