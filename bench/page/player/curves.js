@@ -185,6 +185,7 @@ class CurvePanel {
           chart.now = document.createElement('div');
           chart.now.className = 'now';
           u.over.append(chart.now);
+          this.place([chart]);
           let down = null;
           u.over.addEventListener('pointerdown', event => down = event.clientX);
           u.over.addEventListener('pointerup', event => {

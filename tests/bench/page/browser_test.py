@@ -170,6 +170,11 @@ def check_page(page, name, steps):
     page.open(run / "index.html", f"#t={time:.7g}")
     page.wait("window.bipotPlayer !== undefined")
     expect(page.value("bipotPlayer.frame.step") == middle, f"{name}: a link opens its moment")
+    bars = "[...document.querySelectorAll('.plot .now')].map(bar => bar.style.transform)"
+    before = page.value(bars)
+    page.value("document.getElementById('theme').click()")
+    page.frames_drawn()
+    expect(before and page.value(bars) == before, f"{name}: the bars of time stay in another theme")
     expect(not page.errors, f"{name}: the console is silent {page.errors[:3] or ''}")
 
 
