@@ -237,6 +237,14 @@ Vector read_impulses(const std::filesystem::path& path, const ContactProblem& pr
             table.values.empty() ? "no numbers" : fmt::format("s has size {}", table.values.size()),
             problem.num_rows(), contacts, dim));
   }
+  if (is_npy(path) && contacts > 0) {
+    const std::size_t m = table.values.size(), columns = table.columns;
+    if (columns != 1 && columns != file_dim && columns != contacts && columns != m) {
+      throw FileError(path, "",
+                      fmt::format("the shape {} x {}, expected {}, {} x {} or {} x {}", m / columns,
+                                  columns, m, contacts, file_dim, file_dim, contacts));
+    }
+  }
   Vector s = arrange(table, contacts, file_dim, layout);
   check_names(path, table, file_dim, layout);
   for (Eigen::Index k = 0; k < s.size(); ++k) {

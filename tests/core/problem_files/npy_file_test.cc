@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/file_error.h"
+#include "core/problem_files/impulse_file.h"
 #include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
@@ -94,6 +95,18 @@ TEST_F(NpyFile, RefusesWhatItCannotRead) {
   EXPECT_TRUE(says(refusal(npy("<f8", "False", "(2,)", two, 4)), "version 4"));
   EXPECT_TRUE(says(refusal(npy("<f8", "False", "(2,)", two).substr(0, 40)), "ends within"));
   EXPECT_TRUE(says(refusal("1 2 3"), "not a .npy file"));
+}
+
+TEST_F(NpyFile, ATableOfImpulsesHasARowOrAColumnForEachContact) {
+  const ContactProblem p{.dim = 2, .u_free = Vector::Zero(12), .mu = Vector::Constant(6, 0.5)};
+  const std::string zeros(12 * sizeof(double), '\0');
+  for (const char* shape : {"(12,)", "(12, 1)", "(1, 12)", "(6, 2)", "(2, 6)"}) {
+    read(npy("<f8", "False", shape, zeros));
+    EXPECT_EQ(read_impulses(path(), p), p.u_free) << shape;
+  }
+  read(npy("<f8", "False", "(3, 4)", zeros));
+  EXPECT_TRUE(says(refusal_of<FileError>([&] { read_impulses(path(), p); }),
+                   "the shape 3 x 4, expected 12, 6 x 2 or 2 x 6"));
 }
 
 }  // namespace
