@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -197,12 +198,20 @@ State<D> read_state(const fs::path& run, int step) {
   State<D> state;
   state.step = file.read_int("/step");
   state.time = file.read_double("/time");
+  if (state.step < 0 || !std::isfinite(state.time)) {
+    throw FileError(file.path(), "/time", fmt::format("step {}, {} s", state.step, state.time));
+  }
   state.wall_work = file.read_double("/wall_work");
   state.friction_loss = file.read_double("/friction_loss");
   state.shock_loss = file.read_double("/shock_loss");
   if (file.exists("/halvings")) state.halvings = file.read_int("/halvings");
   if (file.exists("/cohesion_loss")) state.cohesion_loss = file.read_double("/cohesion_loss");
   state.bodies = read_disks<D>(fixed, file, state.population);
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    if (state.bodies[i].x.allFinite() && state.bodies[i].v.allFinite()) continue;
+    throw FileError(file.path(), "/bodies",
+                    fmt::format("{} {}: place or velocity is not finite", kBodyName<D>, i));
+  }
   read_clusters(file, state);
   state.walls = read_walls<D>(fixed, file);
   state.cell = read_state_cell(fixed, file);

@@ -626,6 +626,17 @@ TEST_F(RunOutput, UnusableFoldersAndDamagedFilesAreRefused) {
   writer.frame(at(5));
   writer.frame(at(5));  // the same again: nothing happens
   EXPECT_THROW(writer.frame(at(4)), std::invalid_argument);
+  const auto damaged = [&](const char* name, double value) {
+    Hdf5File(out_ / "frames/00000005.h5", Hdf5File::Mode::kAppend).write(name, value);
+    return refusal_of<FileError>([&] { read_state(out_); });
+  };
+  EXPECT_TRUE(says(damaged("/time", kNaN), "/time: step 5, nan s"));
+  EXPECT_EQ(damaged("/time", 0.5), "nothing was thrown");
+  State<2> lost = at(5);
+  lost.bodies[0].v[1] = kNaN;
+  RunWriter<2>(folder_ / "lost", scene_, "").frame(lost);
+  EXPECT_TRUE(says(refusal_of<FileError>([&] { read_state(folder_ / "lost"); }),
+                   "disk 0: place or velocity is not finite"));
   Hdf5File(out_ / "frames/00000005.h5", Hdf5File::Mode::kAppend)
       .write("/contacts/j", std::vector<int>{1, 6});
   EXPECT_THROW(read_state(out_), FileError);
