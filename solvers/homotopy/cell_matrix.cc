@@ -48,7 +48,7 @@ double CellMatrix::diagonal(int slot) const {
   const int d = problem_.dim, contact = slot / d, n = contact * d;
   const Column column = columns_[to_size(slot)];
   if (!is_impulse(column)) return slot == n + static_cast<int>(column) ? 1 : 0;
-  double w[3];
+  double w[3] = {};
   for (int k = 0; k < d; ++k) w[k] = problem_.W.coeff(slot, n + k);
   return entry(slot, column, contact, w);
 }
