@@ -12,9 +12,9 @@ using Members = std::vector<const ClassifiedInstance*>;
 constexpr double kLeastSaving = 0.05;
 constexpr int kDeepest = 6;
 constexpr double kContacts[] = {20, 50, 100, 200, 400, 1000, 2500, 4000, 8000, 20000};
-// Each with the other word for all others, and unequal masses.
-constexpr unsigned kFirst[] = {kWarm, kDisks, kVectors, kUnequal, kBodies, kInPlane};
-constexpr unsigned kOther[] = {kCold, kNoDisks, kNoVectors, 0, kWAlone, kInSpace};
+// Each with the other word for all others, if there is one.
+constexpr unsigned kFirst[] = {kWarm, kDisks, kVectors, kUnequal, kBodies, kInPlane, kClosePacked};
+constexpr unsigned kOther[] = {kCold, kNoDisks, kNoVectors, 0, kWAlone, kInSpace, 0};
 
 struct Plan {
   std::vector<ScheduledStage> schedule;

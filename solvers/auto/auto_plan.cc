@@ -16,9 +16,10 @@ namespace {
 // constant        value  unit       reason
 // kFair           5e-4   tolerance  from here on stages near it have no more than their budget
 // kUnequalRatio   1e5    W_nn/W_nn  first order needs the root of it in iterations
+// kManyContacts   3.5    contacts   a body; random packings of spheres have at most 3
 // kScalar         20     contacts   too few disks to fill vectors
 // kSmallLattice   600    contacts   accelerated sweeps solve square lattices up to it quickly
-constexpr double kFair = 5e-4, kUnequalRatio = 1e5;
+constexpr double kFair = 5e-4, kUnequalRatio = 1e5, kManyContacts = 3.5;
 constexpr int kScalar = 20, kSmallLattice = 600;
 
 /// True if all normals are along or across one direction.
@@ -133,6 +134,10 @@ ProblemTraits traits_of(const ContactProblem& p, const DelassusOperator& delassu
   marks |= p.has_velocities() ? kBodies : kWAlone;
   marks |= p.plain_dim() <= 2 ? kInPlane : kInSpace;
   if (ratio_of_diagonal(p, delassus) > kUnequalRatio) marks |= kUnequal;
+  // 6 degrees of freedom a sphere.
+  if (p.plain_dim() == 3 && p.has_velocities() && 6 * n > kManyContacts * p.num_dofs()) {
+    marks |= kClosePacked;
+  }
   return {
       .contacts = n, .dim = p.plain_dim(), .tol = options.tol, .marks = marks, .rolls = p.rolls()};
 }

@@ -25,11 +25,20 @@ namespace {
 constexpr struct {
   std::string_view name;
   PlanMark mark;
-} kMarks[] = {{"warm", kWarm},           {"cold", kCold},       {"disks", kDisks},
-              {"no_disks", kNoDisks},    {"vectors", kVectors}, {"no_vectors", kNoVectors},
-              {"unequal", kUnequal},     {"bodies", kBodies},   {"w_alone", kWAlone},
-              {"plane", kInPlane},       {"space", kInSpace},   {"parallel", kInParallel},
-              {"any_forces", kAnyForces}};
+} kMarks[] = {{"warm", kWarm},
+              {"cold", kCold},
+              {"disks", kDisks},
+              {"no_disks", kNoDisks},
+              {"vectors", kVectors},
+              {"no_vectors", kNoVectors},
+              {"unequal", kUnequal},
+              {"bodies", kBodies},
+              {"w_alone", kWAlone},
+              {"plane", kInPlane},
+              {"space", kInSpace},
+              {"parallel", kInParallel},
+              {"any_forces", kAnyForces},
+              {"close_packed", kClosePacked}};
 
 constexpr std::string_view kStarts[] = {"own", "caller", "last", "best"};
 constexpr const char* kStartsExpected =

@@ -25,7 +25,8 @@ enum PlanMark : unsigned {
   kInPlane = 512,      ///< d <= 2
   kInSpace = 1024,     ///< d = 3
   kInParallel = 2048,  ///< several processes have it
-  kAnyForces = 4096    ///< any force network serves that obeys the law
+  kAnyForces = 4096,   ///< any force network serves that obeys the law
+  kClosePacked = 8192  ///< spheres with many more contacts than a random packing has
 };
 
 /// The marks as words, separated by blanks, and back; an unknown word throws std::invalid_argument.
