@@ -73,116 +73,66 @@ const std::vector<TableKeys>& all_tables() {
 }
 
 struct Synonym {
-  std::string_view typed;
+  KeyWords typed;
   KeyWords keys;  // the first one that the table takes is meant
 };
 
 /// Words of other programs and textbooks.
 const std::vector<Synonym>& all_synonyms() {
   static const std::vector<Synonym> synonyms = {
-      {"friction", {"mu"}},
-      {"friction_coefficient", {"mu"}},
-      {"coefficient_of_friction", {"mu"}},
-      {"frictioncoeff", {"mu"}},
-      {"mu_s", {"mu"}},
-      {"mu_d", {"mu"}},
-      {"mu_k", {"mu"}},
-      {"rolling_friction", {"mu_r"}},
-      {"rolling_resistance", {"mu_r"}},
-      {"mu_rolling", {"mu_r"}},
-      {"spinning_friction", {"mu_spin"}},
-      {"torsional_friction", {"mu_spin"}},
-      {"restitution", {"e_n"}},
-      {"restitution_coefficient", {"e_n"}},
-      {"coefficient_of_restitution", {"e_n"}},
-      {"cor", {"e_n"}},
-      {"e", {"e_n"}},
-      {"en", {"e_n"}},
-      {"et", {"e_t"}},
-      {"adhesion", {"cohesion"}},
-      {"impact_law", {"impact"}},
-      {"collision_law", {"impact"}},
-      {"dt", {"step"}},
-      {"h", {"step", "height"}},
-      {"timestep", {"step"}},
-      {"time_step", {"step"}},
-      {"step_size", {"step"}},
-      {"n_steps", {"steps"}},
-      {"num_steps", {"steps"}},
-      {"nsteps", {"steps"}},
-      {"end", {"duration", "to", "stops"}},
-      {"t_end", {"duration"}},
-      {"end_time", {"duration"}},
-      {"time", {"duration"}},
-      {"total_time", {"duration"}},
-      {"start", {"from", "starts"}},
-      {"n", {"count", "rows", "steps", "normal"}},
-      {"number", {"count"}},
-      {"num", {"count"}},
-      {"number_of_disks", {"count"}},
-      {"type", {"arrangement"}},
-      {"kind", {"arrangement"}},
-      {"layout", {"arrangement"}},
-      {"shape", {"arrangement"}},
-      {"r", {"radius", "radii"}},
-      {"rad", {"radius", "radii"}},
-      {"radius", {"radii"}},
-      {"radii", {"radius"}},
-      {"sizes", {"radii"}},
-      {"x", {"position", "point"}},
-      {"pos", {"position", "point"}},
-      {"center", {"position", "point"}},
-      {"centre", {"center", "position", "point"}},
-      {"position", {"point", "corner", "center"}},
-      {"origin", {"corner", "point"}},
-      {"rho", {"density"}},
-      {"m", {"mass"}},
-      {"moment_of_inertia", {"inertia"}},
-      {"v", {"velocity"}},
-      {"vel", {"velocity"}},
-      {"speed", {"velocity"}},
-      {"omega", {"spin"}},
-      {"angular_velocity", {"spin"}},
-      {"rotation", {"spin"}},
-      {"belt", {"surface_velocity"}},
-      {"belt_speed", {"surface_velocity"}},
-      {"load", {"force"}},
-      {"wall", {"walls"}},
-      {"wall_height", {"height"}},
-      {"length", {"width"}},
-      {"g", {"gravity"}},
-      {"material_pairs", {"pairs"}},
-      {"interactions", {"pairs"}},
-      {"balls", {"spheres", "disks"}},
-      {"particles", {"disks", "spheres"}},
-      {"grains", {"disks", "spheres"}},
-      {"bodies", {"disks", "spheres"}},
-      {"circles", {"disks"}},
-      {"disk", {"disks"}},
-      {"sphere", {"spheres"}},
-      {"planes", {"walls"}},
-      {"lines", {"walls"}},
-      {"boundaries", {"walls"}},
-      {"container", {"inside"}},
-      {"filename", {"file"}},
-      {"path", {"file"}},
-      {"csv", {"file"}},
-      {"method", {"name"}},
-      {"tolerance", {"tol"}},
-      {"eps", {"tol"}},
-      {"max_iter", {"max_iterations"}},
-      {"iterations", {"max_iterations"}},
-      {"save_every", {"every"}},
-      {"frames", {"every"}},
-      {"interval", {"every"}},
-      {"frequency", {"every"}},
-      {"damping", {"e_n"}},
-      {"periodic", {"cell"}},
-      {"joints", {"pins"}},
-      {"hinges", {"pins"}},
-      {"cables", {"ropes"}},
-      {"strings", {"ropes"}},
-      {"period", {"cell", "width"}},
+      {{"friction", "friction_coefficient", "coefficient_of_friction", "frictioncoeff", "mu_s",
+        "mu_d", "mu_k"},
+       {"mu"}},
+      {{"rolling_friction", "rolling_resistance", "mu_rolling"}, {"mu_r"}},
+      {{"spinning_friction", "torsional_friction"}, {"mu_spin"}},
+      {{"restitution", "restitution_coefficient", "coefficient_of_restitution", "cor", "e", "en",
+        "damping"},
+       {"e_n"}},
+      {{"et"}, {"e_t"}},
+      {{"adhesion"}, {"cohesion"}},
+      {{"impact_law", "collision_law"}, {"impact"}},
+      {{"dt", "timestep", "time_step", "step_size"}, {"step"}},
+      {{"h"}, {"step", "height"}},
+      {{"n_steps", "num_steps", "nsteps"}, {"steps"}},
+      {{"end"}, {"duration", "to", "stops"}},
+      {{"t_end", "end_time", "time", "total_time"}, {"duration"}},
+      {{"start"}, {"from", "starts"}},
+      {{"n"}, {"count", "rows", "steps", "normal"}},
+      {{"number", "num", "number_of_disks"}, {"count"}},
+      {{"type", "kind", "layout", "shape"}, {"arrangement"}},
+      {{"r", "rad"}, {"radius", "radii"}},
+      {{"radius", "sizes"}, {"radii"}},
+      {{"radii"}, {"radius"}},
+      {{"x", "pos", "center"}, {"position", "point"}},
+      {{"centre"}, {"center", "position", "point"}},
+      {{"position"}, {"point", "corner", "center"}},
+      {{"origin"}, {"corner", "point"}},
+      {{"rho"}, {"density"}},
+      {{"m"}, {"mass"}},
+      {{"moment_of_inertia"}, {"inertia"}},
+      {{"v", "vel", "speed"}, {"velocity"}},
+      {{"omega", "angular_velocity", "rotation"}, {"spin"}},
+      {{"belt", "belt_speed"}, {"surface_velocity"}},
+      {{"load"}, {"force"}},
+      {{"wall", "planes", "lines", "boundaries"}, {"walls"}},
+      {{"wall_height"}, {"height"}},
+      {{"length"}, {"width"}},
+      {{"g"}, {"gravity"}},
+      {{"material_pairs", "interactions"}, {"pairs"}},
+      {{"balls"}, {"spheres", "disks"}},
+      {{"particles", "grains", "bodies"}, {"disks", "spheres"}},
+      {{"circles", "disk"}, {"disks"}},
+      {{"sphere"}, {"spheres"}},
+      {{"container"}, {"inside"}},
+      {{"filename", "path", "csv"}, {"file"}},
+      {{"method"}, {"name"}},
+      {{"tolerance", "eps"}, {"tol"}},
+      {{"max_iter", "iterations"}, {"max_iterations"}},
+      {{"save_every", "frames", "interval", "frequency"}, {"every"}},
+      {{"periodic"}, {"cell"}},
+      {{"joints", "hinges"}, {"pins"}},
+      {{"cables", "strings"}, {"ropes"}},
+      {{"period"}, {"cell", "width"}},
   };
   return synonyms;
 }
@@ -218,7 +168,7 @@ bool lists(const KeyWords& words, std::string_view word) {
 /// The first meaning that `valid` has; empty: none.
 std::string synonym_among(std::string_view typed, const std::vector<std::string>& valid) {
   for (const Synonym& synonym : all_synonyms()) {
-    if (synonym.typed != typed) continue;
+    if (!lists(synonym.typed, typed)) continue;
     for (const std::string_view key : synonym.keys) {
       if (std::find(valid.begin(), valid.end(), key) != valid.end()) return std::string(key);
     }
@@ -238,8 +188,8 @@ const TableKeys* table_with(std::string_view key) {
 std::string other_place(std::string_view typed) {
   KeyWords meanings = {typed};
   for (const Synonym& synonym : all_synonyms()) {
-    if (synonym.typed == typed)
-      meanings.insert(meanings.end(), synonym.keys.begin(), synonym.keys.end());
+    if (!lists(synonym.typed, typed)) continue;
+    meanings.insert(meanings.end(), synonym.keys.begin(), synonym.keys.end());
   }
   for (const std::string_view key : meanings) {
     if (const TableKeys* place = table_with(key)) {
@@ -263,7 +213,7 @@ std::vector<std::string> keys_of_table(std::string_view table) {
 bool is_synonym(std::string_view typed, std::string_view key) {
   const auto& synonyms = all_synonyms();
   return std::any_of(synonyms.begin(), synonyms.end(), [&](const Synonym& synonym) {
-    return synonym.typed == typed && lists(synonym.keys, key);
+    return lists(synonym.typed, typed) && lists(synonym.keys, key);
   });
 }
 
