@@ -51,6 +51,12 @@ CellNumber cell_number(const PeriodicCell& cell, const Vec2& x) {
   return number;
 }
 
+CellNumber nearest_corner(const PeriodicCell& cell, const Vec2& x) {
+  const double ky = cell.in_y ? std::round(x[1] / cell.height.length) : 0;
+  const double kx = std::round((x[0] - ky * cell.offset.length) / cell.width.length);
+  return {static_cast<int>(kx), static_cast<int>(ky)};
+}
+
 Vec2 wrapped(const PeriodicCell& cell, const Vec2& x) {
   const CellNumber number = cell_number(cell, x);
   return x - cell.shift(number.kx, number.ky);

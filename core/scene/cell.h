@@ -76,6 +76,8 @@ struct CellNumber {
   int kx = 0, ky = 0;
 };
 CellNumber cell_number(const PeriodicCell& cell, const Vec2& x);
+/// Those of the cell whose corner is nearest to x.
+CellNumber nearest_corner(const PeriodicCell& cell, const Vec2& x);
 /// The image of x in the cell (0, 0).
 Vec2 wrapped(const PeriodicCell& cell, const Vec2& x);
 

@@ -31,25 +31,28 @@ Vec3 mean_momentum(const Vec3& start, const Vec3& inertia, double h) {
 }
 
 /// Sets position, rotation and motion of one member.
-void place(const Cluster<2>& cluster, const Vec2& at, Disk& d) {
-  const Vec2 arm = turned_arm(cluster, at);
-  d.x = cluster.x + arm;
-  d.v = cluster.v + swept(cluster.spin, arm);
-  d.angle = cluster.angle;
-  d.spin = cluster.spin;
-}
-void place(const Cluster<3>& cluster, const Vec3& at, Sphere& s) {
-  const Vec3 arm = turned_arm(cluster, at);
-  s.x = cluster.x + arm;
-  s.v = cluster.v + swept(cluster.spin, arm);
-  s.orientation = cluster.orientation;
-  s.spin = cluster.spin;
+template <int D>
+void place(const Cluster<D>& cluster, const Vec<D>& at, Body<D>& body) {
+  const Vec<D> arm = turned_arm(cluster, at);
+  body.x = cluster.x + arm;
+  body.v = cluster.v + swept(cluster.spin, arm);
+  body.spin = cluster.spin;
+  if constexpr (D == 2) {
+    body.angle = cluster.angle;
+  } else {
+    body.orientation = cluster.orientation;
+  }
 }
 
 template <int D>
-[[noreturn]] void refuse_one_centre() {
-  throw std::invalid_argument(
-      fmt::format("two {}s of a cluster have the same centre", kBodyName<D>));
+void require_different_centres(std::span<const Body<D>> bodies) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (bodies[i].x != bodies[j].x) continue;
+      throw std::invalid_argument(
+          fmt::format("two {}s of a cluster have the same centre", kBodyName<D>));
+    }
+  }
 }
 
 bool positive(double x) { return std::isfinite(x) && x > 0; }
@@ -108,16 +111,10 @@ void place_members(const Clusters<D>& clusters, std::vector<Body<D>>& bodies) {
 }
 
 void join_disks(Scene<2>& scene, std::size_t count, const Clusters<2>::Mass& given) {
-  const std::size_t first = scene.bodies.size() - count;
+  const std::span<Disk> disks = std::span(scene.bodies).last(count);
+  require_different_centres<2>(disks);
   std::vector<Circle> circles;
-  for (std::size_t i = first; i < scene.bodies.size(); ++i) {
-    for (const Circle& other : circles) {
-      if (other.centre == scene.bodies[i].x) {
-        refuse_one_centre<2>();
-      }
-    }
-    circles.push_back({scene.bodies[i].x, scene.bodies[i].radius});
-  }
+  for (const Disk& disk : disks) circles.push_back({disk.x, disk.radius});
   const UnionMoments moments = union_moments(circles);
   Cluster<2> body{.x = moments.centre,
                   .mass = given.mass > 0 ? given.mass : given.density * moments.area,
@@ -131,21 +128,17 @@ void join_disks(Scene<2>& scene, std::size_t count, const Clusters<2>::Mass& giv
     if (!scene.clusters.empty()) scene.clusters.arms.resize(scene.bodies.size(), Vec2::Zero());
     return;
   }
-  scene.clusters.arms.resize(scene.bodies.size(), Vec2::Zero());
-  for (std::size_t i = first; i < scene.bodies.size(); ++i) {
-    scene.bodies[i].mass = scene.bodies[i].inertia = 0;
-    scene.bodies[i].cluster = static_cast<int>(scene.clusters.bodies.size());
-    scene.clusters.arms[i] = scene.bodies[i].x - body.x;
+  scene.clusters.arms.resize(scene.bodies.size() - count, Vec2::Zero());
+  for (Disk& disk : disks) {
+    disk.mass = disk.inertia = 0;
+    disk.cluster = static_cast<int>(scene.clusters.bodies.size());
+    scene.clusters.arms.emplace_back(disk.x - body.x);
   }
   scene.clusters.bodies.push_back(body);
 }
 
 Cluster<3> joined(std::span<const Sphere> spheres, const Clusters<3>::Mass& given) {
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (spheres[i].x == spheres[j].x) refuse_one_centre<3>();
-    }
-  }
+  require_different_centres<3>(spheres);
   Cluster<3> body = union_of_spheres(spheres);
   const double density = given.mass > 0 ? given.mass / body.size : given.density;
   body.mass = given.mass > 0 ? given.mass : density * body.size;

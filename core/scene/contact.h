@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "core/base/types.h"
 #include "core/scene/contact_frame.h"
@@ -20,6 +21,7 @@ struct Contact {
   double gap = 0;                ///< |X_i - X_j| - (a_i + a_j), negative: overlap (11)   [m]
   int image_x = 0, image_y = 0;  ///< numbers of the image of j
 
+  std::pair<int, int> pair() const { return {i, j}; }
   bool with_image() const { return image_x != 0 || image_y != 0; }
 };
 

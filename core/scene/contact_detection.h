@@ -31,10 +31,6 @@ template <int D>
 void find_wall_contact(const Body<D>& disk, int i, const Wall<D>& wall, int j, double eta,
                        std::vector<Contact<D>>& out);
 
-/// Appends the contact of disk i with the wall (body number j) if its gap is at most eta.
-void find_wall_contact(const Disk& disk, int i, const Wall<2>& wall, int j, double eta,
-                       std::vector<Contact<2>>& out);
-
 /// Contacts of the same bodies step after step, bit for bit those of detect_contacts(). Pairs up to
 /// a skin farther apart than eta are kept. Only their gaps are computed anew, until a body has
 /// moved by more than half the skin since the search (Verlet 1967). If bodies are too fast for

@@ -12,50 +12,41 @@
 namespace bipot {
 namespace {
 
-Disk disk_at(double x, double y, double radius) {
-  Disk disk;
-  disk.x = Vec2(x, y);
-  disk.radius = radius;
-  return disk;
+/// Rows of which each lies in the hollows of the one before: `before(j)` disks fewer than
+/// `columns`, and half a diameter for each of them farther to the right.
+template <class Before>
+std::vector<Disk> rows_in_hollows(int columns, int rows, double radius, const Vec2& corner,
+                                  const Before& before) {
+  const double rise = std::sqrt(3.0) * radius;
+  std::vector<Disk> disks;
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns - before(j); ++i) {
+      const double x = corner[0] + (2 * i + 1 + before(j)) * radius;
+      disks.push_back({.x = Vec2(x, corner[1] + radius + j * rise), .radius = radius});
+    }
+  }
+  return disks;
 }
 
 }  // namespace
-
 std::vector<Disk> rectangular_lattice(int columns, int rows, double radius, const Vec2& corner) {
   std::vector<Disk> disks;
   disks.reserve(to_size(columns) * to_size(rows));
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
       disks.push_back(
-          disk_at(corner[0] + (2 * i + 1) * radius, corner[1] + (2 * j + 1) * radius, radius));
+          {.x = corner + Vec2((2 * i + 1) * radius, (2 * j + 1) * radius), .radius = radius});
     }
   }
   return disks;
 }
 
 std::vector<Disk> triangular_lattice(int columns, int rows, double radius, const Vec2& corner) {
-  const double rise = std::sqrt(3.0) * radius;
-  std::vector<Disk> disks;
-  for (int j = 0; j < rows; ++j) {
-    const int odd = j % 2;
-    for (int i = 0; i < columns - odd; ++i) {
-      disks.push_back(
-          disk_at(corner[0] + (2 * i + 1 + odd) * radius, corner[1] + radius + j * rise, radius));
-    }
-  }
-  return disks;
+  return rows_in_hollows(columns, rows, radius, corner, [](int row) { return row % 2; });
 }
 
 std::vector<Disk> pyramid(int rows, double radius, const Vec2& corner) {
-  const double rise = std::sqrt(3.0) * radius;
-  std::vector<Disk> disks;
-  for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < rows - j; ++i) {
-      disks.push_back(
-          disk_at(corner[0] + (2 * i + 1 + j) * radius, corner[1] + radius + j * rise, radius));
-    }
-  }
-  return disks;
+  return rows_in_hollows(rows, rows, radius, corner, [](int row) { return row; });
 }
 
 std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& classes, double width,
@@ -85,7 +76,7 @@ std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& clas
     const double free_y = std::max(pitch - 2 * radius, 0.0);
     const double x = corner[0] + column * cell_width + radius + random.uniform() * free_x;
     const double y = corner[1] + row * pitch + radius + random.uniform() * free_y;
-    return disk_at(x, y, radius);
+    return Disk{.x = Vec2(x, y), .radius = radius};
   };
   return whole_filling(count, height_for(count, columns, pitch, bounds), [&](int number) {
     random = PortableRandom(seed);

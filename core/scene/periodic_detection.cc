@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <tuple>
 
 #include "core/scene/cluster_motion.h"
 #include "core/scene/contact_detection.h"
@@ -130,7 +129,7 @@ std::vector<Contact<D>> detect_periodic_contacts(const std::vector<Body<D>>& dis
     find_at_wall<D>(disks, walls[w], count + static_cast<int>(w), cell, eta, contacts);
   }
   std::sort(contacts.begin(), contacts.end(),
-            [](const auto& a, const auto& b) { return std::tie(a.i, a.j) < std::tie(b.i, b.j); });
+            [](const auto& a, const auto& b) { return a.pair() < b.pair(); });
   return contacts;
 }
 

@@ -27,9 +27,7 @@ void visit_wall_images(const PeriodicCell& cell, const Wall<D>& wall, const Vec<
                        const Visit& visit) {
   if (!cell.periodic() || wall.shape == Wall<D>::Shape::kHalfPlane) return visit(0, 0);
   const Vec<D> from = x - (wall.is_circle() ? wall.a : Vec<D>(0.5 * (wall.a + wall.b)));
-  const int ky = cell.in_y ? static_cast<int>(std::lround(from[1] / cell.height.length)) : 0;
-  const int kx =
-      static_cast<int>(std::lround((from[0] - ky * cell.offset.length) / cell.width.length));
+  const auto [kx, ky] = nearest_corner(cell, from.template head<2>());
   for (int dy = cell.in_y ? -1 : 0; dy <= (cell.in_y ? 1 : 0); ++dy) {
     for (int dx = -1; dx <= 1; ++dx) visit(kx + dx, ky + dy);
   }

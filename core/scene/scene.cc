@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/scene/cluster_motion.h"
@@ -367,10 +366,8 @@ void drift(Sphere& sphere, double h) {
 
 template <int D>
 bool Scene<D>::has_friction() const {
-  for (const ContactLaw& law : laws) {
-    if (law.mu > 0) return true;
-  }
-  return has_rolling();
+  const auto rubs = [](const ContactLaw& law) { return law.mu > 0; };
+  return std::any_of(laws.begin(), laws.end(), rubs) || has_rolling();
 }
 
 template <int D>
@@ -481,13 +478,10 @@ std::string validate(const Scene<D>& scene) {
   if (scene.has_rolling() && scene.model == Model::kSpringDashpot) {
     return "rolling friction does not go with the model \"dem\"";
   }
-  if (auto e = check_periodic(scene); !e.empty()) return e;
-  if (auto e = check_gates(scene); !e.empty()) return e;
-  if (auto e = check_cohesion(scene); !e.empty()) return e;
-  if (auto e = check_impact(scene); !e.empty()) return e;
-  if (auto e = check_outside_forces(scene); !e.empty()) return e;
-  if (auto e = check_clusters(scene); !e.empty()) return e;
-  if (auto e = check_joints(scene); !e.empty()) return e;
+  for (const auto check : {check_periodic<D>, check_gates<D>, check_cohesion<D>, check_impact<D>,
+                           check_outside_forces<D>, check_clusters<D>, check_joints<D>}) {
+    if (auto e = check(scene); !e.empty()) return e;
+  }
   if (auto e = check_springs(scene.dem); !e.empty()) return e;
   if (scene.model == Model::kSpringDashpot && scene.dem.tangential_ratio == 0 &&
       scene.has_friction()) {

@@ -5,8 +5,6 @@
 namespace bipot {
 namespace {
 
-Vec2 tangent(const Wall<2>& wall) { return Vec2(-wall.normal[1], wall.normal[0]); }
-
 /// The point of a wall nearest to x.
 Vec2 nearest_point(const Wall<2>& wall, const Vec2& x) {
   if (wall.shape == Wall<2>::Shape::kHalfPlane) {
@@ -31,10 +29,6 @@ bool is_hidden(const Vec2& x, const Wall<2>& wall, std::span<const Wall<2>> wall
   });
 }
 
-void include_circle(const Wall<2>& wall, Box<2>& box) {
-  if (wall.is_circle()) box.include(wall.a, wall.radius);
-}
-
 }  // namespace
 
 Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls) {
@@ -47,7 +41,7 @@ Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls) {
   if (box.empty()) {
     for (const Wall<2>& w : walls) {
       box.include(w.a);
-      include_circle(w, box);
+      if (w.is_circle()) box.include(w.a, w.radius);
       if (w.shape == Wall<2>::Shape::kSegment) box.include(w.b);
     }
     if (box.empty()) box.include(Vec2::Zero());
@@ -62,7 +56,7 @@ Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls) {
     // A circle that contains the disks, or lies among them, is shown whole.
     if (w.is_circle() &&
         (nearest_point(w, of_disks.centre()) - of_disks.centre()).norm() <= reach) {
-      include_circle(w, box);
+      box.include(w.a, w.radius);
     }
     for (const Vec2& x :
          {of_disks.centre(), of_disks.lower, of_disks.upper,
@@ -87,7 +81,7 @@ std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall<2>> walls, co
       lines.emplace_back(wall.a, wall.b);
       continue;
     }
-    const Vec2 t = tangent(wall);
+    const Vec2 t(-wall.normal[1], wall.normal[0]);
     double first = 1e300, last = -1e300;
     for (const Vec2& corner : {box.lower, box.upper, Vec2(box.lower[0], box.upper[1]),
                                Vec2(box.upper[0], box.lower[1])}) {

@@ -9,17 +9,6 @@
 #include "core/scene/random_radii.h"
 
 namespace bipot {
-namespace {
-
-Sphere sphere_at(const Vec3& x, double radius) {
-  Sphere sphere;
-  sphere.x = x;
-  sphere.radius = radius;
-  return sphere;
-}
-
-}  // namespace
-
 std::vector<Sphere> cubic_lattice(int columns, int rows, int layers, double radius,
                                   const Vec3& corner) {
   std::vector<Sphere> spheres;
@@ -27,8 +16,8 @@ std::vector<Sphere> cubic_lattice(int columns, int rows, int layers, double radi
   for (int k = 0; k < layers; ++k) {
     for (int j = 0; j < rows; ++j) {
       for (int i = 0; i < columns; ++i) {
-        spheres.push_back(
-            sphere_at(corner + radius * Vec3(2 * i + 1, 2 * j + 1, 2 * k + 1), radius));
+        const Vec3 at(2 * i + 1, 2 * j + 1, 2 * k + 1);
+        spheres.push_back({.x = corner + radius * at, .radius = radius});
       }
     }
   }
@@ -41,8 +30,8 @@ std::vector<Sphere> sphere_pyramid(int rows, double radius, const Vec3& corner) 
   for (int k = 0; k < rows; ++k) {
     for (int j = 0; j < rows - k; ++j) {
       for (int i = 0; i < rows - k; ++i) {
-        spheres.push_back(
-            sphere_at(corner + radius * Vec3(2 * i + 1 + k, 2 * j + 1 + k, 1 + k * rise), radius));
+        const Vec3 at(2 * i + 1 + k, 2 * j + 1 + k, 1 + k * rise);
+        spheres.push_back({.x = corner + radius * at, .radius = radius});
       }
     }
   }
@@ -76,7 +65,7 @@ std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& cl
     for (int axis = 0; axis < 3; ++axis) {
       x[axis] += radius + random.uniform() * std::max(cell[axis] - 2 * radius, 0.0);
     }
-    return sphere_at(x, radius);
+    return Sphere{.x = x, .radius = radius};
   };
   return whole_filling(count, height_for(count, layer, pitch, bounds), [&](int number) {
     random = PortableRandom(seed);

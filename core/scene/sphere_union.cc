@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/scene/contact_frame.h"
 #include "core/scene/disk_union.h"
 
 namespace bipot {

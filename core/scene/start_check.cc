@@ -33,17 +33,13 @@ void find_in_outlets(const Scene<D>& scene, std::vector<StartOverlap<D>>& overla
       Vec<D> x = body.x;
       if (body.cluster >= 0) x = scene.clusters.bodies[to_size(body.cluster)].x;
       if (scene.cell.periodic()) {
-        const CellNumber cell = cell_number(scene.cell, Vec2(x.template head<2>()));
-        x -= in_dimensions<D>(scene.cell.shift(cell.kx, cell.ky));
+        x.template head<2>() = wrapped(scene.cell, x.template head<2>());
       }
       const double depth = depth_inside(scene.outlets[k], x);
       if (depth < 0) continue;
-      StartOverlap<D> overlap;
-      overlap.contact.i = static_cast<int>(i);
-      overlap.contact.j = static_cast<int>(first + k);
-      overlap.contact.gap = -depth;
-      overlap.radii = depth / body.radius;
-      overlaps.push_back(overlap);
+      overlaps.push_back(
+          {{.i = static_cast<int>(i), .j = static_cast<int>(first + k), .gap = -depth},
+           depth / body.radius});
     }
   }
 }

@@ -1,27 +1,20 @@
 #include "core/scene/wall_motion.h"
 
-#include <algorithm>
-
 namespace bipot {
 namespace {
 
-/// Velocity of a belt's surface at a contact: at the ends of a segment it turns with the normal.
+/// Velocity of the surface of a circle or cylinder relative to its centre or axis: spin times r, a
+/// quarter turn on, with r to the contact. It lies along n on a solid circle and against n on a
+/// hollow one.
 template <int D>
-Vec<D> running(const Wall<D>& wall, const Vec<D>& n) {
-  return wall.belt - wall.belt.dot(n) * n;
-}
-
-/// Velocity of a circle's surface relative to its centre: spin e3 x r, with r from the centre to
-/// the contact. It lies along n on a solid circle and against n on a hollow one.
-Vec2 turning(const Wall<2>& wall, const Vec2& n) {
-  const bool solid = wall.shape == Wall<2>::Shape::kSolidCircle;
+Vec<D> rim_velocity(const Wall<D>& wall, const Vec<D>& n) {
+  const bool solid = wall.shape == Wall<D>::Shape::kSolidCircle;
   const double rim = wall.spin * (solid ? wall.radius : -wall.radius);
-  return Vec2(-rim * n[1], rim * n[0]);
-}
-/// The same for a cylinder about its axis.
-Vec3 turning(const Wall<3>& wall, const Vec3& n) {
-  const bool solid = wall.shape == Wall<3>::Shape::kSolidCircle;
-  return wall.spin * (solid ? wall.radius : -wall.radius) * wall.normal.cross(n);
+  if constexpr (D == 2) {
+    return swept(rim, n);
+  } else {
+    return rim * wall.normal.cross(n);
+  }
 }
 
 }  // namespace
@@ -57,8 +50,10 @@ std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
 template <int D>
 Vec<D> surface_velocity(const Wall<D>& wall, const std::type_identity_t<Vec<D>>& v,
                         const std::type_identity_t<Vec<D>>& n) {
-  if (wall.is_circle()) return wall.spin != 0 ? Vec<D>(v + turning(wall, n)) : v;
-  return wall.belt.isZero(0) ? v : Vec<D>(v + running<D>(wall, n));
+  if (wall.is_circle()) return wall.spin != 0 ? Vec<D>(v + rim_velocity<D>(wall, n)) : v;
+  if (wall.belt.isZero(0)) return v;
+  const Vec<D> running = wall.belt - wall.belt.dot(n) * n;  // turns with n at the ends of a segment
+  return v + running;
 }
 
 template std::vector<Wall<2>> walls_at(const std::vector<Wall<2>>&, const std::vector<Wall<2>>&,

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/scene/contact_frame.h"
 #include "core/scene/triangle_mesh.h"
 
 namespace bipot {

@@ -4,14 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <sstream>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "core/base/number_text.h"
-#include "core/base/types.h"
 #include "core/files/input_file.h"
 #include "core/scene_files/scene_file.h"
 

@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "core/base/number_text.h"
-#include "core/base/types.h"
 #include "core/files/input_file.h"
 #include "core/scene_files/scene_file.h"
 

@@ -13,16 +13,30 @@
 namespace bipot {
 namespace {
 
-/// The disks of a cluster as the file has them, and about the centre of their union.
-std::vector<Circle> read_parts(const SceneTable& table) {
+/// The bodies of a cluster as the file has them.
+template <int D>
+std::vector<Body<D>> read_parts(const SceneTable& table, int material) {
   if (!table.has("parts")) table.fail("parts", "is missing");
-  std::vector<Circle> parts;
-  for (const std::vector<double>& row : table.rows("parts", 3)) {
-    if (!(row[2] > 0)) table.fail("parts", "expected rows [x, y, radius] with a positive radius");
-    parts.push_back({Vec2(row[0], row[1]), row[2]});
+  std::vector<Body<D>> parts;
+  for (const std::vector<double>& row : table.rows("parts", D + 1)) {
+    if (!(row[D] > 0)) {
+      table.fail("parts", D == 2 ? "expected rows [x, y, radius] with a positive radius"
+                                 : "expected rows [x, y, z, radius] with a positive radius");
+    }
+    parts.push_back({.x = Vec<D>(row.data()), .radius = row[D], .material = material});
   }
   if (parts.empty()) table.fail("parts", "is empty");
   return parts;
+}
+
+/// Radius about the centre that contains them all.
+template <int D>
+double reach_of(const std::vector<Body<D>>& parts, const Vec<D>& centre) {
+  double reach = 0;
+  for (const Body<D>& part : parts) {
+    reach = std::max(reach, (part.x - centre).norm() + part.radius);
+  }
+  return reach;
 }
 
 /// Centres of mass of a group's clusters, and the rotation of each.
@@ -61,13 +75,11 @@ std::vector<Placed> read_places(const SceneTable& table, const Scene<2>& scene, 
 }
 
 void read_cluster_group(const SceneTable& table, Scene<2>& scene) {
-  const std::vector<Circle> parts = read_parts(table);
-  const Vec2 centre = union_moments(parts).centre;
-  double reach = 0;
-  for (const Circle& part : parts) {
-    reach = std::max(reach, (part.centre - centre).norm() + part.radius);
-  }
-  const std::vector<Placed> places = read_places(table, scene, reach, centre);
+  const std::vector<Disk> parts = read_parts<2>(table, 0);
+  std::vector<Circle> circles;
+  for (const Disk& part : parts) circles.push_back({part.x, part.radius});
+  const Vec2 centre = union_moments(circles).centre;
+  const std::vector<Placed> places = read_places(table, scene, reach_of<2>(parts, centre), centre);
   const GroupMass group = read_group_mass(table);
   if (group.inertia && !(*group.inertia > 0)) {
     table.fail("inertia", "expected a positive number");
@@ -77,14 +89,12 @@ void read_cluster_group(const SceneTable& table, Scene<2>& scene) {
   const int material = material_index(scene, table, "material");
   for (const Placed& place : places) {
     const Eigen::Rotation2D<double> turn(place.angle);
-    for (const Circle& part : parts) {
-      Disk disk;
-      disk.x = place.x + turn * (part.centre - centre);
-      disk.radius = part.radius;
-      disk.material = material;
-      disk.v = v;
-      disk.spin = spin;
-      scene.bodies.push_back(disk);
+    for (const Disk& part : parts) {
+      scene.bodies.push_back({.x = place.x + turn * (part.x - centre),
+                              .v = v,
+                              .spin = spin,
+                              .radius = part.radius,
+                              .material = material});
     }
     const std::size_t before = scene.clusters.bodies.size();
     try {
@@ -99,22 +109,6 @@ void read_cluster_group(const SceneTable& table, Scene<2>& scene) {
     scene.clusters.bodies.back().v = v;
     scene.clusters.bodies.back().spin = spin;
   }
-}
-
-std::vector<Sphere> read_balls(const SceneTable& table, int material) {
-  if (!table.has("parts")) table.fail("parts", "is missing");
-  std::vector<Sphere> parts;
-  for (const std::vector<double>& row : table.rows("parts", 4)) {
-    if (!(row[3] > 0)) {
-      table.fail("parts", "expected rows [x, y, z, radius] with a positive radius");
-    }
-    Sphere& sphere = parts.emplace_back();
-    sphere.x = Vec3(row[0], row[1], row[2]);
-    sphere.radius = row[3];
-    sphere.material = material;
-  }
-  if (parts.empty()) table.fail("parts", "is empty");
-  return parts;
 }
 
 /// Uniform among all rotations (Shoemake, Graphics Gems III, 1992).
@@ -159,7 +153,7 @@ void place_in_space(const SceneTable& table, const Scene<3>& scene, double reach
 }
 
 void read_cluster_group(const SceneTable& table, Scene<3>& scene) {
-  const std::vector<Sphere> parts = read_balls(table, material_index(scene, table, "material"));
+  const std::vector<Sphere> parts = read_parts<3>(table, material_index(scene, table, "material"));
   const GroupMass group = read_group_mass(table, parts.size() == 1);
   Clusters<3>::Mass given{group.mass.value_or(0), group.density.value_or(0), Vec3::Zero()};
   if (parts.size() > 1) {
@@ -176,10 +170,7 @@ void read_cluster_group(const SceneTable& table, Scene<3>& scene) {
   }
   body.v = table.vec_or_zero<3>("velocity");
   body.spin = table.spin<3>();
-  double reach = 0;
-  for (const Sphere& part : parts) {
-    reach = std::max(reach, (part.x - body.x).norm() + part.radius);
-  }
+  const double reach = reach_of<3>(parts, body.x);
   place_in_space(table, scene, reach, body.x, [&](const Vec3& x, const Eigen::Quaterniond& turn) {
     if (parts.size() > 1) {
       add_cluster(scene, body, parts, x, turn);

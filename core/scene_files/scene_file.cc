@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "core/base/nearest_name.h"
-#include "core/base/types.h"
 #include "core/files/input_file.h"
 #include "core/scene/generators.h"
 #include "core/scene_files/position_file.h"
@@ -29,13 +28,12 @@ namespace {
 
 /// What the table omits is that of `base`.
 ContactLaw read_law(const SceneTable& table, const ContactLaw& base) {
-  ContactLaw law = base;
-  law.mu = table.number("mu", base.mu);
-  law.e_n = table.number("e_n", base.e_n);
-  law.e_t = table.number("e_t", base.e_t);
-  law.cohesion = table.number("cohesion", base.cohesion);
-  law.mu_r = table.number("mu_r", base.mu_r);
-  law.mu_spin = table.number("mu_spin", base.mu_spin);
+  const ContactLaw law{.mu = table.number("mu", base.mu),
+                       .e_n = table.number("e_n", base.e_n),
+                       .e_t = table.number("e_t", base.e_t),
+                       .cohesion = table.number("cohesion", base.cohesion),
+                       .mu_r = table.number("mu_r", base.mu_r),
+                       .mu_spin = table.number("mu_spin", base.mu_spin)};
   if (law.mu < 0) table.fail("mu", fmt::format("mu = {}, expected a number >= 0", law.mu));
   for (const auto& [key, value] : {std::pair{"cohesion", law.cohesion}, std::pair{"mu_r", law.mu_r},
                                    std::pair{"mu_spin", law.mu_spin}}) {
@@ -137,10 +135,7 @@ std::vector<Disk> read_group(const SceneTable& table, Scene<2>& scene) {
                                                          "pyramid", "random",      "file"};
   const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
   if (arrangement == "single") {
-    Disk disk;
-    disk.x = table.vec<2>("position");
-    disk.radius = table.positive("radius");
-    return {disk};
+    return {{.x = table.vec<2>("position"), .radius = table.positive("radius")}};
   }
   if (arrangement == "file") {
     std::vector<Disk> disks;
@@ -300,41 +295,23 @@ void read_outside_forces(const SceneTable& root, Scene<D>& scene) {
 
 /// Turns bodies, walls, forces and lines about the origin; gravity stays: a tilted box.
 void rotate(Scene<2>& scene, double degrees) {
-  const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180);
-  for (Disk& d : scene.bodies) {
-    d.x = turn * d.x;
-    d.v = turn * d.v;
-  }
-  for (Cluster<2>& cluster : scene.clusters.bodies) {
-    cluster.x = turn * cluster.x;
-    cluster.v = turn * cluster.v;
-  }
-  for (Vec2& arm : scene.clusters.arms) arm = turn * arm;
-  for (Scene<2>::Joint& joint : scene.joints) {
-    joint.at_i = turn * joint.at_i;
-    joint.at_j = turn * joint.at_j;
-  }
-  for (Outlet<2>& outlet : scene.outlets) {
-    outlet.point = turn * outlet.point;
-    outlet.normal = turn * outlet.normal;
-  }
+  const Eigen::Rotation2D<double> rotation(degrees * std::numbers::pi / 180);
+  const auto turn = [&](auto&... vectors) { ((vectors = rotation * vectors), ...); };
+  for (Disk& d : scene.bodies) turn(d.x, d.v);
+  for (Cluster<2>& cluster : scene.clusters.bodies) turn(cluster.x, cluster.v);
+  for (Vec2& arm : scene.clusters.arms) turn(arm);
+  for (Scene<2>::Joint& joint : scene.joints) turn(joint.at_i, joint.at_j);
+  for (Outlet<2>& outlet : scene.outlets) turn(outlet.point, outlet.normal);
   for (Wall<2>& w : scene.walls) {
-    w.a = turn * w.a;
-    w.b = turn * w.b;
-    w.normal = turn * w.normal;
-    w.v = turn * w.v;
-    w.direction = turn * w.direction;
-    if (w.across != Vec2::Zero()) w.across = turn * w.across;
-    if (w.belt != Vec2::Zero()) w.belt = turn * w.belt;
+    turn(w.a, w.b, w.normal, w.v, w.direction);
+    if (w.across != Vec2::Zero()) turn(w.across);
+    if (w.belt != Vec2::Zero()) turn(w.belt);
   }
-  for (BodyForce<2>& force : scene.forces) force.force = turn * force.force;
+  for (BodyForce<2>& force : scene.forces) turn(force.force);
   if (scene.observables) {
-    for (FluxLine& line : scene.observables->crossings) {
-      line.a = turn * line.a;
-      line.b = turn * line.b;
-    }
+    for (FluxLine& line : scene.observables->crossings) turn(line.a, line.b);
   }
-  scene.drag.velocity = turn * scene.drag.velocity;
+  turn(scene.drag.velocity);
 }
 
 /// Reads [[disks]], the cell, and rotations.

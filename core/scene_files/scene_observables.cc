@@ -59,14 +59,11 @@ std::string read_name(const SceneTable& table, const char* kind,
 void read_crossings(const SceneTable& table, const PeriodicCell&, ObservableChoice<2>& choice) {
   if (table.has("faces")) table.fail("faces", "belongs to scenes in 3D: in 2D, lines");
   for (const SceneTable& line : table.tables("lines")) {
-    FluxLine read;
-    read.name = read_name(line, "line", choice);
+    const std::string name = read_name(line, "line", choice);
     const auto from = line.maybe_vec<2>("from"), to = line.maybe_vec<2>("to");
     if (!from || !to || *from == *to) line.fail("from", "give from and to, two different points");
-    read.a = *from;
-    read.b = *to;
     line.finish();
-    choice.crossings.push_back(read);
+    choice.crossings.push_back({name, *from, *to});
   }
 }
 

@@ -27,10 +27,7 @@ std::vector<Sphere> read_arrangement(const SceneTable& table, Scene<3>& scene) {
                                                          "file"};
   const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
   if (arrangement == "single") {
-    Sphere sphere;
-    sphere.x = table.vec<3>("position");
-    sphere.radius = table.positive("radius");
-    return {sphere};
+    return {{.x = table.vec<3>("position"), .radius = table.positive("radius")}};
   }
   if (arrangement == "file") {
     std::vector<Sphere> spheres;
