@@ -2,8 +2,6 @@
 
 #include <pthread.h>
 
-#include <csignal>
-
 namespace bipot {
 namespace {
 

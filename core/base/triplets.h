@@ -17,4 +17,22 @@ Sparse from_triplets(Eigen::Index rows, Eigen::Index columns, const Triplets& en
   return matrix;
 }
 
+/// Appends the entries of a matrix, with rows and columns times these factors.
+template <class Sparse>
+void append_entries(const Sparse& matrix, Triplets& entries, int rows = 1, int columns = 1) {
+  for (int k = 0; k < matrix.outerSize(); ++k) {
+    for (typename Sparse::InnerIterator it(matrix, k); it; ++it) {
+      entries.emplace_back(rows * static_cast<int>(it.row()), columns * static_cast<int>(it.col()),
+                           it.value());
+    }
+  }
+}
+
+/// Gives a matrix this size and more entries.
+template <class Sparse>
+void enlarge(Sparse& matrix, Eigen::Index rows, Eigen::Index columns, Triplets more) {
+  append_entries(matrix, more);
+  matrix = from_triplets<Sparse>(rows, columns, more);
+}
+
 }  // namespace bipot

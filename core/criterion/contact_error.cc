@@ -6,7 +6,6 @@
 
 #include "core/base/large_pages.h"
 #include "core/base/parallel.h"
-#include "core/base/types.h"
 #include "core/criterion/error_terms.h"
 #include "core/criterion/vector_error.h"
 #include "core/problem/coulomb_cone.h"

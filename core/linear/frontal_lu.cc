@@ -1,8 +1,6 @@
 #include "core/linear/frontal_lu.h"
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <new>

@@ -4,8 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <numeric>
+#include <utility>
 
-#include "core/base/types.h"
+#include "core/base/lists.h"
 #include "core/linear/frontal_tree.h"
 
 namespace bipot {
@@ -137,35 +138,25 @@ Supernodes supernodes(const SymmetricPattern& A, const std::vector<int>& order,
   std::vector<int> place(order.size());
   for (int k = 0; k < A.size; ++k) place[to_size(order[to_size(k)])] = k;
   const std::vector<int> parent = elimination_tree(A, order, place);
-  Supernodes result;
-  result.first = joined_fronts(fundamental_fronts(parent, entries), parent, entries);
-  const std::size_t fronts = result.first.size() - 1;
-  const std::vector<int> front_of = front_of_columns(result.first);
+  std::vector<int> first = joined_fronts(fundamental_fronts(parent, entries), parent, entries);
+  const std::vector<int> front_of = front_of_columns(first);
 
-  // Row k is in the fronts on the paths from its entries up to its own front. Visited twice: to
-  // count, and to store.
-  std::vector<int> visited(fronts);
-  const auto for_fronts_of_rows = [&](auto f) {
+  // Row k is in the fronts on the paths from its entries up to its own front.
+  std::vector<int> visited(first.size() - 1);
+  Lists<> below = make_lists(static_cast<int>(visited.size()), [&](const auto& put) {
     std::fill(visited.begin(), visited.end(), -1);
     for (int row = 0; row < A.size; ++row) {
       visited[to_size(front_of[to_size(row)])] = row;
       for_rows_above(A, order, place, row, [&](int column) {
         for (int s = front_of[to_size(column)]; visited[to_size(s)] != row;
-             s = front_of[to_size(parent[to_size(result.first[to_size(s) + 1]) - 1])]) {
+             s = front_of[to_size(parent[to_size(first[to_size(s) + 1]) - 1])]) {
           visited[to_size(s)] = row;
-          f(to_size(s), row);
+          put(s, row);
         }
       });
     }
-  };
-  result.below_start.assign(fronts + 1, 0);
-  for_fronts_of_rows([&](std::size_t s, int) { ++result.below_start[s + 1]; });
-  std::partial_sum(result.below_start.begin(), result.below_start.end(),
-                   result.below_start.begin());
-  result.below.resize(to_size(result.below_start.back()));
-  std::vector<int> next = result.below_start;
-  for_fronts_of_rows([&](std::size_t s, int row) { result.below[to_size(next[s]++)] = row; });
-  return result;
+  });
+  return {std::move(first), std::move(below.start), std::move(below.items)};
 }
 
 }  // namespace bipot

@@ -1,6 +1,5 @@
 #include "core/problem/body_rows.h"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 

@@ -14,17 +14,6 @@ namespace {
 
 constexpr double kNoCompliance = 1e-12;  // of the largest eigenvalue of a block
 
-template <class Sparse>
-void append_rows(Sparse& matrix, int rows, int columns, const Triplets& more) {
-  Triplets entries = more;
-  for (int k = 0; k < matrix.outerSize(); ++k) {
-    for (typename Sparse::InnerIterator it(matrix, k); it; ++it) {
-      entries.emplace_back(static_cast<int>(it.row()), static_cast<int>(it.col()), it.value());
-    }
-  }
-  matrix = from_triplets<Sparse>(rows, columns, entries);
-}
-
 }  // namespace
 
 ContactProblem with_compliance(ContactProblem p, const SparseRows& R) {
@@ -70,8 +59,8 @@ ContactProblem with_compliance(ContactProblem p, const SparseRows& R) {
   }
   if (p.has_delassus()) p.W = SparseRows(p.W + R);
   if (!p.has_velocities()) return p;
-  append_rows(p.A, dofs, dofs, masses);
-  append_rows(p.H, dofs, m, wrenches);
+  enlarge(p.A, dofs, dofs, masses);
+  enlarge(p.H, dofs, m, wrenches);
   const Vector free = p.v_free;
   p.v_free = Vector::Zero(dofs);
   p.v_free.head(free.size()) = free;

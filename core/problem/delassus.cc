@@ -6,10 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/base/large_pages.h"
 #include "core/base/parallel.h"
 #include "core/linear/sparse_factor.h"
-#include "core/problem/coulomb_cone.h"
 #include "core/problem/equality_rows.h"
 #include "core/problem/packed_motion.h"
 

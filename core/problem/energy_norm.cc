@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/base/types.h"
-
 namespace bipot {
 
 double energy_product(const ContactProblem& p, const DelassusOperator& delassus, const Vector& s) {

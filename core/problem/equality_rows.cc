@@ -132,9 +132,7 @@ void factor(EqualityRows& rows, EqualityRows::Part& part, const std::vector<int>
       mass.matrixL().solve(dense_block(rows.G, part.rows, place, part.dofs.size()).transpose());
   const Vector norms = unit.colwise().norm();
   unit = unit * norms.cwiseInverse().asDiagonal();
-  Vector target(norms.size());
-  for (Eigen::Index k = 0; k < target.size(); ++k) target[k] = rows.b[part.rows[to_size(k)]];
-  target = target.cwiseQuotient(norms);
+  const Vector target = Vector(rows.b(part.rows)).cwiseQuotient(norms);
 
   const auto [inverse, left] = inverse_and_left_null_space(unit, kDependent);
   const Vector smallest = inverse.transpose() * target;
@@ -153,12 +151,6 @@ void factor(EqualityRows& rows, EqualityRows::Part& part, const std::vector<int>
   part.particular = mass.matrixU().solve(smallest);
   part.multipliers_map =
       norms.cwiseInverse().asDiagonal() * mass.matrixU().solve(inverse.transpose()).transpose();
-}
-
-Vector gathered(const Vector& x, const std::vector<int>& at) {
-  Vector part(static_cast<Eigen::Index>(at.size()));
-  for (std::size_t k = 0; k < at.size(); ++k) part[static_cast<Eigen::Index>(k)] = x[at[k]];
-  return part;
 }
 
 /// Entries of H in the coordinates of the reduced problem. `blocked`: contacts without motion along
@@ -214,10 +206,9 @@ Triplets reduced_wrenches(const EqualityRows& rows, const std::vector<int>& plac
 
 Vector EqualityRows::velocities(const Vector& y) const {
   Vector v(given.num_dofs());
-  for (std::size_t k = 0; k < free.size(); ++k) v[free[k]] = y[static_cast<int>(k)];
+  v(free) = y.head(static_cast<Eigen::Index>(free.size()));
   for (const Part& part : parts) {
-    const Vector own = part.particular + part.basis * y.segment(part.first, part.basis.cols());
-    for (std::size_t k = 0; k < part.dofs.size(); ++k) v[part.dofs[k]] = own[static_cast<int>(k)];
+    v(part.dofs) = part.particular + part.basis * y.segment(part.first, part.basis.cols());
   }
   return v;
 }
@@ -279,11 +270,11 @@ ContactProblem with_equality_rows(ContactProblem given, SparseRows G, Vector b, 
   p.A = from_triplets(coordinates, coordinates, masses);
   p.H = from_triplets(coordinates, old.H.cols(), wrenches);
   p.v_free = Vector::Zero(coordinates);
-  p.v_free.head(static_cast<Eigen::Index>(rows->free.size())) = gathered(old.v_free, rows->free);
+  p.v_free.head(static_cast<Eigen::Index>(rows->free.size())) = old.v_free(rows->free);
   const Vector momentum = old.A * old.v_free;
   for (const EqualityRows::Part& part : rows->parts) {
     p.v_free.segment(part.first, part.basis.cols()) =
-        part.basis.transpose() * gathered(momentum, part.dofs);
+        part.basis.transpose() * Vector(momentum(part.dofs));
   }
   p.u_free = old.u_free + old.H.transpose() * (rows->velocities(p.v_free) - old.v_free);
   for (const int contact : blocked) {
@@ -306,8 +297,7 @@ Vector multipliers(const ContactProblem& problem, const Eigen::Ref<const Vector>
   const Vector impulse = rows.given.A * change - rows.given.H * s;
   Vector all = Vector::Zero(rows.G.rows());
   for (const EqualityRows::Part& part : rows.parts) {
-    const Vector own = part.multipliers_map * gathered(impulse, part.dofs);
-    for (std::size_t k = 0; k < part.rows.size(); ++k) all[part.rows[k]] = own[static_cast<int>(k)];
+    all(part.rows) = part.multipliers_map * Vector(impulse(part.dofs));
   }
   return all;
 }

@@ -2,8 +2,7 @@
 
 #include <optional>
 
-#include "core/base/large_pages.h"
-#include "core/problem/contact_problem.h"
+#include "core/problem/disk_structure.h"
 
 namespace bipot {
 
@@ -21,11 +20,7 @@ struct SphereStructure {
     double frame[3][3] = {};  ///< n, t1, t2: orthonormal, of either hand
     double normal = 1, tangential = 1;
   };
-  struct Body {
-    double inverse_mass = 0;
-    double inverse_inertia = 0;  ///< a² / I, which multiplies tangential impulses  [1/kg]
-    double arm = 0;              ///< a, of its contacts; 0 without any  [m]
-  };
+  using Body = DiskStructure::Body;
   LargeVector<Contact> contacts;
   /// The spheres, the driven walls, and a last one for the surroundings: it never moves.
   LargeVector<Body> bodies;

@@ -8,7 +8,6 @@
 #include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "core/base/file_error.h"
 #include "core/base/triplets.h"
@@ -141,7 +140,7 @@ void add_equality_rows(const Hdf5File& file, const std::string& root, int stored
 /// Rows with the tangential rows of with_inert_tangents() inserted as zeros.
 Vector spread(const Vector& x) {
   Vector y = Vector::Zero(2 * x.size());
-  for (Eigen::Index k = 0; k < x.size(); ++k) y[2 * k] = x[k];
+  Eigen::Map<Vector, 0, Eigen::InnerStride<2>>(y.data(), x.size()) = x;
   return y;
 }
 
@@ -150,17 +149,6 @@ Vector stored_velocities(const ContactProblem& p, const Vector& v) {
   Vector x = Vector::Zero(v.size() + (p.dim == 1 ? p.num_contacts() : 0));
   x.head(v.size()) = v;
   return x;
-}
-
-/// Appends the entries of a matrix, rows and columns times these factors.
-template <class Sparse>
-void append(const Sparse& matrix, int rows, int columns, Triplets& entries) {
-  for (int k = 0; k < matrix.outerSize(); ++k) {
-    for (typename Sparse::InnerIterator it(matrix, k); it; ++it) {
-      entries.emplace_back(rows * static_cast<int>(it.row()), columns * static_cast<int>(it.col()),
-                           it.value());
-    }
-  }
 }
 
 /// Inverse of the spacedim-2 form of a frictionless problem, see the header.
@@ -197,8 +185,8 @@ ContactProblem with_inert_tangents(const ContactProblem& p) {
   ContactProblem q{.dim = 2, .u_free = spread(p.u_free), .mu = Vector::Zero(contacts)};
   if (p.has_velocities()) {
     Triplets mass, wrench;
-    append(p.A, 1, 1, mass);
-    append(p.H, 1, 2, wrench);
+    append_entries(p.A, mass);
+    append_entries(p.H, wrench, 1, 2);
     for (int c = 0; c < contacts; ++c) {
       mass.emplace_back(dofs + c, dofs + c, 1 / w_nn[c]);
       wrench.emplace_back(dofs + c, 2 * c + 1, 1.0);
@@ -208,7 +196,7 @@ ContactProblem with_inert_tangents(const ContactProblem& p) {
     q.v_free = stored_velocities(p, p.v_free);
   } else {
     Triplets entries;
-    append(p.W, 2, 2, entries);
+    append_entries(p.W, entries, 2, 2);
     for (int c = 0; c < contacts; ++c) entries.emplace_back(2 * c + 1, 2 * c + 1, w_nn[c]);
     q.W = from_triplets<SparseRows>(2 * contacts, 2 * contacts, entries);
   }
@@ -248,9 +236,6 @@ void write_guesses(Hdf5File& file, const ContactProblem& p, const std::vector<Ve
     file.write(group + "/r", span(frictionless ? spread(r) : r));
   }
 }
-
-/// f = A v.
-Vector momentum(const ContactProblem& p) { return p.A * p.v_free; }
 
 /// Sizes of a problem as in the file.
 struct Stored {
@@ -420,7 +405,7 @@ void write_fclib(const std::filesystem::path& path, const ContactProblem& proble
   if (p.has_velocities()) {
     write_matrix(file, root + "/M", p.A);
     write_matrix(file, root + "/H", p.H);
-    file.write(root + "/vectors/f", span(momentum(p)));
+    file.write(root + "/vectors/f", span(Vector(p.A * p.v_free)));
     file.write(root + "/vectors/w", span(Vector(p.u_free - p.H.transpose() * p.v_free)));
   } else {
     write_matrix(file, root + "/W", p.W);

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/triplets.h"
 #include "core/linear/dense_factor.h"
 #include "core/linear/sparse_factor.h"
 #include "core/problem/delassus.h"

@@ -272,19 +272,15 @@ TextMatrix read_matrix(Words& words) {
   // Vectors of these lengths follow.
   words.require_plausible(matrix.rows, "rows of a matrix");
   words.require_plausible(matrix.columns, "columns of a matrix");
-  switch (storage) {
-    case kDense:
-      read_dense(words, matrix);
-      break;
-    case kSparseBlocks:
-      read_blocks(words, matrix);
-      break;
-    case kSparse:
-      read_sparse(words, matrix);
-      break;
-    default:
-      words.fail(
-          fmt::format("matrix storage {} is not 0 (dense), 1 (blocks) or 2 (sparse)", storage));
+  if (storage == kDense) {
+    read_dense(words, matrix);
+  } else if (storage == kSparseBlocks) {
+    read_blocks(words, matrix);
+  } else if (storage == kSparse) {
+    read_sparse(words, matrix);
+  } else {
+    words.fail(
+        fmt::format("matrix storage {} is not 0 (dense), 1 (blocks) or 2 (sparse)", storage));
   }
   return matrix;
 }
