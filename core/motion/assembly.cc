@@ -26,7 +26,7 @@ int wall_of(const Contact<D>& contact, std::span<const Body<D>> disks) {
 
 /// Sets the first dofs of the disks in contact (marked by 0); all disks of a cluster share one set.
 template <int D>
-void number_clusters(std::span<const Body<D>> disks, std::size_t clusters, DofMap& dofs) {
+void number_disks(std::span<const Body<D>> disks, std::size_t clusters, DofMap& dofs) {
   std::vector<int> of_cluster(clusters, -1);
   for (std::size_t i = 0; i < disks.size(); ++i) {
     if (dofs.disk[i] < 0) continue;
@@ -60,15 +60,7 @@ DofMap number_dofs(const StepInput<D>& in) {
     dofs.disk[to_size(joint.i)] = 0;
     if (joint.j >= 0) dofs.disk[to_size(joint.j)] = 0;
   }
-  if (clusters > 0) {
-    number_clusters<D>(in.bodies, clusters, dofs);
-  } else {
-    for (int& first : dofs.disk) {
-      if (first < 0) continue;
-      first = dofs.size;
-      dofs.size += dofs.per_disk;
-    }
-  }
+  number_disks<D>(in.bodies, clusters, dofs);
   for (int& dof : dofs.wall) {
     if (dof == 0) dof = dofs.size++;
   }
@@ -99,18 +91,6 @@ class ColumnWriter {
   int column_, at_;
 };
 
-SparseMatrix diagonal_matrix(const Vector& diagonal) {
-  const int n = static_cast<int>(diagonal.size());
-  SparseMatrix A(n, n);
-  A.resizeNonZeros(n);
-  for (int k = 0; k < n; ++k) {
-    A.outerIndexPtr()[k] = A.innerIndexPtr()[k] = k;
-    A.valuePtr()[k] = diagonal[k];
-  }
-  A.outerIndexPtr()[n] = n;
-  return A;
-}
-
 /// Number of degrees of freedom of the cell at which a contact has entries.
 template <int D>
 int sides_of(const Contact<D>& contact, const DofMap& dofs, const PeriodicCell* cell) {
@@ -133,19 +113,20 @@ void add_image_velocity(const CellInput& input, const Contact<D>& contact, Vec<D
   free += in_dimensions<D>(cell.shift_velocity(contact.image_x, contact.image_y));
 }
 
-/// Velocity along the tangent `axis` of the point at the arm n of a rotating body: spin·(n x axis).
-double spin_along(double spin, const Vec2& /*n*/, const Vec2& /*axis*/) { return spin; }
-double spin_along(const Vec3& spin, const Vec3& n, const Vec3& axis) {
-  return n.cross(axis).dot(spin);
+/// The moment n x axis of a tangential force at the arm n. In the plane along e3: 1.
+template <int D>
+Spin<D> unit_moment(const Vec<D>& n, const Vec<D>& axis) {
+  if constexpr (D == 2) {
+    return 1;
+  } else {
+    return n.cross(axis);
+  }
 }
 
-/// The entries of H of a unit spin row: arm n x axis, from `row` on.
-void add_spin(ColumnWriter& columns, int row, double arm, const Vec2& /*n*/, const Vec2& /*axis*/) {
-  columns.add(row, arm);
-}
-void add_spin(ColumnWriter& columns, int row, double arm, const Vec3& n, const Vec3& axis) {
-  const Vec3 turn = n.cross(axis);
-  for (int k = 0; k < 3; ++k) columns.add(row + k, arm * turn[k]);
+/// The entries of H at a spin, from `row` on.
+void add_moment(ColumnWriter& columns, int row, double moment) { columns.add(row, moment); }
+void add_moment(ColumnWriter& columns, int row, const Vec3& moment) {
+  for (int k = 0; k < 3; ++k) columns.add(row + k, moment[k]);
 }
 
 /// Number of entries of H in the columns of a contact.
@@ -165,19 +146,14 @@ int entries_of(const StepInput<D>& in, const Contact<D>& contact, const DofMap& 
   return of_disk + of_cell + (dofs.wall[to_size(w)] >= 0 ? d : 0);
 }
 
-/// The entries of a row at the spin of a cluster, from `row` on. They are (arm n + c) x axis, with c
-/// from the centre of mass to the body, over r; `side` -1: with the other sign.
-void add_lever(const ClusterInput<2>& clusters, const Disk& disk, double arm, const Vec2& /*n*/,
-               const Vec2& axis, double side, double r, int row, ColumnWriter& columns) {
-  const Vec2 c = disk.x - clusters.bodies[to_size(disk.cluster)].x;
-  columns.add(row, (arm + side * arm_times(c, axis)) / r);
-}
-void add_lever(const ClusterInput<3>& clusters, const Sphere& sphere, double arm, const Vec3& n,
-               const Vec3& axis, double side, double r, int row, ColumnWriter& columns) {
-  const Cluster<3>& cluster = clusters.bodies[to_size(sphere.cluster)];
-  const Vec3 c = sphere.x - cluster.x;
-  const Vec3 turn = in_own_axes(cluster, Vec3(arm * n.cross(axis) + side * c.cross(axis)));
-  for (int k = 0; k < 3; ++k) columns.add(row + k, turn[k] / r);
+/// The moment (arm n + c) x axis on the cluster of a body, with c from the centre of mass to the
+/// body, in the degrees of freedom of its spin. `side` -1: c with the other sign.
+template <int D>
+Spin<D> cluster_moment(const ClusterInput<D>& clusters, const Body<D>& body, double arm,
+                       const Vec<D>& n, const Vec<D>& axis, double side) {
+  const Cluster<D>& cluster = clusters.bodies[to_size(body.cluster)];
+  const Vec<D> c = body.x - cluster.x;
+  return in_own_axes(cluster, Spin<D>(arm * unit_moment<D>(n, axis) + side * arm_times(c, axis)));
 }
 
 /// 1 over the distance between the centres of a contact: its normal turns by the way across n over
@@ -266,11 +242,6 @@ Vec3 spin_of(const Wall<3>& wall) {
 double rolling_axis(const std::array<Vec2, 2>& /*frame*/, int /*k*/) { return 1; }
 Vec3 rolling_axis(const std::array<Vec3, 3>& frame, int k) { return frame[to_size((k + 1) % 3)]; }
 
-void add_axis(ColumnWriter& columns, int row, double axis) { columns.add(row, axis); }
-void add_axis(ColumnWriter& columns, int row, const Vec3& axis) {
-  for (int k = 0; k < 3; ++k) columns.add(row + k, axis[k]);
-}
-
 /// The rows of rolling: the spin of body i less that of j, or of the wall. `k`, `l`: first degrees
 /// of freedom of the bodies, l < 0 at a wall.
 template <int D>
@@ -291,8 +262,8 @@ void write_rolling(const ClusterInput<D>& clusters, const Body<D>& a, const Body
     const auto along_own = [&](const Body<D>& body, const Spin<D>& x) {
       return body.cluster < 0 ? x : in_own_axes(clusters.bodies[to_size(body.cluster)], x);
     };
-    add_axis(columns, k + D, along_own(a, Spin<D>(axis / r_t)));
-    if (l >= 0) add_axis(columns, l + D, along_own(*b, Spin<D>(-axis / r_t)));
+    add_moment(columns, k + D, along_own(a, Spin<D>(axis / r_t)));
+    if (l >= 0) add_moment(columns, l + D, along_own(*b, Spin<D>(-axis / r_t)));
     columns.close();
   }
 }
@@ -338,8 +309,9 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
     const double r = row == 0 ? r_n : r_t;
     const double arm_a = row == 0 ? 0 : -a.radius;
     const double arm_b = row == 0 || !with_disk ? 0 : -b->radius;
-    const double spin_part = arm_a * spin_along(a.spin, contact.n, axis) +
-                             (with_disk ? arm_b * spin_along(b->spin, contact.n, axis) : 0.0);
+    const Spin<D> moment = unit_moment<D>(contact.n, axis);
+    const double spin_part =
+        arm_a * inner(moment, a.spin) + (with_disk ? arm_b * inner(moment, b->spin) : 0.0);
     const double before = axis.dot(a.v - other_before) + spin_part;
     const double free = axis.dot(in.body_v_free[i] - other_free) + spin_part;
     step.u_before[c * d + row] = before;
@@ -355,16 +327,18 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
 
     for (int x = 0; x < D; ++x) columns.add(k + x, axis[x] / r);
     if (turns_a) {
-      add_lever(in.clusters, a, arm_a, contact.n, axis, 1, r, k + D, columns);
+      const Spin<D> whole = cluster_moment<D>(in.clusters, a, arm_a, contact.n, axis, 1);
+      add_moment(columns, k + D, Spin<D>(whole / r));
     } else if (row > 0) {
-      add_spin(columns, k + D, arm_a / r, contact.n, axis);
+      add_moment(columns, k + D, Spin<D>(arm_a / r * moment));
     }
     if (with_disk) {
       for (int x = 0; x < D; ++x) columns.add(l + x, -axis[x] / r);
       if (turns_b) {
-        add_lever(in.clusters, *b, arm_b, contact.n, axis, -1, r, l + D, columns);
+        const Spin<D> whole = cluster_moment<D>(in.clusters, *b, arm_b, contact.n, axis, -1);
+        add_moment(columns, l + D, Spin<D>(whole / r));
       } else if (row > 0) {
-        add_spin(columns, l + D, arm_b / r, contact.n, axis);
+        add_moment(columns, l + D, Spin<D>(arm_b / r * moment));
       }
     } else if (l >= 0) {
       columns.add(l, -axis.dot(wall->direction) / r);
@@ -463,7 +437,7 @@ AssembledStep assemble_step(const StepInput<D>& input, bool explicit_delassus, i
     mass[dofs.side[k]] = in.cell.cell->side(k).mass;
     p.v_free[dofs.side[k]] = in.cell.v_free[k];
   }
-  p.A = diagonal_matrix(mass);
+  p.A = mass.asDiagonal();
 
   bool any_restitution = false;
   for (const ContactLaw& law : scene.laws) any_restitution |= law.e_n != 0 || law.e_t != 0;

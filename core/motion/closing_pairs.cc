@@ -96,12 +96,11 @@ template <int D>
 Accelerations<D> free_accelerations(const Scene<D>& scene, const State<D>& state,
                                     const std::vector<Wall<D>>& walls) {
   Accelerations<D> a;
-  a.walls.assign(walls.size(), Vec<D>::Zero());
   for (std::size_t w = 0; w < walls.size(); ++w) {
     const Wall<D>& wall = walls[w];
-    a.walls[w] = wall.motion == Wall<D>::Motion::kDriven
-                     ? Vec<D>(wall.force / wall.mass * wall.direction)
-                     : Vec<D>(wall.factor_rate * scene.walls[w].v);
+    a.walls.push_back(wall.motion == Wall<D>::Motion::kDriven
+                          ? Vec<D>(wall.force / wall.mass * wall.direction)
+                          : Vec<D>(wall.factor_rate * scene.walls[w].v));
   }
   a.bodies.assign(state.bodies.size(), gravity_at(scene, state.time));
   if (has_body_forces(scene)) add_force_accelerations<D>(scene, state.time, state.bodies, a.bodies);
@@ -299,8 +298,6 @@ std::vector<typename NearPairs<D>::Pair> ClosingPairs<D>::overlapping(const Stat
   return found;
 }
 
-template struct Accelerations<2>;
-template struct Accelerations<3>;
 template Accelerations<2> free_accelerations(const Scene<2>&, const State<2>&,
                                              const std::vector<Wall<2>>&);
 template Accelerations<3> free_accelerations(const Scene<3>&, const State<3>&,

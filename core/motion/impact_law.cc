@@ -29,12 +29,7 @@ Vector velocities_before(const State<D>& start, const Midpoint<D>& mid, const Do
       continue;
     }
     v.segment<D>(k) = body.v;
-    if (dofs.per_disk == D) continue;
-    if constexpr (D == 2) {
-      v[k + D] = body.spin;
-    } else {
-      v.segment<3>(k + D) = body.spin;
-    }
+    if (dofs.per_disk > D) v.segment<kSpins<D>>(k + D) << body.spin;
   }
   for (std::size_t w = 0; w < mid.walls.size(); ++w) {
     if (dofs.wall[w] >= 0) v[dofs.wall[w]] = driven_speed(mid.walls[w]);

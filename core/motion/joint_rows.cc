@@ -80,23 +80,10 @@ std::pair<End<D>, End<D>> ends_of(const Scene<D>& scene, const typename Scene<D>
           End<D>(joint.j, to, bodies, clusters, dofs, scene.step)};
 }
 
-/// Columns of H after the others.
-void append_columns(SparseMatrix& H, const Triplets& entries, Eigen::Index columns) {
-  Triplets all = entries;
-  for (int k = 0; k < H.outerSize(); ++k) {
-    for (SparseMatrix::InnerIterator it(H, k); it; ++it) {
-      all.emplace_back(static_cast<int>(it.row()), k, it.value());
-    }
-  }
-  H = from_triplets(H.rows(), H.cols() + columns, all);
-}
-
 void append(Vector& x, const std::vector<double>& values) {
-  const Eigen::Index before = x.size();
-  x.conservativeResize(before + static_cast<Eigen::Index>(values.size()));
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    x[before + static_cast<Eigen::Index>(k)] = values[k];
-  }
+  const auto more = static_cast<Eigen::Index>(values.size());
+  x.conservativeResize(x.size() + more);
+  x.tail(more) = Eigen::Map<const Vector>(values.data(), more);
 }
 
 }  // namespace
@@ -136,7 +123,7 @@ void add_ropes(const Scene<D>& scene, std::span<const std::type_identity_t<Body<
   }
   if (free.empty()) return;
   const std::size_t ropes = free.size() / to_size(p.dim);
-  append_columns(p.H, entries, static_cast<Eigen::Index>(free.size()));
+  enlarge(p.H, p.H.rows(), p.H.cols() + static_cast<Eigen::Index>(free.size()), entries);
   append(p.u_free, free);
   append(p.mu, std::vector<double>(ropes, 0.0));
   if (p.dim > D) append(p.mu_r, std::vector<double>(ropes, 0.0));

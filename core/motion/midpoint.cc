@@ -96,16 +96,36 @@ std::vector<double> cohesive_forces(const Scene<D>& scene, const Midpoint<D>& mi
   const bool all = scene.heal || state.time == 0;
   auto old = state.contacts.begin();
   for (const Contact<D>& c : mid.contacts) {
-    const std::pair key(c.i, c.j);
-    const auto key_of = [](const ContactOutcome<D>& o) {
-      return std::pair(o.contact.i, o.contact.j);
-    };
-    while (old != state.contacts.end() && key_of(*old) < key) ++old;
-    const bool bond = all || (old != state.contacts.end() && key_of(*old) == key && old->bonded);
+    while (old != state.contacts.end() && old->contact.pair() < c.pair()) ++old;
+    const bool again = old != state.contacts.end() && old->contact.pair() == c.pair();
+    const bool bond = all || (again && old->bonded);
     const double most = pair_law(scene, mid.bodies, mid.walls, c.i, c.j).cohesion;
     forces.push_back(bond && c.gap <= scene.detection_distance() ? most : 0.0);
   }
   return forces;
+}
+
+void set_spin(Disk& d, const Vector& v, int row) { d.spin = v[row]; }
+void set_spin(Sphere& s, const Vector& v, int row) { s.spin = v.segment<3>(row); }
+
+/// Updates clusters and their bodies.
+template <int D>
+void move_clusters(const Midpoint<D>& mid, const DofMap& dofs, const Vector& v, double h,
+                   State<D>& next) {
+  if (mid.clusters.empty()) return;
+  next.clusters = mid.clusters;
+  for (std::size_t c = 0; c < next.clusters.bodies.size(); ++c) {
+    next.clusters.bodies[c].v = mid.cluster_v_free[c];
+  }
+  for (std::size_t i = 0; i < next.bodies.size(); ++i) {
+    const int k = dofs.disk[i];
+    if (k < 0 || next.bodies[i].cluster < 0) continue;
+    Cluster<D>& cluster = next.clusters.bodies[to_size(next.bodies[i].cluster)];
+    cluster.v = v.segment<D>(k);
+    set_own_spin(cluster, v, k + D);
+  }
+  for (Cluster<D>& cluster : next.clusters.bodies) drift(cluster, 0.5 * h);
+  place_members(next.clusters, next.bodies);
 }
 
 }  // namespace
@@ -146,8 +166,7 @@ template <int D>
 Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int threads,
                           KeptContacts<D>* kept) {
   const double h = scene.step;
-  Midpoint<D> mid;
-  place_bodies(scene, state, mid);
+  Midpoint<D> mid = free_midpoint(scene, state);
   if (state.cell.periodic()) {
     mid.cell = state.cell;
     move_cell(mid.cell, 0.5 * h);
@@ -168,11 +187,8 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
   } else {
     mid.contacts = detect_contacts<D>(mid.bodies, mid.walls, scene.detection_distance(), threads);
   }
-
   leave_out_pinned(scene, mid.contacts);
-  free_bodies(scene, state.time + 0.5 * h, mid);
   if (scene.predict_gaps) keep_those_who_may_meet(scene, mid);
-  free_clusters(mid, h);
   mid.cohesion = cohesive_forces(scene, mid, state);
   return mid;
 }
@@ -192,6 +208,44 @@ AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, bool 
                           explicit_delassus, threads);
 }
 
+template <int D>
+State<D> update_bodies(Midpoint<D>& mid, const DofMap& dofs, const Vector& v, double h) {
+  State<D> next;
+  next.bodies = std::move(mid.bodies);
+  next.walls = mid.walls;
+  for (std::size_t i = 0; i < next.bodies.size(); ++i) {
+    Body<D>& d = next.bodies[i];
+    if (d.wall >= 0 || d.cluster >= 0) continue;
+    const int k = dofs.disk[i];
+    d.v = k < 0 ? mid.disk_v_free[i] : Vec<D>(v.segment<D>(k));
+    if (k >= 0 && dofs.per_disk > D) set_spin(d, v, k + D);
+    drift(d, 0.5 * h);
+  }
+  move_clusters(mid, dofs, v, h, next);
+  for (std::size_t w = 0; w < next.walls.size(); ++w) {
+    Wall<D>& wall = next.walls[w];
+    if (wall.motion == Wall<D>::Motion::kDriven) {
+      const double speed = dofs.wall[w] < 0 ? mid.wall_v_free[w] : v[dofs.wall[w]];
+      wall.v = driven_velocity(wall, speed);
+    }
+    wall.a += 0.5 * h * wall.v;
+    wall.b += 0.5 * h * wall.v;
+  }
+  for (Body<D>& d : next.bodies) {
+    if (d.wall < 0) continue;
+    d.v = next.walls[to_size(d.wall)].v;
+    drift(d, 0.5 * h);
+  }
+  if (!mid.cell.periodic()) return next;
+  next.cell = mid.cell;
+  for (int k = 0; k < 3; ++k) {
+    if (mid.cell.side(k).motion != CellSide::Motion::kDriven) continue;
+    next.cell.side(k).speed = dofs.side[k] < 0 ? mid.side_v_free[k] : v[dofs.side[k]];
+  }
+  move_cell(next.cell, 0.5 * h);
+  return next;
+}
+
 template void place_bodies(const Scene<2>&, const State<2>&, Midpoint<2>&);
 template void place_bodies(const Scene<3>&, const State<3>&, Midpoint<3>&);
 template Midpoint<2> free_midpoint(const Scene<2>&, const State<2>&);
@@ -200,5 +254,7 @@ template Midpoint<2> make_midpoint(const Scene<2>&, const State<2>&, int, KeptCo
 template Midpoint<3> make_midpoint(const Scene<3>&, const State<3>&, int, KeptContacts<3>*);
 template AssembledStep assemble_step(const Scene<2>&, const Midpoint<2>&, bool, int);
 template AssembledStep assemble_step(const Scene<3>&, const Midpoint<3>&, bool, int);
+template State<2> update_bodies(Midpoint<2>&, const DofMap&, const Vector&, double);
+template State<3> update_bodies(Midpoint<3>&, const DofMap&, const Vector&, double);
 
 }  // namespace bipot

@@ -115,9 +115,7 @@ struct Against {
           const PeriodicCell& after)
       : earlier(a.before - b.before), from(a.from - b.from), mid(a.mid - b.mid), to(a.to - b.to) {
     if (!after.periodic()) return;
-    const int ky = after.in_y ? static_cast<int>(std::lround(mid[1] / after.height.length)) : 0;
-    const int kx =
-        static_cast<int>(std::lround((mid[0] - ky * after.offset.length) / after.width.length));
+    const auto [kx, ky] = nearest_corner(after, mid.template head<2>());
     const Vec<D> first = in_dimensions<D>(before.shift(kx, ky)),
                  last = in_dimensions<D>(after.shift(kx, ky));
     earlier -= first;
@@ -184,16 +182,15 @@ std::vector<BodyPath<D>> paths_of(const State<D>& before, const State<D>& after,
   std::vector<BodyPath<D>> ways(after.bodies.size());
   for (std::size_t k = 0; k < ways.size(); ++k) {
     const Body<D>&a = before.bodies[k], &b = after.bodies[k];
-    BodyPath<D>& way = ways[k];
-    way.number = number(static_cast<int>(k));
-    way.before = a.x - 0.5 * h * a.v;
-    way.from = a.x;
-    way.mid = b.x - 0.5 * h * b.v;
-    way.to = b.x;
-    way.radius = b.radius;
-    way.wall = b.wall;
-    way.cluster = b.cluster;
-    way.fast = h * std::max(a.v.norm(), b.v.norm()) + travel.wall_way > travel.least;
+    ways[k] = {.number = number(static_cast<int>(k)),
+               .before = middle_of_step(a, h),
+               .from = a.x,
+               .mid = middle_of_step(b, h),
+               .to = b.x,
+               .radius = b.radius,
+               .wall = b.wall,
+               .cluster = b.cluster,
+               .fast = h * std::max(a.v.norm(), b.v.norm()) + travel.wall_way > travel.least};
   }
   return ways;
 }
@@ -266,14 +263,12 @@ std::vector<BodyPath<D>> unpacked(const std::vector<double>& numbers) {
   for (std::size_t k = 0; k < ways.size(); ++k) {
     const double* from = numbers.data() + k * kNumbers;
     BodyPath<D>& way = ways[k];
-    way.number = static_cast<int>(from[0]);
-    way.wall = static_cast<int>(from[1]);
-    way.cluster = static_cast<int>(from[2]);
-    way.radius = from[3];
-    way.before = Eigen::Map<const Vec<D>>(from + 4);
-    way.from = Eigen::Map<const Vec<D>>(from + 4 + D);
-    way.mid = Eigen::Map<const Vec<D>>(from + 4 + 2 * D);
-    way.to = Eigen::Map<const Vec<D>>(from + 4 + 3 * D);
+    for (int* n : {&way.number, &way.wall, &way.cluster}) *n = static_cast<int>(*from++);
+    way.radius = *from++;
+    for (Vec<D>* x : {&way.before, &way.from, &way.mid, &way.to}) {
+      *x = Eigen::Map<const Vec<D>>(from);
+      from += D;
+    }
     way.fast = way.elsewhere = true;
   }
   return ways;

@@ -9,20 +9,20 @@ State<D> wrapped_state(const State<D>& state) {
   State<D> inside = state;
   const PeriodicCell& cell = state.cell;
   if (!cell.periodic()) return inside;
+  const auto move = [&](auto& body, const CellNumber& from) {
+    body.x -= in_dimensions<D>(cell.shift(from.kx, from.ky));
+    if (cell.deforms()) body.v -= in_dimensions<D>(cell.shift_velocity(from.kx, from.ky));
+  };
   // A cluster stays whole: its disks follow its centre of mass.
   std::vector<CellNumber> of_cluster, numbers;
   for (Cluster<D>& c : inside.clusters.bodies) {
     of_cluster.push_back(cell_number(cell, c.x.template head<2>()));
-    const auto [kx, ky] = of_cluster.back();
-    c.x -= in_dimensions<D>(cell.shift(kx, ky));
-    if (cell.deforms()) c.v -= in_dimensions<D>(cell.shift_velocity(kx, ky));
+    move(c, of_cluster.back());
   }
   for (Body<D>& d : inside.bodies) {
     numbers.push_back(d.cluster >= 0 ? of_cluster[to_size(d.cluster)]
                                      : cell_number(cell, d.x.template head<2>()));
-    const auto [kx, ky] = numbers.back();
-    d.x -= in_dimensions<D>(cell.shift(kx, ky));
-    if (cell.deforms()) d.v -= in_dimensions<D>(cell.shift_velocity(kx, ky));
+    move(d, numbers.back());
   }
   for (ContactOutcome<D>& o : inside.contacts) {
     const CellNumber a = numbers[to_size(o.contact.i)];

@@ -110,10 +110,7 @@ int number_due(const Inlet<D>& inlet, double time) {
 /// The outlet that takes a body at a place with a velocity; the number of outlets if none does.
 template <int D>
 std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x, const Vec<D>& v) {
-  if (state.cell.periodic()) {
-    const CellNumber cell = cell_number(state.cell, Vec2(x.template head<2>()));
-    x -= in_dimensions<D>(state.cell.shift(cell.kx, cell.ky));
-  }
+  if (state.cell.periodic()) x.template head<2>() = wrapped(state.cell, x.template head<2>());
   // The parts of a step bend the way.
   const Vec<D> way = (scene.accuracy > 0 ? 0.0 : 0.5 * scene.step) * v;
   const auto found = std::find_if(scene.outlets.begin(), scene.outlets.end(),
@@ -202,15 +199,12 @@ void renumber_contacts(const std::vector<int>& new_index, State<D>& state) {
   const auto renumbered = [&](int body) {
     return body < before ? new_index[to_size(body)] : body - before + now;
   };
-  std::size_t kept = 0;
-  for (const ContactOutcome<D>& outcome : state.contacts) {
-    ContactOutcome<D> moved = outcome;
-    moved.contact.i = renumbered(outcome.contact.i);
-    moved.contact.j = renumbered(outcome.contact.j);
-    if (moved.contact.i < 0 || moved.contact.j < 0) continue;
-    state.contacts[kept++] = moved;
+  for (ContactOutcome<D>& outcome : state.contacts) {
+    for (int* body : {&outcome.contact.i, &outcome.contact.j}) *body = renumbered(*body);
   }
-  state.contacts.resize(kept);
+  std::erase_if(state.contacts, [](const ContactOutcome<D>& outcome) {
+    return outcome.contact.i < 0 || outcome.contact.j < 0;
+  });
 }
 
 }  // namespace
@@ -262,13 +256,12 @@ int body_index(const State<D>& state, int number) {
 template <int D>
 GateFlow<D> passed(const State<D>& state) {
   GateFlow<D> sum;
-  for (const GateFlow<D>& flow : state.population.inlets) {
-    sum.energy += flow.energy;
-    sum.momentum += flow.momentum;
-  }
-  for (const GateFlow<D>& flow : state.population.outlets) {
-    sum.energy -= flow.energy;
-    sum.momentum -= flow.momentum;
+  for (const auto& [flows, sign] :
+       {std::pair(&state.population.inlets, 1), std::pair(&state.population.outlets, -1)}) {
+    for (const GateFlow<D>& flow : *flows) {
+      sum.energy += sign * flow.energy;
+      sum.momentum += sign * flow.momentum;
+    }
   }
   return sum;
 }

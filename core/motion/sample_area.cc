@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/types.h"
-
 namespace bipot {
 namespace {
 

@@ -7,8 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "core/base/types.h"
-
 namespace bipot {
 namespace {
 
@@ -288,15 +286,13 @@ void ConvexBody::clip(const Vec3& point, const Vec3& normal) {
 
 double ConvexBody::volume() const {
   if (faces_.empty()) return 0;
-  const Vec3 inside = [&] {
-    Vec3 sum = Vec3::Zero();
-    double corners = 0;
-    for (const auto& face : faces_) {
-      for (const Vec3& c : face) sum += c;
-      corners += static_cast<double>(face.size());
-    }
-    return Vec3(sum / corners);
-  }();
+  Vec3 inside = Vec3::Zero();
+  double corners = 0;
+  for (const auto& face : faces_) {
+    for (const Vec3& c : face) inside += c;
+    corners += static_cast<double>(face.size());
+  }
+  inside /= corners;
   // Sum of pyramids from an inner point to the faces.
   double sum = 0;
   for (const auto& face : faces_) {

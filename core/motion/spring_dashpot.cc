@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/base/stopwatch.h"
-#include "core/base/types.h"
 #include "core/motion/outside_changes.h"
 #include "core/motion/passage.h"
 #include "core/motion/step_outcome.h"
@@ -23,10 +22,6 @@ namespace {
 constexpr double kSkin = 0.2;
 constexpr double kMostOverlap = 0.1;  // over the smaller radius: beyond it a step fails
 constexpr int kPollEvery = 64;        // substeps between looks at the clock
-
-bool before(int i, int j, int other_i, int other_j) {
-  return i < other_i || (i == other_i && j < other_j);
-}
 
 // Tangents and turns in the plane and in space.
 bool is_zero(double x) { return x == 0; }
@@ -101,17 +96,17 @@ void SpringDashpotStepper<D>::load(const State<D>& state) {
 
 template <int D>
 typename SpringDashpotStepper<D>::Pair SpringDashpotStepper<D>::make_pair(int i, int j) const {
-  const Particle& a = bodies_[static_cast<std::size_t>(i)];
+  const Particle& a = bodies_[to_size(i)];
   const int n = static_cast<int>(bodies_.size());
   int material = 0;
   double normal = a.inv_mass, rim = a.inv_mass + a.radius * a.radius * a.inv_inertia;
   if (j < n) {
-    const Particle& b = bodies_[static_cast<std::size_t>(j)];
+    const Particle& b = bodies_[to_size(j)];
     normal += b.inv_mass;
     rim += b.inv_mass + b.radius * b.radius * b.inv_inertia;
-    material = scene_.bodies[static_cast<std::size_t>(j)].material;
+    material = scene_.bodies[to_size(j)].material;
   } else {
-    const Wall<D>& w = walls_[static_cast<std::size_t>(j - n)];
+    const Wall<D>& w = walls_[to_size(j - n)];
     // A driven wall yields along its direction only. Its mass enters in full, which damps the other
     // direction slightly more.
     if (w.motion == Wall<D>::Motion::kDriven) {
@@ -120,10 +115,8 @@ typename SpringDashpotStepper<D>::Pair SpringDashpotStepper<D>::make_pair(int i,
     }
     material = w.material;
   }
-  const auto count = scene_.materials.size();
   const std::size_t law =
-      static_cast<std::size_t>(scene_.bodies[static_cast<std::size_t>(i)].material) * count +
-      static_cast<std::size_t>(material);
+      to_size(scene_.bodies[to_size(i)].material) * scene_.materials.size() + to_size(material);
   const double zeta = setup_.damping[law];
   return {.i = i,
           .j = j,
@@ -146,8 +139,8 @@ void SpringDashpotStepper<D>::find_pairs(const State<D>& state) {
     ++old;
   };
   for (const Contact<D>& c : near) {
-    while (old != pairs_.end() && before(old->i, old->j, c.i, c.j)) keep_old();
-    if (old != pairs_.end() && old->i == c.i && old->j == c.j) {
+    while (old != pairs_.end() && std::pair(old->i, old->j) < c.pair()) keep_old();
+    if (old != pairs_.end() && std::pair(old->i, old->j) == c.pair()) {
       fresh_.push_back(*old++);
     } else {
       fresh_.push_back(make_pair(c.i, c.j));
@@ -161,8 +154,8 @@ void SpringDashpotStepper<D>::find_pairs(const State<D>& state) {
 template <int D>
 typename SpringDashpotStepper<D>::Geometry SpringDashpotStepper<D>::geometry(
     const Pair& pair) const {
-  const Particle& a = bodies_[static_cast<std::size_t>(pair.i)];
-  const auto j = static_cast<std::size_t>(pair.j);
+  const Particle& a = bodies_[to_size(pair.i)];
+  const auto j = to_size(pair.j);
   Vec<D> way;
   double reach = a.radius;
   if (j < bodies_.size()) {
@@ -189,8 +182,8 @@ typename SpringDashpotStepper<D>::Geometry SpringDashpotStepper<D>::geometry(
 template <int D>
 typename SpringDashpotStepper<D>::RelativeVelocity SpringDashpotStepper<D>::relative_velocity(
     const Pair& pair, const Vec<D>& n) const {
-  const Particle& a = bodies_[static_cast<std::size_t>(pair.i)];
-  const auto j = static_cast<std::size_t>(pair.j);
+  const Particle& a = bodies_[to_size(pair.i)];
+  const auto j = to_size(pair.j);
   Vec<D> v = a.v;
   Spin<D> rim = a.radius * a.spin;
   if (j < bodies_.size()) {
@@ -223,8 +216,8 @@ void SpringDashpotStepper<D>::apply_contacts(double dt) {
   const double k_n = setup_.stiffness, k_t = setup_.tangential_stiffness;
   const std::size_t num_disks = bodies_.size();
   for (Pair& p : pairs_) {
-    Particle& a = bodies_[static_cast<std::size_t>(p.i)];
-    const auto j = static_cast<std::size_t>(p.j);
+    Particle& a = bodies_[to_size(p.i)];
+    const auto j = to_size(p.j);
     if (j < num_disks && p.f_n == 0 && is_zero(p.spring)) {
       // Most pairs of the list do not touch.
       const Particle& b = bodies_[j];

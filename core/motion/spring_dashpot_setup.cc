@@ -9,9 +9,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "core/base/types.h"
 #include "core/scene/contact_detection.h"
-#include "core/scene/contact_frame.h"
 
 namespace bipot {
 namespace {
@@ -147,12 +145,12 @@ struct CriticalStep {
 
 template <int D>
 double critical_step(const Scene<D>& scene, double k_n, double k_t, double zeta) {
-  double smallest = kInfinity, heaviest = 0, least_mobile = kInfinity;
+  const double smallest = smallest_radius(scene);
+  double heaviest = 0, least_mobile = kInfinity;
   const auto mobility = [](const Body<D>& d) {
     return 1 / d.mass + d.radius * d.radius / d.inertia;
   };
   for (const Body<D>& d : scene.bodies) {
-    smallest = std::min(smallest, d.radius);
     heaviest = std::max(heaviest, d.mass);
     least_mobile = std::min(least_mobile, mobility(d));
   }
@@ -271,12 +269,9 @@ SpringDashpotSetup spring_dashpot_setup(const Scene<D>& scene) {
   }
   const SpringDashpotChoice& choice = scene.dem;
   SpringDashpotSetup setup;
-  double smallest = kInfinity, heaviest = 0;
-  for (const Body<D>& d : scene.bodies) {
-    smallest = std::min(smallest, d.radius);
-    heaviest = std::max(heaviest, d.mass);
-  }
-  if (scene.bodies.empty()) smallest = 0;
+  const double smallest = scene.bodies.empty() ? 0 : smallest_radius(scene);
+  double heaviest = 0;
+  for (const Body<D>& d : scene.bodies) heaviest = std::max(heaviest, d.mass);
 
   setup.stiffness = choice.stiffness;
   if (setup.stiffness == 0 && !scene.bodies.empty()) {

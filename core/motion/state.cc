@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "core/motion/population.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/triangle_mesh.h"

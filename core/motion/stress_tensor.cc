@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
-#include "core/base/types.h"
 #include "core/motion/periodic_state.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/scene_parts.h"
@@ -81,16 +79,32 @@ Mat<D> kinetic_part(const Body<D>& d, const Vec<D>& mean) {
   return d.mass * v * v.transpose();
 }
 
-/// The disks with their velocities relative to the deformation of their periodic cell.
+/// The disks, and after them the clusters as bodies with mass and motion only; velocities are
+/// relative to the deformation of their periodic cell.
 template <int D>
-const std::vector<Body<D>>& without_deformation(const State<D>& state,
-                                                std::vector<Body<D>>& disks) {
-  if (!state.cell.deforms()) return state.bodies;
-  disks = state.bodies;
-  for (Body<D>& d : disks) {
-    d.v -= in_dimensions<D>(homogeneous_velocity(state.cell, d.x.template head<2>()));
+std::vector<Body<D>> relative_bodies(const State<D>& state) {
+  std::vector<Body<D>> bodies = state.bodies;
+  for (const Cluster<D>& c : state.clusters.bodies) {
+    bodies.push_back({.x = c.x, .v = c.v, .mass = c.mass});
   }
-  return disks;
+  if (!state.cell.deforms()) return bodies;
+  for (Body<D>& body : bodies) {
+    body.v -= in_dimensions<D>(homogeneous_velocity(state.cell, body.x.template head<2>()));
+  }
+  return bodies;
+}
+
+/// From the centre of mass of its cluster to each disk at mid-step, zero for disks in no cluster.
+template <int D>
+std::vector<Vec<D>> arms_at_middle(const State<D>& state, double step) {
+  std::vector<Vec<D>> arms(state.bodies.size(), Vec<D>::Zero());
+  for (std::size_t k = 0; k < arms.size(); ++k) {
+    if (state.bodies[k].cluster < 0) continue;
+    Cluster<D> cluster = state.clusters.bodies[to_size(state.bodies[k].cluster)];
+    drift(cluster, -0.5 * step);
+    arms[k] = turned_arm(cluster, state.clusters.arms[k]);
+  }
+  return arms;
 }
 
 /// Adds the terms of contacts of clusters, whose branches end in the centre of mass, not in that of
@@ -99,42 +113,16 @@ const std::vector<Body<D>>& without_deformation(const State<D>& state,
 template <int D, class Add>
 void add_levers(const State<D>& state, double step, const Add& add) {
   const int num_disks = static_cast<int>(state.bodies.size());
+  const std::vector<Vec<D>> arms = arms_at_middle(state, step);
   for (const ContactOutcome<D>& o : state.contacts) {
     const Vec<D> f = (o.s_n * o.contact.n + tangent_vector(o.contact.n, o.s_t)) / step;
     for (const auto& [body, force] :
          {std::pair<int, Vec<D>>(o.contact.i, f), std::pair<int, Vec<D>>(o.contact.j, -f)}) {
       if (body >= num_disks || state.bodies[to_size(body)].cluster < 0) continue;
-      Cluster<D> cluster = state.clusters.bodies[to_size(state.bodies[to_size(body)].cluster)];
-      drift(cluster, -0.5 * step);  // to mid-step
-      const Vec<D> c = turned_arm(cluster, state.clusters.arms[to_size(body)]);
+      const Vec<D>& c = arms[to_size(body)];
       add(to_size(body), Mat<D>(-force * c.transpose()), cross_matrix(0.5 * arm_times(c, force)));
     }
   }
-}
-
-/// The clusters as bodies with mass and motion only, relative to the deformation of the cell.
-template <int D>
-std::vector<Body<D>> clusters_as_disks(const State<D>& state) {
-  std::vector<Body<D>> disks;
-  for (const Cluster<D>& c : state.clusters.bodies) {
-    Body<D>& disk = disks.emplace_back();
-    disk.x = c.x;
-    disk.v = c.v;
-    disk.mass = c.mass;
-    if (!state.cell.deforms()) continue;
-    disk.v -= in_dimensions<D>(homogeneous_velocity(state.cell, c.x.template head<2>()));
-  }
-  return disks;
-}
-
-/// The disks as in without_deformation(), and the clusters after them.
-template <int D>
-const std::vector<Body<D>>& with_clusters(const State<D>& state, std::vector<Body<D>>& disks) {
-  if (state.clusters.empty()) return without_deformation(state, disks);
-  disks = without_deformation(state, disks);
-  const std::vector<Body<D>> joined = clusters_as_disks(state);
-  disks.insert(disks.end(), joined.begin(), joined.end());
-  return disks;
 }
 
 template <class Spin>
@@ -151,17 +139,17 @@ void divide(MeanStress<D>& stress, double area) {
 }
 
 /// Gives each disk of a cluster the mean stress of the whole cluster over the area of its union.
+/// `bodies`: relative_bodies().
 template <int D>
-void gather_clusters(const State<D>& state, double step, const Vec<D>& mean,
-                     std::vector<MeanStress<D>>& stresses) {
+void gather_clusters(const State<D>& state, double step, const std::vector<Body<D>>& bodies,
+                     const Vec<D>& mean, std::vector<MeanStress<D>>& stresses) {
   add_levers(state, step, [&](std::size_t disk, const Mat<D>& contact, const Mat<D>& spin) {
     stresses[disk].contact += contact;
     stresses[disk].spin += spin;
   });
   std::vector<MeanStress<D>> of_cluster(state.clusters.bodies.size());
-  const std::vector<Body<D>> bodies = clusters_as_disks(state);
-  for (std::size_t c = 0; c < bodies.size(); ++c) {
-    of_cluster[c].kinetic = kinetic_part<D>(bodies[c], mean);
+  for (std::size_t c = 0; c < of_cluster.size(); ++c) {
+    of_cluster[c].kinetic = kinetic_part<D>(bodies[stresses.size() + c], mean);
   }
   for (std::size_t k = 0; k < stresses.size(); ++k) {
     const int cluster = state.bodies[k].cluster;
@@ -169,7 +157,7 @@ void gather_clusters(const State<D>& state, double step, const Vec<D>& mean,
     of_cluster[to_size(cluster)].contact += stresses[k].contact;
     of_cluster[to_size(cluster)].spin += stresses[k].spin;
   }
-  for (std::size_t c = 0; c < bodies.size(); ++c) {
+  for (std::size_t c = 0; c < of_cluster.size(); ++c) {
     divide(of_cluster[c], state.clusters.bodies[c].size);
   }
   for (std::size_t k = 0; k < stresses.size(); ++k) {
@@ -180,37 +168,22 @@ void gather_clusters(const State<D>& state, double step, const Vec<D>& mean,
 
 /// Changes links that end in clusters: branches then lead to the centres of mass, with the tensors
 /// that follow. Moments of the contacts on clusters are added to those of the clusters. `arms`:
-/// from the centre of mass of its cluster to each disk at mid-step.
+/// arms_at_middle().
 template <int D>
 void end_in_clusters(const State<D>& state, std::vector<Link<D>>& links,
                      const std::vector<Vec<D>>& arms) {
   for (Link<D>& link : links) {
-    const int joined[2] = {state.bodies[to_size(link.i)].cluster,
-                           link.j < 0 ? -1 : state.bodies[to_size(link.j)].cluster};
-    if (joined[0] >= 0) {
+    if (state.bodies[to_size(link.i)].cluster >= 0) {
       const Vec<D>& c = arms[to_size(link.i)];
       link.from -= c;
       link.lever -= link.force * c.transpose();
     }
-    if (joined[1] >= 0) {
+    if (link.j >= 0 && state.bodies[to_size(link.j)].cluster >= 0) {
       const Vec<D>& c = arms[to_size(link.j)];
       link.to -= c;
       link.lever += link.force * c.transpose();
     }
   }
-}
-
-/// The arms of end_in_clusters(), zero for disks in no cluster.
-template <int D>
-std::vector<Vec<D>> arms_at_middle(const State<D>& state, double step) {
-  std::vector<Vec<D>> arms(state.bodies.size(), Vec<D>::Zero());
-  for (std::size_t k = 0; k < arms.size(); ++k) {
-    if (state.bodies[k].cluster < 0) continue;
-    Cluster<D> cluster = state.clusters.bodies[to_size(state.bodies[k].cluster)];
-    drift(cluster, -0.5 * step);
-    arms[k] = turned_arm(cluster, state.clusters.arms[k]);
-  }
-  return arms;
 }
 
 /// The place to which motion and moment of a body are assigned.
@@ -232,10 +205,7 @@ std::vector<Centre<D>> centres(const State<D>& state, double step,
   if (state.clusters.empty()) return list;
   const std::size_t first = list.size();
   for (const Cluster<D>& c : state.clusters.bodies) {
-    Body<D>& body = list.emplace_back().body;
-    body.x = c.x - 0.5 * step * c.v;
-    body.v = c.v;
-    body.mass = c.mass;
+    list.push_back({.body = {.x = c.x - 0.5 * step * c.v, .v = c.v, .mass = c.mass}});
   }
   for (std::size_t k = 0; k < state.bodies.size(); ++k) {
     const int c = state.bodies[k].cluster;
@@ -302,10 +272,9 @@ MeanStress<D> sample_stress(const State<D>& state, double step, double area,
                             std::span<const std::type_identity_t<Spin<D>>> moments) {
   MeanStress<D> stress;
   for (const Link<D>& link : collect_links(state, step)) stress.contact += link.tensor();
-  std::vector<Body<D>> relative;
-  const std::vector<Body<D>>& disks = with_clusters(state, relative);
-  const Vec<D> mean = mean_velocity<D>(disks);
-  for (const Body<D>& d : disks) stress.kinetic += kinetic_part(d, mean);
+  const std::vector<Body<D>> bodies = relative_bodies(state);
+  const Vec<D> mean = mean_velocity<D>(bodies);
+  for (const Body<D>& d : bodies) stress.kinetic += kinetic_part(d, mean);
   for (std::size_t k = 0; k < state.bodies.size(); ++k) stress.spin += spin_part(moments[k], step);
   if (!state.clusters.empty()) {
     add_levers(state, step, [&](std::size_t, const Mat<D>& contact, const Mat<D>& spin) {
@@ -369,14 +338,13 @@ std::vector<MeanStress<D>> disk_stresses(const State<D>& state, double step,
       stresses[static_cast<std::size_t>(link.j)].contact += (1 - link.share_i) * tensor;
     }
   }
-  std::vector<Body<D>> relative;
-  const std::vector<Body<D>>& disks = with_clusters(state, relative);
-  const Vec<D> mean = mean_velocity<D>(disks);
+  const std::vector<Body<D>> bodies = relative_bodies(state);
+  const Vec<D> mean = mean_velocity<D>(bodies);
   for (std::size_t k = 0; k < stresses.size(); ++k) {
-    stresses[k].kinetic = kinetic_part(disks[k], mean);
+    stresses[k].kinetic = kinetic_part(bodies[k], mean);
     stresses[k].spin = spin_part(moments[k], step);
   }
-  if (!state.clusters.empty()) gather_clusters(state, step, mean, stresses);
+  if (!state.clusters.empty()) gather_clusters(state, step, bodies, mean, stresses);
   for (std::size_t k = 0; k < stresses.size(); ++k) {
     const Body<D>& d = state.bodies[k];
     if (d.cluster < 0) divide(stresses[k], extent(d));

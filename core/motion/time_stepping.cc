@@ -22,7 +22,6 @@
 #include "core/motion/population.h"
 #include "core/motion/projection.h"
 #include "core/motion/step_outcome.h"
-#include "core/motion/update_bodies.h"
 #include "core/motion/warm_start.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"

@@ -12,20 +12,14 @@ Vector warm_start(const std::vector<ContactOutcome<D>>& before,
   Vector s0 = Vector::Zero(p.num_rows());
   auto old = before.begin();
   for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const auto less = [&](const ContactOutcome<D>& o) {
-      return o.contact.i < contacts[c].i ||
-             (o.contact.i == contacts[c].i && o.contact.j < contacts[c].j);
-    };
-    while (old != before.end() && less(*old)) ++old;
+    const std::pair pair = contacts[c].pair();
+    while (old != before.end() && old->contact.pair() < pair) ++old;
     if (old == before.end()) break;
-    const auto is_pair = [&](const ContactOutcome<D>& o) {
-      return o.contact.i == contacts[c].i && o.contact.j == contacts[c].j;
-    };
-    if (!is_pair(*old)) continue;
+    if (old->contact.pair() != pair) continue;
     // Of several contacts of one pair, that with the nearest normal.
     const auto towards = [&](const ContactOutcome<D>& o) { return o.contact.n.dot(contacts[c].n); };
     auto best = old;
-    for (auto other = old + 1; other != before.end() && is_pair(*other); ++other) {
+    for (auto other = old + 1; other != before.end() && other->contact.pair() == pair; ++other) {
       if (towards(*other) > towards(*best)) best = other;
     }
     const int row = static_cast<int>(c) * p.dim;

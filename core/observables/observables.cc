@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <type_traits>
 
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_area.h"
@@ -32,12 +31,6 @@ Vec<D> touching_point(const State<D>& placed, const Contact<D>& contact) {
   return point;
 }
 
-/// The state with its disks at places in the cell, where those can be compared.
-template <int D>
-State<D> in_place(const State<D>& state) {
-  return state.cell.periodic() ? wrapped_state(state) : state;
-}
-
 /// Least squares fit v = v0 + L x.
 template <int D>
 Mat<D> fitted_gradient(const std::vector<const MeasuredBody<D>*>& disks) {
@@ -62,8 +55,6 @@ Mat<D> fitted_gradient(const std::vector<const MeasuredBody<D>*>& disks) {
 }
 
 /// Mean diameter and density of the spheres; 2D needs neither.
-void observe_grains(const State<2>& /*placed*/, const ObservableChoice<2>& /*choice*/,
-                    Observables<2>& /*seen*/) {}
 void observe_grains(const State<3>& placed, const ObservableChoice<3>& choice,
                     Observables<3>& seen) {
   double mass = 0, volume = 0;
@@ -172,11 +163,6 @@ double cut_size(const State<3>& placed, double step, const Box<3>& bin) {
 }  // namespace
 
 template <int D>
-double Observables<D>::sliding_share() const {
-  return contacts > 0 ? static_cast<double>(sliding) / contacts : kNaN;
-}
-
-template <int D>
 double Observables<D>::shear_rate() const {
   const Mat<D> rate = 0.5 * (velocity_gradient + velocity_gradient.transpose());
   const Mat<D> deviator = rate - rate.trace() / D * Mat<D>::Identity();
@@ -187,11 +173,6 @@ template <int D>
 double Observables<D>::inertial_number() const {
   if (D == 2) return shear_rate() * std::sqrt(mean_mass / stress.pressure());
   return shear_rate() * mean_diameter * std::sqrt(density / stress.pressure());
-}
-
-template <int D>
-double Observables<D>::friction() const {
-  return stress_ratio<D>(stress.total());
 }
 
 template <int D>
@@ -248,10 +229,10 @@ template <int D>
 Observables<D> observe(const Scene<D>& scene, const State<D>& state,
                        const std::type_identity_t<ObservableChoice<D>>& choice) {
   Observables<D> seen;
-  const State<D> placed = in_place(state);
+  const State<D> placed = wrapped_state(state);
   const MeasuredBodies<D> bodies = measured_bodies(placed);
   observe_contacts<D>(placed, bodies, choice, find_rattlers(scene, state), seen);
-  observe_grains(placed, choice, seen);
+  if constexpr (D == 3) observe_grains(placed, choice, seen);
   const std::vector<Spin<D>> moments = contact_moments(state);
   double area = 0;
   if (choice.window) {
@@ -278,7 +259,7 @@ template <int D>
 Profile<D> observe_profile(const State<D>& state, double step,
                            const std::type_identity_t<ObservableChoice<D>>& choice) {
   const ProfileChoice& chosen = choice.profile.value();
-  const State<D> placed = in_place(state);
+  const State<D> placed = wrapped_state(state);
   const double width = (chosen.high - chosen.low) / chosen.bins;
   const Box<D> section = profile_section(placed, step, choice);
   const auto a = static_cast<Eigen::Index>(chosen.axis);
@@ -347,7 +328,7 @@ Profile<D> observe_profile(const State<D>& state, double step,
 }
 
 double mass_flux(const State<2>& state, const FluxLine& line) {
-  const State<2> placed = in_place(state);
+  const State<2> placed = wrapped_state(state);
   const Vec2 along = (line.b - line.a).normalized();
   const Vec2 left(-along[1], along[0]);
   const double length = (line.b - line.a).norm();
@@ -393,7 +374,7 @@ double mass_flux(const State<2>& state, const FluxLine& line) {
 }
 
 double mass_flux(const State<3>& state, const FluxFace& face) {
-  const State<3> placed = in_place(state);
+  const State<3> placed = wrapped_state(state);
   const Vec3 across = face.normal.cross(face.along);
   Box<2> rectangle{-0.5 * face.size, 0.5 * face.size};
   if (face.shape == FluxFace::Shape::kPlane) {
@@ -440,7 +421,7 @@ ForceDistribution observe_forces(const State<D>& state, double step,
                                  const std::type_identity_t<ObservableChoice<D>>& choice) {
   ForceDistribution forces;
   forces.counts.assign(to_size(choice.force_bins), 0);
-  const State<D> placed = in_place(state);
+  const State<D> placed = wrapped_state(state);
   std::vector<double> loaded;
   for (const ContactOutcome<D>& o : placed.contacts) {
     if (!o.loaded()) continue;

@@ -9,6 +9,10 @@
 
 namespace bipot {
 
+/// τ/P of a stress, see Observables::friction().
+template <int D>
+double stress_ratio(const Mat<D>& stress);
+
 /// Observables of a sample, or of a window of it, from one state. A disk counts if its centre is in
 /// the window, a contact if its point is. Loaded contacts push, or cohesion holds them. Disks glued to a wall are
 /// part of the wall. A cluster counts as one body at its centre of mass, with all contacts of its
@@ -29,7 +33,9 @@ struct Observables {
   double mean_diameter = 0;  ///< 3D: of a sphere                                         [m]
   double density = 0;        ///< 3D: mass over volume of the spheres           [kg/m³]
 
-  double sliding_share() const;
+  double sliding_share() const {
+    return contacts > 0 ? static_cast<double>(sliding) / contacts : kNaN;
+  }
   /// Shear rate: magnitude of the deviator of the rate of strain, √(2 D':D'). [1/s]
   double shear_rate() const;
   /// In 2D shear rate × √(m/P), m the mean mass of a disk, P the pressure; disks are cylinders of
@@ -38,12 +44,8 @@ struct Observables {
   double inertial_number() const;
   /// In 2D τ/P = (σ₁ - σ₂)/(σ₁ + σ₂) of the stress. In 3D √(½ τ:τ)/P with its deviator τ, the same
   /// in simple shear (Jop, Forterre and Pouliquen, Nature 441, 727, 2006).
-  double friction() const;
+  double friction() const { return stress_ratio<D>(stress.total()); }
 };
-
-/// τ/P of a stress, see Observables::friction().
-template <int D>
-double stress_ratio(const Mat<D>& stress);
 
 /// Throws std::invalid_argument for a window without area or volume.
 template <int D>

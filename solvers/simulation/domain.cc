@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/release.h"
-#include "core/motion/update_bodies.h"
+#include "core/motion/midpoint.h"
 #include "core/problem/delassus.h"
 #include "solvers/parallel/whole_problem.h"
 #include "solvers/simulation/step_solver.h"
