@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <mutex>
-#include <string_view>
 #include <utility>
 
 #include "core/files/input_file.h"
@@ -91,16 +89,21 @@ bool link_exists(hid_t file, const std::string& name) {
   return H5Oexists_by_name(file, name.c_str(), H5P_DEFAULT) > 0;  // the target of a link, too
 }
 
-/// Reads a fixed or variable length text of an open dataset or attribute.
-std::vector<std::string> split_fixed(const std::vector<char>& bytes, std::size_t width) {
-  std::vector<std::string> texts;
-  for (std::size_t at = 0; at + width <= bytes.size(); at += width) {
-    std::string text(bytes.data() + at, width);
-    text.resize(std::min(text.size(), text.find('\0')));
-    texts.push_back(std::move(text));
+/// The type of texts of `size` bytes, their end included.
+class TextType : public Handle {
+ public:
+  explicit TextType(std::size_t size) : Handle(H5Tcopy(H5T_C_S1), H5Tclose) {
+    H5Tset_size(*this, size);
   }
-  return texts;
-}
+};
+
+/// Properties of new links: missing groups above them are made.
+class WithGroups : public Handle {
+ public:
+  WithGroups() : Handle(H5Pcreate(H5P_LINK_CREATE), H5Pclose) {
+    H5Pset_create_intermediate_group(*this, 1);
+  }
+};
 
 }  // namespace
 
@@ -226,9 +229,23 @@ void require_filters(const std::filesystem::path& path, const std::string& name,
   }
 }
 
-void require_usual_width(const std::filesystem::path& path, const std::string& name, hid_t type) {
+/// Numbers of an open dataset, all of it; `native`: their type in memory.
+template <class Number>
+void read_numbers(const std::filesystem::path& path, const std::string& name, hid_t dataset,
+                  hid_t native, std::vector<Number>& values) {
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  const H5T_class_t kind = H5Tget_class(type);
+  const bool whole = std::is_integral_v<Number>;
+  if (kind != H5T_INTEGER && (whole || kind != H5T_FLOAT)) {
+    throw FileError(path, name, whole ? "not integers" : "not numbers");
+  }
   if (const std::size_t width = H5Tget_size(type); width > kWidestType) {
     throw FileError(path, name, fmt::format("numbers of {} bytes", width));
+  }
+  if (values.empty()) return;
+  require_filters(path, name, dataset);
+  if (H5Dread(dataset, native, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+    throw FileError(path, name, "cannot read: " + hdf5_reason());
   }
 }
 
@@ -282,15 +299,7 @@ std::vector<double> Hdf5File::read_doubles(const std::string& name) const {
   std::vector<double> values(plausible_size(name));
   const Silence silence;
   const Handle dataset(open_dataset(name), H5Dclose);
-  const Handle type(H5Dget_type(dataset), H5Tclose);
-  const H5T_class_t kind = H5Tget_class(type);
-  if (kind != H5T_FLOAT && kind != H5T_INTEGER) throw FileError(path_, name, "not numbers");
-  require_usual_width(path_, name, type);
-  if (values.empty()) return values;
-  require_filters(path_, name, dataset);
-  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
-    throw FileError(path_, name, "cannot read: " + hdf5_reason());
-  }
+  read_numbers(path_, name, dataset, H5T_NATIVE_DOUBLE, values);
   return values;
 }
 
@@ -298,14 +307,7 @@ std::vector<int> Hdf5File::read_ints(const std::string& name) const {
   std::vector<std::int64_t> wide(plausible_size(name));
   const Silence silence;
   const Handle dataset(open_dataset(name), H5Dclose);
-  const Handle type(H5Dget_type(dataset), H5Tclose);
-  if (H5Tget_class(type) != H5T_INTEGER) throw FileError(path_, name, "not integers");
-  require_usual_width(path_, name, type);
-  if (wide.empty()) return {};
-  require_filters(path_, name, dataset);
-  if (H5Dread(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, wide.data()) < 0) {
-    throw FileError(path_, name, "cannot read: " + hdf5_reason());
-  }
+  read_numbers(path_, name, dataset, H5T_NATIVE_INT64, wide);
   std::vector<int> values;
   values.reserve(wide.size());
   for (std::size_t k = 0; k < wide.size(); ++k) {
@@ -347,7 +349,12 @@ std::vector<std::string> Hdf5File::read_strings(const std::string& name) const {
   if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
     throw FileError(path_, name, "cannot read: " + hdf5_reason());
   }
-  return split_fixed(bytes, width);
+  std::vector<std::string> texts;
+  for (std::size_t at = 0; at < bytes.size(); at += width) {
+    std::string& text = texts.emplace_back(bytes.data() + at, width);
+    text.resize(std::min(text.size(), text.find('\0')));
+  }
+  return texts;
 }
 
 std::string Hdf5File::read_string(const std::string& name) const {
@@ -368,8 +375,7 @@ void Hdf5File::write_array(const std::string& name, std::int64_t type, const voi
                          ? H5Screate(H5S_SCALAR)
                          : H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr),
                      H5Sclose);
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  H5Pset_create_intermediate_group(links, 1);
+  const WithGroups links;
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(properties, false);
   const Handle dataset(H5Dcreate2(file_, name.c_str(), type, space, links, properties, H5P_DEFAULT),
@@ -387,28 +393,24 @@ void Hdf5File::write(const std::string& name, double value, std::string_view uni
 }
 
 void Hdf5File::write(const std::string& name, std::span<const int> values) {
-  const std::array<std::size_t, 1> extents = {values.size()};
-  write_array(name, H5T_NATIVE_INT, values.data(), extents);
+  write_array(name, H5T_NATIVE_INT, values.data(), std::array{values.size()});
 }
 
 void Hdf5File::write(const std::string& name, std::span<const double> values,
                      std::string_view unit) {
-  const std::array<std::size_t, 1> extents = {values.size()};
-  write_array(name, H5T_NATIVE_DOUBLE, values.data(), extents);
+  write_array(name, H5T_NATIVE_DOUBLE, values.data(), std::array{values.size()});
   if (!unit.empty()) write_attribute(name, "unit", unit);
 }
 
 void Hdf5File::write_rows(const std::string& name, std::span<const double> values,
                           std::size_t columns, std::string_view unit) {
-  const std::array<std::size_t, 2> extents = {values.size() / columns, columns};
-  write_array(name, H5T_NATIVE_DOUBLE, values.data(), extents);
+  write_array(name, H5T_NATIVE_DOUBLE, values.data(), std::array{values.size() / columns, columns});
   if (!unit.empty()) write_attribute(name, "unit", unit);
 }
 
 void Hdf5File::write(const std::string& name, std::string_view value) {
   const Silence silence;
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, value.size() + 1);
+  const TextType type(value.size() + 1);
   const std::string terminated(value);
   write_array(name, type, terminated.c_str(), {});
 }
@@ -422,17 +424,13 @@ void Hdf5File::write(const std::string& name, std::span<const std::string> value
     bytes += value;
     bytes.append(width - value.size(), '\0');
   }
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, width);
-  const std::array<std::size_t, 1> extents = {values.size()};
-  write_array(name, type, bytes.data(), extents);
+  write_array(name, TextType(width), bytes.data(), std::array{values.size()});
 }
 
 void Hdf5File::create_group(const std::string& name) {
   const Silence silence;
   if (link_exists(file_, name)) return;
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  H5Pset_create_intermediate_group(links, 1);
+  const WithGroups links;
   const Handle group(H5Gcreate2(file_, name.c_str(), links, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
   if (!group.ok()) throw FileError(path_, name, "cannot create: " + hdf5_reason());
 }
@@ -454,8 +452,7 @@ void Hdf5File::rename(const std::string& name, const std::string& to) {
 void Hdf5File::link(const std::string& name, const std::filesystem::path& file,
                     const std::string& target) {
   const Silence silence;
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  H5Pset_create_intermediate_group(links, 1);
+  const WithGroups links;
   if (H5Lcreate_external(file.c_str(), target.c_str(), file_, name.c_str(), links, H5P_DEFAULT) <
       0) {
     throw FileError(path_, name, "cannot link: " + hdf5_reason());
@@ -474,8 +471,7 @@ void Hdf5File::write_attribute(const std::string& object, const std::string& nam
   if (H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0) {
     H5Adelete_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT);
   }
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, value.size() + 1);
+  const TextType type(value.size() + 1);
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle attribute(H5Acreate_by_name(file_, object.c_str(), name.c_str(), type, space,
                                            H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),

@@ -51,8 +51,8 @@ void add_cut(const Wall<3>& w, const View& view, std::optional<double> at, FlatV
       ends.push_back(view(a + from / (from - to) * (b - a)));
     }
     if (ends.size() < 2 || ends[0] == ends[1]) continue;
-    Wall<2> wall{.name = w.name, .shape = Wall<2>::Shape::kSegment, .a = ends[0], .b = ends[1]};
-    flat.state.walls.push_back(wall);
+    flat.state.walls.push_back(
+        {.name = w.name, .shape = Wall<2>::Shape::kSegment, .a = ends[0], .b = ends[1]});
   }
 }
 
@@ -124,11 +124,11 @@ void add_contacts(const State<3>& state, const View& view, FlatView& flat) {
     const int j = o.contact.j < spheres ? disk_of[to_size(o.contact.j)] : disks;
     if (i < 0 || j < 0) continue;
     if (o.contact.image_x != 0 && !flat.state.cell.periodic()) continue;  // it has no place to end
-    ContactOutcome<2> shown{.contact = {i, j, view(o.contact.n), o.contact.gap, o.contact.image_x},
-                            .s_n = o.s_n,
-                            .s_t = o.s_t.norm(),
-                            .status = o.status};
-    flat.state.contacts.push_back(shown);
+    flat.state.contacts.push_back(
+        {.contact = {i, j, view(o.contact.n), o.contact.gap, o.contact.image_x},
+         .s_n = o.s_n,
+         .s_t = o.s_t.norm(),
+         .status = o.status});
   }
 }
 
@@ -148,10 +148,7 @@ FlatView project(const Scene<3>& scene, const State<3>& any, const std::vector<d
                    [&](int a, int b) { return place(a) < place(b); });
   for (const int k : flat.bodies) {
     const Sphere& s = state.bodies[to_size(k)];
-    Disk disk;
-    disk.x = view(s.x);
-    disk.radius = s.radius;
-    flat.state.bodies.push_back(disk);
+    flat.state.bodies.push_back({.x = view(s.x), .radius = s.radius});
   }
   flat.scene.bodies = flat.state.bodies;
   add_contacts(state, view, flat);
@@ -172,10 +169,8 @@ FlatView slice(const Scene<3>& scene, const State<3>& any) {
     const Sphere& s = state.bodies[k];
     const double off = view.away.dot(s.x) - middle;
     if (!(std::abs(off) < s.radius)) continue;
-    Disk disk;
-    disk.x = view(s.x);
-    disk.radius = std::sqrt(s.radius * s.radius - off * off);
-    flat.state.bodies.push_back(disk);
+    const double radius = std::sqrt(s.radius * s.radius - off * off);
+    flat.state.bodies.push_back({.x = view(s.x), .radius = radius});
     flat.bodies.push_back(static_cast<int>(k));
   }
   flat.scene.bodies = flat.state.bodies;

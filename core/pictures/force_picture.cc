@@ -14,14 +14,12 @@
 #include <stdexcept>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
 #include "core/motion/periodic_state.h"
 #include "core/pictures/colour_map.h"
 #include "core/scene/joints.h"
-#include "core/scene/scene_box.h"
 
 namespace bipot {
 namespace {
@@ -76,6 +74,19 @@ double text_width(cairo_t* c, const std::string& text) {
   cairo_text_extents_t extents;
   cairo_text_extents(c, text.c_str(), &extents);
   return extents.x_advance;
+}
+
+/// A circle as the whole path.
+void trace_circle(cairo_t* c, const Vec2& centre, double radius) {
+  cairo_new_path(c);
+  cairo_arc(c, centre[0], centre[1], radius, 0, 2 * std::numbers::pi);
+}
+
+/// Draws the path as a line.
+void stroke_path(cairo_t* c, double width, const Colour& colour) {
+  set(c, colour);
+  cairo_set_line_width(c, width);
+  cairo_stroke(c);
 }
 
 void show_text(cairo_t* c, double x, double y, const std::string& text) {
@@ -168,11 +179,8 @@ void draw_hatching(cairo_t* c, const Vec2& first, const Vec2& last, const Vec2& 
 
 /// A circular wall; short strokes at 45 degrees on its solid side.
 void draw_circle(cairo_t* c, const Vec2& centre, double radius, bool hollow) {
-  cairo_new_path(c);
-  cairo_arc(c, centre[0], centre[1], radius, 0, 2 * std::numbers::pi);
-  set(c, kWall);
-  cairo_set_line_width(c, 2);
-  cairo_stroke(c);
+  trace_circle(c, centre, radius);
+  stroke_path(c, 2, kWall);
   const int strokes = std::max(8, static_cast<int>(2 * std::numbers::pi * radius / kHatch));
   for (int k = 0; k < strokes; ++k) {
     const double angle = 2 * std::numbers::pi * k / strokes;
@@ -193,11 +201,8 @@ struct LegendItem {
 /// A ring with a light edge, visible on dark and light ground.
 void draw_mark(cairo_t* c, const Vec2& at) {
   for (const auto& [width, colour] : {std::pair{3.6, Colour{1, 1, 1}}, std::pair{2.0, kMark}}) {
-    cairo_new_path(c);
-    cairo_arc(c, at[0], at[1], kMarkRadius, 0, 2 * std::numbers::pi);
-    set(c, colour);
-    cairo_set_line_width(c, width);
-    cairo_stroke(c);
+    trace_circle(c, at, kMarkRadius);
+    stroke_path(c, width, colour);
   }
 }
 
@@ -373,14 +378,11 @@ class Picture {
       const Vec2 x = map_(d.x + shift);
       const double radius = map_.scale * d.radius;
       const double rim = std::clamp(0.06 * radius, 0.15, 1.2);
-      cairo_new_path(c);
-      cairo_arc(c, x[0], x[1], std::max(radius - 0.5 * rim, 0.1), 0, 2 * std::numbers::pi);
+      trace_circle(c, x, std::max(radius - 0.5 * rim, 0.1));
       set(c, fill.empty() ? (d.wall >= 0 ? kGlued : kDisk)
                           : sequential_colour(full_fill_ > 0 ? fill[k] / full_fill_ : 0));
       cairo_fill_preserve(c);
-      set(c, fill.empty() ? kDiskRim : kFilledRim);
-      cairo_set_line_width(c, rim);
-      cairo_stroke(c);
+      stroke_path(c, rim, fill.empty() ? kDiskRim : kFilledRim);
     }
   }
 
@@ -427,30 +429,22 @@ class Picture {
                      width_of(force));
       };
     };
+    const auto add_kind = [&](const char* name, Kind kind, double force) {
+      const int count = count_[static_cast<std::size_t>(kind)];
+      items.push_back({kSample, fmt::format("{} ({})", name, count), sample(kind, force)});
+    };
     if (loaded > 0) {
       const double force = round_below(full_force_);
       items.push_back(
           {kSample, "normal force " + with_prefix(force, "N"), sample(Kind::kHeld, force)});
       const double shown = std::min(full_force_, full_force_ * 6 / widest_);
-      if (friction_) {
-        items.push_back(
-            {kSample, fmt::format("stick ({})", count_[1]), sample(Kind::kHeld, shown)});
-        items.push_back(
-            {kSample, fmt::format("slip ({})", count_[2]), sample(Kind::kSliding, shown)});
-      } else {
-        items.push_back(
-            {kSample, fmt::format("contact ({})", count_[1]), sample(Kind::kHeld, shown)});
-      }
-      if (count_[3] > 0) {
-        items.push_back(
-            {kSample, fmt::format("tension ({})", count_[3]), sample(Kind::kTension, shown)});
-      }
+      add_kind(friction_ ? "stick" : "contact", Kind::kHeld, shown);
+      if (friction_) add_kind("slip", Kind::kSliding, shown);
+      if (count_[3] > 0) add_kind("tension", Kind::kTension, shown);
     } else {
       items.push_back({0, "no contact forces", [](cairo_t*, double, double) {}});
     }
-    if (options_.take_off && count_[0] > 0) {
-      items.push_back({kSample, fmt::format("open ({})", count_[0]), sample(Kind::kNone, 0)});
-    }
+    if (options_.take_off && count_[0] > 0) add_kind("open", Kind::kNone, 0);
     return items;
   }
 
@@ -515,9 +509,7 @@ class Picture {
     cairo_set_source(c, colours);
     cairo_fill_preserve(c);
     cairo_pattern_destroy(colours);
-    set(c, kText);
-    cairo_set_line_width(c, 0.8);
-    cairo_stroke(c);
+    stroke_path(c, 0.8, kText);
     const std::vector<double>& values = options_.fill.values;
     const double largest = *std::max_element(values.begin(), values.end());
     for (const double at : {0.0, 0.5, 1.0}) {
@@ -589,8 +581,8 @@ void draw_force_picture(const std::filesystem::path& path, const Scene<2>& scene
   if (format != ".svg" && format != ".png") {
     throw FileError(path, "", "the name of a picture ends in .svg or .png");
   }
-  const State<2> inside = state.cell.periodic() ? wrapped_state(state) : State<2>();
-  const Picture picture(scene, state.cell.periodic() ? inside : state, caption, options);
+  const State<2> inside = wrapped_state(state);
+  const Picture picture(scene, inside, caption, options);
   AtomicFile target(path);
   const double width = options.width, height = picture.height();
   const double zoom = format == ".png" ? options.resolution : 1.0;

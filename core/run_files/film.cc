@@ -20,13 +20,6 @@ std::string_view bytes_of(const T& value) {
   return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
-/// The film without the frames after step `last`.
-Film film_up_to(const fs::path& folder, int last) {
-  Film film = read_film(folder);
-  std::erase_if(film.frames, [&](const FilmFrame& frame) { return frame.step > last; });
-  return film;
-}
-
 }  // namespace
 
 Film read_film(const fs::path& folder, int after) {
@@ -71,7 +64,8 @@ Film read_film(const fs::path& folder, int after) {
 template <int D>
 FilmRecorder<D>::FilmRecorder(fs::path folder, const Scene<D>& scene, int resume_after)
     : path_(folder / kFilmFile), scene_(scene), grid_(film_grid(scene)) {
-  Film before = film_up_to(folder, resume_after);
+  Film before = read_film(folder);
+  std::erase_if(before.frames, [&](const FilmFrame& f) { return f.step > resume_after; });
   // One film has one grid; bodies that a start moved apart were elsewhere when it was made.
   if (before.grid.quantum == grid_.quantum) grid_ = before.grid;
   if (before.grid != grid_) before.frames.clear();

@@ -159,9 +159,7 @@ FilmGrid film_grid(const Scene<D>& scene) {
 
 template <int D>
 FilmFrame film_frame(const State<D>& state, const FilmGrid& grid, double step, bool gates) {
-  FilmFrame frame;
-  frame.step = state.step;
-  frame.time = state.time;
+  FilmFrame frame{.step = state.step, .time = state.time};
   if (state.cell.in_x) frame.cell[0] = state.cell.width.length;
   if (state.cell.in_y) frame.cell[1] = state.cell.height.length;
   if (state.cell.in_y) frame.cell[2] = state.cell.offset.length;

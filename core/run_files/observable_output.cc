@@ -124,11 +124,7 @@ std::string bin_columns() {
 }
 
 constexpr const char* kForcesHeader = "step,time [s],bin,low,high,count,mean_force [N]";
-
-template <int D>
-std::string profile_header() {
-  return "step,time [s],bin" + bin_columns<D>();
-}
+constexpr const char* kProfileHeader = "step,time [s],bin";  // and bin_columns()
 
 /// Mean and standard deviation of the defined values.
 struct Sum {
@@ -147,11 +143,9 @@ struct Sum {
 };
 
 std::vector<std::vector<double>> rows_from(const NumberTable& table, double starts) {
-  std::vector<std::vector<double>> rows;
+  std::vector<std::vector<double>> rows = table.rows;
   const std::size_t time = table.column("time");
-  for (const std::vector<double>& row : table.rows) {
-    if (row[time] >= starts) rows.push_back(row);
-  }
+  std::erase_if(rows, [&](const std::vector<double>& row) { return !(row[time] >= starts); });
   return rows;
 }
 
@@ -248,19 +242,6 @@ void write_profile_rows(const State<D>& state, const Scene<D>& scene, CsvFile& f
   }
 }
 
-/// Flux and profile of a frame.
-template <int D>
-void write_flux_and_profile(Hdf5File& file, const Scene<D>& scene, const State<D>& state) {
-  const ObservableChoice<D>& choice = *scene.observables;
-  for (const FluxSurface<D>& crossing : choice.crossings) {
-    file.write("/observables/flux/" + crossing.name, mass_flux(state, crossing), "kg/s");
-  }
-  if (!choice.profile) return;
-  for (const BinQuantity& q : quantities<D>(observe_profile<D>(state, scene.step, choice))) {
-    file.write("/observables/profile/" + q.name, q.values, q.unit.empty() ? "1" : q.unit);
-  }
-}
-
 }  // namespace
 
 std::size_t NumberTable::column(const std::string& name) const {
@@ -298,7 +279,7 @@ ObservableWriter<D>::ObservableWriter(fs::path folder, const Scene<D>& scene, in
       rows_(folder_ / "observables.csv", header_of(scene), keep_up_to),
       forces_(folder_ / "forces.csv", kForcesHeader, keep_up_to) {
   if (scene.observables->profile) {
-    profile_.emplace(folder_ / "profile.csv", profile_header<D>(), keep_up_to);
+    profile_.emplace(folder_ / "profile.csv", kProfileHeader + bin_columns<D>(), keep_up_to);
   }
 }
 
@@ -307,7 +288,7 @@ std::string ObservableWriter<D>::units() const {
   std::string rows = unit_rows("observables.csv", header_of(scene_));
   rows += unit_rows("forces.csv", kForcesHeader);
   if (!profile_) return rows;
-  return rows + unit_rows("profile.csv", profile_header<D>()) +
+  return rows + unit_rows("profile.csv", kProfileHeader + bin_columns<D>()) +
          unit_rows("profile_mean.csv", bin_columns<D>().substr(1));
 }
 
@@ -352,7 +333,13 @@ void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& st
   file.write("/observables/forces/counts", forces.counts);
   file.write("/observables/forces/mean", forces.mean, "N");
   file.write("/observables/forces/limit", choice.force_limit);
-  write_flux_and_profile<D>(file, scene, state);
+  for (const FluxSurface<D>& crossing : choice.crossings) {
+    file.write("/observables/flux/" + crossing.name, mass_flux(state, crossing), "kg/s");
+  }
+  if (!choice.profile) return;
+  for (const BinQuantity& q : quantities<D>(observe_profile<D>(state, scene.step, choice))) {
+    file.write("/observables/profile/" + q.name, q.values, q.unit.empty() ? "1" : q.unit);
+  }
 }
 
 template class ObservableWriter<2>;

@@ -7,17 +7,14 @@
 #include <iterator>
 #include <stdexcept>
 #include <system_error>
-#include <utility>
 
 #include "core/base/nearest_name.h"
 #include "core/base/version.h"
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_columns.h"
-#include "core/files/hdf5_file.h"
 #include "core/motion/force_balance.h"
 #include "core/motion/population.h"
 #include "core/motion/spring_dashpot_setup.h"
-#include "core/motion/stress_tensor.h"
 #include "core/run_files/frame_entries.h"
 #include "core/run_files/frame_file.h"
 #include "core/run_files/run_layout.h"

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/files/hdf5_columns.h"
-#include "core/files/hdf5_file.h"
 #include "core/run_files/frame_entries.h"
 #include "core/scene/triangle_mesh.h"
 
