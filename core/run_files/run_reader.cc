@@ -18,6 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool finite_turn(const Disk& d) { return std::isfinite(d.angle) && std::isfinite(d.spin); }
+bool finite_turn(const Sphere& s) {
+  return s.orientation.coeffs().allFinite() && s.spin.allFinite();
+}
+
 /// `fixed`: run.h5. `frame`: the frame's file, which describes all disks if some come or go.
 template <int D>
 std::vector<Body<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame,
@@ -207,9 +212,10 @@ State<D> read_state(const fs::path& run, int step) {
   if (file.exists("/cohesion_loss")) state.cohesion_loss = file.read_double("/cohesion_loss");
   state.bodies = read_disks<D>(fixed, file, state.population);
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    if (state.bodies[i].x.allFinite() && state.bodies[i].v.allFinite()) continue;
+    const Body<D>& body = state.bodies[i];
+    if (body.x.allFinite() && body.v.allFinite() && finite_turn(body)) continue;
     throw FileError(file.path(), "/bodies",
-                    fmt::format("{} {}: place or velocity is not finite", kBodyName<D>, i));
+                    fmt::format("{} {}: place or motion is not finite", kBodyName<D>, i));
   }
   read_clusters(file, state);
   state.walls = read_walls<D>(fixed, file);

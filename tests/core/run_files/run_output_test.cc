@@ -632,11 +632,15 @@ TEST_F(RunOutput, UnusableFoldersAndDamagedFilesAreRefused) {
   };
   EXPECT_TRUE(says(damaged("/time", kNaN), "/time: step 5, nan s"));
   EXPECT_EQ(damaged("/time", 0.5), "nothing was thrown");
-  State<2> lost = at(5);
-  lost.bodies[0].v[1] = kNaN;
-  RunWriter<2>(folder_ / "lost", scene_, "").frame(lost);
-  EXPECT_TRUE(says(refusal_of<FileError>([&] { read_state(folder_ / "lost"); }),
-                   "disk 0: place or velocity is not finite"));
+  const auto lost = [&](const auto& spoil) {
+    State<2> state = at(5);
+    spoil(state.bodies[0]);
+    RunWriter<2>(folder_ / "lost", scene_, "").frame(state);
+    return refusal_of<FileError>([&] { read_state(folder_ / "lost"); });
+  };
+  const std::string said = "disk 0: place or motion is not finite";
+  EXPECT_TRUE(says(lost([](Disk& d) { d.v[1] = kNaN; }), said));
+  EXPECT_TRUE(says(lost([](Disk& d) { d.spin = kInfinity; }), said));
   Hdf5File(out_ / "frames/00000005.h5", Hdf5File::Mode::kAppend)
       .write("/contacts/j", std::vector<int>{1, 6});
   EXPECT_THROW(read_state(out_), FileError);
