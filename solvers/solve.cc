@@ -51,7 +51,7 @@ void judge(ContactSpace& space, const SolverOptions& options, SolveResult& resul
       options.stop != StopTest::kImpulse || result.status == SolveStatus::kNothingToDo;
   if (is_success(result.status) && verifiable && !(measured <= options.tol)) {
     result.message = fmt::format(
-        "claim of convergence withdrawn: {} error {:.3e} on the original data, tolerance {:.1e} "
+        "claim of convergence withdrawn: {} error {:.3e} on the original data, tolerance {:g} "
         "(it said: {})",
         raw ? "raw42" : "guarded", measured, options.tol, result.message);
     result.status = SolveStatus::kNumericalFailure;
