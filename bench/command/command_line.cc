@@ -5,8 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <optional>
-#include <utility>
 
 #include "bench/command/completion.h"
 #include "bench/command/help_text.h"

@@ -2,16 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <string_view>
 #include <system_error>
 
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
-#include "core/base/file_error.h"
 #include "solvers/auto/plan.h"
 #include "solvers/registry.h"
 

@@ -2,11 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <string_view>
-#include <vector>
-
 #include "bench/report/labels.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/population.h"

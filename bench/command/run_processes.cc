@@ -1,16 +1,10 @@
 #include "bench/command/run_processes.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
-#include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
-#include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/parallel/launch.h"

@@ -3,12 +3,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <ctime>
 #include <fstream>
-#include <utility>
 
 #include "bench/report/labels.h"
 #include "core/base/counted.h"

@@ -2,13 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "bench/command/help_text.h"
-#include "bench/report/json_output.h"
 #include "bench/report/labels.h"
 #include "core/base/counted.h"
 #include "core/base/version.h"

@@ -3,19 +3,13 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <stdexcept>
-#include <string>
 
 #include "bench/command/exit_code.h"
 #include "bench/problems/several_picture.h"
 #include "bench/report/json_output.h"
 #include "bench/report/several_report.h"
 #include "core/base/counted.h"
-#include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/base/number_text.h"
 #include "core/base/version.h"

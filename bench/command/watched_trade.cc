@@ -1,8 +1,5 @@
 #include "bench/command/watched_trade.h"
 
-#include <optional>
-#include <string>
-
 #include "bench/command/progress_bar.h"
 #include "core/base/interrupt.h"
 

@@ -1,8 +1,5 @@
 #include "bench/compare/case_parts.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/motion/midpoint.h"
 #include "core/motion/state.h"
 #include "core/motion/time_stepping.h"

@@ -1,11 +1,6 @@
 #include "bench/compare/comparison_measures.h"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
-
-#include "bench/measure/statistics.h"
-#include "core/base/types.h"
 
 namespace bipot {
 namespace {

@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <map>
-#include <utility>
 
 #include "bench/compare/comparison_measures.h"
 #include "bench/report/csv_text.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "bench/compare/comparison_success.h"
 #include "bench/measure/statistics.h"
 #include "bench/report/labels.h"

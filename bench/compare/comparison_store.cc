@@ -5,7 +5,6 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <vector>
 
 #include "bench/compare/comparison_rows.h"
 #include "bench/report/csv_text.h"

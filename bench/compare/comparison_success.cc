@@ -1,12 +1,8 @@
 #include "bench/compare/comparison_success.h"
 
 #include <algorithm>
-#include <limits>
-#include <map>
-#include <utility>
 
 #include "bench/compare/comparison_measures.h"
-#include "core/base/types.h"
 
 namespace bipot {
 namespace {

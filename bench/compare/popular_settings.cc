@@ -2,15 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-#include <stdexcept>
-
 #include "bench/measure/limited_solve.h"
 #include "bench/measure/peer_map.h"
-#include "bench/measure/reference_solution.h"
-#include "core/problem/coulomb_cone.h"
 #include "solvers/kernels/local_coulomb.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"

@@ -1,7 +1,5 @@
 #include "bench/compare/random_scene.h"
 
-#include <cmath>
-
 #include "core/base/portable_random.h"
 #include "core/scene/scene_parts.h"
 

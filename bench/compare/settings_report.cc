@@ -2,10 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-
 #include "bench/measure/statistics.h"
 #include "bench/report/labels.h"
 

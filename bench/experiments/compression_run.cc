@@ -1,8 +1,5 @@
 #include "bench/experiments/compression_run.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "bench/measure/statistics.h"
 #include "core/motion/force_balance.h"
 

@@ -1,7 +1,5 @@
 #include "bench/experiments/experiment_scene.h"
 
-#include <algorithm>
-
 #include "core/scene/generators.h"
 
 namespace bipot {

@@ -2,12 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-
 #include "bench/measure/statistics.h"
-#include "core/base/types.h"
 #include "core/scene/scene_parts.h"
 #include "solvers/simulation/scene_run.h"
 

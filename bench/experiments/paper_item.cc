@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
-
 #include "solvers/simulation/scene_run.h"
 
 namespace bipot {

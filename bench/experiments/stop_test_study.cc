@@ -1,7 +1,6 @@
 #include "bench/experiments/stop_test_study.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "bench/measure/statistics.h"
 #include "bench/measure/true_error.h"

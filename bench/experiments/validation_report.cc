@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "bench/report/labels.h"
 #include "core/files/atomic_file.h"
 

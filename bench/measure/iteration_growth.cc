@@ -9,7 +9,6 @@
 #include "bench/measure/moving_problems.h"
 #include "bench/measure/problem_target.h"
 #include "bench/problems/sphere_problems.h"
-#include "bench/report/json_output.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 

@@ -1,7 +1,5 @@
 #include "bench/measure/limited_solve.h"
 
-#include <algorithm>
-
 #include "bench/measure/stopwatch.h"
 #include "solvers/solve.h"
 

@@ -4,11 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <map>
-#include <optional>
 
 #include "bench/problems/moving_run.h"
 #include "bench/problems/moving_scene.h"

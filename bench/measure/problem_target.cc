@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <set>
 #include <stdexcept>
 #include <tuple>
@@ -24,7 +23,6 @@
 #include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
 #include "core/base/number_text.h"
-#include "core/base/types.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem_files/problem_file.h"
 #include "core/scene/scene_family.h"

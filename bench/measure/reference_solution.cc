@@ -1,16 +1,13 @@
 #include "bench/measure/reference_solution.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "bench/measure/limited_solve.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
-#include "core/base/types.h"
 #include "core/files/atomic_file.h"
 #include "core/files/input_file.h"
-#include "core/problem/delassus.h"
 #include "core/problem/energy_norm.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"

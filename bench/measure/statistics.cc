@@ -6,8 +6,6 @@
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
 
-#include "core/base/types.h"
-
 namespace bipot {
 namespace {
 

@@ -1,11 +1,6 @@
 #include "bench/measure/true_error.h"
 
-#include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
-
 #include "core/linear/dense_factor.h"
-#include "core/problem/delassus.h"
 #include "core/problem/energy_norm.h"
 
 namespace bipot {

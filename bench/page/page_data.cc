@@ -1,6 +1,5 @@
 #include "bench/page/page_data.h"
 
-#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <utility>

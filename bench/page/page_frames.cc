@@ -1,8 +1,6 @@
 #include "bench/page/page_frames.h"
 
-#include <algorithm>
 #include <bit>
-#include <type_traits>
 #include <utility>
 
 namespace bipot {

@@ -1,9 +1,5 @@
 #include "bench/page/run_frames.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
-
 namespace bipot {
 namespace {
 

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
-#include <utility>
-
 #include "bench/python/arrays.h"
 #include "bench/python/python_problem.h"
 #include "solvers/registry.h"

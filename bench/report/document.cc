@@ -6,7 +6,6 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <utility>
 
 #include "bench/report/csv_text.h"
 #include "bench/report/labels.h"

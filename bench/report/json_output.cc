@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/file_error.h"
-#include "core/base/types.h"
 #include "core/files/atomic_file.h"
 
 namespace bipot {

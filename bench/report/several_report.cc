@@ -4,11 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <vector>
 
-#include "bench/report/document.h"
 #include "bench/report/labels.h"
 
 namespace bipot {

@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <fstream>
 #include <sstream>
-#include <string>
 
 #include "bench/measure/stopwatch.h"
 #include "bench/report/csv_text.h"

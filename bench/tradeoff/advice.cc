@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "bench/report/labels.h"
-#include "core/base/types.h"
 #include "solvers/registry.h"
 
 namespace bipot {

@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <deque>
-#include <stdexcept>
 #include <utility>
 
 #include "bench/tradeoff/advice_verdict.h"

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
 #include <tuple>
 
 #include "bench/measure/stopwatch.h"

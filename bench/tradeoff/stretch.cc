@@ -1,9 +1,5 @@
 #include "bench/tradeoff/stretch.h"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 #include "core/motion/population.h"
 #include "core/observables/measured_bodies.h"
 #include "core/observables/observables.h"

@@ -2,22 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <optional>
 #include <set>
-#include <stdexcept>
-#include <variant>
 
 #include "bench/problems/scene_catalogue.h"
 #include "core/base/nearest_name.h"
 #include "core/base/number_text.h"
 #include "core/base/portable_random.h"
-#include "core/base/types.h"
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/scene/cluster_motion.h"
-#include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_start.h"
 

@@ -2,11 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "bench/report/labels.h"
-#include "core/base/types.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,5 @@
 #include "bench/tradeoff/trade_outcome.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
-
-#include "core/base/types.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"

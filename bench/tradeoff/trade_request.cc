@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
-#include "bench/report/json_output.h"
 #include "bench/report/labels.h"
 #include "core/files/atomic_file.h"
 

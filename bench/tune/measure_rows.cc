@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
-#include <functional>
 #include <optional>
 #include <set>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 #include "bench/measure/limited_solve.h"
