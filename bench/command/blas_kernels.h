@@ -16,7 +16,7 @@ inline bool kernels_without_avx2(std::string_view core) {
       "Generic", "Katmai",  "Coppermine",   "Northwood", "Banias",      "Prescott",
       "Core2",   "Penryn",  "Dunnington",   "Nehalem",   "Sandybridge", "Atom",
       "Athlon",  "Opteron", "Opteron_SSE3", "Barcelona", "Bobcat",      "Nano"};
-  return std::find(kOld.begin(), kOld.end(), core) != kOld.end();
+  return std::ranges::find(kOld, core) != kOld.end();
 }
 
 /// Name of the kernels of OpenBLAS for this processor; null: none with AVX2.

@@ -103,7 +103,7 @@ void apply(const OptionTraits& traits, CLI::Option& option) {
   }
   if (!traits.one_of.empty()) {
     const auto check = [values = traits.one_of](std::string& text) {
-      const bool known = std::find(values.begin(), values.end(), text) != values.end();
+      const bool known = std::ranges::find(values, text) != values.end();
       return known ? std::string() : unknown_name_message("value", text, values);
     };
     option.check(CLI::Validator(check, fmt::format("{{{}}}", fmt::join(traits.one_of, ","))));
@@ -162,7 +162,7 @@ const std::vector<std::pair<std::string, std::string>> kFlagSynonyms = {
 /// The flag that may be meant; empty: none is near.
 std::string meant_flag(const std::string& typed, const std::vector<std::string>& flags) {
   const auto known = [&](const std::string& flag) {
-    return std::find(flags.begin(), flags.end(), flag) != flags.end();
+    return std::ranges::find(flags, flag) != flags.end();
   };
   for (const auto& [other, flag] : kFlagSynonyms) {
     if (other == typed && known(flag)) return flag;
@@ -213,7 +213,7 @@ std::string unknown_name(const CommandNode& program, const std::vector<std::stri
       for (const CommandNode::Option& option : at->options) {
         if (!option.argument) flags.insert(flags.end(), option.names.begin(), option.names.end());
       }
-      if (std::find(flags.begin(), flags.end(), typed) != flags.end()) continue;
+      if (std::ranges::find(flags, typed) != flags.end()) continue;
       const std::string meant = meant_flag(typed, flags);
       const std::string name = program.name + (at == &program ? "" : " " + at->name);
       return fmt::format("{}: unknown flag '{}'{} ({} --help lists the flags)", name, typed,
@@ -221,7 +221,7 @@ std::string unknown_name(const CommandNode& program, const std::vector<std::stri
     }
     if (at != &program) continue;
     const std::vector<std::string> names = names_of(program.commands);
-    const auto it = std::find(names.begin(), names.end(), word);
+    const auto it = std::ranges::find(names, word);
     if (it == names.end()) {
       return program.name + ": " + unknown_name_message("command", word, names);
     }
@@ -331,7 +331,7 @@ CommandLine::Parsed CommandLine::parse(int argc, const char* const* argv) {
 
 CommandLine::Parsed CommandLine::answered_or_refused(std::vector<std::string> words) {
   const std::vector<std::string> in_order = words;
-  std::reverse(words.begin(), words.end());  // as CLI11 takes them
+  std::ranges::reverse(words);  // as CLI11 takes them
   try {
     app_->parse(std::move(words));
   } catch (const CLI::ParseError& e) {
@@ -366,7 +366,7 @@ std::string typed_command(const std::vector<std::string>& targets) {
       ++k;
       continue;
     }
-    if (std::find(targets.begin(), targets.end(), word) == targets.end()) {
+    if (std::ranges::find(targets, word) == targets.end()) {
       line += ' ' + shell_word(word);
     } else if (!std::exchange(named, true)) {
       line += " {}";

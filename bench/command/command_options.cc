@@ -98,7 +98,7 @@ void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
 
 std::string parameter_flag(std::string_view name) {
   std::string flag = "--" + std::string(name);
-  std::replace(flag.begin(), flag.end(), '_', '-');
+  std::ranges::replace(flag, '_', '-');
   return flag;
 }
 

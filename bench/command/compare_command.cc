@@ -146,7 +146,7 @@ bool nothing_to_solve(const Comparison& comparison, const Comparison::Problem& p
   const auto solved = [&](const Comparison::Row& row) {
     return row.problem == problem.name && row.status == to_string(SolveStatus::kNothingToDo);
   };
-  return std::any_of(comparison.rows.begin(), comparison.rows.end(), solved);
+  return std::ranges::any_of(comparison.rows, solved);
 }
 
 int run_compare(const CompareFlags& flags) {

@@ -15,8 +15,8 @@ using Words = std::vector<std::string>;
 
 /// Whether a file may be the first argument of the command.
 bool takes_files(const CommandNode& command) {
-  const auto first = std::find_if(command.options.begin(), command.options.end(),
-                                  [](const CommandNode::Option& o) { return o.argument; });
+  const auto first = std::ranges::find_if(command.options,
+                                          [](const CommandNode::Option& o) { return o.argument; });
   return first != command.options.end() && first->open;
 }
 

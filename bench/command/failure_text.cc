@@ -49,7 +49,7 @@ double way(const Scene<D>& scene, const State<D>& state) {
 
 template <int D>
 bool coefficients_differ(const Scene<D>& scene) {
-  return std::any_of(scene.laws.begin(), scene.laws.end(), [&](const ContactLaw& law) {
+  return std::ranges::any_of(scene.laws, [&](const ContactLaw& law) {
     return law.e_n != scene.laws[0].e_n || (law.mu > 0 && law.e_t != scene.laws[0].e_n);
   });
 }
@@ -57,9 +57,8 @@ bool coefficients_differ(const Scene<D>& scene) {
 template <int D>
 std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
                           const ExistenceCertificate& c, bool smaller_steps_tried) {
-  const bool walls_move = std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall<D>& w) {
-    return w.motion == Wall<D>::Motion::kMoving;
-  });
+  const bool walls_move = std::ranges::any_of(
+      scene.walls, [](const Wall<D>& w) { return w.motion == Wall<D>::Motion::kMoving; });
   double mu = 0;
   for (const ContactLaw& law : scene.laws) mu = std::max(mu, law.mu);
   const double ratio = mass_ratio(scene), path = way(scene, state);

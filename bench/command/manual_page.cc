@@ -50,8 +50,8 @@ std::string command_text(const CommandNode& command) {
 
 std::string manual_page(const CommandNode& program, const std::string& version) {
   std::string title = program.name;
-  std::transform(title.begin(), title.end(), title.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::ranges::transform(title, title.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   std::string text = fmt::format(
       ".TH {} 1 \"\" \"{} {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n"
       ".SH SYNOPSIS\n.B {}\n.I COMMAND\n[arguments and flags]\n.SH COMMANDS\n",

@@ -110,8 +110,7 @@ int run_paper(const PaperFlags& flags) {
   const std::vector<std::string> names = names_of(items);
   for (const std::string& name : flags.only) require_name("item", name, names);
   const auto chosen = [&](std::string_view name) {
-    return flags.only.empty() ||
-           std::find(flags.only.begin(), flags.only.end(), name) != flags.only.end();
+    return flags.only.empty() || std::ranges::find(flags.only, name) != flags.only.end();
   };
 
   flags.prepare(true);
@@ -131,7 +130,7 @@ int run_paper(const PaperFlags& flags) {
   }
 
   const long total = static_cast<long>(
-      std::count_if(names.begin(), names.end(), [&](const auto& name) { return chosen(name); }));
+      std::ranges::count_if(names, [&](const auto& name) { return chosen(name); }));
   ProgressBar progress(total, flags.silent());
   const InterruptGuard interrupt;
   PaperItem::Context context{

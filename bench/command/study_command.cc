@@ -54,8 +54,7 @@ int run_study(const StudyFlags& flags) {
   const fs::path rows = flags.rows.empty() ? folder / "rows.csv" : fs::path(flags.rows);
   std::vector<Study::Part> parts;
   for (const Study::Part& part : Study::parts()) {
-    if (flags.only.empty() ||
-        std::find(flags.only.begin(), flags.only.end(), part.name) != flags.only.end()) {
+    if (flags.only.empty() || std::ranges::find(flags.only, part.name) != flags.only.end()) {
       parts.push_back(part);
     }
   }
@@ -78,8 +77,8 @@ int run_study(const StudyFlags& flags) {
   page.contents = true;
   bool empty = true;
   for (const Study::Part& part : parts) {
-    const bool any = std::any_of(measured.begin(), measured.end(),
-                                 [&](const auto& entry) { return entry.first.part == part.name; });
+    const bool any = std::ranges::any_of(
+        measured, [&](const auto& entry) { return entry.first.part == part.name; });
     if (!any) continue;
     empty = false;
     page.heading(part.title, part.name);

@@ -29,9 +29,9 @@ struct ValidateFlags : OutputFlags {
 
 /// True if a row was requested, by its name or the beginning of it.
 bool asked_for(const ValidateFlags& flags, const ValidationRow& row) {
-  return flags.only.empty() ||
-         std::any_of(flags.only.begin(), flags.only.end(),
-                     [&](const std::string& name) { return row.claim.name.starts_with(name); });
+  return flags.only.empty() || std::ranges::any_of(flags.only, [&](const std::string& name) {
+           return row.claim.name.starts_with(name);
+         });
 }
 
 std::vector<Experiment> chosen_experiments(const ValidateFlags& flags) {
@@ -44,8 +44,8 @@ std::vector<Experiment> chosen_experiments(const ValidateFlags& flags) {
     }
   }
   const auto begins_none = [](const std::vector<std::string>& of, const std::string& wanted) {
-    return std::none_of(of.begin(), of.end(),
-                        [&](const std::string& name) { return name.starts_with(wanted); });
+    return std::ranges::none_of(of,
+                                [&](const std::string& name) { return name.starts_with(wanted); });
   };
   for (const std::string& wanted : flags.only) {
     if (begins_none(names, wanted)) {
@@ -57,8 +57,8 @@ std::vector<Experiment> chosen_experiments(const ValidateFlags& flags) {
   }
   std::erase_if(all, [&](const Experiment& e) {
     return (flags.quick && e.quick_tols.empty()) ||
-           std::none_of(e.rows.begin(), e.rows.end(),
-                        [&](const ValidationRow& row) { return asked_for(flags, row); });
+           std::ranges::none_of(e.rows,
+                                [&](const ValidationRow& row) { return asked_for(flags, row); });
   });
   return all;
 }

@@ -114,12 +114,12 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
     }
   }
   row.repeats = static_cast<int>(total.size());
-  row.setup_min = *std::min_element(setup.begin(), setup.end());
+  row.setup_min = *std::ranges::min_element(setup);
   row.setup_median = median(setup);
-  row.solve_min = *std::min_element(solve_time.begin(), solve_time.end());
+  row.solve_min = *std::ranges::min_element(solve_time);
   row.solve_median = median(solve_time);
-  row.total_min = *std::min_element(total.begin(), total.end());
-  row.cpu_min = *std::min_element(cpu.begin(), cpu.end());
+  row.total_min = *std::ranges::min_element(total);
+  row.cpu_min = *std::ranges::min_element(cpu);
   return made;
 }
 
@@ -446,7 +446,7 @@ Comparison compare(const std::vector<ProblemSource>& sources, const Comparison::
     }
   }
   std::vector<double> tols = options.tols;
-  std::sort(tols.begin(), tols.end(), std::greater<>());
+  std::ranges::sort(tols, std::greater<>());
   tols.erase(std::unique(tols.begin(), tols.end()), tols.end());
   for (double tol : tols) {
     if (!(tol > 0) || !std::isfinite(tol)) {
@@ -455,9 +455,8 @@ Comparison compare(const std::vector<ProblemSource>& sources, const Comparison::
   }
 
   TableFiller filler(options, std::move(entries), std::move(tols), sources.size());
-  const bool complete =
-      std::all_of(sources.begin(), sources.end(),
-                  [&](const ProblemSource& source) { return filler.fill(source); });
+  const bool complete = std::ranges::all_of(
+      sources, [&](const ProblemSource& source) { return filler.fill(source); });
   Comparison& table = filler.finish();
   table.complete = complete;
   return std::move(table);

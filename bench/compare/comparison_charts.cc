@@ -13,7 +13,7 @@ namespace {
 /// A solver keeps its marker in all figures of all reports of a build.
 int style_of(const std::string& solver) {
   const auto names = solver_names();
-  return static_cast<int>(std::find(names.begin(), names.end(), solver) - names.begin());
+  return static_cast<int>(std::ranges::find(names, solver) - names.begin());
 }
 
 /// The steps of a distribution: each of the sorted values raises the curve by 1/total. Starts at
@@ -124,7 +124,7 @@ Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::st
       least = std::min(least, entry.ratio);
       largest = std::max(largest, entry.ratio);
     }
-    std::sort(finite.begin(), finite.end());
+    std::ranges::sort(finite);
   }
   Chart chart{.title = "Time of auto over that of the fastest other solver",
               .x = {"time over the fastest other solver's", Chart::Axis::Kind::kLog,
@@ -163,7 +163,7 @@ Chart work_precision_chart(const Comparison& comparison, const Comparison::Probl
   const Ranking rank = ranking(problem, comparison.rows);
   auto best = pareto_rows(problem, comparison.rows);
   if (best.size() < 2) return chart;
-  std::sort(best.begin(), best.end(), [](const Comparison::Row* a, const Comparison::Row* b) {
+  std::ranges::sort(best, [](const Comparison::Row* a, const Comparison::Row* b) {
     return a->time() < b->time();
   });
   Chart::Series front{"beaten by none", 0, {}, Chart::Series::Kind::kSteps, true};

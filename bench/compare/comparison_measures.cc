@@ -18,7 +18,7 @@ const Comparison::Row* row_of(const Comparison& comparison, const std::string& p
 std::vector<std::string> solvers_of(const Comparison& comparison) {
   std::vector<std::string> names;
   for (const Comparison::Row& row : comparison.rows) {
-    if (std::find(names.begin(), names.end(), row.solver) == names.end()) {
+    if (std::ranges::find(names, row.solver) == names.end()) {
       names.push_back(row.solver);
     }
   }
@@ -28,9 +28,9 @@ std::vector<std::string> solvers_of(const Comparison& comparison) {
 std::vector<double> tolerances_of(const Comparison& comparison) {
   std::vector<double> tols;
   for (const Comparison::Row& row : comparison.rows) {
-    if (std::find(tols.begin(), tols.end(), row.tol) == tols.end()) tols.push_back(row.tol);
+    if (std::ranges::find(tols, row.tol) == tols.end()) tols.push_back(row.tol);
   }
-  std::sort(tols.begin(), tols.end(), std::greater<>());
+  std::ranges::sort(tols, std::greater<>());
   return tols;
 }
 
@@ -66,7 +66,7 @@ std::vector<const Comparison::Row*> pareto_rows(const Comparison::Problem& probl
     }
   }
   for (const Comparison::Row* row : mine) {
-    const bool beaten = std::any_of(mine.begin(), mine.end(), [&](const Comparison::Row* other) {
+    const bool beaten = std::ranges::any_of(mine, [&](const Comparison::Row* other) {
       const double t = other->time(), e = rank.of(*other);
       return t <= row->time() && e <= rank.of(*row) && (t < row->time() || e < rank.of(*row));
     });
@@ -115,7 +115,7 @@ std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) 
       }
       if (best > 0) ratios.push_back(row.time() / best);
     }
-    std::sort(ratios.begin(), ratios.end());
+    std::ranges::sort(ratios);
     count.median_ratio = sorted_median(ratios);
     counts.push_back(count);
   }
@@ -123,7 +123,7 @@ std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) 
 }
 
 double PerformanceProfile::share(double ratio) const {
-  const auto within = std::upper_bound(ratios.begin(), ratios.end(), ratio) - ratios.begin();
+  const auto within = std::ranges::upper_bound(ratios, ratio) - ratios.begin();
   return problems == 0 ? 0 : static_cast<double>(within) / problems;
 }
 
@@ -144,8 +144,7 @@ std::vector<PerformanceProfile> performance_profiles(const Comparison& compariso
       if (costs[i] > 0 && std::isfinite(costs[i])) profiles[i].ratios.push_back(costs[i] / best);
     }
   }
-  for (PerformanceProfile& profile : profiles)
-    std::sort(profile.ratios.begin(), profile.ratios.end());
+  for (PerformanceProfile& profile : profiles) std::ranges::sort(profile.ratios);
   return profiles;
 }
 
@@ -186,7 +185,7 @@ std::vector<BudgetErrors> errors_within(const Comparison& comparison, double sec
       }
       made.errors.push_back(least);
     }
-    std::sort(made.errors.begin(), made.errors.end());
+    std::ranges::sort(made.errors);
   }
   return all;
 }
@@ -216,7 +215,7 @@ std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison) {
         made.worst_solver = row.solver;
       }
     }
-    std::sort(errors.begin(), errors.end());
+    std::ranges::sort(errors);
     made.median = sorted_median(errors);
     made.ninth_decile = quantile(errors, 0.9);
   }
@@ -277,11 +276,11 @@ Regret regret_of(const Comparison& comparison, const std::string& solver, double
     regret.failed += row.solved() ? 0 : 1;
     regret.entries.push_back({row.problem, best->solver, row.tol, row.time(), best->time(), ratio});
   }
-  std::stable_sort(regret.entries.begin(), regret.entries.end(),
-                   [](const auto& a, const auto& b) { return a.ratio > b.ratio; });
+  std::ranges::stable_sort(regret.entries,
+                           [](const auto& a, const auto& b) { return a.ratio > b.ratio; });
   std::vector<double> ratios;
   for (const Regret::Entry& entry : regret.entries) ratios.push_back(entry.ratio);
-  std::reverse(ratios.begin(), ratios.end());
+  std::ranges::reverse(ratios);
   regret.median = sorted_median(ratios);
   regret.ninth_decile = quantile(ratios, 0.9);
   regret.worst = quantile(ratios, 1);

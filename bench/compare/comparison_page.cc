@@ -22,7 +22,7 @@ constexpr const char* kMeetingRows = "cpu_min of the rows with guarded ≤ tol i
 std::string ranked(const std::map<std::string, int>& counts, std::size_t longest) {
   std::vector<std::pair<int, std::string>> order;
   for (const auto& [name, count] : counts) order.emplace_back(-count, name);
-  std::sort(order.begin(), order.end());
+  std::ranges::sort(order);
   std::string list;
   for (std::size_t i = 0; i < order.size() && i < longest; ++i) {
     list += fmt::format("{}**{}** ({})", i == 0 ? "" : ", ", order[i].second, -order[i].first);
@@ -111,7 +111,7 @@ class ComparisonPage {
           needed.push_back(best->tol);
         }
       }
-      std::sort(needed.begin(), needed.end());
+      std::ranges::sort(needed);
       table.add({accuracy_label(accuracy),
                  fmt::format("{} of {}", needed.size(), c_.problems.size()),
                  needed.empty() ? kNaN : needed[(needed.size() - 1) / 2], ranked(wins, 4)});
@@ -140,8 +140,8 @@ class ComparisonPage {
         "What a solver's time buys: lower left is better, one line a solver, one marker a "
         "tolerance. An empty marker did not meet its tolerance.{}",
         shown.size() > kShown ? " The largest problems are shown; [all](#problems)." : ""));
-    std::stable_sort(shown.begin(), shown.end(),
-                     [](const auto* a, const auto* b) { return a->contacts > b->contacts; });
+    std::ranges::stable_sort(
+        shown, [](const auto* a, const auto* b) { return a->contacts > b->contacts; });
     shown.resize(std::min(shown.size(), kShown));
     for (const Comparison::Problem* p : shown) {
       figure(work_precision_chart(c_, *p), c_.link_to(*p), "comparison.csv", command_of(p->target));
@@ -224,9 +224,7 @@ class ComparisonPage {
   }
 
   void regret() {
-    if (solvers_.size() < 2 ||
-        std::find(solvers_.begin(), solvers_.end(), "auto") == solvers_.end())
-      return;
+    if (solvers_.size() < 2 || std::ranges::find(solvers_, "auto") == solvers_.end()) return;
     page_.heading("What it costs to let auto choose", "auto");
     const Regret all = regret_of(c_, "auto"), longer = regret_of(c_, "auto", 1e-3);
     page_.say(fmt::format(
@@ -283,9 +281,8 @@ class ComparisonPage {
         "time limit, whatever it was asked for. The curves end at the tightest tolerance of this "
         "comparison: beyond it nobody was asked.");
     for (const SuccessCurve::SizeClass& size : size_classes()) {
-      const auto first = std::find_if(curves.begin(), curves.end(), [&](const SuccessCurve& curve) {
-        return curve.size == size.name;
-      });
+      const auto first = std::ranges::find_if(
+          curves, [&](const SuccessCurve& curve) { return curve.size == size.name; });
       if (first == curves.end()) continue;
       figure(success_chart(curves, size.name),
              fmt::format("{} problem{} of {}.", first->problems, first->problems == 1 ? "" : "s",
@@ -437,7 +434,7 @@ class ComparisonPage {
     if (p.contacts == 0) return;
     const Ranking rank = ranking(p, c_.rows);
     auto best = pareto_rows(p, c_.rows);
-    std::sort(best.begin(), best.end(), [](const Comparison::Row* a, const Comparison::Row* b) {
+    std::ranges::sort(best, [](const Comparison::Row* a, const Comparison::Row* b) {
       return a->time() < b->time();
     });
     std::string list;
@@ -457,9 +454,8 @@ class ComparisonPage {
            "cpu_min and " + column + " in comparison.csv", again);
     figure(tolerance_chart(c_, p), "Error against tolerance, " + p.name + ".",
            "tol and " + column + " in comparison.csv", again);
-    const bool has_history =
-        std::any_of(c_.histories.begin(), c_.histories.end(),
-                    [&p](const Comparison::History& h) { return h.problem == p.name; });
+    const bool has_history = std::ranges::any_of(
+        c_.histories, [&p](const Comparison::History& h) { return h.problem == p.name; });
     if (has_history) {
       figure(history_chart(c_, p), "Guarded error against iteration, " + p.name + ".",
              "history.csv", again);
@@ -543,7 +539,7 @@ class ComparisonPage {
     std::vector<std::string> commits;
     std::string list;
     for (const Comparison::Row& row : c_.rows) {
-      if (std::find(commits.begin(), commits.end(), row.commit) != commits.end()) continue;
+      if (std::ranges::find(commits, row.commit) != commits.end()) continue;
       commits.push_back(row.commit);
       list += (list.empty() ? "" : ", ") + row.commit;
     }

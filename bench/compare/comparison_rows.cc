@@ -112,13 +112,13 @@ Table rows_table(const Comparison& comparison) {
   table.columns.push_back({.name = "Pareto",
                            .meaning = "no row of the problem is both faster and more accurate",
                            .filter = true});
-  const auto status = std::find_if(table.columns.begin(), table.columns.end(),
-                                   [](const Table::Column& c) { return c.key == "status"; });
+  const auto status =
+      std::ranges::find_if(table.columns, [](const Table::Column& c) { return c.key == "status"; });
   for (const auto* rows : {&comparison.rows, &comparison.warm_rows}) {
     for (const Comparison::Row& row : *rows) {
       std::vector<Table::Cell> cells = cells_of(row);
       cells[static_cast<std::size_t>(status - table.columns.begin())].tipped(row.message);
-      cells.emplace_back(std::find(pareto.begin(), pareto.end(), &row) != pareto.end());
+      cells.emplace_back(std::ranges::find(pareto, &row) != pareto.end());
       table.add(std::move(cells), row.solved() ? "" : "bad");
     }
   }

@@ -264,10 +264,9 @@ ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options) {
 }
 
 int count_cells(const ExtremeMatrix& matrix, ExtremeCell::End end, const std::string& solver) {
-  return static_cast<int>(
-      std::count_if(matrix.cells.begin(), matrix.cells.end(), [&](const ExtremeCell& c) {
-        return c.end == end && (solver.empty() || c.solver == solver);
-      }));
+  return static_cast<int>(std::ranges::count_if(matrix.cells, [&](const ExtremeCell& c) {
+    return c.end == end && (solver.empty() || c.solver == solver);
+  }));
 }
 
 std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,

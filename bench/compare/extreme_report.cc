@@ -196,9 +196,8 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
       count_cells(m, ExtremeCell::kBeyond), count_cells(m, ExtremeCell::kNone),
       count_cells(m, ExtremeCell::kWrong),
       m.complete ? "" : " The measurement was stopped before its end."));
-  const auto missed = std::count_if(m.cases.begin(), m.cases.end(), [&](const ExtremeCase& c) {
-    return !solved_by_others(m, c.name).empty();
-  });
+  const auto missed = std::ranges::count_if(
+      m.cases, [&](const ExtremeCase& c) { return !solved_by_others(m, c.name).empty(); });
   page.say(fmt::format("Cases that `auto` misses and another solver solves: {}.", missed));
   Table key{.columns = {{.name = "colours"}}};
   key.columns.resize(std::size(kCounted), {.name = " "});

@@ -80,15 +80,15 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
   for (const fs::path& folder : folders) {
     submissions.push_back(read_submission(folder));
     const Submission& made = submissions.back();
-    const bool any = std::any_of(
-        problems.begin(), problems.end(),
-        [&](const ProblemSource& problem) { return made.file_of(problem.name).has_value(); });
+    const bool any = std::ranges::any_of(problems, [&](const ProblemSource& problem) {
+      return made.file_of(problem.name).has_value();
+    });
     if (!any) throw std::invalid_argument(folder.string() + ": no impulse of these problems");
     for (const auto& [name, seconds] : made.seconds) {
-      const bool known =
-          made.file_of(name).has_value() ||
-          std::any_of(problems.begin(), problems.end(),
-                      [&, &name = name](const ProblemSource& p) { return p.name == name; });
+      const bool known = made.file_of(name).has_value() ||
+                         std::ranges::any_of(problems, [&, &name = name](const ProblemSource& p) {
+                           return p.name == name;
+                         });
       if (!known) {
         throw FileError((made.folder / "times.csv").string(), "",
                         fmt::format("'{}' is none of the problems and has no impulse", name));

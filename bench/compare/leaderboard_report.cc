@@ -26,7 +26,7 @@ std::vector<const Leaderboard::Entry*> entries_of(const Leaderboard& board,
 /// The median where missing values are infinite.
 double median_of_all(std::vector<double> x) {
   for (double& value : x) value = std::isfinite(value) ? value : kInfinity;
-  std::sort(x.begin(), x.end());
+  std::ranges::sort(x);
   return sorted_median(x);
 }
 
@@ -39,8 +39,8 @@ Table solved_counts(const Leaderboard& board) {
           "Solved to T: max(ε, η, distance to the cone) at most T. A problem without "
           "an impulse is not solved. Times are those of the contestants. In medians a "
           "missing error or time is infinite."};
-  if (std::any_of(board.who.begin(), board.who.end(),
-                  [](const std::string& who) { return who.starts_with("bipot "); })) {
+  if (std::ranges::any_of(board.who,
+                          [](const std::string& who) { return who.starts_with("bipot "); })) {
     table.note += fmt::format(" Solvers of bipot were asked for {}.", tolerance_label(board.tol));
   }
   for (const double tol : kBoardTols) {
@@ -53,8 +53,8 @@ Table solved_counts(const Leaderboard& board) {
     const auto entries = entries_of(board, who);
     std::vector<Table::Cell> cells{who};
     for (const double tol : kBoardTols) {
-      cells.emplace_back(std::count_if(entries.begin(), entries.end(),
-                                       [&](const auto* e) { return e->solves(tol); }));
+      cells.emplace_back(
+          std::ranges::count_if(entries, [&](const auto* e) { return e->solves(tol); }));
     }
     std::vector<double> errors, seconds;
     for (const Leaderboard::Entry* e : entries) {
@@ -82,10 +82,9 @@ Table family_counts(const Leaderboard& board, double tol) {
     std::vector<Table::Cell> cells{family, size};
     for (const std::string& who : board.who) {
       const auto entries = entries_of(board, who);
-      cells.emplace_back(
-          std::count_if(entries.begin(), entries.end(), [&, &name = family](const auto* e) {
-            return family_of(e->problem) == name && e->solves(tol);
-          }));
+      cells.emplace_back(std::ranges::count_if(entries, [&, &name = family](const auto* e) {
+        return family_of(e->problem) == name && e->solves(tol);
+      }));
     }
     table.add(std::move(cells));
   }
@@ -102,7 +101,7 @@ Chart solved_chart(const Leaderboard& board) {
     for (const Leaderboard::Entry* e : entries_of(board, who)) {
       if (std::isfinite(e->guarded)) errors.push_back(std::max(e->guarded, 1e-12));
     }
-    std::sort(errors.begin(), errors.end());
+    std::ranges::sort(errors);
     Chart::Series series{.name = who,
                          .style = static_cast<int>(chart.series.size()),
                          .points = {{.x = 1e-12, .marked = false}},

@@ -142,8 +142,8 @@ class Ledger {
 
  private:
   RandomSets::Tally& tally(const std::string& solver) {
-    return *std::find_if(result_.tallies.begin(), result_.tallies.end(),
-                         [&](const RandomSets::Tally& t) { return t.solver == solver; });
+    return *std::ranges::find_if(result_.tallies,
+                                 [&](const RandomSets::Tally& t) { return t.solver == solver; });
   }
 
   void find(const char* kind, int index, const std::string& solver, const std::string& message) {
@@ -273,7 +273,7 @@ RandomSets run_set(const RandomSets::Options& options,
 }  // namespace
 
 bool RandomSets::sound() const {
-  return false_certificates == 0 && std::all_of(tallies.begin(), tallies.end(), [](const Tally& t) {
+  return false_certificates == 0 && std::ranges::all_of(tallies, [](const Tally& t) {
            return t.false_claims + t.not_finite + t.crashed + t.hung == 0;
          });
 }

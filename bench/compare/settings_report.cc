@@ -16,7 +16,7 @@ std::vector<double> sorted_values(const SettingStudy& study, const std::string& 
   for (const SettingStudy::Row& row : study.rows) {
     if (row.code == code && std::isfinite(value(row))) values.push_back(value(row));
   }
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   return values;
 }
 
@@ -55,12 +55,11 @@ Table settings_table(const SettingStudy& study) {
       return sorted_median(sorted_values(study, setting.code, value));
     };
     const std::vector<double> guarded = sorted_values(study, setting.code, guarded_of);
-    const auto met = std::count_if(
-        study.rows.begin(), study.rows.end(),
-        [&](const SettingStudy::Row& r) { return r.code == setting.code && r.end == "test"; });
-    const auto runs =
-        std::count_if(study.rows.begin(), study.rows.end(),
-                      [&](const SettingStudy::Row& r) { return r.code == setting.code; });
+    const auto met = std::ranges::count_if(study.rows, [&](const SettingStudy::Row& r) {
+      return r.code == setting.code && r.end == "test";
+    });
+    const auto runs = std::ranges::count_if(
+        study.rows, [&](const SettingStudy::Row& r) { return r.code == setting.code; });
     Table::Cell met_cell(met);
     if (setting.test == PopularSetting::Test::kNone) met_cell = Table::Cell("none");
     table.add({setting.code, setting.rule, met_cell, runs,

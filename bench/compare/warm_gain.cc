@@ -28,9 +28,8 @@ std::vector<WarmGain> warm_gains(const Comparison& comparison) {
   for (const Comparison::Row& warm : comparison.warm_rows) {
     const Comparison::Row* cold = cold_row(comparison, warm);
     if (cold == nullptr) continue;
-    auto at = std::find_if(gains.begin(), gains.end(), [&](const WarmGain& g) {
-      return g.solver == warm.solver && g.tol == warm.tol;
-    });
+    auto at = std::ranges::find_if(
+        gains, [&](const WarmGain& g) { return g.solver == warm.solver && g.tol == warm.tol; });
     if (at == gains.end()) {
       WarmGain fresh{.solver = warm.solver, .tol = warm.tol};
       at = gains.insert(gains.end(), fresh);

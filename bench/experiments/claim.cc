@@ -32,8 +32,7 @@ std::string filled(const std::string& text, const std::vector<Claim>& claims) {
       throw std::invalid_argument(fmt::format("'{{' without '}}' in \"{}\"", text));
     }
     const std::string name = text.substr(open + 1, close - open - 1);
-    const auto claim =
-        std::find_if(claims.begin(), claims.end(), [&](const Claim& c) { return c.name == name; });
+    const auto claim = std::ranges::find_if(claims, [&](const Claim& c) { return c.name == name; });
     if (claim == claims.end()) {
       throw std::invalid_argument(fmt::format("no number is called {{{}}}", name));
     }

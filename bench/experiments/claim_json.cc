@@ -116,9 +116,7 @@ void point_columns(FieldVisitor& field, std::vector<Chart::Point>& points) {
   std::vector<double> x, y, low, high;
   std::vector<std::size_t> hollow, bare;
   std::vector<std::string> notes;
-  const auto any = [&points](const auto& has) {
-    return std::any_of(points.begin(), points.end(), has);
-  };
+  const auto any = [&points](const auto& has) { return std::ranges::any_of(points, has); };
   const bool bars =
       any([](const Chart::Point& p) { return std::isfinite(p.y_low) || std::isfinite(p.y_high); });
   const bool noted = any([](const Chart::Point& p) { return !p.note.empty(); });

@@ -47,9 +47,8 @@ Table claim_table(const ClaimReport::Item& item) {
   Table table;
   std::vector<const Column*> used;
   for (const Column& column : kColumns) {
-    const bool any = std::any_of(claims.begin(), claims.end(), [&](const Claim& c) {
-      return column.cell(c).value != Table::Cell("").value;
-    });
+    const bool any = std::ranges::any_of(
+        claims, [&](const Claim& c) { return column.cell(c).value != Table::Cell("").value; });
     if (!any) continue;
     used.push_back(&column);
     table.columns.push_back({.name = column.name, .show = column.number ? &value_label : nullptr});
@@ -167,8 +166,7 @@ Terms all_terms(const ClaimReport& report) {
     if (item.status == ClaimReport::Item::Status::kNotRun) continue;
     for (const auto& term :
          to_terms(Provenance{.date = item.date.substr(0, 10), .build = item.build}).entries) {
-      const bool known =
-          std::find(all.entries.begin(), all.entries.end(), term) != all.entries.end();
+      const bool known = std::ranges::find(all.entries, term) != all.entries.end();
       if (term.first != "command" && !known) all.entries.push_back(term);
     }
   }
@@ -179,13 +177,13 @@ Terms all_terms(const ClaimReport& report) {
 }  // namespace
 
 int ClaimReport::Item::checks() const {
-  return static_cast<int>(std::count_if(result.claims.begin(), result.claims.end(),
-                                        [](const Claim& n) { return n.holds.has_value(); }));
+  return static_cast<int>(
+      std::ranges::count_if(result.claims, [](const Claim& n) { return n.holds.has_value(); }));
 }
 
 int ClaimReport::Item::held() const {
-  return static_cast<int>(std::count_if(result.claims.begin(), result.claims.end(),
-                                        [](const Claim& n) { return n.holds.value_or(false); }));
+  return static_cast<int>(
+      std::ranges::count_if(result.claims, [](const Claim& n) { return n.holds.value_or(false); }));
 }
 
 Document to_document(const ClaimReport& report) {

@@ -181,7 +181,7 @@ double runout(double aspect, int width, std::uint64_t seed, Experiment::Trial& t
       mass.emplace_back(d.x[0] + d.radius, d.mass);
       total += d.mass;
     }
-    std::sort(mass.begin(), mass.end());
+    std::ranges::sort(mass);
     double inside = 0;
     for (const auto& [x, m] : mass) {
       inside += m;

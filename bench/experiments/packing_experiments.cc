@@ -60,7 +60,7 @@ Counted count_packing(const Scene<D>& scene, const State<D>& state) {
   const std::vector<bool> rattler = find_rattlers(scene, state);
   Counted counted;
   const int bodies = static_cast<int>(state.bodies.size());
-  counted.bodies = bodies - static_cast<int>(std::count(rattler.begin(), rattler.end(), true));
+  counted.bodies = bodies - static_cast<int>(std::ranges::count(rattler, true));
   for (const ContactOutcome<D>& o : state.contacts) {
     if (!(o.s_n > 0) || rattler[to_size(o.contact.i)]) continue;
     if (o.contact.j < bodies && rattler[to_size(o.contact.j)]) continue;
@@ -146,7 +146,7 @@ Experiment plane_packings() {
       fractions.push_back(fraction[0]);
     }
     Observation worst = over_packings(excess);
-    worst.value = *std::max_element(excess.begin(), excess.end());
+    worst.value = *std::ranges::max_element(excess);
     worst.bar = 0;
     trial.seen = {over_packings(smooth), over_packings(rough),     worst,
                   over_packings(falls),  over_packings(fractions), over_packings(fractions)};

@@ -157,7 +157,7 @@ Chart::Series tail_line(const std::string& name, int style, const std::vector<do
   const ExponentialTail tail = fit_exponential_tail(x, kForceTail);
   Chart::Series series{name, style, {}, Chart::Series::Kind::kLine};
   const double share = tail.points / static_cast<double>(x.size());
-  const double last = *std::max_element(x.begin(), x.end());
+  const double last = *std::ranges::max_element(x);
   for (const double at : {kForceTail, last}) {
     series.points.push_back({at, share * tail.rate * std::exp(-tail.rate * (at - kForceTail))});
   }
@@ -272,11 +272,10 @@ class Fig11 {
     result_.state("packings", samples.roughness.size(), "",
                   "packings, from different random starts");
     result_.state(
-        "side_least", *std::min_element(samples.sides.begin(), samples.sides.end()), "",
+        "side_least", *std::ranges::min_element(samples.sides), "",
         "least share of the side walls' upward friction in the weight, last step of the packings",
         2);
-    result_.state("side_most", *std::max_element(samples.sides.begin(), samples.sides.end()), "",
-                  "largest", 2);
+    result_.state("side_most", *std::ranges::max_element(samples.sides), "", "largest", 2);
     const char* packings = "95 % over packings (seeds)";
     result_.test("roughness", rough.mean, "diameters",
                  "rms deviation of the surface from its mean height", "flat: below one diameter",

@@ -37,8 +37,7 @@ const std::vector<ErrorMethod>& methods() {
   return all;
 }
 const ErrorMethod& method_of(std::string_view id) {
-  return *std::find_if(methods().begin(), methods().end(),
-                       [&](const ErrorMethod& m) { return m.id == id; });
+  return *std::ranges::find_if(methods(), [&](const ErrorMethod& m) { return m.id == id; });
 }
 
 struct History {

@@ -131,10 +131,10 @@ class Fig14 {
             .max_iterations = static_cast<int>(std::min(cap, method.work < 1e300 ? 1e9 : 500.0)),
             .cancelled = context_.interrupted};
         const auto rows = growth_rows(c.scene, problem, method.method, tols, limits);
-        std::fill(before[m].begin(), before[m].end(), std::numeric_limits<double>::infinity());
+        std::ranges::fill(before[m], std::numeric_limits<double>::infinity());
         for (const GrowthRow& row : rows) {
           rows_.push_back(row);
-          const auto t = std::find(kTols.begin(), kTols.end(), row.tol) - kTols.begin();
+          const auto t = std::ranges::find(kTols, row.tol) - kTols.begin();
           if (is_success(row.status)) before[m][static_cast<std::size_t>(t)] = row.iterations;
         }
       }
@@ -159,7 +159,7 @@ class Fig14 {
     std::vector<int> sides;
     for (const GrowthRow& row : rows_) {
       if (row.family == c.scene.family && row.method == m.method.label && is_success(row.status) &&
-          std::find(sides.begin(), sides.end(), row.side) == sides.end()) {
+          std::ranges::find(sides, row.side) == sides.end()) {
         sides.push_back(row.side);
       }
     }
@@ -317,7 +317,7 @@ class Fig14 {
              rows_[i].method == first.method && rows_[i].bodies == first.bodies;
            ++i) {
         const GrowthRow& row = rows_[i];
-        const auto t = std::find(kTols.begin(), kTols.end(), row.tol) - kTols.begin();
+        const auto t = std::ranges::find(kTols, row.tol) - kTols.begin();
         its[static_cast<std::size_t>(t)] = is_success(row.status)
                                                ? std::to_string(row.iterations)
                                                : std::string(to_string(row.status));

@@ -85,7 +85,7 @@ std::string short_number(double x) {
 std::vector<StopTestRow> select(const std::vector<StopTestRow>& rows,
                                 const std::function<bool(const StopTestRow&)>& wanted) {
   std::vector<StopTestRow> chosen;
-  std::copy_if(rows.begin(), rows.end(), std::back_inserter(chosen), wanted);
+  std::ranges::copy_if(rows, std::back_inserter(chosen), wanted);
   return chosen;
 }
 

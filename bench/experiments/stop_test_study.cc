@@ -98,7 +98,7 @@ Prediction predict(const std::vector<StopTestRow>& rows,
   }
   fit();
   if (!slopes.empty()) {
-    std::sort(slopes.begin(), slopes.end());
+    std::ranges::sort(slopes);
     const std::size_t half = slopes.size() / 2;
     p.slope = slopes.size() % 2 == 1 ? slopes[half] : 0.5 * (slopes[half - 1] + slopes[half]);
   }

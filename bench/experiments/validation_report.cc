@@ -57,7 +57,7 @@ Findings::Table tolerances(const ValidationPage& page, const std::string& group)
 
 template <class Holds>
 int count_rows(const ValidationPage& page, const Holds& holds) {
-  return static_cast<int>(std::count_if(page.rows.begin(), page.rows.end(), holds));
+  return static_cast<int>(std::ranges::count_if(page.rows, holds));
 }
 
 }  // namespace
@@ -156,7 +156,7 @@ std::string to_text(const ValidationPage& page) {
 std::vector<std::string> groups_of(const ValidationPage& page) {
   std::vector<std::string> groups;
   for (const ValidationRow& row : page.rows) {
-    if (std::find(groups.begin(), groups.end(), row.group) == groups.end()) {
+    if (std::ranges::find(groups, row.group) == groups.end()) {
       groups.push_back(row.group);
     }
   }

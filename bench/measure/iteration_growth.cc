@@ -18,7 +18,7 @@ namespace {
 double disks_of(const std::string& family, int side) {
   const double n = side;
   const auto one_of = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), family) != names.end();
+    return std::ranges::find(names, family) != names.end();
   };
   if (family == "pyramid") return n * (n + 1) / 2;
   if (one_of(sphere_family_names())) return spheres_in(family, side);
@@ -91,7 +91,7 @@ std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthScene::
     return rows;
   }
   for (const double tol : tols) rows.push_back(empty_row(scene, problem, method, tol));
-  SolverOptions options = options_of(method, *std::min_element(tols.begin(), tols.end()), limits);
+  SolverOptions options = options_of(method, *std::ranges::min_element(tols), limits);
   options.on_iteration = [&rows](const IterationRecord& record) {
     for (GrowthRow& row : rows) {
       if (row.status != SolveStatus::kNotRun || !(record.error.guarded() <= row.tol)) continue;

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 bool in_space(const std::string& family) {
   const std::vector<std::string> names = moving_sphere_names();
-  return std::find(names.begin(), names.end(), family) != names.end();
+  return std::ranges::find(names, family) != names.end();
 }
 
 std::string key_of(const MovingRunRequest& request) {

@@ -102,7 +102,7 @@ struct Family {
 };
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 bool is_moving(const Family& family) { return contains(moving_families(), family.name); }
@@ -330,7 +330,7 @@ void add_folder(const std::string& target, std::vector<ProblemSource>& sources) 
   if (files.empty()) {
     throw std::invalid_argument(target + ": the folder has no .hdf5, .h5 or .dat file");
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   for (const fs::path& file : files) sources.push_back(file_source(file));
 }
 

@@ -81,7 +81,7 @@ std::string exponent_label(const PowerLaw& law) {
 
 double median(std::vector<double> x) {
   std::erase_if(x, [](double value) { return !std::isfinite(value); });
-  std::sort(x.begin(), x.end());
+  std::ranges::sort(x);
   return sorted_median(x);
 }
 
@@ -113,7 +113,7 @@ MeanValue mean_value(std::span<const double> x) {
 
 ExponentialTail fit_exponential_tail(std::vector<double> x, double from) {
   std::erase_if(x, [&](double value) { return !(value >= from); });
-  std::sort(x.begin(), x.end());
+  std::ranges::sort(x);
   ExponentialTail tail{.points = static_cast<int>(x.size())};
   double sum = 0;
   for (double value : x) sum += value - from;

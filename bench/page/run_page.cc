@@ -108,9 +108,8 @@ void add_openings_and_joints(const std::string& scene_text, const std::string& s
 /// Says so where bodies lie beyond the grid of the film.
 void note_lost_bodies(const Film& film, Json& about) {
   for (const FilmFrame& frame : film.frames) {
-    const bool lost = std::any_of(frame.x.begin(), frame.x.end(), [](std::int32_t place) {
-      return std::abs(place) == FilmGrid::kLast;
-    });
+    const bool lost = std::ranges::any_of(
+        frame.x, [](std::int32_t place) { return std::abs(place) == FilmGrid::kLast; });
     if (!lost) continue;
     about["notes"].push_back(fmt::format(
         "From t = {:.4g} s on bodies are drawn at {:.3g} m from the start that are farther away.",

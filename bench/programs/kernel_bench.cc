@@ -302,8 +302,8 @@ int main(int argc, char** argv) {
   }
   std::vector<SimdPath> paths;
   for (const SimdPath path : {SimdPath::kPortable, SimdPath::kAvx2, SimdPath::kAvx512}) {
-    const bool wanted = flags.paths.empty() || std::find(flags.paths.begin(), flags.paths.end(),
-                                                         to_string(path)) != flags.paths.end();
+    const bool wanted =
+        flags.paths.empty() || std::ranges::find(flags.paths, to_string(path)) != flags.paths.end();
     if (wanted && has_path(path)) paths.push_back(path);
   }
   for (const int threads : flags.threads) {

@@ -128,8 +128,7 @@ class Bench {
     for (const double tol : flags_.tols) {
       const std::size_t first = rows.size();
       for (const Variant& v : kVariants) {
-        if (std::find(flags_.variants.begin(), flags_.variants.end(), v.name) ==
-            flags_.variants.end()) {
+        if (std::ranges::find(flags_.variants, v.name) == flags_.variants.end()) {
           continue;
         }
         if (v.algorithm == SiconosCall::Algorithm::kPlanar && p.dim > 2) continue;

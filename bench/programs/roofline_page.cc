@@ -89,8 +89,8 @@ Chart roofline_chart(const Roofline& m, int threads) {
   for (const Roofline::Kernel& k : m.kernels) {
     if (k.threads != threads) continue;
     const std::string name = k.name + ", " + k.path;
-    auto series = std::find_if(chart.series.begin(), chart.series.end(),
-                               [&](const Chart::Series& s) { return s.name == name; });
+    auto series =
+        std::ranges::find_if(chart.series, [&](const Chart::Series& s) { return s.name == name; });
     if (series == chart.series.end()) {
       chart.series.push_back(
           {.name = name, .style = style++, .kind = Chart::Series::Kind::kPoints});

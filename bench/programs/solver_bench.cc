@@ -61,7 +61,7 @@ void solve_row(benchmark::State& state, const BenchFlags& flags, const GrowthSce
     if (!is_success(row.status)) break;
   }
   // Google Benchmark calls this several times to find its number of iterations.
-  const auto before = std::find_if(rows.begin(), rows.end(), [&](const GrowthRow& r) {
+  const auto before = std::ranges::find_if(rows, [&](const GrowthRow& r) {
     return r.family == row.family && r.method == row.method && r.tol == row.tol &&
            r.side == row.side;
   });
@@ -203,7 +203,7 @@ int main(int argc, char** argv) {
   }
   std::vector<std::string> rest = app.remaining();
   // Readers of standard output must get the rows alone.
-  const bool console = std::none_of(rest.begin(), rest.end(), [](const std::string& text) {
+  const bool console = std::ranges::none_of(rest, [](const std::string& text) {
     return text.starts_with("--benchmark_format=") && text != "--benchmark_format=console";
   });
   std::vector<char*> arguments{argv[0]};

@@ -84,7 +84,7 @@ void require_keywords(const py::args& arguments, const py::kwargs& options, cons
     throw py::type_error(fmt::format("expected keywords: {}", form));
   }
   for (const auto& [key, value] : options) {
-    if (std::find(valid.begin(), valid.end(), key.cast<std::string_view>()) != valid.end()) {
+    if (std::ranges::find(valid, key.cast<std::string_view>()) != valid.end()) {
       continue;
     }
     py::list names;

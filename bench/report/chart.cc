@@ -364,9 +364,9 @@ class Script {
 
   void key_entry(const Chart::Series& s) {
     if (s.name.empty() || chart_.key == Chart::Key::kNone) return;
-    const bool any_marked = s.kind != Chart::Series::Kind::kLine && !s.background &&
-                            std::any_of(s.points.begin(), s.points.end(),
-                                        [](const Chart::Point& p) { return p.marked; });
+    const bool any_marked =
+        s.kind != Chart::Series::Kind::kLine && !s.background &&
+        std::ranges::any_of(s.points, [](const Chart::Point& p) { return p.marked; });
     const bool joined = s.kind != Chart::Series::Kind::kPoints;
     const Marker& marker = of_style(kMarkers, s.style);
     std::string look = joined && any_marked ? "linespoints" : joined ? "lines" : "points";

@@ -50,7 +50,7 @@ std::size_t heads_of(const std::vector<std::vector<std::string>>& cells,
     width += widths[heads - 1] + kColumnGap;
     if (width > kHeadsWidth) break;
     std::set<std::vector<std::string>> names;
-    const bool apart = std::all_of(cells.begin(), cells.end(), [&](const auto& texts) {
+    const bool apart = std::ranges::all_of(cells, [&](const auto& texts) {
       if (texts.size() == 1) names.clear();
       std::vector<std::string> name = texts;
       name.resize(heads);
@@ -112,7 +112,7 @@ Json value_json(const Table::Cell& cell) {
 
 /// Quoted if it has other characters than letters, digits and dots.
 std::string csv_word(const std::string& text) {
-  const bool bare = std::all_of(text.begin(), text.end(), [](unsigned char c) {
+  const bool bare = std::ranges::all_of(text, [](unsigned char c) {
     return std::isalnum(c) != 0 || std::string_view("_.+-").find(c) != std::string_view::npos;
   });
   return bare ? text : csv_text(text);

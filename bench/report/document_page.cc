@@ -85,7 +85,7 @@ std::string prose(std::string_view text) {
 }
 
 bool has_sortable(const std::vector<Document::Block>& blocks) {
-  return std::any_of(blocks.begin(), blocks.end(), [](const Document::Block& block) {
+  return std::ranges::any_of(blocks, [](const Document::Block& block) {
     const auto* table = std::get_if<Table>(&block.content);
     return table != nullptr && table->sortable;
   });

@@ -37,9 +37,8 @@ std::string kind_text(const SeveralAnswers& found, const Answer& answer) {
     case Answer::Kind::kUnknown:
       return "not known";
     case Answer::Kind::kFamily: {
-      const auto members =
-          std::count_if(found.answers.begin(), found.answers.end(),
-                        [&](const Answer& other) { return other.set == answer.set; });
+      const auto members = std::ranges::count_if(
+          found.answers, [&](const Answer& other) { return other.set == answer.set; });
       return members > 1 ? fmt::format("family {} with {} more", answer.set + 1, members - 1)
                          : "of a continuous family";
     }

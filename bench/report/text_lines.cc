@@ -7,7 +7,7 @@ namespace bipot {
 namespace {
 
 bool is_aim(std::string_view aim) {
-  return !aim.empty() && std::all_of(aim.begin(), aim.end(), [](unsigned char c) {
+  return !aim.empty() && std::ranges::all_of(aim, [](unsigned char c) {
     return std::isalnum(c) != 0 || std::string_view("#_.-+").find(c) != std::string_view::npos;
   });
 }
@@ -15,9 +15,8 @@ bool is_aim(std::string_view aim) {
 }  // namespace
 
 std::size_t letters(std::string_view utf8) {
-  return static_cast<std::size_t>(std::count_if(utf8.begin(), utf8.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
-  }));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      utf8, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width) {
@@ -77,7 +76,7 @@ std::string shell_word(std::string_view text) {
     return c >= 0x80 || std::isalnum(c) != 0 ||
            std::string_view("_-+=.,/:@%").find(c) != std::string_view::npos;
   };
-  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return std::string(text);
+  if (!text.empty() && std::ranges::all_of(text, plain)) return std::string(text);
   std::string quoted = "'";
   for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + '\'';

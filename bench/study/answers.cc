@@ -37,8 +37,8 @@ Study::Values count_answers(const Study::Sample& sample, int looks, const Study:
       return true;
     const SeveralAnswers found = find_several_answers(
         step.problem, {.starts = kStarts, .time_limit = kSearchTime, .cancelled = stopped});
-    const auto exact = std::count_if(found.starts.begin(), found.starts.end(),
-                                     [](const SeveralAnswers::Start& s) { return s.answer >= 0; });
+    const auto exact = std::ranges::count_if(
+        found.starts, [](const SeveralAnswers::Start& s) { return s.answer >= 0; });
     if (exact < 2) return true;  // one exact answer cannot be compared
     ++searched;
     if (found.answers.size() > 1) {
@@ -165,8 +165,7 @@ Document answers_report(const Study::Measured& measured) {
     }
   }
   for (Chart::Series* series : {&by_size, &sheared}) {
-    std::sort(series->points.begin(), series->points.end(),
-              [](const auto& a, const auto& b) { return a.x < b.x; });
+    std::ranges::sort(series->points, [](const auto& a, const auto& b) { return a.x < b.x; });
   }
   friction.series = {sheared, poured};
   chart.series = {by_speed};

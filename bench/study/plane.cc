@@ -115,7 +115,7 @@ Document plane_report(const Study::Measured& measured) {
                 .y = {.label = "median relative error", .kind = Chart::Axis::Kind::kLog}};
     auto factors = distinct<double>(measured, kPlane, &Study::Case::x,
                                     [&](const Study::Case& c) { return c.scene == scene; });
-    std::reverse(factors.begin(), factors.end());
+    std::ranges::reverse(factors);
     int style = 0;
     for (const double factor : factors) {
       if (factor == reference.x) continue;

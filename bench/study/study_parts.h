@@ -37,7 +37,7 @@ std::vector<Member> distinct(const Study::Measured& measured, const std::string&
   for (const auto& [of, values] : measured) {
     if (of.part == part && (!holds || holds(of))) all.push_back(of.*member);
   }
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }

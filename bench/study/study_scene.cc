@@ -78,7 +78,7 @@ double mean_height(const State<2>& state) {
 double spread_width(const State<2>& state) {
   std::vector<double> x;
   for (const Disk& d : state.bodies) x.push_back(d.x[0]);
-  std::sort(x.begin(), x.end());
+  std::ranges::sort(x);
   return quantile(x, 0.985) - quantile(x, 0.015);
 }
 

@@ -66,7 +66,7 @@ std::vector<std::string> classed_quantities(const Study::Measured& measured,
       if (!Study::class_of(quantity).empty()) all.push_back(quantity);
     }
   }
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
@@ -143,7 +143,7 @@ std::vector<ErrorCurve> error_curves(const Study::Measured& measured) {
       auto tols = distinct<double>(measured, kThresholds, &Study::Case::tol, here);
       if (tols.empty()) continue;
       const Study::Case reference{kThresholds, scene, size, 0, kReferenceMethod, tols.front(), 0};
-      std::reverse(tols.begin(), tols.end());
+      std::ranges::reverse(tols);
       for (const auto& method :
            distinct<std::string>(measured, kThresholds, &Study::Case::method, here)) {
         for (const std::string& quantity : quantities) {
@@ -190,7 +190,7 @@ Document thresholds_report(const Study::Measured& measured) {
   Document part;
   const std::vector<ErrorCurve> curves = error_curves(measured);
   auto tols = distinct(measured, kThresholds, &Study::Case::tol);
-  std::reverse(tols.begin(), tols.end());
+  std::ranges::reverse(tols);
   Table by_class{.columns = {{"class", "class"},
                              {"tol", "ε", &tolerance_label},
                              {"right", "right", &count_label},
@@ -216,7 +216,7 @@ Document thresholds_report(const Study::Measured& measured) {
       ClassError at = class_error(curves, name, tol);
       if (at.all == 0) continue;
       const double share = static_cast<double>(at.right) / at.all;
-      std::sort(at.errors.begin(), at.errors.end());
+      std::ranges::sort(at.errors);
       by_class.add({name, tol, at.right, at.all, median(at.errors), quantile(at.errors, 0.9),
                     median(at.bars)});
       right.points.push_back({tol, share});
@@ -286,7 +286,7 @@ Document thresholds_report(const Study::Measured& measured) {
         thresholds.push_back(std::isnan(t) ? -1e-12 : -t);  // ascending: loosest first
       }
       if (thresholds.empty()) continue;
-      std::sort(thresholds.begin(), thresholds.end());
+      std::ranges::sort(thresholds);
       const ClassError at_1 = class_error(curves, name, 1, size);
       const ClassError at_01 = class_error(curves, name, 0.1, size);
       worst.add({name, size, static_cast<int>(thresholds.size()), -quantile(thresholds, 0.5),

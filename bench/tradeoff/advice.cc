@@ -52,10 +52,9 @@ Accuracy MeasuredError::least() const {
 }
 
 bool bars_known(const MeasuredError& measured, const Accuracy& goal) {
-  return std::none_of(std::begin(Accuracy::kMeasures), std::end(Accuracy::kMeasures),
-                      [&](const auto& q) {
-                        return !std::isnan(goal.*q.value) && std::isinf(measured.bar.*q.value);
-                      });
+  return std::ranges::none_of(Accuracy::kMeasures, [&](const auto& q) {
+    return !std::isnan(goal.*q.value) && std::isinf(measured.bar.*q.value);
+  });
 }
 
 double share_of(const Accuracy& error, const Accuracy& goal) {
@@ -115,7 +114,7 @@ Advice::StepChoice choose_equal_step(const std::vector<Advice::StepTrial>& steps
   for (const Advice::StepTrial& trial : steps) {
     left.push_back(trial.accuracy == 0 && share_of(trial.error.least(), goal) <= kMost);
   }
-  if (std::find(left.begin(), left.end(), true) == left.end()) {
+  if (std::ranges::find(left, true) == left.end()) {
     for (std::size_t i = 0; i < steps.size(); ++i) left[i] = steps[i].accuracy == 0;
   }
   double smallest = kInfinity;
@@ -176,7 +175,7 @@ std::vector<int> by_cost(const std::vector<Advice::SolverTrial>& trials, const A
   for (int i = 0; i < static_cast<int>(trials.size()); ++i) {
     if (meets(trials[i], budget, spread)) order.push_back(i);
   }
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+  std::ranges::stable_sort(order, [&](int a, int b) {
     return time_class(trials[a].seconds) < time_class(trials[b].seconds);
   });
   return order;
@@ -195,12 +194,12 @@ int nearest_trial(const std::vector<Advice::SolverTrial>& trials, const Accuracy
 void mark_pareto(std::vector<Advice::SolverTrial>& trials, const Accuracy& goal) {
   for (Advice::SolverTrial& a : trials) {
     const double share = share_of(a.error.error, goal);
-    a.pareto = solved_everywhere(a) &&
-               std::none_of(trials.begin(), trials.end(), [&](const Advice::SolverTrial& b) {
-                 const double other = share_of(b.error.error, goal);
-                 return solved_everywhere(b) && b.seconds <= a.seconds && other <= share &&
-                        (b.seconds < a.seconds || other < share);
-               });
+    a.pareto =
+        solved_everywhere(a) && std::ranges::none_of(trials, [&](const Advice::SolverTrial& b) {
+          const double other = share_of(b.error.error, goal);
+          return solved_everywhere(b) && b.seconds <= a.seconds && other <= share &&
+                 (b.seconds < a.seconds || other < share);
+        });
   }
 }
 

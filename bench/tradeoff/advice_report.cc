@@ -112,7 +112,7 @@ Table plane_table(const Advice& a) {
                   "simulated second, at the marked step."};
   std::vector<double> tols;
   for (const Advice::SolverTrial& t : a.trials) {
-    if (t.solved == t.stretches && std::find(tols.begin(), tols.end(), t.tol) == tols.end()) {
+    if (t.solved == t.stretches && std::ranges::find(tols, t.tol) == tols.end()) {
       tols.push_back(t.tol);
     }
   }
@@ -328,7 +328,7 @@ std::string run_command_of(const Advice& a, const std::string& plan) {
                                  solver.solver, tolerance_label(t.tol));
   for (const auto& [name, value] : solver.parameters) {
     std::string flag = name;
-    std::replace(flag.begin(), flag.end(), '_', '-');
+    std::ranges::replace(flag, '_', '-');
     line += fmt::format(" --{} {}", flag, shell_word(value));
   }
   if (a.other_stop) line += " --stop guarded";

@@ -42,7 +42,7 @@ std::vector<std::size_t> select(std::size_t available, int samples) {
     even.push_back(wanted == 1 ? 0 : i * (available - 1) / (wanted - 1));
   }
   const auto add = [&](std::size_t at) {
-    if (std::find(order.begin(), order.end(), at) == order.end()) order.push_back(at);
+    if (std::ranges::find(order, at) == order.end()) order.push_back(at);
   };
   if (wanted > 0) {
     for (std::size_t i : {wanted / 2, wanted - 1, std::size_t{0}}) add(even[i]);

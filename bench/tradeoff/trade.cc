@@ -46,7 +46,7 @@ void perturb(Scene<D>& scene, int replica) {
 template <int D>
 int shortened(const Scene<D>& scene, const Trade::Options& options) {
   constexpr double kPart = 0.1, kLeast = 0.05, kReserve = 0.5;
-  const double tol = *std::min_element(options.tols.begin(), options.tols.end());
+  const double tol = *std::ranges::min_element(options.tols);
   double shortest = 1;
   for (const double factor : options.step_factors) shortest = std::min(shortest, factor);
   const RunLimits limits{.cpu_seconds = kPart * options.time_limit,
@@ -220,7 +220,7 @@ void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runne
     }
   }
   const auto& solvers = options.solvers;
-  const bool known = std::find(solvers.begin(), solvers.end(), options.witness) != solvers.end();
+  const bool known = std::ranges::find(solvers, options.witness) != solvers.end();
   if (!options.witness.empty() && !known && !completed.empty()) {
     runner.run(scene, {.solver = options.witness, .tol = completed.back()});
   }
@@ -270,7 +270,7 @@ void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runne
       springs.push_back({.model = Model::kSpringDashpot, .overlap = o});
     }
   }
-  std::sort(springs.begin(), springs.end(), [](const RunSetting& a, const RunSetting& b) {
+  std::ranges::sort(springs, [](const RunSetting& a, const RunSetting& b) {
     return std::isfinite(a.stiffness) ? a.stiffness < b.stiffness : a.overlap > b.overlap;
   });
   bool out_of_time = false;

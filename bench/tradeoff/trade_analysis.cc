@@ -14,9 +14,8 @@ std::vector<SceneTrade::Cell> cells_of(const Trade& trade, const Trade::Scene& s
   std::vector<std::vector<const Trade::Row*>> rows;
   for (const Trade::Row& row : trade.rows) {
     if (row.scene != scene.name) continue;
-    const auto at = std::find_if(cells.begin(), cells.end(), [&](const SceneTrade::Cell& c) {
-      return c.setting == row.setting;
-    });
+    const auto at = std::ranges::find_if(
+        cells, [&](const SceneTrade::Cell& c) { return c.setting == row.setting; });
     const auto index = static_cast<std::size_t>(at - cells.begin());
     if (at == cells.end()) {
       cells.push_back({.setting = row.setting});
@@ -350,8 +349,7 @@ std::string SceneTrade::answer() const {
                                             : fmt::format(" ('{}' decides): ", decided_by);
     text += "from there on the solver's error is below that of the time step";
     if (scene->replicas > 1) text += ", below what nearby runs differ by";
-    if (std::any_of(quantities.begin(), quantities.end(),
-                    [](const Errors& e) { return e.bound_by_choice(); })) {
+    if (std::ranges::any_of(quantities, [](const Errors& e) { return e.bound_by_choice(); })) {
       text += ", below what solvers differ by";
     }
     if (!quantities.empty() && quantities[0].negligible > 0) {

@@ -25,8 +25,7 @@ Chart ratio_chart(const SceneTrade& s) {
                                fmt::format("{} at {}: solver {:.1e}, others {:.1e}", series.name,
                                            tolerance_label(s.tols[k]), e.solver_error[k], other)});
     }
-    any |=
-        std::any_of(e.solver_error.begin(), e.solver_error.end(), [](double x) { return x > 0; });
+    any |= std::ranges::any_of(e.solver_error, [](double x) { return x > 0; });
     ratio.series.push_back(std::move(series));
   }
   if (!any) ratio.series.clear();
@@ -45,7 +44,7 @@ std::vector<Family> families_of(const SceneTrade& s) {
   std::vector<std::string> solvers;
   for (const SceneTrade::Cell& cell : s.cells) {
     const std::string& name = cell.setting.solver;
-    if (!name.empty() && std::find(solvers.begin(), solvers.end(), name) == solvers.end()) {
+    if (!name.empty() && std::ranges::find(solvers, name) == solvers.end()) {
       solvers.push_back(name);
     }
   }
@@ -84,11 +83,10 @@ std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
       if (family.has(cell.setting) && cell.done()) cells.push_back(&cell);
     }
     // Along the family's own parameter, not in the order of the runs.
-    std::stable_sort(cells.begin(), cells.end(),
-                     [](const SceneTrade::Cell* a, const SceneTrade::Cell* b) {
-                       return std::pair(a->setting.accuracy, a->setting.step_factor) >
-                              std::pair(b->setting.accuracy, b->setting.step_factor);
-                     });
+    std::ranges::stable_sort(cells, [](const SceneTrade::Cell* a, const SceneTrade::Cell* b) {
+      return std::pair(a->setting.accuracy, a->setting.step_factor) >
+             std::pair(b->setting.accuracy, b->setting.step_factor);
+    });
     for (const SceneTrade::Cell* cell : cells) {
       std::size_t q = 0;
       const double worst = s.worst_error(*cell, &q);
@@ -124,8 +122,8 @@ std::vector<Figure> trade_charts(const SceneTrade& scene) {
   charts.push_back({.chart = std::move(depth),
                     .caption = "How deep bodies enter each other, and what that costs."});
   std::erase_if(charts, [](const Figure& f) {
-    return std::all_of(f.chart->series.begin(), f.chart->series.end(),
-                       [](const Chart::Series& series) { return series.points.empty(); });
+    return std::ranges::all_of(f.chart->series,
+                               [](const Chart::Series& series) { return series.points.empty(); });
   });
   return charts;
 }

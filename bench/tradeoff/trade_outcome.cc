@@ -188,7 +188,7 @@ void OutcomeRecorder<D>::find_columns() {
   }
   std::vector<double> above(scene_.bodies.size(), 0.0);
   for (auto& [x, column] : columns) {
-    std::sort(column.begin(), column.end(), [&](int a, int b) {
+    std::ranges::sort(column, [&](int a, int b) {
       return up_.dot(scene_.bodies[a].x) > up_.dot(scene_.bodies[b].x);
     });
     double load = 0;

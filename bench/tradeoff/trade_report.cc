@@ -53,7 +53,7 @@ Table answers_table(const std::vector<SceneTrade>& scenes) {
 
 Table error_table(const SceneTrade& s) {
   const bool nearby = s.scene->replicas > 1;
-  const bool other = std::any_of(s.cells.begin(), s.cells.end(), [&](const SceneTrade::Cell& cell) {
+  const bool other = std::ranges::any_of(s.cells, [&](const SceneTrade::Cell& cell) {
     return !cell.setting.dem() && cell.setting.solver != s.solver;
   });
   Table table{.columns = {{.name = "outcome"},
@@ -327,8 +327,8 @@ Table outcome_table(const Trade& trade) {
                           {"penetration"},   {"outcome"},         {"unit"},
                           {"value"},         {"message"}}};
   for (const Trade::Row& r : trade.rows) {
-    const auto scene = std::find_if(trade.scenes.begin(), trade.scenes.end(),
-                                    [&](const Trade::Scene& s) { return s.name == r.scene; });
+    const auto scene = std::ranges::find_if(
+        trade.scenes, [&](const Trade::Scene& s) { return s.name == r.scene; });
     for (std::size_t q = 0; q < r.values.size(); ++q) {
       table.add({r.scene,
                  model_name(r.setting),

@@ -60,8 +60,7 @@ Trade::Options options_of(const TradeRequest& request) {
   if (!request.overlaps.empty() && !request.stiffness.empty()) {
     throw std::invalid_argument("give --overlaps or --stiffness: one decides the other");
   }
-  if (std::any_of(options.overlaps.begin(), options.overlaps.end(),
-                  [](double x) { return x >= 0.1; })) {
+  if (std::ranges::any_of(options.overlaps, [](double x) { return x >= 0.1; })) {
     throw std::invalid_argument("--overlaps: contacts that overlap by a tenth of the radius fail");
   }
   if (request.time_limit) options.time_limit = *request.time_limit;

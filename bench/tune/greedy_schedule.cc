@@ -15,7 +15,7 @@ std::vector<double> budgets_of(std::span<const TunedInstance* const> left, std::
     const TunedInstance::Outcome& outcome = instance->outcomes[variant];
     if (outcome.solved && outcome.work > done) works.push_back(outcome.work);
   }
-  std::sort(works.begin(), works.end());
+  std::ranges::sort(works);
   if (works.size() <= kQuantiles) return works;
   std::vector<double> budgets;
   for (std::size_t k = 1; k <= kQuantiles; ++k) {

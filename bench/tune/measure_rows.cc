@@ -172,7 +172,7 @@ std::vector<TunedVariant> tuned_variants(const std::vector<std::string>& solvers
   std::vector<TunedVariant> made;
   for (const std::string& name : solvers.empty() ? solver_names() : solvers) {
     require_solver(name);
-    if (std::count(solvers.begin(), solvers.end(), name) > 1) {
+    if (std::ranges::count(solvers, name) > 1) {
       throw std::invalid_argument(fmt::format("solver '{}' is named twice", name));
     }
     if (name == "auto" || (solvers.empty() && name.find(':') != std::string::npos)) continue;
@@ -198,7 +198,7 @@ std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
   for (const MeasuredRow& row : rows) known.insert(key(instance_of(row), row.variant));
   std::ofstream file = open_csv_table(options.file, measured_csv_header());
   std::vector<double> tols = options.tols;
-  std::sort(tols.begin(), tols.end(), std::greater<>());
+  std::ranges::sort(tols, std::greater<>());
   tols.erase(std::unique(tols.begin(), tols.end()), tols.end());
   std::vector<std::string> variants{"auto"};
   for (const TunedVariant& variant : options.variants) variants.push_back(variant.name);

@@ -45,8 +45,8 @@ std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
       instance.limit = std::max(instance.limit, row.limit);
       continue;
     }
-    const auto variant = std::find_if(variants.begin(), variants.end(),
-                                      [&](const TunedVariant& v) { return v.name == row.variant; });
+    const auto variant = std::ranges::find_if(
+        variants, [&](const TunedVariant& v) { return v.name == row.variant; });
     if (variant == variants.end()) continue;
     outcome.work /= std::pow(row.traits.contacts, variant->power);
     instance.outcomes[to_size(variant - variants.begin())] = outcome;
@@ -63,7 +63,7 @@ TunedPlan::Regret regret_row(const std::string& name, std::vector<double> ratios
   TunedPlan::Regret row{.name = name, .solved = static_cast<int>(ratios.size()), .of = of};
   if (of == 0) return row;
   ratios.resize(to_size(of), kInfinity);
-  std::sort(ratios.begin(), ratios.end());
+  std::ranges::sort(ratios);
   row.median = sorted_median(ratios);
   row.ninth_tenth = quantile(ratios, 0.9);
   row.worst = ratios.back();
@@ -115,8 +115,8 @@ TunedPlan tune_plan(std::span<const MeasuredRow> rows, std::span<const TunedVari
   plan.classes = class_tree(instances, least_rows);
   const int count = static_cast<int>(all.size());
 
-  const bool one_scene = std::all_of(
-      all.begin(), all.end(), [&](const Measured& m) { return m.scene == all.front().scene; });
+  const bool one_scene =
+      std::ranges::all_of(all, [&](const Measured& m) { return m.scene == all.front().scene; });
   const auto part_of = [&](const Measured& m) { return one_scene ? m.problem : m.scene; };
   std::set<std::string> names;
   for (const Measured& m : all) names.insert(part_of(m));
