@@ -84,11 +84,11 @@ Chart profile_chart(const std::vector<PerformanceProfile>& profiles, const std::
   for (const PerformanceProfile& p : profiles) {
     if (!p.ratios.empty()) largest = std::max(largest, p.ratios.back());
   }
-  Chart chart{.title = title};
   // Beyond a thousand times the best, differences are not shown.
-  chart.x = {cost + " over the least of all solvers", Chart::Axis::Kind::kLog, 1.0,
-             std::min(1e3, decade_above(largest))};
-  chart.y = {"share of problems solved", Chart::Axis::Kind::kLinear, 0.0, 1.0};
+  Chart chart{.title = title,
+              .x = {cost + " over the least of all solvers", Chart::Axis::Kind::kLog, 1.0,
+                    std::min(1e3, decade_above(largest))},
+              .y = {"share of problems solved", Chart::Axis::Kind::kLinear, 0.0, 1.0}};
   for (const PerformanceProfile& p : profiles) {
     chart.series.push_back(distribution(p.solver, style_of(p.solver), p.ratios,
                                         static_cast<std::size_t>(p.problems), 1.0, *chart.x.high));
@@ -106,9 +106,8 @@ Chart budget_chart(const std::vector<BudgetErrors>& errors, const std::string& t
     for (double error : e.errors) {
       if (error < 1) reached.push_back(std::max(error, kLeast));
     }
-    Chart::Series series =
-        distribution(e.solver, style_of(e.solver), reached, e.errors.size(), kLeast, 1.0);
-    chart.series.push_back(std::move(series));
+    chart.series.push_back(
+        distribution(e.solver, style_of(e.solver), reached, e.errors.size(), kLeast, 1.0));
   }
   return chart;
 }
@@ -222,7 +221,7 @@ Chart growth_chart(const std::vector<Growth>& all, const std::string& series, do
     if (g.series != series || g.tol != tol) continue;
     const PowerLaw& law = time ? g.time : g.iterations;
     Chart::Series points{g.solver, style_of(g.solver), {}, Chart::Series::Kind::kPoints};
-    double from = std::numeric_limits<double>::infinity(), to = 0;
+    double from = kInfinity, to = 0;
     for (const Growth::Point& p : g.points) {
       if (!std::isfinite(p.time)) continue;
       points.points.push_back(

@@ -3,8 +3,6 @@
 #include <algorithm>
 
 namespace bipot {
-namespace {
-
 const Comparison::Row* row_of(const Comparison& comparison, const std::string& problem,
                               const std::string& solver, double tol) {
   for (const Comparison::Row& row : comparison.rows) {
@@ -13,14 +11,10 @@ const Comparison::Row* row_of(const Comparison& comparison, const std::string& p
   return nullptr;
 }
 
-}  // namespace
-
 std::vector<std::string> solvers_of(const Comparison& comparison) {
   std::vector<std::string> names;
   for (const Comparison::Row& row : comparison.rows) {
-    if (std::ranges::find(names, row.solver) == names.end()) {
-      names.push_back(row.solver);
-    }
+    if (std::ranges::find(names, row.solver) == names.end()) names.push_back(row.solver);
   }
   return names;
 }
@@ -115,8 +109,7 @@ std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) 
       }
       if (best > 0) ratios.push_back(row.time() / best);
     }
-    std::ranges::sort(ratios);
-    count.median_ratio = sorted_median(ratios);
+    count.median_ratio = median(std::move(ratios));
     counts.push_back(count);
   }
   return counts;

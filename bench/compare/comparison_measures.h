@@ -13,6 +13,10 @@ namespace bipot {
 
 /// Numbers computed from a comparison's table. All times are Comparison::Row::time().
 
+/// A cold row; null without one.
+const Comparison::Row* row_of(const Comparison& comparison, const std::string& problem,
+                              const std::string& solver, double tol);
+
 /// In the order of the rows.
 std::vector<std::string> solvers_of(const Comparison& comparison);
 /// From loose to tight.

@@ -15,10 +15,12 @@ namespace {
 template <class Value>
 ComparisonColumn row_column(std::string key, std::string name, Value Comparison::Row::*field,
                             std::string meaning, std::string (*show)(double) = nullptr) {
-  ComparisonColumn made;
-  made.column = {.key = std::move(key), .name = std::move(name), .show = show};
-  made.column.meaning = std::move(meaning);
-  made.column.filter = show == nullptr && made.column.key != "message";
+  const bool filter = show == nullptr && key != "message";
+  ComparisonColumn made{.column = {.key = std::move(key),
+                                   .name = std::move(name),
+                                   .show = show,
+                                   .meaning = std::move(meaning),
+                                   .filter = filter}};
   made.cell = [field](const Comparison::Row& r) { return Table::Cell(r.*field); };
   made.read = [field](Comparison::Row& r, const std::string& text) {
     if constexpr (std::is_same_v<Value, std::string>) {

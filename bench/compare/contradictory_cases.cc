@@ -24,9 +24,7 @@ void move_in(Wall<2>& wall, double speed) { move_at(wall, speed * wall.normal); 
 
 void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
   Scene<2> forced = row_between_walls();
-  for (Wall<2>& wall : forced.walls) {
-    drive(wall, wall.normal, 2, 300);
-  }
+  for (Wall<2>& wall : forced.walls) drive(wall, wall.normal, 2, 300);
   cases.push_back({.name = "walls_forced_together",
                    .what = "a row of 5 disks between two walls that press with 300 N each",
                    .known = "equal and opposite: rest, and each of the 6 contacts carries h F",

@@ -230,9 +230,9 @@ ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options) {
   certify(matrix);
   const int solvers = static_cast<int>(matrix.solvers.size());
   const auto of = [&](int k) -> const ExtremeCase& { return matrix.cases[to_size(k / solvers)]; };
-  IsolatedJobs jobs;
-  jobs.count = static_cast<int>(matrix.cases.size()) * solvers;
-  jobs.seconds = std::max(30.0, 10 * options.time_limit);
+  IsolatedJobs jobs{.count = static_cast<int>(matrix.cases.size()) * solvers,
+                    .seconds = std::max(30.0, 10 * options.time_limit),
+                    .interrupted = options.interrupted};
   jobs.job = [&](int k) {
     const std::string& solver = matrix.solvers[to_size(k % solvers)];
     const nlohmann::json cell =
@@ -257,7 +257,6 @@ ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options) {
     matrix.cells.push_back(cell);
     if (options.on_cell) options.on_cell(cell, k + 1, jobs.count);
   };
-  jobs.interrupted = options.interrupted;
   run_isolated(jobs);
   matrix.complete = static_cast<int>(matrix.cells.size()) == jobs.count;
   return matrix;

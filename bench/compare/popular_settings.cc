@@ -191,19 +191,10 @@ SolveResult run_watched(const PopularSetting& setting, const ContactProblem& p, 
 }  // namespace
 
 std::string to_string(PopularSetting::Test test) {
-  switch (test) {
-    case PopularSetting::Test::kNaturalMap:
-      return "natural map (Siconos)";
-    case PopularSetting::Test::kQuadratic:
-      return "quadratic norm (LMGC90)";
-    case PopularSetting::Test::kAbsolute:
-      return "absolute residuals (Kamino)";
-    case PopularSetting::Test::kFixedPoint:
-      return "fixed point (SCoPI)";
-    case PopularSetting::Test::kNone:
-      break;
-  }
-  return "number of iterations";
+  constexpr const char* kNames[] = {"number of iterations", "natural map (Siconos)",
+                                    "quadratic norm (LMGC90)", "absolute residuals (Kamino)",
+                                    "fixed point (SCoPI)"};
+  return kNames[static_cast<int>(test)];
 }
 
 const std::vector<PopularSetting>& popular_settings() {

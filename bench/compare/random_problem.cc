@@ -14,8 +14,6 @@
 namespace bipot {
 namespace {
 
-using Vec3 = Eigen::Vector3d;
-
 /// Friction of a problem: the range for its contacts.
 enum class Friction { kNone, kTiny, kUsual, kLarge, kHuge, kMixed };
 

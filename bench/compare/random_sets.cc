@@ -257,15 +257,15 @@ RandomSets run_set(const RandomSets::Options& options,
                    std::string (*job)(const RandomSets::Options&, int),
                    void (Ledger::*add)(int, const IsolatedJobs::End&), int solves_of_a_job) {
   Ledger ledger(options);
-  IsolatedJobs jobs{.count = options.count};
   // Twice the CPU limit of each solve, since the machine has other work as well.
-  jobs.seconds = std::max(30.0, 10.0 * solves_of_a_job * options.time_limit);
+  IsolatedJobs jobs{.count = options.count,
+                    .seconds = std::max(30.0, 10.0 * solves_of_a_job * options.time_limit),
+                    .interrupted = options.interrupted};
   jobs.job = [&](int k) { return job(options, options.first + k); };
   jobs.on_end = [&](int k, const IsolatedJobs::End& end) {
     (ledger.*add)(options.first + k, end);
     if (options.on_progress) options.on_progress(k + 1);
   };
-  jobs.interrupted = options.interrupted;
   run_isolated(jobs);
   return ledger.result();
 }

@@ -2,23 +2,10 @@
 
 #include <algorithm>
 
-#include "bench/measure/statistics.h"
+#include "bench/compare/comparison_measures.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
-namespace {
-
-const Comparison::Row* cold_row(const Comparison& comparison, const Comparison::Row& warm) {
-  for (const Comparison::Row& row : comparison.rows) {
-    if (row.problem == warm.problem && row.solver == warm.solver && row.tol == warm.tol) {
-      return &row;
-    }
-  }
-  return nullptr;
-}
-
-}  // namespace
-
 std::vector<WarmGain> warm_gains(const Comparison& comparison) {
   struct Ratios {
     std::vector<double> time, iterations;
@@ -26,13 +13,12 @@ std::vector<WarmGain> warm_gains(const Comparison& comparison) {
   std::vector<WarmGain> gains;
   std::vector<Ratios> ratios;
   for (const Comparison::Row& warm : comparison.warm_rows) {
-    const Comparison::Row* cold = cold_row(comparison, warm);
+    const Comparison::Row* cold = row_of(comparison, warm.problem, warm.solver, warm.tol);
     if (cold == nullptr) continue;
     auto at = std::ranges::find_if(
         gains, [&](const WarmGain& g) { return g.solver == warm.solver && g.tol == warm.tol; });
     if (at == gains.end()) {
-      WarmGain fresh{.solver = warm.solver, .tol = warm.tol};
-      at = gains.insert(gains.end(), fresh);
+      at = gains.insert(gains.end(), {.solver = warm.solver, .tol = warm.tol});
       ratios.emplace_back();
     }
     Ratios& of = ratios[static_cast<std::size_t>(at - gains.begin())];
