@@ -128,9 +128,8 @@ int run_settings(const CompareFlags& flags, const std::vector<ProblemSource>& so
   options.interrupted = &InterruptGuard::requested;
   const SettingStudy study = study_settings(sources, options);
   const Document summary = settings_document(study, provenance("compare", typed_command()));
-  Document page = summary, runs;
-  runs.add(setting_rows(study));
-  page.fold("All runs", runs, "rows");
+  Document page = summary;
+  page.fold("All runs", setting_rows(study), "rows");
   if (!flags.out.empty()) {
     const std::filesystem::path folder = flags.out;
     write_text_file(folder / "settings.csv", to_csv(setting_rows(study)));
@@ -150,25 +149,22 @@ bool nothing_to_solve(const Comparison& comparison, const Comparison::Problem& p
 }
 
 int run_compare(const CompareFlags& flags) {
-  Comparison::Options options;
-  options.solvers =
-      flags.solvers.size() == 1 && flags.solvers[0] == "all" ? solver_names() : flags.solvers;
+  const bool all = flags.solvers.size() == 1 && flags.solvers[0] == "all";
+  Comparison::Options options{.solvers = all ? solver_names() : flags.solvers,
+                              .repeat = flags.repeat,
+                              .threads = flags.threads,
+                              .min_time = flags.min_time,
+                              .try_all = flags.try_all,
+                              .warm = flags.warm,
+                              .out = flags.out};
   options.tols = !flags.tols.empty() ? flags.tols
                  : flags.quick       ? std::vector<double>{1e-2, 1e-6}
                                      : options.tols;
-  options.time_limit =
-      flags.time_limit.value_or(flags.quick ? 1 : Comparison::Options{}.time_limit);
-  options.reference_time_limit = flags.reference_time_limit.value_or(
-      flags.quick ? 3 : Comparison::Options{}.reference_time_limit);
-  options.repeat = flags.repeat;
-  options.threads = flags.threads;
-  options.min_time = flags.min_time;
-  options.try_all = flags.try_all;
-  options.warm = flags.warm;
-  options.out = flags.out;
-  TargetOptions scenes;
-  scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
-  scenes.quick = flags.quick;
+  options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : options.time_limit);
+  options.reference_time_limit =
+      flags.reference_time_limit.value_or(flags.quick ? 3 : options.reference_time_limit);
+  TargetOptions scenes{.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3),
+                       .quick = flags.quick};
   if (!flags.quiet) scenes.warn = &warn_once;
   scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
   if (flags.targets.empty() && flags.settings.empty()) {
@@ -201,11 +197,9 @@ int run_compare(const CompareFlags& flags) {
     whole = run_watched_trade(request, flags);
   }
 
-  ReportContext context;
-  context.options = options;
-  context.made = provenance("compare", typed_command());
+  ReportContext context{provenance("compare", typed_command()), typed_command(flags.targets),
+                        options};
   context.made.threads = options.threads;
-  context.command_of_target = typed_command(flags.targets);
   if (!flags.out.empty()) {
     Document more;
     if (whole) {

@@ -53,17 +53,15 @@ Vector impulse_of(const JudgeFlags& flags, const ProblemFile& file) {
 Json contact_or_null(int contact) { return contact >= 0 ? Json(contact) : Json(nullptr); }
 
 Json to_json(const JudgedContact& contact) {
-  Json faults = Json::array();
-  for (const ContactFault& fault : contact.faults) {
-    faults.push_back(
-        {{"kind", to_string(fault.kind)}, {"size", fault.size}, {"energy", fault.energy}});
-  }
+  const auto fault_json = [](const ContactFault& fault) {
+    return Json{{"kind", to_string(fault.kind)}, {"size", fault.size}, {"energy", fault.energy}};
+  };
   return {{"contact", contact.contact},
           {"mu", contact.mu},
           {"s", std::vector<double>(contact.s.begin(), contact.s.end())},
           {"u", std::vector<double>(contact.u.begin(), contact.u.end())},
           {"share", contact.share},
-          {"faults", faults},
+          {"faults", json_list(contact.faults, fault_json)},
           {"message", sentence(contact)}};
 }
 
@@ -88,8 +86,7 @@ Json to_json(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerd
   j["take_off"] = v.count.take_off;
   j["stick"] = v.count.stick;
   j["slip"] = v.count.slip;
-  j["worst"] = Json::array();
-  for (const JudgedContact& contact : v.worst) j["worst"].push_back(to_json(contact));
+  j["worst"] = json_list(v.worst, [](const auto& contact) { return to_json(contact); });
   return j;
 }
 

@@ -70,9 +70,8 @@ int run_leaderboard(const LeaderboardFlags& flags) {
                         .cancelled = &InterruptGuard::requested},
                        [&](const std::string& problem) { progress.update(++done, problem); });
   const Document summary = leaderboard_document(board, provenance("leaderboard", typed_command()));
-  Document page = summary, entries;
-  entries.add(leaderboard_rows(board));
-  page.fold("All impulses", entries, "rows");
+  Document page = summary;
+  page.fold("All impulses", leaderboard_rows(board), "rows");
   if (!flags.out.empty()) {
     const fs::path folder = flags.out;
     write_text_file(folder / "leaderboard.csv", to_csv(leaderboard_rows(board)));

@@ -43,24 +43,31 @@ std::string domain_of(const ParameterSpec& spec) {
 }
 
 Json to_json(const SolverEntry& entry) {
-  Json row{{"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
-  row["parameters"] = Json::array();
-  for (const ParameterSpec& spec : all_parameters(entry)) {
-    row["parameters"].push_back({{"name", spec.name},
-                                 {"flag", parameter_flag(spec.name)},
-                                 {"default", spec.default_value},
-                                 {"domain", domain_of(spec)},
-                                 {"unit", spec.unit},
-                                 {"help", spec.help}});
+  const auto parameter_json = [](const ParameterSpec& spec) {
+    return Json{{"name", spec.name},
+                {"flag", parameter_flag(spec.name)},
+                {"default", spec.default_value},
+                {"domain", domain_of(spec)},
+                {"unit", spec.unit},
+                {"help", spec.help}};
+  };
+  return {{"name", entry.name},
+          {"summary", entry.summary},
+          {"max_dim", entry.max_dim},
+          {"parameters", json_list(all_parameters(entry), parameter_json)}};
+}
+
+/// Those of the table, then the special ones.
+template <class Show>
+void each_solver(const Show& show) {
+  for (const auto table : {solver_table(), special_solvers()}) {
+    for (const SolverEntry& entry : table) show(entry);
   }
-  return row;
 }
 
 Json solvers_json() {
   auto rows = Json::array();
-  for (const auto table : {solver_table(), special_solvers()}) {
-    for (const SolverEntry& entry : table) rows.push_back(to_json(entry));
-  }
+  each_solver([&](const SolverEntry& entry) { rows.push_back(to_json(entry)); });
   return rows;
 }
 
@@ -89,14 +96,10 @@ void print_parameter(std::string_view solver, const ParameterSpec& spec) {
 }
 
 void print_solvers() {
-  const auto print = [](const SolverEntry& entry) {
+  each_solver([](const SolverEntry& entry) {
     fmt::print("{:<14} {}\n", entry.name, entry.summary);
-    for (const ParameterSpec& spec : entry.parameters) {
-      print_parameter("", spec);
-    }
-  };
-  for (const SolverEntry& entry : solver_table()) print(entry);
-  for (const SolverEntry& entry : special_solvers()) print(entry);
+    for (const ParameterSpec& spec : entry.parameters) print_parameter("", spec);
+  });
   print_parameter("all of them", kIslandsParameter);
 }
 
@@ -158,8 +161,7 @@ void print_names() {
     return names;
   };
   std::string solvers;
-  for (const SolverEntry& entry : solver_table()) solvers += std::string(entry.name) + " ";
-  for (const SolverEntry& entry : special_solvers()) solvers += std::string(entry.name) + " ";
+  each_solver([&](const SolverEntry& entry) { solvers += std::string(entry.name) + " "; });
   print("solvers", solvers);
   print("scenes", stems(shipped_scenes()));
   print("problems", stems(shipped_problems()));

@@ -17,13 +17,12 @@ namespace bipot {
 namespace {
 
 double tightest(const Comparison& comparison) {
-  double tol = std::numeric_limits<double>::infinity();
+  double tol = kInfinity;
   for (const Comparison::Row& row : comparison.rows) tol = std::min(tol, row.tol);
   return tol;
 }
 
-/// C converged, 0 nothing to do, I iteration limit, T time limit, S stalled, D diverged, F failure,
-/// - invalid input, N not tried.
+/// C converged, 0 nothing to do, I iteration limit, T time limit, S stalled, D diverged, F failure.
 char letter(const std::string& status) {
   if (status == "converged") return 'C';
   if (status == "nothing to do") return '0';
@@ -31,11 +30,10 @@ char letter(const std::string& status) {
   if (status == "time limit") return 'T';
   if (status == "stalled") return 'S';
   if (status == "diverged") return 'D';
-  if (status == "invalid input") return '-';
-  if (status == Comparison::Row::kNotTried) return 'N';
   return 'F';
 }
 
+/// - invalid input, N not tried, else its letter and numbers.
 std::string cell(const Comparison::Row& row) {
   if (row.status == "invalid input") return "-";
   if (row.status == Comparison::Row::kNotTried) return "N";
@@ -66,32 +64,19 @@ std::string regret_line(const Regret& regret) {
       worst.problem, tolerance_label(worst.tol), worst.best);
 }
 
-Json problems_json(const Comparison& comparison) {
-  Json all = Json::array();
-  for (const Comparison::Problem& p : comparison.problems) {
-    Json row{{"name", p.name},     {"target", p.target},     {"origin", p.origin},
-             {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
-             {"dofs", p.dofs}};
-    row["reference"] = {
-        {"solver", p.reference_solver},
-        {"guarded", p.reference_guarded},
-        {"natural_map", p.reference_natural_map},
-        {"velocity_spread", p.velocity_spread},
-        {"answers", p.answers},
-        {"spread",
-         {{"velocity", p.spread.velocity}, {"force", p.spread.force}, {"energy", p.spread.energy}}},
-        {"several_velocity_solutions", p.several_velocities()}};
-    row["reference"]["attempts"] = Json::array();
-    for (const ReferenceSolution::Attempt& a : p.attempts) {
-      row["reference"]["attempts"].push_back({{"solver", a.solver},
-                                              {"status", to_string(a.status)},
-                                              {"guarded", a.guarded},
-                                              {"seconds", a.seconds}});
-    }
-    row["ranked_by"] = ranking(p, comparison.rows).name();
-    all.push_back(std::move(row));
-  }
-  return all;
+Json to_json(const Comparison::Problem& p, const Ranking& rank) {
+  const Json reference{
+      {"solver", p.reference_solver},
+      {"guarded", p.reference_guarded},
+      {"natural_map", p.reference_natural_map},
+      {"velocity_spread", p.velocity_spread},
+      {"answers", p.answers},
+      {"spread", to_json(p.spread)},
+      {"several_velocity_solutions", p.several_velocities()},
+      {"attempts", json_list(p.attempts, [](const auto& attempt) { return to_json(attempt); })}};
+  return {{"name", p.name},     {"target", p.target},     {"origin", p.origin},
+          {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
+          {"dofs", p.dofs},     {"reference", reference}, {"ranked_by", rank.name()}};
 }
 
 /// At the tightest tolerance.
@@ -160,16 +145,12 @@ Json errors_within_json(const Comparison& comparison) {
   return all;
 }
 
-Json growth_json(const Comparison& comparison) {
-  Json all = Json::array();
-  for (const Growth& g : growth(comparison)) {
-    all.push_back({{"series", g.series},
-                   {"solver", g.solver},
-                   {"tol", g.tol},
-                   {"iterations", to_json(g.iterations)},
-                   {"time", to_json(g.time)}});
-  }
-  return all;
+Json growth_json(const Growth& g) {
+  return {{"series", g.series},
+          {"solver", g.solver},
+          {"tol", g.tol},
+          {"iterations", to_json(g.iterations)},
+          {"time", to_json(g.time)}};
 }
 
 }  // namespace
@@ -213,7 +194,9 @@ Json to_json(const Comparison& comparison, const ReportContext& context) {
   j["repeat"] = context.options.repeat;
   j["complete"] = comparison.complete;
   j["rows_kept"] = comparison.rows_kept;
-  j["problems"] = problems_json(comparison);
+  j["problems"] = json_list(comparison.problems, [&](const Comparison::Problem& p) {
+    return to_json(p, ranking(p, comparison.rows));
+  });
   j["rows"] = to_json(rows_table(comparison));
   j["solved"] = to_json(solved_table(comparison));
   j["success"] = to_json(success_table(success_curves(comparison)));
@@ -222,7 +205,7 @@ Json to_json(const Comparison& comparison, const ReportContext& context) {
   j["profiles"] = profiles_json(comparison);
   j["errors_within"] = errors_within_json(comparison);
   j["tolerance_meaning"] = to_json(meaning_table(comparison));
-  j["growth"] = growth_json(comparison);
+  j["growth"] = json_list(growth(comparison), growth_json);
   j["regret_of_auto"] = regret_json(regret_of(comparison, "auto"));
   j["regret_of_auto_from_1_ms"] = regret_json(regret_of(comparison, "auto", 1e-3));
   return j;

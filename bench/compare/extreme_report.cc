@@ -103,24 +103,11 @@ std::string cell_command(const ExtremeMatrix& m, const ExtremeCell& cell) {
 }
 
 Table cells_table(const ExtremeMatrix& m) {
-  Table table{.columns = {{"group"},
-                          {"case"},
-                          {"solver"},
-                          {"end"},
-                          {"status"},
-                          {"guarded"},
-                          {"true_error"},
-                          {"energy_error"},
-                          {"iterations"},
-                          {"cpu_seconds"},
-                          {"steps_solved"},
-                          {"steps"},
-                          {"existence"},
-                          {"floor"},
-                          {"missed_by_auto"},
-                          {"message"},
-                          {"command"}},
-              .key = "cells"};
+  Table table{
+      .columns = Table::keyed({"group", "case", "solver", "end", "status", "guarded", "true_error",
+                               "energy_error", "iterations", "cpu_seconds", "steps_solved", "steps",
+                               "existence", "floor", "missed_by_auto", "message", "command"}),
+      .key = "cells"};
   for (const ExtremeCell& cell : m.cells) {
     for (std::size_t k = 0; k < m.cases.size(); ++k) {
       if (m.cases[k].name != cell.name) continue;

@@ -88,9 +88,7 @@ void add_table(Document& page, const Findings::Table& from) {
     table.caption = caption;
     return page.add(std::move(table));
   }
-  Document inside;
-  inside.add(std::move(table));
-  page.fold(fmt::format("{} ({} rows)", caption, from.rows.size()), std::move(inside));
+  page.fold(fmt::format("{} ({} rows)", caption, from.rows.size()), std::move(table));
 }
 
 void add_item(Document& page, const ClaimReport::Item& item) {

@@ -79,12 +79,10 @@ int ValidationPage::undecided() const {
 int ValidationPage::failed() const { return static_cast<int>(rows.size()) - held() - undecided(); }
 
 Table points_table(const ValidationPage& page) {
-  Table table;
-  for (const char* key : {"group", "row", "tol", "measured", "bar", "expected_low", "expected_high",
-                          "scale", "error", "right", "reached", "steps", "unsolved", "cpu_seconds",
-                          "rows_in_run", "solver", "message"}) {
-    table.columns.push_back({.key = key});
-  }
+  Table table{.columns =
+                  Table::keyed({"group", "row", "tol", "measured", "bar", "expected_low",
+                                "expected_high", "scale", "error", "right", "reached", "steps",
+                                "unsolved", "cpu_seconds", "rows_in_run", "solver", "message"})};
   for (const ValidationRow& row : page.rows) {
     for (const ValidationRow::Point& p : row.points) {
       table.add({row.group, row.claim.name, p.tol, number(p.seen.value), number(p.seen.bar),
@@ -156,19 +154,16 @@ std::string to_text(const ValidationPage& page) {
 std::vector<std::string> groups_of(const ValidationPage& page) {
   std::vector<std::string> groups;
   for (const ValidationRow& row : page.rows) {
-    if (std::ranges::find(groups, row.group) == groups.end()) {
-      groups.push_back(row.group);
-    }
+    if (std::ranges::find(groups, row.group) == groups.end()) groups.push_back(row.group);
   }
   return groups;
 }
 
 Chart error_chart(const ValidationPage& page, const std::string& group) {
-  Chart chart;
-  chart.title = "Relative error against tolerance: " + group;
-  chart.x = {.label = "tolerance ε of every step", .kind = Chart::Axis::Kind::kLog};
-  chart.y = {.label = "relative error of the observable", .kind = Chart::Axis::Kind::kLog};
-  chart.y_lines = {{kRightTo, "1 %"}};
+  Chart chart{.title = "Relative error against tolerance: " + group,
+              .x = {.label = "tolerance ε of every step", .kind = Chart::Axis::Kind::kLog},
+              .y = {.label = "relative error of the observable", .kind = Chart::Axis::Kind::kLog},
+              .y_lines = {{kRightTo, "1 %"}}};
   // A decade below the least error other than 0, for the end of the axis.
   double least = kHighestFloor;
   for (const ValidationRow& row : page.rows) {

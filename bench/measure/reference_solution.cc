@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/measure/limited_solve.h"
-#include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
 #include "core/files/input_file.h"
@@ -126,27 +125,29 @@ bool learn_answer(const ContactProblem& problem, const Vector& s, double time_li
   return true;
 }
 
+Json to_json(const ReferenceSolution::Spread& spread) {
+  return {{"velocity", spread.velocity}, {"force", spread.force}, {"energy", spread.energy}};
+}
+
+Json to_json(const ReferenceSolution::Attempt& attempt) {
+  return {{"solver", attempt.solver},
+          {"status", to_string(attempt.status)},
+          {"guarded", attempt.guarded},
+          {"seconds", attempt.seconds}};
+}
+
 void write_reference(const std::filesystem::path& path, const std::string& problem,
                      const ReferenceSolution& reference) {
   Json j{{"problem", problem},   {"origin", reference.origin}, {"contacts", reference.contacts},
          {"dim", reference.dim}, {"dofs", reference.dofs},     {"solver", reference.solver}};
   add_error(j, reference.error);
   j["velocity_spread"] = reference.velocity_spread;
-  j["spread"] = {{"velocity", reference.spread.velocity},
-                 {"force", reference.spread.force},
-                 {"energy", reference.spread.energy}};
-  j["attempts"] = Json::array();
-  for (const ReferenceSolution::Attempt& a : reference.attempts) {
-    j["attempts"].push_back({{"solver", a.solver},
-                             {"status", to_string(a.status)},
-                             {"guarded", a.guarded},
-                             {"seconds", a.seconds}});
-  }
-  j["s"] = std::vector<double>(reference.s.begin(), reference.s.end());
-  j["others"] = Json::array();
-  for (const Vector& other : reference.others) {
-    j["others"].push_back(std::vector<double>(other.begin(), other.end()));
-  }
+  j["spread"] = to_json(reference.spread);
+  j["attempts"] =
+      json_list(reference.attempts, [](const auto& attempt) { return to_json(attempt); });
+  const auto numbers = [](const Vector& x) { return std::vector<double>(x.begin(), x.end()); };
+  j["s"] = numbers(reference.s);
+  j["others"] = json_list(reference.others, numbers);
   write_text_file(path, json_text(j) + '\n');
 }
 

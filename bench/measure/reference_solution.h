@@ -2,11 +2,11 @@
 
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "bench/measure/test_problem.h"
+#include "bench/report/json_output.h"
 #include "core/base/types.h"
 #include "core/criterion/contact_error.h"
 #include "solvers/analysis/distinct_answers.h"
@@ -25,7 +25,7 @@ struct ReferenceSolution {
   struct Attempt {
     std::string solver;
     SolveStatus status = SolveStatus::kNotRun;
-    double guarded = std::numeric_limits<double>::quiet_NaN();
+    double guarded = kNaN;
     double seconds = 0;
   };
   /// Clock of a time limit; CPU time does not depend on other work of the machine.
@@ -38,7 +38,7 @@ struct ReferenceSolution {
   std::vector<Attempt> attempts;
   /// Largest ‖v - v*‖_A / ‖v* - v_free‖_A between attempts that are both below kTrusted; NaN with
   /// fewer than two of them.
-  double velocity_spread = std::numeric_limits<double>::quiet_NaN();
+  double velocity_spread = kNaN;
   /// Exact answers distinct from s and from each other (solvers/analysis/distinct_answers.h), in
   /// the order in which they were found. They prove that the problem has several.
   std::vector<Vector> others;
@@ -67,6 +67,9 @@ ReferenceSolution find_reference(
 /// (CPU). True: it was added, and the spread is outdated.
 bool learn_answer(const ContactProblem& problem, const Vector& s, double time_limit,
                   const std::function<bool()>& interrupted, ReferenceSolution& reference);
+
+Json to_json(const ReferenceSolution::Spread& spread);
+Json to_json(const ReferenceSolution::Attempt& attempt);
 
 /// A reference as a JSON file, bit for bit.
 void write_reference(const std::filesystem::path& path, const std::string& problem,

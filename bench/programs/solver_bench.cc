@@ -106,11 +106,9 @@ void report_fits(const BenchFlags& flags, const std::vector<GrowthRow>& rows, st
             {"tilt_degrees", flags.scene.tilt_degrees},
             {"mass_ratio", flags.scene.mass_ratio},
             {"seed", flags.scene.seed},
-            {"time_limit", flags.limits.time_limit}};
-  json["fits"] = Json::array();
-  json["rows"] = Json::array();
-  for (const GrowthFit& fit : fits) json["fits"].push_back(to_json(fit));
-  for (const GrowthRow& row : rows) json["rows"].push_back(to_json(row));
+            {"time_limit", flags.limits.time_limit},
+            {"fits", json_list(fits, [](const auto& fit) { return to_json(fit); })},
+            {"rows", json_list(rows, [](const auto& row) { return to_json(row); })}};
   write_json(json, flags.fit_out);
 }
 

@@ -1,5 +1,7 @@
 #include "bench/report/build_info.h"
 
+#include <fmt/chrono.h>
+
 #include <ctime>
 #include <fstream>
 #include <thread>
@@ -29,12 +31,7 @@ BuildInfo build_info() {
 }
 
 std::string date_and_time() {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  char text[32];
-  const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
-  return {text, length};
+  return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
 }
 
 }  // namespace bipot

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "core/base/file_error.h"
 #include "core/files/input_file.h"
 
 namespace bipot {

@@ -6,6 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/file_error.h"
+#include "core/base/number_text.h"
+
 namespace bipot {
 
 /// A field in quotes, with quotes inside doubled (RFC 4180). Ends of lines become spaces, so that a
@@ -24,6 +27,14 @@ std::vector<std::vector<std::string>> read_csv_table(const std::filesystem::path
 std::vector<std::vector<std::string>> csv_table_of(std::string_view text,
                                                    const std::filesystem::path& path,
                                                    std::string_view header, std::size_t columns);
+
+/// A field as a number. Throws FileError.
+template <class Number>
+Number csv_number(const std::string& field, const std::filesystem::path& path) {
+  const auto value = whole_number<Number>(field);
+  if (!value) throw FileError(path, "", "'" + field + "' is not a number");
+  return *value;
+}
 
 /// Opens such a file for further rows. A row that was cut off is removed; a new file gets the first
 /// line. Throws FileError.

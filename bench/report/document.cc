@@ -153,6 +153,18 @@ std::string text_of(const Table::Cell& cell, const Table::Column& column) {
                     cell.value);
 }
 
+std::vector<const Figure*> charts_of(const std::vector<Document::Block>& blocks) {
+  std::vector<const Figure*> charts;
+  for (const Document::Block& block : blocks) {
+    if (const auto* figure = std::get_if<Figure>(&block.content)) {
+      if (figure->chart) charts.push_back(figure);
+    } else if (const auto* details = std::get_if<Document::Details>(&block.content)) {
+      for (const Figure* inside : charts_of(details->blocks)) charts.push_back(inside);
+    }
+  }
+  return charts;
+}
+
 bool is_title(const Table& table, const Table::Row& row) {
   return row.cells.size() == 1 && table.columns.size() > 1;
 }
@@ -161,6 +173,11 @@ std::string heading_of(const Table::Column& column) {
   return column.unit.empty() ? column.name : fmt::format("{} [{}]", column.name, column.unit);
 }
 
+std::vector<Table::Column> Table::keyed(std::initializer_list<const char*> keys) {
+  std::vector<Column> columns;
+  for (const char* key : keys) columns.push_back({.key = key});
+  return columns;
+}
 void Table::add(std::vector<Cell> cells, std::string row_look, std::string id) {
   rows.push_back({std::move(cells), std::move(row_look), std::move(id)});
 }
@@ -177,6 +194,11 @@ void Document::add(Terms terms) { blocks.push_back({std::move(terms)}); }
 void Document::fold(std::string summary, Document inside, std::string id, bool open) {
   blocks.push_back(
       {Document::Details{std::move(summary), std::move(id), open, std::move(inside.blocks)}});
+}
+void Document::fold(std::string summary, Table inside, std::string id) {
+  Document part;
+  part.add(std::move(inside));
+  fold(std::move(summary), std::move(part), std::move(id));
 }
 void Document::append(Document part) {
   for (Document::Block& block : part.blocks) blocks.push_back(std::move(block));
@@ -329,18 +351,10 @@ std::string to_csv(const Table& table) {
 }
 
 void write_figures(const std::filesystem::path& folder, const Document& document) {
-  const auto write = [&](const auto& self, const std::vector<Document::Block>& blocks) -> void {
-    for (const Document::Block& block : blocks) {
-      if (const auto* figure = std::get_if<Figure>(&block.content)) {
-        if (!figure->chart || figure->file.empty()) continue;
-        write_chart_files(folder, std::filesystem::path(figure->file).stem().string(),
-                          *figure->chart);
-      } else if (const auto* details = std::get_if<Document::Details>(&block.content)) {
-        self(self, details->blocks);
-      }
-    }
-  };
-  write(write, document.blocks);
+  for (const Figure* figure : charts_of(document.blocks)) {
+    if (figure->file.empty()) continue;
+    write_chart_files(folder, std::filesystem::path(figure->file).stem().string(), *figure->chart);
+  }
 }
 
 }  // namespace bipot

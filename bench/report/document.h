@@ -61,6 +61,9 @@ struct Table {
     std::string look;
     std::string id;
   };
+  /// Columns of data that readers do not see.
+  static std::vector<Column> keyed(std::initializer_list<const char*> keys);
+
   std::vector<Column> columns;
   std::vector<Row> rows;
   std::string key;        ///< in the JSON of a document; empty: not included
@@ -127,7 +130,7 @@ struct Document {
   void add(Figure figure);
   void add(Terms terms);
   void fold(std::string summary, Document inside, std::string id = {}, bool open = false);
-  /// Appends the blocks of another document.
+  void fold(std::string summary, Table inside, std::string id = {});
   void append(Document part);
 };
 struct Document::Block {
@@ -137,6 +140,8 @@ struct Document::Block {
 /// Text of a cell and of a heading for readers, marks included.
 std::string text_of(const Table::Cell& cell, const Table::Column& column);
 std::string heading_of(const Table::Column& column);
+/// Figures with a chart, folded ones among them, in their order.
+std::vector<const Figure*> charts_of(const std::vector<Document::Block>& blocks);
 /// True if the row is a title of the rows below it.
 bool is_title(const Table& table, const Table::Row& row);
 

@@ -96,7 +96,8 @@ class PageWriter {
   explicit PageWriter(const Document& document) : document_(document) {
     has_script_ = has_sortable(document.blocks);
     std::vector<Chart> charts;
-    collect(document.blocks, charts);
+    // In the order of the page: gnuplot draws all at once.
+    for (const Figure* figure : charts_of(document.blocks)) charts.push_back(*figure->chart);
     drawings_ = to_svg(charts);
   }
 
@@ -119,17 +120,6 @@ class PageWriter {
   template <class... Values>
   void add(fmt::format_string<Values...> format, Values&&... values) {
     fmt::format_to(std::back_inserter(html_), format, std::forward<Values>(values)...);
-  }
-
-  /// Charts to be drawn in the page, in its order: gnuplot draws all at once.
-  static void collect(const std::vector<Document::Block>& blocks, std::vector<Chart>& charts) {
-    for (const Document::Block& block : blocks) {
-      if (const auto* figure = std::get_if<Figure>(&block.content)) {
-        if (figure->chart) charts.push_back(*figure->chart);
-      } else if (const auto* details = std::get_if<Document::Details>(&block.content)) {
-        collect(details->blocks, charts);
-      }
-    }
   }
 
   void write_contents() {

@@ -11,6 +11,14 @@ namespace bipot {
 /// Members keep their order of insertion. A number that is not finite is written as null.
 using Json = nlohmann::ordered_json;
 
+/// The members of an array: show(x) for each x.
+template <class Range, class Show>
+std::vector<Json> json_list(const Range& range, const Show& show) {
+  std::vector<Json> list;
+  for (const auto& x : range) list.push_back(show(x));
+  return list;
+}
+
 /// Adds epsilon, eta, epsilon_raw, natural_map and worst_contact (of the larger one of epsilon and
 /// eta; null without one).
 void add_error(Json& json, const ContactError& error);

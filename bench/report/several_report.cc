@@ -205,10 +205,7 @@ Document several_page(const SeveralAnswers& found, const std::string& problem, P
   if (picture)
     page.add(Figure{.file = "answers.svg", .caption = "Forces of the answers.", .wide = true});
   const auto fold = [&page](const std::string& summary, Table table) {
-    if (table.rows.empty()) return;
-    Document inside;
-    inside.add(std::move(table));
-    page.fold(summary, std::move(inside));
+    if (!table.rows.empty()) page.fold(summary, std::move(table));
   };
   fold(fmt::format("{} starts", found.starts.size()), start_table(found));
   fold(fmt::format("{} contacts that differ", found.differing_contacts.size()),
@@ -219,27 +216,21 @@ Document several_page(const SeveralAnswers& found, const std::string& problem, P
 }
 
 Json to_json(const SeveralAnswers& found) {
-  Json j{{"status", to_string(found.status)},
-         {"message", found.message},
-         {"seconds", found.seconds},
-         {"trusted", DistinctAnswers::kTrusted},
-         {"factor", DistinctAnswers::kFactor},
-         {"resolution", found.resolution},
-         {"sets", found.sets},
-         {"spread", to_json(found.spread)}};
-  j["answers"] = Json::array();
-  for (const Answer& answer : found.answers) j["answers"].push_back(answer_json(answer));
-  j["starts"] = Json::array();
-  for (const SeveralAnswers::Start& start : found.starts) j["starts"].push_back(start_json(start));
-  j["differing_contacts"] = Json::array();
-  for (const int c : found.differing_contacts) {
-    Json row{{"contact", c}, {"status", Json::array()}};
-    for (const Answer& answer : found.answers) {
-      row["status"].push_back(word(answer.status[to_size(c)]));
-    }
-    j["differing_contacts"].push_back(std::move(row));
-  }
-  return j;
+  const auto contact_json = [&](int c) {
+    const auto word_of = [&](const Answer& answer) { return word(answer.status[to_size(c)]); };
+    return Json{{"contact", c}, {"status", json_list(found.answers, word_of)}};
+  };
+  return {{"status", to_string(found.status)},
+          {"message", found.message},
+          {"seconds", found.seconds},
+          {"trusted", DistinctAnswers::kTrusted},
+          {"factor", DistinctAnswers::kFactor},
+          {"resolution", found.resolution},
+          {"sets", found.sets},
+          {"spread", to_json(found.spread)},
+          {"answers", json_list(found.answers, answer_json)},
+          {"starts", json_list(found.starts, start_json)},
+          {"differing_contacts", json_list(found.differing_contacts, contact_json)}};
 }
 
 }  // namespace bipot

@@ -27,7 +27,7 @@ Study::Values count_answers(const Study::Sample& sample, int looks, const Study:
   const int from = static_cast<int>(sample.averages_from(scene) / scene.step);
   const int every = std::max(1, (scene.num_steps - from) / looks);
   State<2> state = initial_state(scene);
-  double searched = 0, several = 0, spread = 0, inertial = 0;
+  double searched = 0, several = 0, spread = 0;
   Study::Observer observer(sample, scene, 1);
   SceneRunOptions<2> options{.cancelled = stopped};
   options.on_step = [&](const SceneStep<2>& step) {
@@ -50,11 +50,10 @@ Study::Values count_answers(const Study::Sample& sample, int looks, const Study:
   const SceneRun<2> run = run_scene<2>(scene, state, options);
   if (run.end == SceneRun<2>::End::kFailed) throw *run.failure;
   Study::Values values = observer.values(state);
-  if (values.contains("inertial_number")) inertial = values["inertial_number"];
   return {{"searched", searched},
           {"several", several},
           {"spread", spread},
-          {"inertial_number", inertial}};
+          {"inertial_number", values["inertial_number"]}};
 }
 
 /// What is varied about the shear of 100 disks with μ = 0.4 and three radii at I = 0.1, and the
@@ -118,16 +117,14 @@ Document answers_report(const Study::Measured& measured) {
                           {"high", "to", &share_label},
                           {"spread", "largest difference of velocities", &compact_label}},
               .key = "answers"};
-  Chart chart{.title = "Steps with several exact answers",
-              .x = {.label = "inertial number", .kind = Chart::Axis::Kind::kLog},
-              .y = {.label = "share of the steps", .low = 0}};
-  Chart sizes{.title = "Steps with several exact answers",
-              .x = {.label = "number of disks", .kind = Chart::Axis::Kind::kLog},
-              .y = {.label = "share of the steps", .low = 0}};
+  const auto chart = [](Chart::Axis x, std::vector<Chart::Series> series, Chart::Key key) {
+    return Chart{.title = "Steps with several exact answers",
+                 .x = std::move(x),
+                 .y = {.label = "share of the steps", .low = 0},
+                 .series = std::move(series),
+                 .key = key};
+  };
   Chart::Series by_speed{"", 0, {}}, by_size{"", 0, {}};
-  Chart friction{.title = "Steps with several exact answers",
-                 .x = {.label = "friction coefficient"},
-                 .y = {.label = "share of the steps", .low = 0}};
   Chart::Series sheared{"shear", 0, {}}, poured{"pour, towards rest", 1, {}};
   for (const std::string& varied : distinct(measured, kAnswers, &Study::Case::scene)) {
     const auto here = [&](const Study::Case& c) { return c.scene == varied; };
@@ -167,21 +164,18 @@ Document answers_report(const Study::Measured& measured) {
   for (Chart::Series* series : {&by_size, &sheared}) {
     std::ranges::sort(series->points, [](const auto& a, const auto& b) { return a.x < b.x; });
   }
-  friction.series = {sheared, poured};
-  chart.series = {by_speed};
-  sizes.series = {by_size};
-  chart.key = sizes.key = Chart::Key::kNone;
-  part.add(Figure{.chart = friction,
+  const auto log = Chart::Axis::Kind::kLog;
+  part.add(Figure{.chart = chart({"friction coefficient"}, {sheared, poured}, Chart::Key::kBelow),
                   .file = "answers_friction.svg",
                   .caption =
                       "Share of steps with several exact answers against friction, 100 "
                       "disks, Wilson's 95 % interval; a lower bound, from six starts a step."});
-  part.add(Figure{.chart = chart,
+  part.add(Figure{.chart = chart({"inertial number", log}, {by_speed}, Chart::Key::kNone),
                   .file = "answers_speed.svg",
                   .caption =
                       "Share of steps with several exact answers in plane shear of 100 disks, "
                       "Wilson's 95 % interval; a lower bound, from six starts a step."});
-  part.add(Figure{.chart = sizes,
+  part.add(Figure{.chart = chart({"number of disks", log}, {by_size}, Chart::Key::kNone),
                   .file = "answers_size.svg",
                   .caption = "The same against the number of disks, at I = 0.1."});
   part.add(std::move(table));
@@ -320,9 +314,7 @@ Document ensembles_report(const Study::Measured& measured) {
     }
   }
   part.add(std::move(changed));
-  Document details;
-  details.add(std::move(table));
-  part.fold("Every observable", std::move(details));
+  part.fold("Every observable", std::move(table));
   return part;
 }
 

@@ -430,9 +430,7 @@ Document paths_report(const Study::Measured& measured) {
   part.add(std::move(ridge));
   part.add(std::move(laws));
   part.add(std::move(costs));
-  Document details;
-  details.add(std::move(settings));
-  part.fold("Every setting", std::move(details));
+  part.fold("Every setting", std::move(settings));
   return part;
 }
 

@@ -148,9 +148,7 @@ Document plane_report(const Study::Measured& measured) {
                                            scene)});
   }
   part.add(std::move(ridge));
-  Document details;
-  details.add(std::move(table));
-  part.fold("The whole plane", std::move(details));
+  part.fold("The whole plane", std::move(table));
   return part;
 }
 

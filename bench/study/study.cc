@@ -25,13 +25,6 @@ std::string row_line(const Study::Case& of, const Study::Values& values) {
                      of.seed, csv_text(of.method), of.tol, of.x, csv_text(all));
 }
 
-template <class Number>
-Number row_number(const std::string& text, const std::filesystem::path& path) {
-  const auto value = whole_number<Number>(text);
-  if (!value) throw FileError(path, "", fmt::format("'{}' is not a number", text));
-  return *value;
-}
-
 }  // namespace
 
 const std::vector<Study::Part>& Study::parts() {
@@ -45,12 +38,12 @@ Study::Measured Study::read(const std::filesystem::path& rows) {
   if (!std::filesystem::exists(rows)) return measured;
   for (const auto& f : read_csv_table(rows, kRowsHeader, 8)) {
     Values& values =
-        measured[{f[0], f[1], row_number<int>(f[2], rows), row_number<int>(f[3], rows), f[4],
-                  row_number<double>(f[5], rows), row_number<double>(f[6], rows)}];
+        measured[{f[0], f[1], csv_number<int>(f[2], rows), csv_number<int>(f[3], rows), f[4],
+                  csv_number<double>(f[5], rows), csv_number<double>(f[6], rows)}];
     std::istringstream parts(f[7]);
     for (std::string text; std::getline(parts, text, ';');) {
       const std::size_t end = std::min(text.find('='), text.size() - 1);
-      values[text.substr(0, end)] = row_number<double>(text.substr(end + 1), rows);
+      values[text.substr(0, end)] = csv_number<double>(text.substr(end + 1), rows);
     }
   }
   return measured;

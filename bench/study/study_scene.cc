@@ -96,10 +96,8 @@ Scene<2> Study::Sample::make() const {
   } else if (scene == "drum") {
     made = drum_sample(*this);
   } else {
-    FamilyOptions options;
-    options.mu = mu;
-    options.seed = to_size(seed);
-    made = make_moving_scene(scene, static_cast<int>(std::lround(std::sqrt(size))), options);
+    made = make_moving_scene(scene, static_cast<int>(std::lround(std::sqrt(size))),
+                             {.mu = mu, .seed = to_size(seed)});
     made.num_steps = made.num_steps * 7 / 5;  // at rest in the end
   }
   made.observables.reset();

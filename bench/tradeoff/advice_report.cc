@@ -159,10 +159,9 @@ Table plane_table(const Advice& a) {
 
 /// Cost against error of the trials, a line for each solver.
 Chart cost_chart(const Advice& a) {
-  Chart chart;
-  chart.title = "Cost and error of the solvers";
-  chart.x = {"worst error over its goal", Chart::Axis::Kind::kLog};
-  chart.y = {"CPU of a solve", Chart::Axis::Kind::kLogSeconds};
+  Chart chart{.title = "Cost and error of the solvers",
+              .x = {"worst error over its goal", Chart::Axis::Kind::kLog},
+              .y = {"CPU of a solve", Chart::Axis::Kind::kLogSeconds}};
   for (const Advice::SolverTrial& t : a.trials) {
     const double share = share_of(t.error.error, a.goal);
     if (t.solved < t.stretches) continue;
@@ -295,21 +294,20 @@ Json to_json(const Advice& a, const Provenance& made) {
               {"contacts_max", a.sample.contacts_max},
               {"overlap", a.sample.overlap},
               {"note", a.sample.note}};
+  const auto step_json = [](const Advice::StepTrial& t) {
+    return Json{{"step", t.step},
+                {"accuracy", t.accuracy},
+                {"seconds", t.seconds},
+                {"error", to_json(t.error)}};
+  };
   j["step_study"] = {{"window", a.steps.window},
                      {"windows", a.steps.windows},
                      {"windows_dropped", a.steps.windows_dropped},
                      {"finest_step", a.steps.finest * a.scene_step},
                      {"met", a.step.met},
-                     {"steps", Json::array()}};
-  for (const Advice::StepTrial& t : a.steps.steps) {
-    j["step_study"]["steps"].push_back({{"step", t.step},
-                                        {"accuracy", t.accuracy},
-                                        {"seconds", t.seconds},
-                                        {"error", to_json(t.error)}});
-  }
+                     {"steps", json_list(a.steps.steps, step_json)}};
   j["budget"] = to_json(a.budget);
-  j["trials"] = Json::array();
-  for (const Advice::SolverTrial& t : a.trials) j["trials"].push_back(to_json(t));
+  j["trials"] = json_list(a.trials, [](const auto& trial) { return to_json(trial); });
   j["out_of_time"] = a.out_of_time;
   j["spread"] = to_json(a.spread);
   j["advised_run"] = {{"steps_planned", a.run.steps_planned}, {"steps_run", a.run.steps},

@@ -200,9 +200,7 @@ void add_scene(const SceneTrade& s, const std::string& id, const std::string& co
     figure.command = fmt::format(fmt::runtime(command), s.scene->target);
     report.add(std::move(figure));
   }
-  Document settings;
-  settings.add(setting_table(s));
-  report.fold("All settings and outcomes", std::move(settings));
+  report.fold("All settings and outcomes", setting_table(s));
 }
 
 Json setting_json(const RunSetting& s) {
@@ -280,29 +278,23 @@ Json scene_json(const SceneTrade& s) {
           {"settings", cells_json(s)}};
 }
 
-Json rows_json(const Trade& trade) {
-  Json rows = Json::array();
-  for (const Trade::Row& r : trade.rows) {
-    Json row{{"scene", r.scene}, {"replica", r.replica}};
-    row.update(setting_json(r.setting));
-    row.update(Json{{"status", r.status},
-                    {"message", r.message},
-                    {"step", r.step},
-                    {"steps", r.steps},
-                    {"steps_planned", r.steps_planned},
-                    {"steps_converged", r.steps_converged},
-                    {"simulated_seconds", r.simulated},
-                    {"cpu_seconds", r.cpu},
-                    {"iterations_mean", r.iterations},
-                    {"worst_guarded", r.worst_guarded},
-                    {"stiffness", r.stiffness},
-                    {"penetration", r.penetration}});
-    Json values = Json::array();
-    for (const double x : r.values) values.push_back(x);
-    row["values"] = values;
-    rows.push_back(std::move(row));
-  }
-  return rows;
+Json row_json(const Trade::Row& r) {
+  Json row{{"scene", r.scene}, {"replica", r.replica}};
+  row.update(setting_json(r.setting));
+  row.update(Json{{"status", r.status},
+                  {"message", r.message},
+                  {"step", r.step},
+                  {"steps", r.steps},
+                  {"steps_planned", r.steps_planned},
+                  {"steps_converged", r.steps_converged},
+                  {"simulated_seconds", r.simulated},
+                  {"cpu_seconds", r.cpu},
+                  {"iterations_mean", r.iterations},
+                  {"worst_guarded", r.worst_guarded},
+                  {"stiffness", r.stiffness},
+                  {"penetration", r.penetration},
+                  {"values", r.values}});
+  return row;
 }
 
 }  // namespace
@@ -311,48 +303,32 @@ Json to_json(const FinishedTrade& finished) {
   Json json = to_json(finished.made);
   json["time_limit"] = finished.time_limit;
   json["complete"] = finished.trade.complete;
-  json["scenes"] = Json::array();
-  for (const SceneTrade& s : finished.scenes) json["scenes"].push_back(scene_json(s));
-  json["rows"] = rows_json(finished.trade);
+  json["scenes"] = json_list(finished.scenes, scene_json);
+  json["rows"] = json_list(finished.trade.rows, row_json);
   return json;
 }
 
 Table outcome_table(const Trade& trade) {
-  Table table{.columns = {{"scene"},         {"model"},           {"solver"},
-                          {"tol"},           {"step_factor"},     {"accuracy"},
-                          {"overlap"},       {"stiffness [N/m]"}, {"replica"},
-                          {"status"},        {"step [s]"},        {"steps"},
-                          {"steps_planned"}, {"steps_converged"}, {"simulated [s]"},
-                          {"cpu [s]"},       {"iterations_mean"}, {"worst_guarded"},
-                          {"penetration"},   {"outcome"},         {"unit"},
-                          {"value"},         {"message"}}};
+  Table table{.columns = Table::keyed({"scene",         "model",           "solver",
+                                       "tol",           "step_factor",     "accuracy",
+                                       "overlap",       "stiffness [N/m]", "replica",
+                                       "status",        "step [s]",        "steps",
+                                       "steps_planned", "steps_converged", "simulated [s]",
+                                       "cpu [s]",       "iterations_mean", "worst_guarded",
+                                       "penetration",   "outcome",         "unit",
+                                       "value",         "message"})};
   for (const Trade::Row& r : trade.rows) {
     const auto scene = std::ranges::find_if(
         trade.scenes, [&](const Trade::Scene& s) { return s.name == r.scene; });
+    const RunSetting& s = r.setting;
     for (std::size_t q = 0; q < r.values.size(); ++q) {
-      table.add({r.scene,
-                 model_name(r.setting),
-                 r.setting.solver,
-                 r.setting.tol,
-                 r.setting.step_factor,
-                 r.setting.accuracy,
-                 r.setting.overlap,
-                 r.stiffness,
-                 r.replica,
-                 r.status,
-                 r.step,
-                 r.steps,
-                 r.steps_planned,
-                 r.steps_converged,
-                 r.simulated,
-                 r.cpu,
-                 r.iterations,
-                 r.worst_guarded,
-                 r.penetration,
-                 scene->quantities[q].name,
-                 scene->quantities[q].unit,
-                 r.values[q],
-                 r.message});
+      const TradeQuantity& quantity = scene->quantities[q];
+      table.add({r.scene,         model_name(s),     s.solver,      s.tol,
+                 s.step_factor,   s.accuracy,        s.overlap,     r.stiffness,
+                 r.replica,       r.status,          r.step,        r.steps,
+                 r.steps_planned, r.steps_converged, r.simulated,   r.cpu,
+                 r.iterations,    r.worst_guarded,   r.penetration, quantity.name,
+                 quantity.unit,   r.values[q],       r.message});
     }
   }
   return table;

@@ -11,12 +11,6 @@ namespace {
 
 constexpr std::size_t kColumns = 11;
 
-double number(const std::string& text, const std::filesystem::path& path) {
-  const auto value = whole_number<double>(text);
-  if (!value) throw FileError(path, "", fmt::format("'{}' is not a number", text));
-  return *value;
-}
-
 }  // namespace
 
 std::string instance_of(const MeasuredRow& row) {
@@ -39,8 +33,8 @@ std::vector<MeasuredRow> read_measured_rows(const std::filesystem::path& path) {
   std::vector<MeasuredRow> rows;
   if (!std::filesystem::exists(path)) return rows;
   for (const auto& fields : read_csv_table(path, measured_csv_header(), kColumns)) {
-    const auto value = [&](std::size_t k) { return number(fields[k], path); };
-    MeasuredRow row;
+    const auto value = [&](std::size_t k) { return csv_number<double>(fields[k], path); };
+    MeasuredRow& row = rows.emplace_back();
     row.problem = fields[0];
     row.scene = fields[1];
     row.traits.contacts = static_cast<int>(value(2));
@@ -52,7 +46,6 @@ std::vector<MeasuredRow> read_measured_rows(const std::filesystem::path& path) {
     row.seconds = value(8);
     row.solved = value(9) != 0;
     row.limit = value(10);
-    rows.push_back(std::move(row));
   }
   return rows;
 }
