@@ -27,11 +27,7 @@ const std::string kThreeCoefficients =
 const std::string kMomenta = "momentum and angular momentum, derived in collision_experiments.cc";
 
 template <int D>
-constexpr double kInertia = D == 2 ? 0.5 : 0.4;  // c
-template <int D>
 constexpr double kTangentialShare = 1 + 1 / kInertia<D>;  // k
-template <int D>
-constexpr const char* kRound = D == 2 ? "disk" : "sphere";
 
 ValidationRow collision_row(
     std::string name, std::string quantity, std::string source, std::string formula, double value,
@@ -82,7 +78,7 @@ template <int D>
 Experiment oblique() {
   constexpr double kSlips = 2, kSticks = 0.5, k = kTangentialShare<D>;
   constexpr double kLoss = kObliqueMu * (1 + kObliqueNormal);
-  const std::string body = kRound<D>, factor = D == 2 ? "3" : "7/2";
+  const std::string body = kBodyName<D>, factor = D == 2 ? "3" : "7/2";
   Experiment e;
   e.rows = {
       collision_row(body + "_oblique_slips",

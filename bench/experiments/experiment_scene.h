@@ -6,6 +6,10 @@
 
 namespace bipot {
 
+/// c of the inertia c m a² of a disk or a sphere.
+template <int D>
+constexpr double kInertia = D == 2 ? 0.5 : 0.4;
+
 /// A scene of one material without bodies and walls, with the trial's solver.
 template <int D>
 Scene<D> experiment_scene(const ContactLaw& law, double step, const Experiment::Trial& trial);

@@ -207,7 +207,7 @@ Surface measure_surface(const State<2>& state, double left, double right, int bi
   std::vector<double> x, top;
   for (int k = 0; k < bins; ++k) {
     const double first = left + k * width, last = first + width;
-    double highest = -std::numeric_limits<double>::infinity();
+    double highest = -kInfinity;
     for (const Disk& d : state.bodies) {
       const double aside = std::max({first - d.x[0], d.x[0] - last, 0.0});  // of the bin
       if (aside >= d.radius) continue;

@@ -118,11 +118,8 @@ class Fig10 {
   /// Behind the paragraph `after`.
   void picture(const std::string& name, const Scene<2>& scene, const State<2>& state,
                std::size_t after, const std::string& caption) {
-    const std::string file = name + ".svg";
-    ForcePictureOptions options;
-    options.take_off = false;
-    options.width = 560;  // letters of a readable size in half a page
-    draw_force_picture(context_.out / file, scene, state, "", options);
+    draw_force_picture(context_.out / (name + ".svg"), scene, state, "",
+                       {.width = 560, .take_off = false});  // letters of a readable size
     result_.show(name, caption, static_cast<int>(after));
   }
 

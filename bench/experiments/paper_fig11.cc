@@ -218,11 +218,9 @@ class Fig11 {
 
  private:
   void picture(const Settling& main) {
-    ForcePictureOptions options;
-    options.take_off = false;
-    options.width = 600;  // the page shows it about as large
     draw_force_picture(context_.out / "fig11_forces.svg", main.scene, main.state,
-                       fmt::format("342 disks at rest, t = {:.3f} s", main.state.time), options);
+                       fmt::format("342 disks at rest, t = {:.3f} s", main.state.time),
+                       {.width = 600, .take_off = false});  // about as large as on the page
     result_.show("fig11_forces",
                  "Force chains at rest: segments between centres as wide as the normal force.", 0);
   }
@@ -474,12 +472,11 @@ class Fig11 {
   }
 
   void level_chart(const GoingOn& going_on) {
-    Chart level;
-    level.title = "Kinetic energy at rest against time step, e_t = 1";
-    level.x = {"time step h (s)", Chart::Axis::Kind::kLog, {}, {}};
-    level.y = {"kinetic energy / energy released", Chart::Axis::Kind::kLog, {}, {}};
-    level.series = {going_on.levels, going_on.bounds};
-    level.y_lines = {{kRestEnergy, "1e-9"}};
+    const Chart level{.title = "Kinetic energy at rest against time step, e_t = 1",
+                      .x = {"time step h (s)", Chart::Axis::Kind::kLog},
+                      .y = {"kinetic energy / energy released", Chart::Axis::Kind::kLog},
+                      .series = {going_on.levels, going_on.bounds},
+                      .y_lines = {{kRestEnergy, "1e-9"}}};
     result_.draw(
         "fig11_level",
         "The packing with e_t = 1, at rest, taken further with smaller and smaller steps; bound: "

@@ -14,12 +14,6 @@
 namespace bipot {
 namespace {
 
-/// A row of the table of variations.
-struct Variation {
-  std::string name;
-  Compression result;
-};
-
 Compression compressed(const CompressionOptions& options, double step_factor, double tol, int cap,
                        const PaperItem::Context& context) {
   Scene<2> scene = compression_scene(options);
@@ -50,10 +44,10 @@ double mean_overlap(const Compression& c) {
   return sum / std::max(loaded, 1) / 0.8e-3;
 }
 
-std::vector<std::string> row(const Variation& v) {
-  const Compression& c = v.result;
+/// A row of the table of variations.
+std::vector<std::string> row(const std::string& name, const Compression& c) {
   const Compression::Phase& j = c.jammed;
-  return {v.name,
+  return {name,
           fmt::format("{:.4f}", c.solid_fraction),
           fmt::format("{:.2f}", c.coordination),
           fmt::format("{:.4f}", j.wall_pressure / j.applied_pressure),
@@ -147,13 +141,11 @@ class Fig12 {
         largest = std::max(largest, o.s_n / main.scene.step);
       }
     }
-    ForcePictureOptions options;
-    options.take_off = false;
-    options.full_force = largest;
-    options.width = 600;  // the page shows it about as large
+    // About as large as the page shows it.
+    const ForcePictureOptions options{.width = 600, .full_force = largest, .take_off = false};
     const auto draw = [&](const char* name, const State<2>& state, const std::string& caption) {
-      const std::string file = std::string(name) + ".svg";
-      draw_force_picture(context_.out / file, main.scene, state, "", options);
+      draw_force_picture(context_.out / fmt::format("{}.svg", name), main.scene, state, "",
+                         options);
       result_.show(name, caption, 1);
     };
     draw("fig12_before", main.previous, "Force chains after 299 steps.");
@@ -309,8 +301,7 @@ class Fig12 {
                 .x = {"time (s)", Chart::Axis::Kind::kLinear, 0.0, {}},
                 .y = {"pressure (Pa)", Chart::Axis::Kind::kLinear, 0.0, {}}};
     const auto series = [&](const char* name, int style, const std::vector<double>& values) {
-      Chart::Series s{name, style, {}};
-      s.kind = Chart::Series::Kind::kLine;
+      Chart::Series s{name, style, {}, Chart::Series::Kind::kLine};
       for (std::size_t k = 0; k < values.size(); ++k) {
         s.points.push_back({main.time[k], values[k], false, "", false});
       }
@@ -359,7 +350,7 @@ class Fig12 {
     for (const WantedVariation& w : wanted_variations(count)) {
       context_.report(fmt::format("{} disks: {}", count, w.name));
       const Compression c = compressed(w.options, w.step_factor, w.tol, kCap, context_);
-      table.rows.push_back(row({w.name, c}));
+      table.rows.push_back(row(w.name, c));
       if (w.options.e_t == 0) found.inelastic = at_lag(c.jammed, 1);
       if (w.options.smooth_walls) {
         found.ratio_smooth = 0.5 * c.jammed.stress.trace() / c.jammed.wall_pressure;
@@ -387,27 +378,18 @@ class Fig12 {
 
   /// With its first row, the run of the figure.
   static Findings::Table variations_table(const Compression& main, int count) {
-    Findings::Table table;
-    table.name = "fig12_variations";
-    table.caption = fmt::format(
-        "First row: as above, {} disks. The others: {} disks, box and forces half as large for a "
-        "quarter of the disks (the same pressure), masses of the walls in the ratio of the disks' "
-        "number, {} iterations at most. Means of the last 100 steps.",
-        main.state.bodies.size(), count, kCap);
-    table.columns = {"",
-                     "solid fraction",
-                     "coordination",
-                     "wall / applied force",
-                     "pressure / wall pressure",
-                     "stress anisotropy of the mean",
-                     "correlation, 1 step",
-                     "2 steps",
-                     "largest overlap / smallest radius",
-                     "steps that met the tolerance",
-                     "ε, geometric mean",
-                     "iterations, all steps"};
-    table.rows.push_back(row({fmt::format("{} disks", main.state.bodies.size()), main}));
-    return table;
+    return {
+        .name = "fig12_variations",
+        .caption = fmt::format(
+            "First row: as above, {} disks. The others: {} disks, box and forces half as large "
+            "for a quarter of the disks (the same pressure), masses of the walls in the ratio "
+            "of the disks' number, {} iterations at most. Means of the last 100 steps.",
+            main.state.bodies.size(), count, kCap),
+        .columns = {"", "solid fraction", "coordination", "wall / applied force",
+                    "pressure / wall pressure", "stress anisotropy of the mean",
+                    "correlation, 1 step", "2 steps", "largest overlap / smallest radius",
+                    "steps that met the tolerance", "ε, geometric mean", "iterations, all steps"},
+        .rows = {row(fmt::format("{} disks", main.state.bodies.size()), main)}};
   }
 
   void variation_numbers(const VariationExtremes& found, const Compression& main, int count) {

@@ -63,9 +63,7 @@ class Fig14 {
   }
 
   Findings run() {
-    for (const Case& c : cases_) {
-      measure(c);
-    }
+    for (const Case& c : cases_) measure(c);
     fits_ = fit_growth(rows_, kFitFrom);
     result_.paper =
         "Iterations against the number of particles, square lattices, log–log: a straight line of "
@@ -95,13 +93,7 @@ class Fig14 {
  private:
   void add_case(const std::string& family, double tilt, const char* what,
                 const std::vector<double>& sizes, double largest_ipm) {
-    Case c;
-    c.scene.family = family;
-    c.scene.tilt_degrees = tilt;
-    c.what = what;
-    c.sizes = sizes;
-    c.largest_ipm = largest_ipm;
-    cases_.push_back(std::move(c));
+    cases_.push_back({{.family = family, .tilt_degrees = tilt}, what, sizes, largest_ipm});
   }
 
   void measure(const Case& c) {
@@ -131,7 +123,7 @@ class Fig14 {
             .max_iterations = static_cast<int>(std::min(cap, method.work < 1e300 ? 1e9 : 500.0)),
             .cancelled = context_.interrupted};
         const auto rows = growth_rows(c.scene, problem, method.method, tols, limits);
-        std::ranges::fill(before[m], std::numeric_limits<double>::infinity());
+        std::ranges::fill(before[m], kInfinity);
         for (const GrowthRow& row : rows) {
           rows_.push_back(row);
           const auto t = std::ranges::find(kTols, row.tol) - kTols.begin();
@@ -280,13 +272,13 @@ class Fig14 {
 
   void tables() {
     for (const Case& c : cases_) {
-      Findings::Table table;
-      table.name = "exponents_" + c.scene.family;
-      table.caption = fmt::format(
-          "{}: exponent of the iterations in the number of disks, ± half of its 95 % confidence "
-          "interval; last, that of the wall time to 1e-4. In parentheses the number of sizes.",
-          c.what);
-      table.columns = {"method"};
+      Findings::Table table{
+          .name = "exponents_" + c.scene.family,
+          .caption = fmt::format(
+              "{}: exponent of the iterations in the number of disks, ± half of its 95 % confidence "
+              "interval; last, that of the wall time to 1e-4. In parentheses the number of sizes.",
+              c.what),
+          .columns = {"method"}};
       for (const double tol : kTols) table.columns.push_back(tol_text(tol));
       table.columns.emplace_back("time to 1e-4");
       for (const CurveMethod& m : methods_) {
@@ -301,10 +293,10 @@ class Fig14 {
       }
       result_.tables.push_back(std::move(table));
     }
-    Findings::Table rows;
-    rows.name = "rows";
-    rows.caption = "Every problem: iterations to each tolerance, and what the tightest achieved.";
-    rows.columns = {"scene", "method", "disks", "contacts"};
+    Findings::Table rows{
+        .name = "rows",
+        .caption = "Every problem: iterations to each tolerance, and what the tightest achieved.",
+        .columns = {"scene", "method", "disks", "contacts"}};
     for (const double tol : kTols) rows.columns.push_back(tol_text(tol));
     for (const char* name : {"ε", "natural map", "time"}) rows.columns.emplace_back(name);
     for (std::size_t i = 0; i < rows_.size();) {

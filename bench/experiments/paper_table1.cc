@@ -104,10 +104,10 @@ Findings run_table1(const PaperItem::Context& context) {
   result.check("iterations", iterations, "", "most iterations in an impact", "2 in the paper",
                iterations >= 1 && iterations <= 2);
 
-  Chart steps;
-  steps.title = "Relative error of the first bounce's height against the time step, e_n = 0.9";
-  steps.x = {"time step h (s)", Chart::Axis::Kind::kLog};
-  steps.y = {"relative error of the height", Chart::Axis::Kind::kLog};
+  Chart steps{
+      .title = "Relative error of the first bounce's height against the time step, e_n = 0.9",
+      .x = {"time step h (s)", Chart::Axis::Kind::kLog},
+      .y = {"relative error of the height", Chart::Axis::Kind::kLog}};
   Chart::Series here{"here", 0, {}}, first_order{"|v| h / h0", 1, {}};
   for (const double step : {2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 2e-6}) {
     if (context.quick && step < 1e-5) continue;

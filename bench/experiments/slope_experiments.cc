@@ -23,15 +23,6 @@ constexpr double kHuge = 1e9;  // inertia of a block over m a²: it does not tur
 const std::string kExact = "exact cases: one body";
 const std::string kMechanics = "rigid-body mechanics, derived in slope_experiments.cc";
 
-template <int D>
-double share() {
-  return D == 2 ? 0.5 : 0.4;
-}
-template <int D>
-const char* body_name() {
-  return D == 2 ? "disk" : "sphere";
-}
-
 /// A body of radius 1 m and 1 kg that touches the floor; gravity is tilted by `slope` towards +x.
 template <int D>
 Scene<D> on_floor(double slope, double mu, double step, const Experiment::Trial& trial) {
@@ -56,16 +47,16 @@ ValidationRow exact_row(std::string name, std::string quantity, std::string form
 
 template <int D>
 Experiment rolling() {
-  const double c = share<D>();
+  const double c = kInertia<D>;
   Experiment e;
-  e.rows = {exact_row(fmt::format("{}_rolls", body_name<D>()),
-                      fmt::format("acceleration of a {} that rolls down 20°, over g sin θ",
-                                  body_name<D>()),
-                      D == 2 ? "1/(1 + 1/2) = 2/3" : "1/(1 + 2/5) = 5/7", 1 / (1 + c)),
-            exact_row(fmt::format("{}_slips", body_name<D>()),
-                      fmt::format("the same with μ = 0.05, sliding, over g (sin θ − μ cos θ)",
-                                  body_name<D>()),
-                      "1", 1)};
+  e.rows = {
+      exact_row(fmt::format("{}_rolls", kBodyName<D>),
+                fmt::format("acceleration of a {} that rolls down 20°, over g sin θ", kBodyName<D>),
+                D == 2 ? "1/(1 + 1/2) = 2/3" : "1/(1 + 2/5) = 5/7", 1 / (1 + c)),
+      exact_row(
+          fmt::format("{}_slips", kBodyName<D>),
+          fmt::format("the same with μ = 0.05, sliding, over g (sin θ − μ cos θ)", kBodyName<D>),
+          "1", 1)};
   e.run = [](Experiment::Trial& trial) {
     for (const double mu : {0.5, 0.05}) {
       Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
@@ -83,10 +74,10 @@ Experiment rolling() {
 /// 1e-3) mu_c.
 template <int D>
 Experiment threshold(bool block) {
-  const double c = share<D>();
+  const double c = kInertia<D>;
   const double critical = std::tan(kSlope) * (block ? 1 : c / (1 + c));
   Experiment e;
-  const std::string name = block ? "block" : body_name<D>();
+  const std::string name = block ? "block" : kBodyName<D>;
   ValidationRow row = exact_row(
       name + "_threshold",
       block ? "least μ at which a block (a disk that cannot turn) stays on a slope of 20°"
@@ -111,11 +102,11 @@ Experiment threshold(bool block) {
 
 template <int D>
 Experiment thrown() {
-  const double c = share<D>();
+  const double c = kInertia<D>;
   Experiment e;
   e.rows = {exact_row(
-      fmt::format("{}_thrown", body_name<D>()),
-      fmt::format("speed at which a {} thrown without spin ends rolling, over v0", body_name<D>()),
+      fmt::format("{}_thrown", kBodyName<D>),
+      fmt::format("speed at which a {} thrown without spin ends rolling, over v0", kBodyName<D>),
       D == 2 ? "2/3" : "5/7", 1 / (1 + c))};
   e.run = [](Experiment::Trial& trial) {
     Scene<D> scene = on_floor<D>(0, 0.3, 0.01, trial);
@@ -133,8 +124,8 @@ Experiment thrown() {
 template <int D>
 Experiment back_spin() {
   constexpr double kBackMu = 0.3, kBackSpin = 4, kStep = 2e-3;
-  const double c = share<D>();
-  const std::string name = body_name<D>();
+  const double c = kInertia<D>;
+  const std::string name = kBodyName<D>;
   Experiment e;
   e.rows = {exact_row(name + "_back_spin",
                       fmt::format("speed of a {} thrown at v0 with the back spin a ω = 4 v0, once "

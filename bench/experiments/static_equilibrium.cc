@@ -68,7 +68,7 @@ StaticEquilibrium static_equilibrium(const ContactProblem& problem) {
 double critical_friction(const std::function<ContactProblem(double)>& with_friction, double low,
                          double high, double accuracy) {
   const auto stands = [&](double mu) { return static_equilibrium(with_friction(mu)).exists; };
-  if (!stands(high)) return std::numeric_limits<double>::quiet_NaN();
+  if (!stands(high)) return kNaN;
   if (stands(low)) return low;
   while (high - low > accuracy * high) {
     const double middle = 0.5 * (low + high);

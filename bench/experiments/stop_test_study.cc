@@ -97,11 +97,7 @@ Prediction predict(const std::vector<StopTestRow>& rows,
     p.largest = std::fmax(p.largest, ratio);
   }
   fit();
-  if (!slopes.empty()) {
-    std::ranges::sort(slopes);
-    const std::size_t half = slopes.size() / 2;
-    p.slope = slopes.size() % 2 == 1 ? slopes[half] : 0.5 * (slopes[half - 1] + slopes[half]);
-  }
+  p.slope = median(slopes);
   if (counted > 0) p.factor = std::exp(sum / counted);
   if (counted > 1) {
     const double mean = sum / counted;
