@@ -21,6 +21,12 @@ void bind_advise(pybind11::module_& module);
 /// Objects of the class are made by the module alone: `Class.__new__(Class)` would have no data.
 void refuse_new(const pybind11::object& bound);
 
+/// A contact's number; None for -1.
+inline pybind11::object contact_or_none(int contact) {
+  if (contact < 0) return pybind11::none();
+  return pybind11::int_(contact);
+}
+
 /// Makes Python warnings of texts, each once. They name the line that called a function of the
 /// package with @named_options. Call with Python's lock held; throws where a warning is an error.
 std::function<void(const std::string&)> python_warnings();

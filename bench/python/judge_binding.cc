@@ -23,19 +23,11 @@ HeldVerdict judge_impulse(const PythonProblem& problem, const py::object& s, int
   return verdict;
 }
 
-py::object contact_or_none(int contact) {
-  if (contact < 0) return py::none();
-  return py::int_(contact);
-}
-
 py::list faults_of(const JudgedContact& contact) {
   py::list faults;
   for (const ContactFault& fault : contact.faults) {
-    py::dict row;
-    row["kind"] = to_string(fault.kind);
-    row["size"] = fault.size;
-    row["energy"] = fault.energy;
-    faults.append(row);
+    faults.append(py::dict(py::arg("kind") = to_string(fault.kind), py::arg("size") = fault.size,
+                           py::arg("energy") = fault.energy));
   }
   return faults;
 }
@@ -108,9 +100,7 @@ void bind_judge(py::module_& module) {
           "worst",
           [](const ImpulseVerdict& v) {
             py::list worst;
-            for (const JudgedContact& c : v.worst) {
-              worst.append(std::make_shared<JudgedContact>(c));
-            }
+            for (const JudgedContact& c : v.worst) worst.append(std::make_shared<JudgedContact>(c));
             return worst;
           },
           "From the worst down, copies; none without a fault.")

@@ -80,13 +80,9 @@ py::object option(const py::kwargs& options, const char* name, const char* other
 /// Throws TypeError for a value without a keyword, or with one that is not valid.
 void require_keywords(const py::args& arguments, const py::kwargs& options, const char* form,
                       std::initializer_list<std::string_view> valid) {
-  if (arguments.size() > 0) {
-    throw py::type_error(fmt::format("expected keywords: {}", form));
-  }
+  if (arguments.size() > 0) throw py::type_error(fmt::format("expected keywords: {}", form));
   for (const auto& [key, value] : options) {
-    if (std::ranges::find(valid, key.cast<std::string_view>()) != valid.end()) {
-      continue;
-    }
+    if (std::ranges::find(valid, key.cast<std::string_view>()) != valid.end()) continue;
     py::list names;
     for (const std::string_view one : valid) names.append(py::str(one.data(), one.size()));
     py::module_::import("bipot._names").attr("refuse_unknown")(py::make_tuple(key), names);
@@ -302,10 +298,8 @@ HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   const py::object accept = option(options, "accept_indefinite");
   // A W that was made here from A and H is one.
   if (!W.is_none()) made->caution = delassus_defect(p);
-  if (accept.is_none() || !py::bool_(accept)) {
-    if (!made->caution.empty()) {
-      throw std::invalid_argument(made->caution + "; accept_indefinite=True takes it as it is");
-    }
+  if (!made->caution.empty() && (accept.is_none() || !py::bool_(accept))) {
+    throw std::invalid_argument(made->caution + "; accept_indefinite=True takes it as it is");
   }
   const py::object name = option(options, "name");
   if (!name.is_none()) made->name = py::str(name).cast<std::string>();
@@ -327,9 +321,7 @@ HeldProblem update(const PythonProblem& self, const py::args& arguments,
   made->restitution = self.restitution;
   ContactProblem p = without_equality_rows(*self.problem);
   if (!v_free.is_none()) {
-    if (!p.has_velocities()) {
-      throw std::invalid_argument("v_free is given without A and H");
-    }
+    if (!p.has_velocities()) throw std::invalid_argument("v_free is given without A and H");
     p.v_free = to_vector(v_free, "v_free");
   }
   const bool shocks = made->restitution.size() > 0;
@@ -427,10 +419,7 @@ void write(const PythonProblem& given, const std::filesystem::path& path, const 
   for (const py::object& guess : guesses) starts.push_back(to_vector(guess, "guesses"));
   const Vector impulse = s.is_none() ? Vector() : to_vector(s, "s");
   const ContactProblem& p = *given.problem;
-  if (!s.is_none() && impulse.size() != p.num_rows()) {
-    throw std::invalid_argument(
-        fmt::format("s has size {}, expected {}", impulse.size(), p.num_rows()));
-  }
+  if (!s.is_none()) require_size("s", impulse.size(), p.num_rows());
   const py::gil_scoped_release release;
   write_fclib(path, p, {.title = title, .description = description, .math_info = {}}, starts);
   if (impulse.size() == 0) return;
@@ -454,9 +443,7 @@ py::object delassus(const HeldProblem& self) {
 
 Vector checked_impulse(const ContactProblem& p, const py::object& s) {
   Vector x = to_vector(s, "s");
-  if (x.size() != p.num_rows()) {
-    throw std::invalid_argument(fmt::format("s has size {}, expected {}", x.size(), p.num_rows()));
-  }
+  require_size("s", x.size(), p.num_rows());
   return x;
 }
 
@@ -575,9 +562,7 @@ void bind_problem_data(ProblemClass& problem) {
           "guesses",
           [](const HeldProblem& self) {
             py::list list;
-            for (const Vector& x : self->guesses) {
-              list.append(view_of(x, py::cast(self)));
-            }
+            for (const Vector& x : self->guesses) list.append(view_of(x, py::cast(self)));
             return list;
           },
           "Impulses to start from, of the file or scene, each (m,) [N s].");

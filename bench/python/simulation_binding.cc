@@ -166,9 +166,7 @@ class PythonSimulation {
     if (choice.friction) {
       for (ContactLaw& law : scene_.laws) law.mu = *choice.friction;
     }
-    if (std::string defect = validate(scene_); !defect.empty()) {
-      throw std::invalid_argument(defect);
-    }
+    if (std::string defect = validate(scene_); !defect.empty()) throw std::invalid_argument(defect);
     SolverChoice& own = scene_.solver;
     const bool callable = !choice.solver.is_none() && !py::isinstance<py::str>(choice.solver);
     if (callable) {
@@ -282,17 +280,12 @@ guess is the impulse that the solver started from.)")
           "energy",
           [](const PythonStep& s) {
             const EnergyLedger& e = s.report.energy;
-            py::dict out;
-            out["kinetic"] = e.kinetic;
-            out["potential"] = e.potential;
-            out["wall_work"] = e.wall_work;
-            out["friction_loss"] = e.friction_loss;
-            out["shock_loss"] = e.shock_loss;
-            out["imbalance"] = e.imbalance;
-            out["elastic"] = e.elastic;
-            out["cohesion_loss"] = e.cohesion_loss;
-            out["passed"] = e.passed;
-            return out;
+            return py::dict(
+                py::arg("kinetic") = e.kinetic, py::arg("potential") = e.potential,
+                py::arg("wall_work") = e.wall_work, py::arg("friction_loss") = e.friction_loss,
+                py::arg("shock_loss") = e.shock_loss, py::arg("imbalance") = e.imbalance,
+                py::arg("elastic") = e.elastic, py::arg("cohesion_loss") = e.cohesion_loss,
+                py::arg("passed") = e.passed);
           },
           "kinetic, potential, wall_work, friction_loss, shock_loss, imbalance, elastic, cohesion_loss, passed [J].")
       .def("__repr__", [](const PythonStep& s) {

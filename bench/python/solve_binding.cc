@@ -318,9 +318,7 @@ Vector impulse_of(const PythonResult& r) {
 }
 
 py::object worst_contact(const ContactError& error) {
-  const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
-  if (worst < 0) return py::none();
-  return py::int_(worst);
+  return contact_or_none(error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon);
 }
 
 std::string representation(const PythonResult& r) {
@@ -447,24 +445,11 @@ raw42, natural_map, step, take_off, stick, slip. A read-only view.)")
       .def("__repr__", &representation);
 }
 
-std::string kind_of(ParameterSpec::Kind kind) {
-  switch (kind) {
-    case ParameterSpec::Kind::kNumber:
-      return "number";
-    case ParameterSpec::Kind::kInteger:
-      return "integer";
-    case ParameterSpec::Kind::kChoice:
-      return "choice";
-    case ParameterSpec::Kind::kText:
-      return "text";
-  }
-  return "";
-}
-
 py::dict to_dict(const ParameterSpec& spec) {
   py::dict row;
   row["name"] = spec.name;
-  row["kind"] = kind_of(spec.kind);
+  constexpr const char* kKinds[] = {"number", "integer", "choice", "text"};
+  row["kind"] = kKinds[static_cast<int>(spec.kind)];
   row["default"] = spec.default_value;
   const bool numeric =
       spec.kind == ParameterSpec::Kind::kNumber || spec.kind == ParameterSpec::Kind::kInteger;
@@ -480,15 +465,12 @@ py::dict to_dict(const ParameterSpec& spec) {
 py::list list_solvers() {
   py::list rows;
   for (const SolverEntry& entry : solver_table()) {
-    py::dict row;
-    row["name"] = entry.name;
-    row["summary"] = entry.summary;
-    row["max_dim"] = entry.max_dim;
-    row["max_contacts"] = entry.max_contacts;
     py::list parameters;
     for (const ParameterSpec& spec : all_parameters(entry)) parameters.append(to_dict(spec));
-    row["parameters"] = parameters;
-    rows.append(row);
+    rows.append(py::dict(py::arg("name") = entry.name, py::arg("summary") = entry.summary,
+                         py::arg("max_dim") = entry.max_dim,
+                         py::arg("max_contacts") = entry.max_contacts,
+                         py::arg("parameters") = parameters));
   }
   return rows;
 }

@@ -20,16 +20,8 @@ namespace py = pybind11;
 
 template <int D>
 std::string motion_name(typename Wall<D>::Motion motion) {
-  using Motion = typename Wall<D>::Motion;
-  switch (motion) {
-    case Motion::kFixed:
-      return "fixed";
-    case Motion::kMoving:
-      return "moving";
-    case Motion::kDriven:
-      return "driven";
-  }
-  return "";
+  constexpr const char* kNames[] = {"fixed", "moving", "driven"};
+  return kNames[static_cast<int>(motion)];
 }
 
 namespace {
@@ -87,22 +79,11 @@ py::array contacts_of(const State<D>& state) {
 
 template <int D>
 std::string shape_name(typename Wall<D>::Shape shape) {
-  using Shape = typename Wall<D>::Shape;
-  switch (shape) {
-    case Shape::kHalfPlane:
-      return D == 2 ? "half-plane" : "half-space";
-    case Shape::kSegment:
-      return "segment";
-    case Shape::kHollowCircle:
-      return D == 2 ? "hollow circle" : "hollow cylinder";
-    case Shape::kSolidCircle:
-      return D == 2 ? "solid circle" : "solid cylinder";
-    case Shape::kMesh:
-      return "triangles";
-    case Shape::kCone:
-      return "cone";
-  }
-  return "";
+  constexpr const char* kPlane[] = {"half-plane",   "segment",   "hollow circle",
+                                    "solid circle", "triangles", "cone"};
+  constexpr const char* kSpace[] = {"half-space",     "segment",   "hollow cylinder",
+                                    "solid cylinder", "triangles", "cone"};
+  return (D == 2 ? kPlane : kSpace)[static_cast<int>(shape)];
 }
 
 }  // namespace
