@@ -70,45 +70,37 @@ struct Packing : PackedProblem<2> {
         state(initial_state(scene)) {}
 };
 
-/// A family at a side, tilted by 10°; shared while in use.
-inline std::shared_ptr<const Packing> tilted_packing(const std::string& family, int side) {
-  static std::map<std::pair<std::string, int>, std::weak_ptr<const Packing>> cache;
+/// What `make` makes for a family at a side; shared while in use.
+template <class Packed, class Make>
+std::shared_ptr<const Packed> shared_packing(const std::string& family, int side,
+                                             const Make& make) {
+  static std::map<std::pair<std::string, int>, std::weak_ptr<const Packed>> cache;
   auto& slot = cache[{family, side}];
-  std::shared_ptr<const Packing> made = slot.lock();
-  if (!made) {
-    FamilyOptions options{.tilt_degrees = 10};
-    made = std::make_shared<const Packing>(make_family_scene(family, side, options));
-    slot = made;
-  }
+  std::shared_ptr<const Packed> made = slot.lock();
+  if (!made) slot = made = std::make_shared<const Packed>(make());
   return made;
+}
+
+/// A family, tilted by 10°.
+inline std::shared_ptr<const Packing> tilted_packing(const std::string& family, int side) {
+  return shared_packing<Packing>(
+      family, side, [&] { return make_family_scene(family, side, {.tilt_degrees = 10}); });
 }
 
 /// The same with rolling friction of a twentieth of a radius.
 inline std::shared_ptr<const PackedProblem<kRollingDisks>> tilted_rolling_packing(
     const std::string& family, int side) {
-  static std::map<std::pair<std::string, int>, std::weak_ptr<const PackedProblem<kRollingDisks>>>
-      cache;
-  auto& slot = cache[{family, side}];
-  std::shared_ptr<const PackedProblem<kRollingDisks>> made = slot.lock();
-  if (!made) {
+  return shared_packing<PackedProblem<kRollingDisks>>(family, side, [&] {
     Scene<2> scene = make_family_scene(family, side, {.tilt_degrees = 10});
     for (ContactLaw& law : scene.laws) law.mu_r = 0.025;
-    made = std::make_shared<const PackedProblem<kRollingDisks>>(
-        step_problem(scene, initial_state(scene), false));
-    slot = made;
-  }
-  return made;
+    return step_problem(scene, initial_state(scene), false);
+  });
 }
 
-/// A family of sphere_problems.h, tilted by 10°; shared while in use.
+/// A family of sphere_problems.h, tilted by 10°.
 inline std::shared_ptr<const PackedProblem<3>> tilted_spheres(const std::string& family, int side) {
-  static std::map<std::pair<std::string, int>, std::weak_ptr<const PackedProblem<3>>> cache;
-  auto& slot = cache[{family, side}];
-  std::shared_ptr<const PackedProblem<3>> made = slot.lock();
-  if (!made) {
-    slot = made = std::make_shared<const PackedProblem<3>>(sphere_family(family, side, 0.3, 10));
-  }
-  return made;
+  return shared_packing<PackedProblem<3>>(family, side,
+                                          [&] { return sphere_family(family, side, 0.3, 10); });
 }
 
 /// Iterations of a kernel over all contacts, for measurements. Refers to its packing.

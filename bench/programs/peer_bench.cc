@@ -128,9 +128,7 @@ class Bench {
     for (const double tol : flags_.tols) {
       const std::size_t first = rows.size();
       for (const Variant& v : kVariants) {
-        if (std::ranges::find(flags_.variants, v.name) == flags_.variants.end()) {
-          continue;
-        }
+        if (std::ranges::find(flags_.variants, v.name) == flags_.variants.end()) continue;
         if (v.algorithm == SiconosCall::Algorithm::kPlanar && p.dim > 2) continue;
         rows.push_back(siconos_row(with, source.name, v, tol));
         print(rows.back());
