@@ -136,12 +136,12 @@ int run_advise(const AdviseFlags& flags) {
   const std::function<void(const std::string&)> warn =
       flags.quiet ? nullptr : std::function(&warn_once);
   std::visit([&](auto& any) { check_start(any, warn); }, scene);
-  Advice::Options options{.goal = flags.goal};
+  Advice::Options options{.goal = flags.goal,
+                          .time_limit = flags.time_limit,
+                          .samples = flags.samples,
+                          .window = flags.window.value_or(0),
+                          .keep_step = flags.keep_step};
   for (const std::string& name : flags.solvers) options.solvers.push_back({name, name, {}});
-  options.time_limit = flags.time_limit;
-  options.window = flags.window.value_or(0);
-  options.samples = flags.samples;
-  options.keep_step = flags.keep_step;
   // Refused before the work, not after it.
   if (flags.tune) tuned_variants(flags.solvers);
   const bool quiet = flags.silent();

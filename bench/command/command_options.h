@@ -4,7 +4,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <limits>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -55,15 +54,12 @@ void add_output_flags(CommandDeclaration& command, OutputFlags& flags,
 
 /// Flags common to `run` and `solve`.
 struct CommonFlags : OutputFlags {
-  double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds
-  int threads = 1;                                              ///< they change no bit
+  double time_limit = kInfinity;  ///< wall seconds
+  int threads = 1;                ///< they change no bit
 };
 void add_common_flags(CommandDeclaration& command, CommonFlags& flags,
                       const std::string& folder_help = "Folder for the results");
-/// --threads.
 void add_threads_flag(CommandDeclaration& command, int& threads);
-
-/// --reproducible.
 void add_reproducible_flag(CommandDeclaration& command, bool& reproducible);
 
 /// Choices of the command line for the solver; unset entries leave the scene's or the default

@@ -1,16 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/problems/scene_catalogue.h"
-#include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
+#include "core/files/input_file.h"
 
 namespace bipot {
 namespace {
@@ -30,17 +28,14 @@ CommandDeclaration add_new(CommandLine& line, NewFlags& flags) {
 int run_new(const NewFlags& flags) {
   std::vector<std::string> names;
   for (const auto& path : scene_templates()) {
-    std::ifstream file(path);
-    if (!file) throw FileError(path, "", "cannot open");
-    std::ostringstream text;
-    text << file.rdbuf();
+    const std::string text = read_text_file(path);
     names.push_back(path.stem().string());
     if (names.back() == flags.name) {
-      fmt::print("{}", text.str());
+      fmt::print("{}", text);
       return kExitConverged;
     }
     if (flags.name.empty()) {  // the first line says what it is
-      const std::string line = text.str().substr(0, text.str().find('\n'));
+      const std::string line = text.substr(0, text.find('\n'));
       fmt::print("{:<10} {}\n", names.back(), line.substr(std::min<std::size_t>(2, line.size())));
     }
   }

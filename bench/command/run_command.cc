@@ -172,16 +172,15 @@ std::string changed_time(double planned, const Scene<D>& scene, const State<D>& 
 /// Output that the flags ask for.
 RunFolderOptions folder_options(const RunFlags& flags, const std::string& scene_text) {
   using Problems = RunFolderOptions::Problems;
-  RunFolderOptions folder;
-  folder.folder = flags.common.out;
-  folder.scene_text = scene_text;
-  folder.program = "bipot " + program_version();
-  folder.problems = flags.dump_problems == "all"      ? Problems::kAll
-                    : flags.dump_problems == "failed" ? Problems::kFailed
-                                                      : Problems::kNone;
-  folder.resume = !flags.restart.empty() && fs::exists(folder.folder) &&
-                  fs::equivalent(folder.folder, run_folder(flags.restart));
-  return folder;
+  const fs::path folder = flags.common.out;
+  return {.folder = folder,
+          .scene_text = scene_text,
+          .program = "bipot " + program_version(),
+          .resume = !flags.restart.empty() && fs::exists(folder) &&
+                    fs::equivalent(folder, run_folder(flags.restart)),
+          .problems = flags.dump_problems == "all"      ? Problems::kAll
+                      : flags.dump_problems == "failed" ? Problems::kFailed
+                                                        : Problems::kNone};
 }
 
 /// Makes the folder of the results and holds it. Throws std::invalid_argument if another run writes

@@ -60,7 +60,6 @@ std::vector<Vec3> contact_places(const State<D>& state) {
   return places;
 }
 
-/// The exit code for an exception.
 ExitCode exit_code_for(const std::exception& e);
 
 /// Entries of a summary for parallel solves: processes, imbalance, halo and traffic.

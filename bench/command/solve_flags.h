@@ -7,7 +7,6 @@
 
 namespace bipot {
 
-/// Flags of `bipot solve`.
 struct SolveFlags {
   CommonFlags common;
   SolverFlags solver;

@@ -71,10 +71,9 @@ int run_study(const StudyFlags& flags) {
         [&](long done, long, const std::string& what) { progress.update(done, what); });
   }
   const Study::Measured measured = Study::read(rows);
-  Document page;
-  page.title = "How exact must a contact solver be?";
-  page.made = provenance("study", typed_command());
-  page.contents = true;
+  Document page{.title = "How exact must a contact solver be?",
+                .made = provenance("study", typed_command()),
+                .contents = true};
   bool empty = true;
   for (const Study::Part& part : parts) {
     const bool any = std::ranges::any_of(

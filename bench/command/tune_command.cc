@@ -49,10 +49,10 @@ CommandDeclaration add_tune(CommandLine& line, TuneFlags& flags) {
 }
 
 int run_tune(const TuneFlags& flags) {
-  MeasureOptions options{.variants = tuned_variants(flags.solvers)};
+  MeasureOptions options{.variants = tuned_variants(flags.solvers),
+                         .time_limit = flags.time_limit,
+                         .file = flags.rows};
   if (!flags.tols.empty()) options.tols = flags.tols;
-  options.time_limit = flags.time_limit;
-  options.file = flags.rows;
   const std::filesystem::path plan =
       flags.out.empty() ? default_plan_file(flags.targets) : std::filesystem::path(flags.out);
   return tune_targets(flags.targets, {.scene_problems = flags.scene_problems}, std::move(options),

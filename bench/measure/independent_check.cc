@@ -73,7 +73,7 @@ constexpr double kRounding = 1e-60;
 
 Quad quotient(Quad numerator, Quad denominator) {
   if (numerator == 0) return 0;
-  return denominator > 0 ? numerator / denominator : std::numeric_limits<double>::infinity();
+  return denominator > 0 ? numerator / denominator : kInfinity;
 }
 
 /// W s in the problem's variables.

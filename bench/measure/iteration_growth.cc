@@ -123,9 +123,8 @@ std::vector<GrowthFit> fit_growth(std::span<const GrowthRow> rows, double least_
       ++k;
     }
     if (k == fits.size()) {
-      GrowthFit fit{
-          .family = row.family, .method = row.method, .tol = row.tol, .least_disks = least_disks};
-      fits.push_back(std::move(fit));
+      fits.push_back(
+          {.family = row.family, .method = row.method, .tol = row.tol, .least_disks = least_disks});
       members.emplace_back();
     }
     if (static_cast<double>(row.bodies) >= least_disks) members[k][row.bodies] = &row;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,7 +38,7 @@ int side_of(const std::string& family, double disks);
 /// One solver on one problem at one tolerance, from s = 0.
 struct GrowthRow {
   struct Limits {
-    double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of a solve
+    double time_limit = kInfinity;  ///< wall seconds of a solve
     int max_iterations = 1000000;
     int threads = 1;
     std::function<bool()> cancelled;  ///< may be empty

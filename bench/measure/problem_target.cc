@@ -176,7 +176,7 @@ void throw_disk(Scene<2>& scene, State<2>& state) {
   give_mass(disk, 1);
   disk.v = Vec2(0, -kSpeed);
   disk.angle = disk.spin = 0;
-  double left = std::numeric_limits<double>::infinity(), right = -left;
+  double left = kInfinity, right = -left;
   for (const Disk& d : state.bodies) {
     left = std::min(left, d.x.x());
     right = std::max(right, d.x.x());
@@ -256,9 +256,9 @@ class ProblemRun {
   void run() {
     SolverOptions options{.tol = scene_.solver.tol, .cancelled = &InterruptGuard::requested};
     State<D> state = initial_state(scene_);
-    SceneRunOptions<D> to_last;
-    to_last.steps = steps_.back();
-    to_last.solver = make_step_solver(require_solver("auto"), options);
+    SceneRunOptions<D> to_last{.steps = steps_.back(),
+                               .solver = make_step_solver(require_solver("auto"), options),
+                               .cancelled = options.cancelled};
     to_last.on_step = [this](const SceneStep<D>& step) {
       const int k = step.report.step;
       if (!std::binary_search(steps_.begin(), steps_.end(), k)) return true;
@@ -272,7 +272,6 @@ class ProblemRun {
       made.smallest_radius = smallest_radius_of(scene_);
       return true;
     };
-    to_last.cancelled = options.cancelled;
     const SceneRun<D> run = run_scene(scene_, state, to_last);
     if (InterruptGuard::requested()) throw Interrupted();
     if (run.failure) throw *run.failure;

@@ -21,9 +21,7 @@ std::map<std::string, std::string> read_units(const fs::path& folder) {
   std::ifstream file(folder / "units.csv");
   for (std::string line; std::getline(file, line);) {
     const auto cells = split_csv_line(line);
-    if (cells.size() == 3) {
-      units[fs::path(cells[0]).stem().string() + " " + cells[1]] = cells[2];
-    }
+    if (cells.size() == 3) units[fs::path(cells[0]).stem().string() + " " + cells[1]] = cells[2];
   }
   return units;
 }
@@ -52,9 +50,7 @@ std::vector<CurveTable> read_table(const fs::path& path) {
     }
     row.clear();
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      if (k != word) {
-        row.push_back(whole_number<double>(cells[k]).value_or(kNaN));
-      }
+      if (k != word) row.push_back(whole_number<double>(cells[k]).value_or(kNaN));
     }
     const bool names_part = word < cells.size() && path.stem() != "ledger";
     const std::string part = names_part ? cells[word] : std::string();
@@ -69,9 +65,7 @@ std::vector<CurveTable> read_table(const fs::path& path) {
       if (table.column("time") == nullptr) throw FileError(path, "", "has no column 'time'");
       tables.push_back(std::move(table));
     }
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      tables[found->second].columns[k].push_back(row[k]);
-    }
+    for (std::size_t k = 0; k < row.size(); ++k) tables[found->second].columns[k].push_back(row[k]);
   }
   return tables;
 }

@@ -77,12 +77,10 @@ double quantile(std::vector<double> values, double share) {
 /// The same view, force scale and colours for all frames.
 template <int D>
 ForcePictureOptions scales(const RunFrames<D>& run, const Scene<D>& scene) {
-  ForcePictureOptions options;
-  options.width = 800;
-  options.resolution = 1;
-  options.take_off = false;
-  options.fill.label = "speed";
-  options.fill.unit = "m/s";
+  ForcePictureOptions options{.width = 800,
+                              .resolution = 1,
+                              .take_off = false,
+                              .fill = {.values = {}, .label = "speed", .unit = "m/s"}};
   std::vector<double> strongest, speeds;
   Box<2> view;
   const std::size_t stride = std::max<std::size_t>(1, run.film.frames.size() / kSamples);

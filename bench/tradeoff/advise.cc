@@ -167,9 +167,7 @@ void Adviser<D>::run_to_sample(double tol, double part) {
         if (candidates++ % stride == 0) starts_.push_back(leads.front());
       }
       if (starts_.size() > to_size(Advice::kMostSamples)) {
-        for (std::size_t i = 1; 2 * i < starts_.size(); ++i) {
-          starts_[i] = std::move(starts_[2 * i]);
-        }
+        for (std::size_t i = 1; 2 * i < starts_.size(); ++i) starts_[i] = std::move(starts_[2 * i]);
         starts_.resize((starts_.size() + 1) / 2);
         stride *= 2;
       }

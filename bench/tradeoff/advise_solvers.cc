@@ -107,19 +107,15 @@ void Adviser<D>::try_solvers() {
 }
 
 template <int D>
-void Adviser<D>::choose() {
-  const std::vector<int> order = by_cost(advice_.trials, advice_.budget, advice_.spread);
-  advice_.choice = order.empty() ? nearest_trial(advice_.trials, advice_.budget) : order.front();
-  if (order.empty()) return;
-  advice_.trials[to_size(order.front())].verdict = Advice::SolverTrial::Verdict::kChosen;
-}
-
-template <int D>
 void Adviser<D>::choose_solver() {
   measure_spread();
   try_solvers();
   mark_pareto(advice_.trials, advice_.goal);
-  choose();
+  // The cheapest of those that meet the budget, else the nearest.
+  const std::vector<int> order = by_cost(advice_.trials, advice_.budget, advice_.spread);
+  advice_.choice = order.empty() ? nearest_trial(advice_.trials, advice_.budget) : order.front();
+  if (order.empty()) return;
+  advice_.trials[to_size(order.front())].verdict = Advice::SolverTrial::Verdict::kChosen;
 }
 
 template void Adviser<2>::choose_solver();

@@ -103,8 +103,6 @@ class Adviser {
                                  double cpu_limit) const;
   /// Tries each solver from loose tolerances to tight until two meet the budget.
   void try_solvers();
-  /// The cheapest of those that meet the budget, else the nearest.
-  void choose();
   /// Tries solvers with the chosen step, and chooses one.
   void choose_solver();
   /// Stretches do not see the deepest overlap of another run: only the run itself does.

@@ -183,7 +183,7 @@ double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& 
     sum += row.cpu;
     ++count;
   }
-  return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
+  return count > 0 ? sum / count : kInfinity;
 }
 
 /// Why a scene has no springs; null: it has.

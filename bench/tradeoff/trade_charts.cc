@@ -8,11 +8,10 @@ namespace bipot {
 namespace {
 
 Chart ratio_chart(const SceneTrade& s) {
-  Chart ratio;
-  ratio.title = "Solver error over the others, " + s.scene->name;
-  ratio.x = {"tolerance", Chart::Axis::Kind::kLog};
-  ratio.y = {"solver's error / other errors", Chart::Axis::Kind::kLog, 1e-4};
-  ratio.y_lines = {{1, "as large as the others"}};
+  Chart ratio{.title = "Solver error over the others, " + s.scene->name,
+              .x = {"tolerance", Chart::Axis::Kind::kLog},
+              .y = {"solver's error / other errors", Chart::Axis::Kind::kLog, 1e-4},
+              .y_lines = {{1, "as large as the others"}}};
   bool any = false;  // else there is nothing to see
   for (std::size_t q = 0; q < s.quantities.size(); ++q) {
     const SceneTrade::Errors& e = s.quantities[q];
@@ -44,9 +43,7 @@ std::vector<Family> families_of(const SceneTrade& s) {
   std::vector<std::string> solvers;
   for (const SceneTrade::Cell& cell : s.cells) {
     const std::string& name = cell.setting.solver;
-    if (!name.empty() && std::ranges::find(solvers, name) == solvers.end()) {
-      solvers.push_back(name);
-    }
+    if (!name.empty() && std::ranges::find(solvers, name) == solvers.end()) solvers.push_back(name);
   }
   for (const std::string& name : solvers) {
     families.push_back(
@@ -67,13 +64,12 @@ std::vector<Family> families_of(const SceneTrade& s) {
 
 /// Error of the outcome, and penetration, against cost.
 std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
-  Chart error, depth;
-  error.title = "Error of the outcome against cost, " + s.scene->name;
-  error.x = {"CPU time per simulated second", Chart::Axis::Kind::kLogSeconds};
-  error.y = {"worst error of an outcome", Chart::Axis::Kind::kLog};
-  depth.title = "Penetration against cost, " + s.scene->name;
-  depth.x = error.x;
-  depth.y = {"largest overlap / smaller radius", Chart::Axis::Kind::kLog};
+  Chart error{.title = "Error of the outcome against cost, " + s.scene->name,
+              .x = {"CPU time per simulated second", Chart::Axis::Kind::kLogSeconds},
+              .y = {"worst error of an outcome", Chart::Axis::Kind::kLog}};
+  Chart depth{.title = "Penetration against cost, " + s.scene->name,
+              .x = error.x,
+              .y = {"largest overlap / smaller radius", Chart::Axis::Kind::kLog}};
   double noise = 0;
   for (const SceneTrade::Errors& e : s.quantities) noise = std::max(noise, e.noise);
   for (const Family& family : families_of(s)) {

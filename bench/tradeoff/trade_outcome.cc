@@ -14,7 +14,7 @@ constexpr double kCarries = 1e-3;  // of the mean force: less does not carry
 /// Lowest and highest point of the bodies along a direction.
 template <int D>
 std::pair<double, double> span_along(const std::vector<Body<D>>& disks, const Vec<D>& up) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
+  double low = kInfinity, high = -low;
   for (const Body<D>& d : disks) {
     low = std::min(low, up.dot(d.x) - d.radius);
     high = std::max(high, up.dot(d.x) + d.radius);

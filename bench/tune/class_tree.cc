@@ -42,24 +42,15 @@ struct Cut {
 std::vector<Cut> cuts_of(const Members& members) {
   std::vector<Cut> cuts;
   for (std::size_t k = 0; k < std::size(kFirst); ++k) {
-    Cut cut;
-    cut.inside.marks = kFirst[k];
-    cut.outside.marks = kOther[k];
-    cuts.push_back(cut);
+    cuts.push_back({{.marks = kFirst[k]}, {.marks = kOther[k]}});
   }
-  for (const double contacts : kContacts) {
-    Cut cut;
-    cut.inside.up_to = contacts;
-    cut.outside.above = contacts;
-    cuts.push_back(cut);
-  }
+  for (const double contacts : kContacts)
+    cuts.push_back({{.up_to = contacts}, {.above = contacts}});
   std::set<double> tols;
   for (const ClassifiedInstance* member : members) tols.insert(member->traits.tol);
   for (auto tol = tols.begin(); tol != tols.end() && std::next(tol) != tols.end(); ++tol) {
-    Cut cut;
-    cut.inside.tol_below = std::sqrt(*tol * *std::next(tol));
-    cut.outside.tol_from = cut.inside.tol_below;
-    cuts.push_back(cut);
+    const double between = std::sqrt(*tol * *std::next(tol));
+    cuts.push_back({{.tol_below = between}, {.tol_from = between}});
   }
   return cuts;
 }

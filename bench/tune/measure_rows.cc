@@ -90,13 +90,11 @@ class ProblemMeasurement {
 
  private:
   MeasuredRow blank(const std::string& variant) const {
-    MeasuredRow row;
-    row.problem = source_.name;
-    row.scene = scene_of(source_);
-    row.variant = variant;
-    row.limit = options_.time_limit;
-    row.traits = traits_;
-    return row;
+    return {.problem = source_.name,
+            .scene = scene_of(source_),
+            .traits = traits_,
+            .variant = variant,
+            .limit = options_.time_limit};
   }
 
   /// Short solves are repeated, and the least times count: the first one warms caches up.

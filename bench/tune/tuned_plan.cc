@@ -1,7 +1,6 @@
 #include "bench/tune/tuned_plan.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
