@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bench/page/deflate.h"
+#include "core/motion/time_stepping.h"
 
 namespace bipot {
 namespace {
