@@ -16,7 +16,7 @@ namespace {
 // constant        value  unit       reason
 // kFair           5e-4   tolerance  from here on stages near it have no more than their budget
 // kUnequalRatio   1e5    W_nn/W_nn  first order needs the root of it in iterations
-// kManyContacts   3.5    contacts   a body; random packings of spheres have at most 3
+// kManyContacts   3.5    contacts   a sphere; random packings have about 3 at most
 // kScalar         20     contacts   too few disks to fill vectors
 // kSmallLattice   600    contacts   accelerated sweeps solve square lattices up to it quickly
 constexpr double kFair = 5e-4, kUnequalRatio = 1e5, kManyContacts = 3.5;

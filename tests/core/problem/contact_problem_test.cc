@@ -27,6 +27,12 @@ void expect_refused(const std::function<void(ContactProblem&)>& spoil,
   for (const char* part : parts) EXPECT_TRUE(says(validate(p), part));
 }
 
+/// One scale of the ten rows of sound().
+void set_row_scale(ContactProblem& p, int row, double value) {
+  p.row_scale = Vector::Ones(10);
+  p.row_scale[row] = value;
+}
+
 TEST(Validate, AcceptsSoundProblems) {
   EXPECT_EQ(validate(sound()), "");
   EXPECT_EQ(validate(local_only()), "");
@@ -74,12 +80,7 @@ TEST(Validate, RefusesOneNonFiniteValueAtATime) {
     expect_refused([&](auto& p) { SparseMatrix::InnerIterator(p.H, 4).valueRef() = bad; },
                    {"H(", ", 4)", "not finite"});
     expect_refused([&](auto& p) { p.W.coeffRef(2, 3) = bad; }, {"W(2, 3)", "not finite"});
-    expect_refused(
-        [&](auto& p) {
-          p.row_scale = Vector::Ones(10);
-          p.row_scale[9] = bad;
-        },
-        {"row_scale[9]", "not finite"});
+    expect_refused([&](auto& p) { set_row_scale(p, 9, bad); }, {"row_scale[9]", "not finite"});
   }
 }
 
@@ -96,12 +97,7 @@ TEST(Validate, RefusesValuesOutOfRange) {
   expect_refused([](auto& p) { p.mu[1] = -0.25; }, {"mu[1] = -0.25", "negative"});
   for (const double bad : {0.0, -2.0}) {
     expect_refused([&](auto& p) { p.A.coeffRef(4, 4) = bad; }, {"A(4, 4)", "not positive"});
-    expect_refused(
-        [&](auto& p) {
-          p.row_scale = Vector::Ones(10);
-          p.row_scale[6] = bad;
-        },
-        {"row_scale[6]", "not positive"});
+    expect_refused([&](auto& p) { set_row_scale(p, 6, bad); }, {"row_scale[6]", "not positive"});
     expect_refused([&](auto& p) { p.W.coeffRef(4, 4) = bad; },
                    {"W_nn of contact 2", "not positive"}, local_only());
   }
