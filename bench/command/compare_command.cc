@@ -19,6 +19,7 @@
 #include "bench/compare/settings_report.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/json_output.h"
+#include "bench/report/labels.h"
 #include "bench/tradeoff/trade_report.h"
 #include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
@@ -183,7 +184,8 @@ int run_compare(const CompareFlags& flags) {
                                        options.tols.size() * (options.warm ? 2 : 1));
   ProgressBar progress(total, quiet);
   options.on_row = [&progress](const Comparison::Row& row, int done, int) {
-    progress.update(done, fmt::format("{} {} {:g}", row.problem, row.solver, row.tol));
+    progress.update(done,
+                    fmt::format("{} {} {}", row.problem, row.solver, tolerance_label(row.tol)));
   };
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;

@@ -12,6 +12,7 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/measure/true_error.h"
 #include "bench/report/build_info.h"
+#include "bench/report/labels.h"
 #include "core/base/file_error.h"
 #include "core/motion/time_stepping.h"
 #include "solvers/registry.h"
@@ -146,8 +147,8 @@ class ProblemRows {
                looser->status == to_string(SolveStatus::kTimeLimit)) {
       row = *looser;
       if (!row.message.starts_with("not run again")) {
-        row.message = fmt::format("not run again: out of time at tol {:g} already ({})",
-                                  looser->tol, looser->message);
+        row.message = fmt::format("not run again: out of time at tol {} already ({})",
+                                  tolerance_label(looser->tol), looser->message);
       }
     } else {
       made = measure(entry, problem_, tol, warm, *true_error_, options_);
@@ -301,7 +302,8 @@ class TimeOuts {
       // If the path does not depend on the tolerance, the row is known without a run.
       const bool looser = s.problem == source.name && s.tol > tol && !solver.path_ignores_tolerance;
       if (smaller || looser) {
-        return fmt::format("not tried: out of time on {} at tol {:g}", s.problem, s.tol);
+        return fmt::format("not tried: out of time on {} at tol {}", s.problem,
+                           tolerance_label(s.tol));
       }
     }
     return {};

@@ -216,17 +216,17 @@ TEST(BodyRows, FindDrivenWallsBehindTheDisks) {
 }
 
 TEST(Comparison, ShowsATimeOutAndDoesNotRepeatItAtTighterTolerances) {
-  Comparison::Options options = quick({"uzawa"}, {1e-10, 1e-12});
+  Comparison::Options options = quick({"uzawa"}, {1e-9, 1e-12});
   options.time_limit = 1e-4;
   const Comparison c = compare(expand_targets({"triangular:20:tilt=10"}), options);
   ASSERT_EQ(c.rows.size(), 2u);
   EXPECT_EQ(c.rows[0].status, "time limit");
-  EXPECT_GT(c.rows[0].guarded, 1e-10);
+  EXPECT_GT(c.rows[0].guarded, 1e-9);
   EXPECT_TRUE(std::isfinite(c.rows[0].velocity_error));
   EXPECT_EQ(c.rows[1].status, "time limit");
-  EXPECT_EQ(c.rows[1].message.substr(0, 13), "not run again");
+  EXPECT_TRUE(c.rows[1].message.starts_with("not run again: out of time at tol 1e-9 "));
   EXPECT_EQ(c.rows[1].guarded, c.rows[0].guarded);
-  EXPECT_EQ(count_solved(c, 1e-10)[0].solved, 0);
+  EXPECT_EQ(count_solved(c, 1e-9)[0].solved, 0);
   EXPECT_TRUE(says(to_text(c), " T "));
 }
 
