@@ -39,7 +39,8 @@ void require_writable(const std::string& destination) {
   if (there && !std::filesystem::is_regular_file(status)) return;
   const bool writable = std::ofstream(destination, std::ios::app).is_open();
   const std::string reason = std::strerror(errno);
-  if (!there) std::filesystem::remove(destination, none);
+  // Through a link to nothing, what it names was made.
+  if (!there) std::filesystem::remove(std::filesystem::canonical(destination, none), none);
   if (!writable) throw FileError(destination, "", "cannot be written: " + reason);
 }
 

@@ -188,6 +188,9 @@ TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
   EXPECT_FALSE(fs::exists("h.csv"));  // nothing was solved
   EXPECT_EQ(code_of(solve + " --json a.json --solution /proc/nowhere/s.hdf5"), 4);
   EXPECT_EQ(json_in("a.json")["exit_code"], 4);
+  fs::create_symlink("nothing.json", "link.json");
+  EXPECT_EQ(code_of(solve + " --json link.json"), 0);
+  EXPECT_FALSE(fs::exists("nothing.json"));
   EXPECT_EQ(code_of("run square_lattice --json /proc/nowhere/a.json"), 4);
   EXPECT_EQ(code_of(solve + " --solution s.hdf5"), 0);
   EXPECT_EQ(code_of(solve + " --solution s.hdf5"), 0);  // the same problem
