@@ -225,6 +225,9 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   const std::string table = content("out/comparison.csv");
   expect_said(arguments, 0, {"12 of 12 rows from before"}, &bipot);
   EXPECT_EQ(content("out/comparison.csv"), table);
+  // The progress on a terminal.
+  const std::string shown = "script -qec '" BIPOT_COMMAND " " + arguments + "' /dev/null";
+  EXPECT_TRUE(says(run_command_line(shown, "").out, "pyramid:3 lemke 1e-6"));
   EXPECT_EQ(code_of("compare no_such_thing"), 2);
   write("no_problem.hdf5", "hi");
   EXPECT_EQ(code_of("compare no_problem.hdf5 --solvers pgs --tols 1e-2 --quiet"), 2);
