@@ -130,7 +130,13 @@ CLI::Validator whole_number_check() {
 void declare(const std::string& name, const OptionTraits& traits, const auto& add) {
   const std::size_t space = name.find(' ');
   CLI::Option* option = add(name.substr(0, space));
-  if (space != std::string::npos) option->type_name(name.substr(space + 1));
+  if (space != std::string::npos) {
+    const std::string value = name.substr(space + 1);
+    const auto given = [value](const std::string& text) {
+      return text.empty() ? "expected " + value + ", got an empty text" : std::string();
+    };
+    option->type_name(value)->check(CLI::Validator(given, ""));
+  }
   apply(traits, *option);
 }
 

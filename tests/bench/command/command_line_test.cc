@@ -30,6 +30,9 @@ TEST(CommandLine, UnknownCommandsAndFlagsNameTheNearest) {
               {"bipot list: what: unknown value 'nonsense'. Valid: solvers, scenes, problems"});
   expect_said("run drum --steps 1.5", 2, {"--steps: expected a whole number such as 10, got 1.5"});
   expect_said("run drum --steps -1", 2, {"--steps: expected a number of at least 0, got -1"});
+  for (const char* command : {"run drum", "compare pile:3", "tune pile:3", "paper"}) {
+    expect_said(std::string(command) + " --out ''", 2, {"--out: expected ", "an empty text"});
+  }
   expect_said("compare pile:3:ratio=2", 2, {"pile takes mu, tilt, seed, not 'ratio'"});
 }
 
