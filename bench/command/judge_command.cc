@@ -40,13 +40,19 @@ ImpulseLayout layout_of(const JudgeFlags& flags) {
           .factor = flags.factor};
 }
 
-Vector impulse_of(const JudgeFlags& flags, const ProblemFile& file) {
+ImpulseVerdict verdict_of(const JudgeFlags& flags, const ProblemFile& file) {
   const std::string& path = flags.impulses.empty() ? flags.problem : flags.impulses;
   if (flags.impulses.empty() && !file.r) {
     throw std::invalid_argument(flags.problem +
                                 ": no /solution to judge; name a file with --impulses");
   }
-  return readable(path, [&] { return read_impulses(path, file.problem, layout_of(flags)); });
+  const Vector s =
+      readable(path, [&] { return read_impulses(path, file.problem, layout_of(flags)); });
+  try {
+    return judge(file.problem, s, flags.worst);
+  } catch (const std::invalid_argument& e) {
+    throw std::invalid_argument(path + ": " + e.what());
+  }
 }
 
 /// Null for no contact.
@@ -160,7 +166,7 @@ int run_judge(const JudgeFlags& typed) {
   const ProblemFile file =
       readable(flags.problem, [&] { return read_problem(flags.problem, flags.accept_indefinite); });
   flags.prepare();
-  ImpulseVerdict verdict = judge(file.problem, impulse_of(flags, file), flags.worst);
+  ImpulseVerdict verdict = verdict_of(flags, file);
   verdict.caution = file.caution;
   const int code = verdict.guarded() <= flags.tol ? kExitConverged : kExitNotConverged;
   if (!flags.json.empty()) write_json(to_json(flags, file.problem, verdict, code), flags.json);

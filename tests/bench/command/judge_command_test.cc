@@ -105,6 +105,8 @@ TEST_F(JudgeCommand, BadInputHasItsExitCode) {
   const int rows = read_problem(kProblem).problem.num_rows();
   for (int i = 0; i < rows; ++i) text += i == 3 ? "nan\n" : "0\n";
   EXPECT_EQ(judge(with("nan.txt", text)), 2);
+  text.replace(text.find("nan"), 3, "1e300");
+  expect_said("judge " + with("huge.txt", text), 2, {"huge.txt: the energy of these impulses"});
 }
 
 }  // namespace
