@@ -253,7 +253,7 @@ std::vector<Growth> growth(const Comparison& comparison) {
 Regret regret_of(const Comparison& comparison, const std::string& solver, double least_time) {
   Regret regret{.solver = solver};
   for (const Comparison::Row& row : comparison.rows) {
-    if (row.solver != solver) continue;
+    if (row.solver != solver || row.status == to_string(SolveStatus::kNothingToDo)) continue;
     const Comparison::Row* best = nullptr;
     for (const Comparison::Row& other : comparison.rows) {
       if (other.problem != row.problem || other.tol != row.tol || other.solver == solver) continue;

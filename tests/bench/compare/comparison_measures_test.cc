@@ -147,7 +147,13 @@ TEST(ComparisonMeasures, MeaningOfAToleranceIsInTheRowsThatMetIt) {
 
 TEST(ComparisonMeasures, RegretIsOverTheBestOfTheOthers) {
   // p: 1.5/1 and 6/3; q at 1e-2: not solved while b was; q at 1e-4: auto alone.
-  const Comparison c = small_table();
+  // r needs no impulse: no case.
+  Comparison c = small_table();
+  for (const char* solver : {"a", "auto"}) {
+    c.rows.push_back({.problem = "r", .solver = solver, .tol = 1e-2, .cpu_min = 1});
+    c.rows.back().status = to_string(SolveStatus::kNothingToDo);
+    c.rows.back().guarded = 0;
+  }
   const Regret regret = regret_of(c, "auto");
   ASSERT_EQ(regret.entries.size(), 3u);
   EXPECT_EQ(regret.failed, 1);
