@@ -157,7 +157,7 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
   if (const auto bodies = recovered_disks(p)) {
     return "W is that of disks: they are recovered\n" + explain_auto(*bodies, options);
   }
-  const std::shared_ptr<const AutoPlan> own = named_plan(options.parameters);
+  const auto own = options.plan ? options.plan : named_plan(options.parameters);
   const AutoPlan& plan = own ? *own : shipped_plan();
   const bool warm = is_warm(options);
   const ProblemTraits problem = traits_of(p, DelassusOperator(p), options);

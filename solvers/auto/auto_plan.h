@@ -35,8 +35,8 @@ std::vector<AutoStage> plan_stages(const AutoPlan& plan, const ProblemTraits& pr
 /// Those of the plan; where it has none for the problem, those of the shipped plan.
 std::vector<AutoStage> serving_stages(const AutoPlan& plan, const ProblemTraits& problem);
 
-/// The class, its odds and its stages in words, one line for each stage. options.parameters may
-/// name a plan, which is read as parse_plan() does.
+/// The class, its odds and its stages in words, one line for each stage. Of options.plan, or
+/// of the one that options.parameters name, which is read as parse_plan() does.
 std::string explain_auto(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

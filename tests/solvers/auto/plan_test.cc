@@ -213,8 +213,11 @@ TEST(Plan, AFileServesASolveAndAFaultyOneIsInvalidInput) {
   const SolveResult own = converged(solve("auto", p, options));
   EXPECT_FALSE(says(own.message, "assor")) << own.message;
   EXPECT_TRUE(says(own.message, "pgs"));
+  SolverOptions read = options;
+  read.plan = named_plan(options.parameters);
   EXPECT_TRUE(says(explain_auto(p, options), path + ": class 'all' (all others)"));
   std::ofstream(path) << with_stage("{solver = \"assor\"}");
+  EXPECT_TRUE(says(explain_auto(p, read), "pgs"));                // is not read again
   EXPECT_TRUE(says(solve("auto", p, options).message, "assor"));  // a file that has changed
   std::ofstream(path) << with_stage("{solver = \"pgz\"}");
   SolveResult faulty = ended(SolveStatus::kInvalidInput, solve("auto", p, options));
