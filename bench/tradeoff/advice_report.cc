@@ -349,7 +349,13 @@ std::string error_text(const Accuracy& error, const Accuracy& goal) {
 
 std::string advice_summary(const Advice& a) {
   std::string text;
-  for (const auto& [name, said] : five_lines(a)) text += fmt::format("{:<15} {}\n", name, said);
+  for (const auto& [name, said] : five_lines(a)) {
+    std::string_view before = name;
+    const std::size_t width = said.starts_with("bipot ") ? said.size() : 84;  // a command is copied
+    for (const std::string& line : wrapped_lines(said, width)) {
+      text += fmt::format("{:<15} {}\n", std::exchange(before, ""), line);
+    }
+  }
   return text;
 }
 

@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "bench/problems/moving_scene.h"
 #include "bench/problems/scene_catalogue.h"
+#include "bench/report/text_lines.h"
 #include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/run_setting.h"
 #include "core/scene/scene_family.h"
@@ -277,6 +279,10 @@ TEST(Advise, WithoutAGoalItTakesMeansOverTimeThatTheSceneHas) {
   EXPECT_EQ(advice.status, Advice::Status::kMet) << advice.message;
   // Five lines: choice, expected error, cost, verdict, command.
   const std::string text = advice_summary(advice);
+  std::string line;
+  for (std::istringstream lines(text); std::getline(lines, line);) {
+    EXPECT_TRUE(letters(line) <= 100 || says(line, "bipot run")) << line;
+  }
   for (const char* word : {"choice", "expected error", "no goal given", "cost", "met", "run it",
                            "bipot run generated --solver"}) {
     EXPECT_TRUE(says(text, word)) << word << "\n" << text;
