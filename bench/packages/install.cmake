@@ -37,6 +37,7 @@ if(BIPOT_WITH_GPL)
 endif()
 configure_file(bench/packages/copyright.in ${pages}/copyright @ONLY)
 install(FILES ${pages}/copyright DESTINATION ${share}/doc/bipot COMPONENT program)
+install(FILES CHANGELOG.md DESTINATION ${share}/doc/bipot RENAME changelog COMPONENT program)
 
 install(TARGETS bipot_options bipot_core bipot_solvers EXPORT bipot
   ARCHIVE DESTINATION lib COMPONENT library)
