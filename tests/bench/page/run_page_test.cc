@@ -46,6 +46,7 @@ TEST(RunPage, HoldsEveryStepOfAShortRun) {
   EXPECT_EQ(page.size(), written.bytes);
   EXPECT_FALSE(says(page, "{{"));
   EXPECT_TRUE(says(page, "<title>A disk &amp; &lt;a floor&gt;</title>"));
+  EXPECT_TRUE(says(page, "<h1>A disk &amp; &lt;a floor&gt;</h1>"));
   EXPECT_FALSE(says(page, "src="));                                  // nothing is loaded
   EXPECT_EQ(page.find("://"), page.find("://github.com/leeoniya"));  // a comment of uPlot
   EXPECT_EQ(page.rfind("://"), page.find("://"));

@@ -247,7 +247,9 @@ TEST(ChartFiles, AreMadeAgainByTheirScript) {
   write_chart_files(folder.path(), "figure", chart);
   const std::string svg = file_text(folder / "figure.svg");
   EXPECT_EQ(markup_defect(svg), "");
-  EXPECT_NE(svg.find("it's, \"so\""), svg.npos);
+  for (const char* text : {"it's, \"so\"", ">A title that is longer than the drawing"}) {
+    EXPECT_TRUE(says(svg, text)) << text;
+  }
   const std::string csv = file_text(folder / "figure.csv");
   EXPECT_TRUE(csv.starts_with("series,x,y,note\n\"it's, \"\"so\"\"\",0.0001,0.1,\"loose\"\n"))
       << csv;
