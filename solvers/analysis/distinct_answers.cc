@@ -55,7 +55,7 @@ int DistinctAnswers::nearest(const Vector& s,
   int best = -1;
   double closest = kInfinity;
   for (std::size_t k = 0; k < answers_.size(); ++k) {
-    if (among && !among(answers_[k])) continue;
+    if (!among(answers_[k])) continue;
     const double apart = distance(s, answers_[k].s);
     if (best >= 0 && !(apart < closest)) continue;
     best = static_cast<int>(k);

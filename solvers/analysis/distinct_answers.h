@@ -52,8 +52,7 @@ class DistinctAnswers {
   /// A distance over ‖v - v_free‖_A of the first answer; NaN if that is zero.
   double relative(double distance) const;
   /// Index of the answer nearest to s, of those that `among` takes; -1 without any.
-  int nearest(const Vector& s,
-              const std::function<bool(const VerifiedAnswer&)>& among = nullptr) const;
+  int nearest(const Vector& s, const std::function<bool(const VerifiedAnswer&)>& among) const;
 
   const std::vector<VerifiedAnswer>& answers() const { return answers_; }
   /// Largest relative distance between two answers; 0 with one, NaN with none.

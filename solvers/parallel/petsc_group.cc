@@ -49,9 +49,11 @@ class ForestExchange : public ProcessGroup::Exchange {
     const PetscInt* offsets = nullptr;
     PetscMPIInt count = 0;
     BIPOT_PETSC(PetscSFGetLeafRanks, forest_, &count, &ranks, &offsets, nullptr);
-    for (int k = 0; k < count; ++k) add_partner(ranks[k] != rank, offsets, k, copies_out_);
-    BIPOT_PETSC(PetscSFGetRootRanks, forest_, &count, &ranks, &offsets, nullptr, nullptr);
-    for (int k = 0; k < count; ++k) add_partner(ranks[k] != rank, offsets, k, sums_out_);
+    for (int k = 0; k < count; ++k) {
+      if (ranks[k] == rank || offsets[k + 1] == offsets[k]) continue;
+      ++messages_;
+      items_ += offsets[k + 1] - offsets[k];
+    }
   }
   ~ForestExchange() override { PetscSFDestroy(&forest_); }
 
@@ -59,28 +61,11 @@ class ForestExchange : public ProcessGroup::Exchange {
     const MPI_Datatype type = type_of(block);
     BIPOT_PETSC(PetscSFBcastBegin, forest_, type, originals.data(), copies.data(), MPI_REPLACE);
     BIPOT_PETSC(PetscSFBcastEnd, forest_, type, originals.data(), copies.data(), MPI_REPLACE);
-    count(copies_out_, block);
-  }
-  void add(std::span<const double> copies, std::span<double> originals, int block) override {
-    const MPI_Datatype type = type_of(block);
-    BIPOT_PETSC(PetscSFReduceBegin, forest_, type, copies.data(), originals.data(), MPI_SUM);
-    BIPOT_PETSC(PetscSFReduceEnd, forest_, type, copies.data(), originals.data(), MPI_SUM);
-    count(sums_out_, block);
+    traffic_->messages += messages_;
+    traffic_->bytes += items_ * block * static_cast<std::int64_t>(sizeof(double));
   }
 
  private:
-  struct Outgoing {
-    std::int64_t messages = 0, items = 0;
-  };
-  static void add_partner(bool other, const PetscInt* offsets, int k, Outgoing& out) {
-    if (!other || offsets[k + 1] == offsets[k]) return;
-    ++out.messages;
-    out.items += offsets[k + 1] - offsets[k];
-  }
-  void count(const Outgoing& out, int block) {
-    traffic_->messages += out.messages;
-    traffic_->bytes += out.items * block * static_cast<std::int64_t>(sizeof(double));
-  }
   /// The forest keeps the packing of each type that it has seen.
   MPI_Datatype type_of(int block) {
     if (block == 1) return MPI_DOUBLE;
@@ -92,7 +77,7 @@ class ForestExchange : public ProcessGroup::Exchange {
 
   PetscSF forest_ = nullptr;
   std::shared_ptr<ProcessGroup::Traffic> traffic_;
-  Outgoing copies_out_, sums_out_;
+  std::int64_t messages_ = 0, items_ = 0;  // that leave here with each copy
   std::vector<std::unique_ptr<BlockType>> types_;
 };
 

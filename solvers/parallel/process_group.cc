@@ -9,7 +9,6 @@ namespace {
 class LoneExchange : public ProcessGroup::Exchange {
  public:
   void copy(std::span<const double>, std::span<double>, int) override {}
-  void add(std::span<const double>, std::span<double>, int) override {}
 };
 
 class LoneProcess : public ProcessGroup {

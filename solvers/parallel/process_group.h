@@ -85,8 +85,6 @@ class ProcessGroup {
 
     /// Each copy is set to its original. `block` values for each item.
     virtual void copy(std::span<const double> originals, std::span<double> copies, int block) = 0;
-    /// Each copy is added to its original, in an order that depends on the graph alone.
-    virtual void add(std::span<const double> copies, std::span<double> originals, int block) = 0;
 
    protected:
     Exchange() = default;

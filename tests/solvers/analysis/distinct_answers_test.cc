@@ -32,7 +32,7 @@ TEST(DistinctAnswers, TellsThreeAnswersKnownByHand) {
   // d = (5, -6), 25 - 60 + 54 = 19; take-off and slip, d = (1, -2), 1 - 4 + 6 = 3. Scale: take-off,
   // where the second contact alone acts, sᵀ W s = 1.
   EXPECT_NEAR(distinct.spread(), std::sqrt(19.0), 1e-12);
-  EXPECT_EQ(distinct.nearest(several.answers[2] * 0.99), 2);
+  EXPECT_EQ(distinct.nearest(several.answers[2] * 0.99, [](const auto&) { return true; }), 2);
 }
 
 TEST(DistinctAnswers, BelievesNothingAboveItsTrust) {
