@@ -66,15 +66,17 @@ class Race {
         inner_(options_) {
     inner_.s0 = Vector();  // of the stages: their own
     best_.s = run.start();
-    best_error_ = space_.error(best_.s).guarded();
+    judged_ = space_.error(best_.s);
+    best_error_ = judged_.guarded();
     if (std::isnan(best_error_)) best_error_ = kInfinity;
     start_error_ = best_error_;
     goes_on_ = best.size() != 0;
     if (!goes_on_) return;
-    const double error = space_.error(best).guarded();
-    if (error < best_error_) {
+    const ContactError error = space_.error(best);
+    if (error.guarded() < best_error_) {
       best_.s = best;
-      best_error_ = error;
+      judged_ = error;
+      best_error_ = error.guarded();
     }
   }
 
@@ -103,7 +105,7 @@ class Race {
   /// True if the best impulse is as exact as doubles allow: no further stages.
   bool at_floor() {
     if (!alone() || !std::isfinite(best_error_) || !(run_.whole().share() == ErrorShare{}) ||
-        !at_rounding_floor(p_, options_, best_.s, space_.error(best_.s))) {
+        !at_rounding_floor(p_, options_, best_.s, judged_)) {
       return false;
     }
     last_ = SolveStatus::kStalled;
@@ -163,8 +165,10 @@ class Race {
     best_.setup_seconds += result.setup_seconds;
     last_ = result.status;
     double error = kInfinity;
+    ContactError judged;
     if (!space_.any(result.s.size() != p_.num_rows() || !result.s.allFinite())) {
-      error = space_.error(result.s).guarded();
+      judged = space_.error(result.s);
+      error = judged.guarded();
       own_.insert_or_assign(std::string(stage.solver->name), result.s);
       last_s_ = result.s;
     }
@@ -182,6 +186,7 @@ class Race {
                           result.iterations, given_up ? "given up" : to_string(last_), error);
     if (given_up) last_ = SolveStatus::kIterationLimit;
     if (error < best_error_ || is_success(last_)) {
+      judged_ = judged;
       best_error_ = error;
       best_.s = result.s;
     }
@@ -224,7 +229,8 @@ class Race {
   SolverOptions inner_;
   SolveResult best_;
   std::map<std::string, Vector, std::less<>> own_;
-  Vector last_s_;  // of the last stage
+  Vector last_s_;        // of the last stage
+  ContactError judged_;  // of best_.s
   double best_error_ = 0, start_error_ = 0;
   int iterations_ = 0;
   SolveStatus last_ = SolveStatus::kIterationLimit;
