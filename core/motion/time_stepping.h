@@ -45,9 +45,6 @@ struct StepSolution {
 /// Solves the problem from the start s0 (size 0: no start).
 using StepSolver = std::function<StepSolution(const ContactProblem&, Vector s0)>;
 
-/// From here on an overlap over the smaller radius is worth a warning.
-inline constexpr double kDeepOverlap = 0.05;
-
 /// How a step was cut into parts for an accuracy (solvers/simulation/accurate_step.h).
 struct StepParts {
   int parts = 0;  ///< 0: no accuracy was asked for

@@ -333,6 +333,9 @@ struct Scene {
   int contact_rows() const { return has_rolling() ? 3 * (D - 1) : (has_friction() ? D : 1); }
 };
 
+/// From here on an overlap over the smaller radius is worth a warning.
+inline constexpr double kDeepOverlap = 0.05;
+
 /// The smaller radius of the pair of a body with another one or with a wall: j = bodies.size() +
 /// wall.
 template <class Bodies, class Walls>

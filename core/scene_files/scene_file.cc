@@ -380,8 +380,13 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   if (scene.contact_distance < 0) {
     scene.contact_distance = default_contact_distance(scene);
   }
-  if (auto defect = validate(scene); !defect.empty()) {
-    throw SceneFileError(fmt::format("{}: {}", source, defect));
+  if (auto defect = validate(scene); !defect.empty()) root.refuse(defect);
+  const double apart = scene.contact_distance / smallest_radius(scene);
+  if (apart > kDeepOverlap && !scene.predict_gaps) {
+    scene.caution += fmt::format(
+        "{}[contact] distance lets bodies rest {:.2g} of the smallest radius apart; overlaps = "
+        "\"predict\" does not",
+        scene.caution.empty() ? "" : "; ", apart);
   }
   return scene;
 }

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -64,6 +65,18 @@ class SceneTable {
       }
     }
     fail_at(table_, text);
+  }
+
+  /// For a defect of the scene as a whole: at the line of what it names first, as in
+  /// "forces[0]: ..." or "wall 2: ...", or of a key of such a table.
+  [[noreturn]] void refuse(const std::string& defect) const {
+    std::string named = defect.substr(0, defect.find_first_of(": "));
+    if (named == "wall") named = fmt::format("walls[{}]", std::atoi(defect.c_str() + 5));
+    const toml::node* node = table_.at_path(named).node();
+    for (const auto& [key, part] : table_) {
+      if (node == nullptr && part.is_table()) node = part.as_table()->get(named);
+    }
+    throw SceneFileError(fmt::format("{}: {}", node ? place(*node) : source_, defect));
   }
 
   bool has(std::string_view key) const {
@@ -262,11 +275,13 @@ class SceneTable {
     if (!value || !std::isfinite(*value)) fail(key, "expected a finite number");
     return *value;
   }
-  [[noreturn]] void fail_at(const toml::node& node, const std::string& message) const {
+  std::string place(const toml::node& node) const {
     const auto line = node.source().begin.line;  // 0: the file as a whole
-    throw SceneFileError(fmt::format("{}{}: [{}] {}", source_,
-                                     line > 0 ? fmt::format(":{}", line) : std::string(),
-                                     name_.empty() ? "top level" : name_, message));
+    return line > 0 ? fmt::format("{}:{}", source_, line) : source_;
+  }
+  [[noreturn]] void fail_at(const toml::node& node, const std::string& message) const {
+    throw SceneFileError(
+        fmt::format("{}: [{}] {}", place(node), name_.empty() ? "top level" : name_, message));
   }
 
   const toml::table& table_;

@@ -509,13 +509,13 @@ TEST(SceneFile, ValuesOutOfRangeAreRefused) {
   expect_refused("[[disks]]\nposition = [0, 0]\nradius = 1\nmass = 0\n", {"'mass'", "positive"});
   expect_refused("[[disks]]\nposition = [0, 0]\nradius = 1\ndensity = 0\n", {"'density'"});
   expect_refused(kDisk + "inertia = 0\n", {"disk 0", "inertia = 0"});
-  expect_refused(kFloor + "force = 1\nmass = -1\n", {"wall 0", "mass = -1"});
+  expect_refused(kFloor + "force = 1\nmass = -1\n", {"test.toml:1: wall 0", "mass = -1"});
   expect_refused("[[walls]]\npoint = [0, 0]\nnormal = [0, 0]\n", {"'normal'", "zero"});
-  expect_refused("[[walls]]\nfrom = [1, 1]\nto = [1, 1]\n", {"wall 0", "coincide"});
+  expect_refused("[[walls]]\nfrom = [1, 1]\nto = [1, 1]\n", {"test.toml:1: wall 0", "coincide"});
   expect_refused(kFloor + "direction = [0, 0]\nforce = 1\nmass = 1\n", {"'direction'", "zero"});
   expect_refused("[output]\nevery = -1\n", {"'every'", "non-negative"});
   expect_refused("[output]\nledger_every = -1\n", {"'ledger_every'", "non-negative"});
-  expect_refused("[output]\ntrack = [0]\n", {"no disk 0"});
+  expect_refused("[output]\ntrack = [0]\n", {"test.toml:2: output.track", "no disk 0"});
   expect_refused("[solver]\ntol = 0\n", {"'tol'", "positive"});
   expect_refused("[solver]\nmax_iterations = -1\n", {"'max_iterations'", "non-negative"});
   const std::string random = "[[disks]]\nmass = 1\narrangement = 'random'\nradii = [1]\n";
@@ -723,14 +723,19 @@ TEST(SceneFile, OverlapsAreKeptOrProjected) {
   EXPECT_TRUE(parse("[contact]\noverlaps = \"project\"\n").project_overlaps);
   expect_refused("[contact]\noverlaps = \"ignore\"\n", {"'overlaps'", "project"});
   EXPECT_TRUE(parse("[contact]\noverlaps = \"predict\"\n").predict_gaps);
-  expect_refused("[contact]\ne_n = 0.5\noverlaps = \"predict\"\n", {"predict", "e_n = 0.5"});
+  expect_refused("[contact]\ne_n = 0.5\noverlaps = \"predict\"\n",
+                 {"test.toml:3: overlaps", "predict", "e_n = 0.5"});
+  const std::string wide = kDisk + "[contact]\ndistance = 0.1\n";
+  EXPECT_TRUE(says(parse(wide).caution, "lets bodies rest 0.2 of the smallest radius apart"));
+  EXPECT_EQ(parse(wide + "overlaps = \"predict\"\n").caution, "");
+  EXPECT_EQ(parse(kDisk + "[contact]\ndistance = 0.02\n").caution, "");
   EXPECT_EQ(parse(kTime + "travel = 0.1\n").travel, 0.1);
   const std::string accurate = kTime + "accuracy = 1e-3\n";
   EXPECT_EQ(parse(accurate).accuracy, 1e-3);
   EXPECT_EQ(parse(accurate).solver.tol, 1e-5);
   EXPECT_EQ(parse(accurate + "[solver]\ntol = 1e-3\n").solver.tol, 1e-3);
   EXPECT_EQ(parse(kTime + "accuracy = 0.3\n").solver.tol, 1e-4);
-  expect_refused(kTime + "accuracy = 1\n", {"accuracy = 1"});
+  expect_refused(kTime + "accuracy = 1\n", {"test.toml:4: accuracy = 1"});
   expect_refused(accurate + "travel = 0.1\n", {"accuracy", "travel"});
   expect_refused("model = \"dem\"\n" + accurate, {"accuracy", "dem"});
   expect_refused("[contact]\noverlaps = \"project\"\n" + accurate, {"accuracy", "project"});
