@@ -121,6 +121,7 @@ struct TimeStepper<D>::Inside {
 
   Midpoint<D> midpoint(const State<D>& start);
   void assemble(const State<D>& start, const Midpoint<D>& mid);
+  void refuse_driven_pins(const State<D>& start, const Midpoint<D>& mid) const;
   Vector start_of(const State<D>& state, const Midpoint<D>& mid) const;
   Vector solve_contacts(const State<D>& state, const Midpoint<D>& mid, StepReport<D>& report);
   Vector solve_phase(const State<D>& state, Vector s0, StepReport<D>& report);
@@ -154,7 +155,30 @@ void TimeStepper<D>::Inside::assemble(const State<D>& start, const Midpoint<D>& 
   } catch (const std::invalid_argument& e) {  // pins that couple too many bodies
     throw StepFailure(StepFailure::Kind::kInvalidInput, start, e.what());
   }
+  refuse_driven_pins(start, mid);
   if (scene.impact == Impact::kFremond) add_mean_restitution(scene, start, mid, assembled);
+}
+
+/// No impulse stops a wall that moves into a body where pins leave it no motion.
+template <int D>
+void TimeStepper<D>::Inside::refuse_driven_pins(const State<D>& start,
+                                                const Midpoint<D>& mid) const {
+  constexpr double kAlong = 1e-9;
+  if (!assembled.problem.equality) return;
+  const std::size_t bodies = mid.bodies.size();
+  for (const int k : assembled.problem.equality->blocked) {
+    if (to_size(k) >= mid.contacts.size()) break;  // ropes
+    const Contact<D>& c = mid.contacts[to_size(k)];
+    const std::size_t j = to_size(c.j);
+    const int w = j < bodies ? mid.bodies[j].wall : static_cast<int>(j - bodies);
+    if (w < 0) continue;
+    const Wall<D>& wall = mid.walls[to_size(w)];
+    if (c.n.dot(wall.v) <= kAlong * wall.v.norm()) continue;
+    throw StepFailure(
+        StepFailure::Kind::kPlaces, start,
+        fmt::format("wall '{}' moves into {} {}, which pins hold there",
+                    scene.walls[to_size(w)].name, kBodyName<D>, body_number(start, c.i)));
+  }
 }
 
 /// From where the solver starts, in the problem's variables; empty: from nowhere.

@@ -108,7 +108,9 @@ struct StepFailure : std::runtime_error {
     kNotConverged,
     kUnsolvable,  ///< its problem provably has no solution
     kPassage,     ///< bodies or walls would have gone through each other
-    kPlaces       ///< bodies at mid-step have contacts without a normal, or a cell is too short
+    /// Bodies at mid-step have contacts without a normal, or a cell is too short; a wall moves into
+    /// what pins hold; joints made energy: no solver can help.
+    kPlaces
   };
   StepFailure(Kind k, const std::string& message) : std::runtime_error(message), kind(k) {}
   /// Names the step that comes after the state `before`.

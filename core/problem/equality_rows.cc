@@ -221,6 +221,7 @@ ContactProblem with_equality_rows(ContactProblem given, SparseRows G, Vector b, 
   rows->given.W = {};
   rows->G = std::move(G);
   rows->b = std::move(b);
+  rows->lenient = lenient;
   find_parts(*rows);
   const ContactProblem& old = rows->given;
   std::vector<int> place(to_size(old.num_dofs()), -1), part_of(to_size(old.num_dofs()), -1);
@@ -240,7 +241,7 @@ ContactProblem with_equality_rows(ContactProblem given, SparseRows G, Vector b, 
     coordinates += static_cast<int>(part.basis.cols());
   }
 
-  std::vector<int> blocked;
+  std::vector<int>& blocked = rows->blocked;
   Triplets wrenches = reduced_wrenches(*rows, place, part_of, blocked);
   if (!blocked.empty() && !lenient) {
     throw std::invalid_argument(fmt::format(

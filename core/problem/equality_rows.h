@@ -29,6 +29,8 @@ struct EqualityRows {
   Vector b;               ///< p                                        [m/s]
   std::vector<int> free;  ///< dofs that no row couples: the first coordinates
   std::vector<Part> parts;
+  std::vector<int> blocked;  ///< contacts without motion along their normal, of lenient rows
+  bool lenient = false;
 
   /// Velocities v of the given problem from the coordinates of the reduced one.
   Vector velocities(const Vector& y) const;

@@ -27,7 +27,7 @@ class JointEnergy {
     if (made_ - least_ <= kMost * largest_) return {};
     return fmt::format(
         "pins and ropes made {:.3g} J, with a kinetic energy of {:.3g} J at most: bodies turn too "
-        "far in a step, shorten it",
+        "far in a step, shorten it; or fixed points hold joints taut in one line",
         made_ - least_, largest_);
   }
 

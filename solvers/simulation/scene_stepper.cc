@@ -163,7 +163,7 @@ StepReport<D> SceneStepper<D>::advance(State<D>& state) {
   State<D> next = state;
   StepReport<D> report = take(next);
   const std::string made = joint_energy_.add(report);
-  if (!made.empty()) throw StepFailure(StepFailure::Kind::kNumerical, state, made);
+  if (!made.empty()) throw StepFailure(StepFailure::Kind::kPlaces, state, made);
   state = std::move(next);
   return report;
 }

@@ -47,11 +47,11 @@ class Parts {
       sums_.add_rejected(report);
       why = report.message;
     } catch (const StepFailure& failure) {
-      if (failure.kind == StepFailure::Kind::kPassage) {
-        if (options_.on_tunnel != OnTunnel::kSmallerStep || halvings == most_halvings) throw;
-      } else if (!failure.may_yield() || accept) {
-        throw;
-      }
+      const bool splits = failure.kind == StepFailure::Kind::kPassage
+                              ? options_.on_tunnel == OnTunnel::kSmallerStep
+                              : failure.may_yield() && !accept;
+      const bool unsolved = failure.kind == StepFailure::Kind::kNumerical;
+      if (!splits || (halvings == most_halvings && !unsolved)) throw;
       why = failure.what();
     }
     if (halvings == most_halvings) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/problem/equality_rows.h"
@@ -129,7 +130,7 @@ pins = [{bodies = [0, 1], point = [1.3, -0.5]}, {bodies = [0], point = [0.25, -0
       });
     });
     ASSERT_TRUE(failure);
-    EXPECT_EQ(failure->kind, StepFailure::Kind::kNumerical);
+    EXPECT_EQ(failure->kind, StepFailure::Kind::kPlaces);
     EXPECT_TRUE(says(failure->what(), "pins and ropes made"));
     // Falling by 0.05 m and 1.75 m at most gives 35.3 J; with what was made, a tenth of the kinetic
     // energy, this is 35.4/0.9 J.
@@ -243,6 +244,34 @@ pins = [{bodies = [0], point = [0, 0.1]}]
   const double moment = 0.5 * end.contacts[1].s_n + end.contacts[2].s_n;
   EXPECT_NEAR(moment, 3 * kG * 1e-3 * 0.5, 1e-9);
   EXPECT_LE((end.clusters.bodies[0].x - scene.clusters.bodies[0].x).norm(), 1e-9);
+}
+
+// The disk cannot leave its pin: a wall that moves away or along is nothing to it.
+TEST(Pin, AWallThatMovesIntoAPinnedDiskFails) {
+  using Row = std::tuple<const char*, const char*, bool>;
+  const char* glued = ", {position = [0, -0.1], radius = 0.1, wall = 'press'}";
+  for (const auto& [more, velocity, fails] :
+       {Row("", "[0.1, 0.1]", true), Row(glued, "[0, 0.1]", true), Row("", "[0.1, 0]", false),
+        Row(glued, "[0.1, 0]", false), Row("", "[0, -0.1]", false)}) {
+    const Scene<2> scene = scene_of(fmt::format(R"(
+contact = {{mu = 0.5}}
+time = {{step = 1e-3, steps = 3}}
+disks = [{{position = [0, 0.1], radius = 0.1, mass = 1}}{}]
+walls = [{{name = "press", point = [0, {}], normal = [0, 1], velocity = {}}}]
+pins = [{{bodies = [0], point = [0, 0.1]}}]
+)",
+                                                more, more == glued ? -0.2 : 0.0, velocity));
+    for (const OnFailure rule : {OnFailure::kContinue, OnFailure::kSmallerStep}) {
+      SceneRunOptions<2> options;
+      options.on_failure = rule;
+      State<2> state = initial_state(scene);
+      const SceneRun<2> run = run_scene(scene, state, options);
+      ASSERT_EQ(run.failure.has_value(), fails) << velocity;
+      if (!fails) continue;
+      EXPECT_EQ(run.failure->kind, StepFailure::Kind::kPlaces);
+      EXPECT_TRUE(says(run.failure->what(), "wall 'press' moves into disk 0, which pins hold"));
+    }
+  }
 }
 
 // A disk falls 0.5 m into its rope, to v = √(g): the rope takes m v and with it all of m g 0.5 m.
