@@ -97,9 +97,11 @@ template <int D>
       message += fmt::format(". No picture: {}", e.what());
     }
   }
-  throw std::invalid_argument(message +
-                              ". Move them, or set [start] overlaps to \"push apart\" or "
-                              "\"allow\"");
+  Scene<D> pushed = scene;
+  pushed.start = StartChoice::kPushApart;
+  const bool can_push = scene.start == StartChoice::kRefuse && validate(pushed).empty();
+  throw std::invalid_argument(fmt::format("{}. Move them, or set [start] overlaps to {}\"allow\"",
+                                          message, can_push ? "\"push apart\" or " : ""));
 }
 
 }  // namespace
