@@ -342,7 +342,7 @@ HeldProblem update(const PythonProblem& self, const py::args& arguments,
   require_sound(validate_vectors(p));
   if (rows != nullptr) {
     p = with_equality_rows(std::move(p), rows->G,
-                           b.is_none() ? rows->b : equality_values(b, rows->G));
+                           b.is_none() ? rows->b : equality_values(b, rows->G), rows->lenient);
   }
   made->problem = std::make_shared<const ContactProblem>(std::move(p));
   return made;
@@ -363,11 +363,11 @@ py::tuple parts_of_problem(const PythonProblem& self) {
                         copy_of(self.solution), guesses,
                         rows != nullptr ? py::object(parts_of(rows->G)) : py::object(py::none()),
                         rows != nullptr ? py::object(copy_of(rows->b)) : py::object(py::none()),
-                        copy_of(p.mu_r), copy_of(p.mu_spin));
+                        copy_of(p.mu_r), copy_of(p.mu_spin), rows != nullptr && rows->lenient);
 }
 
 HeldProblem problem_of_parts(const py::tuple& parts) {
-  if (parts.size() != 16) throw std::invalid_argument("not the parts of a Problem");
+  if (parts.size() != 17) throw std::invalid_argument("not the parts of a Problem");
   auto made = std::make_shared<PythonProblem>();
   ContactProblem p{.dim = parts[0].cast<int>()};
   if (!parts[1].is_none()) p.A = from_parts<SparseMatrix>(parts[1], "A");
@@ -387,7 +387,7 @@ HeldProblem problem_of_parts(const py::tuple& parts) {
   if (!p.has_velocities()) made->caution = delassus_defect(p);  // was accepted
   if (!parts[12].is_none()) {
     p = with_equality_rows(std::move(p), from_parts<SparseRows>(parts[12], "G"),
-                           to_vector(parts[13], "b"));
+                           to_vector(parts[13], "b"), parts[16].cast<bool>());
   }
   made->problem = std::make_shared<const ContactProblem>(std::move(p));
   return made;

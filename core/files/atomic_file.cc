@@ -46,6 +46,13 @@ AtomicFile::~AtomicFile() {
   std::filesystem::remove(draft_, ignored);
 }
 
+void AtomicFile::copy_earlier() {
+  std::error_code error;
+  std::filesystem::copy_file(path_, draft_, std::filesystem::copy_options::overwrite_existing,
+                             error);
+  if (error) throw FileError(path_, "", "cannot write beside it: " + error.message());
+}
+
 void AtomicFile::commit() {
   if (draft_ == path_) return;
   std::error_code error;

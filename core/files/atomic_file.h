@@ -19,6 +19,8 @@ class AtomicFile {
 
   /// Path to write to.
   const std::filesystem::path& draft() const { return draft_; }
+  /// Begins with a copy of the earlier file, to be added to. Throws FileError.
+  void copy_earlier();
   /// Throws FileError.
   void commit();
 

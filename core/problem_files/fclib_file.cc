@@ -6,7 +6,6 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "core/base/file_error.h"
@@ -22,6 +21,7 @@ namespace {
 
 constexpr int kCompressedColumns = -1;
 constexpr int kCompressedRows = -2;
+constexpr const char* kLenient = "/bipot/lenient";
 
 std::span<const double> span(const Vector& x) {
   return {x.data(), static_cast<std::size_t>(x.size())};
@@ -131,7 +131,7 @@ void add_equality_rows(const Hdf5File& file, const std::string& root, int stored
   SparseRows G = SparseRows(stored.build<SparseMatrix>().transpose());
   G.conservativeResize(G.rows(), problem.num_dofs());  // without those of inert tangents
   try {
-    problem = with_equality_rows(std::move(problem), std::move(G), -b);
+    problem = with_equality_rows(std::move(problem), std::move(G), -b, file.exists(kLenient));
   } catch (const std::invalid_argument& e) {
     throw FileError(file.path(), group, e.what());
   }
@@ -426,6 +426,7 @@ void write_fclib(const std::filesystem::path& path, const ContactProblem& proble
     G.conservativeResize(p.num_dofs(), G.cols());
     write_matrix(file, root + "/G", std::move(G));
     file.write(root + "/vectors/b", span(-problem.equality->b));
+    if (problem.equality->lenient) file.write(kLenient, 1);
   }
   if (problem.row_scale.size() > 0) file.write("/bipot/row_scale", span(problem.row_scale));
   write_guesses(file, problem, guesses);
@@ -456,10 +457,7 @@ void write_fclib_solution(const std::filesystem::path& path, const Vector& r, co
   }
   const bool frictionless = p.dim == 1;
   AtomicFile target(path);
-  std::error_code error;
-  std::filesystem::copy_file(path, target.draft(),
-                             std::filesystem::copy_options::overwrite_existing, error);
-  if (error) throw FileError(path, "", "cannot write beside it: " + error.message());
+  target.copy_earlier();
   Hdf5File file(target.draft(), Hdf5File::Mode::kAppend);
   if (file.exists("/solution")) file.remove("/solution");
   if (velocities) {

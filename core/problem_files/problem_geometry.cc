@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/files/atomic_file.h"
 #include "core/files/hdf5_columns.h"
 
 namespace bipot {
@@ -21,7 +22,9 @@ using PlaneContact = ContactOutcome<2>;
 
 void write_geometry(const std::filesystem::path& path, const Scene<2>& scene,
                     const State<2>& state) {
-  Hdf5File file(path, Hdf5File::Mode::kAppend);
+  AtomicFile target(path);
+  target.copy_earlier();
+  Hdf5File file(target.draft(), Hdf5File::Mode::kAppend);
   if (file.exists(kGroup)) file.remove(kGroup);
   write_column(file, name("disks/x"), "", state.bodies, &Disk::x);
   write_column(file, name("disks/radius"), "", state.bodies, &Disk::radius);
@@ -46,6 +49,7 @@ void write_geometry(const std::filesystem::path& path, const Scene<2>& scene,
   file.write(name("number"), state.step);
   file.write(name("time"), state.time);
   file.close();
+  target.commit();
 }
 
 std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, int contacts) {

@@ -117,7 +117,14 @@ def test_problems_come_back_from_pickle_bit_for_bit(lattice, spheres):
     shock = bipot.Problem(
         A=np.eye(2), H=np.eye(2), v_free=[-1, 0.5], v_before=[-1, 0.5], mu=[0.1], restitution=0.8
     )
-    for p in (lattice, spheres, chain(3), full, shock):
+    bar = """
+time = {step = 1e-3, steps = 1}
+walls = [{point = [0, 0], normal = [0, 1]}]
+clusters = [{parts = [[0, 0, 0.1], [0.5, 0, 0.1]], position = [0, 0.1], mass = 3}]
+pins = [{bodies = [0], point = [0, 0.1]}]"""  # contact 0 is blocked by the pin
+    pinned = next(bipot.Simulation.from_text(bar)).problem
+    assert pinned.update(mu=[0, 0]).u_free[0] == 0
+    for p in (lattice, spheres, chain(3), full, shock, pinned):
         q = pickle.loads(pickle.dumps(p))
         assert repr(q) == repr(p) and q.dim == p.dim
         for name in ("v_free", "u_free", "mu", "row_scale", "solution"):

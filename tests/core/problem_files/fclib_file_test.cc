@@ -96,6 +96,18 @@ TEST_P(RoundTrip, GlobalProblemsComeBackToRounding) {
   EXPECT_LT(contact_error(file.problem, *file.r).guarded(), 1e-12);
 }
 
+TEST(EqualityRowsFile, LenientRowsComeBack) {
+  const TemporaryFolder folder;
+  ContactProblem p{.dim = 1, .v_free = Eigen::Vector2d(-1, -2), .mu = Vector::Zero(2)};
+  p.A = p.H = Eigen::MatrixXd::Identity(2, 2).sparseView();
+  p.u_free = p.v_free;
+  // They contradict each other and block contact 0.
+  const Eigen::MatrixXd G = (Eigen::MatrixXd(2, 2) << 1, 0, 1, 0).finished();
+  p = with_equality_rows(p, G.sparseView(), Eigen::Vector2d(3, 4), true);
+  write_fclib(folder / "p.hdf5", p, {});
+  EXPECT_EQ(read_fclib(folder / "p.hdf5").problem.u_free, p.u_free);
+}
+
 TEST_P(RoundTrip, EqualityRowsComeBackWithVelocitiesAndMultipliers) {
   const TemporaryFolder folder;
   const ManufacturedJoints m = manufactured_joints(GetParam(), 9, 14, 3);

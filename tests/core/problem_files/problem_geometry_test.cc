@@ -1,7 +1,10 @@
 #include "core/problem_files/problem_geometry.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
+#include <cstdlib>
 #include <fstream>
 
 #include "core/base/file_error.h"
@@ -60,6 +63,20 @@ TEST(ProblemGeometry, ComesBackBitForBit) {
   EXPECT_TRUE(read->scene.has_friction());
   // The problem itself is as it was.
   EXPECT_EQ(Vector(read_fclib(w.path).problem.mu), w.problem.mu);
+}
+
+/// A file that may not grow is a full disk without one.
+TEST(ProblemGeometry, AFullDiskLeavesTheProblemWhole) {
+  Written w;
+  const auto fill = [&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{std::filesystem::file_size(w.path), RLIM_INFINITY};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    std::exit(refusal_of<FileError>([&] { write_geometry(w.path, w.scene, w.state); }).empty() ? 0
+                                                                                               : 4);
+  };
+  EXPECT_EXIT(fill(), testing::ExitedWithCode(4), "");
+  EXPECT_EQ(read_fclib(w.path).problem.mu, w.problem.mu);
 }
 
 TEST(ProblemGeometry, CirclesNeedTheirRadiiButNotWhetherTheyArePresent) {
