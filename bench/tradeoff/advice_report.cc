@@ -222,12 +222,11 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   if (a.choice < 0) {
     line("asked for", error_text(a.goal, a.goal) + whose);
     line("verdict", fmt::format("{}: {}", to_string(a.status), a.message));
-    if (!std::isnan(a.goal.penetration)) {
+    if (a.cut > 0) {
       // Each step begins with a tenth of its size: longer ones cost less.
       const double steps = std::max(1.0, std::round(0.1 * a.duration / a.scene_step));
       line("or", fmt::format("bipot run {} --accuracy {:.2g} --step-size {:g} --steps {:g}",
-                             shell_word(a.scene), std::clamp(a.goal.penetration / 3, 1e-6, 0.3),
-                             a.duration / steps, steps));
+                             shell_word(a.scene), a.cut, a.duration / steps, steps));
     }
     return lines;
   }

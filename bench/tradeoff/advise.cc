@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <deque>
 #include <utility>
 
 #include "bench/tradeoff/advice_verdict.h"
 #include "bench/tradeoff/adviser.h"
+#include "core/base/number_text.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -68,6 +71,11 @@ Adviser<D>::Adviser(const Scene<D>& scene, const Advice::Options& options)
   advice_.scene_step = advice_.step_size = scene.step;
   advice_.num_steps = scene.num_steps;
   advice_.duration = scene.num_steps * scene.step;
+  if (const double overlap = advice_.goal.penetration; !std::isnan(overlap)) {
+    // As it is printed and written.
+    const double x = number_at(fmt::format("{:.2g}", std::clamp(overlap / 3, 1e-6, 0.3)));
+    if (validate(with_setting(scene, exact(1, x))).empty()) advice_.cut = x;
+  }
   advice_.warm_start = scene.solver.warm_start;
   advice_.other_stop = scene.solver.stop != "guarded";
   advice_.cohesion_without_range = scene.has_cohesion() && scene.cohesion_range == 0;

@@ -1,12 +1,9 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
 #include "bench/tradeoff/adviser.h"
-#include "core/base/number_text.h"
 
 namespace bipot {
 
@@ -92,8 +89,7 @@ void Adviser<D>::try_accuracies(const Starts& kept) {
   std::vector<double> ladder = {0.1, 0.03, 0.01};
   if (!std::isnan(overlap)) {
     std::erase_if(ladder, [&](double x) { return x > 0.5 * overlap; });
-    // As it is printed and written.
-    ladder.push_back(number_at(fmt::format("{:.2g}", std::clamp(overlap / 3, 1e-6, 0.3))));
+    if (advice_.cut > 0) ladder.push_back(advice_.cut);
     std::sort(ladder.rbegin(), ladder.rend());
   }
   if (scene_.has_cohesion()) ladder.clear();  // which excludes them

@@ -296,6 +296,12 @@ TEST(Advise, SaysThatTimeWasUpAndNotThatNoSolverMeets) {
   EXPECT_EQ(advice.status, Advice::Status::kUndecided);
   EXPECT_TRUE(says(advice.message, "--time-limit 0.004"));
   EXPECT_FALSE(says(advice.message, "no solver meets")) << advice.message;
+  // An accuracy needs no advice, where the scene takes one.
+  Scene<2> scene = lattice();
+  options.goal = {.penetration = 0.03};
+  EXPECT_TRUE(says(advice_summary(advise(scene, options)), "--accuracy 0.01"));
+  scene.impact = ContactLaw::Impact::kFremond;
+  EXPECT_FALSE(says(advice_summary(advise(scene, options)), "--accuracy"));
 }
 
 /// Disks of 1 kg fall one by one from an inlet on a floor and leave at its end.
