@@ -59,6 +59,9 @@ std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
                           const ExistenceCertificate& c, bool smaller_steps_tried) {
   const bool walls_move = std::ranges::any_of(
       scene.walls, [](const Wall<D>& w) { return w.motion == Wall<D>::Motion::kMoving; });
+  bool cell_moves = false;
+  for (int k = 0; k < 3; ++k) cell_moves |= scene.cell.side(k).motion == CellSide::Motion::kMoving;
+  const char* exact = D == 2 ? "homotopy or ipm" : "ipm";  // homotopy knows the plane alone
   double mu = 0;
   for (const ContactLaw& law : scene.laws) mu = std::max(mu, law.mu);
   const double ratio = mass_ratio(scene), path = way(scene, state);
@@ -68,6 +71,8 @@ std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
       {c.verdict == Existence::kNone,
        walls_move
            ? "no solution: a wall is driven into what is jammed; let it move by a force, or slower"
+       : cell_moves
+           ? "no solution: the cell is driven into what is jammed; move it by stresses, or slower"
            : "no solution: contacts are driven together; give all materials one e = e_n = e_t"},
       {c.verdict == Existence::kUndecided && differ,
        "perhaps no solution: coefficients of restitution differ in a jammed place; try e_n = e_t"},
@@ -81,8 +86,8 @@ std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
                    smaller_steps_tried ? "" : " or --on-failure smaller-step")},
       {mu > 2,
        fmt::format("friction is large (mu = {:g}): many solutions or none, and paths between "
-                   "them; try --solver homotopy or ipm",
-                   mu)},
+                   "them; try --solver {}",
+                   mu, exact)},
       {ratio > 1e5,
        fmt::format("masses differ by {:.0e}: rounding may hide the light ones; try --solver "
                    "ipm or a looser --tol",
@@ -91,8 +96,9 @@ std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
        fmt::format("the solver: {} did not get there, though a solution exists; try --solver auto",
                    scene.solver.name)},
       {exists && scene.solver.name == "auto",
-       "the solver: none got there, though a solution exists; try --solver ipm or homotopy with a "
-       "--time-limit of minutes"},
+       fmt::format("the solver: none got there, though a solution exists; try --solver {} with a "
+                   "--time-limit of minutes",
+                   exact)},
       {scene.solver.tol < 1e-6 && c.verdict != Existence::kNone,
        fmt::format("the tolerance {} is tight: `bipot advise` says what "
                    "your question needs",

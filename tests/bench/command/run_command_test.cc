@@ -326,6 +326,23 @@ TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
   }
   const std::string worst = "step " + std::to_string(j["worst_step"].get<int>()) + ": ";
   EXPECT_EQ(j["message"].get<std::string>().rfind(worst, 0), 0u) << j["message"];
+  // Touching disks in a cell that shrinks in both directions.
+  write("cell.toml",
+        "gravity = [0, 0]\ncell = {width = 1, height = 1, width_speed = -1, height_speed = -1}\n"
+        "disks = [{arrangement = 'rectangular', columns = 4, rows = 4, radius = 0.125, mass = 1}]\n"
+        "time = {step = 1e-3, steps = 3}\n");
+  expect_said("run cell.toml --max-iterations 2000", 3, {"the cell is driven into what is jammed"});
+}
+
+// Of the exact solvers homotopy knows the plane alone.
+TEST_F(RunCommand, TheSolversThatAreProposedTakeTheScene) {
+  write(
+      "slab.toml",
+      "contact = {mu = 3}\nspheres = [{arrangement = 'pyramid', rows = 3, radius = 1, mass = 1}]\n"
+      "walls = [{point = [0, 0, 0], normal = [0, 0, 1]}]\ntime = {step = 1e-3, steps = 1}\n");
+  const std::string said =
+      expect_said("run slab.toml --max-iterations 1", 1, {"friction is large (mu = 3)", "ipm"});
+  EXPECT_FALSE(says(said, "homotopy")) << said;
 }
 
 // 1e10 kg on 1 kg on a floor: the rounding of the upper impulse alone is beyond 1e-8 of the energies.
