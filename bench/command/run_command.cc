@@ -260,6 +260,7 @@ RunOutcome outcome_of(const SceneRun<D>& run) {
     using Kind = StepFailure::Kind;
     switch (run.failure->kind) {
       case Kind::kInvalidInput:
+        if (run.totals.steps > 0) return {"failed", kExitNumericalFailure};
         return {"invalid input", kExitBadInput};
       case Kind::kNotConverged:
         return {"not converged", kExitNotConverged};
@@ -441,7 +442,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
       taken.advice =
           passage_advice(scene, state, run.springs.get(), flags.on_tunnel == "smaller-step");
     } else if (!quiet && run.failure->kind != Kind::kPlaces &&
-               run.failure->kind != Kind::kCutShort &&
+               run.failure->kind != Kind::kInvalidInput && run.failure->kind != Kind::kCutShort &&
                (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
       taken.advice = failure_text(scene, state, run, flags.on_failure == "smaller-step");
       if (run.failure->kind == Kind::kUnsolvable) {

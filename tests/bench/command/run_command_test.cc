@@ -334,6 +334,14 @@ TEST_F(RunCommand, AStepWithoutSolutionEndsTheRunUnlessToldToContinue) {
   expect_said("run cell.toml --max-iterations 2000", 3, {"the cell is driven into what is jammed"});
 }
 
+// At most 4096 parts of 1e-4 of 0.1 m in a step of 0.01 s: to 4.096 m/s, the speed of step 41.75.
+TEST_F(RunCommand, ATravelThatIsTooShortLaterIsNoBadInput) {
+  write("fall.toml",
+        "disks = [{position = [0, 0], radius = 0.1, mass = 1}]\n"
+        "time = {step = 1e-2, steps = 100, travel = 1e-4}\n");
+  expect_said("run fall.toml", 3, {"failed: 41 of 100 steps", "give a smaller step"});
+}
+
 // Of the exact solvers homotopy knows the plane alone.
 TEST_F(RunCommand, TheSolversThatAreProposedTakeTheScene) {
   write(
