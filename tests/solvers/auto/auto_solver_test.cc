@@ -466,7 +466,8 @@ TEST(AutoSolver, SpheresBeginWithSweepsAndSplitting) {
   EXPECT_EQ(names(1e-3), (Names{"assor", "apgd", "pgs", "admm", "ipm"}));
   EXPECT_EQ(names(1e-6), (Names{"assor", "apgd", "ptc", "pgs", "admm", "ptc", "pgs", "ipm"}));
   const char* close = "3d_sphere_pyramid_4.hdf5";
-  EXPECT_EQ(names(0.5, close)[0], "assor");
+  EXPECT_EQ(names(0.5, close)[0], "pgs");
+  EXPECT_EQ(names(0.5, close)[1], "assor");
   EXPECT_EQ(names(1e-2, close), (Names{"apgd", "assor", "pgs", "apgd", "admm", "ipm"}));
   EXPECT_EQ(names(1e-6, close),
             (Names{"apgd", "ipm", "assor", "apgd", "ptc", "pgs", "admm", "ptc", "pgs", "ipm"}));
