@@ -254,13 +254,13 @@ struct RunOutcome {
 };
 
 template <int D>
-RunOutcome outcome_of(const SceneRun<D>& run) {
+RunOutcome outcome_of(const SceneRun<D>& run, bool has_begun) {
   using End = typename SceneRun<D>::End;
   if (run.end == End::kFailed) {
     using Kind = StepFailure::Kind;
     switch (run.failure->kind) {
       case Kind::kInvalidInput:
-        if (run.totals.steps > 0) return {"failed", kExitNumericalFailure};
+        if (has_begun) return {"failed", kExitNumericalFailure};
         return {"invalid input", kExitBadInput};
       case Kind::kNotConverged:
         return {"not converged", kExitNotConverged};
@@ -432,7 +432,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   const SceneRun<D>& run = taken.run;
   double peak[1] = {peak_memory()};
   if (run.domains) run_processes().largest(peak);
-  const auto [status, exit_code] = outcome_of(run);
+  const auto [status, exit_code] = outcome_of(run, prepared.state.step > 0);
   if (!is_speaker()) return exit_code;
   if (scene.observables) write_observable_charts(folder, scene.observables->profile, draws);
   if (run.failure) {

@@ -124,8 +124,8 @@ struct Regret {
   int alone = 0;               ///< solved by nobody else: no entry
   double median = kNaN, ninth_decile = kNaN, worst = kNaN;
 };
-/// Over all problems that need impulses, and tolerances with one of the other solvers within
-/// [least_time, infinity).
+/// Over all problems that need impulses and tolerances that another solver met, in at least
+/// least_time.
 Regret regret_of(const Comparison& comparison, const std::string& solver, double least_time = 0);
 
 }  // namespace bipot

@@ -1,5 +1,5 @@
 # What is installed, in three components:
-#   program  the command, its scenes, manual page, completions, copyright
+#   program  the command, its scenes, manual page, completions, copyright, changes
 #   library  libraries, headers, what find_package(bipot) reads
 #   python   the module (bench/python/CMakeLists.txt)
 include(CMakePackageConfigHelpers)

@@ -367,7 +367,7 @@ py::tuple parts_of_problem(const PythonProblem& self) {
 }
 
 HeldProblem problem_of_parts(const py::tuple& parts) {
-  if (parts.size() != 17) throw std::invalid_argument("not the parts of a Problem");
+  if (parts.size() != 17) throw std::invalid_argument("a Problem that another version pickled");
   auto made = std::make_shared<PythonProblem>();
   ContactProblem p{.dim = parts[0].cast<int>()};
   if (!parts[1].is_none()) p.A = from_parts<SparseMatrix>(parts[1], "A");

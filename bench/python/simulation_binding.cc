@@ -113,7 +113,7 @@ class PythonSimulation {
       }
     }
     watch_.rethrow();
-    if (failure && failure->kind == StepFailure::Kind::kInvalidInput) {
+    if (failure && failure->kind == StepFailure::Kind::kInvalidInput && state_.step == 0) {
       throw std::invalid_argument(failure->what());
     }
     if (failure) throw *failure;

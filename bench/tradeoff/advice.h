@@ -130,12 +130,12 @@ struct Advice {
   Accuracy goal;
   bool default_goal = false;  ///< the user gave none
 
-  std::string scene, title;             ///< file; title
-  double scene_step = 0;                ///< [s]
-  double duration = 0;                  ///< of the scene                                        [s]
-  double cut = 0;                       ///< accuracy for the goal; 0: the scene takes none
-  bool warm_start = true;               ///< of the scene, in all trials
-  bool other_stop = false;              ///< of the scene, not the guarded one of the trials
+  std::string scene, title;  ///< file; title
+  double scene_step = 0;     ///< [s]
+  double duration = 0;       ///< of the scene                                        [s]
+  double cut = 0;            ///< accuracy for a goal of overlap; 0: none, or none is taken
+  bool warm_start = true;    ///< of the scene, in all trials
+  bool other_stop = false;   ///< of the scene, not the guarded one of the trials
   bool cohesion_without_range = false;  ///< of the scene: in impacts it grows with the time step
 
   Sample sample;

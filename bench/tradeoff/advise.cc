@@ -74,7 +74,7 @@ Adviser<D>::Adviser(const Scene<D>& scene, const Advice::Options& options)
   if (const double overlap = advice_.goal.penetration; !std::isnan(overlap)) {
     // As it is printed and written.
     const double x = number_at(fmt::format("{:.2g}", std::clamp(overlap / 3, 1e-6, 0.3)));
-    if (validate(with_setting(scene, exact(1, x))).empty()) advice_.cut = x;
+    if (!scene.has_cohesion() && run_takes(scene, exact(1, x))) advice_.cut = x;
   }
   advice_.warm_start = scene.solver.warm_start;
   advice_.other_stop = scene.solver.stop != "guarded";

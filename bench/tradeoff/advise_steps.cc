@@ -98,7 +98,7 @@ void Adviser<D>::try_accuracies(const Starts& kept) {
   for (const double x : ladder) {
     const RunSetting setting = exact(factor, x);
     if (options_.stopped() || equal > time_.until(TimeBudget::kStepsEnd) ||
-        !validate(with_setting(scene_, setting)).empty()) {
+        !run_takes(scene_, setting)) {
       return;
     }
     Samples level = stretches(scene_, kept, setting, TimeBudget::kStepsEnd);

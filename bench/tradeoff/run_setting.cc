@@ -7,6 +7,7 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/report/labels.h"
 #include "core/motion/spring_dashpot_setup.h"
+#include "core/scene_files/scene_file.h"
 #include "solvers/auto/plan.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
@@ -64,6 +65,15 @@ Scene<D> with_setting(Scene<D> scene, const RunSetting& setting) {
   if (std::isfinite(setting.overlap)) scene.dem.overlap = setting.overlap;
   scene.dem.stiffness = std::isfinite(setting.stiffness) ? setting.stiffness : 0;
   return scene;
+}
+
+template <int D>
+bool run_takes(const Scene<D>& scene, const RunSetting& setting) {
+  Scene<D> as_run = with_setting(scene, setting);
+  if (scene.contact_distance != default_contact_distance(scene)) {
+    as_run.contact_distance = scene.contact_distance;
+  }
+  return validate(as_run).empty();
 }
 
 template <int D>
@@ -153,6 +163,8 @@ template int longest_cut_step(const Scene<2>&, int);
 template int longest_cut_step(const Scene<3>&, int);
 template Scene<2> with_setting(Scene<2>, const RunSetting&);
 template Scene<3> with_setting(Scene<3>, const RunSetting&);
+template bool run_takes(const Scene<2>&, const RunSetting&);
+template bool run_takes(const Scene<3>&, const RunSetting&);
 template RunRecord run_setting(const Scene<2>&, State<2>&, const RunSetting&, const RunLimits&,
                                const RunObserver<2>&);
 template RunRecord run_setting(const Scene<3>&, State<3>&, const RunSetting&, const RunLimits&,

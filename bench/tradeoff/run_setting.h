@@ -79,6 +79,10 @@ int steps_of(int steps, const RunSetting& setting);
 template <int D>
 Scene<D> with_setting(Scene<D> scene, const RunSetting& setting);
 
+/// Whether `bipot run` takes the setting too, where a contact distance of the scene's own stays.
+template <int D>
+bool run_takes(const Scene<D>& scene, const RunSetting& setting);
+
 /// Takes the steps of with_setting(scene, setting) from the state, which was made with steps of the
 /// scene's: the impulses from which the first step starts are scaled. `state` becomes the last one.
 /// Time on the wall decides nothing unless `limits` ask for it.

@@ -108,8 +108,8 @@ struct StepFailure : std::runtime_error {
     kNotConverged,
     kUnsolvable,  ///< its problem provably has no solution
     kPassage,     ///< bodies or walls would have gone through each other
-    /// Bodies at mid-step have contacts without a normal, or a cell is too short; a wall moves into
-    /// what pins hold; joints made energy: no solver can help.
+    /// No solver can help. Bodies at mid-step have contacts without a normal, a cell is too short,
+    /// a wall moves into what pins hold, or joints made energy.
     kPlaces
   };
   StepFailure(Kind k, const std::string& message) : std::runtime_error(message), kind(k) {}

@@ -24,7 +24,8 @@ namespace bipot {
 ///                     W_tt = W_nn. In a global problem, an extra degree of freedom of mass
 ///                     1/W_nn for each contact, after the others, has this effect;
 ///   /bipot/dofs       number of degrees of freedom of a global problem with dim = 1, without
-///                     these.
+///                     these;
+///   /bipot/lenient    there where equality rows may block contacts along their normal.
 ///
 /// Equality rows of a global problem, M v = H r + G λ + f with Gᵀ v + b = 0 in the file's signs, are
 /// eliminated (with_equality_rows()). /solution/l holds λ. Those of a local problem (V, R, s) are

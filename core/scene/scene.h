@@ -314,7 +314,7 @@ struct Scene {
   SpringDashpotChoice dem;  ///< spring-dashpot model only
   OutputChoice output;
   std::optional<ObservableChoice<D>> observables;
-  std::string caution;  ///< what its files have that was left out; empty: nothing
+  std::string caution;  ///< what is left out of its files or looks wrong; empty: nothing
 
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];

@@ -383,10 +383,12 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   if (auto defect = validate(scene); !defect.empty()) root.refuse(defect);
   const double apart = scene.contact_distance / smallest_radius(scene);
   if (apart > kDeepOverlap && !scene.predict_gaps) {
-    scene.caution += fmt::format(
-        "{}[contact] distance lets bodies rest {:.2g} of the smallest radius apart; overlaps = "
-        "\"predict\" does not",
-        scene.caution.empty() ? "" : "; ", apart);
+    Scene<D> predicting = scene;
+    predicting.predict_gaps = true;
+    scene.caution +=
+        fmt::format("{}[contact] distance lets bodies rest {:.2g} of the smallest radius apart{}",
+                    scene.caution.empty() ? "" : "; ", apart,
+                    validate(predicting).empty() ? "; overlaps = \"predict\" does not" : "");
   }
   return scene;
 }

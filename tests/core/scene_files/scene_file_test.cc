@@ -728,6 +728,8 @@ TEST(SceneFile, OverlapsAreKeptOrProjected) {
   const std::string wide = kDisk + "[contact]\ndistance = 0.1\n";
   EXPECT_TRUE(says(parse(wide).caution, "lets bodies rest 0.2 of the smallest radius apart"));
   EXPECT_EQ(parse(wide + "overlaps = \"predict\"\n").caution, "");
+  EXPECT_TRUE(says(parse(wide).caution, "predict"));
+  EXPECT_FALSE(says(parse(wide + "e_n = 0.5\n").caution, "predict")) << "it is refused there";
   EXPECT_EQ(parse(kDisk + "[contact]\ndistance = 0.02\n").caution, "");
   EXPECT_EQ(parse(kTime + "travel = 0.1\n").travel, 0.1);
   const std::string accurate = kTime + "accuracy = 1e-3\n";

@@ -348,9 +348,9 @@ TEST(AutoSolver, InSpaceTheCentralPathHasItsTime) {
       EXPECT_GE(path->min_iterations, 580);
       for (auto stage = stages.begin(); stage != path; ++stage) {
         if (stage->solver->name == "load_path") continue;  // one pass
-        // Gradient steps and sweeps cost a tenth of one there and back or less.
-        const bool cheap = stage->solver->name == "apgd" || stage->solver->name == "pgs";
-        const int most = cheap ? 30000 : 3000;
+        // Gradient steps cost a tenth of a sweep there and back or less, plain sweeps a quarter.
+        const std::string_view name = stage->solver->name;
+        const int most = name == "apgd" ? 30000 : name == "pgs" ? 15000 : 3000;
         EXPECT_LE(stage->max_iterations, most) << stage->solver->name;
       }
     }
@@ -412,22 +412,20 @@ TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBac
   EXPECT_EQ(planned(triangular_lattice(30, options)).front().solver->name, "anderson");
 }
 
-/// Up to 2500 contacts of disks a path begins where the first sweeps end, if that is near; above
-/// 400 not at loose tolerances, where sweeps do without it.
+/// Up to 2500 contacts of disks a path begins where the first sweeps end, if that is near.
 TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
   for (const char* name : {"2d_tilt12_320.hdf5", "2d_pile_300_mu03.hdf5"}) {
     const ContactProblem p = shipped_file(name);
     const bool few = p.num_contacts() <= 400;
     ASSERT_EQ(few, std::string_view(name) == "2d_tilt12_320.hdf5");
     for (const bool warm : {false, true}) {
-      const std::vector<AutoStage> loose = serving(p, warm, 1e-1);
-      EXPECT_EQ(loose[0].solver->name, "assor");
-      EXPECT_EQ(loose[1].solver->name == "homotopy", few);
-      EXPECT_EQ(loose[few ? 2 : 1].solver->name, !warm ? "ipm" : few ? "pgs" : "apgd");
-      const std::vector<AutoStage> fair = serving(p, warm, 1e-4);
-      EXPECT_EQ(fair[0].solver->name, "assor");
-      expect_stage(fair[1], "homotopy", AutoStage::Start::kBest);
-      EXPECT_LT(fair[1].largest_error, 0.5) << "from far away paths are long";
+      for (const double tol : {3e-2, 1e-4}) {
+        const std::vector<AutoStage> stages = serving(p, warm, tol);
+        EXPECT_EQ(stages[0].solver->name, "assor");
+        expect_stage(stages[1], "homotopy", AutoStage::Start::kBest);
+        EXPECT_LE(stages[1].largest_error, 0.1) << "from far away paths are long";
+        EXPECT_EQ(stages[2].solver->name, !warm ? "ipm" : few ? "pgs" : "apgd");
+      }
     }
   }
   for (const int side : {28, 36}) {  // 2268 and 3780 contacts or so
