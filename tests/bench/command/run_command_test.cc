@@ -340,6 +340,8 @@ TEST_F(RunCommand, ATravelThatIsTooShortLaterIsNoBadInput) {
         "disks = [{position = [0, 0], radius = 0.1, mass = 1}]\n"
         "time = {step = 1e-2, steps = 100, travel = 1e-4}\n");
   expect_said("run fall.toml", 3, {"failed: 41 of 100 steps", "give a smaller step"});
+  ASSERT_EQ(code_of("run fall.toml --steps 41 --out begun"), 0);
+  expect_said("run fall.toml --restart begun --steps 1", 3, {"give a smaller step"});
 }
 
 // Of the exact solvers homotopy knows the plane alone.

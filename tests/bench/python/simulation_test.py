@@ -155,6 +155,16 @@ def test_a_python_solver_drives_a_scene():
         sim.advance()
 
 
+def test_a_travel_that_is_too_short_later_is_no_bad_value():
+    # At most 4096 parts of 1e-4 of 0.1 m in 0.01 s: to 4.096 m/s, the speed of step 41.75.
+    sim = bipot.Simulation.from_text("""
+disks = [{position = [0, 0], radius = 0.1, mass = 1}]
+time = {step = 1e-2, steps = 100, travel = 1e-4}""")
+    for _ in range(41):
+        sim.advance()
+    refused(bipot.StepError, "give a smaller step", sim.advance)
+
+
 def test_a_step_is_not_begun_within_a_step():
     def again(problem, tol, callback):
         return sim.advance()

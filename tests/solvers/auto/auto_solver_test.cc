@@ -446,10 +446,10 @@ TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
   EXPECT_EQ(warm[2].solver->name, "pgs");
 }
 
-/// Spheres that land: a few sweeps there and back, momentum for packings at rest, many plain sweeps,
-/// and splitting, then the central path; Newton steps end what these began to a tight tolerance. A
-/// close packing, here of 112 contacts of 30 spheres, begins with momentum, and to a tight tolerance
-/// with factors next.
+/// Spheres that land: a few sweeps there and back, then momentum for packings at rest. Then many
+/// plain sweeps and splitting, at last the central path; Newton steps end to a tight tolerance what
+/// these began. A close packing, here of 112 contacts of 30 spheres, begins with momentum, and to a
+/// tight tolerance with factors next.
 TEST(AutoSolver, SpheresBeginWithSweepsAndSplitting) {
   const auto names = [](double tol, const char* file = "3d_sphere_box_4.hdf5") {
     std::vector<std::string_view> order;
