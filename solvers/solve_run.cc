@@ -38,7 +38,7 @@ SolveRun::SolveRun(const ContactProblem& problem, const SolverOptions& options)
 
 bool SolveRun::due(int iteration) {
   if (every_ || options_.stop == StopTest::kImpulse || iteration >= next_ ||
-      iteration >= options_.max_iterations) {
+      iteration == options_.also_judged || iteration >= options_.max_iterations) {
     return true;
   }
   if (iteration < next_poll_) return false;
@@ -49,7 +49,9 @@ bool SolveRun::due(int iteration) {
 
 int SolveRun::undue(int iteration, int most) const {
   if (every_ || options_.stop == StopTest::kImpulse) return 1;
-  return std::clamp(std::min(next_, options_.max_iterations) - iteration, 1, most);
+  const bool first = iteration < options_.also_judged && options_.also_judged < next_;
+  const int judged = first ? options_.also_judged : next_;
+  return std::clamp(std::min(judged, options_.max_iterations) - iteration, 1, most);
 }
 
 /// True if the impulse judged last meets the stop test; stores the best one.

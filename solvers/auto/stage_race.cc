@@ -18,8 +18,10 @@ namespace {
 
 // constant          value   unit          reason
 // kNearTolerances   10      tolerances    an error within a decade mostly arrives soon
+// kOvertime         1.25    budgets       for a stage that is near and will arrive by then
 // kFreedFrom        6000    contacts      memory counts more than the milliseconds to give it back
 constexpr double kNearTolerances = 10;
+constexpr double kOvertime = 1.25;
 constexpr int kFreedFrom = 6000;
 
 /// Whether a stage will reach the tolerance within its budget, from the errors that it showed so
@@ -38,14 +40,21 @@ class Forecast {
     if (!std::isfinite(error)) return;
     best_[r.iteration] = error;
     if (r.iteration < std::max(stage_.min_iterations, 2)) return;
-    if (error <= kNearTolerances * tol_ && r.iteration < stage_.near_iterations) return;
+    const bool near = error <= kNearTolerances * tol_;
+    if (near && r.iteration < stage_.near_iterations) return;
     auto half = best_.upper_bound(r.iteration / 2);
     if (half != best_.begin()) --half;
     const double gained = std::log(half->second / error), needed = std::log(error / tol_);
     const double left = needed / gained * (r.iteration - half->first);  // inf: no gain
-    failed_ = !(r.iteration + left <= stage_.max_iterations);
+    const bool overtime = near && r.iteration >= stage_.max_iterations;
+    failed_ = !(r.iteration + left <= (overtime ? budget() : stage_.max_iterations));
   }
   bool failed() const { return failed_; }
+
+  /// Of iterations, overtime included.
+  double budget() const {
+    return (stop_ == StopTest::kImpulse ? 1 : kOvertime) * stage_.max_iterations;
+  }
 
  private:
   const AutoStage& stage_;
@@ -136,9 +145,11 @@ class Race {
     }
     inner_.s0 *= stage.of_start;
     inner_.time_limit = run_.remaining_seconds();
-    inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
     inner_.parameters = stage_parameters(stage.parameters);
     Forecast forecast(stage, inner_.tol, options_.stop);
+    const double allowed = options_.max_iterations - iterations_;
+    inner_.max_iterations = static_cast<int>(std::min(forecast.budget(), allowed));
+    inner_.also_judged = stage.max_iterations;
     const auto history = history_after(options_, iterations_, run_.seconds(), iterations_ == 0);
     inner_.on_iteration = [&](const IterationRecord& r) {
       forecast.record(r);
@@ -182,9 +193,10 @@ class Race {
     const bool by_caller = stopped && run_.cancelled();
     const bool given_up = stopped && !by_caller && forecast.failed() && !run_.late();
     if (by_caller) last_ = SolveStatus::kInterrupted;
-    trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver->name,
-                          result.iterations, given_up ? "given up" : to_string(last_), error);
     if (given_up) last_ = SolveStatus::kIterationLimit;
+    const bool early = given_up && result.iterations < stage.max_iterations;
+    trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver->name,
+                          result.iterations, early ? "given up" : to_string(last_), error);
     if (error < best_error_ || is_success(last_)) {
       judged_ = judged;
       best_error_ = error;

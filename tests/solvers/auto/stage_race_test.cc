@@ -1,8 +1,10 @@
 #include "solvers/auto/stage_race.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "tests/support/converged.h"
@@ -87,6 +89,21 @@ TEST_F(StageRace, AStageThatWillArriveIsLetGoOn) {
   EXPECT_EQ(race({arriving}).status, SolveStatus::kConverged);
   arriving.max_iterations = 20;
   EXPECT_TRUE(says(race({arriving}).message, "given up"));
+}
+
+/// A decade takes 22 iterations of 0.9^k: within the last one a stage may take 1.25 of its budget.
+TEST_F(StageRace, AStageThatIsNearIsGivenAQuarterMore) {
+  const auto needed = [&] { return converged(race({stage_of(slow, 1000)})).iterations; };
+  const auto ends_at = [&](int budget) {
+    const std::string message = race({stage_of(slow, budget)}).message;
+    EXPECT_TRUE(says(message, fmt::format("slow {}: iteration limit", budget)));
+  };
+  options_.tol = 1e-3;
+  const int enough = static_cast<int>(std::ceil(needed() / 1.25));
+  converged(race({stage_of(slow, enough)}));
+  ends_at(enough - 5);
+  options_.tol = 1e-8;
+  ends_at(static_cast<int>(std::ceil(needed() / 1.25)));  // far
 }
 
 TEST_F(StageRace, AStageWaitsForAnErrorThatIsSmallEnough) {
