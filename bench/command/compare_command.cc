@@ -11,8 +11,7 @@
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/progress_bar.h"
-#include "bench/command/watched_trade.h"
+#include "bench/command/watched.h"
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/compare/popular_settings.h"
@@ -21,7 +20,6 @@
 #include "bench/report/json_output.h"
 #include "bench/report/labels.h"
 #include "bench/tradeoff/trade_report.h"
-#include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
 #include "solvers/registry.h"
 #include "solvers/solver.h"
@@ -31,17 +29,11 @@ namespace {
 
 struct CompareFlags : OutputFlags {
   std::vector<std::string> targets;
-  std::vector<std::string> solvers = {"all"};
-  std::vector<double> tols;                    ///< empty: 1e-2, 1e-4, 1e-6, 1e-8; quick 1e-2, 1e-6
+  Comparison::Options options = {.solvers = {"all"}, .tols = {}};
   std::optional<double> time_limit;            ///< of one solve, 2 s; quick 1 s
   std::optional<double> reference_time_limit;  ///< of one attempt, 5 s; quick 3 s
-  int threads = 1;
-  int repeat = 1;
-  double min_time = 0.02;  ///< of the repeats of a short solve together, CPU [s]
-  bool try_all = false;
-  bool warm = false;                  ///< warm rows beside the cold ones
-  std::optional<int> scene_problems;  ///< 3; quick 1
-  std::optional<int> scene_steps;     ///< all; quick 100
+  std::optional<int> scene_problems;           ///< 3; quick 1
+  std::optional<int> scene_steps;              ///< all; quick 100
   /// Scenes run as a whole, beside the problems; "set": the set of `bipot trade`.
   std::vector<std::string> whole_runs;
   std::string settings;  ///< "popular"
@@ -62,22 +54,23 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
                  "In place of solvers and tolerances: defaults of popular codes, judged (targets: "
                  "the shipped problems)",
                  {.one_of = {"popular"}});
-  command.option("--solvers NAMES", flags.solvers, "all, or names separated by commas");
-  command.option("--tols NUMBERS", flags.tols,
+  command.option("--solvers NAMES", flags.options.solvers, "all, or names separated by commas");
+  command.option("--tols NUMBERS", flags.options.tols,
                  "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)", {.positive = true});
   command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one solve (2; quick 1)",
                  {.positive = true});
   command.option("--reference-time-limit SECONDS", flags.reference_time_limit,
                  "CPU seconds of one attempt at a reference (5; quick 3)", {.positive = true});
-  command.option("--repeat", flags.repeat, "Solves behind each time, at least",
+  command.option("--repeat", flags.options.repeat, "Solves behind each time, at least",
                  {.show_default = true, .between = {{1, 1000}}});
-  command.option("--min-time SECONDS", flags.min_time,
+  command.option("--min-time SECONDS", flags.options.min_time,
                  "CPU seconds for which short solves are repeated; the least time counts",
                  {.show_default = true, .not_negative = true});
-  command.flag("--try-all", flags.try_all,
+  command.flag("--try-all", flags.options.try_all,
                "Run solvers also after they were out of time at a looser tolerance or on a "
                "smaller problem of the series");
-  command.flag("--warm", flags.warm, "Beside each row the same from the step before, where known");
+  command.flag("--warm", flags.options.warm,
+               "Beside each row the same from the step before, where known");
   command.option("--scene-problems", flags.scene_problems,
                  "Steps of a scene or a moving family (3; quick 1)", {.between = {{1, 1000}}});
   command.option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)",
@@ -86,7 +79,7 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
                  "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
                  "trade` does; 'set' is its own set");
   command.flag("--quick", flags.quick, "Loose limits and the small benchmark, for a first look");
-  add_threads_flag(command, flags.threads);
+  add_threads_flag(command, flags.options.threads);
   add_output_flags(
       command, flags,
       "Folder for rows.csv, history.csv, success.csv, several.csv, comparison.csv, "
@@ -105,29 +98,25 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
 
 int run_settings(const CompareFlags& flags, const std::vector<ProblemSource>& sources) {
   const CompareFlags none;
-  const std::pair<const char*, bool> others[] = {{"--solvers", flags.solvers != none.solvers},
-                                                 {"--tols", flags.tols != none.tols},
-                                                 {"--repeat", flags.repeat != none.repeat},
-                                                 {"--min-time", flags.min_time != none.min_time},
-                                                 {"--try-all", flags.try_all},
-                                                 {"--whole-runs", !flags.whole_runs.empty()},
-                                                 {"--threads", flags.threads != none.threads}};
+  const std::pair<const char*, bool> others[] = {
+      {"--solvers", flags.options.solvers != none.options.solvers},
+      {"--tols", flags.options.tols != none.options.tols},
+      {"--repeat", flags.options.repeat != none.options.repeat},
+      {"--min-time", flags.options.min_time != none.options.min_time},
+      {"--try-all", flags.options.try_all},
+      {"--whole-runs", !flags.whole_runs.empty()},
+      {"--threads", flags.options.threads != none.options.threads}};
   for (const auto& [name, given] : others) {
     if (given) throw std::invalid_argument(std::string(name) + " has no effect with --settings");
   }
-  SettingStudy::Options options{.warm = flags.warm, .overlaps = flags.targets.empty()};
+  SettingStudy::Options options{.warm = flags.options.warm, .overlaps = flags.targets.empty()};
   options.time_limit = flags.time_limit.value_or(flags.quick ? 0.5 : options.time_limit);
   options.reference_time_limit = flags.reference_time_limit.value_or(options.reference_time_limit);
   flags.prepare(true);
-  ProgressBar progress(static_cast<long>(sources.size() * popular_settings().size()),
-                       flags.silent());
-  long done = 0;
-  options.on_row = [&](const SettingStudy::Row& row) {
-    progress.update(++done, fmt::format("{} {}", row.problem, row.code));
-  };
-  const InterruptGuard interrupt;
-  options.interrupted = &InterruptGuard::requested;
-  const SettingStudy study = study_settings(sources, options);
+  const SettingStudy study = watched(flags.silent(), [&](const Watch& watch) {
+    options.watch = watch;
+    return study_settings(sources, options);
+  });
   const Document summary = settings_document(study, provenance("compare", typed_command()));
   Document page = summary;
   page.fold("All runs", setting_rows(study), "rows");
@@ -150,17 +139,12 @@ bool nothing_to_solve(const Comparison& comparison, const Comparison::Problem& p
 }
 
 int run_compare(const CompareFlags& flags) {
-  const bool all = flags.solvers.size() == 1 && flags.solvers[0] == "all";
-  Comparison::Options options{.solvers = all ? solver_names() : flags.solvers,
-                              .repeat = flags.repeat,
-                              .threads = flags.threads,
-                              .min_time = flags.min_time,
-                              .try_all = flags.try_all,
-                              .warm = flags.warm,
-                              .out = flags.out};
-  options.tols = !flags.tols.empty() ? flags.tols
-                 : flags.quick       ? std::vector<double>{1e-2, 1e-6}
-                                     : options.tols;
+  Comparison::Options options = flags.options;
+  options.out = flags.out;
+  if (options.solvers == std::vector<std::string>{"all"}) options.solvers = solver_names();
+  if (options.tols.empty()) {
+    options.tols = flags.quick ? std::vector<double>{1e-2, 1e-6} : Comparison::Options{}.tols;
+  }
   options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : options.time_limit);
   options.reference_time_limit =
       flags.reference_time_limit.value_or(flags.quick ? 3 : options.reference_time_limit);
@@ -179,24 +163,25 @@ int run_compare(const CompareFlags& flags) {
   if (!flags.settings.empty()) return run_settings(flags, sources);
 
   flags.prepare(true);
-  const bool quiet = flags.silent();
-  const long total = static_cast<long>(sources.size() * options.solvers.size() *
-                                       options.tols.size() * (options.warm ? 2 : 1));
-  ProgressBar progress(total, quiet);
-  options.on_row = [&progress](const Comparison::Row& row, int done, int) {
-    progress.update(done,
-                    fmt::format("{} {} {}", row.problem, row.solver, tolerance_label(row.tol)));
-  };
-  const InterruptGuard interrupt;
-  options.interrupted = &InterruptGuard::requested;
-  options.cancelled = &InterruptGuard::requested;
-  const Comparison comparison = compare(sources, options);
+  const Comparison comparison = watched(flags.silent(), [&, options](const Watch& watch) mutable {
+    options.watch = watch;
+    return compare(sources, options);
+  });
   std::optional<FinishedTrade> whole;
   if (!flags.whole_runs.empty() && comparison.complete) {
-    TradeRequest request;
-    if (flags.whole_runs != std::vector<std::string>{"set"}) request.scenes = flags.whole_runs;
-    request.quick = flags.quick;
-    whole = run_watched_trade(request, flags);
+    const std::string quick = flags.quick ? " --quick" : "";
+    const bool set = flags.whole_runs == std::vector<std::string>{"set"};
+    whole = watched(flags.silent(), [&](const Watch& watch) {
+      Trade::Options trade = trade_options(flags.quick);
+      if (!set) trade.targets = flags.whole_runs;
+      trade.watch = watch;
+      if (!flags.quiet) trade.warn = &warn_once;
+      return finished_trade(
+          trade,
+          fmt::format("bipot trade {}{}",
+                      set ? "" : fmt::format("{}", fmt::join(flags.whole_runs, " ")), quick),
+          "bipot trade {}" + quick);
+    });
   }
 
   ReportContext context{provenance("compare", typed_command()), typed_command(flags.targets),

@@ -11,13 +11,12 @@
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/progress_bar.h"
+#include "bench/command/watched.h"
 #include "bench/compare/extreme_matrix.h"
 #include "bench/compare/extreme_report.h"
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_sets.h"
 #include "bench/report/json_output.h"
-#include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
 #include "core/problem_files/fclib_file.h"
 #include "solvers/registry.h"
@@ -76,8 +75,7 @@ int random_sets(const ExtremesFlags& flags) {
                               .seed = flags.seed,
                               .tol = flags.tol,
                               .time_limit = flags.time_limit.value_or(2),
-                              .solvers = solvers_of(flags),
-                              .interrupted = &InterruptGuard::requested};
+                              .solvers = solvers_of(flags)};
   bool sound = true;
   Document page{.made = provenance("extremes", typed_command())};
   Table findings{.columns = {{"set"}, {"kind"}, {"index"}, {"solver"}, {"message"}, {"again"}},
@@ -85,12 +83,10 @@ int random_sets(const ExtremesFlags& flags) {
   const auto run = [&](int count, const char* what, const char* flag, auto* measure) {
     if (count == 0) return;
     options.count = count;
-    RandomSets result;
-    {
-      ProgressBar progress(count, flags.silent());
-      options.on_progress = [&](int done) { progress.update(done, what); };
-      result = measure(options);
-    }
+    const RandomSets result = watched(flags.silent(), [&](const Watch& watch) {
+      options.watch = watch;
+      return measure(options);
+    });
     sound = sound && result.sound() && result.energy_grew == 0;
     if (!flags.silent()) fmt::print("{}", to_text(result, what));
     for (const RandomSets::Finding& f : result.findings) {
@@ -120,17 +116,11 @@ int matrix(const ExtremesFlags& flags) {
                                  .only = flags.only,
                                  .quick = flags.quick,
                                  .tol = flags.tol,
-                                 .time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2),
-                                 .interrupted = &InterruptGuard::requested};
-  ExtremeMatrix result;
-  {
-    std::optional<ProgressBar> progress;
-    options.on_cell = [&](const ExtremeCell& cell, int done, int total) {
-      if (!progress) progress.emplace(total, flags.silent());
-      progress->update(done, cell.name + ", " + cell.solver);
-    };
-    result = measure_extremes(options);
-  }
+                                 .time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2)};
+  const ExtremeMatrix result = watched(flags.silent(), [&](const Watch& watch) {
+    options.watch = watch;
+    return measure_extremes(options);
+  });
   const Document page = extremes_page(result, provenance("extremes", typed_command()));
   Json json = to_json(page);
   json["complete"] = result.complete;
@@ -199,7 +189,6 @@ CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
 int run_extremes(const ExtremesFlags& flags) {
   if (!flags.dump_problem.empty()) return dump(flags);
   flags.prepare();
-  const InterruptGuard interrupt;
   if (flags.random_problems + flags.random_scenes > 0) return random_sets(flags);
   return matrix(flags);
 }

@@ -9,10 +9,9 @@
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/progress_bar.h"
+#include "bench/command/watched.h"
 #include "bench/compare/leaderboard_report.h"
 #include "bench/problems/scene_catalogue.h"
-#include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
 #include "solvers/registry.h"
 
@@ -59,16 +58,14 @@ int run_leaderboard(const LeaderboardFlags& flags) {
   }
   const std::vector<ProblemSource> problems = expand_targets(flags.problems);
   flags.prepare(true);
-  const InterruptGuard interrupt;
-  ProgressBar progress(static_cast<long>(problems.size()), flags.silent());
-  long done = 0;
-  const Leaderboard board =
-      make_leaderboard({flags.folders.begin(), flags.folders.end()}, problems,
-                       {.solvers = flags.no_solvers ? std::vector<std::string>() : flags.solvers,
-                        .tol = flags.tol,
-                        .time_limit = flags.time_limit,
-                        .cancelled = &InterruptGuard::requested},
-                       [&](const std::string& problem) { progress.update(++done, problem); });
+  const Leaderboard board = watched(flags.silent(), [&](const Watch& watch) {
+    return make_leaderboard(
+        {flags.folders.begin(), flags.folders.end()}, problems,
+        {.solvers = flags.no_solvers ? std::vector<std::string>() : flags.solvers,
+         .tol = flags.tol,
+         .time_limit = flags.time_limit,
+         .watch = watch});
+  });
   const Document summary = leaderboard_document(board, provenance("leaderboard", typed_command()));
   Document page = summary;
   page.fold("All impulses", leaderboard_rows(board), "rows");

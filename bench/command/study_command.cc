@@ -8,10 +8,9 @@
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/progress_bar.h"
+#include "bench/command/watched.h"
 #include "bench/study/study.h"
 #include "core/base/file_error.h"
-#include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
 #include "core/files/atomic_file.h"
 
@@ -64,11 +63,8 @@ int run_study(const StudyFlags& flags) {
     for (const Study::Part& part : parts) {
       for (Study::Job& job : part.jobs(flags.quick)) jobs.push_back(std::move(job));
     }
-    const InterruptGuard interrupt;
-    ProgressBar progress(static_cast<long>(jobs.size()), flags.silent());
-    complete = Study::measure(
-        rows, jobs, &InterruptGuard::requested,
-        [&](long done, long, const std::string& what) { progress.update(done, what); });
+    complete = watched(flags.silent(),
+                       [&](const Watch& watch) { return Study::measure(rows, jobs, watch); });
   }
   const Study::Measured measured = Study::read(rows);
   Document page{.title = "How exact must a contact solver be?",

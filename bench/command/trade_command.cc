@@ -1,58 +1,65 @@
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/watched_trade.h"
+#include "bench/command/watched.h"
 #include "bench/problems/scene_catalogue.h"
-#include "bench/tradeoff/trade_request.h"
+#include "bench/tradeoff/trade_report.h"
 
 namespace bipot {
 namespace {
 
+/// Empty entries take their default, or the smaller one of `quick`.
 struct TradeFlags : OutputFlags {
-  TradeRequest request;
+  std::vector<std::string> scenes, solvers = {"auto"};
+  std::vector<double> tols, step_sizes, accuracies, overlaps, stiffness;
+  std::optional<double> time_limit, negligible;
+  std::optional<int> replicas;
+  std::string witness = "apgd";
+  bool quick = false;
 };
 
 CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
   CommandDeclaration command = line.add_command(
       "trade", "Whole simulations: what a tolerance, a time step and springs cost and buy");
-  command.option("scenes", flags.request.scenes,
+  command.option("scenes", flags.scenes,
                  "Scene files or names of shipped scenes, each with :steps=N behind it for "
                  "another length (default: a set of them)",
                  {.suggest = names_of(shipped_scenes())});
-  command.option("--solvers NAMES", flags.request.solvers,
-                 "Solvers; the first one runs the time steps too", {.show_default = true});
-  command.option("--tols NUMBERS", flags.request.tols,
+  command.option("--solvers NAMES", flags.solvers, "Solvers; the first one runs the time steps too",
+                 {.show_default = true});
+  command.option("--tols NUMBERS", flags.tols,
                  "Tolerances (1e-1,1e-2,1e-3,1e-4,1e-6; quick 1e-1,1e-3)", {.positive = true});
-  command.option("--step-sizes FACTORS", flags.request.step_sizes,
+  command.option("--step-sizes FACTORS", flags.step_sizes,
                  "Time steps over the scene's (2,1,0.5,0.25; quick 2,1,0.5)", {.positive = true});
-  command.option("--accuracies RADII", flags.request.accuracies,
+  command.option("--accuracies RADII", flags.accuracies,
                  "Accuracies that cut steps of a frame, see run --accuracy (0.1,0.03; quick 0.1)",
                  {.positive = true});
   command.option(
-      "--overlaps FRACTIONS", flags.request.overlaps,
+      "--overlaps FRACTIONS", flags.overlaps,
       "Springs by the overlap aimed at, of the smallest radius (1e-2,1e-3,1e-4; quick 1e-2,1e-3)",
       {.positive = true});
-  command.option("--stiffness N/m", flags.request.stiffness,
+  command.option("--stiffness N/m", flags.stiffness,
                  "Springs by their stiffness, instead of --overlaps", {.positive = true});
-  command.option("--time-limit SECONDS", flags.request.time_limit,
-                 "CPU seconds of one run (20; quick 5)", {.positive = true});
-  command.option("--negligible", flags.request.negligible,
+  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one run (20; quick 5)",
+                 {.positive = true});
+  command.option("--negligible", flags.negligible,
                  "Relative error of an outcome that is good enough in any case (1e-4)",
                  {.not_negative = true});
-  command.option("--replicas", flags.request.replicas,
+  command.option("--replicas", flags.replicas,
                  "Nearby runs of each setting where disks fly freely (3; quick 2)",
                  {.between = {{1, 1000}}});
   command.option(
       "--witness NAME",
-      [&flags](const std::string& name) {
-        flags.request.witness = name == "none" ? std::string() : name;
-      },
+      [&flags](const std::string& name) { flags.witness = name == "none" ? std::string() : name; },
       "Solver that runs the tightest tolerance too, to see what several exact answers do "
       "(apgd; none)");
-  command.flag("--quick", flags.request.quick, "Fewer scenes and settings for a first look");
+  command.flag("--quick", flags.quick, "Fewer scenes and settings for a first look");
   add_output_flags(command, flags, "Folder for trade.csv, trade.json and trade.html");
   command.footer(
       "Ends with 0 when everything was run: runs that fail or take too long are rows of it.\n"
@@ -63,9 +70,35 @@ CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
   return command;
 }
 
+Trade::Options options_of(const TradeFlags& flags) {
+  Trade::Options options = trade_options(flags.quick);
+  if (!flags.scenes.empty()) options.targets = flags.scenes;
+  options.solvers = flags.solvers;
+  if (!flags.tols.empty()) options.tols = flags.tols;
+  if (!flags.step_sizes.empty()) options.step_factors = flags.step_sizes;
+  if (!flags.accuracies.empty()) options.accuracies = flags.accuracies;
+  if (!flags.overlaps.empty()) options.overlaps = flags.overlaps;
+  options.stiffness = flags.stiffness;
+  if (!flags.overlaps.empty() && !flags.stiffness.empty()) {
+    throw std::invalid_argument("give --overlaps or --stiffness: one decides the other");
+  }
+  options.time_limit = flags.time_limit.value_or(options.time_limit);
+  options.negligible = flags.negligible.value_or(options.negligible);
+  options.replicas = flags.replicas.value_or(options.replicas);
+  options.witness = flags.witness;
+  if (!flags.quiet) options.warn = &warn_once;
+  return options;
+}
+
 int run_trade(const TradeFlags& flags) {
   flags.prepare(true);
-  const FinishedTrade finished = run_watched_trade(flags.request, flags);
+  std::string of_scene = typed_command(flags.scenes);
+  if (flags.scenes.empty()) of_scene.insert(std::string("bipot trade").size(), " {}");
+  const FinishedTrade finished = watched(flags.silent(), [&](const Watch& watch) {
+    Trade::Options options = options_of(flags);
+    options.watch = watch;
+    return finished_trade(options, typed_command(), of_scene);
+  });
   if (!flags.out.empty()) write_trade(flags.out, finished);
   flags.deliver(to_json(finished), to_text(trade_document(finished)), "results in " + flags.out);
   return finished.trade.complete ? kExitConverged : kExitInterrupted;

@@ -6,11 +6,10 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/progress_bar.h"
+#include "bench/command/watched.h"
 #include "bench/report/document.h"
 #include "bench/report/json_output.h"
 #include "bench/tune/tuned_plan.h"
-#include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
 
 namespace bipot {
@@ -42,16 +41,11 @@ int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
                                       : " has no rows: nothing touches in the targets"));
   };
   if (sources.empty() && !std::filesystem::exists(options.file)) throw no_rows();
-  const InterruptGuard interrupt;
-  options.interrupted = &InterruptGuard::requested;
-  const long solves = static_cast<long>(2 * sources.size() * (options.variants.size() + 1));
   const std::size_t known = read_measured_rows(options.file).size();
-  std::vector<MeasuredRow> rows;
-  {
-    ProgressBar progress(solves, quiet);
-    options.on_row = [&](const std::string& what, int done, int) { progress.update(done, what); };
-    rows = measure_rows(sources, options);
-  }
+  const std::vector<MeasuredRow> rows = watched(quiet, [&](const Watch& watch) {
+    options.watch = watch;
+    return measure_rows(sources, options);
+  });
   if (InterruptGuard::requested()) {
     fmt::print(stderr, "bipot: stopped; the same command goes on from {}\n", options.file.string());
     return kExitInterrupted;

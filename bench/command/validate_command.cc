@@ -11,9 +11,8 @@
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
-#include "bench/command/progress_bar.h"
+#include "bench/command/watched.h"
 #include "bench/experiments/validation_report.h"
-#include "core/base/interrupt.h"
 #include "core/base/nearest_name.h"
 #include "solvers/registry.h"
 
@@ -104,31 +103,27 @@ int run_validate(const ValidateFlags& flags) {
   require_solver(flags.solver);
   const std::vector<Experiment> experiments = chosen_experiments(flags);
   flags.prepare(true);
-  const InterruptGuard interrupt;
-  Experiment::Context context{.quick = flags.quick,
-                              .solver = flags.solver,
-                              .max_iterations = flags.max_iterations,
-                              .stopped = &InterruptGuard::requested};
   ValidationPage page{.command = again(flags), .solver = flags.solver, .quick = flags.quick};
-  {
+  watched(flags.silent(), [&](const Watch& watch) {
+    const Experiment::Context context{.quick = flags.quick,
+                                      .solver = flags.solver,
+                                      .max_iterations = flags.max_iterations,
+                                      .stopped = watch.interrupted};
     long total = 0, done = 0;
     for (const Experiment& e : experiments) {
       total += static_cast<long>(flags.quick ? e.quick_tols.size() : e.tols.size());
     }
-    ProgressBar progress(total, flags.silent());
     for (const Experiment& e : experiments) {
-      Experiment::Result result = run_experiment(
-          e, context, [&](int, int) { progress.update(done++, e.rows.front().claim.name); });
+      Experiment::Result result =
+          run_experiment(e, context, [&] { watch.tell(done++, total, e.rows.front().claim.name); });
       // An interrupted measurement would only seem to fail.
-      if (!result.complete) {
-        page.complete = false;
-        break;
-      }
+      page.complete = result.complete;
+      if (!page.complete) return;
       std::erase_if(result.rows, [&](const ValidationRow& row) { return !asked_for(flags, row); });
       page.add(std::move(result));
     }
-    if (page.complete) progress.update(total, "");
-  }
+    watch.tell(total, total, "");
+  });
   if (!flags.out.empty()) write_validation(flags.out, page);
   flags.deliver(to_json(to_report(page)), to_text(page),
                 (std::filesystem::path(flags.out) / "index.html").string());

@@ -76,7 +76,7 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
   double spent = 0;
   for (int k = 0; k < std::max(1, options.repeat) || spent < options.min_time; ++k) {
     CpuLimit limit(options.time_limit);
-    solver.cancelled = [&] { return limit() || options.is_cancelled(); };
+    solver.cancelled = [&] { return limit() || options.watch.stopped(); };
     const CpuStopwatch watch;
     SolveResult result = solve(entry, problem, solver);
     cpu.push_back(watch.seconds());
@@ -160,7 +160,7 @@ class ProblemRows {
     row.contacts = problem_.problem.num_contacts();
     row.dim = defect_.empty() ? problem_.problem.dim : 0;
     row.commit = commit_;
-    if (made.s.size() > 0 && !options_.is_cancelled()) learn(made);
+    if (made.s.size() > 0 && !options_.watch.stopped()) learn(made);
     return made;
   }
 
@@ -215,8 +215,8 @@ class ProblemRows {
   void learn(const Measurement& made) {
     const Comparison::Row& row = made.row;
     impulses_[{row.solver, row.tol, row.warm}] = made.s;
-    if (!learn_answer(problem_.problem, made.s, options_.reference_time_limit, options_.cancelled,
-                      reference_)) {
+    if (!learn_answer(problem_.problem, made.s, options_.reference_time_limit,
+                      options_.watch.interrupted, reference_)) {
       return;
     }
     learned_ = true;
@@ -262,10 +262,10 @@ class ProblemRows {
     } else {
       reference_ =
           find_reference(problem_, options_.reference_time_limit, ReferenceSolution::kTarget,
-                         ReferenceSolution::Clock::kCpu, options_.cancelled);
+                         ReferenceSolution::Clock::kCpu, options_.watch.interrupted);
       true_error_.emplace(problem_, reference_);
       if (reference_.several()) reference_.spread = true_error_->spread();
-      if (!options_.is_cancelled()) store_.write(source_, problem_, reference_);
+      if (!options_.watch.stopped()) store_.write(source_, problem_, reference_);
     }
     if (!true_error_) true_error_.emplace(problem_, reference_);
   }
@@ -356,15 +356,13 @@ class TableFiller {
   }
 
  private:
-  bool interrupted() const { return options_.interrupted && options_.interrupted(); }
-
   bool fill_rows(const ProblemSource& source, ProblemRows& problem, const SolverEntry& entry,
                  bool warm) {
     std::vector<Comparison::Row>& rows = warm ? table_.warm_rows : table_.rows;
     TimeOuts& time_outs = warm ? warm_time_outs_ : time_outs_;
     const std::string name(entry.name);
     for (std::size_t k = 0; k < tols_.size(); ++k) {
-      if (interrupted()) return false;
+      if (options_.watch.stopped()) return false;
       if (const Comparison::Row* kept = store_.find(source.name, name, tols_[k], warm)) {
         rows.push_back(*kept);
         ++table_.rows_kept;
@@ -375,17 +373,18 @@ class TableFiller {
         const std::string hopeless =
             options_.try_all ? "" : time_outs.reason(source, entry, tols_[k]);
         Measurement made = problem.make(entry, tols_[k], warm, looser, hopeless);
-        if (options_.is_cancelled()) return false;
+        if (options_.watch.stopped()) return false;
         Comparison::History history{source.name, name, tols_[k], {}};
         if (!warm) history.points = std::move(made.history);
         store_.append(made.row, history);
         rows.push_back(std::move(made.row));
       }
       time_outs.add(source, rows.back());
-      if (options_.on_row) {
-        options_.on_row(rows.back(), static_cast<int>(table_.rows.size() + table_.warm_rows.size()),
-                        total_);
-      }
+      const Comparison::Row& row = rows.back();
+      const int done = static_cast<int>(table_.rows.size() + table_.warm_rows.size());
+      options_.watch.tell(
+          done, total_, fmt::format("{} {} {}", row.problem, row.solver, tolerance_label(row.tol)));
+      if (options_.on_row) options_.on_row(row, done, total_);
     }
     return true;
   }

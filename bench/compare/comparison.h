@@ -7,6 +7,7 @@
 
 #include "bench/measure/problem_target.h"
 #include "bench/measure/reference_solution.h"
+#include "bench/measure/watch.h"
 #include "core/base/types.h"
 #include "solvers/solver.h"
 
@@ -93,10 +94,7 @@ struct Comparison {
     /// rows.csv, history.csv, references/, problems/; empty: nothing is written.
     std::filesystem::path out;
     std::function<void(const Row&, int done, int total)> on_row;
-    std::function<bool()> interrupted;  ///< asked before each row
-    /// Polled inside solves: a row that it cuts short is left out.
-    std::function<bool()> cancelled;
-    bool is_cancelled() const { return cancelled && cancelled(); }
+    Watch watch;  ///< a row that an interruption cuts short is left out
   };
   std::vector<Problem> problems;   ///< in the order of the sources
   std::vector<Row> rows;           ///< problem by problem, solver by solver, loose to tight

@@ -232,30 +232,27 @@ ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options) {
   const auto of = [&](int k) -> const ExtremeCase& { return matrix.cases[to_size(k / solvers)]; };
   IsolatedJobs jobs{.count = static_cast<int>(matrix.cases.size()) * solvers,
                     .seconds = std::max(30.0, 10 * options.time_limit),
-                    .interrupted = options.interrupted};
+                    .interrupted = options.watch.interrupted};
   jobs.job = [&](int k) {
     const std::string& solver = matrix.solvers[to_size(k % solvers)];
-    const nlohmann::json cell =
-        of(k).scene ? run_case(of(k), solver, options)
-                    : solve_problem(of(k), solver, options, matrix.verdicts[to_size(k / solvers)],
-                                    matrix.floors[to_size(k / solvers)]);
-    std::string bytes;
-    nlohmann::json::to_cbor(cell, bytes);  // keeps NaN
-    return bytes;
+    return of(k).scene
+               ? run_case(of(k), solver, options)
+               : solve_problem(of(k), solver, options, matrix.verdicts[to_size(k / solvers)],
+                               matrix.floors[to_size(k / solvers)]);
   };
   jobs.on_end = [&](int k, const IsolatedJobs::End& end) {
     ExtremeCell cell;
     if (end.kind == IsolatedJobs::End::Kind::kDone) {
-      nlohmann::json::from_cbor(end.text).get_to(cell);
+      end.result.get_to(cell);
     } else {
       cell.status = end.kind == IsolatedJobs::End::Kind::kHung ? "hung" : "crashed";
-      cell.message = end.text;
+      cell.message = end.cause;
     }
     cell.name = of(k).name;
     cell.solver = matrix.solvers[to_size(k % solvers)];
     cell.time_limit = limit_of(of(k), options);
     matrix.cells.push_back(cell);
-    if (options.on_cell) options.on_cell(cell, k + 1, jobs.count);
+    options.watch.tell(k + 1, jobs.count, cell.name + ", " + cell.solver);
   };
   run_isolated(jobs);
   matrix.complete = static_cast<int>(matrix.cells.size()) == jobs.count;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "bench/compare/extreme_case.h"
+#include "bench/measure/watch.h"
 #include "solvers/analysis/existence.h"
 
 namespace bipot {
@@ -45,8 +45,7 @@ struct ExtremeMatrix {
     bool quick = false;  ///< without large cases
     double tol = 1e-8;
     double time_limit = 2;  ///< CPU seconds of a cell, at least its case's least_seconds
-    std::function<void(const ExtremeCell&, int done, int total)> on_cell;
-    std::function<bool()> interrupted;
+    Watch watch;
   };
   std::vector<ExtremeCase> cases;
   std::vector<std::string> solvers;

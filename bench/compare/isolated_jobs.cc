@@ -36,7 +36,8 @@ void write_all(int file, const void* data, std::size_t size) {
 [[noreturn]] void work(const IsolatedJobs& jobs, int first, int out) {
   try {
     for (int k = first; k < jobs.count; ++k) {
-      const std::string text = jobs.job(k);
+      std::string text;
+      nlohmann::json::to_cbor(jobs.job(k), text);
       const std::uint64_t size = text.size();
       write_all(out, &size, sizeof size);
       write_all(out, text.data(), text.size());
@@ -132,16 +133,20 @@ void run_isolated(const IsolatedJobs& jobs) {
     for (bool alive = true; alive && next < jobs.count;) {
       if (interrupted()) return;
       IsolatedJobs::End end;
-      switch (child.next(0.1, end.text)) {
+      std::string record;
+      switch (child.next(0.1, record)) {
         case Child::Event::kRecord:
+          end.result = nlohmann::json::from_cbor(record);
           break;
         case Child::Event::kEnd:
-          end = {IsolatedJobs::End::Kind::kCrashed, child.wait()};
+          end = {IsolatedJobs::End::Kind::kCrashed, {}, child.wait()};
           alive = false;
           break;
         case Child::Event::kQuiet:
           if (since_record.seconds() < jobs.seconds) continue;
-          end = {IsolatedJobs::End::Kind::kHung, fmt::format("no end within {:g} s", jobs.seconds)};
+          end = {IsolatedJobs::End::Kind::kHung,
+                 {},
+                 fmt::format("no end within {:g} s", jobs.seconds)};
           alive = false;
           break;
       }

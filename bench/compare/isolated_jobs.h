@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 
 namespace bipot {
@@ -10,11 +11,12 @@ struct IsolatedJobs {
   struct End {
     enum class Kind { kDone, kCrashed, kHung };
     Kind kind = Kind::kDone;
-    std::string text;  ///< result of the job, any bytes; else the cause of its end
+    nlohmann::json result;
+    std::string cause;  ///< of another end
   };
   int count = 0;
   double seconds = 60;  ///< wall time after which a job counts as hung and is killed
-  std::function<std::string(int)> job;          ///< runs in the child
+  std::function<nlohmann::json(int)> job;       ///< runs in the child; NaN arrives
   std::function<void(int, const End&)> on_end;  ///< runs here, in order
   std::function<bool()> interrupted;            ///< asked between and during jobs; may be empty
 };

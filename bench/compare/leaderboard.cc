@@ -73,8 +73,7 @@ void judge_into(const ContactProblem& p, const Vector& s, Leaderboard::Entry& en
 
 Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
                              const std::vector<ProblemSource>& problems,
-                             const Leaderboard::Ours& ours,
-                             const std::function<void(const std::string&)>& on_problem) {
+                             const Leaderboard::Ours& ours) {
   Leaderboard board{.tol = ours.tol};
   std::vector<Submission> submissions;
   for (const fs::path& folder : folders) {
@@ -133,7 +132,7 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
       Leaderboard::Entry entry = entry_of("bipot " + solver);
       const CpuStopwatch watch;
       const SolveResult result =
-          solve_within(solver, p, ours.tol, ours.time_limit, {}, ours.cancelled);
+          solve_within(solver, p, ours.tol, ours.time_limit, {}, ours.watch.interrupted);
       entry.seconds = watch.seconds();
       if (result.status == SolveStatus::kInvalidInput) {
         entry.defect = result.message;
@@ -142,13 +141,14 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
       }
       board.entries.push_back(std::move(entry));
     }
-    if (ours.cancelled && ours.cancelled()) {
+    if (ours.watch.stopped()) {
       std::erase_if(board.entries, [&](const Leaderboard::Entry& e) { return e.problem == name; });
       board.problems.pop_back();
       board.complete = false;
       break;
     }
-    if (on_problem) on_problem(name);
+    ours.watch.tell(static_cast<long>(board.problems.size()), static_cast<long>(problems.size()),
+                    name);
   }
   return board;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/measure/problem_target.h"
+#include "bench/measure/watch.h"
 #include "core/criterion/contact_error.h"
 
 namespace bipot {
@@ -28,8 +29,8 @@ struct Leaderboard {
   struct Ours {
     std::vector<std::string> solvers;
     double tol = 1e-6;
-    double time_limit = 10;                ///< CPU seconds of one solve
-    std::function<bool()> cancelled = {};  ///< true: the board ends with the problem before
+    double time_limit = 10;  ///< CPU seconds of one solve
+    Watch watch = {};        ///< an interruption ends the board with the problem before
   };
 
   std::vector<std::string> who;  ///< in the order of the folders, then our solvers
@@ -47,7 +48,6 @@ struct Leaderboard {
 /// problems.
 Leaderboard make_leaderboard(const std::vector<std::filesystem::path>& folders,
                              const std::vector<ProblemSource>& problems,
-                             const Leaderboard::Ours& ours,
-                             const std::function<void(const std::string&)>& on_problem = {});
+                             const Leaderboard::Ours& ours);
 
 }  // namespace bipot

@@ -78,7 +78,7 @@ template <int D>
 void add_overlaps(const std::string& name, const Scene<D>& start,
                   const SettingStudy::Options& options, std::vector<SettingStudy::Overlap>& all) {
   const auto add = [&](const std::string& code, const StepSolver& solver, bool explicit_delassus) {
-    all.push_back(overlap_after<D>(start, solver, explicit_delassus, options.interrupted));
+    all.push_back(overlap_after<D>(start, solver, explicit_delassus, options.watch.interrupted));
     all.back().code = code;
     all.back().scene = name;
   };
@@ -96,7 +96,7 @@ void add_overlaps(const std::string& name, const Scene<D>& start,
 
 std::vector<SettingStudy::Overlap> popular_overlaps(const SettingStudy::Options& options) {
   std::vector<SettingStudy::Overlap> all;
-  const auto& stop = options.interrupted;
+  const auto& stop = options.watch.interrupted;
   const Scene<2> disks = make_moving_scene("pour", 10, {.mu = 0.3});
   add_overlaps<2>("100 disks fall", flow_of(disks, 0.5, stop), options, all);
   add_overlaps<2>(SettingStudy::Overlap::kColumn, column_at_rest(), options, all);

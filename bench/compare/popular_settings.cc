@@ -184,7 +184,7 @@ SolveResult run_watched(const PopularSetting& setting, const ContactProblem& p, 
       watch.see(record.iteration, running->space().impulse());
     }
   };
-  solver.cancelled = [&] { return watch.done() || (options.interrupted && options.interrupted()); };
+  solver.cancelled = [&] { return watch.done() || options.watch.stopped(); };
   return solve(entry, p, solver);
 }
 
@@ -267,7 +267,7 @@ StepSolver popular_step_solver(const PopularSetting& setting,
 SettingStudy study_settings(const std::vector<ProblemSource>& sources,
                             const SettingStudy::Options& options) {
   SettingStudy study;
-  const auto interrupted = [&] { return options.interrupted && options.interrupted(); };
+  const long total = static_cast<long>(sources.size() * popular_settings().size());
   for (const ProblemSource& source : sources) {
     std::optional<TestProblem> problem;
     try {
@@ -283,23 +283,24 @@ SettingStudy study_settings(const std::vector<ProblemSource>& sources,
     }
     const ReferenceSolution reference =
         find_reference(*problem, options.reference_time_limit, kReferenceTol,
-                       ReferenceSolution::Clock::kCpu, options.interrupted);
+                       ReferenceSolution::Clock::kCpu, options.watch.interrupted);
     std::optional<TrueErrorEvaluator> true_error;
     if (reference.error.guarded() <= ReferenceSolution::kTrusted) {
       true_error.emplace(*problem, reference);
     }
     for (const PopularSetting& setting : popular_settings()) {
-      if (interrupted()) return study;
+      if (options.watch.stopped()) return study;
       SettingStudy::Row row =
           run_popular(setting, *problem, true_error ? &*true_error : nullptr, options);
-      if (interrupted()) return study;
+      if (options.watch.stopped()) return study;
       row.problem = source.name;
-      if (options.on_row) options.on_row(row);
-      study.rows.push_back(std::move(row));
+      study.rows.push_back(row);
+      options.watch.tell(static_cast<long>(study.rows.size()), total,
+                         fmt::format("{} {}", row.problem, row.code));
     }
   }
   if (options.overlaps) study.overlaps = popular_overlaps(options);
-  study.complete = !interrupted();
+  study.complete = !options.watch.stopped();
   return study;
 }
 

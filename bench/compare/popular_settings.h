@@ -8,6 +8,7 @@
 
 #include "bench/measure/problem_target.h"
 #include "bench/measure/true_error.h"
+#include "bench/measure/watch.h"
 #include "core/criterion/contact_error.h"
 #include "core/motion/time_stepping.h"
 
@@ -77,8 +78,7 @@ struct SettingStudy {
     double reference_time_limit = 5;  ///< of one attempt at a reference to 1e-10
     bool warm = false;                ///< from the problem's start, where it has one
     bool overlaps = true;             ///< are measured
-    std::function<bool()> interrupted = {};
-    std::function<void(const Row&)> on_row = {};
+    Watch watch = {};
   };
 
   std::vector<Row> rows;             ///< problem by problem

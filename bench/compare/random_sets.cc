@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "bench/compare/isolated_jobs.h"
 #include "bench/compare/random_problem.h"
@@ -12,7 +11,6 @@
 #include "bench/measure/independent_check.h"
 #include "bench/measure/limited_solve.h"
 #include "bench/measure/stopwatch.h"
-#include "bench/report/json_output.h"
 #include "solvers/analysis/existence.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/force_energy.h"
@@ -24,16 +22,36 @@ namespace {
 /// Interval of problems that are certified even if they were solved.
 constexpr int kCertifyEvery = 10;
 
-/// Result of one solve.
-struct Verdict {
+/// One solve, as the child process tells it.
+struct SolveRecord {
+  std::string solver, message;
   bool refused = false, solved = false, false_claim = false, not_finite = false;
-  std::string message;
+  bool certified = false;  ///< its existence was looked at
+  Existence existence = Existence::kUndecided;
+  double seconds = 0;
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolveRecord, solver, message, refused, solved, false_claim,
+                                   not_finite, certified, existence, seconds)
 
-Verdict judge(const ContactProblem& problem, const SolveResult& r, double tol) {
-  Verdict v;
-  v.refused = r.status == SolveStatus::kInvalidInput;
-  v.message = fmt::format("{}: {}", to_string(r.status), r.message);
+/// A problem, or a scene.
+struct JobRecord {
+  std::vector<SolveRecord> solves;
+  bool planted = false, plant_holds = false;
+  bool certified = false, false_certificate = false;
+  Existence existence = Existence::kUndecided;
+  int without_contacts = 0;  ///< steps
+  bool grew = false;         ///< the energy, against theory
+  std::string message;       ///< of a run
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JobRecord, solves, planted, plant_holds, certified,
+                                   false_certificate, existence, without_contacts, grew, message)
+
+SolveRecord judge(const std::string& solver, const ContactProblem& problem, const SolveResult& r,
+                  double tol, double seconds) {
+  SolveRecord v{.solver = solver,
+                .message = fmt::format("{}: {}", to_string(r.status), r.message),
+                .refused = r.status == SolveStatus::kInvalidInput,
+                .seconds = seconds};
   if (v.refused) return v;
   v.not_finite = !r.s.allFinite() || !r.u.allFinite();
   const IndependentCheck check = independent_check(problem, r.s);
@@ -41,12 +59,6 @@ Verdict judge(const ContactProblem& problem, const SolveResult& r, double tol) {
   v.false_claim = is_success(r.status) && !v.solved;
   if (is_success(r.status)) v.message += fmt::format(" (independent check {:.2e})", check.guarded);
   return v;
-}
-
-Json to_json(const std::string& solver, const Verdict& v, double seconds) {
-  return {{"solver", solver},       {"refused", v.refused},       {"solved", v.solved},
-          {"false", v.false_claim}, {"not_finite", v.not_finite}, {"message", v.message},
-          {"seconds", seconds}};
 }
 
 /// The solvers that run on problem `index`.
@@ -57,29 +69,25 @@ std::vector<std::string> solvers_of(const RandomSets::Options& options, int inde
   return names;
 }
 
-std::string problem_job(const RandomSets::Options& options, int index) {
+JobRecord problem_job(const RandomSets::Options& options, int index) {
   const RandomProblem random = random_problem(options.seed, index);
   const ContactProblem& p = random.problem;
-  Json record{{"planted", random.planted.size() > 0}, {"solves", Json::array()}};
-  if (random.planted.size() > 0) {
-    record["plant_holds"] = independent_check(p, random.planted).guarded <= options.tol / 10;
-  }
-  bool any_solved = false, first_solved = false;
+  JobRecord record{.planted = random.planted.size() > 0};
+  record.plant_holds =
+      record.planted && independent_check(p, random.planted).guarded <= options.tol / 10;
   for (const std::string& solver : solvers_of(options, index)) {
     const double begin = cpu_seconds();
     const SolveResult result = solve_within(solver, p, options.tol, options.time_limit);
-    const Verdict v = judge(p, result, options.tol);
-    record["solves"].push_back(to_json(solver, v, cpu_seconds() - begin));
-    any_solved = any_solved || v.solved;
-    if (solver == options.solvers.front()) first_solved = v.solved;
+    record.solves.push_back(judge(solver, p, result, options.tol, cpu_seconds() - begin));
   }
-  if (!first_solved || !any_solved || index % kCertifyEvery < 2) {
-    const ExistenceCertificate c = certify_existence(p, options.time_limit);
-    record["verdict"] = static_cast<int>(c.verdict);
-    record["false_certificate"] =
-        c.verdict == Existence::kNone && (any_solved || record.value("plant_holds", false));
+  if (!record.solves.front().solved || index % kCertifyEvery < 2) {
+    record.certified = true;
+    record.existence = certify_existence(p, options.time_limit).verdict;
+    record.false_certificate =
+        record.existence == Existence::kNone &&
+        (record.plant_holds || std::ranges::any_of(record.solves, &SolveRecord::solved));
   }
-  return json_text(record);
+  return record;
 }
 
 /// Sums the results of the jobs.
@@ -89,53 +97,46 @@ class Ledger {
     for (const std::string& name : options.solvers) result_.tallies.emplace_back().solver = name;
   }
 
-  void add_problem(int index, const IsolatedJobs::End& end) {
-    ++result_.done;
-    if (lost(index, end)) return;
-    const Json record = Json::parse(end.text);
-    const bool plant_holds = record.value("plant_holds", false);
-    if (record.at("planted").get<bool>() && !plant_holds) ++result_.poor_plants;
-    std::optional<Existence> verdict;
-    if (record.contains("verdict")) {
-      verdict = static_cast<Existence>(record.at("verdict").get<int>());
-      ++result_.certificates;
-      if (record.at("false_certificate").get<bool>()) {
-        ++result_.false_certificates;
-        find("false certificate", index, "", "no solution was said to exist, but one does");
-      }
+  void add_problem(int index, const JobRecord& record) {
+    if (record.planted && !record.plant_holds) ++result_.poor_plants;
+    if (record.certified) ++result_.certificates;
+    if (record.false_certificate) {
+      ++result_.false_certificates;
+      find("false certificate", index, "", "no solution was said to exist, but one does");
     }
-    const bool first_solved = record.at("solves").at(0).at("solved").get<bool>();
-    for (const Json& solve : record.at("solves")) {
-      add_solve(index, solve, plant_holds, verdict);
-      if (first_solved || !solve.at("solved").get<bool>()) continue;
-      const std::string solver = solve.at("solver").get<std::string>();
-      ++tally(solver).missed_by_first;
-      find("missed by the first", index, solver, solve.at("message").get<std::string>());
+    for (const SolveRecord& solve : record.solves) {
+      add_solve(index, solve, record.plant_holds, record.existence);
+      if (record.solves.front().solved || !solve.solved) continue;
+      ++tally(solve.solver).missed_by_first;
+      find("missed by the first", index, solve.solver, solve.message);
     }
   }
 
-  void add_scene(int index, const IsolatedJobs::End& end) {
-    ++result_.done;
-    if (lost(index, end)) return;
-    const Json record = Json::parse(end.text);
+  void add_scene(int index, const JobRecord& record) {
     RandomSets::Tally& t = result_.tallies.front();
-    for (const Json& solve : record.at("solves")) {
-      std::optional<Existence> verdict;
-      if (solve.contains("verdict")) {
-        ++result_.certificates;
-        verdict = static_cast<Existence>(solve.at("verdict").get<int>());
-      }
-      add_solve(index, solve, false, verdict);
+    for (const SolveRecord& solve : record.solves) {
+      if (solve.certified) ++result_.certificates;
+      add_solve(index, solve, false, solve.existence);
     }
-    t.other_solved += record.at("without_contacts").get<int>();
-    t.other += record.at("without_contacts").get<int>();
-    t.tried += record.at("without_contacts").get<int>();
-    if (record.at("grew").get<bool>()) {
-      ++result_.energy_grew;
-      find("energy grew", index, t.solver, record.at("message").get<std::string>());
-    } else if (!record.at("message").get<std::string>().empty()) {
-      find("run ended early", index, t.solver, record.at("message").get<std::string>());
+    t.other_solved += record.without_contacts;
+    t.other += record.without_contacts;
+    t.tried += record.without_contacts;
+    if (record.grew) ++result_.energy_grew;
+    if (record.grew || !record.message.empty()) {
+      find(record.grew ? "energy grew" : "run ended early", index, t.solver, record.message);
     }
+  }
+
+  /// Counts the job. True for a crash or a hang, which counts for the first solver: the job gives
+  /// no more information.
+  bool lost(int index, const IsolatedJobs::End& end) {
+    ++result_.done;
+    if (end.kind == IsolatedJobs::End::Kind::kDone) return false;
+    RandomSets::Tally& t = result_.tallies.front();
+    const bool hung = end.kind == IsolatedJobs::End::Kind::kHung;
+    ++(hung ? t.hung : t.crashed);
+    find(hung ? "hung" : "crashed", index, "", end.cause);
+    return true;
   }
 
   RandomSets result() { return std::move(result_); }
@@ -150,48 +151,36 @@ class Ledger {
     result_.findings.push_back({kind, index, solver, message});
   }
 
-  /// A crash or a hang is counted for the first solver: the job gives no more information.
-  bool lost(int index, const IsolatedJobs::End& end) {
-    if (end.kind == IsolatedJobs::End::Kind::kDone) return false;
-    RandomSets::Tally& t = result_.tallies.front();
-    const bool hung = end.kind == IsolatedJobs::End::Kind::kHung;
-    ++(hung ? t.hung : t.crashed);
-    find(hung ? "hung" : "crashed", index, "", end.text);
-    return true;
-  }
-
-  void add_solve(int index, const Json& solve, bool planted, std::optional<Existence> verdict) {
-    RandomSets::Tally& t = tally(solve.at("solver").get<std::string>());
-    const std::string message = solve.at("message").get<std::string>();
+  void add_solve(int index, const SolveRecord& solve, bool planted, Existence existence) {
+    RandomSets::Tally& t = tally(solve.solver);
     ++t.tried;
-    t.cpu_seconds += solve.at("seconds").get<double>();
-    if (solve.at("refused").get<bool>()) {
+    t.cpu_seconds += solve.seconds;
+    if (solve.refused) {
       ++t.refused;
       return;
     }
-    const bool solved = solve.at("solved").get<bool>();
     ++(planted ? t.planted : t.other);
-    if (solved) ++(planted ? t.planted_solved : t.other_solved);
-    if (solve.at("false").get<bool>()) {
+    if (solve.solved) ++(planted ? t.planted_solved : t.other_solved);
+    if (solve.false_claim) {
       ++t.false_claims;
-      find("false claim", index, t.solver, message);
+      find("false claim", index, t.solver, solve.message);
     }
-    if (solve.at("not_finite").get<bool>()) {
+    if (solve.not_finite) {
       ++t.not_finite;
-      find("not finite", index, t.solver, message);
+      find("not finite", index, t.solver, solve.message);
     }
     const bool first = t.solver == options_.solvers.front();
-    if (solved || planted) {
-      if (!solved && first) find("planted, not solved", index, t.solver, message);
+    if (solve.solved || planted) {
+      if (!solve.solved && first) find("planted, not solved", index, t.solver, solve.message);
       return;
     }
-    if (verdict == Existence::kNone) {
+    if (existence == Existence::kNone) {
       ++t.none_proved;
-    } else if (verdict == Existence::kExists || verdict == Existence::kExistsNearby) {
-      ++t.exists_unsolved;
-      if (first) find("exists, not solved", index, t.solver, message);
-    } else {
+    } else if (existence == Existence::kUndecided) {
       ++t.undecided;
+    } else {
+      ++t.exists_unsolved;
+      if (first) find("exists, not solved", index, t.solver, solve.message);
     }
   }
 
@@ -200,11 +189,10 @@ class Ledger {
 };
 
 /// Runs a scene and records each of its solves.
-std::string scene_job(const RandomSets::Options& options, int index) {
+JobRecord scene_job(const RandomSets::Options& options, int index) {
   const Scene<2> scene = random_scene(options.seed, index);
   const std::string& name = options.solvers.front();
-  Json record{{"solves", Json::array()}, {"grew", false}, {"message", ""}};
-  int without_contacts = 0;
+  JobRecord record;
   SceneRunOptions<2> run;
   run.steps = kStepsOfAScene;
   run.solver = [&](const ContactProblem& p, const Vector& s0) {
@@ -212,15 +200,13 @@ std::string scene_job(const RandomSets::Options& options, int index) {
     const SolveResult r = solve_within(name, p, options.tol, options.time_limit, s0);
     StepSolution step = taken_step(r);
     if (p.num_contacts() == 0) {
-      ++without_contacts;
+      ++record.without_contacts;
       return step;
     }
-    const Verdict v = judge(p, r, options.tol);
-    Json solve = to_json(name, v, cpu_seconds() - begin);
-    if (!v.solved && !v.refused) {
-      solve["verdict"] = static_cast<int>(certify_existence(p, options.time_limit).verdict);
-    }
-    record["solves"].push_back(std::move(solve));
+    SolveRecord solve = judge(name, p, r, options.tol, cpu_seconds() - begin);
+    solve.certified = !solve.solved && !solve.refused;
+    if (solve.certified) solve.existence = certify_existence(p, options.time_limit).verdict;
+    record.solves.push_back(std::move(solve));
     return step;
   };
   run.explicit_delassus = require_solver(name).needs_delassus;
@@ -235,9 +221,9 @@ std::string scene_job(const RandomSets::Options& options, int index) {
     // A step that obeys the law to the tolerance may have an energy error of that fraction.
     if (must_dissipate && s.report.converged &&
         now < loss - force_energy(scene, s.report) - 1e-6 * scale) {
-      record["grew"] = true;
-      record["message"] = fmt::format("step {}: contacts created {:.3g} J of {:.3g} J",
-                                      s.report.step, loss - now, scale);
+      record.grew = true;
+      record.message = fmt::format("step {}: contacts created {:.3g} J of {:.3g} J", s.report.step,
+                                   loss - now, scale);
     }
     loss = now;
     return true;
@@ -245,26 +231,27 @@ std::string scene_job(const RandomSets::Options& options, int index) {
   State<2> state = initial_state(scene);
   try {
     const SceneRun<2> done = run_scene(scene, state, run);
-    if (done.failure) record["message"] = done.failure->what();
+    if (done.failure) record.message = done.failure->what();
   } catch (const std::invalid_argument& e) {
-    record["message"] = e.what();
+    record.message = e.what();
   }
-  record["without_contacts"] = without_contacts;
-  return json_text(record);
+  return record;
 }
 
-RandomSets run_set(const RandomSets::Options& options,
-                   std::string (*job)(const RandomSets::Options&, int),
-                   void (Ledger::*add)(int, const IsolatedJobs::End&), int solves_of_a_job) {
+RandomSets run_set(const RandomSets::Options& options, const char* what,
+                   JobRecord (*job)(const RandomSets::Options&, int),
+                   void (Ledger::*add)(int, const JobRecord&), int solves_of_a_job) {
   Ledger ledger(options);
   // Twice the CPU limit of each solve, since the machine has other work as well.
   IsolatedJobs jobs{.count = options.count,
                     .seconds = std::max(30.0, 10.0 * solves_of_a_job * options.time_limit),
-                    .interrupted = options.interrupted};
+                    .interrupted = options.watch.interrupted};
   jobs.job = [&](int k) { return job(options, options.first + k); };
   jobs.on_end = [&](int k, const IsolatedJobs::End& end) {
-    (ledger.*add)(options.first + k, end);
-    if (options.on_progress) options.on_progress(k + 1);
+    if (!ledger.lost(options.first + k, end)) {
+      (ledger.*add)(options.first + k, end.result.get<JobRecord>());
+    }
+    options.watch.tell(k + 1, options.count, what);
   };
   run_isolated(jobs);
   return ledger.result();
@@ -279,13 +266,13 @@ bool RandomSets::sound() const {
 }
 
 RandomSets run_random_problems(const RandomSets::Options& options) {
-  return run_set(options, &problem_job, &Ledger::add_problem, 3);
+  return run_set(options, "random problems", &problem_job, &Ledger::add_problem, 3);
 }
 
 RandomSets run_random_scenes(const RandomSets::Options& options) {
   RandomSets::Options one = options;
   one.solvers.resize(1);
-  return run_set(one, &scene_job, &Ledger::add_scene, kStepsOfAScene);
+  return run_set(one, "random scenes", &scene_job, &Ledger::add_scene, kStepsOfAScene);
 }
 
 std::string to_text(const RandomSets& r, const std::string& what) {

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
+
+#include "bench/measure/watch.h"
 
 namespace bipot {
 
@@ -37,8 +38,7 @@ struct RandomSets {
     double time_limit = 2;  ///< CPU seconds of a solve
     /// Solvers of the problems: the first runs on all of them, the others in turn.
     std::vector<std::string> solvers;
-    std::function<void(int done)> on_progress;
-    std::function<bool()> interrupted;
+    Watch watch;
   };
   std::vector<Tally> tallies;  ///< in the order of the solvers
   std::vector<Finding> findings;

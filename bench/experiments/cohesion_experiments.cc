@@ -17,15 +17,13 @@
 namespace bipot {
 namespace {
 
-const std::string kCohesion = "exact cases: cohesion";
-
 /// Smallest cohesion that holds 5 disks under a ceiling, over the weight of one.
 Experiment hanging() {
   Experiment e;
-  e.rows = {validation_row(kCohesion, "chain_hangs",
-                           "smallest cohesion that holds a chain of 5 disks, over m g",
-                           "statics: the top contact carries all", "5", Expectation::equal(5), 2e-3,
-                           "bisection", "discretisation: one deterministic run")};
+  e.rows = {ValidationRow("chain_hangs",
+                          "smallest cohesion that holds a chain of 5 disks, over m g",
+                          "statics: the top contact carries all", "5", Expectation::equal(5),
+                          {2e-3, "bisection", kOneRun})};
   e.run = [](Experiment::Trial& trial) {
     trial.seen = {find_threshold(4, 6, [&](double cohesion) {
       Scene<2> scene =
@@ -63,20 +61,18 @@ bool follows(double speed, double step, double range, Experiment::Trial& trial) 
 
 Experiment struck() {
   constexpr double kStep = 1e-3, kRange = 1e-3;
-  const auto row = [](const char* name, const char* quantity, const char* formula, double value,
-                      double allowed, const char* why) {
-    return validation_row(kCohesion, name, quantity,
-                          "momentum and energy, derived in cohesion_experiments.cc; Abramian and "
-                          "Staron 2020",
-                          formula, Expectation::equal(value), allowed, why,
-                          "discretisation: one deterministic run");
-  };
+  const std::string source =
+      "momentum and energy, derived in cohesion_experiments.cc; Abramian and Staron 2020";
   Experiment e;
-  e.rows = {row("struck_grows_with_step",
-                "speed of a blow that opens a contact without range: at h over that at h/2",
-                "3 c h/m: 2", 2, 5e-3, "bisection"),
-            row("struck_with_range", "the same with cohesion_range = 1 mm", "√(12 c r/m): 1", 1,
-                3e-2, "the first step's impulse, 1.5 % at h, and the step in which it turns back")};
+  e.rows = {
+      ValidationRow("struck_grows_with_step",
+                    "speed of a blow that opens a contact without range: at h over that at h/2",
+                    source, "3 c h/m: 2", Expectation::equal(2), {5e-3, "bisection", kOneRun}),
+      ValidationRow(
+          "struck_with_range", "the same with cohesion_range = 1 mm", source, "√(12 c r/m): 1",
+          Expectation::equal(1),
+          {3e-2, "the first step's impulse, 1.5 % at h, and the step in which it turns back",
+           kOneRun})};
   e.tols = e.quick_tols = decades(1, 8);
   e.run = [](Experiment::Trial& trial) {
     for (const double range : {0.0, kRange}) {

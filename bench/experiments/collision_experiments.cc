@@ -21,22 +21,14 @@ namespace {
 
 constexpr double kObliqueMu = 0.2, kObliqueNormal = 0.8, kObliqueTangential = 0.4;
 constexpr double kImpactStep = 1e-3;
-const std::string kCollisions = "exact cases: collisions";
 const std::string kThreeCoefficients =
     "model of three coefficients, Walton 1993, Foerster et al. 1994";
 const std::string kMomenta = "momentum and angular momentum, derived in collision_experiments.cc";
+const ValidationRow::Margin kImpact = {
+    1e-6, "an impact is exact; a hundred times the tightest tolerance", kOneRun};
 
 template <int D>
 constexpr double kTangentialShare = 1 + 1 / kInertia<D>;  // k
-
-ValidationRow collision_row(
-    std::string name, std::string quantity, std::string source, std::string formula, double value,
-    double allowed = 1e-6,
-    std::string why = "an impact is exact; a hundred times the tightest tolerance") {
-  return validation_row(kCollisions, std::move(name), std::move(quantity), std::move(source),
-                        std::move(formula), Expectation::equal(value), allowed, std::move(why),
-                        "discretisation: one deterministic run");
-}
 
 /// The state after the step in whose middle the bodies are where the scene has them.
 template <int D>
@@ -81,23 +73,24 @@ Experiment oblique() {
   const std::string body = kBodyName<D>, factor = D == 2 ? "3" : "7/2";
   Experiment e;
   e.rows = {
-      collision_row(body + "_oblique_slips",
+      ValidationRow(body + "_oblique_slips",
                     fmt::format("speed of the point of contact of a {} after an impact at the "
                                 "incidence 2, over the normal speed",
                                 body),
                     kThreeCoefficients, fmt::format("2 − {} μ (1 + e_n)", factor),
-                    kSlips - k * kLoss),
-      collision_row(body + "_oblique_spin", "its spin a ω after this impact, over the normal speed",
+                    Expectation::equal(kSlips - k * kLoss), kImpact),
+      ValidationRow(body + "_oblique_spin", "its spin a ω after this impact, over the normal speed",
                     kThreeCoefficients, fmt::format("{} μ (1 + e_n)", D == 2 ? "2" : "5/2"),
-                    kLoss / kInertia<D>),
-      collision_row(body + "_oblique_sticks",
+                    Expectation::equal(kLoss / kInertia<D>), kImpact),
+      ValidationRow(body + "_oblique_sticks",
                     "that speed after an impact at the incidence 0.5, over that before",
-                    kThreeCoefficients, "−e_t = −0.4", -kObliqueTangential),
-      collision_row(body + "_oblique_incidence",
+                    kThreeCoefficients, "−e_t = −0.4", Expectation::equal(-kObliqueTangential),
+                    kImpact),
+      ValidationRow(body + "_oblique_incidence",
                     fmt::format("least incidence at which a {} slips", body), kThreeCoefficients,
                     fmt::format("{} μ (1 + e_n)/(1 + e_t)", factor),
-                    k * kLoss / (1 + kObliqueTangential), 2e-3,
-                    "slip is told at 1e-3 of the normal speed; bisection 1e-4")};
+                    Expectation::equal(k * kLoss / (1 + kObliqueTangential)),
+                    {2e-3, "slip is told at 1e-3 of the normal speed; bisection 1e-4", kOneRun})};
   e.run = [](Experiment::Trial& trial) {
     const Body<D> slips = after_oblique_impact<D>(kSlips, trial);
     const double turned = slips.v.dot(along_floor<D>()) - speed_below(slips);
@@ -120,13 +113,13 @@ template <int D>
 Experiment spinning_pair() {
   const std::string bodies = D == 2 ? "disks" : "spheres", share = D == 2 ? "1/3" : "2/7";
   Experiment e;
-  e.rows = {collision_row(bodies + "_meet_spin",
+  e.rows = {ValidationRow(bodies + "_meet_spin",
                           fmt::format("spin that two equal {} with the same spin keep when they "
                                       "meet head-on",
                                       bodies),
-                          kMomenta, share, 1 / kTangentialShare<D>),
-            collision_row(bodies + "_meet_sideways", "their speed sideways after that, over a ω",
-                          kMomenta, share, 1 / kTangentialShare<D>)};
+                          kMomenta, share, Expectation::equal(1 / kTangentialShare<D>), kImpact),
+            ValidationRow(bodies + "_meet_sideways", "their speed sideways after that, over a ω",
+                          kMomenta, share, Expectation::equal(1 / kTangentialShare<D>), kImpact)};
   e.run = [](Experiment::Trial& trial) {
     Scene<D> scene = experiment_scene<D>({.mu = 1, .e_n = 0.5}, kImpactStep, trial);
     for (const double side : {-1.0, 1.0}) {
@@ -155,11 +148,12 @@ Experiment spinning_pair() {
 Experiment unequal_pair() {
   Experiment e;
   e.rows = {
-      collision_row("pair_energy",
+      ValidationRow("pair_energy",
                     "energy that two unequal spinning spheres lose, over the expected one",
-                    kThreeCoefficients, "½ m* (1 − e_n²) u_n² + ½ (2/7) m* (1 − e_t²) u_t²", 1),
-      collision_row("pair_angular_momentum", "change of their angular momentum, over what they had",
-                    kMomenta, "0", 0)};
+                    kThreeCoefficients, "½ m* (1 − e_n²) u_n² + ½ (2/7) m* (1 − e_t²) u_t²",
+                    Expectation::equal(1), kImpact),
+      ValidationRow("pair_angular_momentum", "change of their angular momentum, over what they had",
+                    kMomenta, "0", Expectation::equal(0), kImpact)};
   e.run = [](Experiment::Trial& trial) {
     Scene<3> scene = experiment_scene<3>({.mu = 5, .e_n = 0.6, .e_t = 0.3}, kImpactStep, trial);
     const Vec3 n = Vec3(2, 1, 2) / 3;
@@ -218,18 +212,20 @@ State<2> squeezed_row(Experiment::Trial& trial) {
 Experiment cradle() {
   Experiment e;
   e.rows = {
-      collision_row("cradle_touching",
+      ValidationRow("cradle_touching",
                     "speed of the striking disk after a row of five that touch, e = 1",
-                    "momentum, and Newton's law for all contacts at once", "2/5 − 1 = −0.6", -0.6),
-      collision_row("cradle_with_gaps", "speed of the last of five disks with gaps, e = 1",
-                    "equal masses change velocities", "1", 1),
-      collision_row("row_with_gaps", "speed of the last of three disks, masses 1, 2 and 4",
-                    "momentum and energy of each impact", "2/(1 + 2) × 4/(2 + 4) = 4/9", 4.0 / 9),
-      collision_row("row_squeezed",
+                    "momentum, and Newton's law for all contacts at once", "2/5 − 1 = −0.6",
+                    Expectation::equal(-0.6), kImpact),
+      ValidationRow("cradle_with_gaps", "speed of the last of five disks with gaps, e = 1",
+                    "equal masses change velocities", "1", Expectation::equal(1), kImpact),
+      ValidationRow("row_with_gaps", "speed of the last of three disks, masses 1, 2 and 4",
+                    "momentum and energy of each impact", "2/(1 + 2) × 4/(2 + 4) = 4/9",
+                    Expectation::equal(4.0 / 9), kImpact),
+      ValidationRow("row_squeezed",
                     "speed of the last of three disks that touch, e_n = 0 and 1, by Poisson's "
                     "law",
                     "Glocker, Multibody Syst. Dyn. 32 (2014); collision_experiments.cc",
-                    "1/3 + 1/3", 2.0 / 3)};
+                    "1/3 + 1/3", Expectation::equal(2.0 / 3), kImpact)};
   e.run = [](Experiment::Trial& trial) {
     const std::vector<double> equal(5, 1.0);
     constexpr double kGap = 0.02;  // twenty steps
@@ -245,13 +241,13 @@ Experiment cradle() {
 /// is ball r - j.
 Experiment billiard() {
   Experiment e;
-  e.rows = {collision_row("break_symmetry",
+  e.rows = {ValidationRow("break_symmetry",
                           "largest distance of a ball from its mirror image after a billiard "
                           "break, over the radius",
-                          "symmetry of the rack", "0", 0, 1e-9,
-                          "rounding, enlarged by the impacts that follow"),
-            collision_row("break_energy", "energy after this break with e = 1, over that before",
-                          "e = 1 without friction", "1", 1)};
+                          "symmetry of the rack", "0", Expectation::equal(0),
+                          {1e-9, "rounding, enlarged by the impacts that follow", kOneRun}),
+            ValidationRow("break_energy", "energy after this break with e = 1, over that before",
+                          "e = 1 without friction", "1", Expectation::equal(1), kImpact)};
   e.run = [](Experiment::Trial& trial) {
     constexpr int kRows = 5;
     Scene<2> scene = experiment_scene<2>({.e_n = 1}, kImpactStep, trial);

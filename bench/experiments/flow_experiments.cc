@@ -16,8 +16,6 @@
 namespace bipot {
 namespace {
 
-const std::string kFlow = "flow";
-
 /// Means over the second half of a shear.
 struct Sheared {
   double inertial = 0, friction = 0, fraction = 0;
@@ -98,25 +96,24 @@ Experiment plane_shear() {
       "da Cruz, Emam, Prochnow, Roux and Chevoir, PRE 72, 021309 (2005): τ/P = .26 + 1.0 I, "
       "ν = .81 − .3 I are from memory, so only the trend is tested";
   e.rows = {
-      validation_row(
-          kFlow, "shear_pressure",
+      ValidationRow(
+          "shear_pressure",
           "mean normal stress across the layers (Love and Weber, with the kinetic part) over the "
           "pressure that is imposed; slowest shear",
-          "momentum of the cell's side in a steady state", "1", Expectation::equal(1), 2e-2,
-          "finite time: the side still moves", "95 % over 8 blocks of time"),
-      validation_row(
-          kFlow, "shear_power",
+          "momentum of the cell's side in a steady state", "1", Expectation::equal(1),
+          {2e-2, "finite time: the side still moves", "95 % over 8 blocks of time"}),
+      ValidationRow(
+          "shear_power",
           "work of the mean shear stress over what friction and shocks dissipate; slowest shear",
           "energy in a steady state: stress from branches and forces, loss from the ledger", "1",
-          Expectation::equal(1), 5e-2,
-          "finite time; the height's work and one sample in five steps",
-          "95 % over 8 blocks of time"),
-      validation_row(kFlow, "shear_friction", "rise of τ/P with the inertial number", memory,
-                     "above 0", Expectation::at_least(0, 1), 0, "none",
-                     "95 % over 8 blocks of time"),
-      validation_row(kFlow, "shear_fraction", "rise of the solid fraction with the inertial number",
-                     memory, "below 0", Expectation::at_most(0, 1), 0, "none",
-                     "95 % over 8 blocks of time")};
+          Expectation::equal(1),
+          {5e-2, "finite time; the height's work and one sample in five steps",
+           "95 % over 8 blocks of time"}),
+      ValidationRow("shear_friction", "rise of τ/P with the inertial number", memory, "above 0",
+                    Expectation::at_least(0, 1), {0, "none", "95 % over 8 blocks of time"}),
+      ValidationRow("shear_fraction", "rise of the solid fraction with the inertial number", memory,
+                    "below 0", Expectation::at_most(0, 1),
+                    {0, "none", "95 % over 8 blocks of time"})};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
   e.run = [](Experiment::Trial& trial) {
@@ -199,15 +196,15 @@ double runout(double aspect, int width, std::uint64_t seed, Experiment::Trial& t
 
 Experiment column_collapse() {
   Experiment e;
-  e.rows = {validation_row(
-      kFlow, "column_collapse",
+  e.rows = {ValidationRow(
+      "column_collapse",
       "exponent of the runout of a column against its aspect ratio, above 2 (within which 97 % of "
       "the mass comes to rest)",
       "Staron and Hinch 2005 (contact dynamics: a power law; 0.7), Lube et al. and Lajeunesse et al. "
       "2005 (2/3), and a plane experiment with rods (abstract of arXiv 1512.05180: 3.80 a^0.73 above "
       "1.5); prefactors not tested",
-      "2/3 to 0.73", Expectation::between(2.0 / 3, 0.73, 0.7), 0.15,
-      "columns of 6 to 8 disks across", "95 % of the fit over aspect ratios and seeds")};
+      "2/3 to 0.73", Expectation::between(2.0 / 3, 0.73, 0.7),
+      {0.15, "columns of 6 to 8 disks across", "95 % of the fit over aspect ratios and seeds"})};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
   e.run = [](Experiment::Trial& trial) {
@@ -252,13 +249,13 @@ Experiment column_collapse() {
 /// contacts or goes into the grains' energy: two sums that share only the states.
 Experiment turning_drum() {
   Experiment e{
-      .rows = {validation_row(
-          kFlow, "drum_power",
+      .rows = {ValidationRow(
+          "drum_power",
           "rotating drum (shipped scene): work of the wall by the grains' angular momentum and weight, "
           "over what contacts dissipate and the grains gain",
-          "angular momentum and energy (derived)", "1", Expectation::equal(1), 5e-3,
-          "overlaps: the arms of the wall and of a grain that overlap by δ differ by δ",
-          "discretisation: one run")},
+          "angular momentum and energy (derived)", "1", Expectation::equal(1),
+          {5e-3, "overlaps: the arms of the wall and of a grain that overlap by δ differ by δ",
+           "discretisation: one run"})},
       .tols = {10, 1, 1e-1, 1e-2, 1e-3},
       .quick_tols = {1, 1e-1}};
   e.run = [](Experiment::Trial& trial) {

@@ -22,29 +22,27 @@
 namespace bipot {
 namespace {
 
-const std::string kForces = "distribution of forces";
-
 Experiment force_tails() {
   Experiment e;
   e.rows = {
-      validation_row(
-          kForces, "tail_is_exponential",
+      ValidationRow(
+          "tail_is_exponential",
           "Kolmogorov's distance of the tail from 1.5 means to the fitted exponential, times "
           "√points: isotropic packing, e_t = 0 (--quick: 300 disks, else 2000)",
           "exponential tails in contact dynamics (Radjai et al. 1996) and experiment (Løvoll, Måløy and Flekkøy "
           "1999, abstract); their exponents 1.4 and 1.8 are noted, not tested: other walls, 3D",
-          "at most 1.36 (5 % level for independent forces)", Expectation::at_most(1.36, 1.36), 0,
-          "none", "95 % of Kolmogorov's distribution, standard deviation 0.26"),
-      validation_row(
-          kForces, "tail_of_deposit",
+          "at most 1.36 (5 % level for independent forces)", Expectation::at_most(1.36, 1.36),
+          {0, "none", "95 % of Kolmogorov's distribution, standard deviation 0.26"}),
+      ValidationRow(
+          "tail_of_deposit",
           "exponent β of a deposit under gravity over that of the isotropic packing",
           "mixture of scales, derived in force_experiments.cc; Fig. 11 of the paper has the deposit",
-          "1/2 to 1", Expectation::between(0.5, 1, 1), 0, "none", "95 % of both fits"),
-      validation_row(kForces, "tail_of_layers",
-                     "the same with the deposit's forces over the mean of their own layer (of 8)",
-                     "the mixture undone (derived)",
-                     "above the ratio without layers, which is subtracted: at least 0",
-                     Expectation::at_least(0, 1), 0, "none", "95 % of the fit")};
+          "1/2 to 1", Expectation::between(0.5, 1, 1), {0, "none", "95 % of both fits"}),
+      ValidationRow("tail_of_layers",
+                    "the same with the deposit's forces over the mean of their own layer (of 8)",
+                    "the mixture undone (derived)",
+                    "above the ratio without layers, which is subtracted: at least 0",
+                    Expectation::at_least(0, 1), {0, "none", "95 % of the fit"})};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-2};
   e.run = [](Experiment::Trial& trial) {

@@ -8,8 +8,6 @@
 namespace bipot {
 namespace {
 
-const std::string kMotion = "exact cases: bounces and swings";
-
 /// Falls from 1 m above the floor, e_n = 0.6. In the step that detects the floor the ball is within
 /// v h of it. The heights before and after are then those of a floor as much higher or lower: H1/H0
 /// = e² (1 ± v h/H0 (1 + 1/e²)), its root half of that.
@@ -17,11 +15,11 @@ Experiment bouncing() {
   constexpr double kRestitution = 0.6, kStep = 1e-4;
   Experiment e;
   const double speed = std::sqrt(2 * kGravity);
-  e.rows = {validation_row(
-      kMotion, "ball_bounces", "root of the ratio of heights of a ball before and after a bounce",
+  e.rows = {ValidationRow(
+      "ball_bounces", "root of the ratio of heights of a ball before and after a bounce",
       "Newton's restitution, energy in free flight", "e_n = 0.6", Expectation::equal(kRestitution),
-      0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
-      "the place of the impact is known to v h", "discretisation: one deterministic run")};
+      {0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
+       "the place of the impact is known to v h", kOneRun})};
   e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = experiment_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, trial);
     scene.gravity = Vec2(0, -kGravity);
@@ -51,15 +49,13 @@ Experiment swinging() {
   constexpr double kDrum = 1, kRadius = 0.2, kStart = 0.5, kStep = 1e-3;
   constexpr double kLength = 1.5 * (kDrum - kRadius);
   Experiment e;
-  e.rows = {validation_row(
-      kMotion, "disk_swings",
-      "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
+  e.rows = {ValidationRow(
+      "disk_swings", "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
       "energy of rolling, a pendulum of length 3/2 (R − a); complete elliptic integral",
       "4 √(3 (R − a)/2g) K(sin φ0/2)",
       Expectation::equal(4 * std::sqrt(kLength / kGravity) *
                          std::comp_ellint_1(std::sin(kStart / 2))),
-      1e-3, "time step: h/T = 5e-4, and shocks as the normal turns",
-      "discretisation: one deterministic run")};
+      {1e-3, "time step: h/T = 5e-4, and shocks as the normal turns", kOneRun})};
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-7};
   e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = experiment_scene<2>({.mu = 1}, kStep, trial);

@@ -16,7 +16,6 @@
 namespace bipot {
 namespace {
 
-const std::string kIndeterminacy = "indeterminacy of forces";
 constexpr double kWeight = 9.81;
 
 /// A disk of 1 kg in a groove of two planes that rise by 45° to both sides. By symmetry of moments
@@ -40,19 +39,20 @@ double groove_end(double sign) {
 Experiment groove_forces() {
   Experiment e;
   e.rows = {
-      validation_row(kIndeterminacy, "groove_interval",
-                     "width of the interval of admissible normal forces of a disk in a groove of "
-                     "90°, μ = 0.3, over the weight",
-                     "statics, derived in indeterminacy_experiments.cc; measured by linear "
-                     "programmes (CLP): no tolerance of a solver enters",
-                     "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
-                     Expectation::equal(groove_end(-1) - groove_end(1)), 1e-7,
-                     "tolerance of the programmes, 1e-9", "discretisation: 1e-9"),
-      validation_row(kIndeterminacy, "groove_force",
-                     "how far outside that interval a solver's force is, over the weight; worst of "
-                     "random starts",
-                     "the same interval", "at most 0", Expectation::at_most(0, 1), 1e-6,
-                     "a hundred times the tightest tolerance", "discretisation: the worst of all")};
+      ValidationRow("groove_interval",
+                    "width of the interval of admissible normal forces of a disk in a groove of "
+                    "90°, μ = 0.3, over the weight",
+                    "statics, derived in indeterminacy_experiments.cc; measured by linear "
+                    "programmes (CLP): no tolerance of a solver enters",
+                    "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
+                    Expectation::equal(groove_end(-1) - groove_end(1)),
+                    {1e-7, "tolerance of the programmes, 1e-9", "discretisation: 1e-9"}),
+      ValidationRow(
+          "groove_force",
+          "how far outside that interval a solver's force is, over the weight; worst of "
+          "random starts",
+          "the same interval", "at most 0", Expectation::at_most(0, 1),
+          {1e-6, "a hundred times the tightest tolerance", "discretisation: the worst of all"})};
   e.run = [](Experiment::Trial& trial) {
     const Scene<2> scene = groove(kGrooveMu, trial);
     const ContactProblem problem = step_problem(scene, initial_state(scene), false);
@@ -114,19 +114,19 @@ double spread_of(Scene<2> scene, State<2> state, double mu) {
 Experiment spread() {
   Experiment e;
   e.rows = {
-      validation_row(kIndeterminacy, "spread_small_mu",
-                     "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
-                     "pile that came to rest without friction",
-                     "as many contacts as equations at μ = 0, linear beside it (derived); Unger, "
-                     "Kertész and Wolf, PRL 94, 178001 (2005): spread → 0 with μ",
-                     "1", Expectation::equal(1), 0.05, "the least μ is not 0",
-                     "95 % over piles (seeds)"),
-      validation_row(kIndeterminacy, "spread_nested",
-                     "largest fall of that spread from one μ to a larger one (1e-4 to 1), over "
-                     "the larger spread",
-                     "sets of admissible forces are nested (derived)", "at most 0",
-                     Expectation::at_most(0, 1), 1e-6, "tolerance of the linear programmes",
-                     "discretisation: the worst of all")};
+      ValidationRow("spread_small_mu",
+                    "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
+                    "pile that came to rest without friction",
+                    "as many contacts as equations at μ = 0, linear beside it (derived); Unger, "
+                    "Kertész and Wolf, PRL 94, 178001 (2005): spread → 0 with μ",
+                    "1", Expectation::equal(1),
+                    {0.05, "the least μ is not 0", "95 % over piles (seeds)"}),
+      ValidationRow(
+          "spread_nested",
+          "largest fall of that spread from one μ to a larger one (1e-4 to 1), over "
+          "the larger spread",
+          "sets of admissible forces are nested (derived)", "at most 0", Expectation::at_most(0, 1),
+          {1e-6, "tolerance of the linear programmes", "discretisation: the worst of all"})};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
   e.quick_tols = {10, 1, 1e-1, 1e-4};
   e.run = [](Experiment::Trial& trial) {

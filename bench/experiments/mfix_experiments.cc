@@ -20,15 +20,7 @@
 namespace bipot {
 namespace {
 
-const std::string kMfix = "exact cases: MFiX's DEM-01–05";
 const std::string kGarg = "Garg et al., Powder Technol. 220 (2012) 122; mfix_experiments.cc";
-
-ValidationRow mfix_row(std::string name, std::string quantity, std::string formula, double value,
-                       double allowed, std::string why) {
-  return validation_row(kMfix, std::move(name), std::move(quantity), kGarg, std::move(formula),
-                        Expectation::equal(value), allowed, std::move(why),
-                        "discretisation: one deterministic run");
-}
 
 constexpr double kDropRadius = 0.1, kDropHeight = 0.5;  // of DEM-01 and DEM-02 [m]
 
@@ -53,11 +45,13 @@ Experiment falling_ball() {
   const double leaves = std::pow(kRestitution, 3) * speed, t = kEnd - third;
   const std::string why = "accuracy: each impact is misplaced by 1e-4 radii at most";
   Experiment e;
-  e.rows = {mfix_row("dem01_place", "height of the ball after 1.5 s and three bounces [m]",
-                     "r + e³ v t − g t²/2, t since the third impact",
-                     kDropRadius + leaves * t - 0.5 * kGravity * t * t, 1e-3, why),
-            mfix_row("dem01_third_impact", "time of the third impact, from the speed then [s]",
-                     "(1 + 2 e + 2 e²) √(2 (h_0 − r)/g)", third, 1e-3, why)};
+  e.rows = {ValidationRow("dem01_place", "height of the ball after 1.5 s and three bounces [m]",
+                          kGarg, "r + e³ v t − g t²/2, t since the third impact",
+                          Expectation::equal(kDropRadius + leaves * t - 0.5 * kGravity * t * t),
+                          {1e-3, why, kOneRun}),
+            ValidationRow("dem01_third_impact", "time of the third impact, from the speed then [s]",
+                          kGarg, "(1 + 2 e + 2 e²) √(2 (h_0 − r)/g)", Expectation::equal(third),
+                          {1e-3, why, kOneRun})};
   e.run = [=](Experiment::Trial& trial) {
     const Sphere ball = dropped(kRestitution, kAccuracy, kEnd, trial);
     trial.seen = {{ball.x[2]}, {kEnd - (leaves - ball.v[2]) / kGravity}};
@@ -69,9 +63,10 @@ Experiment falling_ball() {
 Experiment bouncing_ball() {
   constexpr double kRestitution = 0.8, kEnd = 1.2;
   Experiment e;
-  e.rows = {mfix_row(
-      "dem02_third_height", "height of the third bounce over that of the drop, both less r", "e⁶",
-      std::pow(kRestitution, 6), 1e-3, "accuracy: each impact is misplaced by 1e-4 radii at most")};
+  e.rows = {ValidationRow(
+      "dem02_third_height", "height of the third bounce over that of the drop, both less r", kGarg,
+      "e⁶", Expectation::equal(std::pow(kRestitution, 6)),
+      {1e-3, "accuracy: each impact is misplaced by 1e-4 radii at most", kOneRun})};
   e.run = [](Experiment::Trial& trial) {
     const Sphere ball = dropped(kRestitution, 1e-4, kEnd, trial);
     const double energy = 0.5 * ball.v[2] * ball.v[2] + kGravity * (ball.x[2] - kDropRadius);
@@ -85,11 +80,12 @@ Experiment stacked() {
   constexpr double kOnUpper = kPush + kUpper * kGravity;
   const std::string why = "statics; a hundred times the tightest tolerance";
   Experiment e;
-  e.rows = {
-      mfix_row("dem03_floor", "force on the floor, over what lies and pushes on it",
-               "F + (m_1 + m_2) g", 1, 1e-6, why),
-      mfix_row("dem03_between", "force between the two balls, likewise", "F + m_2 g", 1, 1e-6, why),
-      mfix_row("dem03_place", "height of the upper ball over its radius", "3", 3, 1e-6, why)};
+  e.rows = {ValidationRow("dem03_floor", "force on the floor, over what lies and pushes on it",
+                          kGarg, "F + (m_1 + m_2) g", Expectation::equal(1), {1e-6, why, kOneRun}),
+            ValidationRow("dem03_between", "force between the two balls, likewise", kGarg,
+                          "F + m_2 g", Expectation::equal(1), {1e-6, why, kOneRun}),
+            ValidationRow("dem03_place", "height of the upper ball over its radius", kGarg, "3",
+                          Expectation::equal(3), {1e-6, why, kOneRun})};
   e.run = [](Experiment::Trial& trial) {
     Scene<3> scene = experiment_scene<3>({.e_n = 0.5}, 1e-3, trial);
     scene.gravity = Vec3(0, 0, -kGravity);
@@ -120,12 +116,14 @@ Experiment slipping_ball() {
       12 * kSpeed * kSpeed / (49 * kMu * kGravity) + 5.0 / 7 * kSpeed * (kEnd - kTime);
   const std::string exact = "the scheme is exact here; a hundred times the tightest tolerance";
   Experiment e;
-  e.rows = {mfix_row("dem04_time", "time until a ball that slides on a rough floor rolls [s]",
-                     "2 v_0/(7 μ g)", kTime, 1e-5, exact),
-            mfix_row("dem04_spin", "its spin from then on, a ω/v_0", "5/7", 5.0 / 7, 1e-6, exact),
-            mfix_row("dem04_place", "its way after 0.3 s [m]",
-                     "12 v_0²/(49 μ g) + 5/7 v_0 (t − 2 v_0/(7 μ g))", kPlace, 1e-5,
-                     "the step in which it begins to roll: μ g h²/8")};
+  e.rows = {
+      ValidationRow("dem04_time", "time until a ball that slides on a rough floor rolls [s]", kGarg,
+                    "2 v_0/(7 μ g)", Expectation::equal(kTime), {1e-5, exact, kOneRun}),
+      ValidationRow("dem04_spin", "its spin from then on, a ω/v_0", kGarg, "5/7",
+                    Expectation::equal(5.0 / 7), {1e-6, exact, kOneRun}),
+      ValidationRow("dem04_place", "its way after 0.3 s [m]", kGarg,
+                    "12 v_0²/(49 μ g) + 5/7 v_0 (t − 2 v_0/(7 μ g))", Expectation::equal(kPlace),
+                    {1e-5, "the step in which it begins to roll: μ g h²/8", kOneRun})};
   e.run = [=](Experiment::Trial& trial) {
     Scene<3> scene = experiment_scene<3>({.mu = kMu}, kStep, trial);
     scene.gravity = Vec3(0, 0, -kGravity);
@@ -155,12 +153,15 @@ Experiment oblique_ball() {
   constexpr double kIncidence = std::numbers::sqrt3, kLoss = kMu * (1 + kRestitution);
   const std::string why = "an impact is exact; a hundred times the tightest tolerance";
   Experiment e;
-  e.rows = {mfix_row("dem05_angle", "tangent of the angle at which a ball leaves that came at 60°",
-                     "(tan 60° − μ (1 + e))/e", (kIncidence - kLoss) / kRestitution, 1e-6, why),
-            mfix_row("dem05_tangential", "its speed along the wall, over that before",
-                     "1 − μ (1 + e)/tan 60°", 1 - kLoss / kIncidence, 1e-6, why),
-            mfix_row("dem05_spin", "its spin a ω over the normal speed before", "5/2 μ (1 + e)",
-                     2.5 * kLoss, 1e-6, why)};
+  e.rows = {
+      ValidationRow("dem05_angle", "tangent of the angle at which a ball leaves that came at 60°",
+                    kGarg, "(tan 60° − μ (1 + e))/e",
+                    Expectation::equal((kIncidence - kLoss) / kRestitution), {1e-6, why, kOneRun}),
+      ValidationRow("dem05_tangential", "its speed along the wall, over that before", kGarg,
+                    "1 − μ (1 + e)/tan 60°", Expectation::equal(1 - kLoss / kIncidence),
+                    {1e-6, why, kOneRun}),
+      ValidationRow("dem05_spin", "its spin a ω over the normal speed before", kGarg,
+                    "5/2 μ (1 + e)", Expectation::equal(2.5 * kLoss), {1e-6, why, kOneRun})};
   e.run = [=](Experiment::Trial& trial) {
     Scene<3> scene = experiment_scene<3>({.mu = kMu, .e_n = kRestitution}, kStep, trial);
     const Vec3 v(kIncidence, 0, -1);

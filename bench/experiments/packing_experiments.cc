@@ -22,7 +22,7 @@
 namespace bipot {
 namespace {
 
-const std::string kPackings = "packings";
+constexpr const char* kOverPackings = "95 % over packings (seeds)";
 constexpr double kPressure = 1000, kDensity = 1000;
 /// In equal shares: no skewness; their ratio is above 0.743.
 const std::vector<RadiusClass> kSizes = {{0.044, 1}, {0.05, 1}, {0.056, 1}};
@@ -75,49 +75,43 @@ Observation over_packings(const std::vector<double>& values, std::string note = 
   return {mean.mean, mean.confidence, std::move(note)};
 }
 
-ValidationRow packing_row(std::string name, std::string quantity, std::string source,
-                          std::string formula, Expectation expected, double allowed,
-                          std::string why) {
-  return validation_row(kPackings, std::move(name), std::move(quantity), std::move(source),
-                        std::move(formula), expected, allowed, std::move(why),
-                        "95 % over packings (seeds)");
-}
-
 Experiment plane_packings() {
   const std::string counting =
       "counting of forces and equations, derived in packing_experiments.cc";
   Experiment e;
   e.rows = {
-      packing_row("disks_frictionless",
-                  "coordination of disks without friction, without rattlers, periodic cell pressed "
-                  "from two sides",
-                  counting, "4: M = 2N' + 2 sides − 2 shifts", Expectation::equal(4), 1e-2,
-                  "contacts at the edge of being loaded"),
-      packing_row("disks_rough", "the same with μ = 10", counting,
-                  "at least 3 (2M ≥ 3N' + 2 − 2), below 4; 3 for μ → ∞",
-                  Expectation::between(3, 4, 3), 0, "none"),
-      packing_row(
+      ValidationRow(
+          "disks_frictionless",
+          "coordination of disks without friction, without rattlers, periodic cell pressed "
+          "from two sides",
+          counting, "4: M = 2N' + 2 sides − 2 shifts", Expectation::equal(4),
+          {1e-2, "contacts at the edge of being loaded", kOverPackings}),
+      ValidationRow("disks_rough", "the same with μ = 10", counting,
+                    "at least 3 (2M ≥ 3N' + 2 − 2), below 4; 3 for μ → ∞",
+                    Expectation::between(3, 4, 3), {0, "none", kOverPackings}),
+      ValidationRow(
           "sliding_contacts",
           "sliding contacts less 2M − 3N', over N': packings of μ = 0.3 at rest",
           "McNamara and Herrmann 2004 (read in an abstract), and counting: each sliding contact "
           "has one force less",
-          "at most 0", Expectation::at_most(0, 1), 1e-9, "a count"),
-      packing_row(
+          "at most 0", Expectation::at_most(0, 1), {1e-9, "a count", kOverPackings}),
+      ValidationRow(
           "fraction_falls", "solid fraction without friction less that with μ = 10",
           "friction holds looser packings (trend; the figures .76 to .80 are from memory, not "
           "tested)",
-          "at least 0", Expectation::at_least(0, 1), 0, "none"),
-      packing_row(
+          "at least 0", Expectation::at_least(0, 1), {0, "none", kOverPackings}),
+      ValidationRow(
           "fraction_close", "solid fraction without friction, three radii in equal shares",
           "Meer, Galoustian, de Falco Manuel and Weeks 2024 (abstract of arXiv 2404.02316): "
           "0.840 for size distributions without skewness, whatever their width",
-          "0.840", Expectation::equal(0.840), 1.5e-2,
-          "64 disks (--quick: 25); overlaps count twice"),
-      packing_row("fraction_bound", "the same, as a bound",
-                  "Blind 1969 (read in the abstract of arXiv 1907.03652): disks of radii within "
-                  "0.743 of each other pack no denser than equal ones",
-                  "at most π/√12 = 0.9069",
-                  Expectation::at_most(std::numbers::pi / std::sqrt(12.0), 1), 0, "none")};
+          "0.840", Expectation::equal(0.840),
+          {1.5e-2, "64 disks (--quick: 25); overlaps count twice", kOverPackings}),
+      ValidationRow("fraction_bound", "the same, as a bound",
+                    "Blind 1969 (read in the abstract of arXiv 1907.03652): disks of radii within "
+                    "0.743 of each other pack no denser than equal ones",
+                    "at most π/√12 = 0.9069",
+                    Expectation::at_most(std::numbers::pi / std::sqrt(12.0), 1),
+                    {0, "none", kOverPackings})};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-3};
   e.run = [](Experiment::Trial& trial) {
@@ -183,15 +177,16 @@ Scene<3> pressed_box(int count, double mu, std::uint64_t seed, const Experiment:
 Experiment space_packings() {
   Experiment e;
   e.rows = {
-      packing_row("spheres_frictionless",
-                  "twice the loaded contacts of spheres without friction, over the number that "
-                  "hold each other; walls count as bodies do, three of them driven",
-                  "counting of forces and equations, derived in packing_experiments.cc",
-                  "6: M = 3N' + 3 walls, so 2(M − 3)/N'", Expectation::equal(6), 1e-2,
-                  "contacts at the edge of being loaded"),
-      packing_row("spheres_rough", "the same with μ = 10",
-                  "counting; Silbert 2010 (abstract of arXiv 1108.0012): → 4 for μ → ∞",
-                  "at least 4 (3M ≥ 6N' + 3), below 6", Expectation::between(4, 6, 4), 0, "none")};
+      ValidationRow("spheres_frictionless",
+                    "twice the loaded contacts of spheres without friction, over the number that "
+                    "hold each other; walls count as bodies do, three of them driven",
+                    "counting of forces and equations, derived in packing_experiments.cc",
+                    "6: M = 3N' + 3 walls, so 2(M − 3)/N'", Expectation::equal(6),
+                    {1e-2, "contacts at the edge of being loaded", kOverPackings}),
+      ValidationRow("spheres_rough", "the same with μ = 10",
+                    "counting; Silbert 2010 (abstract of arXiv 1108.0012): → 4 for μ → ∞",
+                    "at least 4 (3M ≥ 6N' + 3), below 6", Expectation::between(4, 6, 4),
+                    {0, "none", kOverPackings})};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-3};
   e.run = [](Experiment::Trial& trial) {

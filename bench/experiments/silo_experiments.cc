@@ -21,7 +21,6 @@
 namespace bipot {
 namespace {
 
-const std::string kSilo = "silo";
 constexpr double kSiloMu = 0.5, kSiloWidth = 8;
 
 /// Means while the floor sinks.
@@ -127,26 +126,25 @@ double screening_length(const SiloLoad& load, double& rms) {
 Experiment janssen() {
   Experiment e;
   e.rows = {
-      validation_row(kSilo, "silo_balance",
-                     "floor and walls together over the weight, while the floor sinks slowly",
-                     "momentum in the mean", "1", Expectation::equal(1), 1e-2, "finite time",
-                     "95 % over 6 blocks of time"),
-      validation_row(kSilo, "silo_coulomb",
-                     "upward friction of the walls over μ times their normal force",
-                     "Coulomb at every contact (exact)", "at most 1", Expectation::at_most(1, 1),
-                     1e-6, "rounding; impulses are admissible by construction",
-                     "discretisation: it holds at every instant"),
-      validation_row(
-          kSilo, "janssen_saturates",
+      ValidationRow("silo_balance",
+                    "floor and walls together over the weight, while the floor sinks slowly",
+                    "momentum in the mean", "1", Expectation::equal(1),
+                    {1e-2, "finite time", "95 % over 6 blocks of time"}),
+      ValidationRow("silo_coulomb", "upward friction of the walls over μ times their normal force",
+                    "Coulomb at every contact (exact)", "at most 1", Expectation::at_most(1, 1),
+                    {1e-6, "rounding; impulses are admissible by construction",
+                     "discretisation: it holds at every instant"}),
+      ValidationRow(
+          "janssen_saturates",
           "floor load of the tallest filling (4 to 6 widths) over that of half its height",
           "Janssen 1895: Q saturates (from memory; with K between 0 and ∞ the ratio is between 1 and 2)",
-          "1 to 2", Expectation::between(1, 2, 1), 0, "none", "95 % over blocks of both runs"),
-      validation_row(
-          kSilo, "janssen_length",
+          "1 to 2", Expectation::between(1, 2, 1), {0, "none", "95 % over blocks of both runs"}),
+      ValidationRow(
+          "janssen_length",
           "screening length fitted to the load against depth, over L/(2 m K) with the walls' own m and K "
           "measured independently",
-          "balance of a layer, derived in silo_experiments.cc", "1", Expectation::equal(1), 0.2,
-          "m and K are not the same at all depths", "discretisation: one fit")};
+          "balance of a layer, derived in silo_experiments.cc", "1", Expectation::equal(1),
+          {0.2, "m and K are not the same at all depths", "discretisation: one fit"})};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
   e.run = [](Experiment::Trial& trial) {
@@ -234,19 +232,21 @@ Discharge discharge(double hole, int count, std::uint64_t seed, Experiment::Tria
 Experiment beverloo() {
   Experiment e;
   e.rows = {
-      validation_row(
-          kSilo, "discharge_exponent",
+      ValidationRow(
+          "discharge_exponent",
           "exponent of the discharge rate against D - 1.4 d, holes of 5 to 9 mean diameters",
           "Beverloo, Leniger and van de Velde 1961; in the plane √g D^(3/2) is what dimensions "
           "leave (free fall from a height of the order of D). k d is fitted elsewhere, k from 1 to 2, "
           "which moves the exponent by 0.15 (from memory)",
-          "3/2", Expectation::equal(1.5), 0.1, "k is not known better",
-          "95 % of the fit over holes, seeds and halves of the time"),
-      validation_row(
-          kSilo, "discharge_steady",
+          "3/2", Expectation::equal(1.5),
+          {0.1, "k is not known better",
+           "95 % of the fit over holes, seeds and halves of the time"}),
+      ValidationRow(
+          "discharge_steady",
           "discharge rate while the filling goes from 75 to 60 % over that from 90 to 75 %",
           "Hagen 1852: the rate does not depend on the height of the filling", "1",
-          Expectation::equal(1), 0.05, "few disks", "95 % over holes and seeds that do not clog")};
+          Expectation::equal(1),
+          {0.05, "few disks", "95 % over holes and seeds that do not clog"})};
   e.tols = {1, 1e-1, 1e-2};
   e.quick_tols = {1, 1e-1};
   e.run = [](Experiment::Trial& trial) {

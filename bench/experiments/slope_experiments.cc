@@ -20,8 +20,9 @@ namespace {
 
 constexpr double kSlope = 20 * std::numbers::pi / 180;
 constexpr double kHuge = 1e9;  // inertia of a block over m a²: it does not turn
-const std::string kExact = "exact cases: one body";
 const std::string kMechanics = "rigid-body mechanics, derived in slope_experiments.cc";
+const ValidationRow::Margin kExactScheme = {
+    1e-6, "the scheme is exact here; a hundred times the tightest tolerance", kOneRun};
 
 /// A body of radius 1 m and 1 kg that touches the floor; gravity is tilted by `slope` towards +x.
 template <int D>
@@ -38,25 +39,19 @@ Scene<D> on_floor(double slope, double mu, double step, const Experiment::Trial&
 double slip(const Disk& d) { return d.v[0] + d.radius * d.spin; }
 double slip(const Sphere& s) { return s.v[0] - s.radius * s.spin[1]; }
 
-ValidationRow exact_row(std::string name, std::string quantity, std::string formula, double value) {
-  return validation_row(kExact, std::move(name), std::move(quantity), kMechanics,
-                        std::move(formula), Expectation::equal(value), 1e-6,
-                        "the scheme is exact here; a hundred times the tightest tolerance",
-                        "discretisation: one deterministic run");
-}
-
 template <int D>
 Experiment rolling() {
   const double c = kInertia<D>;
   Experiment e;
-  e.rows = {
-      exact_row(fmt::format("{}_rolls", kBodyName<D>),
+  e.rows = {ValidationRow(
+                fmt::format("{}_rolls", kBodyName<D>),
                 fmt::format("acceleration of a {} that rolls down 20°, over g sin θ", kBodyName<D>),
-                D == 2 ? "1/(1 + 1/2) = 2/3" : "1/(1 + 2/5) = 5/7", 1 / (1 + c)),
-      exact_row(
-          fmt::format("{}_slips", kBodyName<D>),
-          fmt::format("the same with μ = 0.05, sliding, over g (sin θ − μ cos θ)", kBodyName<D>),
-          "1", 1)};
+                kMechanics, D == 2 ? "1/(1 + 1/2) = 2/3" : "1/(1 + 2/5) = 5/7",
+                Expectation::equal(1 / (1 + c)), kExactScheme),
+            ValidationRow(fmt::format("{}_slips", kBodyName<D>),
+                          fmt::format("the same with μ = 0.05, sliding, over g (sin θ − μ cos θ)",
+                                      kBodyName<D>),
+                          kMechanics, "1", Expectation::equal(1), kExactScheme)};
   e.run = [](Experiment::Trial& trial) {
     for (const double mu : {0.5, 0.05}) {
       Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
@@ -78,15 +73,14 @@ Experiment threshold(bool block) {
   const double critical = std::tan(kSlope) * (block ? 1 : c / (1 + c));
   Experiment e;
   const std::string name = block ? "block" : kBodyName<D>;
-  ValidationRow row = exact_row(
+  e.rows = {ValidationRow(
       name + "_threshold",
       block ? "least μ at which a block (a disk that cannot turn) stays on a slope of 20°"
             : fmt::format("least μ at which a {} rolls down 20° without sliding", name),
-      block ? "tan θ = 0.3640" : (D == 2 ? "tan θ / 3 = 0.1213" : "2/7 tan θ = 0.1040"), critical);
-  row.allowed = 2e-3;
-  row.allowed_why = "sliding is told from rolling at 1e-3 of free fall; bisection 1e-4";
-  row.claim.bar_is = "discretisation: bisection to 1e-4";
-  e.rows = {row};
+      kMechanics, block ? "tan θ = 0.3640" : (D == 2 ? "tan θ / 3 = 0.1213" : "2/7 tan θ = 0.1040"),
+      Expectation::equal(critical),
+      {2e-3, "sliding is told from rolling at 1e-3 of free fall; bisection 1e-4",
+       "discretisation: bisection to 1e-4"})};
   e.run = [critical, block](Experiment::Trial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
       Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
@@ -104,10 +98,10 @@ template <int D>
 Experiment thrown() {
   const double c = kInertia<D>;
   Experiment e;
-  e.rows = {exact_row(
+  e.rows = {ValidationRow(
       fmt::format("{}_thrown", kBodyName<D>),
       fmt::format("speed at which a {} thrown without spin ends rolling, over v0", kBodyName<D>),
-      D == 2 ? "2/3" : "5/7", 1 / (1 + c))};
+      kMechanics, D == 2 ? "2/3" : "5/7", Expectation::equal(1 / (1 + c)), kExactScheme)};
   e.run = [](Experiment::Trial& trial) {
     Scene<D> scene = on_floor<D>(0, 0.3, 0.01, trial);
     scene.bodies[0].v[0] = 1;
@@ -127,20 +121,20 @@ Experiment back_spin() {
   const double c = kInertia<D>;
   const std::string name = kBodyName<D>;
   Experiment e;
-  e.rows = {exact_row(name + "_back_spin",
-                      fmt::format("speed of a {} thrown at v0 with the back spin a ω = 4 v0, once "
-                                  "it rolls, over v0",
-                                  name),
-                      D == 2 ? "(2 − 4)/3" : "(5 − 2 × 4)/7", (1 - c * kBackSpin) / (1 + c)),
-            exact_row(name + "_turns_round", "its farthest place [m]", "v0²/(2 μ g)",
-                      1 / (2 * kBackMu * kGravity)),
-            exact_row(name + "_comes_back",
-                      fmt::format("least back spin a ω over v0 at which a {} comes back", name),
-                      D == 2 ? "2" : "5/2", 1 / c)};
-  e.rows[1].allowed = 1e-4;
-  e.rows[1].allowed_why = "time step: (μ g h/2 v0)²";
-  e.rows[2].allowed = 1e-3;
-  e.rows[2].allowed_why = "bisection 1e-4";
+  e.rows = {
+      ValidationRow(name + "_back_spin",
+                    fmt::format("speed of a {} thrown at v0 with the back spin a ω = 4 v0, once "
+                                "it rolls, over v0",
+                                name),
+                    kMechanics, D == 2 ? "(2 − 4)/3" : "(5 − 2 × 4)/7",
+                    Expectation::equal((1 - c * kBackSpin) / (1 + c)), kExactScheme),
+      ValidationRow(name + "_turns_round", "its farthest place [m]", kMechanics, "v0²/(2 μ g)",
+                    Expectation::equal(1 / (2 * kBackMu * kGravity)),
+                    {1e-4, "time step: (μ g h/2 v0)²", kOneRun}),
+      ValidationRow(name + "_comes_back",
+                    fmt::format("least back spin a ω over v0 at which a {} comes back", name),
+                    kMechanics, D == 2 ? "2" : "5/2", Expectation::equal(1 / c),
+                    {1e-3, "bisection 1e-4", kOneRun})};
   e.run = [](Experiment::Trial& trial) {
     double farthest = 0;
     const auto rolls_at = [&](double spin) {
@@ -170,9 +164,10 @@ Experiment back_spin() {
 
 Experiment belt() {
   Experiment e;
-  e.rows = {exact_row("disk_on_belt",
-                      "speed of a disk put down on a belt, once it rolls, over the belt's",
-                      "1/3: thrown at −V seen from the belt, where it keeps 2/3", 1.0 / 3)};
+  e.rows = {ValidationRow("disk_on_belt",
+                          "speed of a disk put down on a belt, once it rolls, over the belt's",
+                          kMechanics, "1/3: thrown at −V seen from the belt, where it keeps 2/3",
+                          Expectation::equal(1.0 / 3), kExactScheme)};
   e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = on_floor<2>(0, 0.3, 0.01, trial);
     move_at(scene.walls[0], Vec2(1, 0));
@@ -187,14 +182,13 @@ Experiment braking() {
   constexpr double kBrakeMu = 0.3, kSpeed = 3, kStep = 0.01;
   constexpr double kBrake = kBrakeMu * kGravity;
   Experiment e;
-  ValidationRow row =
-      exact_row("block_stops", "way of a block thrown at 3 m/s on μ = 0.3 until it stands [m]",
-                "v0²/(2 μ g) = 1.529 m", kSpeed * kSpeed / (2 * kBrake));
   // In the step that stops it the speed falls from v <= a h to 0 in h, not in v/a: the distance v
   // h/2 instead of v²/2a, at most a h²/8 more.
-  row.allowed = std::pow(kBrake * kStep / kSpeed, 2) / 4 + 1e-6;
-  row.allowed_why = "the step that stops it: (μ g h/v0)²/4";
-  e.rows = {row};
+  const double allowed = std::pow(kBrake * kStep / kSpeed, 2) / 4 + 1e-6;
+  e.rows = {ValidationRow(
+      "block_stops", "way of a block thrown at 3 m/s on μ = 0.3 until it stands [m]", kMechanics,
+      "v0²/(2 μ g) = 1.529 m", Expectation::equal(kSpeed * kSpeed / (2 * kBrake)),
+      {allowed, "the step that stops it: (μ g h/v0)²/4", kOneRun})};
   e.run = [](Experiment::Trial& trial) {
     Scene<2> scene = on_floor<2>(0, kBrakeMu, kStep, trial);
     scene.bodies[0].inertia = kHuge;

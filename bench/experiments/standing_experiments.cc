@@ -9,8 +9,6 @@
 namespace bipot {
 namespace {
 
-const std::string kStanding = "exact cases: what stands";
-
 /// Motion after the scene's steps: the largest path of a body over that of free fall.
 template <int D>
 double motion_of(const Scene<D>& scene, Experiment::Trial& trial) {
@@ -24,14 +22,9 @@ double motion_of(const Scene<D>& scene, Experiment::Trial& trial) {
 }
 
 constexpr double kMoves = 1e-4;  // of free fall
-
-ValidationRow standing_row(std::string name, std::string quantity, std::string source,
-                           std::string formula, double value) {
-  return validation_row(kStanding, std::move(name), std::move(quantity), std::move(source),
-                        std::move(formula), Expectation::equal(value), 2e-3,
-                        "rest is told from motion at 1e-4 of free fall; bisection 1e-4",
-                        "discretisation: bisection to 1e-4");
-}
+const ValidationRow::Margin kBisected = {
+    2e-3, "rest is told from motion at 1e-4 of free fall; bisection 1e-4",
+    "discretisation: bisection to 1e-4"};
 
 /// A heap of equal bodies on the floor, law 0 between them and law 1 at the floor.
 template <int D>
@@ -68,7 +61,7 @@ Experiment heap_threshold(bool floor) {
   const double critical = std::tan(lean / 2) / (floor ? D + 1 : 1);
   Experiment e;
   const std::string bodies = D == 2 ? "three disks" : "four spheres";
-  e.rows = {standing_row(
+  e.rows = {ValidationRow(
       std::string(D == 2 ? "three_disks" : "four_spheres") + (floor ? "_floor" : "_between"),
       "least μ " + std::string(floor ? "at the floor" : "between them") + " at which " + bodies +
           " stand",
@@ -76,7 +69,7 @@ Experiment heap_threshold(bool floor) {
       "standing_experiments.cc",
       D == 2 ? (floor ? "tan 15° / 3 = 0.0893" : "tan 15° = 0.2679")
              : (floor ? "tan(35.264°/2) / 4 = 0.0795" : "tan(35.264°/2) = 0.3178"),
-      critical)};
+      Expectation::equal(critical), kBisected)};
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
   e.run = [critical, floor](Experiment::Trial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
@@ -92,11 +85,11 @@ Experiment heap_threshold(bool floor) {
 /// normal, without friction. Beyond, it rolls over with g sin(α - 30°)/(1 + 1/2).
 Experiment hollow_threshold() {
   Experiment e;
-  e.rows = {standing_row("rough_wall_hollow",
-                         "slope of a rough wall at which a disk leaves the hollow of two of its "
-                         "disks [°]",
-                         "line of centres, derived in standing_experiments.cc; holds for any μ",
-                         "30° for equal disks that touch", 30)};
+  e.rows = {ValidationRow("rough_wall_hollow",
+                          "slope of a rough wall at which a disk leaves the hollow of two of its "
+                          "disks [°]",
+                          "line of centres, derived in standing_experiments.cc; holds for any μ",
+                          "30° for equal disks that touch", Expectation::equal(30), kBisected)};
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
   e.run = [](Experiment::Trial& trial) {
     Observation found = find_threshold(-45, -15, [&](double degrees) {

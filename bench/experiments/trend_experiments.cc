@@ -15,13 +15,11 @@
 namespace bipot {
 namespace {
 
-const std::string kTrends = "trends";
+const std::string kGrows = "it grows: above 0";
+const Expectation kAboveZero = Expectation::at_least(0, 0.1);
 
-ValidationRow trend_row(std::string name, std::string quantity, std::string source,
-                        std::string seeds) {
-  return validation_row(kTrends, std::move(name), std::move(quantity), std::move(source),
-                        "it grows: above 0", Expectation::at_least(0, 0.1), 0, "none",
-                        "the row is the lower end of the 95 % over " + seeds);
+ValidationRow::Margin end_over(const std::string& seeds) {
+  return {0, "none", "the row is the lower end of the 95 % over " + seeds};
 }
 
 Observation lower_end(const std::vector<double>& growths, const std::string& of) {
@@ -53,10 +51,10 @@ Experiment rolling_heap() {
   Experiment e;
   for (const auto& [name, range] :
        {std::pair("heap_rolls", "0 to 0.1"), std::pair("heap_rolls_less", "0.1 to 0.3")}) {
-    e.rows.push_back(trend_row(
+    e.rows.emplace_back(
         name, fmt::format("logarithm of the growth of a heap's slope from μ_r/a = {}", range),
-        "rolling friction carries a moment: no grain rolls below its bound (method.md)",
-        "4 columns"));
+        "rolling friction carries a moment: no grain rolls below its bound (method.md)", kGrows,
+        kAboveZero, end_over("4 columns"));
   }
   e.tols = {1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
@@ -109,11 +107,11 @@ double rise(std::uint64_t seed, Experiment::Trial& trial) {
 
 Experiment brazil_nut() {
   Experiment e;
-  e.rows = {
-      trend_row("brazil_nut",
-                "rise of a grain of three radii in a shaken box (3 g, 1.25 Hz), over the mean "
-                "height of the grains",
-                "Rosato et al. 1987: the large grain rises", "4 fillings")};
+  e.rows = {ValidationRow(
+      "brazil_nut",
+      "rise of a grain of three radii in a shaken box (3 g, 1.25 Hz), over the mean "
+      "height of the grains",
+      "Rosato et al. 1987: the large grain rises", kGrows, kAboveZero, end_over("4 fillings"))};
   e.tols = {1e-1, 1e-2};
   e.quick_tols = {};
   e.run = [](Experiment::Trial& trial) {

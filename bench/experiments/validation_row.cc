@@ -10,21 +10,16 @@
 
 namespace bipot {
 
-ValidationRow validation_row(std::string group, std::string name, std::string quantity,
-                             std::string source, std::string formula, Expectation range,
-                             double allowed, std::string allowed_why, std::string bar,
-                             bool takes_tolerance) {
-  return {.claim = {.name = std::move(name),
-                    .quantity = std::move(quantity),
-                    .expected = std::move(formula),
-                    .source = std::move(source),
-                    .bar_is = std::move(bar)},
-          .group = std::move(group),
-          .range = range,
-          .allowed = allowed,
-          .allowed_why = std::move(allowed_why),
-          .takes_tolerance = takes_tolerance};
-}
+ValidationRow::ValidationRow(std::string name, std::string quantity, std::string source,
+                             std::string formula, Expectation expected, Margin margin)
+    : claim{.name = std::move(name),
+            .quantity = std::move(quantity),
+            .expected = std::move(formula),
+            .source = std::move(source),
+            .bar_is = std::move(margin.bar_is)},
+      range(expected),
+      allowed(margin.allowed),
+      allowed_why(std::move(margin.why)) {}
 
 SolverChoice Experiment::Trial::choice() const {
   return SolverChoice{.name = context.solver,
@@ -50,13 +45,24 @@ std::vector<double> decades(int first, int last) {
 
 std::vector<Experiment> validation_experiments() {
   std::vector<Experiment> all;
-  for (const auto& group :
-       {slope_experiments(), standing_experiments(), impact_experiments(), collision_experiments(),
-        mfix_experiments(), cohesion_experiments(), chain_experiments(),
-        indeterminacy_experiments(), packing_experiments(), force_experiments(), flow_experiments(),
-        silo_experiments(), trend_experiments()}) {
-    all.insert(all.end(), group.begin(), group.end());
-  }
+  const auto add = [&all](const char* group, const std::vector<Experiment>& some) {
+    for (const Experiment& e : some) {
+      for (ValidationRow& row : all.emplace_back(e).rows) row.group = group;
+    }
+  };
+  add("exact cases: one body", slope_experiments());
+  add("exact cases: what stands", standing_experiments());
+  add("exact cases: bounces and swings", impact_experiments());
+  add("exact cases: collisions", collision_experiments());
+  add("exact cases: MFiX's DEM-01–05", mfix_experiments());
+  add("exact cases: cohesion", cohesion_experiments());
+  add("exact cases: a chain and its sweeps", chain_experiments());
+  add("indeterminacy of forces", indeterminacy_experiments());
+  add("packings", packing_experiments());
+  add("distribution of forces", force_experiments());
+  add("flow", flow_experiments());
+  add("silo", silo_experiments());
+  add("trends", trend_experiments());
   return all;
 }
 
@@ -138,18 +144,17 @@ void judge(ValidationRow& row) {
 }
 
 Experiment::Result run_experiment(const Experiment& experiment, const Experiment::Context& context,
-                                  const std::function<void(int, int)>& on_tolerance) {
+                                  const std::function<void()>& on_tolerance) {
   Experiment::Result result{.rows = experiment.rows};
   for (ValidationRow& row : result.rows) row.shared = static_cast<int>(result.rows.size());
-  const std::vector<double>& tols = context.quick ? experiment.quick_tols : experiment.tols;
-  for (std::size_t k = 0; k < tols.size(); ++k) {
-    if (on_tolerance) on_tolerance(static_cast<int>(k), static_cast<int>(tols.size()));
+  for (const double tol : context.quick ? experiment.quick_tols : experiment.tols) {
+    if (on_tolerance) on_tolerance();
     if (context.interrupted()) {
       result.complete = false;
       break;
     }
     const CpuStopwatch clock;
-    Experiment::Trial trial{tols[k], context};
+    Experiment::Trial trial{tol, context};
     std::string failure;
     try {
       experiment.run(trial);
@@ -170,7 +175,7 @@ Experiment::Result run_experiment(const Experiment& experiment, const Experiment
     trial.seen.resize(experiment.rows.size());
     const double seconds = clock.seconds();
     for (std::size_t r = 0; r < result.rows.size(); ++r) {
-      ValidationRow::Point point{.tol = tols[k],
+      ValidationRow::Point point{.tol = tol,
                                  .seen = trial.seen[r],
                                  .steps = trial.steps,
                                  .unsolved = trial.unsolved,

@@ -13,6 +13,9 @@ namespace bipot {
 /// holds" in "at which tolerance?".
 inline constexpr double kRightTo = 1e-2;
 
+/// Meaning of an error bar.
+inline constexpr const char* kOneRun = "discretisation: one deterministic run";
+
 /// One measurement of an observable.
 struct Observation {
   double value = kNaN;
@@ -38,12 +41,20 @@ struct ValidationRow {
     /// value.
     bool reached() const;
   };
+  /// What is allowed at the tightest tolerance beside the error bar.
+  struct Margin {
+    double allowed = 0;  ///< relative error
+    std::string why;     ///< time step, bisection
+    std::string bar_is;  ///< meaning of the error bar
+  };
+  ValidationRow() = default;
+  ValidationRow(std::string name, std::string quantity, std::string source, std::string formula,
+                Expectation range, Margin margin);
+
   Claim claim;
-  std::string group;  ///< heading of the page
-  Expectation range;  ///< that of claim.expected
-  /// Relative error allowed for the row at the tightest tolerance beside its error bar, and the
-  /// reason: time step, bisection.
-  double allowed = 0;
+  std::string group;   ///< heading of the page
+  Expectation range;   ///< that of claim.expected
+  double allowed = 0;  ///< see Margin
   std::string allowed_why;
   bool takes_tolerance = true;  ///< false: it contains no solve to a tolerance
 
@@ -57,12 +68,6 @@ struct ValidationRow {
   bool holds() const { return claim.holds.value_or(false); }
   bool undecided() const { return best >= 0 && !claim.holds; }
 };
-
-/// The fields in their order.
-ValidationRow validation_row(std::string group, std::string name, std::string quantity,
-                             std::string source, std::string formula, Expectation range,
-                             double allowed, std::string allowed_why, std::string bar,
-                             bool takes_tolerance = true);
 
 /// Sets the claim's measurement and verdict, best and loosest, from the points.
 void judge(ValidationRow& row);
@@ -109,10 +114,9 @@ struct Experiment {
 std::vector<Experiment> validation_experiments();
 
 /// Runs the experiment at each of its tolerances; its exceptions become part of the points.
-/// `on_tolerance`: called before each, with the number of finished ones and of all.
-Experiment::Result run_experiment(
-    const Experiment& experiment, const Experiment::Context& context,
-    const std::function<void(int done, int total)>& on_tolerance = {});
+/// `on_tolerance`: called before each.
+Experiment::Result run_experiment(const Experiment& experiment, const Experiment::Context& context,
+                                  const std::function<void()>& on_tolerance = {});
 
 std::vector<Experiment> slope_experiments();          ///< one body on a floor, by hand
 std::vector<Experiment> standing_experiments();       ///< three disks, four spheres, a hollow

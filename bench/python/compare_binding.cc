@@ -132,7 +132,7 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
   options.try_all = try_all;
   options.warm = warm;
   options.out = out;
-  options.interrupted = options.cancelled = [&watch] { return watch.stopped(); };
+  options.watch.interrupted = [&watch] { return watch.stopped(); };
   report_rows_to(on_row, watch, options);
   const std::vector<ProblemSource> sources =
       sources_of(targets, target_options(scene_problems, scene_steps));
@@ -144,7 +144,7 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
   // The options as the report shows them; none of them runs again.
   options.foreign.clear();
   options.on_row = nullptr;
-  options.interrupted = options.cancelled = nullptr;
+  options.watch = {};
   made.context.made = provenance("compare", command);
   made.context.command_of_target = "bipot.compare([\"{}\"], ...)";
   return made;

@@ -50,25 +50,24 @@ Study::Measured Study::read(const std::filesystem::path& rows) {
 }
 
 bool Study::measure(const std::filesystem::path& rows, const std::vector<Job>& jobs,
-                    const Stopped& stopped,
-                    const std::function<void(long, long, const std::string&)>& on_job) {
+                    const Watch& watch) {
   const Measured known = read(rows);
   std::ofstream file = open_csv_table(rows, kRowsHeader);
   const long total = static_cast<long>(jobs.size());
   long done = 0;
   for (const Job& job : jobs) {
     const Case& of = job.of;
-    on_job(done++, total,
-           fmt::format("{} {} {} {} seed {}", of.part, of.scene, of.size, of.method, of.seed));
+    watch.tell(done++, total,
+               fmt::format("{} {} {} {} seed {}", of.part, of.scene, of.size, of.method, of.seed));
     if (known.contains(of)) continue;
-    const CpuStopwatch watch;
-    Values values = job.run(stopped);
-    if (stopped()) return false;
-    values.try_emplace("cpu", watch.seconds());
+    const CpuStopwatch clock;
+    Values values = job.run([&watch] { return watch.stopped(); });
+    if (watch.stopped()) return false;
+    values.try_emplace("cpu", clock.seconds());
     file << row_line(of, values) << std::flush;
     if (!file) throw FileError(rows, "", "cannot be written");
   }
-  on_job(total, total, "");
+  watch.tell(total, total, "");
   return true;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/measure/watch.h"
 #include "bench/report/document.h"
 #include "bench/tradeoff/run_setting.h"
 #include "core/base/types.h"
@@ -88,11 +89,10 @@ struct Study {
 
   /// A line for each measurement; none if there is no file. Throws FileError.
   static Measured read(const std::filesystem::path& rows);
-  /// Runs the jobs that `rows` lacks and adds them to it. `on_job` is called before each with the
-  /// number done, of all, and what comes. False if it was stopped; what was done is kept.
+  /// Runs the jobs that `rows` lacks and adds them to it. False if it was interrupted; what was done
+  /// is kept.
   static bool measure(const std::filesystem::path& rows, const std::vector<Job>& jobs,
-                      const Stopped& stopped,
-                      const std::function<void(long, long, const std::string&)>& on_job);
+                      const Watch& watch);
 };
 
 }  // namespace bipot

@@ -50,7 +50,7 @@ int shortened(const Scene<D>& scene, const Trade::Options& options) {
   double shortest = 1;
   for (const double factor : options.step_factors) shortest = std::min(shortest, factor);
   const RunLimits limits{.cpu_seconds = kPart * options.time_limit,
-                         .cancelled = options.interrupted};
+                         .cancelled = options.watch.interrupted};
   State<D> state = initial_state(scene);
   const RunRecord run =
       run_setting(scene, state, {.solver = options.solvers.front(), .tol = tol}, limits, {});
@@ -103,9 +103,17 @@ Trade::Scene load_target(const std::string& target, const Trade::Options& option
 
 class Runner {
  public:
-  Runner(const Trade::Options& options, Trade& trade) : options_(options), trade_(trade) {}
+  Runner(const Trade::Options& options, Trade& trade) : options_(options), trade_(trade) {
+    const std::size_t springs =
+        options.stiffness.empty() ? options.overlaps.size() : options.stiffness.size();
+    const std::size_t settings = options.solvers.size() * options.tols.size() +
+                                 options.step_factors.size() + options.accuracies.size() + springs +
+                                 (options.witness.empty() ? 0 : 1);
+    total_ = static_cast<long>(settings * options.targets.size());
+    options.watch.tell(0, total_, "");
+  }
 
-  bool stopped() const { return options_.interrupted && options_.interrupted(); }
+  bool stopped() const { return options_.watch.stopped(); }
 
   /// Runs all replicas of a setting. True if all were completed.
   bool run(const Trade::Scene& scene, const RunSetting& setting) {
@@ -132,8 +140,11 @@ class Runner {
 
  private:
   void add(Trade::Row row) {
+    if (row.replica == 0) ++done_;
+    options_.watch.tell(
+        done_, total_,
+        fmt::format("{}: {}, run {}", row.scene, row.setting.label(), row.replica + 1));
     trade_.rows.push_back(std::move(row));
-    if (options_.on_row) options_.on_row(trade_.rows.back());
   }
 
   static Trade::Row blank(const Trade::Scene& scene, const RunSetting& setting, int replica) {
@@ -164,7 +175,8 @@ class Runner {
           State<D> state = initial_state(scene);
           static_cast<RunRecord&>(row) = run_setting(
               scene, state, setting,
-              {.cpu_seconds = options_.time_limit, .cancelled = options_.interrupted}, observer);
+              {.cpu_seconds = options_.time_limit, .cancelled = options_.watch.interrupted},
+              observer);
           if (row.steps == row.steps_planned) row.values = recorder.values();
         },
         trade_scene.scene);
@@ -173,6 +185,7 @@ class Runner {
 
   const Trade::Options& options_;
   Trade& trade_;
+  long done_ = 0, total_ = 0;
 };
 
 double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& setting) {
@@ -295,17 +308,22 @@ void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runne
 
 }  // namespace
 
-std::vector<std::string> trade_targets(bool quick) {
+Trade::Options trade_options(bool quick) {
   if (quick) {
-    return {"bouncing_ball", "sliding_cylinder", "square_lattice:steps=100",
-            "triangular_lattice:steps=100", "compaction_100"};
+    return {.targets = {"bouncing_ball", "sliding_cylinder", "square_lattice:steps=100",
+                        "triangular_lattice:steps=100", "compaction_100"},
+            .tols = {1e-1, 1e-3},
+            .step_factors = {2, 1, 0.5},
+            .accuracies = {0.1},
+            .overlaps = {1e-2, 1e-3},
+            .time_limit = 5,
+            .shorten = true,
+            .witness = "apgd",
+            .replicas = 2};
   }
-  return {"bouncing_ball",
-          "sliding_cylinder",
-          "square_lattice:steps=300",
-          "triangular_lattice:steps=300",
-          "compaction_100",
-          "compaction"};
+  return {.targets = {"bouncing_ball", "sliding_cylinder", "square_lattice:steps=300",
+                      "triangular_lattice:steps=300", "compaction_100", "compaction"},
+          .witness = "apgd"};
 }
 
 Trade run_trade(const Trade::Options& options) {
@@ -313,6 +331,9 @@ Trade run_trade(const Trade::Options& options) {
   if (!options.witness.empty()) require_solver(options.witness);
   if (options.solvers.empty() || options.tols.empty()) {
     throw std::invalid_argument("a comparison of runs needs a solver and a tolerance");
+  }
+  if (std::ranges::any_of(options.overlaps, [](double x) { return x >= 0.1; })) {
+    throw std::invalid_argument("--overlaps: contacts that overlap by a tenth of the radius fail");
   }
   Trade trade{.negligible = options.negligible};
   std::set<std::string> names;

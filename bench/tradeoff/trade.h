@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/measure/watch.h"
 #include "bench/tradeoff/run_setting.h"
 #include "bench/tradeoff/trade_outcome.h"
 #include "core/base/types.h"
@@ -48,8 +49,8 @@ struct Trade {
     /// none.
     std::string witness;
     int replicas = 3;  ///< of scenes whose disks fly freely: runs with small perturbations
-    std::function<void(const Row&)> on_row;
-    std::function<bool()> interrupted;
+    /// The total is an upper bound: the number of replicas is not known before.
+    Watch watch;
     std::function<void(const std::string&)> warn;  ///< told what scenes leave out; may be empty
   };
   std::vector<Scene> scenes;
@@ -58,8 +59,8 @@ struct Trade {
   bool complete = false;
 };
 
-/// The default targets, and those of --quick.
-std::vector<std::string> trade_targets(bool quick);
+/// The default targets and settings, or those of --quick.
+Trade::Options trade_options(bool quick);
 
 /// Runs whole simulations, scene by scene:
 ///   1. every solver at every tolerance, loose to tight, with the scene's time step, and the

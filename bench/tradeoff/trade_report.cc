@@ -7,6 +7,7 @@
 #include "bench/report/labels.h"
 #include "bench/tradeoff/trade_charts.h"
 #include "core/base/number_text.h"
+#include "core/files/atomic_file.h"
 
 namespace bipot {
 namespace {
@@ -299,6 +300,15 @@ Json row_json(const Trade::Row& r) {
 
 }  // namespace
 
+FinishedTrade finished_trade(const Trade::Options& options, const std::string& command,
+                             const std::string& command_of_scene) {
+  FinishedTrade finished(run_trade(options));
+  finished.made = provenance("trade", command);
+  finished.command_of_scene = command_of_scene;
+  finished.time_limit = options.time_limit;
+  return finished;
+}
+
 Json to_json(const FinishedTrade& finished) {
   Json json = to_json(finished.made);
   json["time_limit"] = finished.time_limit;
@@ -367,6 +377,12 @@ Document trade_page(const FinishedTrade& finished) {
   page.add(std::move(terms));
   page.say("Every run and outcome: [trade.csv](trade.csv), [trade.json](trade.json).", "small");
   return page;
+}
+
+void write_trade(const std::filesystem::path& folder, const FinishedTrade& finished) {
+  write_text_file(folder / "trade.csv", to_csv(outcome_table(finished.trade)));
+  write_json(to_json(finished), (folder / "trade.json").string());
+  write_text_file(folder / "trade.html", to_html(trade_page(finished)));
 }
 
 }  // namespace bipot

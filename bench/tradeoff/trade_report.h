@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,9 @@ struct FinishedTrade {
   double time_limit = 0;         ///< CPU of one run                                        [s]
 };
 
+/// Runs the trade. `command`: that makes it; `command_of_scene`: with {} for a scene.
+FinishedTrade finished_trade(const Trade::Options& options, const std::string& command,
+                             const std::string& command_of_scene);
 Json to_json(const FinishedTrade& finished);
 /// A row for each scene, run and outcome: tidy, for a spreadsheet or a data frame.
 Table outcome_table(const Trade& trade);
@@ -30,5 +34,7 @@ Table outcome_table(const Trade& trade);
 Document trade_document(const FinishedTrade& finished);
 /// The same as a page of its own, with its provenance.
 Document trade_page(const FinishedTrade& finished);
+/// Writes trade.csv, trade.json and trade.html. Throws FileError.
+void write_trade(const std::filesystem::path& folder, const FinishedTrade& finished);
 
 }  // namespace bipot

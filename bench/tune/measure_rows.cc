@@ -122,7 +122,7 @@ class ProblemMeasurement {
         variant.find(' ') == std::string::npos ? "" : variant.substr(variant.find(' ') + 1));
     options.time_limit = CpuLimit::kWallFactor * options_.time_limit;
     CpuLimit limit(options_.time_limit);
-    options.cancelled = [&] { return limit() || interrupted(); };
+    options.cancelled = [&] { return limit() || options_.watch.stopped(); };
     const CpuStopwatch watch;
     std::vector<std::pair<int, double>> reached(tols.size(), {-1, 0.0});
     options.on_iteration = [&](const IterationRecord& r) {
@@ -134,7 +134,7 @@ class ProblemMeasurement {
     };
     const SolveResult result = solve(entry, given_.problem, options);
     const double seconds = watch.seconds();
-    if (interrupted()) return false;
+    if (options_.watch.stopped()) return false;
     for (std::size_t k = 0; k < tols.size(); ++k) {
       MeasuredRow row = blank(variant);
       row.traits.tol = tols[k];
@@ -146,7 +146,6 @@ class ProblemMeasurement {
     }
     return true;
   }
-  bool interrupted() const { return options_.interrupted && options_.interrupted(); }
 
   const ProblemSource& source_;
   const MeasureOptions& options_;
@@ -216,7 +215,7 @@ std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
           if (!known.contains(key(instance_of(row), variant))) missing.push_back(tol);
         }
         if (missing.empty()) continue;
-        if (options.interrupted && options.interrupted()) return rows;
+        if (options.watch.stopped()) return rows;
         if (!given) given = source.load();
         const bool has_start = given->start.size() > 0 && !given->start.isZero(0);
         if ((warm && !has_start) || given->problem.num_contacts() == 0 ||
@@ -230,7 +229,7 @@ std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
         }
         file << std::flush;
         if (!file) throw FileError(options.file, "", "cannot be written");
-        if (options.on_row) options.on_row(source.name + " " + variant, done, total);
+        options.watch.tell(done, total, source.name + " " + variant);
       }
     }
   }

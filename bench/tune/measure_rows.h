@@ -1,11 +1,11 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "bench/measure/problem_target.h"
+#include "bench/measure/watch.h"
 #include "bench/tune/measured_row.h"
 
 namespace bipot {
@@ -25,8 +25,7 @@ struct MeasureOptions {
   std::vector<double> tols = {1e-2, 1e-4, 1e-8};
   double time_limit = 2;       ///< CPU seconds of one solve
   std::filesystem::path file;  ///< rows are appended as they are made; rows there are kept
-  std::function<void(const std::string& what, int done, int total)> on_row;
-  std::function<bool()> interrupted;  ///< asked before each solve and within
+  Watch watch;
 };
 
 /// Measures `auto` and every variant on every problem, from 0 and from the problem's start, at all

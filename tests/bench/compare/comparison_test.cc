@@ -344,12 +344,13 @@ TEST(Comparison, GoesOnWhereItWasStopped) {
   const Comparison whole = compare(sources, options);
 
   options.out = folder / "table";
-  int left = 5;
-  options.interrupted = [&left] { return left-- == 0; };
+  int rows = 0;
+  options.on_row = [&rows](const Comparison::Row&, int, int) { ++rows; };
+  options.watch.interrupted = [&rows] { return rows == 5; };
   const Comparison stopped = compare(sources, options);
   EXPECT_FALSE(stopped.complete);
   EXPECT_EQ(stopped.rows.size(), 5u);
-  options.interrupted = nullptr;
+  options.watch = {};
   // The program died in the middle of a line.
   std::ofstream(options.out / "rows.csv", std::ios::app) << "\"pyramid:4\",\"pg";
   const Comparison resumed = compare(sources, options);
@@ -423,7 +424,7 @@ TEST(Comparison, ACancelledSolveLeavesNoRow) {
   int polls = 0;
   bool first_row_done = false;
   options.on_row = [&](const Comparison::Row&, int, int) { first_row_done = true; };
-  options.cancelled = [&] { return first_row_done && ++polls > 3; };
+  options.watch.interrupted = [&] { return first_row_done && ++polls > 3; };
   const Comparison stopped = compare({source_of("lattice", lattice)}, options);
   EXPECT_FALSE(stopped.complete);
   ASSERT_EQ(stopped.rows.size(), 1u);

@@ -147,7 +147,7 @@ TEST(IndependentCheck, SeesWhatExtendedPrecisionRoundsAway) {
 TEST(IsolatedJobs, ACrashAHangAndAnExceptionAreCountedAndTheOthersRun) {
   std::vector<IsolatedJobs::End> ends;
   IsolatedJobs jobs{.count = 6, .seconds = 1};
-  jobs.job = [](int k) -> std::string {
+  jobs.job = [](int k) -> nlohmann::json {
     if (k == 1) std::raise(SIGKILL);
     if (k == 3) std::this_thread::sleep_for(std::chrono::seconds(60));
     if (k == 4) throw std::runtime_error("on purpose");
@@ -158,10 +158,10 @@ TEST(IsolatedJobs, ACrashAHangAndAnExceptionAreCountedAndTheOthersRun) {
   ASSERT_EQ(ends.size(), 6u);
   for (const int k : {0, 2, 5}) {
     EXPECT_EQ(ends[to_size(k)].kind, IsolatedJobs::End::Kind::kDone);
-    EXPECT_EQ(ends[to_size(k)].text, "job " + std::to_string(k));
+    EXPECT_EQ(ends[to_size(k)].result, "job " + std::to_string(k));
   }
   EXPECT_EQ(ends[1].kind, IsolatedJobs::End::Kind::kCrashed);
-  EXPECT_TRUE(says(ends[1].text, "signal 9"));
+  EXPECT_TRUE(says(ends[1].cause, "signal 9"));
   EXPECT_EQ(ends[3].kind, IsolatedJobs::End::Kind::kHung);
   EXPECT_EQ(ends[4].kind, IsolatedJobs::End::Kind::kCrashed);
 }
@@ -169,7 +169,7 @@ TEST(IsolatedJobs, ACrashAHangAndAnExceptionAreCountedAndTheOthersRun) {
 TEST(IsolatedJobs, AnInterruptionEndsThem) {
   int done = 0;
   IsolatedJobs jobs{.count = 100};
-  jobs.job = [](int) { return std::string(); };
+  jobs.job = [](int) { return nlohmann::json(); };
   jobs.on_end = [&](int, const IsolatedJobs::End&) { ++done; };
   jobs.interrupted = [&] { return done >= 3; };
   run_isolated(jobs);

@@ -99,9 +99,11 @@ TEST(Leaderboard, ReadsTimesWithEndsOfWindowsAndWithoutTheLastEnd) {
 
 TEST(Leaderboard, EndsWithTheLastWholeProblemWhenInterrupted) {
   int asked = 0;
-  const Leaderboard board = make_leaderboard(
-      {}, two_problems(), {.solvers = {"pgs"}, .cancelled = [&] { return asked > 0; }},
-      [&](const std::string&) { ++asked; });
+  const Leaderboard board =
+      make_leaderboard({}, two_problems(),
+                       {.solvers = {"pgs"},
+                        .watch = {.interrupted = [&] { return asked > 0; },
+                                  .progress = [&](long, long, const std::string&) { ++asked; }}});
   EXPECT_FALSE(board.complete);
   EXPECT_EQ(board.problems, std::vector<std::string>{"2d_sliding_cylinder"});
   ASSERT_EQ(board.entries.size(), 1u);

@@ -28,8 +28,7 @@ TEST(Study, GoesOnFromTheMeasurementsThatAreComplete) {
   const TemporaryFolder folder;
   const auto rows = folder.path() / "rows.csv";
   int runs = 0;
-  const auto silent = [](long, long, const std::string&) {};
-  ASSERT_TRUE(Study::measure(rows, {job(1, runs, 2.5), job(2, runs)}, kNever, silent));
+  ASSERT_TRUE(Study::measure(rows, {job(1, runs, 2.5), job(2, runs)}, {}));
   EXPECT_EQ(runs, 2);
   const Study::Measured measured = Study::read(rows);
   ASSERT_EQ(measured.size(), 2u);
@@ -43,13 +42,12 @@ TEST(Study, GoesOnFromTheMeasurementsThatAreComplete) {
   text.resize(text.rfind('='));
   write_text_file(rows, text);
   EXPECT_EQ(Study::read(rows).size(), 1u);
-  ASSERT_TRUE(Study::measure(rows, {job(1, runs), job(2, runs), job(3, runs)}, kNever, silent));
+  ASSERT_TRUE(Study::measure(rows, {job(1, runs), job(2, runs), job(3, runs)}, {}));
   EXPECT_EQ(runs, 4);  // 2 again, and 3
   EXPECT_EQ(Study::read(rows).size(), 3u);
 
   // One that is stopped leaves no rows.
-  EXPECT_FALSE(Study::measure(
-      rows, {job(4, runs)}, [] { return true; }, silent));
+  EXPECT_FALSE(Study::measure(rows, {job(4, runs)}, {.interrupted = [] { return true; }}));
   EXPECT_EQ(Study::read(rows).size(), 3u);
 }
 

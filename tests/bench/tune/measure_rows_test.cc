@@ -28,10 +28,10 @@ TEST(MeasureRows, GoesOnFromTheRowsOfAStoppedMeasurement) {
   options.tols = {1e-6, 1e-2};
   options.file = folder / "rows.csv";
   int solves = 0;
-  options.on_row = [&](const std::string&, int, int) { ++solves; };
-  options.interrupted = [&] { return solves >= 2; };
+  options.watch.progress = [&](long, long, const std::string&) { ++solves; };
+  options.watch.interrupted = [&] { return solves >= 2; };
   EXPECT_EQ(measure_rows({source}, options).size(), 4u);  // auto and anderson, cold
-  options.interrupted = nullptr;
+  options.watch.interrupted = nullptr;
   const std::vector<MeasuredRow> rows = measure_rows({source}, options);
   EXPECT_EQ(loads, 2);
   EXPECT_EQ(solves, 6);
