@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -30,12 +29,9 @@ namespace {
 
 struct AdviseFlags : OutputFlags {
   std::string scene;
-  Accuracy goal;                     ///< empty: default_goal of the scene
+  Advice::Options options;
   std::vector<std::string> solvers;  ///< empty: the promising ones
-  double time_limit = 60;
-  std::optional<double> window;
-  int samples = 6;
-  bool keep_step = false, force_overwrite = false, all = false, tune = false;
+  bool force_overwrite = false, all = false, tune = false;
   std::string write;
 };
 
@@ -87,26 +83,27 @@ CommandDeclaration add_advise(CommandLine& line, AdviseFlags& flags) {
   const auto goal = [&](const char* name, double& value, const char* help) {
     command.option(std::string(name) + " X", value, help, {.positive = true});
   };
-  goal("--force-error", flags.goal.force,
+  goal("--force-error", flags.options.goal.force,
        "Largest error of the mean contact force on a body, over the largest such force");
-  goal("--penetration", flags.goal.penetration, "Largest overlap, over the smaller radius");
-  goal("--energy", flags.goal.energy, "Largest relative error of the dissipated energy");
-  goal("--load", flags.goal.load,
+  goal("--penetration", flags.options.goal.penetration, "Largest overlap, over the smaller radius");
+  goal("--energy", flags.options.goal.energy, "Largest relative error of the dissipated energy");
+  goal("--load", flags.options.goal.load,
        "Largest error of the mean force on a wall, over the largest such force");
-  goal("--coordination", flags.goal.coordination,
+  goal("--coordination", flags.options.goal.coordination,
        "Largest relative error of the mean number of contacts of a body");
-  goal("--stress-ratio", flags.goal.stress_ratio, "Largest relative error of the mean τ/P");
+  goal("--stress-ratio", flags.options.goal.stress_ratio, "Largest relative error of the mean τ/P");
   command.option("--solvers NAMES", flags.solvers,
                  "Solvers to try, separated by commas (a selection)");
-  command.option("--time-limit SECONDS", flags.time_limit, "Wall seconds for the trials",
+  command.option("--time-limit SECONDS", flags.options.time_limit, "Wall seconds for the trials",
                  {.show_default = true, .positive = true});
-  command.option("--window SECONDS", flags.window,
+  command.option("--window SECONDS", flags.options.window,
                  "Time in s over which forces are averaged to judge the time step (a fiftieth of "
                  "the run, at least 16 steps)",
                  {.positive = true});
-  command.option("--samples", flags.samples, "Stretches of the run to choose on; more narrow the ±",
+  command.option("--samples", flags.options.samples,
+                 "Stretches of the run to choose on; more narrow the ±",
                  {.show_default = true, .between = {{1, 64}}});
-  command.flag("--keep-step", flags.keep_step, "Keep the scene's time step");
+  command.flag("--keep-step", flags.options.keep_step, "Keep the scene's time step");
   command.option("--write FILE", flags.write,
                  "Write a copy of the scene with the advice in it; comments and layout stay");
   command.flag("--force", flags.force_overwrite, "--write and --tune may overwrite a file");
@@ -136,11 +133,7 @@ int run_advise(const AdviseFlags& flags) {
   const std::function<void(const std::string&)> warn =
       flags.quiet ? nullptr : std::function(&warn_once);
   std::visit([&](auto& any) { check_start(any, warn); }, scene);
-  Advice::Options options{.goal = flags.goal,
-                          .time_limit = flags.time_limit,
-                          .samples = flags.samples,
-                          .window = flags.window.value_or(0),
-                          .keep_step = flags.keep_step};
+  Advice::Options options = flags.options;
   for (const std::string& name : flags.solvers) options.solvers.push_back({name, name, {}});
   // Refused before the work, not after it.
   if (flags.tune) tuned_variants(flags.solvers);

@@ -26,19 +26,10 @@ struct JudgeFlags : OutputFlags {
   std::string impulses;  ///< empty: /solution of the problem file
   double tol = 1e-8;
   std::string order = "contact";  ///< or "component"
-  std::string components, negated;
-  double factor = 1;
+  ImpulseLayout layout;
   int worst = 5;                   ///< contacts that are named
   bool accept_indefinite = false;  ///< take a W that is no Delassus operator
 };
-
-ImpulseLayout layout_of(const JudgeFlags& flags) {
-  return {.order = flags.order == "component" ? ImpulseLayout::Order::kComponent
-                                              : ImpulseLayout::Order::kContact,
-          .components = flags.components,
-          .negated = flags.negated,
-          .factor = flags.factor};
-}
 
 ImpulseVerdict verdict_of(const JudgeFlags& flags, const ProblemFile& file) {
   const std::string& path = flags.impulses.empty() ? flags.problem : flags.impulses;
@@ -46,8 +37,9 @@ ImpulseVerdict verdict_of(const JudgeFlags& flags, const ProblemFile& file) {
     throw std::invalid_argument(flags.problem +
                                 ": no /solution to judge; name a file with --impulses");
   }
-  const Vector s =
-      readable(path, [&] { return read_impulses(path, file.problem, layout_of(flags)); });
+  ImpulseLayout layout = flags.layout;
+  if (flags.order == "component") layout.order = ImpulseLayout::Order::kComponent;
+  const Vector s = readable(path, [&] { return read_impulses(path, file.problem, layout); });
   try {
     return judge(file.problem, s, flags.worst);
   } catch (const std::invalid_argument& e) {
@@ -134,13 +126,13 @@ CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
                  "contact: all components of a contact together, as in FCLIB; component: all "
                  "contacts' first components, then the second ones",
                  {.show_default = true, .group = group, .one_of = {"contact", "component"}});
-  command.option("--components LETTERS", flags.components,
+  command.option("--components LETTERS", flags.layout.components,
                  "Order of the components, n normal, t and s tangential (nts; LMGC90's: tns)",
                  {.group = group});
-  command.option("--negate LETTERS", flags.negated,
+  command.option("--negate LETTERS", flags.layout.negated,
                  "Components that point the other way: n where pushing is negative",
                  {.group = group});
-  command.option("--factor NUMBER", flags.factor,
+  command.option("--factor NUMBER", flags.layout.factor,
                  "To N s: the time step, where the file has forces",
                  {.show_default = true, .group = group, .positive = true});
   command.option("--worst", flags.worst, "Contacts to name",

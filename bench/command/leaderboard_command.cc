@@ -23,8 +23,7 @@ namespace fs = std::filesystem;
 struct LeaderboardFlags : OutputFlags {
   std::vector<std::string> folders;
   std::vector<std::string> problems = {(data_folder() / "problems").string()};
-  std::vector<std::string> solvers = {"auto"};
-  double tol = 1e-6, time_limit = 10;
+  Leaderboard::Ours ours = {.solvers = {"auto"}};
   bool no_solvers = false;
 };
 
@@ -39,32 +38,30 @@ CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
   command.option(
       "--problems FILES", flags.problems,
       "Problem files, folders of them, or other targets of compare (the shipped problems)");
-  command.option("--solvers NAMES", flags.solvers, "Solvers of this program that take part",
+  command.option("--solvers NAMES", flags.ours.solvers, "Solvers of this program that take part",
                  {.show_default = true});
   command.flag("--no-solvers", flags.no_solvers, "None of them does");
-  command.option("--tol NUMBER", flags.tol, "Their tolerance",
+  command.option("--tol NUMBER", flags.ours.tol, "Their tolerance",
                  {.show_default = true, .positive = true});
-  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one of their solves",
-                 {.show_default = true, .positive = true});
+  command.option("--time-limit SECONDS", flags.ours.time_limit,
+                 "CPU seconds of one of their solves", {.show_default = true, .positive = true});
   add_output_flags(command, flags, "Folder for leaderboard.csv and index.html");
   command.footer("Example:\n  bipot leaderboard mine/ theirs/ --out out/leaderboard");
   return command;
 }
 
 int run_leaderboard(const LeaderboardFlags& flags) {
-  for (const std::string& solver : flags.solvers) require_solver(solver);
-  if (flags.no_solvers && flags.solvers != LeaderboardFlags().solvers) {
+  for (const std::string& solver : flags.ours.solvers) require_solver(solver);
+  if (flags.no_solvers && flags.ours.solvers != LeaderboardFlags().ours.solvers) {
     throw std::invalid_argument("--solvers has no effect with --no-solvers");
   }
   const std::vector<ProblemSource> problems = expand_targets(flags.problems);
   flags.prepare(true);
   const Leaderboard board = watched(flags.silent(), [&](const Watch& watch) {
-    return make_leaderboard(
-        {flags.folders.begin(), flags.folders.end()}, problems,
-        {.solvers = flags.no_solvers ? std::vector<std::string>() : flags.solvers,
-         .tol = flags.tol,
-         .time_limit = flags.time_limit,
-         .watch = watch});
+    Leaderboard::Ours ours = flags.ours;
+    if (flags.no_solvers) ours.solvers.clear();
+    ours.watch = watch;
+    return make_leaderboard({flags.folders.begin(), flags.folders.end()}, problems, ours);
   });
   const Document summary = leaderboard_document(board, provenance("leaderboard", typed_command()));
   Document page = summary;

@@ -11,8 +11,7 @@ namespace {
 
 struct TuneFlags {
   std::vector<std::string> targets, solvers;
-  std::vector<double> tols;
-  double time_limit = 2;  ///< CPU seconds of one solve
+  MeasureOptions options;
   int scene_problems = 6, least_rows = 20;
   std::string out, rows;
   bool quiet = false;
@@ -31,8 +30,9 @@ CommandDeclaration add_tune(CommandLine& line, TuneFlags& flags) {
       "CSV of the measured rows, added to; rows that are there are kept (the plan's name "
       "with .csv)");
   command.option("--solvers NAMES", flags.solvers, "Names separated by commas (all)");
-  command.option("--tols NUMBERS", flags.tols, "Tolerances (1e-2,1e-4,1e-8)", {.positive = true});
-  command.option("--time-limit SECONDS", flags.time_limit, "CPU seconds of one solve",
+  command.option("--tols NUMBERS", flags.options.tols, "Tolerances (1e-2,1e-4,1e-8)",
+                 {.positive = true});
+  command.option("--time-limit SECONDS", flags.options.time_limit, "CPU seconds of one solve",
                  {.show_default = true, .positive = true});
   command.option("--scene-problems", flags.scene_problems, "Steps of a scene or a moving family",
                  {.show_default = true, .between = {{1, 1000}}});
@@ -49,10 +49,9 @@ CommandDeclaration add_tune(CommandLine& line, TuneFlags& flags) {
 }
 
 int run_tune(const TuneFlags& flags) {
-  MeasureOptions options{.variants = tuned_variants(flags.solvers),
-                         .time_limit = flags.time_limit,
-                         .file = flags.rows};
-  if (!flags.tols.empty()) options.tols = flags.tols;
+  MeasureOptions options = flags.options;
+  options.variants = tuned_variants(flags.solvers);
+  options.file = flags.rows;
   const std::filesystem::path plan =
       flags.out.empty() ? default_plan_file(flags.targets) : std::filesystem::path(flags.out);
   return tune_targets(flags.targets, {.scene_problems = flags.scene_problems}, std::move(options),

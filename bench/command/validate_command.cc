@@ -21,9 +21,7 @@ namespace {
 
 struct ValidateFlags : OutputFlags {
   std::vector<std::string> only;
-  bool quick = false;
-  std::string solver = "apgd";
-  int max_iterations = 20000;
+  Experiment::Context context;
 };
 
 /// True if a row was requested, by its name or the beginning of it.
@@ -50,12 +48,12 @@ std::vector<Experiment> chosen_experiments(const ValidateFlags& flags) {
     if (begins_none(names, wanted)) {
       throw std::invalid_argument(unknown_name_message("row", wanted, names));
     }
-    if (flags.quick && begins_none(quick_names, wanted)) {
+    if (flags.context.quick && begins_none(quick_names, wanted)) {
       throw std::invalid_argument(wanted + " has no short form: leave out --quick");
     }
   }
   std::erase_if(all, [&](const Experiment& e) {
-    return (flags.quick && e.quick_tols.empty()) ||
+    return (flags.context.quick && e.quick_tols.empty()) ||
            std::ranges::none_of(e.rows,
                                 [&](const ValidationRow& row) { return asked_for(flags, row); });
   });
@@ -65,10 +63,11 @@ std::vector<Experiment> chosen_experiments(const ValidateFlags& flags) {
 std::string again(const ValidateFlags& flags) {
   std::string line = "bipot validate";
   if (!flags.only.empty()) line += fmt::format(" --only {}", fmt::join(flags.only, ","));
-  if (flags.quick) line += " --quick";
-  if (flags.solver != "apgd") line += " --solver " + flags.solver;
-  if (flags.max_iterations != 20000) {
-    line += fmt::format(" --max-iterations {}", flags.max_iterations);
+  if (flags.context.quick) line += " --quick";
+  if (flags.context.solver != Experiment::Context().solver)
+    line += " --solver " + flags.context.solver;
+  if (flags.context.max_iterations != Experiment::Context().max_iterations) {
+    line += fmt::format(" --max-iterations {}", flags.context.max_iterations);
   }
   return line;
 }
@@ -78,11 +77,11 @@ CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
       "validate", "Physics that is known beforehand, checked: at which tolerance does it break?");
   command.option("--only NAMES", flags.only,
                  "Rows, or how their names begin, separated by commas (default: all)");
-  command.flag("--quick", flags.quick,
+  command.flag("--quick", flags.context.quick,
                "Fewer bodies, seeds and tolerances: seconds instead of up to half an hour");
-  command.option("--solver", flags.solver, "Of every step, without islands",
+  command.option("--solver", flags.context.solver, "Of every step, without islands",
                  {.show_default = true, .suggest = solver_names()});
-  command.option("--max-iterations", flags.max_iterations, "Of a step",
+  command.option("--max-iterations", flags.context.max_iterations, "Of a step",
                  {.show_default = true, .positive = true});
   add_output_flags(
       command, flags,
@@ -100,18 +99,17 @@ CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
 }
 
 int run_validate(const ValidateFlags& flags) {
-  require_solver(flags.solver);
+  require_solver(flags.context.solver);
   const std::vector<Experiment> experiments = chosen_experiments(flags);
   flags.prepare(true);
-  ValidationPage page{.command = again(flags), .solver = flags.solver, .quick = flags.quick};
+  ValidationPage page{
+      .command = again(flags), .solver = flags.context.solver, .quick = flags.context.quick};
   watched(flags.silent(), [&](const Watch& watch) {
-    const Experiment::Context context{.quick = flags.quick,
-                                      .solver = flags.solver,
-                                      .max_iterations = flags.max_iterations,
-                                      .stopped = watch.interrupted};
+    Experiment::Context context = flags.context;
+    context.stopped = watch.interrupted;
     long total = 0, done = 0;
     for (const Experiment& e : experiments) {
-      total += static_cast<long>(flags.quick ? e.quick_tols.size() : e.tols.size());
+      total += static_cast<long>(flags.context.quick ? e.quick_tols.size() : e.tols.size());
     }
     for (const Experiment& e : experiments) {
       Experiment::Result result =

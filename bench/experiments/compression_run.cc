@@ -32,7 +32,7 @@ struct Sample {
   double kinetic = 0;
   Mat2 stress, walls, fabric_of_step;
   double wall_pressure = 0, applied_pressure = 0;
-  double asymmetry = 0, contact_asymmetry = 0;
+  double asymmetry = 0;
   double coordination = 0;
   std::vector<double> windows;
   State<2> contacts_only;
@@ -45,10 +45,8 @@ Sample measure(const Scene<2>& scene, const State<2>& before, const State<2>& af
   const Vec2 size = box.size();
   const double area = size.prod();
   const std::vector<double> moments = spin_changes(before, after);
-  const MeanStress<2> stress = sample_stress(after, h, area, moments);
-  sample.stress = stress.total();
+  sample.stress = sample_stress(after, h, area, moments).total();
   sample.asymmetry = asymmetry(sample.stress);
-  sample.contact_asymmetry = asymmetry(stress.contact);
   sample.fabric_of_step = fabric_tensor(after);
   sample.coordination = coordination(after);
   sample.walls.setZero();
@@ -87,11 +85,9 @@ Compression::Phase summarise(std::span<const Sample> samples) {
     phase.anisotropy += anisotropy(s.stress) / n;
     phase.fabric_anisotropy += anisotropy(s.fabric_of_step) / n;
     phase.asymmetry = std::max(phase.asymmetry, s.asymmetry);
-    phase.contact_asymmetry = std::max(phase.contact_asymmetry, s.contact_asymmetry);
     const Compression::WindowStatistics w = window_statistics(s.windows);
     phase.variation += w.variation / n;
     phase.horizontal += w.horizontal * w.horizontal / n;
-    phase.vertical += w.vertical * w.vertical / n;
     for (std::size_t k = 0; k < windows.size(); ++k) windows[k] += s.windows[k] / n;
     phase.contacts.add(s.contacts_only);
   }
@@ -111,7 +107,6 @@ Compression::Phase summarise(std::span<const Sample> samples) {
   }
   phase.variation_bar = mean_value(variations).confidence;
   phase.horizontal_bar = mean_value(sides).confidence;
-  phase.vertical = std::sqrt(phase.vertical);
   phase.mean_windows = window_statistics(windows);
   for (std::size_t lag = 0; lag <= kLags && lag + 1 < samples.size(); ++lag) {
     double sum = 0;
@@ -173,7 +168,6 @@ Compression run_compression(const Scene<2>& scene, const std::function<bool()>& 
                         c.applied_pressure.push_back(s.applied_pressure);
                         if (r.step > jammed_from) {
                           jammed_converged += r.converged ? 1 : 0;
-                          c.jammed_run.iterations += r.iterations;
                           logarithms += std::log(r.error.guarded());
                         }
                         samples.push_back(std::move(s));

@@ -23,16 +23,16 @@ struct Compression {
   /// Means of a stretch of a compression.
   struct Phase {
     int steps = 0;
-    Mat2 stress = Mat2::Zero();    ///< total, over the box                        [Pa]
-    Mat2 walls = Mat2::Zero();     ///< Σ f ⊗ p of the walls' forces on the disks over the area
-    double wall_pressure = 0;      ///< mean normal force of the walls over their lengths  [Pa]
-    double applied_pressure = 0;   ///< of the driving forces                       [Pa]
-    double anisotropy = 0;         ///< of the stress of each step, mean
-    double fabric_anisotropy = 0;  ///< of the fabric of each step, mean
-    double asymmetry = 0, contact_asymmetry = 0;  ///< of total and contact part, largest
-    double variation = 0;                         ///< of the windows of each step, mean
-    double horizontal = 0, vertical = 0;          ///< imbalances of each step, rms
-    WindowStatistics mean_windows;                ///< of the mean pressures of the windows
+    Mat2 stress = Mat2::Zero();     ///< total, over the box                        [Pa]
+    Mat2 walls = Mat2::Zero();      ///< Σ f ⊗ p of the walls' forces on the disks over the area
+    double wall_pressure = 0;       ///< mean normal force of the walls over their lengths  [Pa]
+    double applied_pressure = 0;    ///< of the driving forces                       [Pa]
+    double anisotropy = 0;          ///< of the stress of each step, mean
+    double fabric_anisotropy = 0;   ///< of the fabric of each step, mean
+    double asymmetry = 0;           ///< of the stress, largest
+    double variation = 0;           ///< of the windows of each step, mean
+    double horizontal = 0;          ///< imbalance of each step, rms
+    WindowStatistics mean_windows;  ///< of the mean pressures of the windows
     /// 95 % of `variation` and of the mean over steps of `horizontal`, from 8 blocks of time.
     double variation_bar = kNaN, horizontal_bar = kNaN;
     MeanContacts contacts;

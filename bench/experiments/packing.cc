@@ -61,12 +61,7 @@ PackingRun run_packing(
     const StepReport<2>& report = step.report;
     older = std::move(old);
     old = previous.contacts;
-    ++run.steps;
-    run.converged += report.converged ? 1 : 0;
-    run.iterations += report.iterations;
     const double error = report.error.guarded();
-    run.worst_error = std::max(run.worst_error, error);
-    run.penetration = std::max(run.penetration, report.penetration);
     if (error > 0) {
       logarithms += std::log(error);
       ++positive;
@@ -76,6 +71,9 @@ PackingRun run_packing(
   const SceneRun<2> taken = run_scene(scene, state, options);
   if (taken.failure) throw *taken.failure;
   if (taken.end == SceneRun<2>::End::kCancelled) throw std::runtime_error("interrupted");
+  run.steps = taken.totals.steps;
+  run.converged = taken.totals.converged;
+  run.iterations = taken.totals.iterations;
   run.mean_error = positive > 0 ? std::exp(logarithms / positive) : 0;
   return run;
 }

@@ -15,10 +15,8 @@ namespace bipot {
 struct PackingRun {
   int steps = 0, converged = 0;
   long iterations = 0;
-  int far_starts = 0;      ///< steps that started with the impulses of two steps before
-  double worst_error = 0;  ///< largest guarded error of a step
-  double mean_error = 0;   ///< geometric mean over the steps with an error above 0
-  double penetration = 0;  ///< largest overlap at mid-step                     [m]
+  int far_starts = 0;     ///< steps that started with the impulses of two steps before
+  double mean_error = 0;  ///< geometric mean over the steps with an error above 0
 };
 
 /// Runs up to scene.num_steps steps from a state, with the scene's solver, tolerance and iteration

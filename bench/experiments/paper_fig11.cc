@@ -189,308 +189,295 @@ struct Samples {
   }
 };
 
-class Fig11 {
- public:
-  explicit Fig11(const PaperItem::Context& context) : context_(context) {
-    step_ = context.quick ? 2e-4 : 1e-4;
+double time_step(const PaperItem::Context& context) { return context.quick ? 2e-4 : 1e-4; }
+
+/// A packing at rest with e_t = 1, continued with smaller and smaller steps.
+struct GoingOn {
+  /// Kinetic energy, and the bound by friction, over the energy released, against the step.
+  Chart::Series levels{"kinetic energy at rest", 0, {}}, bounds{"bound", 1, {}};
+  bool below = true;         ///< each level its bound
+  double last = 0;           ///< kinetic energy with the smallest step                    [J]
+  double smallest_step = 0;  // [s]
+
+  void add(const Settling& s, double kinetic, double released) {
+    last = kinetic;
+    smallest_step = s.scene.step;
+    below = below && kinetic <= alternating_bound(s);
+    levels.points.push_back({s.scene.step, kinetic / released});
+    bounds.points.push_back({s.scene.step, alternating_bound(s) / released});
   }
-
-  Findings run() {
-    result_.paper =
-        "342 disks (25 % of radius 0.65 mm, 50 % of 0.75 mm, 25 % of 0.9 mm; μ = 0.1 everywhere, "
-        "e_n = 0.1, e_t = 1) fall into a box. Force chains with large fluctuations from contact "
-        "to contact; the top is flat, no conical heap.";
-    context_.report("e_t = 1 until at rest");
-    Settling main = settled({.step = step_}, context_);
-    context_.report("e_t = 0 until at rest");
-    const Settling inelastic = settled({.e_t = 0, .step = step_}, context_);
-    context_.report("smooth side walls");
-    const Settling smooth = settled({.rough_sides = false, .step = step_}, context_);
-    picture(main);
-    load(main, smooth);
-    const Samples samples = sample(main);
-    surface(samples, degrees(std::atan(main.scene.laws[0].mu)));
-    forces(samples);
-    distribution_chart(samples);
-    rest(std::move(main), inelastic);
-    return std::move(result_);
-  }
-
- private:
-  void picture(const Settling& main) {
-    draw_force_picture(context_.out / "fig11_forces.svg", main.scene, main.state,
-                       fmt::format("342 disks at rest, t = {:.3f} s", main.state.time),
-                       {.width = 600, .take_off = false});  // about as large as on the page
-    result_.show("fig11_forces",
-                 "Force chains at rest: segments between centres as wide as the normal force.", 0);
-  }
-
-  void load(const Settling& main, const Settling& smooth) {
-    const double both = main.floor + main.sides;
-    result_.check("vertical_load", both, "",
-                  "floor and side walls together over the weight, mean of the last 100 steps",
-                  "1 within 1 % (momentum)", main.at_rest && std::abs(both - 1) <= 0.01, 6);
-    result_.state("floor_load", main.floor, "",
-                  "floor alone over the weight, side walls with μ = 0.1");
-    result_.state("side_load", main.sides, "",
-                  "upward friction of both side walls over the weight (negative: downward)");
-    result_.check(
-        "side_limit", main.side_limit, "",
-        "most that the side walls' friction could carry, μ times their normal force over the "
-        "weight",
-        "at least the side walls' share", std::abs(main.sides) <= main.side_limit);
-    result_.check("floor_load_smooth", smooth.floor, "",
-                  "floor over the weight, frictionless side walls", "1 within 1 %",
-                  smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01, 6);
-    result_.ours.emplace_back(
-        "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction "
-        "on the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory "
-        "the walls take load off the floor once the grains slide down along them; here they could "
-        "take at most {side_limit}, and what they do take depends on how the packing came to rest "
-        "({side_least} to {side_most} in {packings} packings; negative: they press it down). With "
-        "frictionless side walls the floor carries {floor_load_smooth}.");
-  }
-
-  /// The packing of the figure and others from different random starts.
-  Samples sample(const Settling& main) const {
-    Samples samples;
-    samples.add(main);
-    const int seeds = context_.quick ? 2 : 5;
-    for (int seed = 2; seed <= seeds; ++seed) {
-      context_.report(fmt::format("packing {} of {}", seed, seeds));
-      samples.add(settled({.seed = seed, .step = step_, .latest = kSample}, context_));
-    }
-    return samples;
-  }
-
-  /// `steepest`: slope that friction can hold, degrees.
-  void surface(const Samples& samples, double steepest) {
-    const MeanValue rough = mean_value(samples.roughness), slope = mean_value(samples.slopes),
-                    heap = mean_value(samples.heaps);
-    result_.state("packings", samples.roughness.size(), "",
-                  "packings, from different random starts");
-    result_.state(
-        "side_least", *std::ranges::min_element(samples.sides), "",
-        "least share of the side walls' upward friction in the weight, last step of the packings",
-        2);
-    result_.state("side_most", *std::ranges::max_element(samples.sides), "", "largest", 2);
-    const char* packings = "95 % over packings (seeds)";
-    result_.test("roughness", rough.mean, "diameters",
-                 "rms deviation of the surface from its mean height", "flat: below one diameter",
-                 Expectation::at_most(1), rough.confidence, packings, 2);
-    const Expectation flat = Expectation::between(-steepest, steepest, steepest);
-    result_.test("slope", slope.mean, "°", "slope of the surface, mean of the packings",
-                 fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest), flat,
-                 slope.confidence, packings, 2);
-    result_.state("slope_confidence", slope.confidence, "°",
-                  "half width of its 95 % confidence interval", 2);
-    result_.test("heap", heap.mean, "°", "fall of the surface from the middle to the sides",
-                 fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest), flat,
-                 heap.confidence, packings, 2);
-    result_.state("heap_confidence", heap.confidence, "°",
-                  "half width of its 95 % confidence interval", 2);
-    result_.ours.emplace_back(
-        "Flat top. Over {packings} packings the surface deviates by {roughness} (rms) from its "
-        "mean height; its slope is {slope} ± {slope_confidence}, its fall from the middle to the "
-        "sides {heap} ± {heap_confidence}. The start may leave a slope to the right, where its "
-        "last row has three free places.");
-  }
-
-  void forces(const Samples& samples) {
-    const MeanValue rate = mean_value(samples.rates), layer_rate = mean_value(samples.layer_rates);
-    const ExponentialTail pooled = fit_exponential_tail(samples.forces, kForceTail);
-    // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
-    const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
-    result_.state("tail_rate", rate.mean, "",
-                  "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings", 2);
-    result_.state("tail_confidence", rate.confidence, "",
-                  "half width of its 95 % confidence interval, from the packings", 1);
-    result_.state("tail_forces", pooled.points, "", "forces in these tails");
-    result_.test("tail_distance", pooled.distance, "",
-                 "largest distance between the distributions of the tail and of the fit",
-                 fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
-                 Expectation::at_most(critical),
-                 1.96 * 0.26 / std::sqrt(static_cast<double>(pooled.points)),
-                 "95 % of Kolmogorov's distribution", 2);
-    result_.state("tail_rate_layers", layer_rate.mean, "", "β with ⟨f⟩ of each of eight layers", 2);
-    result_.state("tail_layers_confidence", layer_rate.confidence, "",
-                  "half width of its 95 % confidence interval", 1);
-    result_.ours.emplace_back(
-        "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
-        "{tail_rate} ± {tail_confidence}. Part of that spread is depth: relative to the mean of "
-        "their layer, β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are "
-        "about equally frequent down to zero.");
-  }
-
-  void distribution_chart(const Samples& samples) {
-    Chart chart{.title = "Distribution of the normal forces",
-                .x = {"f/⟨f⟩", Chart::Axis::Kind::kLinear, 0.0, {}},
-                .y = {"P(f/⟨f⟩)", Chart::Axis::Kind::kLog, {}, {}}};
-    const auto add = [&chart](const char* name, int style, const std::vector<double>& x) {
-      const double rate = fit_exponential_tail(x, kForceTail).rate;
-      chart.series.push_back(force_histogram(name, style, x, 0.25));
-      chart.series.back().kind = Chart::Series::Kind::kPoints;
-      chart.series.push_back(tail_line(fmt::format("exp(−{:.2f} f/⟨f⟩)", rate), style + 1, x));
-    };
-    add("mean of the packing", 0, samples.forces);
-    add("mean of the layer", 2, samples.layered);
-    result_.draw(
-        "fig11_distribution",
-        fmt::format(
-            "Normal forces of {} packings, relative to their mean, and exponentials fitted from "
-            "1.5 on.",
-            samples.roughness.size()),
-        chart, 2);
-  }
-
-  /// How the packing comes to rest; continues `main` with smaller steps.
-  void rest(Settling main, const Settling& inelastic) {
-    energy_numbers(main, inelastic);
-    const double released = main.released();
-    const GoingOn going_on = go_on(main);
-    level_numbers(going_on, released);
-    solve_numbers(main, inelastic);
-    result_.ours.emplace_back(
-        "Rest. With e_t = 0 the kinetic energy falls: the mean of the last 100 steps, with the "
-        "end of its decay, is {kinetic_inelastic} of what the fall released. With e_t = 1 it stays "
-        "at {kinetic}: e_t = 1 turns the tangential velocity of "
-        "every sticking contact round at each step, which loses no energy, and friction can do so "
-        "as long as the impulse is inside the cone. Only sliding dissipates, so what remains is "
-        "bounded by μ h times the forces, {bound} here, in proportion to h². The disks do not "
-        "move by it: the mean of the velocities before and after a step, which displaces them, "
-        "has {moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} for h "
-        "= {smallest_step}.");
-    result_.ours.emplace_back(
-        "Cost. Steps at rest with e_t = 1 are hard to solve: {met} of all steps met 1e-4 within "
-        "1000 iterations of `apgd` (with e_t = 0: {met_inelastic}); the others were taken with "
-        "what was reached, ε = {error} in the mean. Balance of momentum holds in any case. The "
-        "largest overlap, {overlap} of the smallest radius, is the way of a falling disk during "
-        "half a step of {step}.");
-    decay_chart(main.history, inelastic.history);
-    level_chart(going_on);
-  }
-
-  void energy_numbers(const Settling& main, const Settling& inelastic) {
-    const double released = main.released();
-    result_.state("step", step_, "s", "time step h");
-    result_.state("kinetic", main.kinetic / released, "",
-                  "kinetic energy at rest over the energy that the fall released, e_t = 1", 2);
-    result_.check("moving", main.displacement / released, "",
-                  "the same of the velocities that displace the disks, e_t = 1", "below 1e-9",
-                  main.at_rest, 2);
-    result_.check("kinetic_inelastic", inelastic.kinetic / inelastic.released(), "",
-                  "kinetic energy over the energy released, mean of the last 100 steps, e_t = 0",
-                  "below 1e-9", inelastic.at_rest, 2);
-  }
-
-  /// A packing at rest with e_t = 1, continued with smaller and smaller steps.
-  struct GoingOn {
-    /// Kinetic energy, and the bound by friction, over the energy released, against the step.
-    Chart::Series levels{"kinetic energy at rest", 0, {}}, bounds{"bound", 1, {}};
-    bool below = true;         ///< each level its bound
-    double last = 0;           ///< kinetic energy with the smallest step                    [J]
-    double smallest_step = 0;  // [s]
-
-    void add(const Settling& s, double kinetic, double released) {
-      last = kinetic;
-      smallest_step = s.scene.step;
-      below = below && kinetic <= alternating_bound(s);
-      levels.points.push_back({s.scene.step, kinetic / released});
-      bounds.points.push_back({s.scene.step, alternating_bound(s) / released});
-    }
-  };
-
-  GoingOn go_on(Settling& main) const {
-    GoingOn going_on;
-    going_on.bounds.kind = Chart::Series::Kind::kLine;
-    const double released = main.released();
-    going_on.add(main, main.kinetic, released);
-    const int rounds = context_.quick ? 2 : 4;
-    for (int k = 0; k < rounds; ++k) {
-      main.scene.step /= 4;
-      main.scene.num_steps = 120;
-      context_.report(fmt::format("at rest with h = {:.1e} s", main.scene.step));
-      double kinetic = 0;
-      int done = 0;
-      run_packing(main.scene, main.state, context_.interrupted,
-                  [&](const State<2>&, const State<2>&, const StepReport<2>& r) {
-                    if (++done > main.scene.num_steps / 2) {
-                      kinetic = std::max(kinetic, r.energy.kinetic);
-                    }
-                    return true;
-                  });
-      going_on.add(main, kinetic, released);
-    }
-    return going_on;
-  }
-
-  void level_numbers(const GoingOn& going_on, double released) {
-    result_.check("bound", going_on.bounds.points[0].y, "",
-                  "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
-                  "above the kinetic energy at rest, for each step", going_on.below, 2);
-    result_.state("smallest_step", going_on.smallest_step, "s", "smallest step at rest", 2);
-    Claim smallest{
-        .name = "kinetic_smallest",
-        .measured = going_on.last / released,
-        .quantity = "kinetic energy at rest over the energy released, e_t = 1, smallest step",
-        .digits = 2};
-    if (!context_.quick) {
-      smallest.expected = "below 1e-9";
-      smallest.holds = going_on.last < kRestEnergy * released;
-    }
-    result_.claims.push_back(smallest);
-  }
-
-  void solve_numbers(const Settling& main, const Settling& inelastic) {
-    double overlap = 0;
-    for (const ContactOutcome<2>& o : main.state.contacts)
-      overlap = std::max(overlap, -o.contact.gap);
-    result_.state(
-        "overlap", overlap / 0.65e-3, "",
-        "largest overlap at rest over the smallest radius (one step of the fall, never pushed "
-        "back)",
-        2);
-    result_.state("met", static_cast<double>(main.run.converged) / main.run.steps, "",
-                  "share of the steps that met the tolerance 1e-4 within 1000 iterations, e_t = 1",
-                  2);
-    result_.state("error", main.run.mean_error, "", "ε of the steps, geometric mean, e_t = 1", 2);
-    result_.state("met_inelastic",
-                  static_cast<double>(inelastic.run.converged) / inelastic.run.steps, "",
-                  "share of the steps that met it, e_t = 0", 2);
-  }
-
-  void decay_chart(const std::vector<Chart::Point>& elastic,
-                   const std::vector<Chart::Point>& inelastic) {
-    Chart decay{.title = "Kinetic energy against time",
-                .x = {"time (s)", Chart::Axis::Kind::kLinear, 0.0, {}},
-                .y = {"kinetic energy / energy released", Chart::Axis::Kind::kLog, 1e-12, 1.0}};
-    decay.series = {{"e_t = 1", 0, elastic}, {"e_t = 0", 1, inelastic}};
-    for (Chart::Series& series : decay.series) series.kind = Chart::Series::Kind::kLine;
-    decay.y_lines = {{kRestEnergy, "1e-9"}};
-    result_.draw("fig11_rest", "Kinetic energy over the energy that the fall has released so far.",
-                 decay, 3);
-  }
-
-  void level_chart(const GoingOn& going_on) {
-    const Chart level{.title = "Kinetic energy at rest against time step, e_t = 1",
-                      .x = {"time step h (s)", Chart::Axis::Kind::kLog},
-                      .y = {"kinetic energy / energy released", Chart::Axis::Kind::kLog},
-                      .series = {going_on.levels, going_on.bounds},
-                      .y_lines = {{kRestEnergy, "1e-9"}}};
-    result_.draw(
-        "fig11_level",
-        "The packing with e_t = 1, at rest, taken further with smaller and smaller steps; bound: "
-        "3/8 (μ h)² Σ (Σ f_n)²/m.",
-        level, 3);
-  }
-
-  const PaperItem::Context& context_;
-  double step_ = 0;
-  Findings result_;
 };
+
+void picture(const PaperItem::Context& context, const Settling& main, Findings& result) {
+  draw_force_picture(context.out / "fig11_forces.svg", main.scene, main.state,
+                     fmt::format("342 disks at rest, t = {:.3f} s", main.state.time),
+                     {.width = 600, .take_off = false});  // about as large as on the page
+  result.show("fig11_forces",
+              "Force chains at rest: segments between centres as wide as the normal force.", 0);
+}
+
+void load(const Settling& main, const Settling& smooth, Findings& result) {
+  const double both = main.floor + main.sides;
+  result.check("vertical_load", both, "",
+               "floor and side walls together over the weight, mean of the last 100 steps",
+               "1 within 1 % (momentum)", main.at_rest && std::abs(both - 1) <= 0.01, 6);
+  result.state("floor_load", main.floor, "",
+               "floor alone over the weight, side walls with μ = 0.1");
+  result.state("side_load", main.sides, "",
+               "upward friction of both side walls over the weight (negative: downward)");
+  result.check(
+      "side_limit", main.side_limit, "",
+      "most that the side walls' friction could carry, μ times their normal force over the "
+      "weight",
+      "at least the side walls' share", std::abs(main.sides) <= main.side_limit);
+  result.check("floor_load_smooth", smooth.floor, "",
+               "floor over the weight, frictionless side walls", "1 within 1 %",
+               smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01, 6);
+  result.ours.emplace_back(
+      "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction "
+      "on the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory "
+      "the walls take load off the floor once the grains slide down along them; here they could "
+      "take at most {side_limit}, and what they do take depends on how the packing came to rest "
+      "({side_least} to {side_most} in {packings} packings; negative: they press it down). With "
+      "frictionless side walls the floor carries {floor_load_smooth}.");
+}
+
+/// The packing of the figure and others from different random starts.
+Samples sample(const PaperItem::Context& context, const Settling& main) {
+  Samples samples;
+  samples.add(main);
+  const int seeds = context.quick ? 2 : 5;
+  for (int seed = 2; seed <= seeds; ++seed) {
+    context.report(fmt::format("packing {} of {}", seed, seeds));
+    samples.add(settled({.seed = seed, .step = time_step(context), .latest = kSample}, context));
+  }
+  return samples;
+}
+
+/// `steepest`: slope that friction can hold, degrees.
+void surface(const Samples& samples, double steepest, Findings& result) {
+  const MeanValue rough = mean_value(samples.roughness), slope = mean_value(samples.slopes),
+                  heap = mean_value(samples.heaps);
+  result.state("packings", samples.roughness.size(), "", "packings, from different random starts");
+  result.state(
+      "side_least", *std::ranges::min_element(samples.sides), "",
+      "least share of the side walls' upward friction in the weight, last step of the packings", 2);
+  result.state("side_most", *std::ranges::max_element(samples.sides), "", "largest", 2);
+  const char* packings = "95 % over packings (seeds)";
+  result.test("roughness", rough.mean, "diameters",
+              "rms deviation of the surface from its mean height", "flat: below one diameter",
+              Expectation::at_most(1), rough.confidence, packings, 2);
+  const Expectation flat = Expectation::between(-steepest, steepest, steepest);
+  result.test("slope", slope.mean, "°", "slope of the surface, mean of the packings",
+              fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest), flat,
+              slope.confidence, packings, 2);
+  result.state("slope_confidence", slope.confidence, "°",
+               "half width of its 95 % confidence interval", 2);
+  result.test("heap", heap.mean, "°", "fall of the surface from the middle to the sides",
+              fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest), flat,
+              heap.confidence, packings, 2);
+  result.state("heap_confidence", heap.confidence, "°",
+               "half width of its 95 % confidence interval", 2);
+  result.ours.emplace_back(
+      "Flat top. Over {packings} packings the surface deviates by {roughness} (rms) from its "
+      "mean height; its slope is {slope} ± {slope_confidence}, its fall from the middle to the "
+      "sides {heap} ± {heap_confidence}. The start may leave a slope to the right, where its "
+      "last row has three free places.");
+}
+
+void forces(const Samples& samples, Findings& result) {
+  const MeanValue rate = mean_value(samples.rates), layer_rate = mean_value(samples.layer_rates);
+  const ExponentialTail pooled = fit_exponential_tail(samples.forces, kForceTail);
+  // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
+  const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
+  result.state("tail_rate", rate.mean, "",
+               "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings", 2);
+  result.state("tail_confidence", rate.confidence, "",
+               "half width of its 95 % confidence interval, from the packings", 1);
+  result.state("tail_forces", pooled.points, "", "forces in these tails");
+  result.test("tail_distance", pooled.distance, "",
+              "largest distance between the distributions of the tail and of the fit",
+              fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
+              Expectation::at_most(critical),
+              1.96 * 0.26 / std::sqrt(static_cast<double>(pooled.points)),
+              "95 % of Kolmogorov's distribution", 2);
+  result.state("tail_rate_layers", layer_rate.mean, "", "β with ⟨f⟩ of each of eight layers", 2);
+  result.state("tail_layers_confidence", layer_rate.confidence, "",
+               "half width of its 95 % confidence interval", 1);
+  result.ours.emplace_back(
+      "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
+      "{tail_rate} ± {tail_confidence}. Part of that spread is depth: relative to the mean of "
+      "their layer, β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are "
+      "about equally frequent down to zero.");
+}
+
+void distribution_chart(const Samples& samples, Findings& result) {
+  Chart chart{.title = "Distribution of the normal forces",
+              .x = {"f/⟨f⟩", Chart::Axis::Kind::kLinear, 0.0, {}},
+              .y = {"P(f/⟨f⟩)", Chart::Axis::Kind::kLog, {}, {}}};
+  const auto add = [&chart](const char* name, int style, const std::vector<double>& x) {
+    const double rate = fit_exponential_tail(x, kForceTail).rate;
+    chart.series.push_back(force_histogram(name, style, x, 0.25));
+    chart.series.back().kind = Chart::Series::Kind::kPoints;
+    chart.series.push_back(tail_line(fmt::format("exp(−{:.2f} f/⟨f⟩)", rate), style + 1, x));
+  };
+  add("mean of the packing", 0, samples.forces);
+  add("mean of the layer", 2, samples.layered);
+  result.draw(
+      "fig11_distribution",
+      fmt::format(
+          "Normal forces of {} packings, relative to their mean, and exponentials fitted from "
+          "1.5 on.",
+          samples.roughness.size()),
+      chart, 2);
+}
+
+void energy_numbers(const Settling& main, const Settling& inelastic, Findings& result) {
+  const double released = main.released();
+  result.state("step", main.scene.step, "s", "time step h");
+  result.state("kinetic", main.kinetic / released, "",
+               "kinetic energy at rest over the energy that the fall released, e_t = 1", 2);
+  result.check("moving", main.displacement / released, "",
+               "the same of the velocities that displace the disks, e_t = 1", "below 1e-9",
+               main.at_rest, 2);
+  result.check("kinetic_inelastic", inelastic.kinetic / inelastic.released(), "",
+               "kinetic energy over the energy released, mean of the last 100 steps, e_t = 0",
+               "below 1e-9", inelastic.at_rest, 2);
+}
+
+GoingOn go_on(const PaperItem::Context& context, Settling& main) {
+  GoingOn going_on;
+  going_on.bounds.kind = Chart::Series::Kind::kLine;
+  const double released = main.released();
+  going_on.add(main, main.kinetic, released);
+  const int rounds = context.quick ? 2 : 4;
+  for (int k = 0; k < rounds; ++k) {
+    main.scene.step /= 4;
+    main.scene.num_steps = 120;
+    context.report(fmt::format("at rest with h = {:.1e} s", main.scene.step));
+    double kinetic = 0;
+    int done = 0;
+    run_packing(main.scene, main.state, context.interrupted,
+                [&](const State<2>&, const State<2>&, const StepReport<2>& r) {
+                  if (++done > main.scene.num_steps / 2) {
+                    kinetic = std::max(kinetic, r.energy.kinetic);
+                  }
+                  return true;
+                });
+    going_on.add(main, kinetic, released);
+  }
+  return going_on;
+}
+
+void level_numbers(const PaperItem::Context& context, const GoingOn& going_on, double released,
+                   Findings& result) {
+  result.check("bound", going_on.bounds.points[0].y, "",
+               "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
+               "above the kinetic energy at rest, for each step", going_on.below, 2);
+  result.state("smallest_step", going_on.smallest_step, "s", "smallest step at rest", 2);
+  Claim smallest{
+      .name = "kinetic_smallest",
+      .measured = going_on.last / released,
+      .quantity = "kinetic energy at rest over the energy released, e_t = 1, smallest step",
+      .digits = 2};
+  if (!context.quick) {
+    smallest.expected = "below 1e-9";
+    smallest.holds = going_on.last < kRestEnergy * released;
+  }
+  result.claims.push_back(smallest);
+}
+
+void solve_numbers(const Settling& main, const Settling& inelastic, Findings& result) {
+  double overlap = 0;
+  for (const ContactOutcome<2>& o : main.state.contacts)
+    overlap = std::max(overlap, -o.contact.gap);
+  result.state(
+      "overlap", overlap / 0.65e-3, "",
+      "largest overlap at rest over the smallest radius (one step of the fall, never pushed "
+      "back)",
+      2);
+  result.state("met", static_cast<double>(main.run.converged) / main.run.steps, "",
+               "share of the steps that met the tolerance 1e-4 within 1000 iterations, e_t = 1", 2);
+  result.state("error", main.run.mean_error, "", "ε of the steps, geometric mean, e_t = 1", 2);
+  result.state("met_inelastic", static_cast<double>(inelastic.run.converged) / inelastic.run.steps,
+               "", "share of the steps that met it, e_t = 0", 2);
+}
+
+void decay_chart(const std::vector<Chart::Point>& elastic,
+                 const std::vector<Chart::Point>& inelastic, Findings& result) {
+  Chart decay{.title = "Kinetic energy against time",
+              .x = {"time (s)", Chart::Axis::Kind::kLinear, 0.0, {}},
+              .y = {"kinetic energy / energy released", Chart::Axis::Kind::kLog, 1e-12, 1.0}};
+  decay.series = {{"e_t = 1", 0, elastic}, {"e_t = 0", 1, inelastic}};
+  for (Chart::Series& series : decay.series) series.kind = Chart::Series::Kind::kLine;
+  decay.y_lines = {{kRestEnergy, "1e-9"}};
+  result.draw("fig11_rest", "Kinetic energy over the energy that the fall has released so far.",
+              decay, 3);
+}
+
+void level_chart(const GoingOn& going_on, Findings& result) {
+  const Chart level{.title = "Kinetic energy at rest against time step, e_t = 1",
+                    .x = {"time step h (s)", Chart::Axis::Kind::kLog},
+                    .y = {"kinetic energy / energy released", Chart::Axis::Kind::kLog},
+                    .series = {going_on.levels, going_on.bounds},
+                    .y_lines = {{kRestEnergy, "1e-9"}}};
+  result.draw(
+      "fig11_level",
+      "The packing with e_t = 1, at rest, taken further with smaller and smaller steps; bound: "
+      "3/8 (μ h)² Σ (Σ f_n)²/m.",
+      level, 3);
+}
+
+/// How the packing comes to rest; continues `main` with smaller steps.
+void rest(const PaperItem::Context& context, Settling main, const Settling& inelastic,
+          Findings& result) {
+  energy_numbers(main, inelastic, result);
+  const double released = main.released();
+  const GoingOn going_on = go_on(context, main);
+  level_numbers(context, going_on, released, result);
+  solve_numbers(main, inelastic, result);
+  result.ours.emplace_back(
+      "Rest. With e_t = 0 the kinetic energy falls: the mean of the last 100 steps, with the "
+      "end of its decay, is {kinetic_inelastic} of what the fall released. With e_t = 1 it stays "
+      "at {kinetic}: e_t = 1 turns the tangential velocity of "
+      "every sticking contact round at each step, which loses no energy, and friction can do so "
+      "as long as the impulse is inside the cone. Only sliding dissipates, so what remains is "
+      "bounded by μ h times the forces, {bound} here, in proportion to h². The disks do not "
+      "move by it: the mean of the velocities before and after a step, which displaces them, "
+      "has {moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} for h "
+      "= {smallest_step}.");
+  result.ours.emplace_back(
+      "Cost. Steps at rest with e_t = 1 are hard to solve: {met} of all steps met 1e-4 within "
+      "1000 iterations of `apgd` (with e_t = 0: {met_inelastic}); the others were taken with "
+      "what was reached, ε = {error} in the mean. Balance of momentum holds in any case. The "
+      "largest overlap, {overlap} of the smallest radius, is the way of a falling disk during "
+      "half a step of {step}.");
+  decay_chart(main.history, inelastic.history, result);
+  level_chart(going_on, result);
+}
 
 }  // namespace
 
-Findings run_fig11(const PaperItem::Context& context) { return Fig11(context).run(); }
+Findings run_fig11(const PaperItem::Context& context) {
+  Findings result;
+  result.paper =
+      "342 disks (25 % of radius 0.65 mm, 50 % of 0.75 mm, 25 % of 0.9 mm; μ = 0.1 everywhere, "
+      "e_n = 0.1, e_t = 1) fall into a box. Force chains with large fluctuations from contact "
+      "to contact; the top is flat, no conical heap.";
+  context.report("e_t = 1 until at rest");
+  Settling main = settled({.step = time_step(context)}, context);
+  context.report("e_t = 0 until at rest");
+  const Settling inelastic = settled({.e_t = 0, .step = time_step(context)}, context);
+  context.report("smooth side walls");
+  const Settling smooth = settled({.rough_sides = false, .step = time_step(context)}, context);
+  picture(context, main, result);
+  load(main, smooth, result);
+  const Samples samples = sample(context, main);
+  surface(samples, degrees(std::atan(main.scene.laws[0].mu)), result);
+  forces(samples, result);
+  distribution_chart(samples, result);
+  rest(context, std::move(main), inelastic, result);
+  return result;
+}
 
 }  // namespace bipot

@@ -72,14 +72,17 @@ void OutcomeRecorder<D>::plan_ball(double gap) {
     if (impact > end_) break;
     kind_ = Kind::kBall;
     const std::string number = std::to_string(p);
-    quantities_.push_back({.name = "height " + number,
-                           .unit = "m",
-                           .meaning = "height of bounce " + number,
-                           .exact = gap * std::pow(e, 2 * p)});
-    quantities_.push_back({.name = "flight " + number,
-                           .unit = "s",
-                           .meaning = "time between the impacts of bounce " + number,
-                           .exact = flight});
+    const auto k = to_size(p);
+    measure({.name = "height " + number,
+             .unit = "m",
+             .meaning = "height of bounce " + number,
+             .exact = gap * std::pow(e, 2 * p)},
+            [this, k] { return k < tops_.size() ? tops_[k] : kNaN; });
+    measure({.name = "flight " + number,
+             .unit = "s",
+             .meaning = "time between the impacts of bounce " + number,
+             .exact = flight},
+            [this, k] { return k < impacts_.size() ? impacts_[k] - impacts_[k - 1] : kNaN; });
   }
 }
 
@@ -93,11 +96,13 @@ void OutcomeRecorder<D>::plan_slider() {
   if (t1 > end_) return;
   kind_ = Kind::kSlider;
   slowing_ = mu * g_ * turn;
-  quantities_ = {{.name = "v1",
-                  .unit = "m/s",
-                  .meaning = "speed at the end, rolling",
-                  .exact = d.v.norm() * (1 - 1 / turn)},
-                 {.name = "t1", .unit = "s", .meaning = "time from which it rolls", .exact = t1}};
+  measure({.name = "v1",
+           .unit = "m/s",
+           .meaning = "speed at the end, rolling",
+           .exact = d.v.norm() * (1 - 1 / turn)},
+          [this] { return last_.bodies[0].v.norm(); });
+  measure({.name = "t1", .unit = "s", .meaning = "time from which it rolls", .exact = t1},
+          [this] { return rolls_from_; });
 }
 
 template <int D>
@@ -109,63 +114,95 @@ void OutcomeRecorder<D>::plan_sample() {
   } else {
     mean_radius /= static_cast<double>(scene_.bodies.size());
   }
+  // Of the last tenth, where all steps are counted.
+  const auto mean = [this](const double& sum) {
+    return [this, &sum] { return sum / window_steps_; };
+  };
   if (g_ > 0) {
-    quantities_.push_back(
-        {.name = "height", .unit = "m", .meaning = "of the sample at the end, bottom to top"});
-    quantities_.push_back({.name = "centre of mass",
-                           .unit = "m",
-                           .meaning = "its height above the lowest point at the end"});
+    measure({.name = "height", .unit = "m", .meaning = "of the sample at the end, bottom to top"},
+            [this] {
+              const auto [low, high] = span_along(last_.bodies, up_);
+              return high - low;
+            });
+    measure({.name = "centre of mass",
+             .unit = "m",
+             .meaning = "its height above the lowest point at the end"},
+            [this] {
+              const double low = span_along(last_.bodies, up_).first;
+              double moment = 0;
+              for (const auto& body : measured_bodies(last_).list) {
+                moment += body.mass * g_ * (up_.dot(body.x) - low);
+              }
+              return moment / weight_of(last_);
+            });
   }
-  quantities_.push_back(
-      {.name = "pressure", .unit = "Pa", .meaning = "mean pressure of the sample, last tenth"});
+  measure({.name = "pressure", .unit = "Pa", .meaning = "mean pressure of the sample, last tenth"},
+          [this] { return pressure_ / window_steps_ / sample_measure(last_, scene_.step); });
+  bool has_driven = false;
   for (const Wall<D>& w : scene_.walls) {
     has_floor_ |= g_ > 0 && w.shape == Wall<D>::Shape::kHalfPlane && w.normal.dot(up_) > 0.5;
-    has_driven_ |= w.motion == Wall<D>::Motion::kDriven;
+    has_driven |= w.motion == Wall<D>::Motion::kDriven;
   }
   if (has_floor_) {
-    quantities_.push_back({.name = "floor load",
-                           .unit = "",
-                           .meaning = "vertical force on the floor over the weight, last tenth"});
+    measure({.name = "floor load",
+             .meaning = "vertical force on the floor over the weight, last tenth"},
+            mean(floor_load_));
   }
   const double energy = weight_ * mean_radius;
-  quantities_.push_back({.name = "energy lost",
-                         .unit = "J",
-                         .meaning = "in contacts by the end",
-                         .least_scale = energy});
+  measure({.name = "energy lost",
+           .unit = "J",
+           .meaning = "in contacts by the end",
+           .least_scale = energy},
+          [this] { return lost_; });
   if (scene_.has_friction()) {
-    quantities_.push_back({.name = "to friction",
-                           .unit = "J",
-                           .meaning = "of it, by tangential forces",
-                           .least_scale = energy});
+    measure({.name = "to friction",
+             .unit = "J",
+             .meaning = "of it, by tangential forces",
+             .least_scale = energy},
+            [this] { return friction_loss_; });
   }
-  quantities_.push_back(
-      {.name = "contacts",
-       .unit = "",
-       .meaning = "contacts that carry more than 1e-3 of the mean force, last tenth",
-       .least_scale = 1});
+  measure({.name = "contacts",
+           .meaning = "contacts that carry more than 1e-3 of the mean force, last tenth",
+           .least_scale = 1},
+          mean(contacts_));
   if (g_ > 0) {
-    speed_scale_ = std::sqrt(g_ * mean_radius);
-    quantities_.push_back({.name = "speed",
-                           .unit = "",
-                           .meaning = "root mean square over √(g r), r the mean radius, last tenth",
-                           .least_scale = 1});
+    measure({.name = "speed",
+             .meaning = "root mean square over √(g r), r the mean radius, last tenth",
+             .least_scale = 1},
+            [this, unit = std::sqrt(g_ * mean_radius)] {
+              return std::sqrt(speed2_ / window_steps_) / unit;
+            });
   }
-  if (has_driven_) {
-    quantities_.push_back(
-        {.name = "wall travel", .unit = "m", .meaning = "of the driven walls by the end, mean"});
+  if (has_driven) {
+    measure({.name = "wall travel", .unit = "m", .meaning = "of the driven walls by the end, mean"},
+            [this] {
+              double travel = 0;
+              int driven = 0;
+              for (std::size_t k = 0; k < last_.walls.size(); ++k) {
+                if (last_.walls[k].motion != Wall<D>::Motion::kDriven) continue;
+                travel += (last_.walls[k].a - scene_.walls[k].a).norm();
+                ++driven;
+              }
+              return travel / driven;
+            });
   }
   if constexpr (D == 2) find_columns();
   if (!scene_.outlets.empty()) {
-    quantities_.push_back(
-        {.name = "outflow", .unit = "kg", .meaning = "mass that left through outlets by the end"});
+    measure(
+        {.name = "outflow", .unit = "kg", .meaning = "mass that left through outlets by the end"},
+        [this] {
+          double mass = 0;
+          for (const GateFlow<D>& flow : last_.population.outlets) mass += flow.mass;
+          return mass;
+        });
   }
   if (!load_above_.empty()) {
-    quantities_.push_back({.name = "column force",
-                           .unit = "",
-                           .meaning = "worst contact of a column against the weight above it, over "
-                                      "the heaviest column; mean over the last tenth",
-                           .exact = 0,
-                           .least_scale = 1});
+    measure({.name = "column force",
+             .meaning = "worst contact of a column against the weight above it, over the heaviest "
+                        "column; mean over the last tenth",
+             .exact = 0,
+             .least_scale = 1},
+            mean(column_error_));
   }
 }
 
@@ -281,49 +318,16 @@ void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report
 }
 
 template <int D>
+void OutcomeRecorder<D>::measure(TradeQuantity quantity, std::function<double()> value) {
+  quantities_.push_back(std::move(quantity));
+  values_.push_back(std::move(value));
+}
+
+template <int D>
 std::vector<double> OutcomeRecorder<D>::values() const {
+  const bool ended = kind_ == Kind::kBall || !last_.bodies.empty();
   std::vector<double> values;
-  if (kind_ == Kind::kBall) {
-    for (std::size_t p = 0; p < quantities_.size() / 2; ++p) {
-      values.push_back(p + 1 < tops_.size() ? tops_[p + 1] : kNaN);
-      values.push_back(p + 1 < impacts_.size() ? impacts_[p + 1] - impacts_[p] : kNaN);
-    }
-    return values;
-  }
-  if (last_.bodies.empty()) return std::vector<double>(quantities_.size(), kNaN);
-  if (kind_ == Kind::kSlider) return {last_.bodies[0].v.norm(), rolls_from_};
-  const double count = window_steps_;
-  if (g_ > 0) {
-    const auto [low, high] = span_along(last_.bodies, up_);
-    double moment = 0;
-    for (const auto& body : measured_bodies(last_).list) {
-      moment += body.mass * g_ * (up_.dot(body.x) - low);
-    }
-    values.push_back(high - low);
-    values.push_back(moment / weight_of(last_));
-  }
-  values.push_back(pressure_ / count / sample_measure(last_, scene_.step));
-  if (has_floor_) values.push_back(floor_load_ / count);
-  values.push_back(lost_);
-  if (scene_.has_friction()) values.push_back(friction_loss_);
-  values.push_back(contacts_ / count);
-  if (g_ > 0) values.push_back(std::sqrt(speed2_ / count) / speed_scale_);
-  if (has_driven_) {
-    double travel = 0;
-    int driven = 0;
-    for (std::size_t k = 0; k < last_.walls.size(); ++k) {
-      if (last_.walls[k].motion != Wall<D>::Motion::kDriven) continue;
-      travel += (last_.walls[k].a - scene_.walls[k].a).norm();
-      ++driven;
-    }
-    values.push_back(travel / driven);
-  }
-  if (!scene_.outlets.empty()) {
-    double mass = 0;
-    for (const GateFlow<D>& flow : last_.population.outlets) mass += flow.mass;
-    values.push_back(mass);
-  }
-  if (!load_above_.empty()) values.push_back(column_error_ / count);
+  for (const auto& value : values_) values.push_back(ended ? value() : kNaN);
   return values;
 }
 

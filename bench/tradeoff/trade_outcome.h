@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ template <int D>
 class OutcomeRecorder {
  public:
   explicit OutcomeRecorder(const Scene<D>& scene);
+  OutcomeRecorder(const OutcomeRecorder&) = delete;
+  OutcomeRecorder& operator=(const OutcomeRecorder&) = delete;
   const std::vector<TradeQuantity>& quantities() const { return quantities_; }
 
   void step(const State<D>& state, const StepReport<D>& report);
@@ -40,6 +43,7 @@ class OutcomeRecorder {
  private:
   enum class Kind { kBall, kSlider, kSample };
   double weight_of(const State<D>& state) const;
+  void measure(TradeQuantity quantity, std::function<double()> value);
   void plan_ball(double gap);
   void plan_slider();
   void plan_sample();
@@ -48,6 +52,7 @@ class OutcomeRecorder {
   const Scene<D>& scene_;
   Kind kind_ = Kind::kSample;
   std::vector<TradeQuantity> quantities_;
+  std::vector<std::function<double()>> values_;  // theirs, at the end
   Vec<D> up_ = Vec<D>::Zero();
   double g_ = 0, weight_ = 0;
   double end_ = 0;  // duration of the run
@@ -59,9 +64,8 @@ class OutcomeRecorder {
   // Sample.
   int window_steps_ = 0;
   double pressure_ = 0, floor_load_ = 0, contacts_ = 0, speed2_ = 0, column_error_ = 0;
-  double speed_scale_ = 0;  // √(g r)
   double friction_loss_ = 0, lost_ = 0;
-  bool has_floor_ = false, has_driven_ = false;
+  bool has_floor_ = false;
   std::vector<double> load_above_;  // weight on the lower contact of each disk; empty: no columns
   double base_load_ = 0;
   State<D> last_;
