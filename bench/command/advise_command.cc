@@ -9,7 +9,6 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/command/tune_run.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/scene_rewrite.h"

@@ -17,7 +17,6 @@
 
 #include "bench/command/command_line.h"
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/command/run_processes.h"
 #include "bench/report/json_output.h"
 #include "core/base/printable_text.h"

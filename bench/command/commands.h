@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bench/command/command_line.h"
+#include "bench/command/exit_code.h"
 
 namespace bipot {
 

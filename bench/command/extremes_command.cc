@@ -10,7 +10,6 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/command/watched.h"
 #include "bench/compare/extreme_matrix.h"
 #include "bench/compare/extreme_report.h"

@@ -219,13 +219,13 @@ std::string motion_warning(const Scene<D>& scene, const SceneTotals<D>& totals) 
 }
 
 template <int D>
-EnergyGrowth::EnergyGrowth(const Scene<D>& scene, const State<D>& start)
+EnergyGrowth<D>::EnergyGrowth(const Scene<D>& scene, const State<D>& start)
     : loss_(start.friction_loss + start.shock_loss), scale_(kinetic_energy(start)) {
   for (const Body<D>& body : start.bodies) scale_ += body.mass * scene.gravity.norm() * body.radius;
 }
 
 template <int D>
-void EnergyGrowth::add(const Scene<D>& scene, const StepReport<D>& report) {
+void EnergyGrowth<D>::add(const Scene<D>& scene, const StepReport<D>& report) {
   // Of joints a shock loss has either sign, to the second order in the step.
   if (!scene.joints.empty()) return;
   const EnergyLedger& e = report.energy;
@@ -247,7 +247,7 @@ void EnergyGrowth::add(const Scene<D>& scene, const StepReport<D>& report) {
 }
 
 template <int D>
-std::string EnergyGrowth::warning(const Scene<D>& scene) const {
+std::string EnergyGrowth<D>::warning(const Scene<D>& scene) const {
   if (steps_ == 0) return {};
   return fmt::format(
       "bipot: warning: contacts created energy in {} step{}, most in step {}: {:.3g} J (kinetic then "
@@ -273,15 +273,11 @@ template std::string passage_advice(const Scene<3>&, const State<3>&, const Spri
                                     bool);
 template std::string motion_warning(const Scene<2>&, const SceneTotals<2>&);
 template std::string motion_warning(const Scene<3>&, const SceneTotals<3>&);
-template EnergyGrowth::EnergyGrowth(const Scene<2>&, const State<2>&);
-template EnergyGrowth::EnergyGrowth(const Scene<3>&, const State<3>&);
-template void EnergyGrowth::add(const Scene<2>&, const StepReport<2>&);
-template std::string EnergyGrowth::warning(const Scene<2>&) const;
 template std::string failure_text<3>(const Scene<3>&, const State<3>&,
                                      std::span<const ContactOutcome<3>>, const ContactProblem&,
                                      const ContactError&, int, bool, std::string_view);
 template std::string failure_text(const Scene<3>&, const State<3>&, const SceneRun<3>&, bool);
-template void EnergyGrowth::add(const Scene<3>&, const StepReport<3>&);
-template std::string EnergyGrowth::warning(const Scene<3>&) const;
+template class EnergyGrowth<2>;
+template class EnergyGrowth<3>;
 
 }  // namespace bipot

@@ -35,14 +35,12 @@ std::string motion_warning(const Scene<D>& scene, const SceneTotals<D>& totals);
 
 /// Detects whether contacts create energy, which Newton's impact law may do if coefficients of
 /// restitution differ (data/manual/explanation/method.md §3).
+template <int D>
 class EnergyGrowth {
  public:
-  template <int D>
   EnergyGrowth(const Scene<D>& scene, const State<D>& start);
-  template <int D>
   void add(const Scene<D>& scene, const StepReport<D>& report);
   /// One line; empty if no energy grew beyond tolerance and rounding.
-  template <int D>
   std::string warning(const Scene<D>& scene) const;
 
  private:

@@ -8,7 +8,6 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/command/watched.h"
 #include "bench/compare/leaderboard_report.h"
 #include "bench/problems/scene_catalogue.h"

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/base/nearest_name.h"
 #include "core/files/input_file.h"

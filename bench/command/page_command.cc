@@ -3,7 +3,6 @@
 #include <string>
 
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/page/run_page.h"
 
 namespace bipot {

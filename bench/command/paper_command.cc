@@ -8,7 +8,6 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/claim_report.h"
 #include "bench/experiments/paper_item.h"
@@ -29,13 +28,6 @@ struct PaperFlags : OutputFlags {
 };
 
 namespace fs = std::filesystem;
-
-std::string command_line(const PaperFlags& flags, const std::vector<std::string>& only) {
-  std::string line = "bipot paper";
-  if (!only.empty()) line += fmt::format(" --only {}", fmt::join(only, ","));
-  if (flags.quick) line += " --quick";
-  return line;
-}
 
 constexpr const char* kTitle = "The paper's figures and tables, made again and checked";
 constexpr const char* kIntroduction =
@@ -115,8 +107,7 @@ int run_paper(const PaperFlags& flags) {
 
   flags.prepare(true);
   const fs::path folder = flags.out;
-  ClaimReport report{.title = kTitle, .introduction = kIntroduction};
-  report.command = command_line(flags, flags.only);
+  ClaimReport report{.command = typed_command(), .title = kTitle, .introduction = kIntroduction};
   const std::vector<ClaimReport::Item> before = read_items(folder / "results.json");
   for (const PaperItem& item : items) {
     ClaimReport::Item entry;
@@ -146,7 +137,8 @@ int run_paper(const PaperFlags& flags) {
     };
     context.say("");
     ClaimReport::Item entry =
-        run_item(item, context, command_line(flags, {std::string(item.name)}));
+        run_item(item, context,
+                 fmt::format("bipot paper --only {}{}", item.name, flags.quick ? " --quick" : ""));
     progress.update(++done, "");
     if (entry.status == ClaimReport::Item::Status::kInterrupted) {
       // A result of an earlier run is better than none.

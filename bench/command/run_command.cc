@@ -13,7 +13,6 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/command/failure_text.h"
 #include "bench/command/help_text.h"
 #include "bench/command/run_processes.h"

@@ -7,7 +7,6 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/command/watched.h"
 #include "bench/study/study.h"
 #include "core/base/file_error.h"

@@ -1,6 +1,3 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,7 +7,6 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
-#include "bench/command/exit_code.h"
 #include "bench/command/watched.h"
 #include "bench/experiments/validation_report.h"
 #include "core/base/nearest_name.h"
@@ -60,18 +56,6 @@ std::vector<Experiment> chosen_experiments(const ValidateFlags& flags) {
   return all;
 }
 
-std::string again(const ValidateFlags& flags) {
-  std::string line = "bipot validate";
-  if (!flags.only.empty()) line += fmt::format(" --only {}", fmt::join(flags.only, ","));
-  if (flags.context.quick) line += " --quick";
-  if (flags.context.solver != Experiment::Context().solver)
-    line += " --solver " + flags.context.solver;
-  if (flags.context.max_iterations != Experiment::Context().max_iterations) {
-    line += fmt::format(" --max-iterations {}", flags.context.max_iterations);
-  }
-  return line;
-}
-
 CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
   CommandDeclaration command = line.add_command(
       "validate", "Physics that is known beforehand, checked: at which tolerance does it break?");
@@ -103,7 +87,7 @@ int run_validate(const ValidateFlags& flags) {
   const std::vector<Experiment> experiments = chosen_experiments(flags);
   flags.prepare(true);
   ValidationPage page{
-      .command = again(flags), .solver = flags.context.solver, .quick = flags.context.quick};
+      .command = typed_command(), .solver = flags.context.solver, .quick = flags.context.quick};
   watched(flags.silent(), [&](const Watch& watch) {
     Experiment::Context context = flags.context;
     context.stopped = watch.interrupted;

@@ -200,13 +200,10 @@ class ProblemRows {
                           .contacts = reference_.contacts,
                           .dim = reference_.dim,
                           .dofs = reference_.dofs,
-                          .reference_solver = reference_.solver,
-                          .reference_guarded = reference_.error.guarded(),
-                          .reference_natural_map = reference_.error.natural_map,
-                          .attempts = reference_.attempts,
-                          .velocity_spread = reference_.velocity_spread};
+                          .reference = reference_};
     if (!s.poor_reference()) s.answers = 1 + static_cast<int>(reference_.others.size());
-    s.spread = reference_.spread;
+    s.reference.s.resize(0);
+    s.reference.others.clear();
     return s;
   }
 

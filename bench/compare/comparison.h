@@ -61,19 +61,14 @@ struct Comparison {
     std::string defect;
     std::string series;  ///< see ProblemSource
     int contacts = 0, dim = 0, dofs = 0;
-    std::string reference_solver;
-    double reference_guarded = kNaN, reference_natural_map = kNaN;
-    std::vector<ReferenceSolution::Attempt> attempts;
-    /// Largest relative distance (energy norm) between velocities of attempts at the reference that
-    /// are below 1e-9; NaN with fewer than two.
-    double velocity_spread = kNaN;
+    ReferenceSolution reference;  ///< without impulses
     /// Number of known distinct exact answers, of attempts and rows alike; 0: no reference below
     /// 1e-9. More than one proves that there are several (solvers/analysis/distinct_answers.h).
     int answers = 0;
-    ReferenceSolution::Spread spread;  ///< between them
+
     bool several_velocities() const { return answers > 1; }
     /// Errors against it are no true errors.
-    bool poor_reference() const { return reference_guarded > ReferenceSolution::kTrusted; }
+    bool poor_reference() const { return reference.error.guarded() > ReferenceSolution::kTrusted; }
   };
   struct Options {
     std::vector<std::string> solvers;

@@ -56,8 +56,9 @@ Chart error_chart(const Comparison& comparison, const Comparison::Problem& probl
                   double (*x)(const Comparison::Row&)) {
   const Ranking rank = ranking(problem, comparison.rows);
   Chart chart{.y = error_axis(comparison, problem, rank)};
-  if (rank.measure != Ranking::Measure::kGuarded && problem.reference_guarded >= *chart.y.low) {
-    chart.y_lines = {{problem.reference_guarded, "guarded error of the reference"}};
+  if (rank.measure != Ranking::Measure::kGuarded &&
+      problem.reference.error.guarded() >= *chart.y.low) {
+    chart.y_lines = {{problem.reference.error.guarded(), "guarded error of the reference"}};
   }
   for (const std::string& solver : solvers_of(comparison)) {
     Chart::Series series{solver, style_of(solver), {}};

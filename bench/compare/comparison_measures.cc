@@ -90,31 +90,6 @@ const Comparison::Row* fastest_to(const Comparison::Problem& problem,
   return loosest;
 }
 
-std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) {
-  std::vector<SolvedCount> counts;
-  for (const std::string& solver : solvers_of(comparison)) {
-    SolvedCount count{.solver = solver, .tol = tol};
-    std::vector<double> ratios;
-    for (const Comparison::Row& row : comparison.rows) {
-      if (row.solver != solver || row.tol != tol) continue;
-      ++count.problems;
-      if (row.natural_map <= 1e-8) ++count.by_natural_map;
-      if (!row.solved()) continue;
-      ++count.solved;
-      double best = row.time();
-      for (const Comparison::Row& other : comparison.rows) {
-        if (other.problem == row.problem && other.tol == tol && other.solved()) {
-          best = std::min(best, other.time());
-        }
-      }
-      if (best > 0) ratios.push_back(row.time() / best);
-    }
-    count.median_ratio = median(std::move(ratios));
-    counts.push_back(count);
-  }
-  return counts;
-}
-
 double PerformanceProfile::share(double ratio) const {
   const auto within = std::ranges::upper_bound(ratios, ratio) - ratios.begin();
   return problems == 0 ? 0 : static_cast<double>(within) / problems;
@@ -160,6 +135,22 @@ CostOf time_to(const Comparison& comparison, double accuracy) {
     const Comparison::Row* row = fastest_to(problem, comparison.rows, accuracy, solver);
     return row != nullptr ? row->time() : kNaN;
   };
+}
+
+std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) {
+  std::vector<SolvedCount> counts;
+  for (PerformanceProfile& profile : performance_profiles(comparison, time_at(comparison, tol))) {
+    SolvedCount& count = counts.emplace_back();
+    count = {
+        .solver = profile.solver, .tol = tol, .median_ratio = median(std::move(profile.ratios))};
+    for (const Comparison::Row& row : comparison.rows) {
+      if (row.solver != count.solver || row.tol != tol) continue;
+      ++count.problems;
+      count.solved += row.solved() ? 1 : 0;
+      count.by_natural_map += row.natural_map <= 1e-8 ? 1 : 0;
+    }
+  }
+  return counts;
 }
 
 std::vector<BudgetErrors> errors_within(const Comparison& comparison, double seconds) {

@@ -39,11 +39,11 @@ std::string uniqueness(const Comparison::Problem& p) {
     return fmt::format(
         "**Several exact answers**: {} are known, velocities up to {} apart in the energy norm, "
         "the force on a body by {} of the largest. Errors are distances to the nearest.",
-        p.answers, error_label(p.spread.velocity), error_label(p.spread.force));
+        p.answers, error_label(p.reference.spread.velocity), error_label(p.reference.spread.force));
   }
-  if (std::isfinite(p.velocity_spread)) {
+  if (std::isfinite(p.reference.velocity_spread)) {
     return fmt::format("Solvers below 1e-9 agree on the velocities to {}.",
-                       error_label(p.velocity_spread));
+                       error_label(p.reference.velocity_spread));
   }
   return "No second solver stands below 1e-9, so nothing is known of other solutions.";
 }
@@ -427,9 +427,9 @@ class ComparisonPage {
     page_.say(fmt::format("{}. {} contacts, d = {}. Reference by {}, guarded error {}, natural map "
                           "{}. {}",
                           p.origin, p.contacts, p.dim,
-                          p.reference_solver.empty() ? "nobody" : p.reference_solver,
-                          error_label(p.reference_guarded), error_label(p.reference_natural_map),
-                          uniqueness(p)),
+                          p.reference.solver.empty() ? "nobody" : p.reference.solver,
+                          error_label(p.reference.error.guarded()),
+                          error_label(p.reference.error.natural_map), uniqueness(p)),
               "small");
     if (p.contacts == 0) return;
     const Ranking rank = ranking(p, c_.rows);

@@ -65,15 +65,16 @@ std::string regret_line(const Regret& regret) {
 }
 
 Json to_json(const Comparison::Problem& p, const Ranking& rank) {
-  const Json reference{
-      {"solver", p.reference_solver},
-      {"guarded", p.reference_guarded},
-      {"natural_map", p.reference_natural_map},
-      {"velocity_spread", p.velocity_spread},
-      {"answers", p.answers},
-      {"spread", to_json(p.spread)},
-      {"several_velocity_solutions", p.several_velocities()},
-      {"attempts", json_list(p.attempts, [](const auto& attempt) { return to_json(attempt); })}};
+  const Json reference{{"solver", p.reference.solver},
+                       {"guarded", p.reference.error.guarded()},
+                       {"natural_map", p.reference.error.natural_map},
+                       {"velocity_spread", p.reference.velocity_spread},
+                       {"answers", p.answers},
+                       {"spread", to_json(p.reference.spread)},
+                       {"several_velocity_solutions", p.several_velocities()},
+                       {"attempts", json_list(p.reference.attempts, [](const auto& attempt) {
+                          return to_json(attempt);
+                        })}};
   return {{"name", p.name},     {"target", p.target},     {"origin", p.origin},
           {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
           {"dofs", p.dofs},     {"reference", reference}, {"ranked_by", rank.name()}};
@@ -229,9 +230,9 @@ std::string to_text(const Comparison& comparison) {
   for (const Comparison::Problem& p : comparison.problems) {
     if (!p.defect.empty()) {
       text += fmt::format("{}: {}\n", p.name, p.defect);
-    } else if (!(p.reference_guarded <= ReferenceSolution::kTarget)) {
+    } else if (!(p.reference.error.guarded() <= ReferenceSolution::kTarget)) {
       text += fmt::format("{}: the reference stands at {} only ({})\n", p.name,
-                          error_label(p.reference_guarded), p.reference_solver);
+                          error_label(p.reference.error.guarded()), p.reference.solver);
     }
   }
   return text + several_text(comparison);

@@ -23,9 +23,9 @@ SeveralShare share_of(const Comparison& comparison, const SuccessCurve::SizeClas
     ++share.problems;
     if (!p.several_velocities()) continue;
     ++share.several;
-    velocity.push_back(p.spread.velocity);
-    force.push_back(p.spread.force);
-    energy.push_back(p.spread.energy);
+    velocity.push_back(p.reference.spread.velocity);
+    force.push_back(p.reference.spread.force);
+    energy.push_back(p.reference.spread.energy);
   }
   share.median_velocity = median(velocity);
   share.largest_velocity = largest(velocity);
@@ -83,7 +83,7 @@ Table several_problems_table(const Comparison& comparison) {
   for (const Comparison::Problem& p : comparison.problems) {
     if (!p.several_velocities()) continue;
     table.add({Table::Cell(p.name).shown(comparison.link_to(p)), p.contacts, p.answers,
-               p.spread.velocity, p.spread.force, p.spread.energy});
+               p.reference.spread.velocity, p.reference.spread.force, p.reference.spread.energy});
   }
   return table;
 }
@@ -94,9 +94,9 @@ std::string several_text(const Comparison& comparison) {
   std::string text;
   for (const Comparison::Problem& p : comparison.problems) {
     if (!p.several_velocities()) continue;
-    text +=
-        fmt::format("{}: {} exact answers known, apart by {} in velocity, {} in force\n", p.name,
-                    p.answers, error_label(p.spread.velocity), error_label(p.spread.force));
+    text += fmt::format("{}: {} exact answers known, apart by {} in velocity, {} in force\n",
+                        p.name, p.answers, error_label(p.reference.spread.velocity),
+                        error_label(p.reference.spread.force));
   }
   return text + fmt::format(
                     "{} of {} problems with a reference have several exact answers; errors are "

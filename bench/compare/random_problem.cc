@@ -14,31 +14,23 @@
 namespace bipot {
 namespace {
 
-/// Friction of a problem: the range for its contacts.
-enum class Friction { kNone, kTiny, kUsual, kLarge, kHuge, kMixed };
+/// Friction of a problem: one coefficient, or decades from which that of each contact is drawn.
+struct Friction {
+  std::string_view name;
+  double value = 0;
+  int from = 0, to = 0;
+};
+constexpr std::array<Friction, 6> kFrictions = {{{"0"},
+                                                 {"1e-12", 1e-12},
+                                                 {"1e-3 to 1", 0, -3, 0},
+                                                 {"1 to 10", 0, 0, 1},
+                                                 {"1e6", 1e6},
+                                                 {"mixed"}}};
+constexpr int kMixed = 5;  // of the others
 
-double draw_mu(PortableRandom& draw, Friction friction) {
-  switch (friction) {
-    case Friction::kNone:
-      return 0;
-    case Friction::kTiny:
-      return 1e-12;
-    case Friction::kUsual:
-      return draw.decades(-3, 0);
-    case Friction::kLarge:
-      return draw.decades(0, 1);
-    case Friction::kHuge:
-      return 1e6;
-    case Friction::kMixed:
-      break;
-  }
-  return draw_mu(draw, static_cast<Friction>(draw.below(5)));
-}
-
-std::string_view name_of(Friction friction) {
-  constexpr std::array<std::string_view, 6> kNames = {"0",       "1e-12", "1e-3 to 1",
-                                                      "1 to 10", "1e6",   "mixed"};
-  return kNames[to_size(static_cast<int>(friction))];
+double draw_mu(PortableRandom& draw, int friction) {
+  const Friction& f = kFrictions[to_size(friction == kMixed ? draw.below(kMixed) : friction)];
+  return f.from < f.to ? draw.decades(f.from, f.to) : f.value;
 }
 
 Vec3 draw_direction(PortableRandom& draw, int dim) {
@@ -178,7 +170,7 @@ RandomProblem random_problem(std::uint64_t seed, int index) {
   const double mass_unit = draw.decades(-10, 10), velocity_unit = draw.decades(-10, 10);
   const double length_unit = draw.decades(-5, 5);
   const double spread = draw.chance(0.5) ? 0 : draw.between(0, 8);
-  const Friction friction = p.dim == 1 ? Friction::kNone : static_cast<Friction>(draw.below(6));
+  const int friction = p.dim == 1 ? 0 : draw.below(6);
   const bool repeated = draw.chance(1.0 / 3), restitution = draw.chance(1.0 / 3);
   const bool local = draw.chance(0.5);
 
@@ -224,8 +216,8 @@ RandomProblem random_problem(std::uint64_t seed, int index) {
   out.description = fmt::format(
       "d = {}, {} contacts, {} bodies, friction {}, masses over {:.1f} decades, units {:.0e} kg, "
       "{:.0e} m/s, {:.0e} m{}{}{}, data {}",
-      p.dim, contacts, bodies, name_of(friction), spread, mass_unit, velocity_unit, length_unit,
-      repeated ? ", repeated contacts" : "", restitution ? ", restitution" : "",
+      p.dim, contacts, bodies, kFrictions[to_size(friction)].name, spread, mass_unit, velocity_unit,
+      length_unit, repeated ? ", repeated contacts" : "", restitution ? ", restitution" : "",
       local ? ", W alone" : "", data);
   return out;
 }

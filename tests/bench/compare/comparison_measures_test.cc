@@ -106,9 +106,9 @@ TEST(ComparisonMeasures, ErrorsWithinATimeAreTheLeastOfTheRowsThatFit) {
 TEST(ComparisonMeasures, ProblemsWithoutATrustedReferenceAreRankedByTheGuardedError) {
   Comparison c = small_table();
   EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kVelocity);
-  c.problems[0].reference_guarded = 1e-8;
+  c.problems[0].reference.error = {.epsilon = 1e-8, .eta = 1e-8};
   EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kGuarded);
-  c.problems[0].reference_guarded = 1e-10;
+  c.problems[0].reference.error = {.epsilon = 1e-10, .eta = 1e-10};
   EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kVelocity);
 }
 
@@ -140,7 +140,7 @@ TEST(ComparisonMeasures, MeaningOfAToleranceIsInTheRowsThatMetIt) {
   EXPECT_EQ(all[1].rows, 4);
   c.problems[0].answers = 2;
   EXPECT_EQ(tolerance_meaning(c)[1].rows, 4);
-  c.problems[0].reference_guarded = 1e-6;
+  c.problems[0].reference.error = {.epsilon = 1e-6, .eta = 1e-6};
   EXPECT_EQ(tolerance_meaning(c)[1].rows, 1);
   EXPECT_EQ(tolerance_meaning(c)[1].worst, 1e-5);
 }

@@ -39,9 +39,9 @@ TEST(SeveralAnswersInACompare, AreProvedByTwoVerifiedRows) {
   EXPECT_TRUE(p.several_velocities());
   EXPECT_GE(p.answers, 2);
   // At most the whole family, v_x from 4.4 to 4.8 and |(0.2, 1)| <= ‖v - v_free‖.
-  EXPECT_GT(p.spread.velocity, 1e-2);
-  EXPECT_LE(p.spread.velocity, 0.4 / std::hypot(0.2, 1) + 1e-9);
-  EXPECT_GT(p.spread.force, 1e-2);
+  EXPECT_GT(p.reference.spread.velocity, 1e-2);
+  EXPECT_LE(p.reference.spread.velocity, 0.4 / std::hypot(0.2, 1) + 1e-9);
+  EXPECT_GT(p.reference.spread.force, 1e-2);
   for (const Comparison::Row& row : c.rows) {
     if (row.tol != 1e-11) continue;
     EXPECT_LE(row.guarded, 1e-11) << row.solver;
@@ -55,7 +55,7 @@ TEST(SeveralAnswersInACompare, AreProvedByTwoVerifiedRows) {
   ASSERT_EQ(shares.size(), 2u);  // its size, and all
   EXPECT_EQ(shares.back().problems, 1);
   EXPECT_EQ(shares.back().several, 1);
-  EXPECT_EQ(shares.back().largest_velocity, p.spread.velocity);
+  EXPECT_EQ(shares.back().largest_velocity, p.reference.spread.velocity);
   EXPECT_TRUE(says(to_csv(several_problems_table(c)), "two,2,"));
   EXPECT_TRUE(says(to_text(c), "1 of 1 problems with a reference have several"));
   const Json json = to_json(c, {});
@@ -73,7 +73,7 @@ TEST(SeveralAnswersInACompare, AUniqueAnswerIsNotMarked) {
   ASSERT_EQ(c.problems.size(), 1u);
   EXPECT_FALSE(c.problems[0].several_velocities());
   EXPECT_EQ(c.problems[0].answers, 1);
-  EXPECT_TRUE(std::isnan(c.problems[0].spread.velocity));
+  EXPECT_TRUE(std::isnan(c.problems[0].reference.spread.velocity));
   EXPECT_EQ(several_shares(c).back().several, 0);
   EXPECT_EQ(several_text(c), "");
 }
@@ -88,7 +88,8 @@ TEST(SeveralAnswersInACompare, AreKeptWithTheReference) {
   const Comparison again = compare({source}, options);
   EXPECT_EQ(again.rows_kept, 2);
   EXPECT_EQ(again.problems[0].answers, first.problems[0].answers);
-  EXPECT_EQ(again.problems[0].spread.velocity, first.problems[0].spread.velocity);
+  EXPECT_EQ(again.problems[0].reference.spread.velocity,
+            first.problems[0].reference.spread.velocity);
   for (std::size_t k = 0; k < first.rows.size(); ++k) {
     EXPECT_EQ(again.rows[k].velocity_error, first.rows[k].velocity_error);
     EXPECT_EQ(again.rows[k].answer, first.rows[k].answer);
@@ -102,8 +103,8 @@ TEST(SeveralAnswersInACompare, OfATiltedPackingAreTwo) {
               options_for({"pgs", "apgd", "ipm"}, {1e-10}));
   ASSERT_EQ(c.problems.size(), 1u);
   EXPECT_GE(c.problems[0].answers, 2);
-  EXPECT_GT(c.problems[0].spread.velocity, 5e-2);
-  EXPECT_LT(c.problems[0].spread.energy, c.problems[0].spread.velocity);
+  EXPECT_GT(c.problems[0].reference.spread.velocity, 5e-2);
+  EXPECT_LT(c.problems[0].reference.spread.energy, c.problems[0].reference.spread.velocity);
   for (const Comparison::Row& row : c.rows) EXPECT_LT(row.velocity_error, 1e-4) << row.solver;
 }
 

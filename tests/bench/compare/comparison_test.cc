@@ -77,7 +77,8 @@ TEST(Comparison, HasARowForEachProblemSolverAndTolerance) {
     EXPECT_EQ(row.take_off + row.stick + row.slip, row.contacts);
   }
   ASSERT_EQ(c.problems.size(), 2u);
-  for (const Comparison::Problem& p : c.problems) EXPECT_LE(p.reference_guarded, 1e-12) << p.name;
+  for (const Comparison::Problem& p : c.problems)
+    EXPECT_LE(p.reference.error.guarded(), 1e-12) << p.name;
   EXPECT_EQ(count_solved(c, 1e-8)[0].solved, 2);
 }
 
@@ -366,7 +367,8 @@ TEST(Comparison, GoesOnWhereItWasStopped) {
   const Comparison again = compare(closed, options);
   EXPECT_EQ(again.rows_kept, static_cast<int>(whole.rows.size()));
   EXPECT_EQ(to_csv(again), to_csv(resumed));
-  EXPECT_EQ(again.problems[1].reference_guarded, resumed.problems[1].reference_guarded);
+  EXPECT_EQ(again.problems[1].reference.error.guarded(),
+            resumed.problems[1].reference.error.guarded());
   EXPECT_EQ(read_csv_rows(options.out / "rows.csv").size(), whole.rows.size());
 
   options.time_limit = 7;
@@ -459,12 +461,12 @@ TEST(Comparison, NamesProblemsWithSeveralVelocities) {
   ASSERT_EQ(c.problems.size(), 1u);
   const Comparison::Row& lemke = row_of(c, "lemke", 1e-10);
   ASSERT_LE(lemke.guarded, 1e-10);
-  ASSERT_LE(c.problems[0].reference_guarded, 1e-11);
+  ASSERT_LE(c.problems[0].reference.error.guarded(), 1e-11);
   // lemke's is one of the answers that are known: its error is the distance to itself.
   EXPECT_LT(lemke.velocity_error, 1e-6);
   EXPECT_GT(lemke.answer, 0);
   EXPECT_TRUE(c.problems[0].several_velocities());
-  EXPECT_GT(c.problems[0].spread.velocity, 1e-4);
+  EXPECT_GT(c.problems[0].reference.spread.velocity, 1e-4);
   EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kForce);
 }
 
