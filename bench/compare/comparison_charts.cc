@@ -163,9 +163,7 @@ Chart work_precision_chart(const Comparison& comparison, const Comparison::Probl
   const Ranking rank = ranking(problem, comparison.rows);
   auto best = pareto_rows(problem, comparison.rows);
   if (best.size() < 2) return chart;
-  std::ranges::sort(best, [](const Comparison::Row* a, const Comparison::Row* b) {
-    return a->time() < b->time();
-  });
+  std::ranges::sort(best, {}, &Comparison::Row::time);
   Chart::Series front{"beaten by none", 0, {}, Chart::Series::Kind::kSteps, true};
   for (const Comparison::Row* row : best) front.points.push_back({row->time(), rank.of(*row)});
   chart.series.push_back(std::move(front));

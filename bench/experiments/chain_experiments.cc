@@ -43,21 +43,20 @@ double shortening(const State<2>& state, int n) {
   return (n - state.walls[1].a[0]) / (0.5 * kForce / mass * state.time * state.time);
 }
 
-Experiment stiffness() {
-  Experiment e{.rows = {ValidationRow(
-                   "chain_is_rigid",
-                   "way of the wall that presses a row of 40 disks, over that of free masses "
-                   "under the force",
-                   "rigid bodies: the force is balanced at once", "0", Expectation::equal(0),
-                   {1e-6, "a hundred times the tightest tolerance",
-                    "discretisation: one deterministic run, Gauss–Seidel (`pgs`), warm start"})},
-               .quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8}};
+void stiffness(Experiment& e) {
+  e = {.rows = {ValidationRow(
+           "chain_is_rigid",
+           "way of the wall that presses a row of 40 disks, over that of free masses "
+           "under the force",
+           "rigid bodies: the force is balanced at once", "0", Expectation::equal(0),
+           {1e-6, "a hundred times the tightest tolerance",
+            "discretisation: one deterministic run, Gauss–Seidel (`pgs`), warm start"})},
+       .quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8}};
   e.run = [](Experiment::Trial& trial) {
     constexpr int kDisks = 40;
     const auto end = run_from_start<2>(chain_scene(kDisks, 1000000, trial), trial);
     trial.seen = {{shortening(end, kDisks)}};
   };
-  return e;
 }
 
 /// A fixed number of Gauss-Seidel sweeps from the impulses of the previous step, for any remaining
@@ -83,8 +82,7 @@ StepSolver plain_sweeps(int sweeps) {
 ///   s' = s + κ (w + F h - s),  w' = w + F h - s':   an oscillator of frequency √κ/h,
 /// like a bar of n + 1 diameters with speed of sound c = √k d/h: the wall turns back after 2 (n +
 /// 1) d/c.
-Experiment speed_of_sound() {
-  Experiment e;
+void speed_of_sound(Experiment& e) {
   e.rows = {
       ValidationRow(
           "chain_sound",
@@ -143,11 +141,9 @@ Experiment speed_of_sound() {
     trial.seen = {{speeds[0]}, {law.exponent, law.confidence}};
     trial.draw("chain_sweeps", caption, std::move(chart));
   };
-  return e;
 }
 
-Experiment sweeps_needed() {
-  Experiment e;
+void sweeps_needed(Experiment& e) {
   e.rows = {ValidationRow(
       "chain_sweeps",
       "exponent of the sweeps from ε to ε/100, in one step from nothing, against n + 1, n disks (20 to "
@@ -178,13 +174,12 @@ Experiment sweeps_needed() {
     const PowerLaw law = fit_power_law(lengths, counts);
     trial.seen = {{law.exponent, law.confidence}};
   };
-  return e;
 }
 
 }  // namespace
 
 std::vector<Experiment> chain_experiments() {
-  return {stiffness(), speed_of_sound(), sweeps_needed()};
+  return made_by({&stiffness, &speed_of_sound, &sweeps_needed});
 }
 
 }  // namespace bipot

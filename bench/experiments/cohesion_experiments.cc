@@ -18,8 +18,7 @@ namespace bipot {
 namespace {
 
 /// Smallest cohesion that holds 5 disks under a ceiling, over the weight of one.
-Experiment hanging() {
-  Experiment e;
+void hanging(Experiment& e) {
   e.rows = {ValidationRow("chain_hangs",
                           "smallest cohesion that holds a chain of 5 disks, over m g",
                           "statics: the top contact carries all", "5", Expectation::equal(5),
@@ -35,7 +34,6 @@ Experiment hanging() {
       return run_from_start<2>(scene, trial).bodies[0].v.norm() < 0.1;
     })};
   };
-  return e;
 }
 
 /// Whether the stuck disk follows the plate, struck with this speed.
@@ -59,11 +57,10 @@ bool follows(double speed, double step, double range, Experiment::Trial& trial) 
   return end.bodies[0].x[1] - 0.5 - end.walls[0].a[1] < std::max(range, 0.1 * speed * step);
 }
 
-Experiment struck() {
+void struck(Experiment& e) {
   constexpr double kStep = 1e-3, kRange = 1e-3;
   const std::string source =
       "momentum and energy, derived in cohesion_experiments.cc; Abramian and Staron 2020";
-  Experiment e;
   e.rows = {
       ValidationRow("struck_grows_with_step",
                     "speed of a blow that opens a contact without range: at h over that at h/2",
@@ -87,11 +84,10 @@ Experiment struck() {
       trial.seen.push_back({opens[0] / opens[1]});
     }
   };
-  return e;
 }
 
 }  // namespace
 
-std::vector<Experiment> cohesion_experiments() { return {hanging(), struck()}; }
+std::vector<Experiment> cohesion_experiments() { return made_by({&hanging, &struck}); }
 
 }  // namespace bipot

@@ -67,11 +67,10 @@ Body<D> after_oblique_impact(double incidence, Experiment::Trial& trial) {
 
 /// Sliding takes μ (1 + e_n)/c of the spin a ω over the normal speed.
 template <int D>
-Experiment oblique() {
+void oblique(Experiment& e) {
   constexpr double kSlips = 2, kSticks = 0.5, k = kTangentialShare<D>;
   constexpr double kLoss = kObliqueMu * (1 + kObliqueNormal);
   const std::string body = kBodyName<D>, factor = D == 2 ? "3" : "7/2";
-  Experiment e;
   e.rows = {
       ValidationRow(body + "_oblique_slips",
                     fmt::format("speed of the point of contact of a {} after an impact at the "
@@ -103,16 +102,14 @@ Experiment oblique() {
                     return after > -kObliqueTangential * incidence + 1e-3;
                   })};
   };
-  return e;
 }
 
 /// Two equal bodies of radius 1 and mass m meet head-on with the same spin 1. Their points of
 /// contact pass each other at 2. Sticking takes the impulse 2 m/2k = m/k from each. Each keeps the
 /// spin 1 - 1/(c k) = c/(1 + c) and leaves sideways at 1/k = c/(1 + c).
 template <int D>
-Experiment spinning_pair() {
+void spinning_pair(Experiment& e) {
   const std::string bodies = D == 2 ? "disks" : "spheres", share = D == 2 ? "1/3" : "2/7";
-  Experiment e;
   e.rows = {ValidationRow(bodies + "_meet_spin",
                           fmt::format("spin that two equal {} with the same spin keep when they "
                                       "meet head-on",
@@ -140,13 +137,11 @@ Experiment spinning_pair() {
     }
     trial.seen = {{spin}, {std::abs(left.v[1])}};
   };
-  return e;
 }
 
 /// Two different spheres that stick, off-centre and spinning. By the formulas at the top they lose
 ///   ½ m* (1 - e_n²) u_n² + ½ (m*/k) (1 - e_t²) |u_t|².
-Experiment unequal_pair() {
-  Experiment e;
+void unequal_pair(Experiment& e) {
   e.rows = {
       ValidationRow("pair_energy",
                     "energy that two unequal spinning spheres lose, over the expected one",
@@ -173,7 +168,6 @@ Experiment unequal_pair() {
     trial.seen = {{(kinetic_energy(before) - kinetic_energy(after)) / expected},
                   {(angular_momentum(after) - momentum).norm() / momentum.norm()}};
   };
-  return e;
 }
 
 /// The state after the first of a row of disks, one for each mass, struck the others at speed 1.
@@ -209,8 +203,7 @@ State<2> squeezed_row(Experiment::Trial& trial) {
 
 /// Touching: all contacts but the first stay closed, v_1 = … = V, V - v_0 = 1 and v_0 + 4 V = 1.
 /// With gaps: one impact after the other, the first of 2 m_i/(m_i + m_j) of the speed.
-Experiment cradle() {
-  Experiment e;
+void cradle(Experiment& e) {
   e.rows = {
       ValidationRow("cradle_touching",
                     "speed of the striking disk after a row of five that touch, e = 1",
@@ -234,13 +227,11 @@ Experiment cradle() {
                   {struck_row({1, 2, 4}, kGap, trial).bodies[2].v[0]},
                   {squeezed_row(trial).bodies[2].v[0]}};
   };
-  return e;
 }
 
 /// A rack of fifteen disks that touch is struck along its axis. The mirror image of ball j of row r
 /// is ball r - j.
-Experiment billiard() {
-  Experiment e;
+void billiard(Experiment& e) {
   e.rows = {ValidationRow("break_symmetry",
                           "largest distance of a ball from its mirror image after a billiard "
                           "break, over the radius",
@@ -268,14 +259,13 @@ Experiment billiard() {
     }
     trial.seen = {{apart}, {kinetic_energy(end) / 50}};
   };
-  return e;
 }
 
 }  // namespace
 
 std::vector<Experiment> collision_experiments() {
-  return {oblique<2>(),   oblique<3>(), spinning_pair<2>(), spinning_pair<3>(),
-          unequal_pair(), cradle(),     billiard()};
+  return made_by({&oblique<2>, &oblique<3>, &spinning_pair<2>, &spinning_pair<3>, &unequal_pair,
+                  &cradle, &billiard});
 }
 
 }  // namespace bipot

@@ -90,8 +90,7 @@ Observation slope(const Sheared& slow, const Sheared& fast, double low, double l
   return {(high - low) / span, std::hypot(low_bar, high_bar) / span, std::move(note)};
 }
 
-Experiment plane_shear() {
-  Experiment e;
+void plane_shear(Experiment& e) {
   const std::string memory =
       "da Cruz, Emam, Prochnow, Roux and Chevoir, PRE 72, 021309 (2005): τ/P = .26 + 1.0 I, "
       "ν = .81 − .3 I are from memory, so only the trend is tested";
@@ -157,7 +156,6 @@ Experiment plane_shear() {
     chart.series = {friction, fraction, law, density};
     trial.draw("shear", caption, std::move(chart));
   };
-  return e;
 }
 
 /// Runout of a column of disks, its corner wall at the left as a plane of symmetry: (r - r0)/r0.
@@ -194,8 +192,7 @@ double runout(double aspect, int width, std::uint64_t seed, Experiment::Trial& t
   return (edge(end) - start) / start;
 }
 
-Experiment column_collapse() {
-  Experiment e;
+void column_collapse(Experiment& e) {
   e.rows = {ValidationRow(
       "column_collapse",
       "exponent of the runout of a column against its aspect ratio, above 2 (within which 97 % of "
@@ -241,14 +238,13 @@ Experiment column_collapse() {
     chart.series = {series, fit, rods};
     trial.draw("collapse", caption, std::move(chart));
   };
-  return e;
 }
 
 /// Action of the drum on the grains, by their angular momentum L about its axis. Its moment is the
 /// change of L less the moment of their weight, its work that times its speed. The work is lost in
 /// contacts or goes into the grains' energy: two sums that share only the states.
-Experiment turning_drum() {
-  Experiment e{
+void turning_drum(Experiment& e) {
+  e = {
       .rows = {ValidationRow(
           "drum_power",
           "rotating drum (shipped scene): work of the wall by the grains' angular momentum and weight, "
@@ -283,13 +279,12 @@ Experiment turning_drum() {
         {moment * scene.walls[0].spin / gained, 0,
          fmt::format("wall work in the ledger over the same: {:.5f}", end.wall_work / gained)}};
   };
-  return e;
 }
 
 }  // namespace
 
 std::vector<Experiment> flow_experiments() {
-  return {plane_shear(), column_collapse(), turning_drum()};
+  return made_by({&plane_shear, &column_collapse, &turning_drum});
 }
 
 }  // namespace bipot

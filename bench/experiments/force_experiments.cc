@@ -22,8 +22,7 @@
 namespace bipot {
 namespace {
 
-Experiment force_tails() {
-  Experiment e;
+void force_tails(Experiment& e) {
   e.rows = {
       ValidationRow(
           "tail_is_exponential",
@@ -83,11 +82,10 @@ Experiment force_tails() {
                     force_histogram("deposit, by layers", 2, layered, 0.3)};
     trial.draw("forces", caption, std::move(chart));
   };
-  return e;
 }
 
 }  // namespace
 
-std::vector<Experiment> force_experiments() { return {force_tails()}; }
+std::vector<Experiment> force_experiments() { return made_by({&force_tails}); }
 
 }  // namespace bipot

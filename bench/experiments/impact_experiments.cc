@@ -11,9 +11,8 @@ namespace {
 /// Falls from 1 m above the floor, e_n = 0.6. In the step that detects the floor the ball is within
 /// v h of it. The heights before and after are then those of a floor as much higher or lower: H1/H0
 /// = e² (1 ± v h/H0 (1 + 1/e²)), its root half of that.
-Experiment bouncing() {
+void bouncing(Experiment& e) {
   constexpr double kRestitution = 0.6, kStep = 1e-4;
-  Experiment e;
   const double speed = std::sqrt(2 * kGravity);
   e.rows = {ValidationRow(
       "ball_bounces", "root of the ratio of heights of a ball before and after a bounce",
@@ -36,7 +35,6 @@ Experiment bouncing() {
     });
     trial.seen = {{std::sqrt(height)}};
   };
-  return e;
 }
 
 /// A disk of radius a rolls without sliding in a hollow circle of radius R. With the angle φ of its
@@ -45,10 +43,9 @@ Experiment bouncing() {
 /// turns by φ' h in a step, whose shock dissipates the share (φ' h)² of the energy: φ'² <= φ0² g/l.
 /// Over a period that is at most 2π h φ0² √(g/l) = 5e-3 of the energy, which changes the period by
 /// φ0²/16 of that.
-Experiment swinging() {
+void swinging(Experiment& e) {
   constexpr double kDrum = 1, kRadius = 0.2, kStart = 0.5, kStep = 1e-3;
   constexpr double kLength = 1.5 * (kDrum - kRadius);
-  Experiment e;
   e.rows = {ValidationRow(
       "disk_swings", "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
       "energy of rolling, a pendulum of length 3/2 (R − a); complete elliptic integral",
@@ -79,11 +76,10 @@ Experiment swinging() {
     trial.seen = {{swings ? crossings[1] - crossings[0] : kNaN, 0,
                    swings ? "" : "it does not swing through twice within 5 s"}};
   };
-  return e;
 }
 
 }  // namespace
 
-std::vector<Experiment> impact_experiments() { return {bouncing(), swinging()}; }
+std::vector<Experiment> impact_experiments() { return made_by({&bouncing, &swinging}); }
 
 }  // namespace bipot

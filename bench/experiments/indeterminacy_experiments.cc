@@ -36,8 +36,7 @@ double groove_end(double sign) {
   return 0.5 * std::sqrt(2.0) / (1 + sign * kGrooveMu);  // over the weight
 }
 
-Experiment groove_forces() {
-  Experiment e;
+void groove_forces(Experiment& e) {
   e.rows = {
       ValidationRow("groove_interval",
                     "width of the interval of admissible normal forces of a disk in a groove of "
@@ -85,7 +84,6 @@ Experiment groove_forces() {
     trial.seen.push_back(
         {outside, 0, fmt::format("{} starts gave {:.3f} to {:.3f}", starts, least, most)});
   };
-  return e;
 }
 
 /// Disks that fell into a box without friction and came to rest; walls and disks of law 0.
@@ -111,8 +109,7 @@ double spread_of(Scene<2> scene, State<2> state, double mu) {
 /// determined. With a small mu the tangential forces are free within mu n, and the normal ones
 /// respond linearly: spread ~ mu. A larger mu allows all that a smaller one does: for a given
 /// geometry the spread never decreases.
-Experiment spread() {
-  Experiment e;
+void spread(Experiment& e) {
   e.rows = {
       ValidationRow("spread_small_mu",
                     "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
@@ -169,11 +166,10 @@ Experiment spread() {
     trial.seen = {{mean.mean, mean.confidence, extra}, {fall, 0, extra}};
     trial.draw("spread", caption, std::move(chart));
   };
-  return e;
 }
 
 }  // namespace
 
-std::vector<Experiment> indeterminacy_experiments() { return {groove_forces(), spread()}; }
+std::vector<Experiment> indeterminacy_experiments() { return made_by({&groove_forces, &spread}); }
 
 }  // namespace bipot

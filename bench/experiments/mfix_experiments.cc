@@ -38,13 +38,12 @@ Sphere dropped(double e_n, double accuracy, double seconds, Experiment::Trial& t
 }
 
 /// Three impacts, each misplaced by up to x a of the way 2 (h_0 - r) e², x a/(h_0 - r)/1.6.
-Experiment falling_ball() {
+void falling_ball(Experiment& e) {
   constexpr double kRestitution = 0.9, kEnd = 1.5, kAccuracy = 1e-4;
   const double speed = std::sqrt(2 * kGravity * (kDropHeight - kDropRadius));
   const double third = speed / kGravity * (1 + 2 * kRestitution * (1 + kRestitution));
   const double leaves = std::pow(kRestitution, 3) * speed, t = kEnd - third;
   const std::string why = "accuracy: each impact is misplaced by 1e-4 radii at most";
-  Experiment e;
   e.rows = {ValidationRow("dem01_place", "height of the ball after 1.5 s and three bounces [m]",
                           kGarg, "r + e³ v t − g t²/2, t since the third impact",
                           Expectation::equal(kDropRadius + leaves * t - 0.5 * kGravity * t * t),
@@ -56,13 +55,11 @@ Experiment falling_ball() {
     const Sphere ball = dropped(kRestitution, kAccuracy, kEnd, trial);
     trial.seen = {{ball.x[2]}, {kEnd - (leaves - ball.v[2]) / kGravity}};
   };
-  return e;
 }
 
 /// The energy after three bounces tells the height that the ball reaches.
-Experiment bouncing_ball() {
+void bouncing_ball(Experiment& e) {
   constexpr double kRestitution = 0.8, kEnd = 1.2;
-  Experiment e;
   e.rows = {ValidationRow(
       "dem02_third_height", "height of the third bounce over that of the drop, both less r", kGarg,
       "e⁶", Expectation::equal(std::pow(kRestitution, 6)),
@@ -72,14 +69,12 @@ Experiment bouncing_ball() {
     const double energy = 0.5 * ball.v[2] * ball.v[2] + kGravity * (ball.x[2] - kDropRadius);
     trial.seen = {{energy / (kGravity * (kDropHeight - kDropRadius))}};
   };
-  return e;
 }
 
-Experiment stacked() {
+void stacked(Experiment& e) {
   constexpr double kPush = 50, kLower = 2, kUpper = 1;
   constexpr double kOnUpper = kPush + kUpper * kGravity;
   const std::string why = "statics; a hundred times the tightest tolerance";
-  Experiment e;
   e.rows = {ValidationRow("dem03_floor", "force on the floor, over what lies and pushes on it",
                           kGarg, "F + (m_1 + m_2) g", Expectation::equal(1), {1e-6, why, kOneRun}),
             ValidationRow("dem03_between", "force between the two balls, likewise", kGarg,
@@ -105,17 +100,15 @@ Experiment stacked() {
     trial.seen = {
         {floor / (kOnUpper + kLower * kGravity)}, {between / kOnUpper}, {end.bodies[1].x[2]}};
   };
-  return e;
 }
 
 /// The speed falls at the same rate in all steps but one. There the place is off by μ g h²/8 at most.
-Experiment slipping_ball() {
+void slipping_ball(Experiment& e) {
   constexpr double kMu = 0.2, kSpeed = 1, kRadius = 0.5, kStep = 1e-3, kEnd = 0.3;
   constexpr double kTime = 2 * kSpeed / (7 * kMu * kGravity);
   constexpr double kPlace =
       12 * kSpeed * kSpeed / (49 * kMu * kGravity) + 5.0 / 7 * kSpeed * (kEnd - kTime);
   const std::string exact = "the scheme is exact here; a hundred times the tightest tolerance";
-  Experiment e;
   e.rows = {
       ValidationRow("dem04_time", "time until a ball that slides on a rough floor rolls [s]", kGarg,
                     "2 v_0/(7 μ g)", Expectation::equal(kTime), {1e-5, exact, kOneRun}),
@@ -143,16 +136,14 @@ Experiment slipping_ball() {
     });
     trial.seen = {{rolls}, {end.bodies[0].spin[1] * kRadius / kSpeed}, {end.bodies[0].x[0]}};
   };
-  return e;
 }
 
 /// 60° from the normal, e = 0.98, μ = 0.092: as Kharaz, Gorham and Salman, Powder Technol. 120
 /// (2001) 281, measured for aluminium oxide on glass. It slips, as tan 60° > 7/2 μ (1 + e).
-Experiment oblique_ball() {
+void oblique_ball(Experiment& e) {
   constexpr double kMu = 0.092, kRestitution = 0.98, kStep = 1e-3;
   constexpr double kIncidence = std::numbers::sqrt3, kLoss = kMu * (1 + kRestitution);
   const std::string why = "an impact is exact; a hundred times the tightest tolerance";
-  Experiment e;
   e.rows = {
       ValidationRow("dem05_angle", "tangent of the angle at which a ball leaves that came at 60°",
                     kGarg, "(tan 60° − μ (1 + e))/e",
@@ -171,13 +162,12 @@ Experiment oblique_ball() {
     const Sphere ball = run_from_start<3>(scene, trial).bodies[0];
     trial.seen = {{ball.v[0] / ball.v[2]}, {ball.v[0] / kIncidence}, {ball.spin[1]}};
   };
-  return e;
 }
 
 }  // namespace
 
 std::vector<Experiment> mfix_experiments() {
-  return {falling_ball(), bouncing_ball(), stacked(), slipping_ball(), oblique_ball()};
+  return made_by({&falling_ball, &bouncing_ball, &stacked, &slipping_ball, &oblique_ball});
 }
 
 }  // namespace bipot

@@ -75,10 +75,9 @@ Observation over_packings(const std::vector<double>& values, std::string note = 
   return {mean.mean, mean.confidence, std::move(note)};
 }
 
-Experiment plane_packings() {
+void plane_packings(Experiment& e) {
   const std::string counting =
       "counting of forces and equations, derived in packing_experiments.cc";
-  Experiment e;
   e.rows = {
       ValidationRow(
           "disks_frictionless",
@@ -145,7 +144,6 @@ Experiment plane_packings() {
     trial.seen = {over_packings(smooth), over_packings(rough),     worst,
                   over_packings(falls),  over_packings(fractions), over_packings(fractions)};
   };
-  return e;
 }
 
 /// Spheres in a box whose three upper planes press.
@@ -174,8 +172,7 @@ Scene<3> pressed_box(int count, double mu, std::uint64_t seed, const Experiment:
   return scene;
 }
 
-Experiment space_packings() {
-  Experiment e;
+void space_packings(Experiment& e) {
   e.rows = {
       ValidationRow("spheres_frictionless",
                     "twice the loaded contacts of spheres without friction, over the number that "
@@ -204,11 +201,12 @@ Experiment space_packings() {
     }
     trial.seen = {over_packings(smooth), over_packings(rough)};
   };
-  return e;
 }
 
 }  // namespace
 
-std::vector<Experiment> packing_experiments() { return {plane_packings(), space_packings()}; }
+std::vector<Experiment> packing_experiments() {
+  return made_by({&plane_packings, &space_packings});
+}
 
 }  // namespace bipot

@@ -123,8 +123,7 @@ double screening_length(const SiloLoad& load, double& rms) {
   return length;
 }
 
-Experiment janssen() {
-  Experiment e;
+void janssen(Experiment& e) {
   e.rows = {
       ValidationRow("silo_balance",
                     "floor and walls together over the weight, while the floor sinks slowly",
@@ -189,7 +188,6 @@ Experiment janssen() {
     chart.series = {points, fit, weight};
     trial.draw("janssen", caption, std::move(chart));
   };
-  return e;
 }
 
 /// Mass flow out of a hole of width `hole` in the middle of a silo's floor, in the two halves of
@@ -229,8 +227,7 @@ Discharge discharge(double hole, int count, std::uint64_t seed, Experiment::Tria
   return {0.15 * whole / (times[1] - times[0]), 0.15 * whole / (times[2] - times[1])};
 }
 
-Experiment beverloo() {
-  Experiment e;
+void beverloo(Experiment& e) {
   e.rows = {
       ValidationRow(
           "discharge_exponent",
@@ -293,11 +290,10 @@ Experiment beverloo() {
     chart.series = {points, line};
     trial.draw("beverloo", caption, std::move(chart));
   };
-  return e;
 }
 
 }  // namespace
 
-std::vector<Experiment> silo_experiments() { return {janssen(), beverloo()}; }
+std::vector<Experiment> silo_experiments() { return made_by({&janssen, &beverloo}); }
 
 }  // namespace bipot

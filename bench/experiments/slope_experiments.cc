@@ -40,9 +40,8 @@ double slip(const Disk& d) { return d.v[0] + d.radius * d.spin; }
 double slip(const Sphere& s) { return s.v[0] - s.radius * s.spin[1]; }
 
 template <int D>
-Experiment rolling() {
+void rolling(Experiment& e) {
   const double c = kInertia<D>;
-  Experiment e;
   e.rows = {ValidationRow(
                 fmt::format("{}_rolls", kBodyName<D>),
                 fmt::format("acceleration of a {} that rolls down 20°, over g sin θ", kBodyName<D>),
@@ -61,43 +60,40 @@ Experiment rolling() {
       trial.seen.push_back({end.bodies[0].v[0] / (kGravity * free * end.time)});
     }
   };
-  return e;
 }
 
 /// The least mu at which a body on the slope does not slide. Below it the contact slides away with
 /// g sin θ (1 - mu/mu_c). The criterion "slides by more than 1e-3 of free fall" puts it at (1 -
 /// 1e-3) mu_c.
-template <int D>
-Experiment threshold(bool block) {
+template <int D, bool kBlock>
+void threshold(Experiment& e) {
   const double c = kInertia<D>;
-  const double critical = std::tan(kSlope) * (block ? 1 : c / (1 + c));
-  Experiment e;
-  const std::string name = block ? "block" : kBodyName<D>;
+  const double critical = std::tan(kSlope) * (kBlock ? 1 : c / (1 + c));
+  const std::string name = kBlock ? "block" : kBodyName<D>;
   e.rows = {ValidationRow(
       name + "_threshold",
-      block ? "least μ at which a block (a disk that cannot turn) stays on a slope of 20°"
-            : fmt::format("least μ at which a {} rolls down 20° without sliding", name),
-      kMechanics, block ? "tan θ = 0.3640" : (D == 2 ? "tan θ / 3 = 0.1213" : "2/7 tan θ = 0.1040"),
+      kBlock ? "least μ at which a block (a disk that cannot turn) stays on a slope of 20°"
+             : fmt::format("least μ at which a {} rolls down 20° without sliding", name),
+      kMechanics,
+      kBlock ? "tan θ = 0.3640" : (D == 2 ? "tan θ / 3 = 0.1213" : "2/7 tan θ = 0.1040"),
       Expectation::equal(critical),
       {2e-3, "sliding is told from rolling at 1e-3 of free fall; bisection 1e-4",
        "discretisation: bisection to 1e-4"})};
-  e.run = [critical, block](Experiment::Trial& trial) {
+  e.run = [critical](Experiment::Trial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
       Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, trial);
-      if (block) scene.bodies[0].inertia = kHuge;
+      if (kBlock) scene.bodies[0].inertia = kHuge;
       scene.num_steps = 10;
       const auto end = run_from_start<D>(scene, trial);
       return std::abs(slip(end.bodies[0])) <= 1e-3 * kGravity * std::sin(kSlope) * end.time;
     });
     trial.seen = {found};
   };
-  return e;
 }
 
 template <int D>
-Experiment thrown() {
+void thrown(Experiment& e) {
   const double c = kInertia<D>;
-  Experiment e;
   e.rows = {ValidationRow(
       fmt::format("{}_thrown", kBodyName<D>),
       fmt::format("speed at which a {} thrown without spin ends rolling, over v0", kBodyName<D>),
@@ -109,18 +105,16 @@ Experiment thrown() {
     const auto end = run_from_start<D>(scene, trial);
     trial.seen = {{end.bodies[0].v[0]}};
   };
-  return e;
 }
 
 /// Thrown at v0 with the back spin w0: friction μ m g takes both. m v + c m a w is conserved, so that
 /// it rolls at (v0 - c a w0)/(1 + c), back if a w0 > v0/c. It turns round at v0²/(2 μ g), which a
 /// time step misses by μ g h²/8 at most.
 template <int D>
-Experiment back_spin() {
+void back_spin(Experiment& e) {
   constexpr double kBackMu = 0.3, kBackSpin = 4, kStep = 2e-3;
   const double c = kInertia<D>;
   const std::string name = kBodyName<D>;
-  Experiment e;
   e.rows = {
       ValidationRow(name + "_back_spin",
                     fmt::format("speed of a {} thrown at v0 with the back spin a ω = 4 v0, once "
@@ -159,11 +153,9 @@ Experiment back_spin() {
                     return rolls_at(spin) < 0;
                   })};
   };
-  return e;
 }
 
-Experiment belt() {
-  Experiment e;
+void belt(Experiment& e) {
   e.rows = {ValidationRow("disk_on_belt",
                           "speed of a disk put down on a belt, once it rolls, over the belt's",
                           kMechanics, "1/3: thrown at −V seen from the belt, where it keeps 2/3",
@@ -175,13 +167,11 @@ Experiment belt() {
     const auto end = run_from_start<2>(scene, trial);
     trial.seen = {{end.bodies[0].v[0]}};
   };
-  return e;
 }
 
-Experiment braking() {
+void braking(Experiment& e) {
   constexpr double kBrakeMu = 0.3, kSpeed = 3, kStep = 0.01;
   constexpr double kBrake = kBrakeMu * kGravity;
-  Experiment e;
   // In the step that stops it the speed falls from v <= a h to 0 in h, not in v/a: the distance v
   // h/2 instead of v²/2a, at most a h²/8 more.
   const double allowed = std::pow(kBrake * kStep / kSpeed, 2) / 4 + 1e-6;
@@ -197,15 +187,13 @@ Experiment braking() {
     const auto end = run_from_start<2>(scene, trial);
     trial.seen = {{end.bodies[0].x[0]}};
   };
-  return e;
 }
 
 }  // namespace
 
 std::vector<Experiment> slope_experiments() {
-  return {rolling<2>(), threshold<2>(false), rolling<3>(),  threshold<3>(false),
-          thrown<2>(),  thrown<3>(),         belt(),        threshold<2>(true),
-          braking(),    back_spin<2>(),      back_spin<3>()};
+  return made_by({&rolling<2>, &threshold<2, false>, &rolling<3>, &threshold<3, false>, &thrown<2>,
+                  &thrown<3>, &belt, &threshold<2, true>, &braking, &back_spin<2>, &back_spin<3>});
 }
 
 }  // namespace bipot

@@ -55,36 +55,33 @@ Scene<D> heap(double mu, double mu_floor, const Experiment::Trial& trial) {
 /// by half the angle φ of the line of centres from the vertical: mu >= tan(φ/2). The floor carries
 /// that load's vertical part, W/n of it, and the body's own W; along the floor W/n tan(φ/2):
 /// mu_floor >= tan(φ/2) (1/n)/(1/n + 1).
-template <int D>
-Experiment heap_threshold(bool floor) {
+template <int D, bool kFloor>
+void heap_threshold(Experiment& e) {
   const double lean = D == 2 ? std::numbers::pi / 6 : std::acos(std::sqrt(2.0 / 3));
-  const double critical = std::tan(lean / 2) / (floor ? D + 1 : 1);
-  Experiment e;
+  const double critical = std::tan(lean / 2) / (kFloor ? D + 1 : 1);
   const std::string bodies = D == 2 ? "three disks" : "four spheres";
   e.rows = {ValidationRow(
-      std::string(D == 2 ? "three_disks" : "four_spheres") + (floor ? "_floor" : "_between"),
-      "least μ " + std::string(floor ? "at the floor" : "between them") + " at which " + bodies +
+      std::string(D == 2 ? "three_disks" : "four_spheres") + (kFloor ? "_floor" : "_between"),
+      "least μ " + std::string(kFloor ? "at the floor" : "between them") + " at which " + bodies +
           " stand",
       "force through the floor contact (three forces on each lower body), derived in "
       "standing_experiments.cc",
-      D == 2 ? (floor ? "tan 15° / 3 = 0.0893" : "tan 15° = 0.2679")
-             : (floor ? "tan(35.264°/2) / 4 = 0.0795" : "tan(35.264°/2) = 0.3178"),
+      D == 2 ? (kFloor ? "tan 15° / 3 = 0.0893" : "tan 15° = 0.2679")
+             : (kFloor ? "tan(35.264°/2) / 4 = 0.0795" : "tan(35.264°/2) = 0.3178"),
       Expectation::equal(critical), kBisected)};
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
-  e.run = [critical, floor](Experiment::Trial& trial) {
+  e.run = [critical](Experiment::Trial& trial) {
     Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
-      return motion_of(heap<D>(floor ? 1 : mu, floor ? mu : 1, trial), trial) <= kMoves;
+      return motion_of(heap<D>(kFloor ? 1 : mu, kFloor ? mu : 1, trial), trial) <= kMoves;
     });
     trial.seen = {found};
   };
-  return e;
 }
 
 /// A disk in the hollow of two equal disks glued to the floor, with tilted gravity. When it is
 /// about to leave one of them, the other carries it alone along the line of centres, 30° from the
 /// normal, without friction. Beyond, it rolls over with g sin(α - 30°)/(1 + 1/2).
-Experiment hollow_threshold() {
-  Experiment e;
+void hollow_threshold(Experiment& e) {
   e.rows = {ValidationRow("rough_wall_hollow",
                           "slope of a rough wall at which a disk leaves the hollow of two of its "
                           "disks [°]",
@@ -107,14 +104,13 @@ Experiment hollow_threshold() {
     found.value = -found.value;
     trial.seen = {found};
   };
-  return e;
 }
 
 }  // namespace
 
 std::vector<Experiment> standing_experiments() {
-  return {heap_threshold<2>(false), heap_threshold<2>(true), heap_threshold<3>(false),
-          heap_threshold<3>(true), hollow_threshold()};
+  return made_by({&heap_threshold<2, false>, &heap_threshold<2, true>, &heap_threshold<3, false>,
+                  &heap_threshold<3, true>, &hollow_threshold});
 }
 
 }  // namespace bipot

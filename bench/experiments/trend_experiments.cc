@@ -47,8 +47,7 @@ double heap_slope(double mu_r, std::uint64_t seed, Experiment::Trial& trial) {
   return height / aside;
 }
 
-Experiment rolling_heap() {
-  Experiment e;
+void rolling_heap(Experiment& e) {
   for (const auto& [name, range] :
        {std::pair("heap_rolls", "0 to 0.1"), std::pair("heap_rolls_less", "0.1 to 0.3")}) {
     e.rows.emplace_back(
@@ -67,7 +66,6 @@ Experiment rolling_heap() {
     }
     trial.seen = {lower_end(first, "growth"), lower_end(second, "growth")};
   };
-  return e;
 }
 
 /// How far a grain of three times the radius rises while the box is shaken, over the mean height of
@@ -105,8 +103,7 @@ double rise(std::uint64_t seed, Experiment::Trial& trial) {
   return late / static_cast<double>(samples) - before;
 }
 
-Experiment brazil_nut() {
-  Experiment e;
+void brazil_nut(Experiment& e) {
   e.rows = {ValidationRow(
       "brazil_nut",
       "rise of a grain of three radii in a shaken box (3 g, 1.25 Hz), over the mean "
@@ -119,11 +116,10 @@ Experiment brazil_nut() {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) rises.push_back(rise(seed, trial));
     trial.seen = {lower_end(rises, "rise")};
   };
-  return e;
 }
 
 }  // namespace
 
-std::vector<Experiment> trend_experiments() { return {rolling_heap(), brazil_nut()}; }
+std::vector<Experiment> trend_experiments() { return made_by({&rolling_heap, &brazil_nut}); }
 
 }  // namespace bipot

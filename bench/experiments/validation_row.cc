@@ -43,11 +43,18 @@ std::vector<double> decades(int first, int last) {
   return tols;
 }
 
+std::vector<Experiment> made_by(std::initializer_list<void (*)(Experiment&)> makers) {
+  std::vector<Experiment> all;
+  for (const auto make : makers) make(all.emplace_back());
+  return all;
+}
+
 std::vector<Experiment> validation_experiments() {
   std::vector<Experiment> all;
-  const auto add = [&all](const char* group, const std::vector<Experiment>& some) {
-    for (const Experiment& e : some) {
-      for (ValidationRow& row : all.emplace_back(e).rows) row.group = group;
+  const auto add = [&all](const char* group, const std::vector<Experiment>& experiments) {
+    for (const Experiment& e : experiments) {
+      all.push_back(e);
+      for (ValidationRow& row : all.back().rows) row.group = group;
     }
   };
   add("exact cases: one body", slope_experiments());

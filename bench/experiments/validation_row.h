@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -109,6 +110,9 @@ struct Experiment {
   std::vector<double> quick_tols = decades(-1, 8);  ///< of --quick; none: left out there
   std::function<void(Trial&)> run;
 };
+
+/// What each of the functions makes of an empty experiment.
+std::vector<Experiment> made_by(std::initializer_list<void (*)(Experiment&)> makers);
 
 /// All of them, in the order of the page.
 std::vector<Experiment> validation_experiments();

@@ -162,7 +162,7 @@ Document answers_report(const Study::Measured& measured) {
     }
   }
   for (Chart::Series* series : {&by_size, &sheared}) {
-    std::ranges::sort(series->points, [](const auto& a, const auto& b) { return a.x < b.x; });
+    std::ranges::sort(series->points, {}, &Chart::Point::x);
   }
   const auto log = Chart::Axis::Kind::kLog;
   part.add(Figure{.chart = chart({"friction coefficient"}, {sheared, poured}, Chart::Key::kBelow),
