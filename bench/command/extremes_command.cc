@@ -133,12 +133,12 @@ int matrix(const ExtremesFlags& flags) {
   if (!flags.json.empty()) write_json(json, flags.json);
   if (!flags.silent()) {
     fmt::print("{}", to_text(result));
-    for (std::size_t k = 0; k < result.cases.size() && result.cases.size() <= 3; ++k) {
-      fmt::print("{}: {}.\n  known: {}\n", result.cases[k].name, result.cases[k].what,
-                 result.cases[k].known);
-      if (!result.existence[k].empty()) fmt::print("  proved: {}\n", result.existence[k]);
+    for (const ExtremeMatrix::Case& of : result.cases) {
+      if (result.cases.size() > 3) break;
+      fmt::print("{}: {}.\n  known: {}\n", of.name, of.what, of.known);
+      if (!of.existence.empty()) fmt::print("  proved: {}\n", of.existence);
       for (const ExtremeCell& c : result.cells) {
-        if (c.name != result.cases[k].name) continue;
+        if (c.name != of.name) continue;
         fmt::print(
             "  {}: {} ({}), guarded {:.2e}, true error {:.2e}, energy created {:.2e}, {} "
             "iterations, {:.3g} s\n",

@@ -260,8 +260,7 @@ Regret regret_of(const Comparison& comparison, const std::string& solver, double
     regret.failed += row.solved() ? 0 : 1;
     regret.entries.push_back({row.problem, best->solver, row.tol, row.time(), best->time(), ratio});
   }
-  std::ranges::stable_sort(regret.entries,
-                           [](const auto& a, const auto& b) { return a.ratio > b.ratio; });
+  std::ranges::stable_sort(regret.entries, std::greater<>(), &Regret::Entry::ratio);
   std::vector<double> ratios;
   for (const Regret::Entry& entry : regret.entries) ratios.push_back(entry.ratio);
   std::ranges::reverse(ratios);

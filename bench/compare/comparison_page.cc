@@ -108,8 +108,7 @@ void work_and_precision(const ReportContext& context, const Comparison& c, Docum
       "What a solver's time buys: lower left is better, one line a solver, one marker a "
       "tolerance. An empty marker did not meet its tolerance.{}",
       shown.size() > kShown ? " The largest problems are shown; [all](#problems)." : ""));
-  std::ranges::stable_sort(shown,
-                           [](const auto* a, const auto* b) { return a->contacts > b->contacts; });
+  std::ranges::stable_sort(shown, std::greater<>(), &Comparison::Problem::contacts);
   shown.resize(std::min(shown.size(), kShown));
   for (const Comparison::Problem* p : shown) {
     figure(page, work_precision_chart(c, *p), c.link_to(*p), "comparison.csv",

@@ -40,8 +40,8 @@ double limit_of(const ExtremeCase& of, const ExtremeMatrix::Options& options) {
   return std::max(options.time_limit, of.least_seconds);
 }
 
-ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
-                          const ExtremeMatrix::Options& options, Existence verdict, double floor) {
+ExtremeCell solve_problem(const ExtremeMatrix::Case& of, const std::string& solver,
+                          const ExtremeMatrix::Options& options) {
   ExtremeCell cell;
   ContactProblem problem;
   try {
@@ -78,16 +78,16 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
   const bool claimed = is_success(r.status);
   // If an energy underflows, no error exists in double precision, and none is claimed.
   const bool confirmed = check.confirms(options.tol);
-  if (!finite || (claimed && !confirmed) || (claimed && verdict == Existence::kNone)) {
+  if (!finite || (claimed && !confirmed) || (claimed && of.verdict == Existence::kNone)) {
     cell.end = ExtremeCell::kWrong;
     if (finite) cell.message += fmt::format(" (independent check {:.2e})", check.guarded);
   } else if (claimed) {
     cell.end = ExtremeCell::kSolved;
     cell.steps_solved = 1;
   } else {
-    cell.end = verdict == Existence::kNone ? ExtremeCell::kNone
-               : floor > options.tol       ? ExtremeCell::kBeyond
-                                           : ExtremeCell::kUnsolved;
+    cell.end = of.verdict == Existence::kNone ? ExtremeCell::kNone
+               : of.floor > options.tol       ? ExtremeCell::kBeyond
+                                              : ExtremeCell::kUnsolved;
   }
   return cell;
 }
@@ -164,30 +164,21 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
   return cell;
 }
 
-/// Tries to prove the existence of each case before any solve.
-void certify(ExtremeMatrix& matrix) {
-  for (const ExtremeCase& c : matrix.cases) {
-    Existence verdict = Existence::kUndecided;
-    std::string text;
-    double floor = kNaN;
-    if (c.problem) {
-      try {
-        const ContactProblem p = c.problem();
-        if (const std::string defect = validate(p); !defect.empty()) {
-          text = "refused: " + defect;
-        } else {
-          const ExistenceCertificate certificate = certify_existence(p);
-          verdict = certificate.verdict;
-          text = to_text(certificate);
-          if (c.solution) floor = independent_check(p, c.solution()).guarded;
-        }
-      } catch (const std::invalid_argument& e) {
-        text = std::string("refused: ") + e.what();
-      }
+/// Tries to prove that the case has a solution.
+void certify(ExtremeMatrix::Case& c) {
+  if (!c.problem) return;
+  try {
+    const ContactProblem p = c.problem();
+    if (const std::string defect = validate(p); !defect.empty()) {
+      c.existence = "refused: " + defect;
+      return;
     }
-    matrix.verdicts.push_back(verdict);
-    matrix.existence.push_back(text);
-    matrix.floors.push_back(floor);
+    const ExistenceCertificate certificate = certify_existence(p);
+    c.verdict = certificate.verdict;
+    c.existence = to_text(certificate);
+    if (c.solution) c.floor = independent_check(p, c.solution()).guarded;
+  } catch (const std::invalid_argument& e) {
+    c.existence = std::string("refused: ") + e.what();
   }
 }
 
@@ -215,30 +206,29 @@ ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options) {
   ExtremeMatrix matrix{.solvers = options.solvers, .tol = options.tol};
   for (const std::string& name : options.solvers) require_solver(name);
   std::vector<std::string> names;
-  for (ExtremeCase& c : extreme_cases()) {
+  for (const ExtremeCase& c : extreme_cases()) {
     names.push_back(c.name);
     if (options.quick && c.large) continue;
     if (c.name == options.only) {  // a whole name is that case alone
-      matrix.cases = {c};
+      matrix.cases = {{c}};
       break;
     }
-    if (c.name.starts_with(options.only)) matrix.cases.push_back(std::move(c));
+    if (c.name.starts_with(options.only)) matrix.cases.push_back({c});
   }
   if (matrix.cases.empty()) {
     throw std::invalid_argument(unknown_name_message("case", options.only, names));
   }
-  certify(matrix);
+  std::ranges::for_each(matrix.cases, &certify);
   const int solvers = static_cast<int>(matrix.solvers.size());
-  const auto of = [&](int k) -> const ExtremeCase& { return matrix.cases[to_size(k / solvers)]; };
+  const auto of = [&](int k) -> const ExtremeMatrix::Case& {
+    return matrix.cases[to_size(k / solvers)];
+  };
   IsolatedJobs jobs{.count = static_cast<int>(matrix.cases.size()) * solvers,
                     .seconds = std::max(30.0, 10 * options.time_limit),
                     .interrupted = options.watch.interrupted};
   jobs.job = [&](int k) {
     const std::string& solver = matrix.solvers[to_size(k % solvers)];
-    return of(k).scene
-               ? run_case(of(k), solver, options)
-               : solve_problem(of(k), solver, options, matrix.verdicts[to_size(k / solvers)],
-                               matrix.floors[to_size(k / solvers)]);
+    return of(k).scene ? run_case(of(k), solver, options) : solve_problem(of(k), solver, options);
   };
   jobs.on_end = [&](int k, const IsolatedJobs::End& end) {
     ExtremeCell cell;

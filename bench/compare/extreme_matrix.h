@@ -47,13 +47,16 @@ struct ExtremeMatrix {
     double time_limit = 2;  ///< CPU seconds of a cell, at least its case's least_seconds
     Watch watch;
   };
-  std::vector<ExtremeCase> cases;
+  /// A case, and what is found out about it before any solve.
+  struct Case : ExtremeCase {
+    Existence verdict = Existence::kUndecided;
+    std::string existence;  ///< in words; empty for runs
+    double floor = kNaN;    ///< error of the known solution, rounded; NaN: not known
+  };
+  std::vector<Case> cases;
   std::vector<std::string> solvers;
-  double tol = kNaN;                   ///< that was asked for
-  std::vector<ExtremeCell> cells;      ///< case by case, solver by solver
-  std::vector<std::string> existence;  ///< of each case, in words; empty for runs
-  std::vector<Existence> verdicts;     ///< likewise
-  std::vector<double> floors;          ///< error of the known solution, rounded; NaN: not known
+  double tol = kNaN;               ///< that was asked for
+  std::vector<ExtremeCell> cells;  ///< case by case, solver by solver
   bool complete = false;
 
   const ExtremeCell* find(const std::string& name, const std::string& solver) const;

@@ -47,25 +47,23 @@ Table counts_table(const ExtremeMatrix& m) {
 Table cases_table(const ExtremeMatrix& m) {
   Table table{.columns = {{"name"}, {"group"}, {"what"}, {"known"}, {"existence"}, {"floor"}},
               .key = "cases"};
-  for (std::size_t k = 0; k < m.cases.size(); ++k) {
-    const ExtremeCase& c = m.cases[k];
-    table.add({c.name, c.group, c.what, c.known, to_string(m.verdicts[k]), m.floors[k]});
+  for (const ExtremeMatrix::Case& c : m.cases) {
+    table.add({c.name, c.group, c.what, c.known, to_string(c.verdict), c.floor});
   }
   return table;
 }
 
 /// Known facts of a case, and the result of each solver.
-void add_case(const ExtremeMatrix& m, std::size_t k, Document& whole) {
-  const ExtremeCase& c = m.cases[k];
+void add_case(const ExtremeMatrix& m, const ExtremeMatrix::Case& c, Document& whole) {
   Document page;
   page.heading(c.name, c.name, 3);  // a link to it opens the fold
   page.say(c.what + ".");
   Terms terms{{{"known", c.known}}};
-  if (!m.existence[k].empty()) terms.entries.emplace_back("proved", m.existence[k]);
-  if (!std::isnan(m.floors[k])) {
+  if (!c.existence.empty()) terms.entries.emplace_back("proved", c.existence);
+  if (!std::isnan(c.floor)) {
     terms.entries.emplace_back(
         "rounding", "the known answer, rounded to double precision, has the guarded error " +
-                        error_label(m.floors[k]));
+                        error_label(c.floor));
   }
   if (const ExtremeCell* first = m.find(c.name, m.solvers.front())) {
     ExtremeCell any = *first;
@@ -109,12 +107,11 @@ Table cells_table(const ExtremeMatrix& m) {
                                "existence", "floor", "missed_by_auto", "message", "command"}),
       .key = "cells"};
   for (const ExtremeCell& cell : m.cells) {
-    for (std::size_t k = 0; k < m.cases.size(); ++k) {
-      if (m.cases[k].name != cell.name) continue;
-      table.add({m.cases[k].group, cell.name, cell.solver, words_of(cell.end).name, cell.status,
+    for (const ExtremeMatrix::Case& c : m.cases) {
+      if (c.name != cell.name) continue;
+      table.add({c.group, cell.name, cell.solver, words_of(cell.end).name, cell.status,
                  cell.guarded, cell.true_error, cell.energy_error, cell.iterations,
-                 cell.cpu_seconds, cell.steps_solved, cell.steps, to_string(m.verdicts[k]),
-                 m.floors[k],
+                 cell.cpu_seconds, cell.steps_solved, cell.steps, to_string(c.verdict), c.floor,
                  cell.end == ExtremeCell::kSolved && !solved_by_others(m, cell.name).empty(),
                  cell.message, cell_command(m, cell)});
     }
@@ -218,7 +215,7 @@ Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
   page.add(cells_table(m));
   page.add(cases_table(m));
   page.heading("Cases");
-  for (std::size_t k = 0; k < m.cases.size(); ++k) add_case(m, k, page);
+  for (const ExtremeMatrix::Case& c : m.cases) add_case(m, c, page);
   page.heading("How this was made", "made");
   page.add(to_terms(made));
   page.say("[All cells as CSV](extremes.csv), [all numbers](extremes.json).", "small");

@@ -175,9 +175,7 @@ std::vector<int> by_cost(const std::vector<Advice::SolverTrial>& trials, const A
   for (int i = 0; i < static_cast<int>(trials.size()); ++i) {
     if (meets(trials[i], budget, spread)) order.push_back(i);
   }
-  std::ranges::stable_sort(order, [&](int a, int b) {
-    return time_class(trials[a].seconds) < time_class(trials[b].seconds);
-  });
+  std::ranges::stable_sort(order, {}, [&](int k) { return time_class(trials[k].seconds); });
   return order;
 }
 

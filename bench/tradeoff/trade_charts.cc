@@ -79,9 +79,8 @@ std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
       if (family.has(cell.setting) && cell.done()) cells.push_back(&cell);
     }
     // Along the family's own parameter, not in the order of the runs.
-    std::ranges::stable_sort(cells, [](const SceneTrade::Cell* a, const SceneTrade::Cell* b) {
-      return std::pair(a->setting.accuracy, a->setting.step_factor) >
-             std::pair(b->setting.accuracy, b->setting.step_factor);
+    std::ranges::stable_sort(cells, std::greater<>(), [](const SceneTrade::Cell* cell) {
+      return std::pair(cell->setting.accuracy, cell->setting.step_factor);
     });
     for (const SceneTrade::Cell* cell : cells) {
       std::size_t q = 0;

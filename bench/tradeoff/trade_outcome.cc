@@ -225,9 +225,7 @@ void OutcomeRecorder<D>::find_columns() {
   }
   std::vector<double> above(scene_.bodies.size(), 0.0);
   for (auto& [x, column] : columns) {
-    std::ranges::sort(column, [&](int a, int b) {
-      return up_.dot(scene_.bodies[a].x) > up_.dot(scene_.bodies[b].x);
-    });
+    std::ranges::sort(column, std::greater<>(), [&](int k) { return up_.dot(scene_.bodies[k].x); });
     double load = 0;
     for (std::size_t k = 0; k < column.size(); ++k) {
       const Body<D>& d = scene_.bodies[column[k]];

@@ -264,18 +264,18 @@ ExtremeMatrix::Options of(const std::string& name) {
 
 TEST(ExtremeMatrix, KnowsWhatItsCasesAre) {
   const ExtremeMatrix walls = measure_extremes(of("wall_into_row"));
-  EXPECT_EQ(walls.verdicts.front(), Existence::kNone);
+  EXPECT_EQ(walls.cases.front().verdict, Existence::kNone);
   EXPECT_EQ(walls.find("wall_into_row", "auto")->end, ExtremeCell::kNone);
   // By cases: friction jams the wedge, normals alone do not.
   const ExtremeMatrix wedge = measure_extremes(of("wedge_closes"));
-  EXPECT_EQ(wedge.verdicts.front(), Existence::kNone);
+  EXPECT_EQ(wedge.cases.front().verdict, Existence::kNone);
   EXPECT_EQ(wedge.find("wedge_closes", "auto")->end, ExtremeCell::kNone);
   const ExtremeMatrix tower = measure_extremes(of("light_on_heavy_1e2"));
   EXPECT_EQ(tower.find("light_on_heavy_1e2", "auto")->end, ExtremeCell::kSolved);
   EXPECT_LT(tower.find("light_on_heavy_1e2", "auto")->true_error, 1e-6);
   // Weights of 1e12 kg in 53 digits: what is lost moves the light disks by more than the tolerance.
   const ExtremeMatrix beyond = measure_extremes(of("heavy_on_light_1e12"));
-  EXPECT_GT(beyond.floors.front(), 1e-8);
+  EXPECT_GT(beyond.cases.front().floor, 1e-8);
   EXPECT_EQ(beyond.find("heavy_on_light_1e12", "auto")->end, ExtremeCell::kBeyond);
   EXPECT_EQ(measure_extremes(of("coincident_centres")).cells.front().end, ExtremeCell::kRefused);
   EXPECT_THROW(measure_extremes(of("no_such_case")), std::invalid_argument);
