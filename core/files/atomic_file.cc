@@ -31,11 +31,16 @@ int opened_pipe(const std::filesystem::path& path) {
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), draft_(path_) {
+  constexpr int kMostLinks = 40;  // as the system
   std::error_code failed;
   const auto type = std::filesystem::status(path_, failed).type();
   using enum std::filesystem::file_type;
   if (type == fifo) pipe_ = opened_pipe(path_);
   if (type == fifo || type == character || type == block || type == socket) return;
+  for (int k = 0; k < kMostLinks && std::filesystem::is_symlink(path_, failed); ++k) {
+    path_ = path_.parent_path() / std::filesystem::read_symlink(path_, failed);
+  }
+  draft_ = path_;
   draft_ += ".part";
 }
 

@@ -23,6 +23,17 @@ TEST(AtomicFile, TheOldFileStaysUntilTheNewOneIsCommitted) {
   EXPECT_EQ(file_text(folder / "a"), "new");
 }
 
+TEST(AtomicFile, ALinkIsWrittenThrough) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "there");
+  for (const auto& [link, target] : {std::pair{"a", "there/b"}, std::pair{"c", "a"}}) {
+    std::filesystem::create_symlink(target, folder / link);  // names nothing at first
+    write_text_file(folder / link, link);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / link));
+    EXPECT_EQ(file_text(folder / "there/b"), link);
+  }
+}
+
 TEST(AtomicFile, WithoutCommitNothingIsLeft) {
   const TemporaryFolder folder;
   {
