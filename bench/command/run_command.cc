@@ -335,7 +335,7 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
     const fs::path picture = is_speaker() ? options.folder.folder / "start.png" : fs::path();
     std::error_code no_matter;
     if (is_speaker()) fs::remove(picture, no_matter);
-    run.start = check_start(run.scene, picture, options.threads);
+    run.start = check_start(run.scene, picture, options.threads, options.time_limit);
     run.state = initial_state(run.scene);
   }
   run.whole_state = needs_whole_state(run.scene, options);

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "core/base/file_error.h"
+#include "core/base/stopwatch.h"
 #include "core/files/atomic_file.h"
 #include "core/motion/periodic_state.h"
 #include "core/pictures/colour_map.h"
@@ -374,6 +375,8 @@ class Picture {
     const std::vector<double>& fill = options_.fill.values;
     for (std::size_t k = 0; k < state_.bodies.size(); ++k) {
       const Disk& d = state_.bodies[k];
+      if (watch_.seconds() > options_.time_limit)
+        throw std::runtime_error("the time limit is over");
       if (shift != Vec2::Zero() && !near(d.x + shift, d.radius)) continue;
       const Vec2 x = map_(d.x + shift);
       const double radius = map_.scale * d.radius;
@@ -527,6 +530,7 @@ class Picture {
 
   static constexpr double kSample = 44;  // length of the legend's segments
 
+  const Stopwatch watch_;
   const Scene<2>& scene_;
   const State<2>& state_;
   const ForcePictureOptions& options_;

@@ -25,8 +25,9 @@ struct ForcePictureOptions {
   bool forces = true;          ///< false: no segments at all
   std::optional<Box<2>> view;  ///< shown in any case; empty: where the bodies are
   Fill fill;
-  std::vector<int> marked;   ///< indices into State::contacts, each marked by a ring
-  std::string marked_label;  ///< text for the marks in the legend
+  std::vector<int> marked;        ///< indices into State::contacts, each marked by a ring
+  std::string marked_label;       ///< text for the marks in the legend
+  double time_limit = kInfinity;  ///< of the drawing; std::runtime_error if it is over      [s]
 };
 
 /// Draws a force-chain picture as in Fig. 10 to 12: disks, walls (half-planes hatched on their

@@ -16,12 +16,15 @@
 namespace bipot {
 namespace {
 
-/// The start, with a contact wherever something overlaps but at outlets.
+constexpr std::size_t kMostMarks = 1000;  // more would hide the bodies
+
+/// The start, with a contact at the deepest overlaps but at outlets.
 template <int D>
 State<D> overlapping_state(const Scene<D>& scene, const std::vector<StartOverlap<D>>& overlaps) {
   State<D> state = initial_state(scene);
   for (const StartOverlap<D>& overlap : overlaps) {
     if (to_size(overlap.contact.j) >= scene.bodies.size() + scene.walls.size()) continue;
+    if (state.contacts.size() == kMostMarks) break;
     state.contacts.push_back({.contact = overlap.contact});
   }
   return state;
@@ -41,41 +44,43 @@ std::vector<double> largest_overlaps(const Scene<D>& scene,
 }
 
 void draw(const std::filesystem::path& picture, const Scene<2>& scene, const State<2>& state,
-          std::vector<double> radii, const std::string& caption) {
+          std::vector<double> radii, const std::string& caption, double time_limit) {
   ForcePictureOptions options;
+  options.time_limit = time_limit;
   options.forces = false;
   options.fill = {std::move(radii), "overlap at the start", "radii", 0};
   for (std::size_t k = 0; k < state.contacts.size(); ++k) {
     options.marked.push_back(static_cast<int>(k));
   }
-  options.marked_label = "overlaps";
+  options.marked_label = options.marked.size() < kMostMarks ? "overlaps" : "deepest overlaps";
   draw_force_picture(picture, scene, state, caption, options);
 }
 
 template <int D>
 void draw_start(const std::filesystem::path& picture, const Scene<D>& scene,
-                const std::vector<StartOverlap<D>>& overlaps) {
+                const std::vector<StartOverlap<D>>& overlaps, double time_limit) {
   const std::string caption = start_sentence(scene, overlaps);
   const State<D> state = overlapping_state(scene, overlaps);
   std::vector<double> radii = largest_overlaps(scene, overlaps);
   if constexpr (D == 2) {
-    draw(picture, scene, state, std::move(radii), caption);
+    draw(picture, scene, state, std::move(radii), caption, time_limit);
   } else {
     const FlatView flat = project(scene, state, radii);
     std::vector<double> seen;
     for (const int body : flat.bodies) seen.push_back(radii[to_size(body)]);
     draw(picture, flat.scene, flat.state, std::move(seen),
-         caption + "; seen from the side, overlapping bodies in front");
+         caption + "; seen from the side, overlapping bodies in front", time_limit);
   }
 }
 
 /// Moves what overlaps apart, without friction and to a tolerance of its own.
 template <int D>
-PushApart part_bodies(Scene<D>& scene, int threads) {
+PushApart part_bodies(Scene<D>& scene, int threads, double time_limit) {
   SolverChoice choice;
   choice.tol = 1e-6;
   choice.max_iterations = 20000;
-  RunSolver solver{.solver = choice.name, .options = to_options(choice)};
+  RunSolver solver{
+      .solver = choice.name, .options = to_options(choice), .watch = {}, .time_limit = time_limit};
   solver.options.execution.threads = threads;
   return push_apart(
       scene,
@@ -87,11 +92,12 @@ PushApart part_bodies(Scene<D>& scene, int threads) {
 
 template <int D>
 [[noreturn]] void refuse(const std::filesystem::path& picture, const Scene<D>& scene,
-                         const std::vector<StartOverlap<D>>& overlaps, const std::string& tried) {
+                         const std::vector<StartOverlap<D>>& overlaps, double time_limit,
+                         const std::string& tried) {
   std::string message = start_sentence(scene, overlaps) + tried;
   if (!picture.empty()) {
     try {
-      draw_start(picture, scene, overlaps);
+      draw_start(picture, scene, overlaps, time_limit);
       message += fmt::format(". {} shows them", picture.string());
     } catch (const std::exception& e) {
       message += fmt::format(". No picture: {}", e.what());
@@ -107,7 +113,9 @@ template <int D>
 }  // namespace
 
 template <int D>
-StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, int threads) {
+StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, int threads,
+                        double time_limit) {
+  const Stopwatch watch;
   std::vector<StartOverlap<D>> overlaps = start_overlaps(scene, threads);
   if (overlaps.empty()) return {};
   StartReport report;
@@ -116,18 +124,20 @@ StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, i
   report.pair = overlap_name<D>(scene, overlaps[0].contact);
   report.depth = -overlaps[0].contact.gap;
   report.radii = overlaps[0].radii;
-  if (scene.start == StartChoice::kRefuse) refuse(picture, scene, overlaps, "");
+  if (scene.start == StartChoice::kRefuse) refuse(picture, scene, overlaps, time_limit, "");
   if (scene.start == StartChoice::kAllow) return report;
-  const PushApart pushed = part_bodies(scene, threads);
+  const PushApart pushed = part_bodies(scene, threads, time_limit);
   const std::string how = fmt::format(
       "pushed apart in {} round{}, by at most {:.3g} m, {:.2g} "
       "radii",
       pushed.rounds, pushed.rounds == 1 ? "" : "s", pushed.way, pushed.radii);
   overlaps = start_overlaps(scene, threads);
   if (!overlaps.empty()) {
-    refuse(picture, scene, overlaps,
-           fmt::format(", {}{}", how,
-                       pushed.message.empty() ? "" : "; it seems that they do not fit"));
+    const double left = time_limit - watch.seconds();
+    const char* why = left < 0                 ? "; the time limit is over"
+                      : pushed.message.empty() ? ""
+                                               : "; it seems that they do not fit";
+    refuse(picture, scene, overlaps, left, fmt::format(", {}{}", how, why));
   }
   report.text += ": " + how;
   report.push = pushed;
@@ -136,14 +146,14 @@ StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, i
 
 template <int D>
 void check_start(Scene<D>& scene, const std::function<void(const std::string&)>& warn) {
-  const std::string start = check_start(scene, {}, 1).text;
+  const std::string start = check_start(scene, {}, 1, kInfinity).text;
   for (const std::string& text : {scene.caution, start}) {
     if (warn && !text.empty()) warn(text);
   }
 }
 
-template StartReport check_start(Scene<2>&, const std::filesystem::path&, int);
-template StartReport check_start(Scene<3>&, const std::filesystem::path&, int);
+template StartReport check_start(Scene<2>&, const std::filesystem::path&, int, double);
+template StartReport check_start(Scene<3>&, const std::filesystem::path&, int, double);
 template void check_start(Scene<2>&, const std::function<void(const std::string&)>&);
 template void check_start(Scene<3>&, const std::function<void(const std::string&)>&);
 

@@ -22,9 +22,10 @@ struct StartReport {
 /// Checks the start of a scene (core/scene/start_check.h) and does what [start] says; bodies may
 /// be pushed apart. Throws std::invalid_argument if bodies overlap and may not, after `picture` has
 /// been drawn with these bodies in colour; an empty path draws none. A picture that cannot be
-/// drawn is said in the message.
+/// drawn is said in the message. `time_limit` ends both, the pushing as a refusal.          [s]
 template <int D>
-StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, int threads);
+StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, int threads,
+                        double time_limit = kInfinity);
 
 /// The same for callers that do not report the start: `warn`, which may be empty, is told what the
 /// scene leaves out and what overlaps.

@@ -39,6 +39,7 @@ TEST_F(RunCommand, AStartThatOverlapsIsRefusedWithAPicture) {
     EXPECT_FALSE(fs::exists("out/cut/run.h5"));
     fs::remove("out/cut/start.png");
   }
+  expect_said("run cut.toml --time-limit 1e-9", 2, {"No picture: the time limit is over"});
   for (const char* command : {"advise --energy 1e-2 ", "trade --quick ", "compare ", "tune "}) {
     EXPECT_EQ(code_of(std::string(command) + "cut.toml"), 2) << command;
   }
@@ -61,8 +62,9 @@ TEST_F(RunCommand, AStartThatOverlapsIsAllowedOrPushedApartOnDemand) {
   // Rows one above the other cannot give way to the sides; staggered rows can.
   std::string text = cut_packing("[start]\noverlaps = 'push apart'\n");
   // What does not help is not proposed: it did not, or is not taken.
-  EXPECT_FALSE(says(expect_said("run " + write("jammed.toml", text), 2, {"pushed apart in "}),
-                    "\"push apart\""));
+  const std::string jammed = "run " + write("jammed.toml", text);
+  EXPECT_FALSE(says(expect_said(jammed, 2, {"they do not fit"}), "\"push apart\""));
+  expect_said(jammed + " --time-limit 1e-9", 2, {"; the time limit is over. No picture"});
   const std::string cell =
       "cell = {width = 1}\ntime = {step = 1, steps = 1}\ngravity = [0, 0]\n"
       "disks = [{position = [0.5, 0.1], radius = 0.2, mass = 1},\n"
