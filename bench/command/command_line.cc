@@ -156,6 +156,8 @@ const std::vector<std::pair<std::string, std::string>> kFlagSynonyms = {
     {"--eps", "--tol"},
     {"-n", "--steps"},
     {"--num-steps", "--steps"},
+    {"--step-size", "--step-factors"},
+    {"--step-sizes", "--step-factors"},
     {"-j", "--threads"},
     {"--jobs", "--threads"},
     {"--cores", "--threads"},

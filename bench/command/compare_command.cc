@@ -43,7 +43,8 @@ CommandDeclaration add_compare(CommandLine& line, CompareFlags& flags) {
   CommandDeclaration command = line.add_command(
       "compare", "Solvers on problems at tolerances: time against true error, as a report");
   command.option("targets", flags.targets,
-                 "Problem file, folder of them, scene, benchmark, or family: square:30, "
+                 "Problem file, folder of them, scene (my.toml, my.toml:steps=250), benchmark, or "
+                 "family: square:30, "
                  "triangular:30, trapezoid:30, diluted:30, pyramid:20, random:20 (with "
                  ":mu=0.5:tilt=10:ratio=1e4:e=0.5:seed=2); pile:32, impact:32 (mu, tilt, seed); "
                  "moving pour:32, collapse:32, tilt:32 (its tilt: angle), strike:32, in space "

@@ -32,8 +32,9 @@ CommandDeclaration add_trade(CommandLine& line, TradeFlags& flags) {
                  "Solvers; the first one runs the time steps too", {.show_default = true});
   command.option("--tols NUMBERS", flags.options.tols,
                  "Tolerances (1e-1,1e-2,1e-3,1e-4,1e-6; quick 1e-1,1e-3)", {.positive = true});
-  command.option("--step-sizes FACTORS", flags.options.step_factors,
-                 "Time steps over the scene's (2,1,0.5,0.25; quick 2,1,0.5)", {.positive = true});
+  command.option("--step-factors FACTORS", flags.options.step_factors,
+                 "Factors of the scene's time step (2,1,0.5,0.25; quick 2,1,0.5)",
+                 {.positive = true});
   command.option("--accuracies RADII", flags.options.accuracies,
                  "Accuracies that cut steps of a frame, see run --accuracy (0.1,0.03; quick 0.1)",
                  {.positive = true});

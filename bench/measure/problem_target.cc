@@ -334,10 +334,10 @@ void add_folder(const std::string& target, std::vector<ProblemSource>& sources) 
 }
 
 template <int D>
-void add_steps(const std::string& target, const fs::path& path, Scene<D>&& scene,
+void add_steps(const std::string& target, const SceneOfLength& file, Scene<D>&& scene,
                const TargetOptions& options, std::vector<ProblemSource>& sources) {
   check_start(scene, options.warn);
-  const int last = std::min(scene.num_steps, options.scene_steps);
+  const int last = file.steps.value_or(std::min(scene.num_steps, options.scene_steps));
   std::set<int> steps;
   for (int i = 1; i <= options.scene_problems; ++i) {
     steps.insert(std::max(
@@ -346,16 +346,16 @@ void add_steps(const std::string& target, const fs::path& path, Scene<D>&& scene
   const auto run = std::make_shared<ProblemRun<D>>(std::move(scene),
                                                    std::vector<int>(steps.begin(), steps.end()));
   for (int step : steps) {
-    sources.push_back({fmt::format("{}@{}", path.stem().string(), step), target,
+    sources.push_back({fmt::format("{}@{}", file.path.stem().string(), step), target,
                        [run, step] { return run->at(step); }});
   }
 }
 
 void add_scene(const std::string& target, const TargetOptions& options,
                std::vector<ProblemSource>& sources) {
-  const fs::path path = find_scene(target);
-  std::visit([&](auto&& scene) { add_steps(target, path, std::move(scene), options, sources); },
-             read_any_scene(path));
+  const SceneOfLength file = find_scene_of_length(target);
+  std::visit([&](auto&& scene) { add_steps(target, file, std::move(scene), options, sources); },
+             read_any_scene(file.path));
 }
 
 void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& piles,
@@ -371,6 +371,7 @@ void add_target(const std::string& target, const TargetOptions& options,
   }
   const std::vector<std::string> names = target_families();
   if (const std::size_t colon = target.find(':'); colon != std::string::npos) {
+    if (target.substr(colon).starts_with(":steps=")) return add_scene(target, options, sources);
     const std::string family = target.substr(0, colon);
     if (!contains(names, family)) {
       throw std::invalid_argument(target + ": no such file; " +

@@ -33,6 +33,7 @@ std::vector<std::string> target_families();
 /// The problems of the targets, in order. A target is
 ///   - a problem file (FCLIB, Siconos text), the name of a shipped one, or a folder of them,
 ///   - a scene file or the name of a shipped scene: contact problems along a run made with `auto`,
+///     with ":steps=N" behind it for another length,
 ///   - a family "square:30", "triangular:30", "pyramid:20", "random:30" (scene_family.h, the first
 ///     step), "pile:32" (settled_pile.h, 32² disks at rest) or "impact:32" (such a pile hit by one
 ///     more disk at 20 m/s), with options: "square:30:mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5"

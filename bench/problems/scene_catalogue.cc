@@ -8,6 +8,7 @@
 
 #include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
+#include "core/base/number_text.h"
 #include "core/files/input_file.h"
 
 namespace bipot {
@@ -91,6 +92,24 @@ std::filesystem::path find_scene(const std::string& path_or_name) {
     throw std::invalid_argument(e.what());
   }
   return path_or_name;
+}
+
+SceneOfLength find_scene_of_length(const std::string& target) {
+  std::string file = target;
+  std::optional<int> steps;
+  for (std::size_t at;
+       !std::filesystem::exists(file) && (at = file.rfind(':')) != std::string::npos;
+       file.resize(at)) {
+    const std::string part = file.substr(at + 1), key = part.substr(0, part.find('='));
+    if (key != "steps") {
+      throw std::invalid_argument(target + ": " + unknown_name_message("part", key, {"steps"}));
+    }
+    steps = whole_number<int>(part.substr(std::min(key.size() + 1, part.size())));
+    if (!(steps >= 1)) {
+      throw std::invalid_argument(target + ": expected a positive number of steps");
+    }
+  }
+  return {find_scene(file), steps};
 }
 
 }  // namespace bipot

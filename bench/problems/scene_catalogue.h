@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,14 @@ std::filesystem::path find_problem(const std::string& path_or_name);
 /// The path itself if such a file exists, else the shipped scene of that name, also beside a folder
 /// of that name. Throws std::invalid_argument, naming the nearest shipped scene.
 std::filesystem::path find_scene(const std::string& path_or_name);
+
+/// A scene, and the steps that stand behind it: "my.toml:steps=250".
+struct SceneOfLength {
+  std::filesystem::path path;
+  std::optional<int> steps;
+};
+
+/// Throws as find_scene, and for other words behind the scene.
+SceneOfLength find_scene_of_length(const std::string& target);
 
 }  // namespace bipot

@@ -5,8 +5,6 @@
 #include <set>
 
 #include "bench/problems/scene_catalogue.h"
-#include "core/base/nearest_name.h"
-#include "core/base/number_text.h"
 #include "core/base/portable_random.h"
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/scene/cluster_motion.h"
@@ -61,26 +59,11 @@ int shortened(const Scene<D>& scene, const Trade::Options& options) {
 
 Trade::Scene load_target(const std::string& target, const Trade::Options& options) {
   Trade::Scene made{.target = target};
-  std::string file = target;
-  std::optional<int> steps;
-  for (std::size_t at;
-       !std::filesystem::exists(file) && (at = file.rfind(':')) != std::string::npos;
-       file.resize(at)) {
-    const std::string part = file.substr(at + 1), key = part.substr(0, part.find('='));
-    if (key != "steps") {
-      throw std::invalid_argument(
-          fmt::format("{}: {}", target, unknown_name_message("part", key, {"steps"})));
-    }
-    steps = whole_number<int>(part.substr(std::min(key.size() + 1, part.size())));
-    if (!(steps >= 1)) {
-      throw std::invalid_argument(target + ": expected a positive number of steps");
-    }
-  }
-  const std::filesystem::path path = find_scene(file);
+  const auto [path, steps] = find_scene_of_length(target);
   made.name = path.stem().string();
   made.scene = read_any_scene(path);
   std::visit(
-      [&]<int D>(Scene<D>& scene) {
+      [&, steps = steps]<int D>(Scene<D>& scene) {
         check_start(scene, options.warn);
         if (steps) scene.num_steps = *steps;
         if ((scene.bodies.empty() && scene.inlets.empty()) || scene.num_steps == 0) {

@@ -49,8 +49,11 @@ TEST(CommandLine, ATargetBehindAListIsMissed) {
 }
 
 TEST(CommandLine, ComparingAStepWithoutImpulsesIsPointedOut) {
-  expect_said("compare bouncing_ball --quick --solvers apgd --tols 1e-2", 0,
-              {"bouncing_ball@100: no impulse is needed", "--scene-steps"});
+  for (const auto& [length, last] : {std::pair{"", "100"}, std::pair{":steps=120", "120"}}) {
+    expect_said(
+        std::string("compare bouncing_ball") + length + " --quick --solvers apgd --tols 1e-2", 0,
+        {std::string("bouncing_ball@") + last + ": no impulse is needed", "--scene-steps"});
+  }
   expect_said("compare random:4 --quick --solvers apgd --tols 1e-2", 0,
               {"random:4: no impulse is needed", "its disks are loose: pile"});
 }

@@ -189,8 +189,11 @@ TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
   EXPECT_EQ(code_of(solve + " --json a.json --solution /proc/nowhere/s.hdf5"), 4);
   EXPECT_EQ(json_in("a.json")["exit_code"], 4);
   fs::create_symlink("nothing.json", "link.json");
+  EXPECT_EQ(code_of(solve + " --json link.json --solution /proc/nowhere/s.hdf5"), 4);
+  EXPECT_EQ(json_in("nothing.json")["exit_code"], 4);
   EXPECT_EQ(code_of(solve + " --json link.json"), 0);
-  EXPECT_FALSE(fs::exists("nothing.json"));
+  EXPECT_EQ(json_in("nothing.json")["exit_code"], 0);
+  EXPECT_TRUE(fs::is_symlink("link.json"));
   EXPECT_EQ(code_of("run square_lattice --json /proc/nowhere/a.json"), 4);
   EXPECT_EQ(code_of(solve + " --solution s.hdf5"), 0);
   EXPECT_EQ(code_of(solve + " --solution s.hdf5"), 0);  // the same problem
@@ -479,6 +482,7 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
   EXPECT_EQ(code_of("trade tiny.toml:steps=x"), 2);
   expect_said("trade tiny.toml:stps=3", 2, {"unknown part 'stps'; did you mean 'steps'?"});
   EXPECT_EQ(code_of("trade tiny.toml --overlaps 0.5"), 2);
+  expect_said("trade tiny.toml --step-sizes 1e-3", 2, {"did you mean '--step-factors'"});
   EXPECT_EQ(code_of("trade tiny.toml --out /proc/nowhere"), 4);
   EXPECT_EQ(code_of("trade tiny.toml --json /proc/nowhere/a.json"), 4);
   EXPECT_EQ(json_of("trade no_such_scene --json -", 2)["exit_code"], 2);
