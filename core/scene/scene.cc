@@ -128,8 +128,8 @@ std::string check_glued(const Scene<D>& scene, std::size_t i) {
   }
   const Wall<D>& wall = scene.walls[to_size(w)];
   if (wall.spin == 0 && wall.belt.isZero(0) && wall.removed == kInfinity) return {};
-  return fmt::format("{} {} is glued to wall '{}', which turns, is a belt or is removed",
-                     kBodyName<D>, i, wall.name);
+  return fmt::format("wall {}: '{}' turns, is a belt or is removed, and {} {} is glued to it", w,
+                     wall.name, kBodyName<D>, i);
 }
 
 /// Checks the entries of a scene that a periodic cell excludes.
@@ -324,10 +324,11 @@ std::string check_gates(const Scene<D>& scene) {
   for (const Outlet<D>& outlet : scene.outlets) {
     if (auto e = check_outlet(outlet); !e.empty()) return e;
   }
-  for (const Inlet<D>& inlet : scene.inlets) {
+  for (std::size_t k = 0; k < scene.inlets.size(); ++k) {
+    const Inlet<D>& inlet = scene.inlets[k];
     if (auto e = check_inlet(inlet, static_cast<int>(scene.materials.size())); !e.empty()) return e;
     if (inlet.rate * scene.step > 1e5) {  // probably a typing error; it would exhaust the memory
-      return fmt::format("inlet '{}': {:.3g} bodies a step, at most 1e5 are possible", inlet.name,
+      return fmt::format("inlets[{}]: {:.3g} bodies a step, at most 1e5 are possible", k,
                          inlet.rate * scene.step);
     }
   }

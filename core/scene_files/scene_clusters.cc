@@ -81,9 +81,6 @@ void read_cluster_group(const SceneTable& table, Scene<2>& scene) {
   const Vec2 centre = union_moments(circles).centre;
   const std::vector<Placed> places = read_places(table, scene, reach_of<2>(parts, centre), centre);
   const GroupMass group = read_group_mass(table);
-  if (group.inertia && !(*group.inertia > 0)) {
-    table.fail("inertia", "expected a positive number");
-  }
   const Vec2 v = table.vec_or_zero<2>("velocity");
   const double spin = table.spin<2>();
   const int material = material_index(scene, table, "material");

@@ -380,7 +380,9 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   if (scene.contact_distance < 0) {
     scene.contact_distance = default_contact_distance(scene);
   }
-  if (auto defect = validate(scene); !defect.empty()) root.refuse(defect);
+  if (auto defect = validate(scene); !defect.empty()) {
+    root.refuse(defect, accuracy ? "accuracy" : "");
+  }
   const double apart = scene.contact_distance / smallest_radius(scene);
   if (apart > kDeepOverlap && !scene.predict_gaps) {
     Scene<D> predicting = scene;

@@ -63,9 +63,6 @@ Inlet<D> read_inlet(const SceneTable& table, bool turned, const Scene<D>& scene)
   const GroupMass group = read_group_mass(table);
   inlet.mass = group.mass.value_or(0);
   inlet.density = group.density.value_or(0);
-  if (group.inertia && !(*group.inertia > 0)) {
-    table.fail("inertia", "expected a positive number");
-  }
   inlet.inertia = group.inertia.value_or(0);
   inlet.v = table.vec_or_zero<D>("velocity");
   inlet.spin = table.spin<D>();

@@ -117,6 +117,7 @@ GroupMass read_group_mass(const SceneTable& table, bool with_inertia) {
   }
   if (group.density && !(*group.density > 0)) table.fail("density", "expected a positive number");
   if (group.mass && !(*group.mass > 0)) table.fail("mass", "expected a positive number");
+  if (group.inertia && !(*group.inertia > 0)) table.fail("inertia", "expected a positive number");
   return group;
 }
 

@@ -68,13 +68,16 @@ class SceneTable {
   }
 
   /// For a defect of the scene as a whole: at the line of what it names first, as in
-  /// "forces[0]: ..." or "wall 2: ...", or of a key of such a table.
-  [[noreturn]] void refuse(const std::string& defect) const {
+  /// "forces[0]: ...", "wall 2: ..." or "[start] ...", or of a key of such a table; not of a key `elsewhere`
+  /// given, which stands for that of the file.
+  [[noreturn]] void refuse(const std::string& defect, std::string_view elsewhere) const {
     std::string named = defect.substr(0, defect.find_first_of(": "));
+    if (named.starts_with('[')) named = named.substr(1, named.size() - 2);
     if (named == "wall") named = fmt::format("walls[{}]", std::atoi(defect.c_str() + 5));
     const toml::node* node = table_.at_path(named).node();
     for (const auto& [key, part] : table_) {
-      if (node == nullptr && part.is_table()) node = part.as_table()->get(named);
+      if (node == nullptr && named != elsewhere && part.is_table())
+        node = part.as_table()->get(named);
     }
     throw SceneFileError(fmt::format("{}: {}", node ? place(*node) : source_, defect));
   }

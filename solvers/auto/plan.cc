@@ -383,7 +383,13 @@ std::shared_ptr<const AutoPlan> read_plan(const std::filesystem::path& path) {
   std::ostringstream text;
   text << file.rdbuf();
   if (!file.is_open() || !file) throw FileError(path, "", "cannot be read");
-  return std::make_shared<AutoPlan>(parse_plan(text.str(), path.string()));
+  thread_local std::string parsed;  // solves in a row name the same plan
+  thread_local std::shared_ptr<const AutoPlan> plan;
+  if (!plan || plan->source != path.string() || parsed != text.view()) {
+    plan = std::make_shared<AutoPlan>(parse_plan(text.view(), path.string()));
+    parsed = text.str();
+  }
+  return plan;
 }
 
 std::shared_ptr<const AutoPlan> named_plan(const std::map<std::string, std::string>& parameters) {

@@ -358,7 +358,8 @@ TEST(SceneFile, DisksGluedToAWall) {
   EXPECT_EQ(s.bodies[1].v, Vec2(3, 0));
   expect_refused(glued + kFloor, {"test.toml:4", "'wall'", "'lid'"});
   expect_refused(glued + "mass = 1\n" + lid, {"test.toml:5", "'mass'", "not glued"});
-  expect_refused(glued + lid + "removed = 1\n", {"disk 0", "'lid'", "removed"});
+  expect_refused(glued + lid + "removed = 1\n",
+                 {"test.toml:5: wall 0: 'lid'", "removed", "disk 0"});
 }
 
 TEST(SceneFile, RotationTurnsTheBodiesAndNotGravity) {
@@ -508,7 +509,13 @@ TEST(SceneFile, ValuesOutOfRangeAreRefused) {
   expect_refused("[[disks]]\nposition = [0, 0]\nradius = -1\nmass = 1\n", {"'radius'", "positive"});
   expect_refused("[[disks]]\nposition = [0, 0]\nradius = 1\nmass = 0\n", {"'mass'", "positive"});
   expect_refused("[[disks]]\nposition = [0, 0]\nradius = 1\ndensity = 0\n", {"'density'"});
-  expect_refused(kDisk + "inertia = 0\n", {"disk 0", "inertia = 0"});
+  expect_refused(kDisk + "inertia = 0\n", {"test.toml:5: [disks[0]] 'inertia'", "positive"});
+  expect_refused(kDisk +
+                     "[[inlets]]\nlower = [0, 0]\nupper = [1, 1]\nradii = [0.1]\nmass = 1\n"
+                     "rate = 1e9\n",
+                 {"test.toml:5: inlets[0]", "bodies a step"});
+  expect_refused("[cell]\nwidth = 5\n[start]\noverlaps = 'push apart'\n",
+                 {"test.toml:3: [start] overlaps"});
   expect_refused(kFloor + "force = 1\nmass = -1\n", {"test.toml:1: wall 0", "mass = -1"});
   expect_refused("[[walls]]\npoint = [0, 0]\nnormal = [0, 0]\n", {"'normal'", "zero"});
   expect_refused("[[walls]]\nfrom = [1, 1]\nto = [1, 1]\n", {"test.toml:1: wall 0", "coincide"});
@@ -739,6 +746,9 @@ TEST(SceneFile, OverlapsAreKeptOrProjected) {
   EXPECT_EQ(parse(kTime + "accuracy = 0.3\n").solver.tol, 1e-4);
   expect_refused(kTime + "accuracy = 1\n", {"test.toml:4: accuracy = 1"});
   expect_refused(accurate + "travel = 0.1\n", {"accuracy", "travel"});
+  // That of the command line has no line.
+  expect_scene_refused([](const std::string& text) { parse_any_scene(text, "test.toml", 1.0); },
+                       accurate, {"test.toml: accuracy = 1"});
   expect_refused("model = \"dem\"\n" + accurate, {"accuracy", "dem"});
   expect_refused("[contact]\noverlaps = \"project\"\n" + accurate, {"accuracy", "project"});
   expect_refused("[contact]\noverlaps = \"predict\"\n" + accurate, {"accuracy", "predict"});
