@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
 #include "core/linear/dense_buffer.h"
 #include "core/problem/delassus.h"
@@ -51,9 +52,9 @@ void judge(ContactSpace& space, const SolverOptions& options, SolveResult& resul
       options.stop != StopTest::kImpulse || result.status == SolveStatus::kNothingToDo;
   if (is_success(result.status) && verifiable && !(measured <= options.tol)) {
     result.message = fmt::format(
-        "claim of convergence withdrawn: {} error {:.3e} on the original data, tolerance {:g} "
+        "claim of convergence withdrawn: {} error {:.3e} on the original data, tolerance {} "
         "(it said: {})",
-        raw ? "raw42" : "guarded", measured, options.tol, result.message);
+        raw ? "raw42" : "guarded", measured, tolerance_label(options.tol), result.message);
     result.status = SolveStatus::kNumericalFailure;
   } else if (result.status == SolveStatus::kNotRun) {
     result.message = "the solver returned without a status";

@@ -16,6 +16,7 @@
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_sets.h"
 #include "bench/report/json_output.h"
+#include "bench/report/labels.h"
 #include "core/files/atomic_file.h"
 #include "core/problem_files/fclib_file.h"
 #include "solvers/registry.h"
@@ -91,7 +92,7 @@ int random_sets(const ExtremesFlags& flags) {
     for (const RandomSets::Finding& f : result.findings) {
       const std::string again =
           fmt::format("bipot extremes --{} 1 --seed {} --first {} --tol {} --time-limit {}{}", flag,
-                      flags.seed, f.index, options.tol, options.time_limit,
+                      flags.seed, f.index, tolerance_label(options.tol), options.time_limit,
                       f.solver.empty() ? "" : " --solver " + f.solver);
       findings.add({what, f.kind, f.index, f.solver, f.message, again});
       if (!flags.silent() && f.kind != "planted, not solved" && f.kind != "exists, not solved") {

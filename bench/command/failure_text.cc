@@ -135,8 +135,8 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state,
     const double reached = std::pow(10, std::ceil(std::log10(error.guarded())));
     return text +
            fmt::format(
-               "  1. the tolerance {} is below what doubles can express here; try --tol {:.0e}\n",
-               tolerance_label(scene.solver.tol), reached);
+               "  1. the tolerance {} is below what doubles can express here; try --tol {}\n",
+               tolerance_label(scene.solver.tol), tolerance_label(reached));
   }
   const ExistenceCertificate certificate = certify_existence(problem, kCertificateSeconds);
   const std::string verdict = to_text(certificate);

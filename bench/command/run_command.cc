@@ -130,8 +130,11 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (flags.substep) scene.dem.substep = *flags.substep;
   if (scene.model == Model::kSpringDashpot &&
       scene.contact_distance != default_contact_distance(scene)) {
-    scene.caution += fmt::format("{}[contact] distance is left out: springs need none",
-                                 scene.caution.empty() ? "" : "; ");
+    const std::string_view key = "[contact] distance";
+    const std::size_t of_rigid = scene.caution.find(key);  // the last caution of a file
+    scene.caution.resize(std::min(of_rigid, scene.caution.size()));
+    const char* and_then = scene.caution.empty() || of_rigid != std::string::npos ? "" : "; ";
+    scene.caution += fmt::format("{}{} is left out: springs need none", and_then, key);
   }
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
 }

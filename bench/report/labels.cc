@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdlib>
-
-#include "core/base/number_text.h"
 
 namespace bipot {
 namespace {
@@ -22,15 +19,6 @@ std::string short_exponent(const std::string& text) {
   const std::size_t e = text.find('e');
   if (e == std::string::npos) return text;
   return fmt::format("{}e{}", text.substr(0, e), std::stoi(text.substr(e + 1)));
-}
-
-std::string tolerance_label(double tol) {
-  if (!std::isfinite(tol)) return "–";
-  if (tol >= 1e-2) return fmt::format("{:g}", tol);
-  std::string text = fmt::format("{:e}", tol);
-  const std::size_t e = text.find('e');
-  const double mantissa = number_at(std::string_view(text).substr(0, e));
-  return fmt::format("{:g}e{}", mantissa, std::strtol(text.c_str() + e + 1, nullptr, 10));
 }
 
 std::string count_label(double count) {

@@ -2,12 +2,12 @@
 
 #include <string>
 
+#include "core/base/number_text.h"  // tolerance_label
+
 namespace bipot {
 
 /// The text of a number, 1.2e-5 where it has 1.2e-05.
 std::string short_exponent(const std::string& text);
-/// 1e-6 and not 1e-06; 0.01.
-std::string tolerance_label(double tol);
 /// Without digits after the point.
 std::string count_label(double count);
 /// With the unit that keeps it short: 12 µs, 3.4 ms, 5 s; a dash if not finite.

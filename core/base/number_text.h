@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "core/base/types.h"
@@ -39,5 +40,8 @@ inline std::optional<double> printed_number(std::string_view text) {
   }
   return error == std::errc() ? std::optional(x) : std::nullopt;
 }
+
+/// 1e-6 and not 1e-06; 0.01.
+std::string tolerance_label(double tol);
 
 }  // namespace bipot

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/base/number_text.h"
 #include "core/criterion/error_terms.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
@@ -292,9 +293,10 @@ std::string sentence(const ImpulseVerdict& verdict, double tol) {
   }
   const double error = verdict.guarded();
   const char* measure = verdict.cone > verdict.error.guarded() ? "distance to the cone" : "error";
-  if (error <= tol) return fmt::format("within the tolerance {:g}: {} {:.2e}", tol, measure, error);
-  std::string text = fmt::format("not within the tolerance {:g}: {} {:.2e}", tol, measure, error);
-  if (!verdict.worst.empty()) text += "; " + sentence(verdict.worst.front());
+  const bool within = error <= tol;
+  std::string text = fmt::format("{} the tolerance {}: {} {:.2e}", within ? "within" : "not within",
+                                 tolerance_label(tol), measure, error);
+  if (!within && !verdict.worst.empty()) text += "; " + sentence(verdict.worst.front());
   return text;
 }
 

@@ -76,7 +76,7 @@ struct ImpulseVerdict {
 ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                      int worst = 5);
 
-/// The verdict in words: "within the tolerance 1e-08: error 3.1e-09", or "not within ...: ...; "
+/// The verdict in words: "within the tolerance 1e-8: error 3.1e-09", or "not within ...: ...; "
 /// with the worst contact.
 std::string sentence(const ImpulseVerdict& verdict, double tol);
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/number_text.h"
 #include "core/base/portable_random.h"
 #include "core/base/stopwatch.h"
 #include "core/problem/body_rows.h"
@@ -438,8 +439,8 @@ std::string refusal(const ContactProblem& problem, const SeveralAnswers::Options
     return fmt::format("starts = {}, expected at least 1", options.starts);
   }
   if (!(options.tol <= DistinctAnswers::kTrusted)) {
-    return fmt::format("tol = {:g}: answers are told apart from {:g} on", options.tol,
-                       DistinctAnswers::kTrusted);
+    return fmt::format("tol = {}: answers are told apart from {} on", tolerance_label(options.tol),
+                       tolerance_label(DistinctAnswers::kTrusted));
   }
   if (options.guess.size() != 0 && options.guess.size() != problem.num_rows()) {
     return fmt::format("guess has size {}, expected {}", options.guess.size(), problem.num_rows());

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/counted.h"
+#include "core/base/number_text.h"
 #include "solvers/auto/recovered_disks.h"
 #include "solvers/registry.h"
 
@@ -161,10 +162,10 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
   const AutoPlan& plan = own ? *own : shipped_plan();
   const bool warm = is_warm(options);
   const ProblemTraits problem = traits_of(p, DelassusOperator(p), options);
-  std::string text = fmt::format("auto: {}, d = {}, {}, {} start, tolerance {:g}\n",
+  std::string text = fmt::format("auto: {}, d = {}, {}, {} start, tolerance {}\n",
                                  counted(p.num_contacts(), "contact"), p.dim,
                                  p.has_velocities() ? "bodies given" : "W alone given",
-                                 warm ? "warm" : "cold", options.tol);
+                                 warm ? "warm" : "cold", tolerance_label(options.tol));
   text += class_in_words(plan, problem);
   int number = 0;
   for (const AutoStage& stage : serving_stages(plan, problem)) {

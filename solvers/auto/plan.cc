@@ -350,8 +350,8 @@ std::string PlanConditions::to_text() const {
   Names parts;
   if (above >= 0) parts.push_back(fmt::format("N > {:g}", above));
   if (up_to < kInfinity) parts.push_back(fmt::format("N <= {:g}", up_to));
-  if (tol_from > 0) parts.push_back(fmt::format("tol >= {:g}", tol_from));
-  if (tol_below < kInfinity) parts.push_back(fmt::format("tol < {:g}", tol_below));
+  if (tol_from > 0) parts.push_back("tol >= " + tolerance_label(tol_from));
+  if (tol_below < kInfinity) parts.push_back("tol < " + tolerance_label(tol_below));
   if (marks != 0) parts.push_back(mark_words(marks));
   return fmt::format("{}", fmt::join(parts, ", "));
 }

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <vector>
 
+#include "core/base/number_text.h"
 #include "core/pictures/flat_view.h"
 #include "core/pictures/force_picture.h"
 #include "core/pictures/stress_picture.h"
@@ -23,9 +24,9 @@ std::string caption(const Scene<D>& scene, const SceneTotals<D>& totals, const S
     return fmt::format("{}: step {}, t = {:.4g} s, springs and dashpots, {} substeps a step", title,
                        state.step, state.time, totals.last.iterations);
   }
-  return fmt::format("{}: step {}, t = {:.4g} s, solver {}, max(ε, η) = {:.1e} (tol {:g})", title,
+  return fmt::format("{}: step {}, t = {:.4g} s, solver {}, max(ε, η) = {:.1e} (tol {})", title,
                      state.step, state.time, scene.solver.name, totals.last.error.guarded(),
-                     scene.solver.tol);
+                     tolerance_label(scene.solver.tol));
 }
 
 }  // namespace

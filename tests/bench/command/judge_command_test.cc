@@ -83,7 +83,7 @@ TEST_F(JudgeCommand, NamesTheContactThatWasSabotaged) {
   }
   EXPECT_TRUE(named) << j;
   expect_said("judge " + kProblem + " --impulses s.txt --worst 2", 1,
-              {"not within the tolerance 1e-08", "open "}, &bipot);
+              {"not within the tolerance 1e-8", "open "}, &bipot);
 }
 
 TEST_F(JudgeCommand, BadInputHasItsExitCode) {

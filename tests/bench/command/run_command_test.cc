@@ -135,6 +135,10 @@ TEST_F(RunCommand, WhatIsLeftOutIsToldOnceByEveryCommand) {
   // The springs of a scene with the distance of rigid contacts do not use it.
   expect_said("run foreign.toml --model dem --overwrite", 0,
               {told + "; [contact] distance is left out: springs need none\n"});
+  write("wide.toml", changed(content("foreign.toml"), {{"1e-4", "1e-1"}}));
+  EXPECT_TRUE(says(complaints("run wide.toml").out, "distance lets bodies rest"));
+  expect_said("run wide.toml --model dem --overwrite", 0,
+              {told + "; [contact] distance is left out: springs need none\n"});
 }
 
 TEST_F(RunCommand, ARunOutOfTimeSaysHowToGoOn) {

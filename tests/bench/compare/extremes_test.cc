@@ -318,7 +318,7 @@ TEST(ExtremeReport, EveryCellStandsInTheTableAndThePage) {
   EXPECT_EQ(json["cells"][1]["end"], "wrong");
   EXPECT_EQ(json["cases"][0]["name"], "units_usual");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
-  EXPECT_TRUE(says(csv, "bipot extremes --only units_usual --solver pgs --tol 1e-06"));
+  EXPECT_TRUE(says(csv, "bipot extremes --only units_usual --solver pgs --tol 1e-6"));
   EXPECT_TRUE(says(page, "a guarded error of " + tolerance_label(1e-6)));
   EXPECT_TRUE(says(text, "wrong: bipot extremes --only units_usual --solver pgs"));
   EXPECT_TRUE(says(page, "a &lt;planted&gt; fault"));

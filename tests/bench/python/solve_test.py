@@ -262,7 +262,7 @@ def test_a_verdict_says_what_is_wrong_and_where():
     assert worst.share == 1
     assert "contact 1: penetrates at 1.0e+00 m/s; pulls with" in str(worst)
     assert e.penetration_velocity == 1 and e.penetration_contact == 1
-    assert e.sentence(1e-8).startswith("not within the tolerance 1e-08")
+    assert e.sentence(1e-8).startswith("not within the tolerance 1e-8")
     assert np.array_equal(e.s[2:4], [0, 0])
     assert (e.take_off, e.slip) == (1, 3)
 

@@ -42,7 +42,7 @@ TEST(ImpulseVerdict, FindsNothingWrongWithTheLawsThreeStates) {
     EXPECT_TRUE(v.worst.empty());
     EXPECT_EQ(v.penetration_contact, -1);
     EXPECT_EQ(v.cone_contact, -1);
-    EXPECT_EQ(sentence(v, 1e-8), "within the tolerance 1e-08: error 0.00e+00");
+    EXPECT_EQ(sentence(v, 1e-8), "within the tolerance 1e-8: error 0.00e+00");
   }
 }
 
@@ -73,7 +73,7 @@ TEST(ImpulseVerdict, SaysThatAnImpulseLiesOutsideTheCone) {
   // E = s·W s / 2 = (1.12² + 0.56²) / 2 = 0.784, D = 0.
   EXPECT_NEAR(v.cone, std::sqrt(0.036 / 0.0784), 1e-12);
   EXPECT_EQ(v.guarded(), v.cone);
-  EXPECT_EQ(sentence(v, 1e-8).find("not within the tolerance 1e-08: distance to the cone"), 0u);
+  EXPECT_EQ(sentence(v, 1e-8).find("not within the tolerance 1e-8: distance to the cone"), 0u);
 }
 
 TEST(ImpulseVerdict, SaysThatAContactPenetrates) {

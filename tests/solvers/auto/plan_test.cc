@@ -90,7 +90,7 @@ TEST(Plan, TheFirstClassWhoseConditionsHoldServes) {
   other.marks = kDisks;
   EXPECT_EQ(name(other), "b");
   EXPECT_EQ(plan.classes[0].conditions.to_text(),
-            "N > 10, N <= 20, tol >= 0.0001, tol < 1, warm disks");
+            "N > 10, N <= 20, tol >= 1e-4, tol < 1, warm disks");
   EXPECT_EQ(plan.classes[0].solved, 3);
   EXPECT_EQ(plan.classes[0].measured, 4);
   EXPECT_EQ(marks_of_words(mark_words(inside.marks)), inside.marks);
