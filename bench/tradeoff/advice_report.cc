@@ -242,6 +242,11 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   if (std::isnan(a.goal.penetration) && expected.error.penetration > kDeepOverlap) {
     error += fmt::format("; overlaps up to {}", overlap_label(expected.error.penetration));
   }
+  constexpr double kLargeEnergyError = 5e-2;
+  if (std::isnan(a.goal.energy) && expected.least().energy > kLargeEnergyError) {
+    error += fmt::format("; energy, not asked for, {}",
+                         with_bar(expected.error.energy, expected.bar.energy));
+  }
   line("expected error", std::move(error));
   line("cost", fmt::format("{} a step, {} for the {:g} s of the scene ({} steps), without files{}",
                            duration_label(a.seconds_per_step), duration_label(a.seconds_in_all),

@@ -196,6 +196,10 @@ TEST(Advise, AnAccuracyKeepsOverlapsSmallWhereNoEqualStepDoes) {
   EXPECT_DOUBLE_EQ(advice.step_size, 4e-3);  // a quarter of a stretch
   EXPECT_LE(advice.run.overlap, 1e-5);
   EXPECT_TRUE(says(run_command_of(advice), "--accuracy 3.3e-06 --step-size 0.004 --steps 25"));
+  Advice inexact = advice;  // met is what was asked for alone
+  inexact.step_error.error.energy = 0.4;
+  EXPECT_TRUE(says(advice_summary(inexact), "energy, not asked for, 4.0e-1"));
+  EXPECT_FALSE(says(advice_summary(advice), "not asked for"));
   options.keep_step = true;
   EXPECT_EQ(advise(drop(), options).accuracy, 0);
 }
