@@ -68,8 +68,8 @@ class SceneTable {
   }
 
   /// For a defect of the scene as a whole: at the line of what it names first, as in
-  /// "forces[0]: ...", "wall 2: ..." or "[start] ...", or of a key of such a table; not of a key `elsewhere`
-  /// given, which stands for that of the file.
+  /// "forces[0]: ...", "wall 2: ..." or "[start] ...", or of a key of such a table. The key
+  /// `elsewhere` was given elsewhere, in place of the file's.
   [[noreturn]] void refuse(const std::string& defect, std::string_view elsewhere) const {
     std::string named = defect.substr(0, defect.find_first_of(": "));
     if (named.starts_with('[')) named = named.substr(1, named.size() - 2);

@@ -383,13 +383,7 @@ std::shared_ptr<const AutoPlan> read_plan(const std::filesystem::path& path) {
   std::ostringstream text;
   text << file.rdbuf();
   if (!file.is_open() || !file) throw FileError(path, "", "cannot be read");
-  thread_local std::string parsed;  // solves in a row name the same plan
-  thread_local std::shared_ptr<const AutoPlan> plan;
-  if (!plan || plan->source != path.string() || parsed != text.view()) {
-    plan = std::make_shared<AutoPlan>(parse_plan(text.view(), path.string()));
-    parsed = text.str();
-  }
-  return plan;
+  return std::make_shared<AutoPlan>(parse_plan(text.str(), path.string()));
 }
 
 std::shared_ptr<const AutoPlan> named_plan(const std::map<std::string, std::string>& parameters) {

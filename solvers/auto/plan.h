@@ -110,7 +110,7 @@ inline constexpr std::string_view kShippedList = "shipped";
 
 /// Throws std::invalid_argument, "source:line: reason".
 AutoPlan parse_plan(std::string_view text, const std::string& source);
-/// Also throws FileError. The same plan again where the text is that of the last call.
+/// Also throws FileError.
 std::shared_ptr<const AutoPlan> read_plan(const std::filesystem::path& path);
 /// The plan that a solver's parameter `plan` names; null without one. Throws as read_plan.
 std::shared_ptr<const AutoPlan> named_plan(const std::map<std::string, std::string>& parameters);
