@@ -12,6 +12,7 @@
 #include "bench/command/help_text.h"
 #include "bench/command/run_processes.h"
 #include "bench/command/several_command.h"
+#include "bench/measure/problem_target.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/json_output.h"
 #include "core/base/counted.h"
@@ -124,9 +125,12 @@ void print_summary(const SolveFlags& flags, const std::string& solver, const Con
 
 CommandDeclaration add_solve(CommandLine& line, SolveFlags& flags) {
   CommandDeclaration command =
-      line.add_command("solve", "Solve one problem file (FCLIB HDF5, Siconos text)");
-  command.option("problem", flags.problem, "Problem file or the name of a shipped problem",
-                 {.required = true, .suggest = names_of(shipped_problems())});
+      line.add_command("solve", "Solve one problem (a file: FCLIB HDF5, Siconos text)");
+  command.option(
+      "problem", flags.problem,
+      "Problem file, name of a shipped problem, or one problem of `compare`: pyramid:12, "
+      "a step of a run as drum@100 or pour:32@60",
+      {.required = true, .suggest = names_of(shipped_problems())});
   command.flag("--warm", flags.warm,
                "Start from the file's first guess (FCLIB /guesses), not from s = 0");
   command.option("--several N", flags.several,
@@ -154,6 +158,7 @@ CommandDeclaration add_solve(CommandLine& line, SolveFlags& flags) {
       "  bipot solve problem.hdf5 --out out/problem\n"
       "  bipot solve problem.hdf5 --several 12 --out out/answers\n"
       "  bipot solve problem.hdf5 --certify\n"
+      "  bipot solve pour:32@60 --warm --solver homotopy\n"
       "  bipot solve problem.dat --solver pgs --tol 1e-10 --json - --solution solved.hdf5");
   return command;
 }
@@ -215,7 +220,23 @@ struct SolveTask {
   DistributedOptions distributed;
 };
 
+/// The problem of a target that is no file.
+ProblemFile problem_of(const std::string& target) {
+  const std::vector<ProblemSource> sources = expand_targets({target}, {.warn = warn_once});
+  if (sources.size() > 1) {
+    const std::string& name = sources.back().name;
+    throw std::invalid_argument(fmt::format("{}: {} problems; name one, as {}{}", target,
+                                            sources.size(), target, name.substr(name.rfind('@'))));
+  }
+  TestProblem made = sources.front().load();
+  ProblemFile file{.problem = std::move(made.problem), .info = {.title = made.origin}};
+  if (made.start.size() != 0) file.guesses.push_back(std::move(made.start));
+  return file;
+}
+
 ProblemFile read_file(const SolveFlags& flags) {
+  const bool is_target = flags.problem.find_first_of(":@") != std::string::npos;
+  if (is_target && !std::filesystem::exists(flags.problem)) return problem_of(flags.problem);
   return readable(flags.problem,
                   [&] { return read_problem(flags.problem, flags.accept_indefinite); });
 }

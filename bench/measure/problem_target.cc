@@ -291,9 +291,10 @@ std::string series_of(const std::string& target) {
 /// Steps of one run of a moving family, which is made when the first of them is requested.
 void add_moving(const std::string& target, const Family& family, const TargetOptions& options,
                 std::vector<ProblemSource>& sources) {
-  const auto request = std::make_shared<const MovingRunRequest>(
-      MovingRunRequest{family.name, family.side, family.options,
-                       moving_steps(family.name, family.side, options.scene_problems)});
+  const auto request = std::make_shared<const MovingRunRequest>(MovingRunRequest{
+      family.name, family.side, family.options,
+      options.step ? std::vector{*options.step}
+                   : moving_steps(family.name, family.side, options.scene_problems)});
   const auto made = std::make_shared<std::vector<TestProblem>>();
   for (std::size_t k = 0; k < request->steps.size(); ++k) {
     const auto load = [request, made, k] {
@@ -339,7 +340,12 @@ void add_steps(const std::string& target, const SceneOfLength& file, Scene<D>&& 
   check_start(scene, options.warn);
   const int last = file.steps.value_or(std::min(scene.num_steps, options.scene_steps));
   std::set<int> steps;
-  for (int i = 1; i <= options.scene_problems; ++i) {
+  if (options.step) steps = {*options.step};
+  if (options.step > last) {
+    throw std::invalid_argument(
+        fmt::format("target {}@{}: the run has {} steps", target, *options.step, last));
+  }
+  for (int i = 1; i <= options.scene_problems && !options.step; ++i) {
     steps.insert(std::max(
         1, static_cast<int>(std::lround(static_cast<double>(last) * i / options.scene_problems))));
   }
@@ -362,7 +368,28 @@ void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& p
                    std::vector<ProblemSource>& sources);
 
 void add_target(const std::string& target, const TargetOptions& options,
+                const std::shared_ptr<Piles>& piles, std::vector<ProblemSource>& sources);
+
+/// The step behind '@'.
+void add_step(const std::string& target, std::size_t at, TargetOptions options,
+              const std::shared_ptr<Piles>& piles, std::vector<ProblemSource>& sources) {
+  options.step = whole_number<int>(target.substr(at + 1));
+  if (!options.step || *options.step < 1) {
+    throw std::invalid_argument(target + ": expected a step, from 1 on, behind '@'");
+  }
+  const std::size_t before = sources.size();
+  add_target(target.substr(0, at), options, piles, sources);
+  if (sources.size() != before + 1 || !sources.back().name.ends_with(target.substr(at))) {
+    throw std::invalid_argument(target + ": only the run of a scene or a moving family has steps");
+  }
+  sources.back().target = target;
+}
+
+void add_target(const std::string& target, const TargetOptions& options,
                 const std::shared_ptr<Piles>& piles, std::vector<ProblemSource>& sources) {
+  if (const std::size_t at = target.rfind('@'); at != std::string::npos && !fs::exists(target)) {
+    return add_step(target, at, options, piles, sources);
+  }
   if (fs::is_directory(target)) return add_folder(target, sources);
   if (fs::is_regular_file(target)) {
     if (fs::path(target).extension() == ".toml") return add_scene(target, options, sources);

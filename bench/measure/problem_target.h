@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct ProblemSource {
 struct TargetOptions {
   int scene_problems = 3;  ///< number of steps of a scene or a moving family, evenly along its run
   int scene_steps = std::numeric_limits<int>::max();  ///< a run is cut there
+  std::optional<int> step;                            ///< the only one, of one run
   bool quick = false;                                 ///< the small benchmark
   std::function<void(const std::string&)> warn;       ///< told what scenes leave out; may be empty
 };
@@ -43,6 +45,7 @@ std::vector<std::string> target_families();
 ///     (moving_scene.h): steps along one run, each with its start, kept in a cache folder
 ///     (moving_problems.h), with the options :mu, :tilt, :e and :seed; in space "pour3d:8", "pipe:8"
 ///     or "shear3d:8" (moving_spheres.h);
+///   - one step of a scene or a moving family, "drum@120" or "pour:32:seed=2@120";
 ///   - "benchmark": series of families from 10² to 10⁴ disks, the shipped problems and those of the
 ///     folder that the environment variable BIPOT_PROBLEMS names.
 /// Throws std::invalid_argument for other targets, and for two problems of one name.

@@ -213,6 +213,23 @@ TEST_F(Command, NamesOfShippedProblemsAreTaken) {
   EXPECT_EQ(code_of("solve 2d_pyramid -q"), 4);
 }
 
+TEST_F(Command, SolvesWhatAComparisonNames) {
+  const json table = json_of(
+      "compare pyramid:4 pour:6 four_spheres --scene-problems 1 --scene-steps 20 --solvers pgs "
+      "--tols 1e-4 --json -");
+  ASSERT_EQ(table["rows"].size(), 3u);
+  for (const json& row : table["rows"]) {
+    const std::string problem = row["problem"];
+    const json solved = json_of("solve " + problem + " --solver pgs --tol 1e-4 --json -");
+    EXPECT_EQ(solved["iterations"], row["iterations"]) << problem;
+    EXPECT_EQ(solved["contacts"], row["contacts"]) << problem;
+  }
+  expect_said("solve pour:6", 2, {"pour:6: 3 problems; name one, as pour:6@"});
+  expect_said("solve pyramid:4@2", 2, {"only the run of a scene or a moving family has steps"});
+  expect_said("solve four_spheres@0", 2, {"expected a step, from 1 on"});
+  expect_said("solve four_spheres:steps=20@21", 2, {"the run has 20 steps"});
+}
+
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   expect_interrupted("solve " + shipped_problem("2d_compaction_rest") +
                      " --solver pgs --tol 1e-13 --out out");
