@@ -235,7 +235,8 @@ ProblemFile problem_of(const std::string& target) {
 }
 
 ProblemFile read_file(const SolveFlags& flags) {
-  const bool is_target = flags.problem.find_first_of(":@") != std::string::npos;
+  const bool is_target = flags.problem.find_first_of(":@") != std::string::npos ||
+                         std::ranges::count(names_of(shipped_scenes()), flags.problem) > 0;
   if (is_target && !std::filesystem::exists(flags.problem)) return problem_of(flags.problem);
   return readable(flags.problem,
                   [&] { return read_problem(flags.problem, flags.accept_indefinite); });

@@ -225,6 +225,7 @@ TEST_F(Command, SolvesWhatAComparisonNames) {
     EXPECT_EQ(solved["contacts"], row["contacts"]) << problem;
   }
   expect_said("solve pour:6", 2, {"pour:6: 3 problems; name one, as pour:6@"});
+  expect_said("solve drum", 2, {"drum: 3 problems; name one, as drum@"});
   expect_said("solve pyramid:4@2", 2, {"only the run of a scene or a moving family has steps"});
   expect_said("solve four_spheres@0", 2, {"expected a step, from 1 on"});
   expect_said("solve four_spheres:steps=20@21", 2, {"the run has 20 steps"});
