@@ -369,7 +369,7 @@ TEST_F(RunCommand, WhereDoublesEndNothingButALooserToleranceIsAdvised) {
         "walls = [{point = [0, 0], normal = [0, 1]}]\n"
         "time = {step = 1e-3, steps = 1}\n");
   const std::string run =
-      expect_said("run heavy.toml", 1, {"below what doubles can express here; try --tol 1e-0"});
+      expect_said("run heavy.toml", 1, {"below what doubles can express here; try --tol 1e-5"});
   EXPECT_FALSE(says(run, "try --solver")) << run;
 }
 

@@ -63,7 +63,7 @@ TEST(AutoSolver, ExplainsEveryStageInALine) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
             static_cast<std::ptrdiff_t>(planned(p).size()) + 2);
   EXPECT_TRUE(says(text, "145 contacts"));
-  EXPECT_TRUE(says(explain_auto(p, {.tol = 1.5e-3}), "tolerance 0.0015"));
+  EXPECT_TRUE(says(explain_auto(p, {.tol = 1.5e-3}), "tolerance 1.5e-3"));
 }
 
 TEST(AutoSolver, UnequalMassesBeginWithFactorisations) {
