@@ -38,7 +38,8 @@ SolveRun::SolveRun(const ContactProblem& problem, const SolverOptions& options)
 
 bool SolveRun::due(int iteration) {
   if (every_ || options_.stop == StopTest::kImpulse || iteration >= next_ ||
-      iteration == options_.also_judged || iteration >= options_.max_iterations) {
+      (previous_iteration_ < options_.also_judged && iteration >= options_.also_judged) ||
+      iteration >= options_.max_iterations) {
     return true;
   }
   if (iteration < next_poll_) return false;

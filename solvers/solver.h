@@ -57,7 +57,7 @@ struct SolverOptions {
   double tol = 1e-8;  ///< > 0
   StopTest stop = StopTest::kGuarded;
   int max_iterations = 1000000;   ///< >= 0
-  int also_judged = 0;            ///< an iteration that is judged even if it is not due
+  int also_judged = 0;            ///< judged even if it is not due: this iteration or the next one
   double time_limit = kInfinity;  ///< wall seconds, > 0
   Vector s0;                      ///< start; empty: s = 0
   /// True: uncoupled parts of the problem are solved one by one (solvers/auto/islands.h). By

@@ -113,7 +113,7 @@ int run_settings(const CompareFlags& flags, const std::vector<ProblemSource>& so
   options.time_limit = flags.time_limit.value_or(flags.quick ? 0.5 : options.time_limit);
   options.reference_time_limit = flags.reference_time_limit.value_or(options.reference_time_limit);
   flags.prepare(true);
-  const SettingStudy study = watched(flags.silent(), [&](const Watch& watch) {
+  const SettingStudy study = watched(flags.silent(), [&, options](const Watch& watch) mutable {
     options.watch = watch;
     return study_settings(sources, options);
   });
@@ -139,6 +139,7 @@ bool nothing_to_solve(const Comparison& comparison, const Comparison::Problem& p
 }
 
 int run_compare(const CompareFlags& flags) {
+  const InterruptGuard interrupt;
   Comparison::Options options = flags.options;
   options.out = flags.out;
   if (options.solvers == std::vector<std::string>{"all"}) options.solvers = solver_names();
@@ -178,8 +179,8 @@ int run_compare(const CompareFlags& flags) {
       if (!flags.quiet) trade.warn = &warn_once;
       return finished_trade(
           trade,
-          fmt::format("bipot trade {}{}",
-                      set ? "" : fmt::format("{}", fmt::join(flags.whole_runs, " ")), quick),
+          fmt::format("bipot trade{}{}",
+                      set ? "" : fmt::format(" {}", fmt::join(flags.whole_runs, " ")), quick),
           "bipot trade {}" + quick);
     });
   }

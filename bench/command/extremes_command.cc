@@ -71,6 +71,7 @@ int dump(const ExtremesFlags& flags) {
 }
 
 int random_sets(const ExtremesFlags& flags) {
+  const InterruptGuard interrupt;
   RandomSets::Options options{.first = flags.first,
                               .seed = flags.seed,
                               .tol = flags.tol,
@@ -83,7 +84,7 @@ int random_sets(const ExtremesFlags& flags) {
   const auto run = [&](int count, const char* what, const char* flag, auto* measure) {
     if (count == 0) return;
     options.count = count;
-    const RandomSets result = watched(flags.silent(), [&](const Watch& watch) {
+    const RandomSets result = watched(flags.silent(), [&, options](const Watch& watch) mutable {
       options.watch = watch;
       return measure(options);
     });
@@ -112,12 +113,13 @@ int random_sets(const ExtremesFlags& flags) {
 }
 
 int matrix(const ExtremesFlags& flags) {
+  const InterruptGuard interrupt;
   ExtremeMatrix::Options options{.solvers = solvers_of(flags),
                                  .only = flags.only,
                                  .quick = flags.quick,
                                  .tol = flags.tol,
                                  .time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2)};
-  const ExtremeMatrix result = watched(flags.silent(), [&](const Watch& watch) {
+  const ExtremeMatrix result = watched(flags.silent(), [&, options](const Watch& watch) mutable {
     options.watch = watch;
     return measure_extremes(options);
   });

@@ -338,7 +338,9 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
     const fs::path picture = is_speaker() ? options.folder.folder / "start.png" : fs::path();
     std::error_code no_matter;
     if (is_speaker()) fs::remove(picture, no_matter);
-    run.start = check_start(run.scene, picture, options.threads, options.time_limit);
+    // The clocks of several processes differ, and all push apart.
+    const double limit = on_several_processes() ? kInfinity : options.time_limit;
+    run.start = check_start(run.scene, picture, options.threads, limit);
     run.state = initial_state(run.scene);
   }
   run.whole_state = needs_whole_state(run.scene, options);

@@ -221,8 +221,11 @@ struct SolveTask {
 };
 
 /// The problem of a target that is no file.
-ProblemFile problem_of(const std::string& target) {
-  const std::vector<ProblemSource> sources = expand_targets({target}, {.warn = warn_once});
+ProblemFile problem_of(const std::string& target, const CommonFlags& common) {
+  refuse_on_several_processes(common, "a target that is no file");
+  TargetOptions options;
+  if (!common.quiet) options.warn = &warn_once;
+  const std::vector<ProblemSource> sources = expand_targets({target}, options);
   if (sources.size() > 1) {
     const std::string& name = sources.back().name;
     throw std::invalid_argument(fmt::format("{}: {} problems; name one, as {}{}", target,
@@ -237,7 +240,9 @@ ProblemFile problem_of(const std::string& target) {
 ProblemFile read_file(const SolveFlags& flags) {
   const bool is_target = flags.problem.find_first_of(":@") != std::string::npos ||
                          std::ranges::count(names_of(shipped_scenes()), flags.problem) > 0;
-  if (is_target && !std::filesystem::exists(flags.problem)) return problem_of(flags.problem);
+  if (is_target && !std::filesystem::exists(flags.problem)) {
+    return problem_of(flags.problem, flags.common);
+  }
   return readable(flags.problem,
                   [&] { return read_problem(flags.problem, flags.accept_indefinite); });
 }

@@ -16,7 +16,8 @@ namespace bipot {
 
 std::filesystem::path default_plan_file(const std::vector<std::string>& targets) {
   const std::filesystem::path first = targets.size() == 1 ? targets.front() : "";
-  return first.extension() == ".toml" ? first.parent_path() / "plan.toml" : "plan.toml";
+  const bool scene = first.filename().string().find(".toml") != std::string::npos;
+  return scene ? first.parent_path() / "plan.toml" : "plan.toml";
 }
 
 int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
@@ -42,7 +43,7 @@ int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
   };
   if (sources.empty() && !std::filesystem::exists(options.file)) throw no_rows();
   const std::size_t known = read_measured_rows(options.file).size();
-  const std::vector<MeasuredRow> rows = watched(quiet, [&](const Watch& watch) {
+  const std::vector<MeasuredRow> rows = watched(quiet, [&, options](const Watch& watch) mutable {
     options.watch = watch;
     return measure_rows(sources, options);
   });

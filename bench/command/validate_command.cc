@@ -83,6 +83,7 @@ CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
 }
 
 int run_validate(const ValidateFlags& flags) {
+  const InterruptGuard interrupt;
   require_solver(flags.context.solver);
   const std::vector<Experiment> experiments = chosen_experiments(flags);
   flags.prepare(true);

@@ -338,7 +338,8 @@ template <int D>
 void add_steps(const std::string& target, const SceneOfLength& file, Scene<D>&& scene,
                const TargetOptions& options, std::vector<ProblemSource>& sources) {
   check_start(scene, options.warn);
-  const int last = file.steps.value_or(std::min(scene.num_steps, options.scene_steps));
+  const int cut = options.step ? scene.num_steps : std::min(scene.num_steps, options.scene_steps);
+  const int last = file.steps.value_or(cut);
   std::set<int> steps;
   if (options.step) steps = {*options.step};
   if (options.step > last) {
@@ -375,14 +376,16 @@ void add_step(const std::string& target, std::size_t at, TargetOptions options,
               const std::shared_ptr<Piles>& piles, std::vector<ProblemSource>& sources) {
   options.step = whole_number<int>(target.substr(at + 1));
   if (!options.step || *options.step < 1) {
-    throw std::invalid_argument(target + ": expected a step, from 1 on, behind '@'");
+    throw std::invalid_argument(target + ": no such file, and no step, from 1 on, behind '@'");
   }
   const std::size_t before = sources.size();
   add_target(target.substr(0, at), options, piles, sources);
-  if (sources.size() != before + 1 || !sources.back().name.ends_with(target.substr(at))) {
+  const std::string step = fmt::format("@{}", *options.step);
+  if (sources.size() != before + 1 || !sources.back().name.ends_with(step)) {
     throw std::invalid_argument(target + ": only the run of a scene or a moving family has steps");
   }
   sources.back().target = target;
+  sources.back().series.clear();
 }
 
 void add_target(const std::string& target, const TargetOptions& options,
@@ -398,7 +401,10 @@ void add_target(const std::string& target, const TargetOptions& options,
   }
   const std::vector<std::string> names = target_families();
   if (const std::size_t colon = target.find(':'); colon != std::string::npos) {
-    if (target.substr(colon).starts_with(":steps=")) return add_scene(target, options, sources);
+    if (target.substr(colon).starts_with(":steps=") ||
+        fs::is_regular_file(target.substr(0, target.rfind(':')))) {
+      return add_scene(target, options, sources);
+    }
     const std::string family = target.substr(0, colon);
     if (!contains(names, family)) {
       throw std::invalid_argument(target + ": no such file; " +

@@ -89,8 +89,8 @@ struct Study {
 
   /// A line for each measurement; none if there is no file. Throws FileError.
   static Measured read(const std::filesystem::path& rows);
-  /// Runs the jobs that `rows` lacks and adds them to it. False if it was interrupted; what was done
-  /// is kept.
+  /// Runs the jobs that `rows` lacks and adds them to it. False if it was interrupted; what was
+  /// done is kept.
   static bool measure(const std::filesystem::path& rows, const std::vector<Job>& jobs,
                       const Watch& watch);
 };

@@ -6,6 +6,7 @@ namespace bipot {
 namespace {
 
 volatile std::sig_atomic_t interrupt_requested = 0;  // written by the signal handler alone
+int guards = 0;                                      // alive
 
 void on_signal(int signal) {
   interrupt_requested = 1;
@@ -15,12 +16,14 @@ void on_signal(int signal) {
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
+  if (guards++ > 0) return;
   interrupt_requested = 0;
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
 }
 
 InterruptGuard::~InterruptGuard() {
+  if (--guards > 0) return;
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
 }

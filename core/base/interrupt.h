@@ -6,7 +6,7 @@
 namespace bipot {
 
 /// During its life, Ctrl-C (SIGINT) and SIGTERM ask for an orderly end instead of killing: solvers
-/// stop at their next iteration. A second signal kills.
+/// stop at their next iteration. A second signal kills. A guard within another one adds nothing.
 class InterruptGuard {
  public:
   InterruptGuard();

@@ -375,8 +375,9 @@ class Picture {
     const std::vector<double>& fill = options_.fill.values;
     for (std::size_t k = 0; k < state_.bodies.size(); ++k) {
       const Disk& d = state_.bodies[k];
-      if (watch_.seconds() > options_.time_limit)
+      if (watch_.seconds() > options_.time_limit) {
         throw std::runtime_error("the time limit is over");
+      }
       if (shift != Vec2::Zero() && !near(d.x + shift, d.radius)) continue;
       const Vec2 x = map_(d.x + shift);
       const double radius = map_.scale * d.radius;

@@ -32,12 +32,16 @@ class Forecast {
       : stage_(stage), tol_(tol), stop_(stop) {}
 
   void record(const IterationRecord& r) {
+    if (failed_) return;
     // The difference of successive impulses is not in the record: there is no forecast for it.
     if (stop_ == StopTest::kImpulse || stage_.max_iterations == AutoStage::kUnlimited) return;
     double error = r.error.guarded();
     if (stop_ == StopTest::kRaw42 && std::isfinite(r.error.raw42)) error = r.error.raw42;
     if (!best_.empty()) error = std::min(error, best_.rbegin()->second);
-    if (!std::isfinite(error)) return;
+    if (!std::isfinite(error)) {
+      failed_ = r.iteration >= stage_.max_iterations;
+      return;
+    }
     best_[r.iteration] = error;
     if (r.iteration < std::max(stage_.min_iterations, 2)) return;
     const bool near = error <= kNearTolerances * tol_;

@@ -124,7 +124,9 @@ StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, i
   report.pair = overlap_name<D>(scene, overlaps[0].contact);
   report.depth = -overlaps[0].contact.gap;
   report.radii = overlaps[0].radii;
-  if (scene.start == StartChoice::kRefuse) refuse(picture, scene, overlaps, time_limit, "");
+  if (scene.start == StartChoice::kRefuse) {
+    refuse(picture, scene, overlaps, time_limit - watch.seconds(), "");
+  }
   if (scene.start == StartChoice::kAllow) return report;
   const PushApart pushed = part_bodies(scene, threads, time_limit);
   const std::string how = fmt::format(

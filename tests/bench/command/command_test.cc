@@ -289,6 +289,10 @@ TEST_F(Command, TuneWritesAPlanThatSolveAndRunTake) {
   const std::string one_row = "tune square:4 --solvers pgs --tols 1e-2 --least-rows 1 -q ";
   EXPECT_EQ(code_of(one_row + "--out new/folder/plan.toml"), 0);
   EXPECT_EQ(code_of("tune no_such_thing --out plan.toml"), 2);
+  fs::create_directory("own");
+  fs::copy_file(shipped_scene("four_spheres"), "own/my.toml");
+  EXPECT_EQ(code_of("tune own/my.toml:steps=20 --solvers pgs --tols 1 --least-rows 1 -q"), 0);
+  EXPECT_TRUE(fs::exists("own/plan.toml"));
   EXPECT_EQ(code_of("tune --out none.toml"), 2);
   EXPECT_EQ(code_of("tune square:4 --solvers auto --out none.toml"), 2);
   EXPECT_EQ(code_of("tune square:4 --solvers pgs --out none.csv"), 2);  // the rows
@@ -391,7 +395,8 @@ TEST_F(Command, InterruptedMeasurementsSaySoAndLeaveValidFiles) {
   EXPECT_EQ(json_in("compare/comparison.json")["complete"], false);
   EXPECT_GT(fs::file_size("compare/report.html"), 100u);
 
-  expect_interrupted("extremes --random-problems 100000 --solver auto --json random.json");
+  expect_interrupted(
+      "extremes --random-problems 100000 --random-scenes 9 --solver auto --json random.json");
   EXPECT_EQ(json_in("random.json")["complete"], false);
 
   expect_interrupted("trade compaction --json trade.json --out trade");

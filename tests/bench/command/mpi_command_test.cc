@@ -123,6 +123,7 @@ TEST_F(MpiCommand, ExitCodesAreThoseOfOneProcessAndOneProcessSpeaks) {
   EXPECT_EQ(on(3, solve + "--solver none").exit_code, 2);
   EXPECT_EQ(on(2, solve + "--solver apgd --threads 2").exit_code, 2);
   EXPECT_EQ(on(2, solve + "--several 3").exit_code, 2);
+  EXPECT_EQ(on(2, "solve pour:4@20").exit_code, 2);  // each would make it
   EXPECT_EQ(on(2, "run square_lattice --model dem").exit_code, 2);
   const Outcome compare = both_streams(3, "compare " + shipped_problem("2d_pour12_170"));
   EXPECT_EQ(compare.exit_code, 2);

@@ -227,8 +227,10 @@ TEST_F(Command, SolvesWhatAComparisonNames) {
   expect_said("solve pour:6", 2, {"pour:6: 3 problems; name one, as pour:6@"});
   expect_said("solve drum", 2, {"drum: 3 problems; name one, as drum@"});
   expect_said("solve pyramid:4@2", 2, {"only the run of a scene or a moving family has steps"});
-  expect_said("solve four_spheres@0", 2, {"expected a step, from 1 on"});
+  expect_said("solve four_spheres@0", 2, {"no step, from 1 on, behind '@'"});
   expect_said("solve four_spheres:steps=20@21", 2, {"the run has 20 steps"});
+  // Steps behind the length of quick runs.
+  EXPECT_EQ(code_of("compare four_spheres@0120 --quick --solvers pgs --tols 1e-1 -q"), 0);
 }
 
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {

@@ -15,16 +15,19 @@ namespace bipot {
 namespace {
 
 /// A solver that follows a script on one contact, whose solution is s_n = 1: each iteration the
-/// distance to it is multiplied by `factor`. Keeps the starts.
+/// distance to it is multiplied by `factor`. Counts in strides, and keeps the starts.
 struct Script {
   double factor = 1;
+  int stride = 1;
   std::vector<double> starts = {};
 };
 SolverEntry scripted(const char* name, Script& script) {
   return {.name = name, .summary = "script", .run = [&script](SolveRun& run) {
             Vector s = run.start();
             script.starts.push_back(s[0]);
-            for (int k = 0; !run.stop(k, s); ++k) s[0] = 1 + script.factor * (s[0] - 1);
+            for (int k = 0; !run.stop(k, s); k += script.stride) {
+              s[0] = 1 + script.factor * (s[0] - 1);
+            }
           }};
 }
 
@@ -104,6 +107,8 @@ TEST_F(StageRace, AStageThatIsNearIsGivenAQuarterMore) {
   ends_at(enough - 5);
   options_.tol = 1e-8;
   ends_at(static_cast<int>(std::ceil(needed() / 1.25)));  // far
+  slow_.stride = 7;
+  EXPECT_TRUE(says(race({stage_of(slow, 40)}).message, "slow 42: iteration limit"));
 }
 
 TEST_F(StageRace, AStageWaitsForAnErrorThatIsSmallEnough) {
