@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <vector>
 
-#include "core/base/portable_random.h"
 #include "core/criterion/contact_error.h"
 #include "core/criterion/rounding_bound.h"
 #include "core/problem/coulomb_cone.h"

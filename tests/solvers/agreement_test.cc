@@ -1,16 +1,6 @@
 // Every registered solver on every problem below: converged means that an independent
 // implementation of the criterion agrees, and that the velocities are the known ones.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <set>
-#include <string>
-#include <vector>
-
-#include "core/criterion/contact_error.h"
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"

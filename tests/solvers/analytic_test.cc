@@ -1,13 +1,6 @@
 // Scenes with a solution by hand: Tables 1 and 2 and the square lattice of Fig. 10 of the paper,
 // bars with joints.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <utility>
-#include <vector>
-
-#include "core/problem/delassus.h"
 #include "core/problem/equality_rows.h"
 #include "core/scene_files/scene_file.h"
 #include "tests/support/converged.h"

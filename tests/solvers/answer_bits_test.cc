@@ -3,16 +3,12 @@
 // numbers is a change of answers. It must be wanted.
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <cstdint>
-#include <map>
-#include <string>
 
 #include "core/problem_files/problem_file.h"
 #include "solvers/solve.h"
 #include "tests/support/bit_hash.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

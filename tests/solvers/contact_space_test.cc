@@ -1,10 +1,7 @@
 #include "solvers/contact_space.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/support/manufactured.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,18 +1,10 @@
 // What every solver of single exact steps must do: the contacts known by hand, networks with a known
 // solution, hyperstatic scenes, limits, units, and the same bits twice.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
 #include <ostream>
-#include <string>
-#include <vector>
 
-#include "core/criterion/contact_error.h"
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/test_name.h"
 

@@ -1,14 +1,7 @@
 // What every first-order solver must do, in each of its variants: the analytic contacts, the stop
 // tests and limits, starts, and independence of units and of the scene's direction.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <map>
-#include <numbers>
 #include <ostream>
-#include <string>
-#include <vector>
 
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"

@@ -1,19 +1,12 @@
 // Every row of the table ends when it is told to, by its caller or by the clock, on a problem of
 // 10 000 contacts; lemke and multistart on the largest one that they take.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <chrono>
-#include <string>
-#include <tuple>
-#include <vector>
 
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/machine_slowness.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 #include "tests/support/test_name.h"
 
 namespace bipot {

@@ -1,16 +1,13 @@
 // Units and the direction of a scene must not matter: every registered solver, the same number of
 // iterations to the same error.
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Geometry>
-#include <numbers>
-#include <string>
 
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "tests/support/test.h"
 #include "tests/support/test_name.h"
 
 namespace bipot {

@@ -1,14 +1,11 @@
 #include "solvers/proved_claim.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/criterion/extended_error.h"
 #include "core/criterion/rounding_bound.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,15 +1,10 @@
 #include "solvers/registry.h"
 
-#include <gtest/gtest.h>
-
-#include <stdexcept>
-#include <vector>
-
 #include "solvers/solve.h"
 #include "solvers/solve_run.h"
 #include "tests/support/lattice_problem.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,5 @@
 // Rolling friction as data: the criterion, and every solver that takes it.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-
-#include "core/criterion/contact_error.h"
 #include "core/criterion/extended_error.h"
 #include "core/criterion/impulse_verdict.h"
 #include "core/criterion/rounding_bound.h"
@@ -13,7 +7,6 @@
 #include "solvers/analysis/existence.h"
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

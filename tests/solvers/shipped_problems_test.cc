@@ -1,16 +1,6 @@
 // Every registered solver on every problem in data/problems: converged at 1e-8, with the errors and
 // velocities confirmed by others, or an honest status within the time limit.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <map>
-#include <set>
-#include <string>
-#include <vector>
-
 #include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
 #include "core/problem_files/problem_file.h"
@@ -18,6 +8,7 @@
 #include "solvers/solve.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/test.h"
 #include "tests/support/test_name.h"
 
 namespace bipot {

@@ -1,18 +1,12 @@
 #include "solvers/solve.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
 
 #include "core/base/triplets.h"
 #include "core/criterion/rounding_bound.h"
 #include "solvers/solve_run.h"
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

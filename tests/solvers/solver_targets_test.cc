@@ -1,9 +1,5 @@
 // What the solvers are known to reach, at sizes that take minutes. Label "long".
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "bench/problems/settled_pile.h"
 #include "core/scene/scene_family.h"
 #include "tests/support/converged.h"

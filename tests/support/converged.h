@@ -1,12 +1,10 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <source_location>
-#include <utility>
 
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <initializer_list>
-#include <string>
 
 #include "core/scene_files/scene_file.h"
-#include "tests/support/refusal.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 

@@ -1,10 +1,5 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <functional>
-#include <string>
 #include <type_traits>
 
 #include "core/motion/time_stepping.h"
@@ -16,6 +11,7 @@
 #include "solvers/simulation/step_solver.h"
 #include "tests/support/state_bits.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 

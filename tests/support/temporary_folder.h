@@ -1,10 +1,8 @@
 #pragma once
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <string>
+#include "tests/support/test.h"
 
 namespace bipot {
 

@@ -1,6 +1,6 @@
 #include "bench/command/blas_kernels.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

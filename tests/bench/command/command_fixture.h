@@ -1,19 +1,13 @@
 #pragma once
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "tests/support/command_line.h"
-#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 

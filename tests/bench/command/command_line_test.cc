@@ -1,11 +1,5 @@
 // Names, help, completion and the manual page of the `bipot` command, as a user asks for them.
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <string>
-
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/temporary_folder.h"
 

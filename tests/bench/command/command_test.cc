@@ -1,15 +1,5 @@
 // The `bipot` command, run as a user runs it. Single problems: solve_command_test.cc.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <string>
-#include <vector>
-
 #include "bench/command/blas_kernels.h"
 #include "core/criterion/contact_error.h"
 #include "core/files/input_file.h"

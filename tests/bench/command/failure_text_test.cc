@@ -1,10 +1,8 @@
 #include "bench/command/failure_text.h"
 
-#include <gtest/gtest.h>
-
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/scene/scene_parts.h"
-#include "tests/support/refusal.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,10 +1,5 @@
 // `bipot judge`, run as a user runs it.
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <string>
-
 #include "core/problem_files/problem_file.h"
 #include "solvers/solve.h"
 #include "tests/bench/command/command_fixture.h"

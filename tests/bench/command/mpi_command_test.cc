@@ -1,13 +1,5 @@
 // `mpirun -n P bipot solve|run`, as a user runs it.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <sstream>
-#include <string>
-#include <vector>
-
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/state_bits.h"

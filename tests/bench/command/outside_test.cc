@@ -1,10 +1,7 @@
 // What surrounds the program: files that are none, outputs that cannot be written, hostile texts,
 // signals.
 
-#include <gtest/gtest.h>
 #include <sys/stat.h>
-
-#include <string>
 
 #include "core/files/hdf5_file.h"
 #include "solvers/registry.h"

@@ -1,15 +1,10 @@
 #include "bench/command/progress_bar.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <chrono>
 #include <thread>
 
 #include "bench/command/help_text.h"
 #include "bench/command/run_progress.h"
 #include "bench/report/text_lines.h"
-#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,13 +1,6 @@
 // What `bipot run` refuses, keeps and says: the start, the folder of the results, the time.
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <set>
-#include <string>
 
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"

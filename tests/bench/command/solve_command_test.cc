@@ -1,11 +1,5 @@
 // `bipot solve` and the problems that runs dump for it, as a user runs them.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <string>
-
 #include "core/criterion/contact_error.h"
 #include "core/files/hdf5_file.h"
 #include "core/problem/equality_rows.h"

@@ -1,13 +1,10 @@
 #include "bench/compare/comparison_measures.h"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
 
 #include "bench/compare/comparison_charts.h"
 #include "core/base/types.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,15 +1,11 @@
 #include "bench/compare/comparison_several.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "bench/compare/comparison_measures.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/measure/true_error.h"
 #include "solvers/registry.h"
-#include "tests/support/refusal.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"

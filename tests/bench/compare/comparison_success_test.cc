@@ -1,12 +1,8 @@
 #include "bench/compare/comparison_success.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "bench/compare/comparison_charts.h"
 #include "core/base/types.h"
-#include "tests/support/refusal.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,16 +1,7 @@
 #include "bench/compare/comparison.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "bench/compare/comparison_report.h"
 #include "bench/compare/comparison_rows.h"
@@ -22,7 +13,6 @@
 #include "solvers/solve.h"
 #include "tests/support/markup_defect.h"
 #include "tests/support/naive_error.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"

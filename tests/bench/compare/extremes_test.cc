@@ -1,11 +1,6 @@
-#include <gtest/gtest.h>
 
-#include <chrono>
-#include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
-#include <set>
-#include <stdexcept>
 #include <thread>
 
 #include "bench/compare/extreme_matrix.h"
@@ -15,13 +10,11 @@
 #include "bench/compare/random_sets.h"
 #include "bench/measure/independent_check.h"
 #include "bench/report/labels.h"
-#include "core/criterion/contact_error.h"
 #include "core/criterion/extended_error.h"
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/markup_defect.h"
 #include "tests/support/naive_error.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

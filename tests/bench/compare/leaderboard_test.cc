@@ -1,13 +1,8 @@
-#include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
 
 #include "bench/compare/leaderboard_report.h"
 #include "core/base/file_error.h"
 #include "solvers/solve.h"
-#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 

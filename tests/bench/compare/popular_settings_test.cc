@@ -1,16 +1,10 @@
 #include "bench/compare/popular_settings.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-
 #include "bench/compare/settings_report.h"
 #include "core/problem/coulomb_cone.h"
 #include "solvers/solve.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

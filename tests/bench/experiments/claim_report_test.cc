@@ -1,14 +1,9 @@
 #include "bench/experiments/claim_report.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "bench/experiments/paper_item.h"
 #include "core/base/file_error.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

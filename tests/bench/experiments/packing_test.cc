@@ -1,15 +1,11 @@
 #include "bench/experiments/packing.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "bench/experiments/compression_run.h"
 #include "bench/problems/compression_scene.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/motion/force_balance.h"
 #include "core/scene_files/scene_file.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

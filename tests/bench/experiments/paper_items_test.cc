@@ -1,9 +1,5 @@
 // Items of `bipot paper` whose checks hold at every size, small. Label "long".
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "bench/experiments/paper_item.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,13 +1,9 @@
 #include "bench/experiments/static_equilibrium.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <stdexcept>
-
 #include "core/criterion/contact_error.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,12 +1,9 @@
 #include "bench/experiments/stop_test_study.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "bench/measure/true_error.h"
 #include "solvers/solve.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,15 +1,10 @@
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <set>
-#include <stdexcept>
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/force_range.h"
 #include "bench/experiments/validation_report.h"
 #include "bench/experiments/validation_row.h"
 #include "core/scene/scene_family.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

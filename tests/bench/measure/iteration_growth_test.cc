@@ -1,8 +1,6 @@
 #include "bench/measure/iteration_growth.h"
 
-#include <gtest/gtest.h>
-
-#include <stdexcept>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,6 +1,6 @@
 #include "bench/measure/kernel_work.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

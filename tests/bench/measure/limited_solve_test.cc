@@ -1,11 +1,9 @@
 #include "bench/measure/limited_solve.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <cmath>
-
 #include "bench/measure/stopwatch.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

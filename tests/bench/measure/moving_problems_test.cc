@@ -1,10 +1,6 @@
 #include "bench/measure/moving_problems.h"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
-#include <cstdlib>
-#include <numbers>
 #include <thread>
 
 #include "bench/measure/iteration_growth.h"

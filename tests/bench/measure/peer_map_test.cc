@@ -1,11 +1,8 @@
 #include "bench/measure/peer_map.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

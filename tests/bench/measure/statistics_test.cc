@@ -1,11 +1,7 @@
 #include "bench/measure/statistics.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "core/base/types.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,10 +1,5 @@
 #include "bench/page/page_curves.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <fstream>
-
 #include "core/base/file_error.h"
 #include "tests/support/temporary_folder.h"
 

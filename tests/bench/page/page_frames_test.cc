@@ -1,11 +1,7 @@
 #include "bench/page/page_frames.h"
 
-#include <gtest/gtest.h>
-
-#include <map>
-#include <random>
-
 #include "bench/page/deflate.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,9 +1,5 @@
 #include "bench/page/run_movie.h"
 
-#include <gtest/gtest.h>
-
-#include <stdexcept>
-
 #include "bench/page/run_frames.h"
 #include "core/base/file_error.h"
 #include "solvers/simulation/scene_run.h"

@@ -1,16 +1,10 @@
 #include "bench/page/run_page.h"
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "bench/page/page_update.h"
 #include "core/base/file_error.h"
 #include "solvers/simulation/scene_run.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"

@@ -1,6 +1,4 @@
-#include <gtest/gtest.h>
 
-#include <cmath>
 
 #include "core/observables/observables.h"
 #include "core/run_files/observable_output.h"

@@ -1,11 +1,7 @@
 #include "bench/problems/scene_rewrite.h"
 
-#include <gtest/gtest.h>
-
-#include <stdexcept>
-
 #include "core/scene_files/scene_file.h"
-#include "tests/support/refusal.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,9 +1,4 @@
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <filesystem>
-#include <numbers>
-#include <variant>
 
 #include "bench/problems/scene_catalogue.h"
 #include "core/files/hdf5_file.h"

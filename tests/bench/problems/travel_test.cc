@@ -1,12 +1,9 @@
 // [time] travel: steps are cut where a body would go too far in one.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/scene/scene_parts.h"
 #include "solvers/simulation/scene_stepper.h"
 #include "solvers/simulation/split_step.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

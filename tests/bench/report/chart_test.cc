@@ -1,17 +1,10 @@
 #include "bench/report/chart.h"
 
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <set>
-#include <string_view>
-
 #include "bench/report/program.h"
 #include "bench/report/text_lines.h"
 #include "core/base/file_error.h"
 #include "core/base/types.h"
 #include "tests/support/markup_defect.h"
-#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,11 +1,6 @@
 #include "bench/report/csv_text.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-
 #include "core/base/file_error.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

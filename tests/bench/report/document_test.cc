@@ -1,14 +1,12 @@
 #include "bench/report/document.h"
 
-#include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "bench/report/labels.h"
 #include "bench/report/text_lines.h"
 #include "core/base/types.h"
 #include "tests/support/markup_defect.h"
-#include "tests/support/refusal.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

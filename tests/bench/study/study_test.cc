@@ -1,11 +1,6 @@
 #include "bench/study/study.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
-#include <set>
 
 #include "bench/study/study_parts.h"
 #include "core/files/atomic_file.h"

@@ -1,11 +1,7 @@
 #include "bench/tradeoff/advice.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "core/base/types.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,14 +1,6 @@
 #include "bench/tradeoff/advise.h"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-#include <sstream>
-#include <stdexcept>
-#include <string>
 
 #include "bench/problems/moving_scene.h"
 #include "bench/problems/scene_catalogue.h"
@@ -17,8 +9,8 @@
 #include "bench/tradeoff/run_setting.h"
 #include "core/scene/scene_family.h"
 #include "solvers/simulation/scene_run.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_text.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,10 +1,5 @@
 #include "bench/tradeoff/trade.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "bench/tradeoff/trade_analysis.h"
@@ -13,7 +8,6 @@
 #include "core/base/types.h"
 #include "core/motion/spring_dashpot.h"
 #include "tests/support/markup_defect.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

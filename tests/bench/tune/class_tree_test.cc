@@ -1,8 +1,6 @@
 #include "bench/tune/class_tree.h"
 
-#include <gtest/gtest.h>
-
-#include <vector>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,5 @@
 #include "bench/tune/measure_rows.h"
 
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <stdexcept>
-#include <vector>
-
 #include "solvers/solve.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/temporary_folder.h"

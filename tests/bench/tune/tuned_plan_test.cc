@@ -1,12 +1,9 @@
 #include "bench/tune/tuned_plan.h"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <string>
-#include <vector>
 
 #include "solvers/auto/auto_plan.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,8 +1,6 @@
 #include "core/base/large_pages.h"
 
-#include <gtest/gtest.h>
-
-#include <numeric>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,6 +1,6 @@
 #include "core/base/nearest_name.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,8 @@
 #include "core/base/parallel.h"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
-#include <stdexcept>
-#include <string>
-#include <vector>
+
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

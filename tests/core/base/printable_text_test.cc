@@ -1,6 +1,6 @@
 #include "core/base/printable_text.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,9 +1,5 @@
 // Detection, assembly, products with W and the criterion: the same bits for any number of threads.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/base/parallel.h"
 #include "core/criterion/contact_error.h"
 #include "core/criterion/extended_error.h"
@@ -13,6 +9,7 @@
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
 #include "tests/support/bit_hash.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,10 +1,6 @@
 #include "core/criterion/contact_error.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Geometry>
-#include <cmath>
-#include <numbers>
 
 #include "core/motion/assembly.h"
 #include "core/problem/delassus.h"
@@ -14,6 +10,7 @@
 #include "tests/support/naive_error.h"
 #include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,9 @@
 #include "core/criterion/contact_terms.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
 #include <type_traits>
 
 #include "core/criterion/rounded.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,14 +1,9 @@
 #include "core/criterion/impulse_verdict.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <stdexcept>
-
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,12 +1,9 @@
 #include "core/criterion/rounding_bound.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/criterion/extended_error.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

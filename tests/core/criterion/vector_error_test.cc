@@ -1,11 +1,7 @@
 #include "core/criterion/vector_error.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-
 #include "core/criterion/error_terms.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,9 +1,5 @@
 #include "core/files/atomic_file.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-
 #include "core/base/file_error.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"

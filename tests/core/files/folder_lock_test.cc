@@ -1,9 +1,5 @@
 #include "core/files/folder_lock.h"
 
-#include <gtest/gtest.h>
-
-#include <optional>
-
 #include "core/base/file_error.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,25 +1,14 @@
 #include "core/files/hdf5_file.h"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <atomic>
-#include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <functional>
 #include <future>
-#include <limits>
-#include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
-#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 

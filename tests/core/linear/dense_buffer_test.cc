@@ -1,15 +1,12 @@
 #include "core/linear/dense_buffer.h"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <new>
-#include <string>
 #include <thread>
 
-#include "tests/support/refusal.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

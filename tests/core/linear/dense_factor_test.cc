@@ -1,10 +1,6 @@
 #include "core/linear/dense_factor.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <numbers>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,14 +1,8 @@
 #include "core/linear/frontal_cholesky.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <stdexcept>
-#include <utility>
-
 #include "tests/support/grid_matrix.h"
 #include "tests/support/random_vector.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

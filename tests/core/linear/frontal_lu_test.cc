@@ -1,17 +1,13 @@
 #include "core/linear/frontal_lu.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <array>
-#include <cmath>
 #include <memory>
-#include <stdexcept>
 
 #include "core/linear/eight_right_sides.h"
 #include "core/linear/frontal_kernels.h"
 #include "tests/support/grid_matrix.h"
 #include "tests/support/random_vector.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

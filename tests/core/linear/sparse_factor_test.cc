@@ -1,11 +1,9 @@
 #include "core/linear/sparse_factor.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <limits>
 
 #include "tests/support/random_vector.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,12 +1,10 @@
 #include "core/linear/supernodal_solve.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
 #include <deque>
-#include <vector>
 
 #include "tests/support/random_vector.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,14 +1,8 @@
 #include "core/linear/supernodes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
-#include <utility>
-#include <vector>
-
 #include "core/linear/frontal_tree.h"
 #include "tests/support/grid_matrix.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,10 +1,7 @@
 #include "core/motion/assembly.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"

@@ -1,21 +1,14 @@
 // Disks that are joined rigidly: what is known by hand, and what must hold for any impulse.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <string>
-
 #include "core/motion/force_balance.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/sample_area.h"
-#include "core/motion/stress_tensor.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/disk_union.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
@@ -36,9 +29,7 @@ TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
   // Disks of 0.1 and 0.2 m, 0.25 m apart. Without contacts the mid-point scheme is exact: after
   // time t the centre of mass is at x0 + v0 t - g t²/2, the dumbbell turned by w t, and each disk
   // where a rigid body has it.
-  Scene<2> scene = one_law<2>({.mu = 0.5});
-  scene.gravity = Vec2(0, -kGravity);
-  scene.step = 1e-2;
+  Scene<2> scene = heavy_scene({.mu = 0.5}, 1e-2);
   add_cluster(scene, {{Vec2(0, 0), 0.1}, {Vec2(0.25, 0), 0.2}}, 100, Vec2(1, 3), 7);
   ASSERT_EQ(validate(scene), "");
   const Cluster<2> begin = scene.clusters.bodies[0];

@@ -1,17 +1,11 @@
 // Cohesion: s_n >= -c h, friction on the shifted cone |s_t| <= mu (s_n + c h).
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 #include "core/motion/midpoint.h"
-#include "core/problem/delassus.h"
 #include "tests/support/converged.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
@@ -20,9 +14,7 @@ constexpr double kGrainStep = 0.01, kGrainMass = 2;
 
 template <int D>
 Scene<D> sticky(const ContactLaw& law) {
-  Scene<D> scene = one_law<D>(law);
-  scene.gravity = -kGravity * Vec<D>::Unit(D - 1);
-  scene.step = kGrainStep;
+  Scene<D> scene = heavy_scene<D>(law, kGrainStep);
   scene.contact_distance = 1e-9;
   scene.solver.tol = 1e-13;
   return scene;
@@ -120,10 +112,9 @@ template <int D>
 void stick_on_slope() {
   const double part = kGravity / std::sqrt(2);
   for (const double share : {0.9, 1.1}) {
-    Scene<D> scene = sticky<D>({.mu = 0.5, .cohesion = share * kGrainMass * part});
+    const ContactLaw law{.mu = 0.5, .cohesion = share * kGrainMass * part};
+    Scene<D> scene = on_floor(sticky<D>(law), 0.5, kGrainMass);
     scene.gravity = part * (Vec<D>::Unit(0) - Vec<D>::Unit(D - 1));
-    scene.walls = {flat_floor<D>()};
-    scene.bodies = {round_body<D>(0.5 * Vec<D>::Unit(D - 1), 0.5, kGrainMass)};
     scene.bodies[0].inertia = 1e9;
     const State<D> state = after_steps(scene, 20);
     const double slides = std::max(0.0, part * (1 - 0.5 * (1 + share)));
@@ -231,10 +222,9 @@ TEST(Cohesion, HoldsTheSideOfACell) {
 // is held, c > m g, unless its bond broke in the throw.
 TEST(Cohesion, ABondThatBrokeDoesNotComeBack) {
   for (const bool heal : {true, false}) {
-    Scene<2> scene = sticky<2>({.cohesion = 2 * kGrainMass * kGravity});
+    const ContactLaw law{.cohesion = 2 * kGrainMass * kGravity};
+    Scene<2> scene = on_floor(sticky<2>(law), 0.5, kGrainMass);
     scene.heal = heal;
-    scene.walls = {flat_floor<2>()};
-    scene.bodies = {round_body<2>(Vec2(0, 0.5), 0.5, kGrainMass)};
     State<2> state = after_steps(scene, 3);
     EXPECT_TRUE(state.contacts.at(0).bonded);
     const auto flip = [&] { scene.gravity = -scene.gravity; };

@@ -1,15 +1,9 @@
 // What a million steps add up to: piles at rest, elastic balls, disks that slide round in a drum.
 // In bipot_tests a short form, in bipot_long_tests (BIPOT_LONG_DRIFT) all steps.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <string>
-
 #include "core/scene/scene_family.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
@@ -73,11 +67,8 @@ TEST(Drift, APileAtRestDoesNotCreep) {
 
 /// A ball of 1 kg and radius 0.5 m that falls 1 m onto a floor.
 Scene<2> elastic_ball(double e_n, double step) {
-  Scene<2> scene = one_law<2>({.mu = 0, .e_n = e_n});
-  scene.gravity = Vec2(0, -kGravity);
-  scene.step = step;
-  scene.walls = {flat_floor<2>()};
-  scene.bodies = {round_body<2>(Vec2(0, 1.5), 0.5, 1)};
+  Scene<2> scene = on_floor(heavy_scene({.mu = 0, .e_n = e_n}, step), 0.5, 1);
+  scene.bodies[0].x[1] = 1.5;
   return scene;
 }
 

@@ -1,13 +1,5 @@
 // Walls, forces and drag that depend on time, and bodies from distributions and files.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <numbers>
-#include <string>
-
 #include "core/scene/wall_motion.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"

@@ -1,8 +1,7 @@
 #include "core/motion/force_balance.h"
 
-#include <gtest/gtest.h>
-
 #include "core/scene/scene_family.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

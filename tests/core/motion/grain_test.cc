@@ -1,16 +1,8 @@
 // Plates whose friction depends on the direction: mu along the grain, ratio mu across it.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <string>
-
 #include "core/motion/contact_axes.h"
 #include "core/motion/midpoint.h"
-#include "core/problem/sphere_structure.h"
 #include "tests/support/converged.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 
@@ -100,8 +92,7 @@ TEST(Grain, ARatioOfOneIsCoulombsLaw) {
 TEST(Grain, EverySolverAgrees) {
   Scene<3> scene = tripod("[0.3, 0.2, 0]");
   set_slope(scene, 0.3, 70);
-  const State<3> state = initial_state(scene);
-  const ContactProblem p = assemble_step(scene, make_midpoint(scene, state), true).problem;
+  const ContactProblem p = step_problem(scene, initial_state(scene), true);
   EXPECT_FALSE(sphere_structure(p));
   const Vector u = solve("pgs", p, {.tol = 1e-12}).u;
   int able = 0;

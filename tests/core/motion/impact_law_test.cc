@@ -1,18 +1,13 @@
 // Laws of impact where several contacts are struck at once: Newton's in Moreau's form, Poisson's in
 // two phases, Frémond's for mean velocities.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "core/base/portable_random.h"
 #include "core/scene/generators.h"
 #include "core/scene/sphere_generators.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
@@ -284,12 +279,9 @@ TEST(ImpactLaw, WhatRestsStaysAtRest) {
 // rest with v = 1e-9 m/s there is nothing to compress, v²/(g h)² = 1e-14; at 0.1 m/s there is.
 TEST(ImpactLaw, WhatTheToleranceLeftIsNotCompressed) {
   for (const double v : {0.0, 1e-9, 0.1}) {
-    Scene<2> scene = impact_scene<2>(Impact::kPoisson, {.e_n = 0.5});
+    Scene<2> scene = on_floor(impact_scene<2>(Impact::kPoisson, {.e_n = 0.5}), 0.5, 1, Vec2(0, -v));
     scene.gravity = Vec2(0, -kGravity);
     scene.solver.tol = 1e-8;
-    scene.bodies = {round_body<2>(Vec2(0, 0.5), 0.5, 1, Vec2(0, -v))};
-    scene.walls = {flat_floor<2>()};
-    scene.num_steps = 1;
     int solves = 0;
     TimeStepper<2> stepper(
         scene,

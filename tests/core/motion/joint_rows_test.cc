@@ -2,20 +2,9 @@
 
 #include "core/motion/joint_rows.h"
 
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <string>
-#include <tuple>
-#include <vector>
-
 #include "core/problem/equality_rows.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/joints.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 

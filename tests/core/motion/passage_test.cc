@@ -1,8 +1,7 @@
 #include "core/motion/passage.h"
 
-#include <gtest/gtest.h>
-
 #include "core/scene/scene_parts.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

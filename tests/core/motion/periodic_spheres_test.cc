@@ -1,21 +1,13 @@
 // Spheres in a cell that repeats itself in x, or in x and y.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <random>
-#include <set>
-#include <string>
-#include <tuple>
-
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_volume.h"
-#include "core/motion/stress_tensor.h"
 #include "core/pictures/flat_view.h"
 #include "core/scene/periodic_detection.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
@@ -132,8 +124,7 @@ TEST(PeriodicSpheres, VolumeIsThatOfTheCellAndOfWhatClosesIt) {
 TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
   // Thrown along the floor it ends at 5/7 of its speed, wherever cells begin, and keeps its
   // coordinates; in the wrapped state it lies in the cell.
-  Scene<3> scene = one_law<3>({.mu = 0.4});
-  scene.gravity = Vec3(0, 0, -kGravity);
+  Scene<3> scene = heavy_scene<3>({.mu = 0.4});
   scene.cell = block(0.5, 0.7);
   scene.walls = {half_space<3>(Vec3::Zero(), Vec3::UnitZ())};
   scene.bodies = {round_body<3>(Vec3(0.1, 0.1, 0.1), 0.1, 2, Vec3(2, -1, 0))};

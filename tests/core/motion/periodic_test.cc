@@ -1,15 +1,8 @@
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <set>
-#include <tuple>
 
 #include "core/base/portable_random.h"
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_area.h"
-#include "core/motion/stress_tensor.h"
 #include "core/scene/periodic_detection.h"
 #include "tests/support/scene_run.h"
 

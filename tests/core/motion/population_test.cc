@@ -1,12 +1,5 @@
 #include "core/motion/population.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <set>
-#include <string>
-
 #include "core/motion/time_stepping.h"
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"

@@ -1,12 +1,7 @@
 // overlaps = "predict": pairs that would meet before they are looked at again take part.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/motion/midpoint.h"
 #include "core/scene/scene_family.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {

@@ -1,11 +1,10 @@
 #include "core/motion/push_apart.h"
 
-#include <gtest/gtest.h>
-
 #include "core/scene/scene_parts.h"
 #include "core/scene/start_check.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,6 @@
 #include "core/motion/sample_area.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <utility>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,7 @@
 #include "core/motion/sample_volume.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "core/scene/scene_parts.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,18 +1,9 @@
 // Spheres that are joined rigidly: what is known by hand, and what must hold for any impulse.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <string>
-
 #include "core/motion/force_balance.h"
 #include "core/motion/midpoint.h"
-#include "core/motion/stress_tensor.h"
-#include "core/problem/sphere_structure.h"
 #include "core/scene/cluster_motion.h"
 #include "tests/support/converged.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 

@@ -1,32 +1,20 @@
 // Spheres: what is known by hand, and what must hold for any impulse.
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-#include <numbers>
-#include <random>
-#include <vector>
-
 #include "core/motion/assembly.h"
 #include "core/motion/force_balance.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/sample_volume.h"
-#include "core/motion/stress_tensor.h"
 #include "core/motion/warm_start.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
 
 /// A sphere of radius 0.5 m that touches the plane z = 0.
 Scene<3> sphere_on_floor(double mu) {
-  Scene<3> scene = one_law<3>({.mu = mu});
-  scene.gravity = Vec3(0, 0, -kGravity);
-  scene.walls = {half_space<3>(Vec3::Zero(), Vec3::UnitZ())};
-  scene.bodies = {round_body<3>(Vec3(0, 0, 0.5), 0.5, 2)};
+  Scene<3> scene = on_floor(heavy_scene<3>({.mu = mu}), 0.5, 2);
   scene.contact_distance = 1e-9;
-  scene.step = 1e-3;
   scene.solver.tol = 1e-12;
   return scene;
 }

@@ -1,14 +1,8 @@
 #include "core/motion/spring_dashpot.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <functional>
-#include <numbers>
-
 #include "core/scene/generators.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
@@ -17,10 +11,8 @@ constexpr double kPi = std::numbers::pi;
 
 template <int D = 2>
 Scene<D> spring_scene(double mu, double e_n, double e_t = 0) {
-  Scene<D> scene = one_law<D>({.mu = mu, .e_n = e_n, .e_t = e_t});
+  Scene<D> scene = heavy_scene<D>({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.model = Model::kSpringDashpot;
-  scene.gravity = -kGravity * Vec<D>::Unit(D - 1);
-  scene.step = 1e-3;
   return scene;
 }
 
@@ -120,14 +112,11 @@ TEST(SpringDashpot, ConvergesWithTheSubstep) {
 }
 
 TEST(SpringDashpot, DiskAtRestOverlapsByItsWeightOverTheStiffness) {
-  Scene<2> scene = spring_scene(0.4, 0.3);
-  scene.walls = {flat_floor<2>()};
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
-  scene.num_steps = 3000;
+  const Scene<2> scene = on_floor(spring_scene(0.4, 0.3), 0.1, 2);
   const SpringDashpotSetup setup = spring_dashpot_setup(scene);
   // The default stiffness: weight over 1e-3 of the radius.
   EXPECT_NEAR(setup.stiffness, 2 * kGravity / 1e-4, 1e-6 * setup.stiffness);
-  const State<2> end = run(scene);
+  const State<2> end = run(scene, 3000);
   EXPECT_NEAR(end.contacts.at(0).contact.gap, -1e-4, 1e-12);
   EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kGravity, 1e-9);
   EXPECT_EQ(end.contacts.at(0).s_t, 0);
@@ -168,9 +157,7 @@ TEST(SpringDashpot, BouncingBallReachesTheHeightsOfTable1) {
 }
 
 TEST(SpringDashpot, SlidingCylinderRollsAtTwoThirdsOfItsSpeed) {
-  Scene<2> scene = spring_scene(0.5, 0);
-  scene.walls = {flat_floor<2>()};
-  scene.bodies = {round_body<2>(Vec2(0, 0.01), 0.01, 1, Vec2(1, 0))};
+  Scene<2> scene = on_floor(spring_scene(0.5, 0), 0.01, 1, Vec2(1, 0));
   scene.step = 1e-4;
   scene.num_steps = 1500;
   double rolls_from = -1;
@@ -217,9 +204,7 @@ TEST(SpringDashpot, RollsWithoutSlipUpToTheThreshold) {
 TEST(SpringDashpot, AStickingContactHoldsItsPlaceAndPullsBack) {
   // A disk that cannot turn (huge inertia) is pulled aside by 0.3 of its weight on mu = 0.5: the
   // tangential spring carries it, x = F/k_t, and it stays there.
-  Scene<2> scene = spring_scene(0.5, 0.2);
-  scene.walls = {flat_floor<2>()};
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
+  Scene<2> scene = on_floor(spring_scene(0.5, 0.2), 0.1, 2);
   scene.bodies[0].inertia = 1e9;
   scene.gravity = Vec2(0.3 * kGravity, -kGravity);
   const State<2> end = run(scene, 2000);
@@ -239,8 +224,7 @@ Scene<2> lattice(int columns, int rows, double mu) {
   for (const Disk& d : rectangular_lattice(columns, rows, 0.01, Vec2::Zero())) {
     scene.bodies.push_back(round_body<2>(d.x, d.radius, 0.6));
   }
-  scene.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
-                 half_space<2>(Vec2(0.02 * columns, 0), Vec2(-1, 0))};
+  scene.walls = trough(0.02 * columns);
   return scene;
 }
 
@@ -264,9 +248,7 @@ TEST(SpringDashpot, SquareLatticeCarriesTheWeightAboveEachDisk) {
 TEST(SpringDashpot, TheCriticalStepIsStable) {
   // One undamped disk on a plane: 2/w = 2 √(m/k). Pressed lattices with friction at 0.99 of the
   // critical step come to rest with the right weight: the bound holds for six contacts at once.
-  Scene<2> one = spring_scene(0, 1);
-  one.walls = {flat_floor<2>()};
-  one.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
+  Scene<2> one = on_floor(spring_scene(0, 1), 0.1, 2);
   one.dem.stiffness = 1e5;
   EXPECT_NEAR(spring_dashpot_setup(one).critical_step, 2 * std::sqrt(2 / 1e5), 1e-15);
   for (const bool triangular : {false, true}) {
@@ -284,18 +266,13 @@ TEST(SpringDashpot, TheCriticalStepIsStable) {
     const State<2> end =
         run(scene, [&](const State<2>&, const StepReport<2>& r) { kinetic = r.energy.kinetic; });
     EXPECT_LT(kinetic, 1e-12);
-    double floor = 0;
+    double carried = 0;
     for (const ContactOutcome<2>& c : end.contacts) {
-      if (c.contact.j == static_cast<int>(scene.bodies.size())) floor += c.s_n / scene.step;
+      const int wall = c.contact.j - static_cast<int>(scene.bodies.size());
+      if (wall == 0) carried += c.s_n / scene.step;
+      if (wall > 0) carried += c.s_t * c.contact.n[0] / scene.step;  // by friction
     }
-    double walls = 0;  // friction at the side walls carries the rest
-    for (const ContactOutcome<2>& c : end.contacts) {
-      if (c.contact.j > static_cast<int>(scene.bodies.size())) {
-        walls += c.s_t * c.contact.n[0] / scene.step;
-      }
-    }
-    EXPECT_NEAR((floor + walls) / (0.6 * kGravity * static_cast<double>(scene.bodies.size())), 1,
-                1e-6);
+    EXPECT_NEAR(carried / (0.6 * kGravity * static_cast<double>(scene.bodies.size())), 1, 1e-6);
   }
 }
 
@@ -308,8 +285,7 @@ Scene<2> springs_in_a_falling_box(double length, double mass, double time) {
     scene.bodies.push_back(
         round_body<2>(d.x * length, d.radius * length, 2 * mass, Vec2(0.1, -0.5) * length / time));
   }
-  scene.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
-                 half_space<2>(Vec2(0.2 * length, 0), Vec2(-1, 0))};
+  scene.walls = trough(0.2 * length);
   scene.num_steps = 300;
   return scene;
 }
@@ -385,10 +361,8 @@ TEST(SpringDashpot, RestartGoesOnWithTheSameBits) {
 TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
   // A floor that moves up at 0.5 m/s lifts 2 kg by 0.5 m; 6 N on a wall of 1 kg and a disk of
   // 2 kg: a = 2 m/s², 4 N between them, and the wall's force does 6 N x 0.25 m in 0.5 s.
-  Scene<2> lift = spring_scene(0, 0.1);
-  lift.walls = {flat_floor<2>()};
+  Scene<2> lift = on_floor(spring_scene(0, 0.1), 0.1, 2, Vec2(0, 0.5));
   move_at(lift.walls[0], Vec2(0, 0.5));
-  lift.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 0.5))};
   const State<2> lifted = run(lift, 1000);
   EXPECT_NEAR(lifted.walls[0].a[1], 0.5, 1e-12);
   EXPECT_NEAR(lifted.wall_work / (2 * kGravity * 0.5), 1, 1e-3);
@@ -527,9 +501,7 @@ TEST(SpringDashpot, SlidingSphereRollsAtFiveSeventhsOfItsSpeed) {
   // m v - I w/a keeps its value and I = 2/5 m a²: v0 = v (1 + 2/5). It slides for 2 v0/(7 mu g) =
   // 0.058 s. Friction takes m v0²/2 (1 - 5/7) = m v0²/7. The axis of the spin is n x v.
   for (const Vec3& heading : {Vec3(1, 0, 0), Vec3(0.6, -0.8, 0)}) {
-    Scene<3> scene = spring_scene<3>(0.5, 0);
-    scene.walls = {flat_floor<3>()};
-    scene.bodies = {round_body<3>(Vec3(0, 0, 0.01), 0.01, 1, heading)};
+    Scene<3> scene = on_floor(spring_scene<3>(0.5, 0), 0.01, 1, heading);
     scene.step = 1e-4;
     const State<3> end = run(scene, 1500);
     EXPECT_NEAR((end.bodies[0].v - 5.0 / 7 * heading).norm(), 0, 1e-4);

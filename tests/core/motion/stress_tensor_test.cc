@@ -1,12 +1,5 @@
 #include "core/motion/stress_tensor.h"
 
-#include <gtest/gtest.h>
-
-#include <Eigen/Geometry>
-#include <cmath>
-#include <functional>
-#include <numbers>
-
 #include "core/motion/sample_area.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/generators.h"

@@ -1,25 +1,25 @@
 #include "core/motion/time_stepping.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <map>
-
 #include "core/base/portable_random.h"
 #include "core/scene/generators.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
 
 Scene<2> one_material(double mu, double e_n = 0, double e_t = 0) {
-  Scene<2> scene = one_law<2>({.mu = mu, .e_n = e_n, .e_t = e_t});
-  scene.gravity = Vec2(0, -kGravity);
-  scene.step = 1e-3;
+  Scene<2> scene = heavy_scene({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.solver.name = "pgs";
   scene.solver.tol = 1e-10;
+  return scene;
+}
+
+/// A disk that touches the floor.
+template <class... Motion>
+Scene<2> lying(double mu, const Motion&... motion) {
+  Scene<2> scene = on_floor(one_material(mu), 0.1, 2, motion...);
+  scene.contact_distance = 1e-6;
   return scene;
 }
 
@@ -48,9 +48,7 @@ TEST(TimeStepping, FreeFlightIsExact) {
 }
 
 TEST(TimeStepping, DiskLeavesThePlane) {
-  Scene<2> scene = one_material(0.5);
-  scene.walls = {flat_floor<2>()};
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 1), 3)};
+  Scene<2> scene = lying(0.5, Vec2(0, 1), 3);
   scene.contact_distance = 0.01;
   const State<2> end = solved_run(scene, 1, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 1);
@@ -95,19 +93,15 @@ TEST(TimeStepping, CylinderSlipsDownASteepIncline) {
 TEST(TimeStepping, SpinningDiskSetOnAPlaneSpinsDownAndRollsOff) {
   // mu m g acts on the rim: a = mu g, spin falls by 2 mu g / radius; rolling at v = |w| radius / 3
   // after t = |w| radius / (3 mu g).
-  Scene<2> scene = one_material(0.2);
-  scene.walls = {flat_floor<2>()};
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2::Zero(), -20)};
-  scene.contact_distance = 1e-6;
-  scene.num_steps = 400;
   double rolls_from = -1;
-  const State<2> end = solved_run(scene, [&](const State<2>& state, const StepReport<2>&) {
+  const auto onlooker = [&](const State<2>& state, const StepReport<2>&) {
     const bool slips = state.contacts.at(0).status == ContactStatus::kSlip;
     if (!slips && rolls_from < 0) rolls_from = state.time;
     if (slips) {
       EXPECT_NEAR(state.bodies[0].v[0], 0.2 * kGravity * state.time, 1e-8);
     }
-  });
+  };
+  const State<2> end = solved_run<2>(lying(0.2, Vec2(0, 0), -20), 400, onlooker);
   EXPECT_NEAR(rolls_from, 20 * 0.1 / (3 * 0.2 * kGravity), 2e-3);
   EXPECT_NEAR(end.bodies[0].v[0], 2.0 / 3, 1e-8);
   EXPECT_NEAR(end.bodies[0].spin, -20.0 / 3, 1e-7);
@@ -116,7 +110,6 @@ TEST(TimeStepping, SpinningDiskSetOnAPlaneSpinsDownAndRollsOff) {
 Scene<2> row_of_disks(int count, double e_n, const Vec2& first_velocity) {
   Scene<2> scene = one_material(0, e_n);
   scene.gravity = Vec2::Zero();
-  scene.step = 1e-3;
   for (int k = 0; k < count; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.2 * k, 0), 0.1, 2));
   scene.bodies[0].v = first_velocity;
   scene.contact_distance = 1e-6;
@@ -166,11 +159,8 @@ TEST(TimeStepping, RowJammedBetweenTwoWallsHasASolution) {
 }
 
 TEST(TimeStepping, MovingWallCarriesADisk) {
-  Scene<2> scene = one_material(0);
-  scene.walls = {flat_floor<2>()};
+  Scene<2> scene = lying(0, Vec2(0, 0.5));
   move_at(scene.walls[0], Vec2(0, 0.5));
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 0.5))};
-  scene.contact_distance = 1e-6;
   const State<2> end = solved_run(scene, 100);
   EXPECT_NEAR(end.bodies[0].x[1], 0.1 + 0.05, 1e-12);
   EXPECT_NEAR(end.walls[0].a[1], 0.05, 1e-14);
@@ -195,11 +185,7 @@ TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
 
 TEST(TimeStepping, FrictionDissipatesWhatTheSlidingCylinderLoses) {
   // From v0 to 2/3 v0 with the rolling energy: loss m v0²/2 - 3/4 m (2/3 v0)² = m v0²/6.
-  Scene<2> scene = one_material(0.5);
-  scene.walls = {flat_floor<2>()};
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(1, 0))};
-  scene.contact_distance = 1e-6;
-  const State<2> end = solved_run(scene, 150);
+  const State<2> end = solved_run<2>(lying(0.5, Vec2(1, 0)), 150);
   EXPECT_NEAR(end.friction_loss, 2.0 / 6, 1e-8);
   EXPECT_NEAR(end.shock_loss, 0, 1e-8);
 }
@@ -211,8 +197,7 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
   for (const Disk& d : random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 3, Vec2::Zero())) {
     scene.bodies.push_back(round_body<2>(d.x, d.radius, 2, Vec2(0, -0.5)));
   }
-  scene.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
-                 half_space<2>(Vec2(0.2, 0), Vec2(-1, 0))};
+  scene.walls = trough(0.2);
   State<2> state = initial_state(scene);
   Vector start;
   const StepSolver inner = make_step_solver(*find_solver("pgs"), {.tol = 1e-4});
@@ -318,8 +303,7 @@ Scene<2> falling_box(double length, double mass, double time) {
     scene.bodies.push_back(
         round_body<2>(d.x * length, d.radius * length, 2 * mass, Vec2(0, -0.5 * length / time)));
   }
-  scene.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
-                 half_space<2>(Vec2(0.2 * length, 0), Vec2(-1, 0))};
+  scene.walls = trough(0.2 * length);
   scene.contact_distance = 1e-8 * length;
   scene.num_steps = 120;
   scene.solver.tol = 1e-6;
@@ -370,10 +354,8 @@ TEST(TimeStepping, UnitsOfAnotherBaseChangeTheIterationsByOneAtMost) {
 }
 
 TEST(TimeStepping, PenetrationIsThatOfTheMidPoint) {
-  Scene<2> scene = one_material(0);
+  Scene<2> scene = on_floor(one_material(0), 0.1, 2, Vec2(0, -1));
   scene.gravity = Vec2::Zero();
-  scene.walls = {flat_floor<2>()};
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, -1))};
   solved_run(scene, 1, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_NEAR(r.penetration, 5e-4, 1e-15);
   });

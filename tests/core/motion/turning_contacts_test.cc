@@ -1,18 +1,14 @@
 // Contacts that turn while bodies slide or roll on each other: of the second order in the time step
 // where a scene has an accuracy. Steps of equal size, without its controller.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "tests/support/pendulum_angle.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
 
-constexpr double kGravity = 9.81, kRadius = 0.01, kBowl = 0.1, kLength = kBowl - kRadius;
+constexpr double kRadius = 0.01, kBowl = 0.1, kLength = kBowl - kRadius;
 
 struct Ended {
   double error = 0;   // of the place                                     [radii]
@@ -55,8 +51,7 @@ void expect_second_order(const Scene<D>& scene, double time, int steps, const Ve
 
 /// A disk in a bowl, at an angle to its lowest point.
 Scene<2> in_a_bowl(double mu, double angle) {
-  Scene<2> scene = one_law<2>({.mu = mu});
-  scene.gravity = Vec2(0, -kGravity);
+  Scene<2> scene = heavy_scene({.mu = mu});
   scene.walls = {{.shape = Wall<2>::Shape::kHollowCircle, .radius = kBowl}};
   scene.bodies = {round_body<2>(kLength * Vec2(std::sin(angle), -std::cos(angle)), kRadius, 1)};
   return scene;
@@ -91,8 +86,7 @@ TEST(TurningContacts, ASphereRollsRoundAnUprightPipe) {
   //   W' = 0,   a w_r' = W z',   7/5 z'' = -g - 2/5 a W w_r.
   // So z'' + 2/7 W² z is constant: the ball comes up again, z = -5 g/(2 W²) (1 - cos √(2/7) W t).
   const double rate = 40, time = 0.2;
-  Scene<3> scene = one_law<3>({.mu = 50});
-  scene.gravity = Vec3(0, 0, -kGravity);
+  Scene<3> scene = heavy_scene<3>({.mu = 50});
   scene.walls = {{.shape = Wall<3>::Shape::kHollowCircle, .radius = kBowl}};
   scene.bodies = {round_body<3>(Vec3(kLength, 0, 0), kRadius, 1, Vec3(0, rate * kLength, 0))};
   scene.bodies[0].spin = Vec3(0, 0, -rate * kLength / kRadius);
@@ -106,8 +100,7 @@ TEST(TurningContacts, ARodSlidesOnItsEnd) {
   // Two joined disks; the first touches a floor without friction. About the centre of mass, at the
   // distance c of both: (I + m c² cos² a) a'' = -m g c cos a + m c² sin a cos a a'².
   const double c = 0.05, inertia = 2e-3, mass = 1, start = 1.2, time = 0.1;
-  Scene<2> scene = one_law<2>({});
-  scene.gravity = Vec2(0, -kGravity);
+  Scene<2> scene = heavy_scene({});
   scene.walls = {flat_floor<2>()};
   const Vec2 arm = c * Vec2(std::cos(start), std::sin(start)), centre(0, kRadius + arm[1]);
   scene.bodies = {round_body<2>(centre - arm, kRadius, 1), round_body<2>(centre + arm, kRadius, 1)};
@@ -127,12 +120,9 @@ TEST(TurningContacts, ARodSlidesOnItsEnd) {
 /// A plate with the velocity (v, w) sin 2 pi f t carries a body. It never pulls: 2 pi f w < g.
 template <int D>
 Scene<D> on_a_shaken_plate(double inertia) {
-  Scene<D> scene = one_law<D>({.mu = 5});
-  scene.gravity = -kGravity * Vec<D>::Unit(D - 1);
-  scene.walls = {flat_floor<D>()};
+  Scene<D> scene = on_floor(heavy_scene<D>({.mu = 5}), kRadius, 1);
   move_at(scene.walls[0], 0.3 * Vec<D>::Unit(0) + 0.2 * Vec<D>::Unit(D - 1));
   scene.walls[0].time_factor.frequency = 3;
-  scene.bodies = {round_body<D>(kRadius * Vec<D>::Unit(D - 1), kRadius, 1)};
   scene.bodies[0].inertia = inertia * kRadius * kRadius;
   return scene;
 }

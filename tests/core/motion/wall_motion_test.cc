@@ -1,25 +1,23 @@
 #include "core/scene/wall_motion.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "core/motion/sample_area.h"
 #include "core/motion/spring_dashpot.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
 
-constexpr double kPull = 9.81;  // m/s²
-
-Scene<2> rough_scene(double mu) {
-  Scene<2> scene = one_law<2>({.mu = mu});
-  scene.step = 1e-3;
+Scene<2> pulled_scene(double mu) {
+  Scene<2> scene = heavy_scene({.mu = mu});
   scene.solver.name = "pgs";
   scene.solver.tol = 1e-11;
   scene.contact_distance = 1e-6;
+  return scene;
+}
+Scene<2> rough_scene(double mu) {
+  Scene<2> scene = pulled_scene(mu);
+  scene.gravity.setZero();
   return scene;
 }
 
@@ -38,9 +36,8 @@ TEST(WallMotion, AMovedAndPressedPlateRollsADiskAtHalfItsSpeed) {
   // they slide, in the same direction (+x) at the top, and against the floor's sliding at the
   // bottom. At rest the floor contact does not slide. The disk ends rolling: velocity 0.15 m/s,
   // spin -0.15/0.1 (its top moves with the plate, its bottom stands).
-  Scene<2> scene = rough_scene(0.4);
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
-  scene.walls = {flat_floor<2>(), pressed_plate(0.2, 50, 0.3)};
+  Scene<2> scene = on_floor(rough_scene(0.4), 0.1, 2);
+  scene.walls.push_back(pressed_plate(0.2, 50, 0.3));
   const State<2> end = closed_run(scene, 100, 1e-12, 1e-12);
   EXPECT_NEAR(end.bodies[0].v[0], 0.15, 1e-9);
   EXPECT_NEAR(end.bodies[0].spin, -1.5, 1e-8);
@@ -130,7 +127,7 @@ TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
   // carry the weight.
   const double angle = std::numbers::pi / 9, third = std::numbers::pi / 3;
   Scene<2> scene = rough_scene(0);
-  scene.gravity = kPull * Vec2(std::sin(angle), -std::cos(angle));
+  scene.gravity = kGravity * Vec2(std::sin(angle), -std::cos(angle));
   const double rise = 0.1 * std::sqrt(3.0);
   scene.bodies = {round_body<2>(Vec2(-0.1, 0), 0.1, 2), round_body<2>(Vec2(0.1, 0), 0.1, 2),
                   round_body<2>(Vec2(0, rise), 0.1, 2)};
@@ -149,7 +146,7 @@ TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
     EXPECT_EQ(c.contact.i, 2);
     const double side = c.contact.j == 0 ? -1 : 1;  // of the disk that is uphill: less
     const double lean = std::sin(third / 2 + side * angle) / std::sin(third);
-    EXPECT_NEAR(c.s_n / scene.step, 2 * kPull * lean, 1e-5);
+    EXPECT_NEAR(c.s_n / scene.step, 2 * kGravity * lean, 1e-5);
   }
 }
 
@@ -164,9 +161,11 @@ TEST(WallMotion, SurfacesOfCirclesTurnCounterClockwise) {
   EXPECT_EQ(surface_velocity(drum, Vec2::Zero(), Vec2(0, 1)), Vec2(-6, 0));
 }
 
+/// A disk at the bottom of a drum.
 Scene<2> drum_scene(double spin, double mu) {
-  Scene<2> scene = rough_scene(mu);
+  Scene<2> scene = pulled_scene(mu);
   scene.walls = {{.shape = Wall<2>::Shape::kHollowCircle, .radius = 1, .spin = spin}};
+  scene.bodies = {round_body<2>(Vec2(0, -0.9), 0.1, 2)};
   return scene;
 }
 
@@ -175,8 +174,6 @@ TEST(WallMotion, ADrumSpinsADiskUpToItsOwnSurface) {
   // surface, so the disk stays at the bottom and its rim moves with the drum: spin = Omega R / a,
   // counter-clockwise as the drum.
   Scene<2> scene = drum_scene(0.2, 0.5);
-  scene.gravity = Vec2(0, -kPull);
-  scene.bodies = {round_body<2>(Vec2(0, -0.9), 0.1, 2)};
   scene.bodies[0].spin = 2;
   const State<2> end = closed_run(scene, 300, 1e-12, 1e-12);
   EXPECT_NEAR(end.bodies[0].spin, 2, 1e-8);
@@ -189,23 +186,19 @@ TEST(WallMotion, ADrumThatStartsDragsADiskWithFriction) {
   // takes, (g/l) mu g t³/6 with l = 0.9 m; spin = mu g t m a / I = 2 mu g t / a; and the drum has
   // done the work mu m g Omega R t.
   const double mu = 0.1, t = 0.01;
-  Scene<2> scene = drum_scene(1, mu);
-  scene.gravity = Vec2(0, -kPull);
-  scene.bodies = {round_body<2>(Vec2(0, -0.9), 0.1, 2)};
-  const State<2> end = solved_run(scene, 10);
-  EXPECT_NEAR(end.bodies[0].v[0], mu * kPull * t * (1 - kPull / 0.9 * t * t / 6), 1e-7);
-  EXPECT_NEAR(end.bodies[0].spin, 2 * mu * kPull * t / 0.1, 1e-5);
-  EXPECT_NEAR(end.wall_work, mu * 2 * kPull * 1 * t, 1e-6);
+  const State<2> end = solved_run(drum_scene(1, mu), 10);
+  EXPECT_NEAR(end.bodies[0].v[0], mu * kGravity * t * (1 - kGravity / 0.9 * t * t / 6), 1e-7);
+  EXPECT_NEAR(end.bodies[0].spin, 2 * mu * kGravity * t / 0.1, 1e-5);
+  EXPECT_NEAR(end.wall_work, mu * 2 * kGravity * 1 * t, 1e-6);
 }
 
 TEST(WallMotion, ADiskSwingsInAHollowCircleAsAPendulum) {
   // No friction: a pendulum of length R - a = 0.9 m. From 0.1 rad at rest it passes the bottom
   // after a quarter of the period 2 pi sqrt(l/g) (1 + angle²/16).
   Scene<2> scene = drum_scene(0, 0);
-  scene.gravity = Vec2(0, -kPull);
   scene.step = 1e-4;
-  scene.bodies = {round_body<2>(0.9 * Vec2(std::sin(0.1), -std::cos(0.1)), 0.1, 2)};
-  const double quarter = 0.5 * std::numbers::pi * std::sqrt(0.9 / kPull) * (1 + 0.1 * 0.1 / 16);
+  scene.bodies[0].x = 0.9 * Vec2(std::sin(0.1), -std::cos(0.1));
+  const double quarter = 0.5 * std::numbers::pi * std::sqrt(0.9 / kGravity) * (1 + 0.1 * 0.1 / 16);
   double passed = 0;
   solved_run(scene, 6000, [&](const State<2>& state, const StepReport<2>&) {
     if (passed == 0 && state.bodies[0].x[0] <= 0) passed = state.time;
@@ -215,41 +208,35 @@ TEST(WallMotion, ADiskSwingsInAHollowCircleAsAPendulum) {
 
 TEST(WallMotion, ADiskLiesOnASolidCircleAndRollsOff) {
   // On the very top it stays; the circle carries its weight.
-  Scene<2> scene = rough_scene(0.5);
+  Scene<2> scene = pulled_scene(0.5);
   scene.walls = {{.shape = Wall<2>::Shape::kSolidCircle, .radius = 1}};
-  scene.gravity = Vec2(0, -kPull);
   scene.bodies = {round_body<2>(Vec2(0, 1.1), 0.1, 2)};
   const State<2> end = solved_run(scene, 50);
   EXPECT_NEAR(end.bodies[0].x[1], 1.1, 1e-9);
-  EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kPull, 1e-6);
+  EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kGravity, 1e-6);
   EXPECT_EQ(end.contacts[0].contact.n, Vec2(0, 1));
 }
 
 TEST(WallMotion, AWallThatIsRemovedLetsTheDiskFall) {
   // The floor goes at 10 ms: from then on free fall. Steps 1 to 10 have their middles before.
-  Scene<2> scene = rough_scene(0.5);
-  scene.gravity = Vec2(0, -kPull);
-  scene.walls = {flat_floor<2>()};
+  Scene<2> scene = on_floor(pulled_scene(0.5), 0.1, 2);
   scene.walls[0].removed = 0.01;
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   const State<2> end = solved_run(scene, 30, [](const State<2>& state, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-13);
     EXPECT_EQ(r.contacts, r.step <= 10 ? 1 : 0);
     EXPECT_EQ(state.walls[0].present, r.step <= 10);
   });
-  EXPECT_NEAR(end.bodies[0].v[1], -kPull * 0.02, 1e-12);
-  EXPECT_NEAR(end.bodies[0].x[1], 0.1 - 0.5 * kPull * 0.02 * 0.02, 1e-9);
+  EXPECT_NEAR(end.bodies[0].v[1], -kGravity * 0.02, 1e-12);
+  EXPECT_NEAR(end.bodies[0].x[1], 0.1 - 0.5 * kGravity * 0.02 * 0.02, 1e-9);
 }
 
 TEST(WallMotion, AWallStartsAndStops) {
   // A floor that lifts a disk with 0.5 m/s from 5 ms to 15 ms: 10 steps of it. When it stops, the
   // disk flies on.
-  Scene<2> scene = rough_scene(0);
-  scene.walls = {flat_floor<2>()};
+  Scene<2> scene = on_floor(rough_scene(0), 0.1, 2);
   move_at(scene.walls[0], Vec2(0, 0.5));
   scene.walls[0].starts = 0.005;
   scene.walls[0].stops = 0.015;
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   const State<2> end = solved_run(scene, 25, [](const State<2>& state, const StepReport<2>& r) {
     const bool moves = r.step > 5 && r.step <= 15;
     EXPECT_EQ(state.walls[0].v[1], moves ? 0.5 : 0.0) << r.step;
@@ -279,21 +266,18 @@ TEST(WallMotion, TiltedDiskSlidesWhenTheSlopeExceedsFriction) {
   // acceleration: a disk rolls down with 2/3 g sin(angle), angle = rate (t - starts), hence
   // v = 2/3 g (1 - cos(rate (t - starts)))/rate.
   const double rate = 0.5;
-  Scene<2> scene = rough_scene(1);
-  scene.gravity = Vec2(0, -kPull);
+  Scene<2> scene = on_floor(pulled_scene(1), 0.1, 2);
   scene.tilt = {.rate = rate, .starts = 0.05};
-  scene.walls = {flat_floor<2>()};
-  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   const State<2> end = closed_run(scene, 250, 1e-13, 1e-13);
   // Turned counter-clockwise, gravity (0, -g) gains a part along +x.
-  const double speed = 2.0 / 3 * kPull * (1 - std::cos(rate * 0.2)) / rate;
+  const double speed = 2.0 / 3 * kGravity * (1 - std::cos(rate * 0.2)) / rate;
   EXPECT_NEAR(end.bodies[0].v[0] / speed, 1, 1e-6);
   // The energy of a body in turned gravity, from nothing but the work of turning and of rolling:
   // kinetic + potential = initial potential + work.
   const double angle = rate * 0.2;
-  const Vec2 g = kPull * Vec2(std::sin(angle), -std::cos(angle));
+  const Vec2 g = kGravity * Vec2(std::sin(angle), -std::cos(angle));
   const double potential = -2 * g.dot(end.bodies[0].x);
-  EXPECT_NEAR(0.75 * 2 * speed * speed + potential, 2 * kPull * 0.1 + end.wall_work, 1e-5);
+  EXPECT_NEAR(0.75 * 2 * speed * speed + potential, 2 * kGravity * 0.1 + end.wall_work, 1e-5);
 }
 
 TEST(WallMotion, GravityStopsTurning) {
@@ -307,13 +291,11 @@ TEST(WallMotion, GravityStopsTurning) {
 
 // The same scenes with springs. Their books close to the order of the substeps, not to round-off.
 TEST(WallMotion, SpringsKnowPlatesDrumsAndTilts) {
-  Scene<2> plate = rough_scene(0.4);
-  plate.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
-  plate.walls = {flat_floor<2>(), pressed_plate(0.2, 50, 0.3)};
+  Scene<2> plate = on_floor(rough_scene(0.4), 0.1, 2);
+  plate.walls.push_back(pressed_plate(0.2, 50, 0.3));
   Scene<2> drum = drum_scene(0.2, 0.5);
-  drum.gravity = Vec2(0, -kPull);
   drum.tilt = {.rate = 0.1, .starts = 0.05};
-  drum.bodies = {round_body<2>(Vec2(0, -0.9), 0.1, 2, Vec2::Zero(), 2)};
+  drum.bodies[0].spin = 2;
   for (Scene<2>* scene : {&plate, &drum}) {
     scene->model = Model::kSpringDashpot;
     scene->dem.stiffness = 1e6;
@@ -347,8 +329,7 @@ TEST(WallMotion, AreaOfADrumIsTheSamplesArea) {
 // inertia m a²/2, a spin of 2 mu g t / a. It rolls from v + a spin = V on: v = V/3, spin 2 V/(3 a),
 // after V/(3 mu g) = 0.1699 s and 0.0283 m. At 5 s it is at 0.3 + 0.0283 + (5 - 0.1699)/3 m.
 TEST(WallMotion, ABeltCarriesADiskAndStays) {
-  Scene<2> scene = rough_scene(0.2);
-  scene.gravity = Vec2(0, -9.81);
+  Scene<2> scene = pulled_scene(0.2);
   scene.bodies = {round_body<2>(Vec2(0.3, 0.1), 0.1, 1)};
   scene.walls = {{.shape = Wall<2>::Shape::kSegment, .b = Vec2(2, 0), .belt = Vec2(1, 0)}};
   const State<2> end = closed_run(scene, 5000, 1e-9, 1e-12);

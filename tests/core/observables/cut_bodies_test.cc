@@ -1,11 +1,7 @@
 #include "core/observables/cut_bodies.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "core/base/portable_random.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,15 +1,9 @@
 #include "core/observables/observables.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "core/run_files/observable_output.h"
 #include "core/run_files/run_output.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/scene_parts.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"

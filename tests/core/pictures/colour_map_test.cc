@@ -1,6 +1,6 @@
 #include "core/pictures/colour_map.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,12 +1,7 @@
 #include "core/pictures/flat_view.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "core/motion/state.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,16 +1,12 @@
 #include "core/pictures/force_picture.h"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
 #include <regex>
-#include <stdexcept>
 
 #include "core/base/file_error.h"
 #include "core/pictures/colour_map.h"
 #include "core/scene/cluster_motion.h"
-#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,12 +1,8 @@
 #include "core/pictures/stress_picture.h"
 
-#include <gtest/gtest.h>
-
-#include <numbers>
 #include <regex>
 
 #include "core/scene/generators.h"
-#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 

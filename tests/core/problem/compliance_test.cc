@@ -1,11 +1,8 @@
 #include "core/problem/compliance.h"
 
-#include <gtest/gtest.h>
-
 #include "core/problem/delassus.h"
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 
 namespace bipot {
 namespace {

@@ -1,12 +1,7 @@
 #include "core/problem/contact_problem.h"
 
-#include <gtest/gtest.h>
-
-#include <functional>
-
-#include "core/base/types.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

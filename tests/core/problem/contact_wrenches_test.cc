@@ -1,12 +1,9 @@
 #include "core/problem/contact_wrenches.h"
 
-#include <gtest/gtest.h>
-
-#include <vector>
-
 #include "tests/support/lattice_problem.h"
 #include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

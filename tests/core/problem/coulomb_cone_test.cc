@@ -1,12 +1,7 @@
 #include "core/problem/coulomb_cone.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <set>
-
 #include "core/base/portable_random.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

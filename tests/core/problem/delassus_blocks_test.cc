@@ -1,10 +1,9 @@
 #include "core/problem/delassus_blocks.h"
 
-#include <gtest/gtest.h>
-
 #include "core/problem/delassus.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/random_vector.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,8 +1,7 @@
-#include <gtest/gtest.h>
 
 #include "core/problem/delassus.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,13 +1,11 @@
 #include "core/problem/delassus.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Dense>
-#include <optional>
 #include <thread>
 
 #include "core/base/portable_random.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

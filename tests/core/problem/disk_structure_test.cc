@@ -1,13 +1,10 @@
 #include "core/problem/disk_structure.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/problem/delassus.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

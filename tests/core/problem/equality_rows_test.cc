@@ -1,14 +1,10 @@
 #include "core/problem/equality_rows.h"
 
-#include <gtest/gtest.h>
-
-#include <stdexcept>
-
 #include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

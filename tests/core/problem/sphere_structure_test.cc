@@ -1,12 +1,11 @@
 #include "core/problem/sphere_structure.h"
 
-#include <gtest/gtest.h>
-
 #include "core/problem/delassus.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

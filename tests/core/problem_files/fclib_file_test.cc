@@ -1,12 +1,5 @@
 #include "core/problem_files/fclib_file.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdlib>
-#include <limits>
-#include <vector>
-
 #include "core/base/file_error.h"
 #include "core/criterion/contact_error.h"
 #include "core/files/hdf5_file.h"
@@ -14,7 +7,6 @@
 #include "core/problem/equality_rows.h"
 #include "core/problem_files/problem_file.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"

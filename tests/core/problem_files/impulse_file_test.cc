@@ -1,14 +1,9 @@
 #include "core/problem_files/impulse_file.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-
 #include "core/base/file_error.h"
 #include "core/problem_files/fclib_file.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

@@ -1,15 +1,9 @@
 #include "core/problem_files/npy_file.h"
 
-#include <gtest/gtest.h>
-
-#include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <string>
 
 #include "core/base/file_error.h"
 #include "core/problem_files/impulse_file.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

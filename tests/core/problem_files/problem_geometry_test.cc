@@ -1,18 +1,14 @@
 #include "core/problem_files/problem_geometry.h"
 
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <csignal>
-#include <cstdlib>
-#include <fstream>
 
 #include "core/base/file_error.h"
 #include "core/files/hdf5_file.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/scene/scene_family.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

@@ -1,12 +1,7 @@
 #include "core/problem_files/siconos_text_file.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-
 #include "core/base/file_error.h"
 #include "core/problem_files/problem_file.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

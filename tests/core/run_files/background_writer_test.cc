@@ -1,15 +1,13 @@
 #include "core/run_files/background_writer.h"
 
-#include <gtest/gtest.h>
 #include <pthread.h>
 
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <future>
-#include <stdexcept>
 #include <thread>
-#include <vector>
+
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,5 @@
 #include "core/run_files/film.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <filesystem>
-#include <numbers>
-
 #include "tests/support/scene_text.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,24 +1,13 @@
 #include "core/run_files/run_output.h"
 
-#include <fmt/format.h>
-#include <gtest/gtest.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
-#include <fstream>
-#include <map>
 #include <regex>
-#include <sstream>
 
-#include "core/files/hdf5_file.h"
 #include "core/motion/sample_area.h"
-#include "core/motion/stress_tensor.h"
-#include "core/run_files/csv_file.h"
 #include "tests/support/markup_defect.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/source_folder.h"

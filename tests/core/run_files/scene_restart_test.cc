@@ -1,7 +1,4 @@
-#include <gtest/gtest.h>
 
-#include "core/scene_files/scene_file.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 

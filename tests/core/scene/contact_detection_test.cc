@@ -1,14 +1,8 @@
 #include "core/scene/contact_detection.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <numeric>
-
 #include "core/base/portable_random.h"
 #include "core/scene/generators.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,13 +1,7 @@
 #include "core/scene/disk_union.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "core/base/portable_random.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

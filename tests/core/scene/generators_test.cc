@@ -1,13 +1,10 @@
 #include "core/scene/generators.h"
 
-#include <gtest/gtest.h>
-
 #include <bit>
-#include <cmath>
-#include <map>
 
 #include "core/scene/contact_detection.h"
 #include "core/scene/scene_family.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

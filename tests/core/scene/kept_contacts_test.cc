@@ -1,10 +1,8 @@
-#include <gtest/gtest.h>
 
-#include <stdexcept>
-#include <vector>
 
 #include "core/base/portable_random.h"
 #include "core/scene/contact_detection.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,13 +1,7 @@
 #include "core/scene/near_pairs.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <set>
-#include <utility>
-#include <vector>
-
 #include "core/base/portable_random.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,9 +1,7 @@
 #include "core/scene/opposite_walls.h"
 
-#include <gtest/gtest.h>
-
 #include "core/scene/scene_parts.h"
-#include "tests/support/refusal.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

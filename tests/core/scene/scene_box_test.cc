@@ -1,8 +1,6 @@
 #include "core/scene/scene_box.h"
 
-#include <gtest/gtest.h>
-
-#include <vector>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

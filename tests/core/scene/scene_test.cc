@@ -1,6 +1,6 @@
 #include "core/scene/scene.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

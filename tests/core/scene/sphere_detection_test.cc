@@ -1,12 +1,8 @@
-#include <gtest/gtest.h>
 
-#include <cmath>
-#include <random>
-#include <stdexcept>
-#include <vector>
 
 #include "core/scene/contact_detection.h"
 #include "core/scene/scene_parts.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,12 +1,7 @@
 #include "core/scene/sphere_union.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "core/scene/scene_parts.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

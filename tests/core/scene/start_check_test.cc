@@ -3,10 +3,8 @@
 
 #include "core/scene/start_check.h"
 
-#include <gtest/gtest.h>
-
 #include "core/scene_files/scene_file.h"
-#include "tests/support/refusal.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,17 +1,10 @@
 #include "core/scene/triangle_mesh.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <memory>
-#include <numbers>
-#include <random>
-#include <stdexcept>
-
 #include "core/motion/passage.h"
 #include "core/scene/contact_detection.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
@@ -147,12 +140,10 @@ TEST(TriangleMesh, AFlatMeshIsAPlane) {
 
 TEST(TriangleMesh, ASphereSlidesOverTrianglesAsOverAPlane) {
   const auto end = [](const Wall<3>& floor) {
-    Scene<3> scene = one_law<3>({.mu = 0.2});
-    scene.gravity = Vec3(0, 0, -kGravity);
+    Scene<3> scene = heavy_scene<3>({.mu = 0.2}, 2e-3);
     scene.walls = {floor};
     scene.bodies = {round_body<3>(Vec3(-2, -1.7, 0.25), 0.25, 2, Vec3(3, 2.1, 0), Vec3(0, 0, 4))};
     scene.contact_distance = 1e-9;
-    scene.step = 2e-3;
     scene.num_steps = 500;
     scene.solver.tol = 1e-13;
     return solved_run(scene);

@@ -1,14 +1,6 @@
 #include "core/scene_files/lmgc90_bodies.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
-#include <string>
-#include <variant>
-#include <vector>
-
 #include "core/scene_files/scene_file.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {

@@ -1,12 +1,6 @@
 #include "core/scene_files/scene_file.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <numbers>
 #include <regex>
-#include <set>
 
 #include "core/base/file_error.h"
 #include "core/scene_files/scene_keys.h"

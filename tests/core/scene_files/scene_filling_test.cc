@@ -3,10 +3,6 @@
 #include "core/scene_files/scene_filling.h"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <fstream>
 
 #include "tests/support/refused_scene.h"
 #include "tests/support/temporary_folder.h"

@@ -2,8 +2,6 @@
 
 #include "core/scene_files/scene_keys.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support/refused_scene.h"
 
 namespace bipot {

@@ -1,7 +1,4 @@
-#include <gtest/gtest.h>
 
-#include <string>
-#include <variant>
 
 #include "tests/support/refused_scene.h"
 

@@ -1,15 +1,9 @@
 #include "core/scene_files/stl_file.h"
 
-#include <gtest/gtest.h>
-
 #include <cctype>
-#include <cstdint>
-#include <fstream>
-#include <string>
 
 #include "core/scene/triangle_mesh.h"
 #include "core/scene_files/scene_file.h"
-#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

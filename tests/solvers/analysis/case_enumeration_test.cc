@@ -1,12 +1,10 @@
 #include "solvers/analysis/case_enumeration.h"
 
-#include <gtest/gtest.h>
-
 #include "core/problem_files/problem_file.h"
 #include "solvers/analysis/several_answers.h"
-#include "tests/support/refusal.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

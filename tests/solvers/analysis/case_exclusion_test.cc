@@ -1,13 +1,10 @@
 #include "solvers/analysis/case_exclusion.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

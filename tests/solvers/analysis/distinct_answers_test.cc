@@ -1,15 +1,12 @@
 #include "solvers/analysis/distinct_answers.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/base/portable_random.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/solve.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,14 +1,11 @@
 #include "solvers/analysis/existence.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "solvers/analysis/certificate_check.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

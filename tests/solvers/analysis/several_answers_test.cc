@@ -1,11 +1,5 @@
 #include "solvers/analysis/several_answers.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 #include "core/problem_files/fclib_file.h"
 #include "core/problem_files/problem_file.h"
 #include "tests/support/converged.h"

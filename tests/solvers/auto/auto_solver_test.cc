@@ -1,13 +1,6 @@
 #include "solvers/auto/auto_solver.h"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <set>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "core/criterion/rounding_bound.h"
 #include "core/motion/time_stepping.h"
@@ -17,7 +10,6 @@
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/small_problems.h"
 

@@ -1,10 +1,5 @@
 #include "solvers/auto/contact_islands.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <vector>
-
 #include "core/base/portable_random.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"
@@ -14,6 +9,7 @@
 #include "tests/support/manufactured.h"
 #include "tests/support/side_by_side.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

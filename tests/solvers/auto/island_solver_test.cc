@@ -1,10 +1,4 @@
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "core/motion/time_stepping.h"
 #include "core/problem_files/problem_file.h"
@@ -18,7 +12,6 @@
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
-#include "tests/support/refusal.h"
 #include "tests/support/side_by_side.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"

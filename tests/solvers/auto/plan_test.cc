@@ -1,16 +1,9 @@
 #include "solvers/auto/plan.h"
 
-#include <gtest/gtest.h>
-
-#include <fstream>
 #include <iterator>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "solvers/auto/auto_plan.h"
 #include "tests/support/converged.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,9 +1,5 @@
 #include "solvers/auto/recovered_disks.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/problem/delassus.h"
 #include "core/problem/disk_structure.h"
 #include "tests/support/converged.h"

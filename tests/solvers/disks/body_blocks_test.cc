@@ -1,15 +1,9 @@
 #include "solvers/disks/body_blocks.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <set>
-#include <utility>
-#include <vector>
-
 #include "core/base/portable_random.h"
 #include "solvers/disks/wavefront.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,16 +1,8 @@
 #include "solvers/disks/contact_tiles.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdlib>
-#include <map>
-#include <numeric>
-#include <set>
-#include <vector>
-
 #include "core/base/portable_random.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,13 +1,12 @@
 #include "solvers/disks/deflated_sweep.h"
 
-#include <gtest/gtest.h>
-
 #include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/solve.h"
 #include "tests/support/bit_hash.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

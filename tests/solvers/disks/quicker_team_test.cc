@@ -1,6 +1,6 @@
 #include "solvers/disks/quicker_team.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

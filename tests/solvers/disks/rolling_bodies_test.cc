@@ -1,13 +1,10 @@
 #include "solvers/disks/rolling_bodies.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "core/scene/scene_parts.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,16 +1,13 @@
 #include "solvers/disks/stress_modes.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <cstring>
-#include <vector>
 
 #include "core/problem/delassus.h"
 #include "solvers/disks/contact_order.h"
 #include "solvers/disks/disk_positions.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,12 +1,9 @@
 #include "solvers/disks/sweep_schedule.h"
 
-#include <gtest/gtest.h>
-
 #include <mutex>
-#include <set>
 #include <thread>
-#include <utility>
-#include <vector>
+
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,19 +1,13 @@
 #include "solvers/disks/symmetric_sweep.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <initializer_list>
-#include <utility>
-#include <vector>
 
 #include "core/problem/delassus.h"
 #include "solvers/disks/contact_order.h"
 #include "solvers/kernels/contact_sweep.h"
 #include "tests/support/bit_hash.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

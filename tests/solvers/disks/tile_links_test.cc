@@ -1,16 +1,12 @@
 #include "solvers/disks/tile_links.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <set>
 #include <span>
-#include <vector>
 
 #include "core/problem/delassus.h"
 #include "solvers/disks/contact_order.h"
 #include "solvers/disks/disk_kernels.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,4 @@
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <map>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "core/base/triplets.h"
 #include "core/motion/time_stepping.h"

@@ -1,8 +1,6 @@
 #include "solvers/disks/wavefront.h"
 
-#include <gtest/gtest.h>
-
-#include <vector>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

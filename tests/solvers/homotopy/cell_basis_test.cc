@@ -1,16 +1,10 @@
 #include "solvers/homotopy/cell_basis.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <random>
-#include <vector>
-
 #include "core/base/portable_random.h"
 #include "core/base/triplets.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

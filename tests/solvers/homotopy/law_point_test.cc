@@ -1,14 +1,11 @@
 #include "solvers/homotopy/law_point.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/LU>
-#include <algorithm>
-#include <set>
 
 #include "core/base/portable_random.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,6 +1,6 @@
 #include "solvers/homotopy/proximal_term.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,6 @@
 #include "solvers/homotopy/ratio_test.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <limits>
-#include <random>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,10 +1,9 @@
 #include "solvers/interior/active_set.h"
 
-#include <gtest/gtest.h>
-
 #include "core/criterion/contact_error.h"
 #include "solvers/solve_run.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

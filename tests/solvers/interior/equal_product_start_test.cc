@@ -1,9 +1,8 @@
 #include "solvers/interior/equal_product_start.h"
 
-#include <gtest/gtest.h>
-
 #include "core/problem/delassus.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

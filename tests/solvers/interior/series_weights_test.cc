@@ -1,8 +1,6 @@
 #include "solvers/interior/series_weights.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,13 +1,10 @@
 #include "solvers/interior/taylor_path.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 #include "core/problem/delassus.h"
 #include "solvers/interior/equal_product_start.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,10 +1,7 @@
 #include "solvers/kernels/contact_penalties.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "core/problem/coulomb_cone.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

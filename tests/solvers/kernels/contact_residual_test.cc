@@ -1,8 +1,7 @@
 #include "solvers/kernels/contact_residual.h"
 
-#include <gtest/gtest.h>
-
 #include "core/base/portable_random.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

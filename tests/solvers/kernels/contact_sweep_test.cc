@@ -1,13 +1,8 @@
 #include "solvers/kernels/contact_sweep.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
-
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,10 +1,7 @@
 #include "solvers/kernels/local_coulomb.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-
 #include "core/criterion/contact_error.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,9 +1,5 @@
 #include "solvers/methods/accelerated_gradient.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "core/problem/delassus.h"
 #include "solvers/kernels/spectral_estimate.h"
 #include "tests/support/converged.h"

@@ -1,12 +1,5 @@
 #include "solvers/methods/accelerated_ssor.h"
 
-#include <gtest/gtest.h>
-
-#include <map>
-#include <string>
-#include <utility>
-
-#include "core/criterion/contact_error.h"
 #include "tests/support/converged.h"
 #include "tests/support/small_problems.h"
 

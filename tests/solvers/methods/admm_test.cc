@@ -1,10 +1,5 @@
 #include "solvers/methods/admm.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
-#include <utility>
-
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/random_vector.h"

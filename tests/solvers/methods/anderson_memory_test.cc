@@ -1,9 +1,8 @@
-#include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <random>
 
 #include "solvers/kernels/anderson_iteration.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

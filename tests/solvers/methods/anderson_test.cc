@@ -1,7 +1,5 @@
 #include "solvers/methods/anderson.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"

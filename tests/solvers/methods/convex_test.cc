@@ -1,11 +1,6 @@
 #include "solvers/methods/convex.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 #include "tests/support/converged.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -1,13 +1,8 @@
 #include "solvers/methods/gauss_seidel.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
-
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 
 namespace bipot {
 namespace {

@@ -1,16 +1,10 @@
 #include "solvers/methods/homotopy.h"
 
-#include <gtest/gtest.h>
-
-#include <set>
-#include <string>
-
 #include "solvers/homotopy/path_follower.h"
 #include "solvers/solve_run.h"
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -1,13 +1,7 @@
 #include "solvers/methods/interior_point.h"
 
-#include <gtest/gtest.h>
-
 #include <Eigen/LU>
-#include <cmath>
-#include <numbers>
-#include <utility>
 
-#include "core/criterion/contact_error.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_parts.h"
@@ -17,7 +11,6 @@
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -1,17 +1,9 @@
 #include "solvers/methods/load_path.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <string>
-
-#include "core/criterion/contact_error.h"
 #include "solvers/simulation/step_solver.h"
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/naive_error.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -1,7 +1,5 @@
 #include "solvers/methods/multistart_newton.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
 

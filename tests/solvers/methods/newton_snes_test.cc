@@ -1,23 +1,14 @@
 #include "solvers/methods/newton_snes.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
-#include "core/criterion/contact_error.h"
 #include "core/linear/sparse_factor.h"
 #include "core/linear/system_factor.h"
 #include "solvers/solve_run.h"
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

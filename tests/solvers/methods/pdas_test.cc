@@ -1,10 +1,7 @@
 #include "solvers/methods/pdas.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -1,9 +1,6 @@
 #include "solvers/methods/proximal_point.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support/converged.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -1,11 +1,8 @@
 #include "solvers/methods/siconos.h"
 
-#include <gtest/gtest.h>
-
 #include "core/problem/delassus.h"
 #include "tests/support/converged.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -1,9 +1,6 @@
 #include "solvers/methods/tresca.h"
 
-#include <gtest/gtest.h>
-
 #include "tests/support/converged.h"
-#include "tests/support/refusal.h"
 
 namespace bipot {
 namespace {

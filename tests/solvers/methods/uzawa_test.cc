@@ -1,10 +1,5 @@
 #include "solvers/methods/uzawa.h"
 
-#include <gtest/gtest.h>
-
-#include <string>
-
-#include "core/criterion/contact_error.h"
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"

@@ -2,11 +2,7 @@
 
 #include "solvers/parallel/cell_tree.h"
 
-#include <gtest/gtest.h>
-
-#include <random>
-#include <stdexcept>
-#include <vector>
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

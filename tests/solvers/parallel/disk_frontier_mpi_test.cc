@@ -1,14 +1,11 @@
 // The vector kernels for disks on pieces of a problem against those on the whole.
 
-#include <gtest/gtest.h>
-
-#include <vector>
-
 #include "core/problem_files/problem_file.h"
 #include "solvers/parallel/disk_frontier.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

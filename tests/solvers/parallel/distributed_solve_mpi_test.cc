@@ -1,23 +1,12 @@
 // Solvers on several processes against those of one.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <map>
-#include <string>
-#include <vector>
-
 #include "core/base/triplets.h"
-#include "core/problem/delassus.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/solve_run.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/refusal.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -2,16 +2,10 @@
 
 #include "solvers/parallel/exact_sum.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <bit>
-#include <cmath>
-#include <limits>
-#include <random>
-#include <vector>
 
 #include "core/base/types.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

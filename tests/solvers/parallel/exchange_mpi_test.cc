@@ -1,11 +1,8 @@
 // The exchange on MPI: what is copied, and what is counted.
 
-#include <gtest/gtest.h>
-
-#include <vector>
-
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

@@ -1,11 +1,10 @@
 // Tests that every process of an mpirun runs together: all call the same, each checks what it has.
 
-#include <gtest/gtest.h>
-
 #include <cstdio>
 
 #include "solvers/parallel/petsc_group.h"
 #include "tests/solvers/parallel/mpi_group.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

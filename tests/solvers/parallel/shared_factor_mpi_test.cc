@@ -1,13 +1,7 @@
 // Factorisations that all processes do together (ProcessGroup::run_on_root), and the solvers on
 // them.
 
-#include <gtest/gtest.h>
-
 #include <Eigen/LU>
-#include <random>
-#include <stdexcept>
-#include <string>
-#include <utility>
 
 #include "core/base/triplets.h"
 #include "core/problem_files/problem_file.h"
@@ -15,7 +9,6 @@
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
-#include "tests/support/refusal.h"
 #include "tests/support/source_folder.h"
 
 namespace bipot {

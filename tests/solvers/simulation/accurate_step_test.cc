@@ -2,18 +2,10 @@
 
 #include "solvers/simulation/accurate_step.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <utility>
-#include <vector>
-
 #include "solvers/simulation/scene_stepper.h"
 #include "tests/support/pendulum_angle.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
@@ -50,8 +42,7 @@ Ended<D> run(const Scene<D>& scene) {
 /// A disk or sphere 0.1 m above a floor.
 template <int D>
 Scene<D> ball(double e) {
-  Scene<D> scene = one_law<D>({.e_n = e});
-  scene.gravity = -9.81 * Vec<D>::Unit(D - 1);
+  Scene<D> scene = heavy_scene<D>({.e_n = e});
   scene.walls = {flat_floor<D>()};
   scene.bodies = {round_body<D>(Vec<D>(0.11 * Vec<D>::Unit(D - 1)), kRadius, 1)};
   return scene;
@@ -80,8 +71,7 @@ Scene<2> beside_wall(double e, double x, double mass = 1, const Vec2& v = Vec2::
 
 /// A disk at this height over a plate that swings at speed sin(turn t).
 Scene<2> over_plate(double e, double y, double speed, double turn) {
-  Scene<2> scene = one_law<2>({.e_n = e});
-  scene.gravity = Vec2(0, -9.81);
+  Scene<2> scene = heavy_scene({.e_n = e});
   scene.walls = {flat_floor<2>()};
   move_at(scene.walls[0], Vec2(0, speed));
   scene.walls[0].time_factor.frequency = turn / (2 * std::numbers::pi);
@@ -290,8 +280,7 @@ TEST(AccurateStep, ASlidingCylinderStartsToRollWithTheErrorOfOnePart) {
   const double mu = 0.5, step = 5e-3, time = 0.1, stop = 1 / (3 * mu * 9.81);
   const double exact =
       stop - 0.5 * mu * 9.81 * stop * stop + (1 - mu * 9.81 * stop) * (time - stop);
-  Scene<2> scene = one_law<2>({.mu = mu});
-  scene.gravity = Vec2(0, -9.81);
+  Scene<2> scene = heavy_scene({.mu = mu});
   scene.walls = {flat_floor<2>()};
   scene.bodies = {round_body<2>(Vec2(0, kRadius), kRadius, 1, Vec2(1, 0))};
   const Ended<2> end = run(with_accuracy(scene, 1e-3, step, 20));
@@ -301,8 +290,7 @@ TEST(AccurateStep, ASlidingCylinderStartsToRollWithTheErrorOfOnePart) {
 
 TEST(AccurateStep, SlidingInABowlIsOfTheSecondOrder) {
   const double length = 0.09, start = std::numbers::pi / 3;
-  Scene<2> scene = one_law<2>({});
-  scene.gravity = Vec2(0, -9.81);
+  Scene<2> scene = heavy_scene({});
   scene.walls = {{.shape = Wall<2>::Shape::kHollowCircle, .radius = 0.1}};
   scene.bodies = {round_body<2>(length * Vec2(std::sin(start), -std::cos(start)), kRadius, 1)};
   const double angle =
@@ -489,10 +477,8 @@ TEST(AccurateStep, ClustersAndCylindersCollide) {
 
 /// Disks that fall into a box.
 Scene<2> pour(int count) {
-  Scene<2> scene = one_law<2>({.mu = 0.3});
-  scene.gravity = Vec2(0, -9.81);
-  scene.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
-                 half_space<2>(Vec2(0.08, 0), Vec2(-1, 0))};
+  Scene<2> scene = heavy_scene({.mu = 0.3});
+  scene.walls = trough(0.08);
   for (int k = 0; k < count; ++k) {
     const double radius = kRadius * (0.8 + 0.05 * ((7 * k) % 9));
     scene.bodies.push_back(

@@ -1,11 +1,5 @@
 // Steps of a state that lies on several processes against those of one that does not.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_parts.h"
 #include "solvers/simulation/domain.h"
@@ -13,6 +7,7 @@
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/solvers/simulation/domain_scenes.h"
 #include "tests/support/state_bits.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

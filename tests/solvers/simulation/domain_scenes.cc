@@ -1,21 +1,16 @@
 #include "tests/solvers/simulation/domain_scenes.h"
 
-#include <cmath>
-
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
-#include "core/scene/scene_parts.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
 
 Scene<2> boxed(double width, const ContactLaw& law) {
-  Scene<2> scene = one_law<2>(law);
-  scene.gravity = Vec2(0, -kGravity);
-  scene.step = 2e-3;
+  Scene<2> scene = heavy_scene(law, 2e-3);
   scene.contact_distance = 1e-9;
-  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1)), half_space<2>(Vec2(0, 0), Vec2(1, 0)),
-                 half_space<2>(Vec2(width, 0), Vec2(-1, 0))};
+  scene.walls = trough(width);
   return scene;
 }
 
@@ -77,9 +72,7 @@ Scene<2> pressed_box(int side) {
 }
 
 Scene<3> box_of_spheres() {
-  Scene<3> scene = one_law<3>({.mu = 0.3, .e_n = 0.1});
-  scene.gravity = Vec3(0, 0, -kGravity);
-  scene.step = 2e-3;
+  Scene<3> scene = heavy_scene<3>({.mu = 0.3, .e_n = 0.1}, 2e-3);
   scene.contact_distance = 1e-9;
   scene.walls = {
       half_space<3>(Vec3(0, 0, 0), Vec3(0, 0, 1)), half_space<3>(Vec3(0, 0, 0), Vec3(1, 0, 0)),

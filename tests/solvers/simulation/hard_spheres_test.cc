@@ -1,18 +1,7 @@
 // Spheres that cost some solvers a hundred times what they cost others: three sizes settle, and
 // free pyramids stand. In bipot_tests 12 layers, in bipot_long_tests (BIPOT_LONG_DRIFT) 40.
 
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <string>
-#include <vector>
-
-#include "core/scene/contact_frame.h"
 #include "solvers/solve.h"
-#include "tests/support/refusal.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 

@@ -1,19 +1,13 @@
 // What each process finds on its bodies and ghosts against detection and assembly on the whole.
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "core/criterion/rounding_bound.h"
-#include "core/problem/delassus.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/distributed_space.h"
 #include "solvers/parallel/whole_problem.h"
 #include "solvers/simulation/domain_piece.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/solvers/simulation/domain_scenes.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

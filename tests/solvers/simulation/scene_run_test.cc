@@ -1,12 +1,5 @@
 #include "solvers/simulation/scene_run.h"
 
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <stdexcept>
-
 #include "core/problem_files/fclib_file.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/scene_family.h"
@@ -15,7 +8,6 @@
 #include "solvers/simulation/run_folder.h"
 #include "solvers/simulation/split_step.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/refusal.h"
 #include "tests/support/state_bits.h"
 #include "tests/support/temporary_folder.h"
 

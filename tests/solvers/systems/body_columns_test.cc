@@ -1,13 +1,8 @@
 #include "solvers/systems/body_columns.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <numeric>
-#include <vector>
-
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {

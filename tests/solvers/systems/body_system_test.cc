@@ -1,12 +1,9 @@
 #include "solvers/systems/body_system.h"
 
-#include <gtest/gtest.h>
-
-#include <numeric>
-
 #include "core/base/triplets.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
+#include "tests/support/test.h"
 
 namespace bipot {
 namespace {
