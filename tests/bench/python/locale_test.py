@@ -7,16 +7,9 @@ import pytest
 import bipot
 
 SCENE = """
-[[disks]]
-position = [0, 0.25]
-radius = 0.25
-density = 1000.5
-[[walls]]
-point = [0, 0]
-normal = [0, 1]
-[time]
-step = 1.5e-3
-steps = 3
+disks = [{position = [0, 0.25], radius = 0.25, density = 1000.5}]
+walls = [{point = [0, 0], normal = [0, 1]}]
+time = {step = 1.5e-3, steps = 3}
 """
 
 

@@ -56,22 +56,17 @@ TEST(PeriodicSpheres, EveryPairOfImagesIsMetOnce) {
   }
 }
 
-constexpr const char* kLayer = R"(
+constexpr const char* kLayer =
+    R"(
 contact = {mu = 0.3}
 cell = {width = 0.43, depth = 0.57}
 walls = [{point = [0, 0, 0], normal = [0, 0, 1]},
   {name = "plate", point = [0, 0, 1], normal = [0, 0, -1], force = 100, mass = 5}]
 time = {step = 2e-3, steps = 60}
 solver = {name = "pgs", tol = 1e-6}
-[[spheres]]
-arrangement = "cubic"
-columns = 3
-rows = 4
-layers = 3
-radius = 0.07
-density = 1000
-velocity = [1, -2, 0]
-)";
+)"
+    "spheres = [{arrangement = 'cubic', columns = 3, rows = 4, layers = 3, radius = 0.07, density = 1000, "
+    "velocity = [1, -2, 0]}]\n";
 
 TEST(PeriodicSpheres, WhereTheCellBeginsChangesNothing) {
   // All spheres moved by half a cell, and by whole cells: the same impulses, other images.

@@ -1,32 +1,24 @@
 #include "core/motion/population.h"
 
-#include "core/motion/time_stepping.h"
-#include "core/run_files/run_output.h"
-#include "core/run_files/run_reader.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/contact_detection.h"
-#include "core/scene/scene_parts.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
 #include "tests/support/refused_scene.h"
+#include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/source_folder.h"
-#include "tests/support/state_bits.h"
-#include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
 
 constexpr double kPopulationStep = 0.01;  // s
 
-StepSolver sweeps(double tol = 1e-6) { return make_step_solver(*find_solver("pgs"), {.tol = tol}); }
-
 template <int D>
 Scene<D> falling_scene() {
-  return Scene<D>{.gravity = -10 * Vec<D>::Unit(D - 1),
-                  .materials = {"default"},
-                  .laws = {{}},
-                  .step = kPopulationStep};
+  Scene<D> scene = one_law<D>({});
+  scene.gravity = -10 * Vec<D>::Unit(D - 1);
+  scene.step = kPopulationStep;
+  scene.solver = {.name = "pgs", .tol = 1e-6};
+  return scene;
 }
 
 template <int D>
@@ -48,12 +40,9 @@ void bodies_leave_when_and_as_they_should() {
     scene.bodies.push_back(round_body<D>(x, 0.05, k + 1));
   }
   scene.outlets = {below<D>(0)};
-  State<D> state = initial_state(scene);
-  const double initial = potential_energy<D>(state, scene.gravity);
-  TimeStepper<D> stepper(scene, sweeps(), false);
+  const double initial = potential_energy<D>(initial_state(scene), scene.gravity);
   Vec<D> pushed = Vec<D>::Zero();
-  while (state.step < 50) {
-    const StepReport<D> r = stepper.advance(state);
+  const State<D> end = solved_run(scene, 50, [&](const State<D>& state, const StepReport<D>& r) {
     const int left = state.step > 40 ? 3 : state.step > 30 ? 2 : state.step > 20 ? 1 : 0;
     const GateFlow<D>& out = state.population.outlets[0];
     ASSERT_EQ(out.count, left) << state.step;
@@ -72,8 +61,8 @@ void bodies_leave_when_and_as_they_should() {
     for (const Body<D>& b : state.bodies) pushed += kPopulationStep * b.mass * scene.gravity;
     EXPECT_LT((momentum(state) - pushed - passed(state).momentum).norm(), 1e-12);
     EXPECT_NEAR(r.energy.kinetic + r.energy.potential, initial + r.energy.passed, 1e-12);
-  }
-  const GateFlow<D>& out = state.population.outlets[0];
+  });
+  const GateFlow<D>& out = end.population.outlets[0];
   EXPECT_EQ(out.mass, 6);
   double taken = 0;
   for (int k = 0; k < 3; ++k) taken += (k + 1) * 10 * heights[k];
@@ -93,12 +82,12 @@ TEST(Population, AClusterLeavesAsAWhole) {
   join_disks(scene, 2, {.mass = 4});
   scene.clusters.bodies[0].spin = 5;
   scene.outlets = {below<2>(1e-6)};
-  State<2> state = initial_state(scene);
   const double inertia = scene.clusters.bodies[0].inertia;
-  TimeStepper<2> stepper(scene, sweeps(), false);
-  while (state.step < 20) stepper.advance(state);
-  EXPECT_EQ(state.bodies.size(), 3u);
-  const StepReport<2> r = stepper.advance(state);
+  StepReport<2> r;
+  const State<2> state = solved_run(scene, 21, [&](const State<2>& now, const StepReport<2>& last) {
+    EXPECT_EQ(now.bodies.size(), now.step < 21 ? 3u : 1u);
+    r = last;
+  });
   ASSERT_EQ(state.bodies.size(), 1u);
   EXPECT_TRUE(state.clusters.empty());
   EXPECT_EQ(body_number(state, 0), 0);
@@ -136,23 +125,23 @@ Inlet<2> square_inlet(double side, double rate) {
 // A cluster falls out, and a disk comes in later: the run can be continued from its frames.
 TEST(Population, ADiskThatComesInAfterAllClustersLeftContinuesARun) {
   const TemporaryFolder folder;
-  const Scene<2> scene = parse_scene(
-      "gravity = [0, -10]\n[[clusters]]\nparts = [[0, 0, 0.1], [0.15, 0, 0.1]]\nmass = 1\n"
-      "position = [0, 0.1]\n[[outlets]]\npoint = [0, 0]\nnormal = [0, 1]\n"
-      "[[inlets]]\nlower = [0, 1]\nupper = [1, 2]\nrate = 1\nradii = [0.1]\ndensity = 1\n"
-      "starts = 0.25\n[time]\nstep = 0.01\nsteps = 40\n",
-      "test.toml");
+  const Scene<2> scene = scene_of(R"(
+gravity = [0, -10]
+clusters = [{parts = [[0, 0, 0.1], [0.15, 0, 0.1]], mass = 1, position = [0, 0.1]}]
+outlets = [{point = [0, 0], normal = [0, 1]}]
+inlets = [{lower = [0, 1], upper = [1, 2], rate = 1, radii = [0.1], density = 1, starts = 0.25}]
+time = {step = 0.01, steps = 40}
+)");
   RunWriter<2> writer(folder / "out", scene, "");
-  State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, sweeps(), false);
-  while (state.step < 20) stepper.advance(state);
-  EXPECT_TRUE(state.bodies.empty());
-  while (state.step < 40) stepper.advance(state);
-  ASSERT_EQ(state.bodies.size(), 1u);
-  writer.frame(state);
+  const State<2> end = solved_run(scene, [&](const State<2>& state, const StepReport<2>& r) {
+    if (r.step == 20) {
+      EXPECT_TRUE(state.bodies.empty());
+    }
+  });
+  ASSERT_EQ(end.bodies.size(), 1u);
+  writer.frame(end);
   writer.close();
-  const State<2> read = read_state<2>(folder / "out");
-  EXPECT_EQ(read.bodies[0].x, state.bodies[0].x);
+  EXPECT_EQ(read_state<2>(folder / "out").bodies[0].x, end.bodies[0].x);
 }
 
 TEST(Population, BodiesComeInAtTheirTimes) {
@@ -167,10 +156,7 @@ TEST(Population, BodiesComeInAtTheirTimes) {
   inlet.spin = 3;
   scene.inlets = {inlet};
   ASSERT_EQ(validate(scene), "");
-  State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, sweeps(), false);
-  while (state.step < 60) {
-    stepper.advance(state);
+  const State<2> end = solved_run(scene, 60, [&](const State<2>& state, const StepReport<2>&) {
     const int due = state.step < 6 ? 0 : std::min(6, (state.step - 6) / 5 + 1);
     ASSERT_EQ(state.bodies.size(), to_size(due)) << state.step;
     ASSERT_EQ(state.population.inlets[0].count, due);
@@ -178,12 +164,12 @@ TEST(Population, BodiesComeInAtTheirTimes) {
       EXPECT_LT((state.bodies[0].v - Vec2(0.5, -1.1)).norm(), 1e-15);
       EXPECT_EQ(state.bodies[0].spin, 3);
     }
-  }
-  EXPECT_EQ(state.population.inlets[0].waiting, 0);
+  });
+  EXPECT_EQ(end.population.inlets[0].waiting, 0);
   const double mass = 100 * std::numbers::pi * 0.01;
-  EXPECT_NEAR(state.population.inlets[0].mass, 6 * mass, 1e-12);
-  EXPECT_NEAR(state.bodies[3].inertia, 0.5 * mass * 0.01, 1e-15);
-  EXPECT_NEAR(state.population.inlets[0].momentum[0], 6 * mass * 0.5, 1e-12);
+  EXPECT_NEAR(end.population.inlets[0].mass, 6 * mass, 1e-12);
+  EXPECT_NEAR(end.bodies[3].inertia, 0.5 * mass * 0.01, 1e-15);
+  EXPECT_NEAR(end.population.inlets[0].momentum[0], 6 * mass * 0.5, 1e-12);
 }
 
 TEST(Population, WhatFindsNoRoomWaits) {
@@ -197,17 +183,12 @@ TEST(Population, WhatFindsNoRoomWaits) {
   Inlet<2> inlet = square_inlet(0.2, 100);
   inlet.v = Vec2(1, 0);
   scene.inlets = {inlet};
-  State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, sweeps(), false);
-  int entered_at = 0;
-  while (state.step < 64) {
-    const int before = state.population.inlets[0].count;
-    stepper.advance(state);
-    if (state.population.inlets[0].count > before && before == 1) entered_at = state.step;
-  }
-  EXPECT_EQ(entered_at, 22);
-  EXPECT_EQ(state.population.inlets[0].count, 4);  // in steps 1, 22, 43 and 64
-  EXPECT_EQ(state.population.inlets[0].waiting, 63);
+  std::vector<int> entered_at;
+  const State<2> end = solved_run(scene, 64, [&](const State<2>& state, const StepReport<2>& r) {
+    entered_at.resize(to_size(state.population.inlets[0].count), r.step);
+  });
+  EXPECT_EQ(entered_at, (std::vector<int>{1, 22, 43, 64}));
+  EXPECT_EQ(end.population.inlets[0].waiting, 63);
 }
 
 TEST(Population, AnInletMindsWallsAndDrawsItsClassesByTheirShares) {
@@ -249,41 +230,27 @@ TEST(Population, AnInletMindsWallsAndDrawsItsClassesByTheirShares) {
 }
 
 /// A small silo: disks in a funnel fall out of it and are gone, others come in at the top.
-constexpr const char* kSilo = R"(
+constexpr const char* kSilo =
+    R"(
 contact = {mu = 0.3}
 walls = [{from = [-0.3, 0.3], to = [-0.14, 0]}, {from = [0.3, 0.3], to = [0.14, 0]},
   {point = [-0.3, 0], normal = [1, 0]}, {point = [0.3, 0], normal = [-1, 0]}]
 outlets = [{name = "hole", point = [0, -0.1], normal = [0, 1]}]
 time = {step = 4e-3, steps = 200}
 output = {every = 20}
-[[disks]]
-arrangement = "random"
-count = 25
-radii = [0.04, 0.05]
-width = 0.6
-spacing = 0
-corner = [-0.3, 0.2]
-density = 100
-[[inlets]]
-name = "belt"
-lower = [-0.25, 1.2]
-upper = [0.25, 1.4]
-rate = 40
-radii = [0.04, 0.05]
-fractions = [1, 2]
-density = 100
-velocity = [0, -1]
-)";
+solver = {name = "pgs", tol = 1e-6}
+)"
+    "disks = [{arrangement = 'random', count = 25, radii = [0.04, 0.05], width = 0.6, spacing = 0, "
+    "corner = [-0.3, 0.2], density = 100}]\n"
+    "inlets = [{name = 'belt', lower = [-0.25, 1.2], upper = [0.25, 1.4], rate = 40, "
+    "radii = [0.04, 0.05], fractions = [1, 2], density = 100, velocity = [0, -1]}]\n";
 
 TEST(Population, WhatCameInIsInsideOrHasLeftAndTheBooksClose) {
   const Scene<2> scene = scene_of(kSilo);
-  State<2> state = initial_state(scene);
   double mass0 = 0;
-  for (const Disk& d : state.bodies) mass0 += d.mass;
-  const double initial = potential_energy(state, scene.gravity);
-  TimeStepper<2> stepper(scene, sweeps(), false);
-  while (state.step < scene.num_steps) {
-    const StepReport<2> r = stepper.advance(state);
+  for (const Disk& d : scene.bodies) mass0 += d.mass;
+  const double initial = potential_energy(initial_state(scene), scene.gravity);
+  const State<2> end = solved_run(scene, [&](const State<2>& state, const StepReport<2>& r) {
     double mass = 0;
     for (const Disk& d : state.bodies) mass += d.mass;
     const GateFlow<2>&out = state.population.outlets[0], &in = state.population.inlets[0];
@@ -293,9 +260,9 @@ TEST(Population, WhatCameInIsInsideOrHasLeftAndTheBooksClose) {
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-12);
     EXPECT_NEAR(r.energy.kinetic + r.energy.potential,
                 initial + r.energy.passed - r.energy.friction_loss - r.energy.shock_loss, 1e-11);
-  }
-  EXPECT_GT(state.population.outlets[0].count, 8);
-  EXPECT_GT(state.population.inlets[0].count, 20);
+  });
+  EXPECT_GT(end.population.outlets[0].count, 8);
+  EXPECT_GT(end.population.inlets[0].count, 20);
 }
 
 TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
@@ -303,7 +270,8 @@ TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
   // what the solver starts from are the impulses of the same two bodies in the step before.
   const Scene<2> scene = scene_of(kSilo);
   State<2> kept = initial_state(scene), fresh = kept;
-  TimeStepper<2> stepper(scene, sweeps(), false);
+  const StepSolver sweeps = make_step_solver(require_solver("pgs"), to_options(scene.solver));
+  TimeStepper<2> stepper = stepper_of(scene, "pgs");
   int changes = 0, started = 0;
   while (kept.step < scene.num_steps) {
     stepper.advance(kept);
@@ -313,7 +281,7 @@ TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
         scene,
         [&](const ContactProblem& p, const Vector& s0) {
           start = s0;
-          return sweeps()(p, s0);
+          return sweeps(p, s0);
         },
         false);
     once.advance(fresh);
@@ -345,7 +313,7 @@ TEST(Population, ARunGoesOnBitForBitAndItsFramesSayWhoIsThere) {
   const Scene<2> scene = scene_of(kSilo);
   const TemporaryFolder folder;
   const auto run = [&](State<2> state, int until, RunWriter<2>& writer) {
-    TimeStepper<2> stepper(scene, sweeps(), false);
+    TimeStepper<2> stepper = stepper_of(scene, "pgs");
     writer.frame(state);
     while (state.step < until) {
       writer.step(state, stepper.advance(state));

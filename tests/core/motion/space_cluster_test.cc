@@ -4,6 +4,7 @@
 #include "core/motion/midpoint.h"
 #include "core/scene/cluster_motion.h"
 #include "tests/support/converged.h"
+#include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 
@@ -101,15 +102,14 @@ TEST(SpaceCluster, ATripodStandsOnThreeFeetByTheRuleOfTheLever) {
   // Feet of radius 0.1 at (0, 0), (1, 0) and (0, 1), and a heavy head above (0.25, 0.5): the mass is
   // given, so that all of it counts at the centre of the union. With v_k the volumes, the loads F_k have
   // the sum m g and the moments of the weight: F₁ = m g x_c, F₂ = m g y_c.
-  const Scene<3> scene = space_scene(R"(
+  const Scene<3> scene = space_scene(
+      kSpaceSteps +
+      R"(
 contact = {mu = 0.5}
 walls = [{point = [0, 0, 0], normal = [0, 0, 1]}]
-)" + kSpaceSteps + R"(
-[[clusters]]
-parts = [[0, 0, 0, 0.1], [1, 0, 0, 0.1], [0, 1, 0, 0.1], [0.25, 0.5, 0.6, 0.3]]
-position = [0, 0, 0.1]
-mass = 7
-)");
+)"
+      "clusters = [{parts = [[0, 0, 0, 0.1], [1, 0, 0, 0.1], [0, 1, 0, 0.1], [0.25, 0.5, 0.6, 0.3]], "
+      "position = [0, 0, 0.1], mass = 7}]\n");
   const Vec3 centre = scene.clusters.bodies[0].x;
   const State<3> end = solved_run(scene);
   ASSERT_EQ(end.contacts.size(), 3u);
@@ -126,18 +126,15 @@ mass = 7
 // A bar falls with v on a step under one end, at c from its centre of mass: the point stops, so that
 // s = v/(1/m + c²/I), v' = -v + s/m and ω' = c s/I.
 TEST(SpaceCluster, ABarThatFallsOnOneEndTurns) {
-  const Scene<3> scene = space_scene(R"(
+  const Scene<3> scene = space_scene(
+      R"(
 gravity = [0, 0, 0]
 walls = [{corners = [[0.5, -1, 0], [3, -1, 0], [3, 1, 0], [0.5, 1, 0]]}]
 solver = {tol = 1e-12}
 time = {step = 1e-3, steps = 1}
-[[clusters]]
-parts = [[-1, 0, 0, 0.2], [1, 0, 0, 0.2]]
-position = [0, 0, 0.2001]
-mass = 3
-inertia = [0.4, 2, 1.7]
-velocity = [0, 0, -2]
-)");
+)"
+      "clusters = [{parts = [[-1, 0, 0, 0.2], [1, 0, 0, 0.2]], position = [0, 0, 0.2001], mass = 3, "
+      "inertia = [0.4, 2, 1.7], velocity = [0, 0, -2]}]\n");
   const Cluster<3> end = solved_run(scene).clusters.bodies[0];
   const double s = 2 / (1.0 / 3 + 1 / 2.0);
   EXPECT_NEAR(end.v[2], -2 + s / 3, 1e-9);
@@ -147,36 +144,22 @@ velocity = [0, 0, -2]
 // In a plane of symmetry nothing but the plane's motion is left: a dumbbell of spheres moves as one of
 // disks with the same mass and moment.
 TEST(SpaceCluster, InAPlaneItMovesAsAClusterOfDisks) {
-  const Scene<3> spheres = space_scene(R"(
-contact = {mu = 0.3, e_n = 0.4}
+  const std::string both =
+      "contact = {mu = 0.3, e_n = 0.4}\ntime = {step = 1e-3, steps = 700}\nsolver = {tol = 1e-13}\n";
+  const Scene<3> spheres = space_scene(
+      both +
+      R"(
 walls = [{point = [0, 0, 0], normal = [0, 0, 1]}]
-time = {step = 1e-3, steps = 700}
-solver = {tol = 1e-13}
-[[clusters]]
-parts = [[0, 0, 0, 0.1], [0.5, 0, 0, 0.2]]
-position = [0, 0, 0.6]
-axis = [0, 1, 0]
-degrees = -20
-mass = 2
-inertia = [0.1, 0.3, 0.3]
-velocity = [1, 0, 0.5]
-spin = [0, -3, 0]
-)");
+)"
+      "clusters = [{parts = [[0, 0, 0, 0.1], [0.5, 0, 0, 0.2]], position = [0, 0, 0.6], axis = [0, 1, 0], "
+      "degrees = -20, mass = 2, inertia = [0.1, 0.3, 0.3], velocity = [1, 0, 0.5], spin = [0, -3, 0]}]\n");
   const Vec3 centre = spheres.clusters.bodies[0].x;
-  Scene<2> disks = scene_of(R"(
-contact = {mu = 0.3, e_n = 0.4}
+  Scene<2> disks =
+      scene_of(both + R"(
 walls = [{point = [0, 0], normal = [0, 1]}]
-time = {step = 1e-3, steps = 700}
-solver = {tol = 1e-13}
-[[clusters]]
-parts = [[0, 0, 0.1], [0.5, 0, 0.2]]
-position = [0, 0.6]
-degrees = 20
-mass = 2
-inertia = 0.3
-velocity = [1, 0.5]
-spin = 3
-)");
+)"
+                      "clusters = [{parts = [[0, 0, 0.1], [0.5, 0, 0.2]], position = [0, 0.6], "
+                      "degrees = 20, mass = 2, inertia = 0.3, velocity = [1, 0.5], spin = 3}]\n");
   // The centre of mass of spheres is not that of disks: the arms are set to the former.
   disks.clusters.bodies[0].x = Vec2(centre[0], centre[2]);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -193,21 +176,16 @@ spin = 3
   EXPECT_LT(std::abs(a.x[1]) + std::abs(a.spin[0]) + std::abs(a.spin[2]), 1e-12);
 }
 
-const std::string kHeap = R"(
+const std::string kHeap =
+    R"(
 contact = {mu = 0.4, mu_r = 0.002}
 walls = [{from = [0, 0, -0.5], to = [0, 0, 1.5], radii = [0.05, 1.6]}]
 time = {step = 2e-3, steps = 150}
 solver = {tol = 1e-9}
-[[clusters]]
-parts = [[0, 0, 0, 0.1], [0.12, 0, 0, 0.08], [0, 0.1, 0.04, 0.09]]
-arrangement = "random"
-count = 24
-width = 0.9
-spacing = 0
-corner = [-0.45, -0.45, 0.35]
-density = 1000
-velocity = [0, 0, -5]
-)";
+)"
+    "clusters = [{parts = [[0, 0, 0, 0.1], [0.12, 0, 0, 0.08], [0, 0.1, 0.04, 0.09]], "
+    "arrangement = 'random', count = 24, width = 0.9, spacing = 0, corner = [-0.45, -0.45, 0.35], "
+    "density = 1000, velocity = [0, 0, -5]}]\n";
 
 TEST(SpaceCluster, EnergyAndMomentumBalanceWhereClumpsCollide) {
   int contacts = 0;
@@ -225,8 +203,7 @@ TEST(SpaceCluster, EnergyAndMomentumBalanceWhereClumpsCollide) {
 TEST(SpaceCluster, SolversAgreeOnClumps) {
   Scene<3> scene = space_scene(kHeap);
   for (ContactLaw& law : scene.laws) law.mu_r = 0;
-  const auto mid = make_midpoint(scene, solved_run(scene, 100));
-  const ContactProblem problem = assemble_step(scene, mid, true).problem;
+  const ContactProblem problem = step_problem(scene, solved_run(scene, 100), true);
   ASSERT_GT(problem.num_contacts(), 5);
   EXPECT_FALSE(sphere_structure(problem).has_value());
   EXPECT_EQ(validate(problem), "");
@@ -241,18 +218,13 @@ TEST(SpaceCluster, SolversAgreeOnClumps) {
 TEST(SpaceCluster, WhatDoesNotGoWithClumpsIsRefused) {
   const std::string two =
       "clusters = [{parts = [[0, 0, 0, 0.1], [0.1, 0, 0, 0.1]], position = [0, 0, 1], mass = 1}]\n";
-  const auto refusal = [&](const std::string& more) {
-    return refusal_of([&] { space_scene(two + more); });
-  };
-  EXPECT_TRUE(says(refusal("time = {step = 1e-3, steps = 1, accuracy = 0.01}\n"),
-                   "clusters of spheres do not go with accuracy"));
-  EXPECT_TRUE(says(refusal_of([] {
-                     space_scene(
-                         "clusters = [{parts = [[0, 0, 0, 0.1], [0, 0, 0, 0.2]], position "
-                         "= [0, 0, 1], mass = 1}]\n" +
-                         kSpaceSteps);
-                   }),
-                   "two spheres of a cluster have the same centre"));
+  const auto refused = refused_scenes("", "dim = 3\n");
+  refused(two + "time = {step = 1e-3, steps = 1, accuracy = 0.01}\n",
+          "clusters of spheres do not go with accuracy");
+  refused(
+      "clusters = [{parts = [[0, 0, 0, 0.1], [0, 0, 0, 0.2]], position = [0, 0, 1], mass = 1}]\n" +
+          kSpaceSteps,
+      "two spheres of a cluster have the same centre");
 }
 
 }  // namespace

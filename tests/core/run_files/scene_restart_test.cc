@@ -39,7 +39,8 @@ pins = [{bodies = [0], point = [-0.2, 0]}, {bodies = [0, 8], point = [0.1, -0.1]
 ropes = [{bodies = [0, 1], length = 0.41}]
 time = {step = 2e-3, steps = 40}
 )"},
-    {"clusters that fall through a hole, on a box that tilts, and others that come in", R"(
+    {"clusters that fall through a hole, on a box that tilts, and others that come in",
+     R"(
 contact = {mu = 0.3}
 tilt = {degrees_per_second = 200}
 disks = [{position = [0, 1.2], radius = 0.1, mass = 1, velocity = [0, -3]}]
@@ -47,52 +48,34 @@ walls = [{from = [-1, -0.15], to = [-0.2, -0.2]}, {from = [0.2, -0.2], to = [1, 
 outlets = [{point = [0, -0.2], normal = [0, 1]}]
 inlets = [{lower = [-0.5, 1.3], upper = [0.5, 1.6], rate = 100, radii = [0.1], mass = 0.5}]
 time = {step = 2e-3, steps = 40}
-[[clusters]]
-arrangement = "rectangular"
-parts = [[0, 0, 0.1], [0.12, 0.05, 0.08]]
-columns = 3
-rows = 3
-degrees = 20
-density = 10
-corner = [-0.6, -0.1]
-velocity = [0.3, -4]
-spin = 5
-)"},
-    {"clusters in a periodic cell under shear and pressure", R"(
+)"
+     "clusters = [{arrangement = 'rectangular', parts = [[0, 0, 0.1], [0.12, 0.05, 0.08]], columns = 3, "
+     "rows = 3, degrees = 20, density = 10, corner = [-0.6, -0.1], velocity = [0.3, -4], spin = 5}]\n"},
+    {"clusters in a periodic cell under shear and pressure",
+     R"(
 gravity = [0, 0]
 contact = {mu = 0.4}
 cell = {width = 1, height = 0.8, offset_speed = 3, pressure_y = 1000, mass = 1}
 time = {step = 1e-3, steps = 40}
 observables = {every = 1, window = [0, 0, 0.5, 0.5]}
-[[clusters]]
-arrangement = "random"
-parts = [[0, 0, 0.08], [0.1, 0, 0.07], [0.05, 0.08, 0.07]]
-count = 9
-width = 1
-spacing = 0
-corner = [0.3, 0]
-density = 100
-spin = 3
-)"},
-    {"periodic cell under shear and pressure", R"(
+)"
+     "clusters = [{arrangement = 'random', parts = [[0, 0, 0.08], [0.1, 0, 0.07], [0.05, 0.08, 0.07]], "
+     "count = 9, width = 1, spacing = 0, corner = [0.3, 0], density = 100, spin = 3}]\n"},
+    {"periodic cell under shear and pressure",
+     R"(
 gravity = [0, 0]
 contact = {mu = 0.4}
 cell = {width = 1, height = 1.1, offset = 0.1, width_speed = -0.5, pressure_y = 100, mass = 2, shear_stress = 20}
 time = {step = 1e-3, steps = 40}
-[[disks]]
-arrangement = "random"
-count = 30
-radii = [0.08, 0.1]
-width = 1
-spacing = 0
-density = 100
-velocity = [3, 1]
-)"},
+)"
+     "disks = [{arrangement = 'random', count = 30, radii = [0.08, 0.1], width = 1, spacing = 0, "
+     "density = 100, velocity = [3, 1]}]\n"},
 };
 
 /// The same in space.
 const NamedScene kRestartInSpace[] = {
-    {"clumps in a shaken funnel over a tray of triangles, and spheres that come in", R"(
+    {"clumps in a shaken funnel over a tray of triangles, and spheres that come in",
+     R"(
 dim = 3
 contact = {mu = 0.4}
 walls = [{from = [0, 0, 0], to = [0, 0, 1], radii = [0.15, 1], velocity = [0.5, 0, 0], frequency = 20},
@@ -100,18 +83,11 @@ walls = [{from = [0, 0, 0], to = [0, 0, 1], radii = [0.15, 1], velocity = [0.5, 
 outlets = [{point = [0, 0, -0.35], normal = [0, 0, 1]}]
 inlets = [{lower = [-0.5, -0.5, 1.3], upper = [0.5, 0.5, 1.6], rate = 100, radii = [0.1], mass = 0.5}]
 time = {step = 2e-3, steps = 40}
-[[clusters]]
-arrangement = "random"
-parts = [[0, 0, 0, 0.08], [0.1, 0, 0.02, 0.07], [0.05, 0.06, 0, 0.05]]
-count = 30
-width = 0.6
-corner = [-0.3, -0.3, 0.2]
-density = 100
-velocity = [0, 0, -6]
-spin = [1, -5, 3]
-[start]
-overlaps = "allow"
-)"},
+)"
+     "clusters = [{arrangement = 'random', count = 30, width = 0.6, corner = [-0.3, -0.3, 0.2], "
+     "parts = [[0, 0, 0, 0.08], [0.1, 0, 0.02, 0.07], [0.05, 0.06, 0, 0.05]], "
+     "density = 100, velocity = [0, 0, -6], spin = [1, -5, 3]}]\n"
+     "start = {overlaps = 'allow'}\n"},
 };
 
 template <int D>
@@ -133,12 +109,9 @@ void expect_same_bits(const NamedScene& named) {
   SCOPED_TRACE(named.name);
   const TemporaryFolder folder;
   const auto scene = scene_of<D>(named.text);
-  State<D> end;
-  {
-    RunWriter<D> writer(folder / "out", scene, named.text);
-    end = run_on<D>(scene, initial_state(scene), 40, &writer);
-    writer.close();
-  }
+  RunWriter<D> writer(folder / "out", scene, named.text);
+  const State<D> end = run_on<D>(scene, initial_state(scene), 40, &writer);
+  writer.close();
   for (const int step : {4, 17, 29}) {
     const State<D> read = read_state<D>(folder / "out", step);
     EXPECT_EQ(restart_mismatch(scene, read), "");

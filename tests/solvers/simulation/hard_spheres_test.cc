@@ -8,30 +8,22 @@
 namespace bipot {
 namespace {
 
-constexpr const char* kThreeSizes = R"(
+constexpr const char* kThreeSizes =
+    R"(
 dim = 3
 materials = ["grain", "wall"]
 contact = { mu = 0.8 }
 pairs = [{ between = ["grain", "wall"], mu = 0 }]
 time = { step = 2e-3, steps = 120 }
 solver = { tol = 1e-3 }
-walls = [
-  { point = [0, 0, 0], normal = [1, 0, 0], material = "wall" },
-  { point = [0.4067, 0, 0], normal = [-1, 0, 0], material = "wall" },
-  { point = [0, 0, 0], normal = [0, 1, 0], material = "wall" },
-  { point = [0, 0.285, 0], normal = [0, -1, 0], material = "wall" },
-  { point = [0, 0, 0], normal = [0, 0, 1], material = "wall" },
-]
-[[spheres]]
-arrangement = "random"
-count = 945
-radii = [0.005, 0.01, 0.015]
-width = 0.4067
-depth = 0.285
-spacing = 0
-density = 580
-material = "grain"
-)";
+walls = [{ point = [0, 0, 0], normal = [1, 0, 0], material = "wall" },
+         { point = [0.4067, 0, 0], normal = [-1, 0, 0], material = "wall" },
+         { point = [0, 0, 0], normal = [0, 1, 0], material = "wall" },
+         { point = [0, 0.285, 0], normal = [0, -1, 0], material = "wall" },
+         { point = [0, 0, 0], normal = [0, 0, 1], material = "wall" }]
+)"
+    "spheres = [{ arrangement = 'random', count = 945, radii = [0.005, 0.01, 0.015], width = 0.4067, "
+    "depth = 0.285, spacing = 0, density = 580, material = 'grain' }]\n";
 
 struct CostlyStep {
   double work = 0;  // iterations times contacts
