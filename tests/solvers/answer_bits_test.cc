@@ -4,10 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "core/problem_files/problem_file.h"
 #include "solvers/solve.h"
 #include "tests/support/bit_hash.h"
-#include "tests/support/source_folder.h"
+#include "tests/support/small_problems.h"
 #include "tests/support/test.h"
 
 namespace bipot {
@@ -59,9 +58,7 @@ std::uint64_t bits_of(const std::string& solver, const ContactProblem& p, int th
 
 TEST(AnswerBits, AreThoseOfEveryMachineCompilerAndNumberOfThreads) {
   for (const Answer& known : kAnswers) {
-    const ContactProblem p =
-        read_problem(source_folder() / "data/problems" / (std::string(known.problem) + ".hdf5"))
-            .problem;
+    const ContactProblem p = shipped_file(std::string(known.problem) + ".hdf5");
     for (const int threads : {1, 2}) {
       const Answer found = {known.problem,
                             bits_of("uzawa", p, threads),

@@ -3,10 +3,10 @@
 
 #include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
-#include "core/problem_files/problem_file.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/naive_error.h"
+#include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/test.h"
 #include "tests/support/test_name.h"
@@ -48,8 +48,7 @@ class ShippedProblems : public testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
   const std::string name = GetParam();
-  const ContactProblem p =
-      read_problem(source_folder() / "data/problems" / (name + ".hdf5")).problem;
+  const ContactProblem p = shipped_file(name + ".hdf5");
   const SolveResult reference =
       solve("auto", p, {.tol = 1e-11, .time_limit = 60 * BIPOT_TEST_SLOWNESS});
   ASSERT_LE(reference.error.guarded(), 1e-9) << reference.message;
@@ -97,8 +96,7 @@ TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
   // Two impulses that obey the law to 1e-10, by both implementations, with velocities that differ
   // by far more than that.
   for (const std::string& name : kSeveralVelocities) {
-    const ContactProblem p =
-        read_problem(source_folder() / "data/problems" / (name + ".hdf5")).problem;
+    const ContactProblem p = shipped_file(name + ".hdf5");
     const NaiveMatrix W = naive_delassus(p);
     const DelassusOperator delassus(p);
     std::vector<Vector> solutions;

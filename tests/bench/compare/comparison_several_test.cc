@@ -6,20 +6,13 @@
 #include "bench/compare/comparison_report.h"
 #include "bench/measure/true_error.h"
 #include "solvers/registry.h"
+#include "tests/bench/compare/quick_comparison.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
-
-Comparison::Options options_for(std::vector<std::string> solvers, std::vector<double> tols) {
-  return Comparison::Options{.solvers = std::move(solvers),
-                             .tols = std::move(tols),
-                             .time_limit = 20,
-                             .reference_time_limit = 20,
-                             .min_time = 0};
-}
 
 ProblemSource source_without_scales(const std::string& name, const ContactProblem& problem) {
   return {name, name, [problem] { return TestProblem{.origin = "test", .problem = problem}; }};
@@ -29,7 +22,7 @@ TEST(SeveralAnswersInACompare, AreProvedByTwoVerifiedRows) {
   // Sweeps give the first contact all of the load, gradients divide it: v_x differs by 0.2.
   const SeveralProblem several = two_frictions_problem();
   const Comparison c = compare({source_without_scales("two", several.problem)},
-                               options_for({"pgs", "apgd", "uzawa"}, {1e-2, 1e-11}));
+                               quick({"pgs", "apgd", "uzawa"}, {1e-2, 1e-11}));
   ASSERT_EQ(c.problems.size(), 1u);
   const Comparison::Problem& p = c.problems[0];
   EXPECT_TRUE(p.several_velocities());
@@ -65,7 +58,7 @@ TEST(SeveralAnswersInACompare, AUniqueAnswerIsNotMarked) {
   std::vector<std::string> solvers = {"pgs", "apgd", "admm"};
   if (find_solver("newton") != nullptr) solvers.push_back("newton");  // needs PETSc
   const Comparison c = compare(expand_targets({"triangular:6:tilt=10:ratio=1e4"}),
-                               options_for(solvers, {1e-2, 1e-6, 9e-10, 1e-12}));
+                               quick(solvers, {1e-2, 1e-6, 9e-10, 1e-12}));
   ASSERT_EQ(c.problems.size(), 1u);
   EXPECT_FALSE(c.problems[0].several_velocities());
   EXPECT_EQ(c.problems[0].answers, 1);
@@ -77,7 +70,7 @@ TEST(SeveralAnswersInACompare, AUniqueAnswerIsNotMarked) {
 TEST(SeveralAnswersInACompare, AreKeptWithTheReference) {
   const TemporaryFolder folder;
   const SeveralProblem several = two_frictions_problem();
-  Comparison::Options options = options_for({"pgs", "apgd"}, {1e-11});
+  Comparison::Options options = quick({"pgs", "apgd"}, {1e-11});
   options.out = folder / "table";
   const auto source = source_without_scales("two", several.problem);
   const Comparison first = compare({source}, options);
@@ -96,7 +89,7 @@ TEST(SeveralAnswersInACompare, OfATiltedPackingAreTwo) {
   // pgs ends 0.1 and more from where apgd and ipm end.
   const Comparison c =
       compare(expand_targets({source_folder().string() + "/data/problems/2d_tilt1000hi_182.hdf5"}),
-              options_for({"pgs", "apgd", "ipm"}, {1e-10}));
+              quick({"pgs", "apgd", "ipm"}, {1e-10}));
   ASSERT_EQ(c.problems.size(), 1u);
   EXPECT_GE(c.problems[0].answers, 2);
   EXPECT_GT(c.problems[0].reference.spread.velocity, 5e-2);

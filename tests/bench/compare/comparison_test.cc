@@ -11,6 +11,7 @@
 #include "core/criterion/contact_error.h"
 #include "core/problem_files/fclib_file.h"
 #include "solvers/solve.h"
+#include "tests/bench/compare/quick_comparison.h"
 #include "tests/support/markup_defect.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/small_problems.h"
@@ -19,14 +20,6 @@
 
 namespace bipot {
 namespace {
-
-Comparison::Options quick(std::vector<std::string> solvers, std::vector<double> tols) {
-  return Comparison::Options{.solvers = std::move(solvers),
-                             .tols = std::move(tols),
-                             .time_limit = 20,
-                             .reference_time_limit = 20,
-                             .min_time = 0};
-}
 
 ProblemSource source_of(const std::string& name, const ContactProblem& problem) {
   return {name, name, [problem] {

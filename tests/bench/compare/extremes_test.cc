@@ -1,4 +1,3 @@
-
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <thread>

@@ -1,4 +1,4 @@
-
+#include <nlohmann/json.hpp>
 
 #include "bench/compare/leaderboard_report.h"
 #include "core/base/file_error.h"

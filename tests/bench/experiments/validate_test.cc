@@ -1,5 +1,3 @@
-
-
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/force_range.h"
 #include "bench/experiments/validation_report.h"

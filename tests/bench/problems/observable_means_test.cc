@@ -1,5 +1,3 @@
-
-
 #include "core/observables/observables.h"
 #include "core/run_files/observable_output.h"
 #include "core/run_files/run_reader.h"

@@ -1,5 +1,3 @@
-
-
 #include "bench/problems/scene_catalogue.h"
 #include "core/files/hdf5_file.h"
 #include "core/run_files/observable_output.h"

@@ -306,20 +306,15 @@ TEST(Advise, SaysThatTimeWasUpAndNotThatNoSolverMeets) {
 
 /// Disks of 1 kg fall one by one from an inlet on a floor and leave at its end.
 Scene<2> stream() {
-  return scene_of(R"(
+  return scene_of(
+      R"(
 contact = {mu = 0.3}
 walls = [{name = "slope", point = [0, 0], normal = [0.5, 0.8660254037844386]}]
 outlets = [{name = "below", point = [0, -2], normal = [0, 1]}]
 time = {step = 2e-3, steps = 600}
-[[inlets]]
-name = "above"
-lower = [-0.2, 0.4]
-upper = [0.2, 0.6]
-velocity = [0, -1]
-rate = 20
-radii = [0.05]
-density = 100
-)");
+)"
+      "inlets = [{name = 'above', lower = [-0.2, 0.4], upper = [0.2, 0.6], velocity = [0, -1], rate = 20, "
+      "radii = [0.05], density = 100}]\n");
 }
 
 TEST(Advise, TakesBodiesThatComeAndGo) {
@@ -342,18 +337,14 @@ TEST(Advise, TakesSpheres) {
 
 /// The drum of a visitor, shortened: 40 of 150 disks, 0.1 of 2 s.
 TEST(Advise, TheDrumIsNotAskedForDigitsThatExactRunsDoNotShare) {
-  const Scene<2> drum = scene_of(R"(
+  const Scene<2> drum = scene_of(
+      R"(
 contact = {mu = 0.5}
 walls = [{center = [0, 0], radius = 0.15, hollow = true, spin = 1}]
 time = {step = 2e-4, steps = 500}
-[[disks]]
-arrangement = "random"
-count = 40
-radii = [0.004, 0.005, 0.006]
-width = 0.1
-corner = [-0.05, -0.12]
-density = 2000
-)");
+)"
+      "disks = [{arrangement = 'random', count = 40, radii = [0.004, 0.005, 0.006], width = 0.1, "
+      "corner = [-0.05, -0.12], density = 2000}]\n");
   Advice::Options options;
   options.goal = {.energy = 5e-2};
   options.time_limit = 60;

@@ -334,15 +334,14 @@ ropes = [{bodies = [0, 1], length = 1}]
 // In space: v² = g l sin tan for the angle of a conical pendulum; its height does not change.
 TEST(Rope, AConicalPendulumKeepsItsHeight) {
   const double s = std::sin(0.6), c = std::cos(0.6), v = std::sqrt(kG * s * s / c);
-  const AnyScene any = parse_any_scene(fmt::format(R"(
+  const auto scene = scene_of<3>(fmt::format(R"(
 time = {{step = 1e-3, steps = 2000}}
 contact = {{mu = 0.3}}
 spheres = [{{position = [{}, 0, {}], radius = 0.1, mass = 2, velocity = [0, {}, 0]}}]
 ropes = [{{bodies = [0], to = [0, 0, 0]}}]
 )",
-                                                   s, -c, v),
-                                       "test");
-  solved_run(std::get<Scene<3>>(any), [&](const State<3>& state, const StepReport<3>& r) {
+                                             s, -c, v));
+  solved_run(scene, [&](const State<3>& state, const StepReport<3>& r) {
     EXPECT_NEAR(state.bodies[0].x[2], -c, 1e-5);
     EXPECT_NEAR(state.bodies[0].v.norm(), v, 1e-5);
     EXPECT_LE(r.momentum_imbalance.norm(), 1e-12);
@@ -352,13 +351,11 @@ ropes = [{{bodies = [0], to = [0, 0, 0]}}]
 // A sphere pinned in space, with a spin of its own: energy and the vertical angular momentum about
 // the pin stay.
 TEST(Pin, ASphereInSpaceKeepsEnergyAndVerticalAngularMomentum) {
-  const AnyScene any = parse_any_scene(R"(
+  const auto scene = scene_of<3>(R"(
 time = {step = 1e-3, steps = 2000}
 spheres = [{position = [0.5, 0, 0], radius = 0.2, mass = 2, velocity = [0, 1, 0], spin = [0, 0, 2]}]
 pins = [{bodies = [0], point = [0, 0, 0]}]
-)",
-                                       "test");
-  const Scene<3>& scene = std::get<Scene<3>>(any);
+)");
   const double inertia = 0.4 * 2 * 0.04, start = 0.5 * 2 + 0.5 * inertia * 4;
   solved_run(scene, [&](const State<3>& state, const StepReport<3>& r) {
     const Sphere& b = state.bodies[0];

@@ -1,5 +1,3 @@
-
-
 #include "core/base/portable_random.h"
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_area.h"

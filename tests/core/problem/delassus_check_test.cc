@@ -1,4 +1,3 @@
-
 #include "core/problem/delassus.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/test.h"

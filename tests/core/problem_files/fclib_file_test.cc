@@ -42,15 +42,34 @@ std::string refusal(const std::filesystem::path& path) {
   return refusal_of<FileError>([&] { read_problem(path, true); });
 }
 
-struct RoundTrip : testing::TestWithParam<int> {};
+/// A sparse matrix as FCLIB stores it; `nz` says by rows, columns or triplets.
+void write_matrix(Hdf5File& file, const std::string& group, int rows, int columns, int nz,
+                  const std::vector<int>& p, const std::vector<int>& i,
+                  const std::vector<double>& x) {
+  file.write(group + "/m", rows);
+  file.write(group + "/n", columns);
+  file.write(group + "/nz", nz);
+  file.write(group + "/p", p);
+  file.write(group + "/i", i);
+  file.write(group + "/x", x);
+}
+
+struct RoundTrip : testing::TestWithParam<int> {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "p.hdf5";
+
+  ProblemFile read_back(const ContactProblem& p, const Vector& s, const Vector& u,
+                        const std::vector<Vector>& guesses = {}) const {
+    write_fclib(path, p, kInfo, guesses);
+    write_fclib_solution(path, s, u);
+    return read_problem(path);
+  }
+};
 
 TEST_P(RoundTrip, LocalProblemsComeBackBitForBit) {
-  const TemporaryFolder folder;
   const Manufactured m = manufactured_problem(GetParam(), 9, 14, 3);
   const ContactProblem p = local_form(m.problem);
-  write_fclib(folder / "p.hdf5", p, kInfo);
-  write_fclib_solution(folder / "p.hdf5", m.s, m.u);
-  const ProblemFile file = read_problem(folder / "p.hdf5");
+  const ProblemFile file = read_back(p, m.s, m.u);
   EXPECT_FALSE(file.global);
   EXPECT_EQ(file.problem.dim, p.dim);
   EXPECT_EQ(MatrixXd(file.problem.W), MatrixXd(p.W));
@@ -66,13 +85,10 @@ TEST_P(RoundTrip, LocalProblemsComeBackBitForBit) {
 }
 
 TEST_P(RoundTrip, GlobalProblemsComeBackToRounding) {
-  const TemporaryFolder folder;
   Manufactured m = manufactured_problem(GetParam(), 9, 14, 3);
   ContactProblem& p = m.problem;
   p.v_free = Vector::LinSpaced(p.num_dofs(), -1, 2);  // f = A v_free, w = u_free - Hᵀ v_free
-  write_fclib(folder / "p.hdf5", p, kInfo);
-  write_fclib_solution(folder / "p.hdf5", m.s, m.u);
-  const ProblemFile file = read_problem(folder / "p.hdf5");
+  const ProblemFile file = read_back(p, m.s, m.u);
   EXPECT_TRUE(file.global);
   EXPECT_EQ(file.problem.dim, p.dim);
   EXPECT_EQ(MatrixXd(file.problem.A), MatrixXd(p.A));
@@ -101,12 +117,9 @@ TEST(EqualityRowsFile, LenientRowsComeBack) {
 }
 
 TEST_P(RoundTrip, EqualityRowsComeBackWithVelocitiesAndMultipliers) {
-  const TemporaryFolder folder;
   const ManufacturedJoints m = manufactured_joints(GetParam(), 9, 14, 3);
   const EqualityRows& rows = *m.problem.equality;
-  write_fclib(folder / "p.hdf5", m.problem, kInfo, {m.s});
-  write_fclib_solution(folder / "p.hdf5", m.s, m.u);
-  const ProblemFile file = read_problem(folder / "p.hdf5");
+  const ProblemFile file = read_back(m.problem, m.s, m.u, {m.s});
   ASSERT_TRUE(file.problem.equality);
   EXPECT_EQ(MatrixXd(file.problem.equality->G), MatrixXd(rows.G));
   EXPECT_EQ(file.problem.equality->b, rows.b);
@@ -117,7 +130,7 @@ TEST_P(RoundTrip, EqualityRowsComeBackWithVelocitiesAndMultipliers) {
   EXPECT_EQ(file.guesses.at(0), m.s);
   EXPECT_LT((*file.v - m.v).norm(), 1e-12 * m.v.norm());
   // In the file's signs: Gᵀ v + b = 0, M v = H r + G λ + f.
-  const Hdf5File raw(folder / "p.hdf5", Mode::kRead);
+  const Hdf5File raw(path, Mode::kRead);
   const auto vector = [&](const std::string& name) {
     const std::vector<double> x = raw.read_doubles(name);
     return Vector(Eigen::Map<const Vector>(x.data(), static_cast<Eigen::Index>(x.size())));
@@ -132,16 +145,15 @@ TEST_P(RoundTrip, EqualityRowsComeBackWithVelocitiesAndMultipliers) {
 }
 
 TEST_P(RoundTrip, TheRowScaleOfRestitutionIsKept) {
-  const TemporaryFolder folder;
   ContactProblem p = manufactured_problem(GetParam(), 9, 14, 3).problem;
   p.row_scale = Vector::LinSpaced(p.num_rows(), 1, 1.4);
   for (int row = 2; p.dim == 3 && row < p.num_rows(); row += 3) {
     p.row_scale[row] = p.row_scale[row - 1];  // one scale for both tangents
   }
-  write_fclib(folder / "global.hdf5", p, kInfo);
-  EXPECT_EQ(read_problem(folder / "global.hdf5").problem.row_scale, p.row_scale);
-  write_fclib(folder / "local.hdf5", local_form(p), kInfo);
-  EXPECT_EQ(read_problem(folder / "local.hdf5").problem.row_scale, p.row_scale);
+  for (const ContactProblem& form : {p, local_form(p)}) {
+    write_fclib(path, form, kInfo);
+    EXPECT_EQ(read_problem(path).problem.row_scale, p.row_scale);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Dimensions, RoundTrip, testing::Values(1, 2, 3));
@@ -208,13 +220,8 @@ class Storage : public testing::Test {
   void write(int nz, std::vector<int> p, std::vector<int> i, std::vector<double> x) {
     Hdf5File file(path(), Mode::kCreate);
     file.write("/fclib_local/spacedim", 2);
-    file.write("/fclib_local/W/m", 4);
-    file.write("/fclib_local/W/n", 4);
-    file.write("/fclib_local/W/nz", nz);
+    write_matrix(file, "/fclib_local/W", 4, 4, nz, p, i, x);
     file.write("/fclib_local/W/nzmax", static_cast<int>(x.size()));
-    file.write("/fclib_local/W/p", p);
-    file.write("/fclib_local/W/i", i);
-    file.write("/fclib_local/W/x", x);
     file.write("/fclib_local/vectors/q", std::vector<double>{-1, 0, -1, 0});
     file.write("/fclib_local/vectors/mu", std::vector<double>{0.5, 0.5});
   }
@@ -370,7 +377,6 @@ TEST_F(FclibFile, EqualityRowsOfALocalProblemAreEliminated) {
       write_fclib(folder / "l.hdf5", local, kInfo);
       Hdf5File file(folder / "l.hdf5", Mode::kAppend);
       for (const auto& [name, matrix] : {std::pair{"V", V}, std::pair{"R", R}}) {
-        const std::string group = std::string("/fclib_local/") + name;
         std::vector<int> i, p;
         std::vector<double> x;
         for (int row = 0; row < matrix.rows(); ++row) {
@@ -380,12 +386,8 @@ TEST_F(FclibFile, EqualityRowsOfALocalProblemAreEliminated) {
             x.push_back(matrix(row, column));
           }
         }
-        file.write(group + "/m", static_cast<int>(matrix.rows()));
-        file.write(group + "/n", static_cast<int>(matrix.cols()));
-        file.write(group + "/nz", static_cast<int>(x.size()));
-        file.write(group + "/i", i);
-        file.write(group + "/p", p);
-        file.write(group + "/x", x);
+        write_matrix(file, std::string("/fclib_local/") + name, static_cast<int>(matrix.rows()),
+                     static_cast<int>(matrix.cols()), static_cast<int>(x.size()), p, i, x);
       }
       file.write("/fclib_local/vectors/s", std::vector<double>(values.begin(), values.end()));
     };
@@ -405,17 +407,8 @@ TEST_F(FclibFile, AGeneralMassMatrixIsSolvedWithAndItsDelassusOperatorAssembled)
   // M = [2 1; 1 2], H = I, f = (1, 2), w = 0: v_free = M⁻¹ f = (0, 1), W = M⁻¹ = [2 -1; -1 2] / 3.
   {
     Hdf5File file(folder / "g.hdf5", Mode::kCreate);
-    const auto matrix = [&](const std::string& name, std::vector<int> p, std::vector<int> i,
-                            std::vector<double> x) {
-      file.write("/fclib_global/" + name + "/m", 2);
-      file.write("/fclib_global/" + name + "/n", 2);
-      file.write("/fclib_global/" + name + "/nz", -2);
-      file.write("/fclib_global/" + name + "/p", p);
-      file.write("/fclib_global/" + name + "/i", i);
-      file.write("/fclib_global/" + name + "/x", x);
-    };
-    matrix("M", {0, 2, 4}, {0, 1, 0, 1}, {2, 1, 1, 2});
-    matrix("H", {0, 1, 2}, {0, 1}, {1, 1});
+    write_matrix(file, "/fclib_global/M", 2, 2, -2, {0, 2, 4}, {0, 1, 0, 1}, {2, 1, 1, 2});
+    write_matrix(file, "/fclib_global/H", 2, 2, -2, {0, 1, 2}, {0, 1}, {1, 1});
     file.write("/fclib_global/spacedim", 2);
     file.write("/fclib_global/vectors/f", std::vector<double>{1, 2});
     file.write("/fclib_global/vectors/w", std::vector<double>{0, 0});

@@ -1,4 +1,3 @@
-
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 

@@ -1,5 +1,3 @@
-
-
 #include "core/base/portable_random.h"
 #include "core/scene/contact_detection.h"
 #include "tests/support/test.h"

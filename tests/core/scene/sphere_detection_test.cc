@@ -1,5 +1,3 @@
-
-
 #include "core/scene/contact_detection.h"
 #include "core/scene/scene_parts.h"
 #include "tests/support/test.h"

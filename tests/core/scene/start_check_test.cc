@@ -3,6 +3,7 @@
 
 #include "core/scene/start_check.h"
 
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "tests/support/test.h"
 

@@ -5,6 +5,7 @@
 #include "core/base/file_error.h"
 #include "core/scene_files/scene_keys.h"
 #include "tests/support/refused_scene.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/source_folder.h"
 
 namespace bipot {
@@ -22,8 +23,8 @@ std::string timed(const std::string& text) {
 
 Scene<2> parse(const std::string& text) { return parse_scene(timed(text), "test.toml"); }
 
-void expect_refused(const std::string& text, std::initializer_list<const char*> parts) {
-  expect_scene_refused(parse, text, parts);
+void expect_refused(const std::string& text, std::initializer_list<std::string> parts) {
+  expect_scene_refused(text, parts, parse);
 }
 
 TEST(SceneFile, DefaultsOfTheLeastScene) {
@@ -461,8 +462,7 @@ TEST(SceneFile, WrongTypesAreRefused) {
 }
 
 TEST(SceneFile, MissingKeysAreNamed) {
-  expect_scene_refused([](const std::string& text) { parse_scene(text, "test.toml"); }, "",
-                       {"[top level]", "[time]", "missing"});
+  expect_scene_refused("", {"[top level]", "[time]", "missing"});
   expect_refused("[time]\nsteps = 3\n", {"[time]", "'step'", "missing"});
   expect_refused("[time]\nstep = 3\n", {"[time]", "either steps or duration"});
   expect_refused("[[disks]]\nradius = 1\nmass = 1\n", {"[disks[0]]", "'position'"});
@@ -529,9 +529,7 @@ TEST(SceneFile, ValuesOutOfRangeAreRefused) {
 
 const std::string kSphere = "[[spheres]]\nposition = [0, 0, 1]\nradius = 0.5\nmass = 2\n";
 
-Scene<3> in_space(const std::string& text) {
-  return std::get<Scene<3>>(parse_any_scene(timed(text), "test.toml"));
-}
+Scene<3> in_space(const std::string& text) { return scene_of<3>(timed(text)); }
 
 // 4/3 π 0.5³ of 1000 kg/m³, and 2/5 m a² of it.
 TEST(SceneFile, SpheresMakeASceneInSpace) {

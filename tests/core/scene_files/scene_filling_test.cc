@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tests/support/refused_scene.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -13,21 +14,22 @@ namespace {
 const std::string kShortTime = "[time]\nstep = 1e-3\nsteps = 2\n";
 const std::string kRandom = "[[disks]]\narrangement = 'random'\nmass = 1\nradii = [0.5]\n";
 
-Scene<2> parse_filling(const std::string& text) { return parse_scene(text, "test.toml"); }
+Scene<2> parse_filling(const std::string& text) { return scene_of(text + kShortTime); }
+void expect_filling_refused(const std::string& text, std::initializer_list<std::string> parts) {
+  expect_scene_refused(text + kShortTime, parts);
+}
 
 // Cells of 1.1 m (spacing 0.1): 8 columns and 3 rows fit 8.9 x 3.4 m.
 TEST(SceneFilling, StopsAtItsHeight) {
   const std::string place = kRandom + "width = 8.9\nheight = 3.4\ncount = ";
-  const Scene<2> full = parse_filling(place + "24\n" + kShortTime);
+  const Scene<2> full = parse_filling(place + "24\n");
   ASSERT_EQ(full.bodies.size(), 24u);
   for (const Disk& d : full.bodies) EXPECT_LE(d.x[1] + d.radius, 3.4);
-  expect_scene_refused(parse_filling, place + "25\n" + kShortTime,
-                       {"fits 24 of 25", "larger", "height = 4.4 holds all"});
-  EXPECT_EQ(
-      parse_filling(kRandom + "width = 8.9\nheight = 4.4\ncount = 25\n" + kShortTime).bodies.size(),
-      25u);
+  expect_filling_refused(place + "25\n", {"fits 24 of 25", "larger", "height = 4.4 holds all"});
+  const Scene<2> higher = parse_filling(kRandom + "width = 8.9\nheight = 4.4\ncount = 25\n");
+  EXPECT_EQ(higher.bodies.size(), 25u);
   // Without a height it has the same places, and no end.
-  const Scene<2> open = parse_filling(kRandom + "width = 8.9\ncount = 24\n" + kShortTime);
+  const Scene<2> open = parse_filling(kRandom + "width = 8.9\ncount = 24\n");
   EXPECT_EQ(open.bodies[23].x, full.bodies[23].x);
 }
 
@@ -35,7 +37,7 @@ TEST(SceneFilling, StaysInsideADrum) {
   const std::string drum =
       "[[walls]]\nname = 'drum'\ncenter = [3, 4]\nradius = 6\nhollow = true\n" + kRandom +
       "inside = 'drum'\ncount = ";
-  const Scene<2> scene = parse_filling(drum + "40\n" + kShortTime);
+  const Scene<2> scene = parse_filling(drum + "40\n");
   ASSERT_EQ(scene.bodies.size(), 40u);
   double lowest = 10;
   for (const Disk& d : scene.bodies) {
@@ -44,10 +46,10 @@ TEST(SceneFilling, StaysInsideADrum) {
   }
   EXPECT_LT(lowest, -1);  // from the bottom, at -2, up
   // 144 disks have the area of the drum.
-  expect_scene_refused(parse_filling, drum + "144\n" + kShortTime, {"fits ", " of 144"});
+  expect_filling_refused(drum + "144\n", {"fits ", " of 144"});
   std::string solid = drum;
   solid.replace(solid.find("true"), 4, "false");
-  expect_scene_refused(parse_filling, solid + "4\n" + kShortTime, {"'drum' is solid", "hollow"});
+  expect_filling_refused(solid + "4\n", {"'drum' is solid", "hollow"});
 }
 
 // The number that a refusal names fits, whatever sizes are drawn.
@@ -57,7 +59,7 @@ TEST(SceneFilling, NamesANumberThatFits) {
       "[[disks]]\narrangement = 'random'\nmass = 1\nradii = [0.3, 0.4, 0.7]\ninside = 'drum'\n";
   for (const int seed : {1, 2, 3, 4, 5}) {
     const auto filling = [&](int count) {
-      return fmt::format("{}seed = {}\ncount = {}\n{}", drum, seed, count, kShortTime);
+      return fmt::format("{}seed = {}\ncount = {}\n", drum, seed, count);
     };
     const std::string text = refusal_of([&] { parse_filling(filling(200)); });
     const int fits = std::stoi(text.substr(text.find("fits ") + 5));
@@ -71,44 +73,37 @@ TEST(SceneFilling, StaysInsideABoxAndAPolygon) {
       "[[walls]]\nname = 'a'\npoint = [0, 0]\nnormal = [1, 0]\n"
       "[[walls]]\nname = 'b'\npoint = [5.6, 0]\nnormal = [-1, 0]\n"
       "[[walls]]\nname = 'c'\npoint = [0, -1]\nnormal = [0, 1]\n";
-  const Scene<2> scene =
-      parse_filling(box + kRandom + "inside = ['a', 'b', 'c']\ncount = 30\n" + kShortTime);
+  const Scene<2> scene = parse_filling(box + kRandom + "inside = ['a', 'b', 'c']\ncount = 30\n");
   for (const Disk& d : scene.bodies) {
     EXPECT_GE(d.x[0], 0.5);
     EXPECT_LE(d.x[0], 5.1);
     EXPECT_GE(d.x[1], -0.5);
   }
-  expect_scene_refused(parse_filling,
-                       box + kRandom + "inside = ['a', 'b']\ncount = 3\n" + kShortTime,
-                       {"'corner'", "missing"});
-  expect_scene_refused(parse_filling,
-                       box + kRandom + "inside = ['a', 'c']\ncount = 3\n" + kShortTime,
-                       {"'width'", "missing"});
-  expect_scene_refused(parse_filling, box + kRandom + "inside = 'd'\ncount = 3\n" + kShortTime,
-                       {"unknown wall 'd'"});
+  const std::string three = box + kRandom + "count = 3\ninside = ";
+  expect_filling_refused(three + "['a', 'b']\n", {"'corner'", "missing"});
+  expect_filling_refused(three + "['a', 'c']\n", {"'width'", "missing"});
+  expect_filling_refused(three + "'d'\n", {"unknown wall 'd'"});
 
   // A triangle of segments of one name, corners (0, 0), (12, 0), (0, 12): x + y + r √2 <= 12.
   const std::string triangle =
       "[[walls]]\nname = 't'\nfrom = [0, 0]\nto = [12, 0]\n"
       "[[walls]]\nname = 't'\nfrom = [12, 0]\nto = [0, 12]\n";
   const std::string side = "[[walls]]\nname = 't'\nfrom = [0, 12]\nto = [0, 0]\n";
-  const std::string filling = kRandom + "inside = 't'\ncount = 30\n" + kShortTime;
+  const std::string filling = kRandom + "inside = 't'\ncount = 30\n";
   for (const Disk& d : parse_filling(triangle + side + filling).bodies) {
     EXPECT_LE(d.x[0] + d.x[1] + 0.5 * std::sqrt(2.0), 12 + 1e-11);
     EXPECT_GE(std::min(d.x[0], d.x[1]), 0.5 - 1e-11);
   }
-  expect_scene_refused(parse_filling, triangle + filling,
-                       {"'inside'", "closed line", "1 walls meet at"});
+  expect_filling_refused(triangle + filling, {"'inside'", "closed line", "1 walls meet at"});
 }
 
 TEST(SceneFilling, StaysInsideATube) {
-  const Scene<3> scene = std::get<Scene<3>>(parse_any_scene(
+  const auto scene = scene_of<3>(
       "[[walls]]\nname = 'floor'\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n"
       "[[walls]]\nname = 'tube'\ncenter = [1, 2, 0]\naxis = [0, 0, 1]\nradius = 4\nhollow = true\n"
       "[[spheres]]\narrangement = 'random'\nmass = 1\nradii = [0.5, 0.4]\ncount = 60\n"
       "inside = ['floor', 'tube']\n" +
-          kShortTime,
-      "test.toml"));
+      kShortTime);
   ASSERT_EQ(scene.bodies.size(), 60u);
   for (const Sphere& s : scene.bodies) {
     EXPECT_LE((s.x.head<2>() - Vec2(1, 2)).norm() + s.radius, 4 + 1e-11);

@@ -1,30 +1,27 @@
-
-
 #include "tests/support/refused_scene.h"
+#include "tests/support/scene_text.h"
 
 namespace bipot {
 namespace {
 
 const std::string kTenSteps = "[time]\nstep = 1e-3\nsteps = 10\n";
 
-Scene<2> parse_scene_text(const std::string& text) { return parse_scene(text, "test.toml"); }
-
 TEST(SceneObservables, AreMeasuredWhereTheyAreAskedFor) {
-  const auto refused = [](const std::string& text, std::initializer_list<const char*> parts) {
-    expect_scene_refused(parse_scene_text, kTenSteps + "[observables]\n" + text, parts);
+  const auto refused = [](const std::string& text, std::initializer_list<std::string> parts) {
+    expect_scene_refused(kTenSteps + "[observables]\n" + text, parts);
   };
-  EXPECT_FALSE(parse_scene_text(kTenSteps).observables.has_value());
+  EXPECT_FALSE(scene_of(kTenSteps).observables.has_value());
   const std::string table = "[observables]\n";
-  const Scene<2> least = parse_scene_text(kTenSteps + table);
+  const Scene<2> least = scene_of(kTenSteps + table);
   ASSERT_TRUE(least.observables.has_value());
   EXPECT_EQ(least.observables->every, 10);
   EXPECT_FALSE(least.observables->window.has_value());
   EXPECT_FALSE(least.observables->profile.has_value());
-  const Scene<2> s = parse_scene_text(
-      kTenSteps + table +
-      "every = 3\nstarts = 4\nwindow = [1, 2, 3, 5]\nprofile = 'x'\n"
-      "profile_bins = 7\nprofile_range = [-1, 1]\nforce_bins = 8\nforce_limit = 9\n"
-      "[[observables.lines]]\nfrom = [0, 1]\nto = [2, 3]\n");
+  const Scene<2> s =
+      scene_of(kTenSteps + table +
+               "every = 3\nstarts = 4\nwindow = [1, 2, 3, 5]\nprofile = 'x'\n"
+               "profile_bins = 7\nprofile_range = [-1, 1]\nforce_bins = 8\nforce_limit = 9\n"
+               "[[observables.lines]]\nfrom = [0, 1]\nto = [2, 3]\n");
   EXPECT_EQ(s.observables->every, 3);
   EXPECT_EQ(s.observables->starts, 4);
   EXPECT_EQ(s.observables->window->upper, Vec2(3, 5));
@@ -51,9 +48,7 @@ TEST(SceneObservables, AreMeasuredWhereTheyAreAskedFor) {
 TEST(SceneObservables, InSpace) {
   const std::string start = "dim = 3\n[time]\nstep = 0.1\nsteps = 1\n";
   const std::string table = "[observables]\n", face = "[[observables.faces]]\n";
-  const auto read = [&](const std::string& text) {
-    return *std::get<Scene<3>>(parse_any_scene(start + text, "test.toml")).observables;
-  };
+  const auto read = [&](const std::string& text) { return *scene_of<3>(start + text).observables; };
   const auto s =
       read(table + "window = [0, 1, 2, 3, 4, 5]\nprofile = 'z'\nprofile_range = [-1, 1]\n" + face +
            "point = [1, 2, 3]\nnormal = [0, -2, 0]\n" + face +
@@ -75,8 +70,8 @@ TEST(SceneObservables, InSpace) {
   EXPECT_EQ(s.crossings[3].along, Vec3(0, 1, 0));
   EXPECT_EQ(s.crossings[3].size, Vec2(4, 5));
 
-  const auto refused = [&](const std::string& text, std::initializer_list<const char*> parts) {
-    expect_scene_refused(read, text, parts);
+  const auto refused = [&](const std::string& text, std::initializer_list<std::string> parts) {
+    expect_scene_refused(start + text, parts);
   };
   refused(table + "window = [0, 0, 1, 1]\n", {"test.toml:6", "'window'", "opposite corners"});
   refused(table + "window = [0, 0, 0, 1, 1, 0]\n", {"test.toml:6", "opposite corners"});
@@ -100,8 +95,7 @@ TEST(SceneObservables, InSpace) {
   refused(cell + table + at + "normal = [1, 0, 1]\n", {"'normal'", "along an axis"});
   refused(cell + table + at + "normal = [0, 0, 1]\nradius = 1.5\n", {"'point'", "x = -0.5 to 2.5"});
   read(cell + table + at + "normal = [1, 0, 0]\nradius = 1.5\n");  // reaches along y and z
-  EXPECT_THROW(parse_scene_text("[observables]\n[[observables.faces]]\n" + kTenSteps),
-               SceneFileError);
+  EXPECT_THROW(scene_of("[observables]\n[[observables.faces]]\n" + kTenSteps), SceneFileError);
 }
 
 }  // namespace

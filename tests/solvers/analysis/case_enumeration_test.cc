@@ -1,9 +1,8 @@
 #include "solvers/analysis/case_enumeration.h"
 
-#include "core/problem_files/problem_file.h"
 #include "solvers/analysis/several_answers.h"
 #include "tests/support/several_problems.h"
-#include "tests/support/source_folder.h"
+#include "tests/support/small_problems.h"
 #include "tests/support/test.h"
 
 namespace bipot {
@@ -76,8 +75,7 @@ TEST(CaseEnumeration, ManyContactsAreLeftToTheStarts) {
 
 // A lattice at rest: every contact sticks, with the rule of count_contacts().
 TEST(SeveralAnswers, StatusesAreThoseOfASolve) {
-  const ContactProblem p =
-      read_problem(source_folder() / "data/problems/2d_triangular_lattice.hdf5").problem;
+  const ContactProblem p = shipped_file("2d_triangular_lattice.hdf5");
   const SeveralAnswers found = find_several_answers(p, {.starts = 1});
   ASSERT_FALSE(found.answers.empty());
   const ContactCount count = count_contacts(p, found.answers[0].impulse.s);

@@ -1,11 +1,9 @@
 #include "solvers/analysis/several_answers.h"
 
 #include "core/problem_files/fclib_file.h"
-#include "core/problem_files/problem_file.h"
 #include "tests/support/converged.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/small_problems.h"
-#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -39,8 +37,7 @@ TEST(SeveralAnswers, FindsThoseOfAPainleveContact) {
 TEST(SeveralAnswers, ShowsContactsAtRestAsSticking) {
   // Impulses of a packing at rest are not unique: those of `pgs` have contacts without force, and
   // some on the edge of the cone. None moves.
-  const ContactProblem p =
-      read_problem(source_folder() / "data/problems/2d_triangular_lattice.hdf5").problem;
+  const ContactProblem p = shipped_file("2d_triangular_lattice.hdf5");
   const SeveralAnswers found = find_several_answers(p, {.starts = 6});
   ASSERT_EQ(found.answers.size(), 1u);
   EXPECT_EQ(found.answers[0].stick, p.num_contacts());
@@ -83,8 +80,7 @@ TEST(SeveralAnswers, FindsOneWhereThereIsOne) {
 }
 
 TEST(SeveralAnswers, ThreeIsolatedOnesOfATiltedPacking) {
-  const ContactProblem p =
-      read_fclib(source_folder().string() + "/data/problems/2d_tilt1000hi_182.hdf5").problem;
+  const ContactProblem p = shipped_file("2d_tilt1000hi_182.hdf5");
   const SeveralAnswers found = converged(find_several_answers(p, {.starts = 12, .seed = 3}));
   EXPECT_GE(found.answers.size(), 3u);
   EXPECT_GE(found.sets, 3);

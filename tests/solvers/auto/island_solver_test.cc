@@ -1,7 +1,4 @@
-
-
 #include "core/motion/time_stepping.h"
-#include "core/problem_files/problem_file.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
 #include "solvers/auto/auto_solver.h"
@@ -14,7 +11,6 @@
 #include "tests/support/naive_error.h"
 #include "tests/support/side_by_side.h"
 #include "tests/support/small_problems.h"
-#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -566,7 +562,7 @@ TEST(Islands, TheTimeLimitHoldsForAllPartsTogether) {
 
 TEST(Islands, ShippedMovingProblemsAreSolvedBothWays) {
   for (const char* name : {"2d_pour300_392.hdf5", "2d_tilt1000hi_182.hdf5"}) {
-    const ContactProblem p = read_problem(source_folder() / "data/problems" / name).problem;
+    const ContactProblem p = shipped_file(name);
     EXPECT_GT(contact_islands(p).count(), 1) << name;
     for (const double tol : {1e-3, 1e-8}) {
       EXPECT_LE(converged(solve("auto", p, {.tol = tol}), name).error.guarded(), tol);

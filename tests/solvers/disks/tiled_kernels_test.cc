@@ -1,5 +1,3 @@
-
-
 #include "core/base/triplets.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem/delassus.h"

@@ -1,4 +1,3 @@
-
 #include <Eigen/Dense>
 
 #include "solvers/kernels/anderson_iteration.h"

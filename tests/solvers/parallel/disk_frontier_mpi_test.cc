@@ -1,10 +1,9 @@
 // The vector kernels for disks on pieces of a problem against those on the whole.
 
-#include "core/problem_files/problem_file.h"
 #include "solvers/parallel/disk_frontier.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/lattice_problem.h"
-#include "tests/support/source_folder.h"
+#include "tests/support/small_problems.h"
 #include "tests/support/test.h"
 
 namespace bipot {
@@ -69,9 +68,7 @@ TEST(DiskFrontier, IteratesAndSumsAreThoseOfTheWhole) {
   expect_iterates_of_the_whole<2>(triangular_lattice(8), GradientMap::kFollowed);
   expect_iterates_of_the_whole<1>(triangular_lattice(8, {.dim = 1}), GradientMap::kSplit);
   expect_iterates_of_the_whole<2>(square_lattice(6, {.e_n = 0.5, .e_t = 0.2}), GradientMap::kSplit);
-  expect_iterates_of_the_whole<2>(
-      read_problem(source_folder() / "data/problems/2d_strike12_450.hdf5").problem,
-      GradientMap::kSplit);
+  expect_iterates_of_the_whole<2>(shipped_file("2d_strike12_450.hdf5"), GradientMap::kSplit);
 }
 
 TEST(DiskFrontier, AProcessWithoutContactsTakesPart) {

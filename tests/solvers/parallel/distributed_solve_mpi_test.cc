@@ -40,19 +40,22 @@ bool same_everywhere(const Vector& x) {
   return signs[0] == mine && -signs[1] == mine;
 }
 
-void expect_solved(const NamedProblem& p, const DistributedResult& out, double tol,
-                   const std::string& solver) {
+/// What all processes together find of it, to the tolerance of the options.
+DistributedResult solved_by_all(const std::string& solver, const NamedProblem& p,
+                                const SolverOptions& options, const DistributedOptions& how = {}) {
+  const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group(), how);
   SCOPED_TRACE(p.name + ", " + solver + ": " + out.result.message);
   EXPECT_EQ(out.result.status, SolveStatus::kConverged);
   // The whole impulse, judged on one process: the same figures.
   const ContactError error = contact_error(p.problem, out.result.s);
-  EXPECT_LE(error.guarded(), tol * (1 + 1e-6));
+  EXPECT_LE(error.guarded(), options.tol * (1 + 1e-6));
   EXPECT_NEAR(error.epsilon, out.result.error.epsilon, 1e-6 * error.epsilon + 1e-16);
   EXPECT_NEAR(error.eta, out.result.error.eta, 1e-6 * error.eta + 1e-16);
   EXPECT_EQ(error.worst_epsilon, out.result.error.worst_epsilon);
   EXPECT_EQ(error.worst_eta, out.result.error.worst_eta);
   EXPECT_TRUE(same_everywhere(out.result.s));
   EXPECT_TRUE(same_everywhere(out.result.u));
+  return out;
 }
 
 /// Those that run on the parts of a problem, and some that run on the first process.
@@ -72,9 +75,7 @@ TEST(DistributedSolve, EverySolverMeetsTheToleranceOfTheWhole) {
   EXPECT_GE(several_solvers().size(), 9u);
   for (const NamedProblem& p : problems()) {
     for (const std::string& solver : several_solvers()) {
-      SolverOptions options{.tol = gets_near(solver) ? 1e-6 : 1e-3, .max_iterations = 200000};
-      const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group());
-      expect_solved(p, out, options.tol, solver);
+      solved_by_all(solver, p, {.tol = gets_near(solver) ? 1e-6 : 1e-3, .max_iterations = 200000});
     }
   }
 }
@@ -85,9 +86,8 @@ TEST(DistributedSolve, RollingFrictionIsJudgedAndSolvedAsOnOneProcess) {
     problem.W = SparseRows();
     for (const std::string& solver : several_solvers()) {
       if (!require_solver(solver).rolls) continue;
-      const SolverOptions options{.tol = 1e-4, .max_iterations = 200000};
-      expect_solved({"rows " + std::to_string(rows), problem},
-                    distributed_solve(solver, problem, options, mpi_group()), options.tol, solver);
+      solved_by_all(solver, {"rows " + std::to_string(rows), problem},
+                    {.tol = 1e-4, .max_iterations = 200000});
     }
   }
 }
@@ -99,9 +99,7 @@ TEST(DistributedSolve, AProcessWithoutAContactLearnsThatThoseOfTheOthersRoll) {
       problem = manufactured_rolling(rows, 4, 1, seed).problem;  // until the contact closes
     }
     problem.W = SparseRows();
-    const SolverOptions options{.tol = 1e-4};
-    expect_solved({"one contact, rows " + std::to_string(rows), problem},
-                  distributed_solve("auto", problem, options, mpi_group()), options.tol, "auto");
+    solved_by_all("auto", {"one contact, rows " + std::to_string(rows), problem}, {.tol = 1e-4});
   }
 }
 
@@ -197,8 +195,7 @@ TEST(DistributedSolve, AProcessWithoutABodyTakesPart) {
   const NamedProblem p{"one contact",
                        one_contact_problem(2, 1, 3, 0.5, -1, Vector::Constant(1, 0.3))};
   for (const std::string& solver : several_solvers()) {
-    const DistributedResult out = distributed_solve(solver, p.problem, {.tol = 1e-10}, mpi_group());
-    expect_solved(p, out, 1e-10, solver);
+    const DistributedResult out = solved_by_all(solver, p, {.tol = 1e-10});
     // Sticks: s_n = 1 / 1, s_t = -0.3 / 3.
     EXPECT_NEAR(out.result.s[0], 1, 1e-4);
     EXPECT_NEAR(out.result.s[1], -0.1, 1e-4);
@@ -256,9 +253,8 @@ TEST(DistributedSolve, ABodyMayTouchAllProcesses) {
   EXPECT_EQ(piece.sharers.back(), P);  // the middle is the last body
   EXPECT_EQ(piece.sharers.front(), 1);
   for (const std::string& solver : several_solvers()) {
-    const DistributedResult out = distributed_solve(solver, p.problem, {.tol = 1e-8}, mpi_group(),
-                                                    {.contact_places = places});
-    expect_solved(p, out, 1e-8, solver);
+    const DistributedResult out =
+        solved_by_all(solver, p, {.tol = 1e-8}, {.contact_places = places});
     EXPECT_LE(out.counts.imbalance, 1.2);  // an even part of the ring each
   }
   const SolverOptions few = first_iterations(20);
@@ -278,11 +274,7 @@ TEST(DistributedSolve, ADrivenWallMayBeCutByAllProcesses) {
   const DistributedResult same = distributed_solve("apgd", p.problem, few, mpi_group());
   EXPECT_LE((same.result.s - one.s).norm(), 1e-9 * one.s.norm());
   EXPECT_LE((same.result.u - one.u).norm(), 1e-9 * one.u.norm());
-  for (const std::string& solver : several_solvers()) {
-    SolverOptions options{.tol = 1e-3};
-    const DistributedResult out = distributed_solve(solver, p.problem, options, mpi_group());
-    expect_solved(p, out, options.tol, solver);
-  }
+  for (const std::string& solver : several_solvers()) solved_by_all(solver, p, {.tol = 1e-3});
   SolverOptions options{.tol = 1e-5};
   const auto lone = lone_process();
   const DistributedOptions exact{.reproducible = true};

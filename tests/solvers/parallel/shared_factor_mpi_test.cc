@@ -4,12 +4,11 @@
 #include <Eigen/LU>
 
 #include "core/base/triplets.h"
-#include "core/problem_files/problem_file.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
-#include "tests/support/source_folder.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
@@ -155,8 +154,7 @@ TEST(SharedFactor, NewtonFactorsOnTheFirstProcessWhereTheOthersCannot) {
 }
 
 TEST(SharedFactor, AutoTurnsToItWhereGradientsDoNotArrive) {
-  const ContactProblem p =
-      read_problem(source_folder() / "data/problems/2d_triangular_12_mass1e6.hdf5").problem;
+  const ContactProblem p = shipped_file("2d_triangular_12_mass1e6.hdf5");
   SolverOptions options{.tol = 1e-9};
   options.max_iterations = 12000;  // three rounds, and some for factorisations
   const DistributedResult out = distributed_solve("auto", p, options, mpi_group());

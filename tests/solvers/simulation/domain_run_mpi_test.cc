@@ -59,6 +59,23 @@ TimeStepper<D> whole_stepper(const Scene<D>& scene, const Way& way) {
       false);
 }
 
+/// Steps of one scene on all processes and on one.
+template <int D>
+struct Both {
+  Both(const Scene<D>& scene, const Way& way, const DomainOptions& options = {})
+      : whole(initial_state(scene)),
+        alone(whole_stepper<D>(scene, way)),
+        spread(scene, whole, mpi_group(), way, options) {}
+  /// The reports of both.
+  std::pair<StepReport<D>, StepReport<D>> advance() {
+    StepReport<D> several = spread.advance();
+    return {several, alone.advance(whole)};
+  }
+  State<D> whole;
+  TimeStepper<D> alone;
+  Spread<D> spread;
+};
+
 template <int D>
 void expect_same_bits(const State<D>& got, const State<D>& expected) {
   EXPECT_EQ(got.time, expected.time);
@@ -71,13 +88,10 @@ TEST(DomainRun, TwoHundredStepsWithMigrationAndNewCellsHaveTheBitsOfOneProcess) 
   const Scene<2> scene = breaking_dam(100);
   ProcessGroup& group = mpi_group();
   const Way way{.tol = 3e-2};  // bits are the same at any tolerance
-  TimeStepper<2> alone = whole_stepper<2>(scene, way);
-  State<2> whole = initial_state(scene);
-  Spread<2> spread(scene, whole, group, way, {.cut_every = 9});
+  Both<2> run(scene, way, {.cut_every = 9});
   double most_energy = 0, contacts = 0;
   for (int step = 1; step <= 200; ++step) {
-    const StepReport<2> r = spread.advance();
-    const StepReport<2> one = alone.advance(whole);
+    const auto [r, one] = run.advance();
     ASSERT_TRUE(r.converged) << r.message;
     ASSERT_EQ(r.step, step);
     EXPECT_EQ(r.time, one.time);
@@ -100,9 +114,9 @@ TEST(DomainRun, TwoHundredStepsWithMigrationAndNewCellsHaveTheBitsOfOneProcess) 
     if (testing::Test::HasFailure()) break;
   }
   EXPECT_GT(contacts, 200 * 50);  // it is no gas
-  const State<2> gathered = spread.domain.gather();
-  if (group.rank() == 0) expect_same_bits(gathered, whole);
-  const DomainCounts counts = largest_counts(spread.domain.counts(), group);
+  const State<2> gathered = run.spread.domain.gather();
+  if (group.rank() == 0) expect_same_bits(gathered, run.whole);
+  const DomainCounts counts = largest_counts(run.spread.domain.counts(), group);
   EXPECT_EQ(counts.steps, 200);
   EXPECT_GE(counts.cuts, 200 / 9);
   if (group.size() == 1) {
@@ -123,12 +137,9 @@ TEST(DomainRun, WithOrdinarySumsPlacesAgreeToTheTolerance) {
   ProcessGroup& group = mpi_group();
   for (const char* solver : {"apgd", "auto", "ipm"}) {
     const Way way{.solver = solver, .tol = 1e-9, .exact = false};
-    TimeStepper<2> alone = whole_stepper<2>(scene, way);
-    State<2> whole = initial_state(scene);
-    Spread<2> spread(scene, whole, group, way, {.cut_every = 7});
+    Both<2> run(scene, way, {.cut_every = 7});
     for (int step = 0; step < 30; ++step) {
-      const StepReport<2> r = spread.advance();
-      const StepReport<2> one = alone.advance(whole);
+      const auto [r, one] = run.advance();
       ASSERT_TRUE(r.converged) << r.message;
       EXPECT_EQ(r.contacts, one.contacts);
       // With a driven lid: its work and its momentum are in the balance.
@@ -136,11 +147,12 @@ TEST(DomainRun, WithOrdinarySumsPlacesAgreeToTheTolerance) {
       EXPECT_NEAR(r.momentum_imbalance.norm(), 0, 1e-9);
       EXPECT_NEAR(r.energy.wall_work, one.energy.wall_work, 1e-4);
     }
-    EXPECT_EQ(spread.domain.state().walls.size(), whole.walls.size());
-    EXPECT_NEAR(spread.domain.state().walls[3].a[1], whole.walls[3].a[1], 1e-6) << solver;
-    const State<2> gathered = spread.domain.gather();
+    const State<2>& here = run.spread.domain.state();
+    EXPECT_EQ(here.walls.size(), run.whole.walls.size());
+    EXPECT_NEAR(here.walls[3].a[1], run.whole.walls[3].a[1], 1e-6) << solver;
+    const State<2> gathered = run.spread.domain.gather();
     if (group.rank() == 0) {
-      EXPECT_LE(farthest(gathered.bodies, whole.bodies), 1e-6) << solver;
+      EXPECT_LE(farthest(gathered.bodies, run.whole.bodies), 1e-6) << solver;
     }
   }
 }
@@ -149,37 +161,26 @@ TEST(DomainRun, WallsThatMoveAndCarryDisksAreTheSameEverywhere) {
   for (const NamedScene& s : domain_scenes()) {
     if (s.name != "sheared" && s.name != "two disks" && s.name != "no contact") continue;
     SCOPED_TRACE(s.name);
-    ProcessGroup& group = mpi_group();
-    TimeStepper<2> alone = whole_stepper<2>(s.scene, {.tol = 1e-3});
-    State<2> whole = initial_state(s.scene);
-    Spread<2> spread(s.scene, whole, group, {.tol = 1e-3}, {.cut_every = 3});
+    Both<2> run(s.scene, {.tol = 1e-3}, {.cut_every = 3});
     for (int step = 0; step < 20; ++step) {
-      const StepReport<2> r = spread.advance();
-      const StepReport<2> one = alone.advance(whole);
+      const auto [r, one] = run.advance();
       EXPECT_EQ(r.contacts, one.contacts);
       EXPECT_NEAR(r.energy.wall_work, one.energy.wall_work, 1e-9);
       EXPECT_NEAR(r.energy.imbalance, 0, 1e-9);
     }
-    const State<2> gathered = spread.domain.gather();
-    if (group.rank() == 0) {
-      EXPECT_LE(farthest(gathered.bodies, whole.bodies), 1e-9);
+    const State<2> gathered = run.spread.domain.gather();
+    if (mpi_group().rank() == 0) {
+      EXPECT_LE(farthest(gathered.bodies, run.whole.bodies), 1e-9);
     }
   }
 }
 
 TEST(DomainRun, SpheresMoveAsOnOneProcess) {
   const Scene<3> scene = box_of_spheres();
-  ProcessGroup& group = mpi_group();
-  TimeStepper<3> alone = whole_stepper<3>(scene, {.tol = 1e-2});
-  State<3> whole = initial_state(scene);
-  Spread<3> spread(scene, whole, group, {.tol = 1e-2}, {.cut_every = 5});
-  for (int step = 0; step < 25; ++step) {
-    const StepReport<3> r = spread.advance();
-    alone.advance(whole);
-    EXPECT_NEAR(r.energy.imbalance, 0, 1e-9);
-  }
-  const State<3> gathered = spread.domain.gather();
-  if (group.rank() == 0) expect_same_bits(gathered, whole);
+  Both<3> run(scene, {.tol = 1e-2}, {.cut_every = 5});
+  for (int step = 0; step < 25; ++step) EXPECT_NEAR(run.advance().first.energy.imbalance, 0, 1e-9);
+  const State<3> gathered = run.spread.domain.gather();
+  if (mpi_group().rank() == 0) expect_same_bits(gathered, run.whole);
 }
 
 TEST(DomainRun, ALoneProcessAndAStateCutAgainGoOnTheSame) {
