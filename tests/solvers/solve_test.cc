@@ -279,6 +279,12 @@ SolverEntry saboteur(SolveResult (*run)(const ContactProblem&, const SolverOptio
 SolveResult claim(Vector s) {
   return SolveResult{.status = SolveStatus::kConverged, .message = "trust me", .s = std::move(s)};
 }
+/// One that claims so many rows more than there are, all of this value.
+SolverEntry claiming(double value, int more_rows = 0) {
+  return {.name = "saboteur", .run = run_of([=](const ContactProblem& p, const SolverOptions&) {
+                                return claim(Vector::Constant(p.num_rows() + more_rows, value));
+                              })};
+}
 
 void expect_caught(const SolverEntry& entry, const std::string& part,
                    const std::vector<StopTest>& stops = {StopTest::kGuarded, StopTest::kRaw42}) {
@@ -298,11 +304,8 @@ void expect_caught(const SolverEntry& entry, const std::string& part,
 }
 
 TEST(Sabotage, ZerosAndAClaimOfConvergence) {
-  const SolverEntry zeros = saboteur([](const ContactProblem& p, const SolverOptions&) {
-    return claim(Vector::Zero(p.num_rows()));
-  });
-  expect_caught(zeros, "withdrawn");
-  EXPECT_MESSAGE(solve(zeros, some_problem(), {.tol = 1.25e-3}),
+  expect_caught(claiming(0), "withdrawn");
+  EXPECT_MESSAGE(solve(claiming(0), some_problem(), {.tol = 1.25e-3}),
                  "tolerance 0.00125 (it said: trust me");
 }
 
@@ -316,10 +319,7 @@ TEST(Sabotage, NothingToDoIsAClaimToo) {
 }
 
 TEST(Sabotage, NotANumber) {
-  expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
-                  return claim(Vector::Constant(p.num_rows(), kNaN));
-                }),
-                "non-finite");
+  expect_caught(claiming(kNaN), "non-finite");
   expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
                   Vector s = Vector::Zero(p.num_rows());
                   s[0] = kInfinity;
@@ -358,10 +358,7 @@ TEST(Sabotage, OnlyTheNormalPartMoves) {
 }
 
 TEST(Sabotage, WrongSize) {
-  expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
-                  return claim(Vector::Zero(p.num_rows() - 1));
-                }),
-                "rows, expected");
+  expect_caught(claiming(0, -1), "rows, expected");
   expect_caught(
       saboteur([](const ContactProblem&, const SolverOptions&) { return claim(Vector()); }),
       "returned 0 rows");

@@ -24,10 +24,17 @@ Scene<D> on_floor(Scene<D> scene, double radius, const Round&... round) {
   return scene;
 }
 
-/// A floor, a wall at x = 0 and one at the width.
+/// A floor, a wall to the left and one to the right, and a lid.
+inline std::vector<Wall<2>> box_walls(const Vec2& lower, const Vec2& upper) {
+  return {half_space<2>(lower, Vec2(0, 1), "floor"), half_space<2>(lower, Vec2(1, 0)),
+          half_space<2>(upper, Vec2(-1, 0)), half_space<2>(upper, Vec2(0, -1))};
+}
+
+/// Such a box from the origin on, without its lid.
 inline std::vector<Wall<2>> trough(double width) {
-  return {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
-          half_space<2>(Vec2(width, 0), Vec2(-1, 0))};
+  std::vector<Wall<2>> walls = box_walls(Vec2::Zero(), Vec2(width, 0));
+  walls.pop_back();
+  return walls;
 }
 
 }  // namespace bipot

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/command_line.h"
 #include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/test.h"
 
 namespace bipot {
@@ -51,17 +50,8 @@ inline std::string expect_said(const std::string& arguments, int code,
 /// files are relative to it.
 class Command : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              (std::string("bipot_") + info->name() + "_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-    std::filesystem::current_path(folder_);
-  }
-  void TearDown() override {
-    std::filesystem::current_path(folder_.parent_path());
-    std::filesystem::remove_all(folder_);
-  }
+  Command() { std::filesystem::current_path(folder_); }
+  ~Command() override { std::filesystem::current_path(folder_.parent_path()); }
   /// The name from the root, for what is asked in that form.
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   static std::string write(const std::string& name, const std::string& text) {
@@ -75,7 +65,8 @@ class Command : public ::testing::Test {
       EXPECT_GT(std::filesystem::file_size(folder / name), size) << name;
     }
   }
-  std::filesystem::path folder_;
+  const TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 /// Runs bipot and interrupts it after a second, which it must say by its exit code; again after

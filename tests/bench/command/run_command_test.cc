@@ -155,8 +155,7 @@ TEST_F(RunCommand, ChartsOfAProfileNameItsAxis) {
       << "disks = [{ position = [0, 0.01], radius = 0.01, mass = 1 }]\n"
          "walls = [{ point = [0, 0], normal = [0, 1] }]\ntime = { step = 1e-3, steps = 10 }\n"
          "observables = { every = 1, profile = 'x', profile_range = [-0.1, 0.1] }\n";
-  const Outcome run = whole_output("run layers.toml --no-page --out out");
-  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_EQ(code_of("run layers.toml --no-page --out out"), 0);
   for (const char* chart : {"velocity", "stress", "fraction"}) {
     EXPECT_TRUE(says(content(fmt::format("out/observables_{}.gp", chart)), "x [m]")) << chart;
   }

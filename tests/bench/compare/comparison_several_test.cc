@@ -70,8 +70,7 @@ TEST(SeveralAnswersInACompare, AUniqueAnswerIsNotMarked) {
 TEST(SeveralAnswersInACompare, AreKeptWithTheReference) {
   const TemporaryFolder folder;
   const SeveralProblem several = two_frictions_problem();
-  Comparison::Options options = quick({"pgs", "apgd"}, {1e-11});
-  options.out = folder / "table";
+  Comparison::Options options = quick({"pgs", "apgd"}, {1e-11}, folder / "table");
   const auto source = source_without_scales("two", several.problem);
   const Comparison first = compare({source}, options);
   const Comparison again = compare({source}, options);

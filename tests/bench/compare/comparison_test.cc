@@ -217,9 +217,8 @@ TEST(Comparison, ShowsATimeOutAndDoesNotRepeatItAtTighterTolerances) {
 TEST(Comparison, DoesNotTryLargeProblemsAfterATimeOutOnSmallOnes) {
   const TemporaryFolder folder;
   // What uzawa does in a tenth of a millisecond is not enough for 60 disks.
-  Comparison::Options options = quick({"uzawa", "auto"}, {1e-10});
+  Comparison::Options options = quick({"uzawa", "auto"}, {1e-10}, folder / "table");
   options.time_limit = 1e-4;
-  options.out = folder / "table";
   const auto sources =
       expand_targets({"triangular:8:tilt=10", "triangular:9:tilt=10", "triangular:9:tilt=5"});
   const Comparison c = compare(sources, options);
@@ -240,8 +239,7 @@ TEST(Comparison, DoesNotTryLargeProblemsAfterATimeOutOnSmallOnes) {
 
 TEST(Comparison, KeepsTheHistoryOfTheTightestSolve) {
   const TemporaryFolder folder;
-  Comparison::Options options = quick({"pgs", "ipm"}, {1e-2, 1e-8});
-  options.out = folder / "table";
+  Comparison::Options options = quick({"pgs", "ipm"}, {1e-2, 1e-8}, folder / "table");
   const auto sources = expand_targets({"triangular:6:tilt=10"});
   const Comparison c = compare(sources, options);
   ASSERT_EQ(c.histories.size(), 2u);
@@ -295,8 +293,7 @@ TEST(Comparison, AProblemThatCouldNotBeReadIsReadWhenItGoesOn) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "mended.hdf5";
   std::ofstream(file) << "hi";
-  Comparison::Options options = quick({"pgs"}, {1e-4});
-  options.out = folder / "out";
+  Comparison::Options options = quick({"pgs"}, {1e-4}, folder / "out");
   const auto status = [&] {
     return compare(expand_targets({file.string()}), options).rows[0].status;
   };
@@ -310,8 +307,7 @@ TEST(Comparison, ProblemsWhoseNamesBecomeTheSameFileNameHaveTwoFiles) {
   const TemporaryFolder folder;
   const auto made = expand_targets({"square:4", "pyramid:3"});
   const ContactProblem first = made[0].load().problem, second = made[1].load().problem;
-  Comparison::Options options = quick({"pgs"}, {1e-2});
-  options.out = folder.path();
+  Comparison::Options options = quick({"pgs"}, {1e-2}, folder.path());
   compare({source_of("a b", first), source_of("a_b", second)}, options);
   const auto contacts = [&](const char* file) {
     return read_reference(options.out / "references" / file).contacts;
@@ -418,8 +414,7 @@ TEST(Comparison, ACancelledSolveLeavesNoRow) {
 
 TEST(Comparison, RefusesRowsOfAnotherProblem) {
   const TemporaryFolder folder;
-  Comparison::Options options = quick({"pgs"}, {1e-2});
-  options.out = folder / "table";
+  Comparison::Options options = quick({"pgs"}, {1e-2}, folder / "table");
   compare({source_of("p", lattice_step(Lattice::kSquare, 4, 0.3, 10))}, options);
   options.tols = {1e-2, 1e-4};
   EXPECT_THROW(compare({source_of("p", lattice_step(Lattice::kSquare, 4, 0.3, 25))}, options),
@@ -455,8 +450,7 @@ TEST(Comparison, NamesProblemsWithSeveralVelocities) {
 
 TEST(Comparison, RowsThatWereMeasuredAgainHaveOneLine) {
   const TemporaryFolder folder;
-  Comparison::Options options = quick({"lemke", "pgs"}, {1e-10});
-  options.out = folder / "table";
+  Comparison::Options options = quick({"lemke", "pgs"}, {1e-10}, folder / "table");
   const auto lines = [&] { return read_csv_rows(options.out / "rows.csv"); };
   const auto sources = expand_targets({"pyramid:5"});
   const Comparison c = compare(sources, options);

@@ -33,15 +33,13 @@ TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
   add_cluster(scene, {{Vec2(0, 0), 0.1}, {Vec2(0.25, 0), 0.2}}, 100, Vec2(1, 3), 7);
   ASSERT_EQ(validate(scene), "");
   const Cluster<2> begin = scene.clusters.bodies[0];
-  State<2> state = initial_state(scene);
-  const double energy = kinetic_energy(state) + potential_energy(state, scene.gravity);
-  TimeStepper<2> stepper = stepper_of(scene, "pgs", {});
-  while (state.step < 100) {
-    const StepReport<2> r = stepper.advance(state);
+  const State<2> first = initial_state(scene);
+  const double energy = kinetic_energy(first) + potential_energy(first, scene.gravity);
+  const State<2> state = solved_run(scene, 100, [&](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 0);
     EXPECT_NEAR(r.energy.kinetic + r.energy.potential, energy, 1e-11);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-12);
-  }
+  });
   const Vec2 x = begin.x + Vec2(1, 3) + 0.5 * scene.gravity;
   EXPECT_LT((state.clusters.bodies[0].x - x).norm(), 1e-12);
   EXPECT_NEAR(state.clusters.bodies[0].angle, 7, 1e-12);
@@ -131,15 +129,11 @@ TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
 TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
   for (const double mu : {0.0, 0.4}) {
     const Scene<2> scene = cloud_of_clusters({.mu = mu, .e_n = 0.5, .e_t = 0.2});
-    State<2> state = initial_state(scene);
-    TimeStepper<2> stepper = stepper_of(scene, "pgs");
-    const Vec2 whole = momentum(state);
-    const double energy = kinetic_energy(state);
+    State<2> before = initial_state(scene);
+    const Vec2 whole = momentum(before);
+    const double energy = kinetic_energy(before);
     int touched = 0;
-    while (state.step < scene.num_steps) {
-      const State<2> before = state;
-      const StepReport<2> r = stepper.advance(state);
-      ASSERT_TRUE(r.converged) << r.message;
+    solved_run(scene, [&](const State<2>& state, const StepReport<2>& r) {
       EXPECT_LT(std::abs(r.energy.imbalance), 1e-11 * energy);
       double couples = 0;
       Mat2 virial = Mat2::Zero();
@@ -178,9 +172,10 @@ TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
         sum += of_disks[i].area * of_disks[i].total();
       }
       EXPECT_LT((sum - stress.total()).norm(), 1e-10 * (scale + energy));
-    }
+      before = state;
+    });
     EXPECT_GT(touched, 20);
-    EXPECT_LT((momentum(state) - whole).norm(), 1e-12 * whole.norm() + 1e-11);
+    EXPECT_LT((momentum(before) - whole).norm(), 1e-12 * whole.norm() + 1e-11);
   }
 }
 
@@ -318,14 +313,11 @@ TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
 // centre: what windows that tile the sample have adds up to what the sample has.
 TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
   const Scene<2> scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.5, .e_t = 0.2});
-  State<2> state = initial_state(scene);
-  TimeStepper<2> stepper = stepper_of(scene, "pgs");
   int loaded = 0;
-  while (state.step < scene.num_steps) {
-    ASSERT_TRUE(stepper.advance(state).converged);
+  solved_run(scene, [&](const State<2>& state, const StepReport<2>&) {
     const auto moments = contact_moments(state);
     const MeanStress<2> whole = sample_stress(state, scene.step, 1.0, moments);
-    if (whole.contact.norm() == 0) continue;
+    if (whole.contact.norm() == 0) return;
     for (const ContactOutcome<2>& o : state.contacts) loaded += o.s_n > 0 ? 1 : 0;
     Mat2 contact = Mat2::Zero(), spin = Mat2::Zero();
     const double edge[] = {-9, -0.4, 0.1, 0.7, 9};
@@ -340,7 +332,7 @@ TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
     }
     EXPECT_LT((contact - whole.contact).norm(), 1e-11 * whole.contact.norm());
     EXPECT_LT((spin - whole.spin).norm(), 1e-11 * (whole.contact.norm() + whole.spin.norm()));
-  }
+  });
   EXPECT_GT(loaded, 20);
 }
 
@@ -368,6 +360,7 @@ Scene<2> sheared_clusters(int copies, bool far_away) {
   scene.contact_distance = 1e-9;
   scene.step = 2e-3;
   scene.num_steps = 200;
+  scene.solver = {.name = "pgs", .tol = 1e-11};
   return scene;
 }
 
@@ -376,27 +369,18 @@ Vec2 homogeneous_free(const State<2>& state, const Cluster<2>& c) {
   return c.v - homogeneous_velocity(state.cell, c.x);
 }
 
-State<2> run_to_end(const Scene<2>& scene, int& loaded) {
-  State<2> state = initial_state(scene);
-  TimeStepper<2> stepper = stepper_of(scene, "pgs", {.tol = 1e-11});
-  while (state.step < scene.num_steps) {
-    const StepReport<2> r = stepper.advance(state);
-    EXPECT_TRUE(r.converged) << r.message;
-    for (const ContactOutcome<2>& o : state.contacts) loaded += o.s_n > 0 && o.contact.with_image();
-  }
-  return state;
-}
-
 // Velocities without friction are unique. A run in two cells side by side is that of one, and so is
 // a run whose clusters are given by images of theirs.
 TEST(Cluster, InAPeriodicCellImagesAreAsGoodAsTheirs) {
   const Scene<2> one = sheared_clusters(1, false);
   ASSERT_EQ(validate(one), "");
-  int loaded = 0, ignored = 0;
-  const State<2> end = run_to_end(one, loaded);
+  int loaded = 0;
+  const State<2> end = solved_run(one, [&](const State<2>& state, const StepReport<2>&) {
+    for (const ContactOutcome<2>& o : state.contacts) loaded += o.s_n > 0 && o.contact.with_image();
+  });
   EXPECT_GT(loaded, 15);
-  const State<2> twice = run_to_end(sheared_clusters(2, false), ignored);
-  const State<2> far = run_to_end(sheared_clusters(1, true), ignored);
+  const State<2> twice = solved_run(sheared_clusters(2, false));
+  const State<2> far = solved_run(sheared_clusters(1, true));
   const auto expect_same = [&](const Cluster<2>& a, const Cluster<2>& b, const State<2>& other) {
     EXPECT_LT((homogeneous_free(end, a) - homogeneous_free(other, b)).norm(), 1e-7);
     EXPECT_NEAR(a.spin, b.spin, 1e-6);

@@ -4,6 +4,7 @@
 #include "core/scene/start_check.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
+#include "tests/support/small_scenes.h"
 #include "tests/support/test.h"
 
 namespace bipot {
@@ -51,8 +52,7 @@ TEST(PushApart, AFillingBehindAWallComesBeforeItAndStaysApart) {
 // Disks fill 96 π 0.1² / (2 · 2.3), two thirds of the box.
 TEST(PushApart, AFillingFarAboveItsLidIsPressedIntoTheBox) {
   Scene<2> scene = one_law<2>({});
-  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1)), half_space<2>(Vec2(-1, 0), Vec2(1, 0)),
-                 half_space<2>(Vec2(1, 0), Vec2(-1, 0)), half_space<2>(Vec2(0, 2.3), Vec2(0, -1))};
+  scene.walls = box_walls(Vec2(-1, 0), Vec2(1, 2.3));
   for (int row = 0; row < 12; ++row) {
     for (int k = 0; k < 8; ++k) {
       const double x = -0.89 + 0.24 * k + 0.05 * (row % 3) - 0.002 * k;

@@ -5,6 +5,7 @@
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/small_scenes.h"
 
 namespace bipot {
 namespace {
@@ -50,18 +51,11 @@ Scene<2> pushed_box() {
       .step = 2e-3};
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     Disk& d = scene.bodies[k];
-    d.mass = 100 * d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+    give_mass(d, 100 * d.radius * d.radius);
     d.v = Vec2(0.1 * static_cast<double>(k % 3), 0.05);
   }
-  for (const auto& [point, normal] : {std::pair{Vec2(0, 0), Vec2(0, 1)},
-                                      {Vec2(0, 0), Vec2(1, 0)},
-                                      {Vec2(0.7, 0), Vec2(-1, 0)},
-                                      {Vec2(0, 0.7), Vec2(0, -1)}}) {
-    Wall<2> wall = half_space<2>(point, normal);
-    drive(wall, normal, 2, 20);
-    scene.walls.push_back(wall);
-  }
+  scene.walls = box_walls(Vec2(0, 0), Vec2(0.7, 0.7));
+  for (Wall<2>& wall : scene.walls) drive(wall, wall.normal, 2, 20);
   return scene;
 }
 
@@ -97,9 +91,7 @@ TEST(StressTensor, OfASquareLatticeUnderPressureIsForceOverDiameter) {
   const int side = 4;
   State<2> state{.bodies = rectangular_lattice(side, side, 0.5, Vec2::Zero())};
   for (Disk& d : state.bodies) d.mass = d.inertia = 1;
-  state.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1)), half_space<2>(Vec2(0, 0), Vec2(1, 0)),
-                 half_space<2>(Vec2(side, 0), Vec2(-1, 0)),
-                 half_space<2>(Vec2(0, side), Vec2(0, -1))};
+  state.walls = box_walls(Vec2(0, 0), Vec2(side, side));
   for (const Contact<2>& c : detect_contacts(state.bodies, state.walls, 1e-9)) {
     state.contacts.push_back(contact(c.i, c.j, c.n, 3 * c.n));
   }

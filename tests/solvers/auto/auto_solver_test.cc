@@ -44,6 +44,11 @@ bool takes(const AutoStage& stage, std::string_view parameter) {
   return stage.parameters.find(parameter) != std::string_view::npos;
 }
 
+/// `auto` on a shipped problem, which it must solve.
+SolveResult auto_solves(const char* file, double tol) {
+  return converged(solve("auto", shipped_file(file), {.tol = tol}), file);
+}
+
 ContactProblem first_step(const char* family, int side) {
   const Scene<2> scene = make_family_scene(family, side);
   return step_problem(scene, initial_state(scene), false);
@@ -65,8 +70,7 @@ TEST(AutoSolver, UnequalMassesBeginWithFactorisations) {
 
 TEST(AutoSolver, GivesUpWhatDoesNotPromiseAndSolvesAllTheSame) {
   // Neither Anderson nor apgd get this pyramid to 1e-8 within 30 000 and 170 000 iterations.
-  const SolveResult result =
-      converged(solve("auto", shipped_file("2d_pyramid_10.hdf5"), {.tol = 1e-8}));
+  const SolveResult result = auto_solves("2d_pyramid_10.hdf5", 1e-8);
   EXPECT_LE(result.error.guarded(), 1e-8);
   EXPECT_TRUE(says(result.message, "assor 64: given up"));
   EXPECT_LT(result.iterations, 20000);
@@ -88,9 +92,7 @@ TEST(AutoSolver, AndersonHasPatienceNearTheToleranceAndNoMore) {
 /// Small packings: sweeps within a decade of a loose tolerance go on for 120 iterations, then they
 /// must promise to arrive.
 TEST(AutoSolver, SweepsNearALooseToleranceHavePatienceAndNoMore) {
-  const SolveResult result =
-      converged(solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), {.tol = 0.3}));
-  EXPECT_TRUE(says(result.message, "assor 126: given up"));
+  EXPECT_TRUE(says(auto_solves("2d_pyramid_20_mu05.hdf5", 0.3).message, "assor 126: given up"));
 }
 
 /// Above 2500 contacts splitting makes the start of paths, below momentum. Where these do not
@@ -294,8 +296,7 @@ TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
 }
 
 TEST(AutoSolver, NothingExactForALooseTolerance) {
-  const SolveResult result =
-      converged(solve("auto", shipped_file("2d_tilt1000hi_182.hdf5"), {.tol = 1e-2}));
+  const SolveResult result = auto_solves("2d_tilt1000hi_182.hdf5", 1e-2);
   EXPECT_FALSE(says(result.message, "homotopy")) << result.message;
 }
 
@@ -396,9 +397,10 @@ TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBac
   LatticeOptions options{.tilt = 0.2};
   const ContactProblem larger = triangular_lattice(30, options);
   ASSERT_GT(larger.num_contacts(), 2500);
-  for (const bool warm : {false, true}) {
-    for (const double tol : {1e-1, 1e-8})
+  for (const double tol : {1e-1, 1e-8}) {
+    for (const bool warm : {false, true}) {
       EXPECT_EQ(planned(larger, warm, tol)[0].solver->name, "assor");
+    }
   }
   options.dim = 1;  // without friction
   EXPECT_EQ(planned(triangular_lattice(30, options)).front().solver->name, "anderson");
@@ -427,13 +429,9 @@ TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
       EXPECT_EQ(serving(p, warm, 1e-4)[1].solver->name, side == 28 ? "homotopy" : "apgd");
     }
   }
-  const SolveResult near =
-      converged(solve("auto", shipped_file("2d_tilt12_320.hdf5"), {.tol = 1e-8}));
-  EXPECT_TRUE(says(near.message, "homotopy"));
+  EXPECT_TRUE(says(auto_solves("2d_tilt12_320.hdf5", 1e-8).message, "homotopy"));
   // Sweeps leave this one at 0.6: momentum and factorisations come next, and no path from there.
-  const SolveResult far =
-      converged(solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), {.tol = 1e-8}));
-  EXPECT_TRUE(says(far.message, "(6.3e-01); apgd"));
+  EXPECT_TRUE(says(auto_solves("2d_pyramid_20_mu05.hdf5", 1e-8).message, "(6.3e-01); apgd"));
   const std::vector<AutoStage> warm = serving(shipped_file("2d_tilt12_320.hdf5"), true, 1e-4);
   EXPECT_EQ(warm[2].solver->name, "pgs");
 }
