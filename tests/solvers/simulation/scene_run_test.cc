@@ -1,5 +1,6 @@
 #include "solvers/simulation/scene_run.h"
 
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/scene_family.h"
