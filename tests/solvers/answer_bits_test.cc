@@ -2,8 +2,6 @@
 // bits on every machine, with every compiler, and for any number of threads. A change of these
 // numbers is a change of answers. It must be wanted.
 
-#include <fmt/format.h>
-
 #include "solvers/solve.h"
 #include "tests/support/bit_hash.h"
 #include "tests/support/small_problems.h"

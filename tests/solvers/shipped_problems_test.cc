@@ -14,8 +14,6 @@
 namespace bipot {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::vector<std::string> shipped_problems() {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(source_folder() / "data/problems")) {

@@ -3,6 +3,7 @@
 // What nearly every test needs: GoogleTest, common parts of the standard library, and the way to
 // ask what a call refuses.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,6 +32,8 @@
 #include <vector>
 
 namespace bipot {
+
+namespace fs = std::filesystem;
 
 /// The message of the exception of this type that `call` throws; "nothing was thrown" without one.
 template <class Exception = std::exception, class Call>

@@ -50,8 +50,8 @@ inline std::string expect_said(const std::string& arguments, int code,
 /// files are relative to it.
 class Command : public ::testing::Test {
  protected:
-  Command() { std::filesystem::current_path(folder_); }
-  ~Command() override { std::filesystem::current_path(folder_.parent_path()); }
+  Command() { fs::current_path(folder_); }
+  ~Command() override { fs::current_path(folder_.parent_path()); }
   /// The name from the root, for what is asked in that form.
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   static std::string write(const std::string& name, const std::string& text) {
@@ -59,14 +59,14 @@ class Command : public ::testing::Test {
     return name;
   }
   /// Each of these files in a folder has more than `size` bytes.
-  static void expect_files(const std::filesystem::path& folder,
-                           std::initializer_list<const char*> names, std::size_t size = 100) {
+  static void expect_files(const fs::path& folder, std::initializer_list<const char*> names,
+                           std::size_t size = 100) {
     for (const char* name : names) {
-      EXPECT_GT(std::filesystem::file_size(folder / name), size) << name;
+      EXPECT_GT(fs::file_size(folder / name), size) << name;
     }
   }
   const TemporaryFolder temporary_;
-  const std::filesystem::path folder_ = temporary_.path();
+  const fs::path folder_ = temporary_.path();
 };
 
 /// Runs bipot and interrupts it after a second, which it must say by its exit code; again after
@@ -80,8 +80,8 @@ inline void expect_interrupted(const std::string& arguments) {
   EXPECT_EQ(code, 5) << arguments;
 }
 
-inline std::string content(const std::filesystem::path& file) { return file_text(file); }
-inline nlohmann::json json_in(const std::filesystem::path& file) {
+inline std::string content(const fs::path& file) { return file_text(file); }
+inline nlohmann::json json_in(const fs::path& file) {
   return nlohmann::json::parse(file_text(file));
 }
 

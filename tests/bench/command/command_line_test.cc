@@ -149,8 +149,7 @@ TEST(CommandLine, TheManualPageHasEveryCommandAndIsSound) {
 
 TEST_F(Command, EveryTemplateRunsWithoutChange) {
   int count = 0;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(source_folder() / "data" / "templates")) {
+  for (const auto& entry : fs::directory_iterator(source_folder() / "data" / "templates")) {
     ++count;
     const std::string name = entry.path().stem().string();
     const Outcome text = bipot("new " + name);

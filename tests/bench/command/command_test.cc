@@ -11,7 +11,6 @@
 namespace bipot {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// Where OpenBLAS does not know this processor, the command starts again with kernels that fit:
@@ -74,7 +73,7 @@ TEST_F(Command, AVectorPictureIsLeftOutOfManyBodies) {
                                 "[time]\nstep = 1\nsteps = 1\n[output]\npage = false\n";
   ASSERT_EQ(code_of("run many.toml -q --out out"), 0);
   expect_files("out", {"run.h5", "forces.png"});
-  EXPECT_FALSE(std::filesystem::exists("out/forces.svg"));
+  EXPECT_FALSE(fs::exists("out/forces.svg"));
 }
 
 TEST_F(Command, EachFailureHasItsExitCode) {
@@ -642,7 +641,7 @@ TEST_F(Command, ThePeersBenchmarkHoldsSolversAgainstSiconosOrSaysThatItIsNotTher
     EXPECT_TRUE(says(out.out, who)) << who;
   }
   EXPECT_FALSE(says(out.out, "not met")) << out.out;
-  EXPECT_TRUE(std::filesystem::exists("peers.csv"));
+  EXPECT_TRUE(fs::exists("peers.csv"));
 #else
   EXPECT_EQ(out.exit_code, 2);
   EXPECT_TRUE(says(out.out, "built without Siconos"));

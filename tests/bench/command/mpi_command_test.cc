@@ -43,10 +43,10 @@ class MpiCommand : public Command {
 };
 
 /// Names in a folder and below, sorted.
-std::vector<std::string> files_in(const std::filesystem::path& folder) {
+std::vector<std::string> files_in(const fs::path& folder) {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    names.push_back(std::filesystem::relative(entry.path(), folder).string());
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    names.push_back(fs::relative(entry.path(), folder).string());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -140,7 +140,7 @@ TEST_F(MpiCommand, AProcessThatFailsEndsTheRunWithItsMessage) {
   const Outcome full = both_streams(2, good + " --solver apgd --history /dev/full");
   EXPECT_EQ(full.exit_code, 4);
   EXPECT_EQ(count(full.out, "bipot: process 1 of 2: /dev/full: cannot be written"), 1) << full.out;
-  std::filesystem::create_directories("out");
+  fs::create_directories("out");
   write("out/problems", "a file where a folder is to be");
   const Outcome in_a_step =
       both_streams(2, "run pyramid --steps 5 --solver apgd --dump-problems all --out out");
@@ -351,7 +351,7 @@ TEST_F(MpiCommand, AProcessThatFailsEndsARunWhoseStateIsDistributed) {
   };
   // The first one alone fails to write, when the others are at the next step: a frame stands as a
   // folder where a file is to be.
-  std::filesystem::create_directories("out/run.xdmf/in_the_way");
+  fs::create_directories("out/run.xdmf/in_the_way");
   const Outcome full = three("pressed.toml --steps 30 --tol 1e-4 --out out");
   EXPECT_EQ(full.exit_code, 4) << full.out;
   EXPECT_EQ(count(full.out, "bipot: process 1 of 3:"), 1) << full.out;

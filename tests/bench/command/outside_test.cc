@@ -98,8 +98,8 @@ TEST_F(Command, TitlesHarmNeitherTerminalNorPicture) {
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.out.find('\x1b'), std::string::npos);
   EXPECT_EQ(run.out.find('\x07'), std::string::npos);
-  EXPECT_TRUE(std::filesystem::exists("out/summary.json"));
-  EXPECT_TRUE(std::filesystem::exists("out/forces.svg"));
+  EXPECT_TRUE(fs::exists("out/summary.json"));
+  EXPECT_TRUE(fs::exists("out/forces.svg"));
   // Nor do keys in messages.
   write("key.toml", "\"\\u001b[2J\" = 1\n" + scene_with(""));
   EXPECT_EQ(complaint("run key.toml").find('\x1b'), std::string::npos);
@@ -113,7 +113,7 @@ TEST_F(Command, TablesOfAllPairsOfMaterialsHaveALimit) {
 }
 
 TEST_F(Command, ProblemFilesCannotReadOtherFiles) {
-  std::filesystem::copy_file(a_problem(), "linked.hdf5");
+  fs::copy_file(a_problem(), "linked.hdf5");
   {
     Hdf5File file("linked.hdf5", Hdf5File::Mode::kAppend);
     file.remove("/fclib_global/vectors/mu");

@@ -1,14 +1,11 @@
 // What `bipot run` refuses, keeps and says: the start, the folder of the results, the time.
 
-#include <fmt/format.h>
-
 #include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
 
 namespace bipot {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
 using RunCommand = Command;

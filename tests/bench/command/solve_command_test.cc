@@ -11,7 +11,6 @@
 namespace bipot {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
 TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {

@@ -1,7 +1,5 @@
 #include "bench/compare/comparison_measures.h"
 
-#include <fmt/format.h>
-
 #include "bench/compare/comparison_charts.h"
 #include "core/base/types.h"
 #include "tests/support/test.h"

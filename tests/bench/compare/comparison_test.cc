@@ -291,15 +291,15 @@ TEST(Comparison, ShowsSolversThatRefuseAProblem) {
 
 TEST(Comparison, AProblemThatCouldNotBeReadIsReadWhenItGoesOn) {
   const TemporaryFolder folder;
-  const std::filesystem::path file = folder / "mended.hdf5";
+  const fs::path file = folder / "mended.hdf5";
   std::ofstream(file) << "hi";
   Comparison::Options options = quick({"pgs"}, {1e-4}, folder / "out");
   const auto status = [&] {
     return compare(expand_targets({file.string()}), options).rows[0].status;
   };
   EXPECT_EQ(status(), "invalid input");
-  std::filesystem::copy_file(source_folder() / "data/problems/2d_sliding_cylinder.hdf5", file,
-                             std::filesystem::copy_options::overwrite_existing);
+  fs::copy_file(source_folder() / "data/problems/2d_sliding_cylinder.hdf5", file,
+                fs::copy_options::overwrite_existing);
   EXPECT_EQ(status(), "converged");
 }
 
@@ -314,7 +314,7 @@ TEST(Comparison, ProblemsWhoseNamesBecomeTheSameFileNameHaveTwoFiles) {
   };
   EXPECT_EQ(contacts("a_b.json"), first.num_contacts());
   EXPECT_EQ(contacts("a_b~2.json"), second.num_contacts());
-  EXPECT_TRUE(std::filesystem::exists(folder / "problems/a_b~2.hdf5"));
+  EXPECT_TRUE(fs::exists(folder / "problems/a_b~2.hdf5"));
 }
 
 TEST(Comparison, GoesOnWhereItWasStopped) {

@@ -9,8 +9,6 @@
 namespace bipot {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::vector<ProblemSource> two_problems() {
   const fs::path folder = source_folder() / "data/problems";
   return expand_targets({(folder / "2d_sliding_cylinder.hdf5").string(),

@@ -21,7 +21,7 @@ class OwnCache {
   const TemporaryFolder& folder() const { return folder_; }
   std::size_t files() const {
     std::size_t count = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    for (const auto& entry : fs::directory_iterator(folder_.path())) {
       count += entry.path().extension() == ".hdf5" ? 1 : 0;
     }
     return count;
@@ -128,8 +128,8 @@ TEST(MovingProblems, TheCacheGivesTheSameBits) {
 TEST(MovingProblems, DoNotDependOnWhatOthersDoToTheCache) {
   const OwnCache cache;
   const auto cached = [&] {
-    std::vector<std::filesystem::path> paths;
-    for (const auto& entry : std::filesystem::directory_iterator(cache.folder().path())) {
+    std::vector<fs::path> paths;
+    for (const auto& entry : fs::directory_iterator(cache.folder().path())) {
       const std::string name = entry.path().filename().string();
       if (name.starts_with("pour") && name.ends_with(".hdf5")) paths.push_back(entry.path());
     }
@@ -138,7 +138,7 @@ TEST(MovingProblems, DoNotDependOnWhatOthersDoToTheCache) {
   std::atomic<bool> done = false;
   std::thread other([&] {
     while (!done) {
-      for (const std::filesystem::path& path : cached()) std::filesystem::remove(path);
+      for (const fs::path& path : cached()) fs::remove(path);
     }
   });
   const auto made =

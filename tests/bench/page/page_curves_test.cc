@@ -6,9 +6,7 @@
 namespace bipot {
 namespace {
 
-void write(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path) << text;
-}
+void write(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
 
 struct PageCurves : testing::Test {
   const TemporaryFolder folder;

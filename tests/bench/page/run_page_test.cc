@@ -19,7 +19,7 @@ every = 10
 picture = false
 )";
 
-void run_into(const std::filesystem::path& folder) {
+void run_into(const fs::path& folder) {
   const Scene<2> scene = scene_of(kScene);
   State<2> state = initial_state(scene);
   run_scene(scene, state, {.folder = {.folder = folder, .scene_text = kScene, .program = "test"}});
@@ -57,7 +57,7 @@ TEST(RunPage, HoldsEveryStepOfAShortRun) {
 TEST(RunPage, AnOlderRunHasTheFramesOfItsFiles) {
   const TemporaryFolder folder;
   run_into(folder.path());
-  std::filesystem::remove(folder / "film.bin");
+  fs::remove(folder / "film.bin");
   EXPECT_EQ(write_run_page(folder.path()).frames, 4u);  // 0, 10, 20, 30
 }
 
@@ -68,7 +68,7 @@ TEST(RunPage, MarksStepsThatAreUnsolvedOrHaveSeveralAnswers) {
       << "step,time [s],converged,parts\n1,0.01,1,1\n2,0.02,0,1\n3,0.03,1,4\n";
   for (const int sets : {1, 2}) {  // as `solve --several` writes
     const auto found = folder / ("step_" + std::to_string(sets));
-    std::filesystem::create_directory(found);
+    fs::create_directory(found);
     std::ofstream(found / "summary.json")
         << R"({"sets": )" << sets << R"(, "step": )" << sets << R"(, "time": 0.02})";
   }
@@ -120,7 +120,7 @@ TEST(RunPage, AScenesKeyLeavesTheFilmOut) {
   EXPECT_FALSE(scene.output.page);
   State<2> state = initial_state(scene);
   run_scene(scene, state, {.folder = {.folder = folder.path(), .scene_text = text, .program = ""}});
-  EXPECT_FALSE(std::filesystem::exists(folder / "film.bin"));
+  EXPECT_FALSE(fs::exists(folder / "film.bin"));
 }
 
 }  // namespace

@@ -30,8 +30,7 @@ Scene<2> measured_scene() {
 
 /// The run in one folder, stopped after each of `stops` steps and continued from its files.
 template <int D>
-void run_in_parts(const Scene<D>& scene, const std::filesystem::path& folder,
-                  const std::vector<int>& stops) {
+void run_in_parts(const Scene<D>& scene, const fs::path& folder, const std::vector<int>& stops) {
   RunFolderOptions options{.folder = folder};
   int done = 0;
   for (const int stop : stops) {

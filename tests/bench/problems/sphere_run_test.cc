@@ -86,7 +86,7 @@ TEST(SphereRun, WritesWhatParaViewAndPeopleLookAt) {
   run_scene(scene, state, {.folder = files});
   for (const char* name : {"forces.svg", "forces.png", "slice.svg", "slice.png", "stress.svg",
                            "run.xdmf", "ledger.csv", "trajectory.csv"}) {
-    EXPECT_TRUE(std::filesystem::exists(files.folder / name)) << name;
+    EXPECT_TRUE(fs::exists(files.folder / name)) << name;
   }
   const Hdf5File frame(frame_path(files.folder, 150), Hdf5File::Mode::kRead);
   const std::size_t contacts = state.contacts.size();

@@ -246,7 +246,7 @@ TEST(ChartFiles, AreMadeAgainByTheirScript) {
   const std::string csv = file_text(folder / "figure.csv");
   EXPECT_TRUE(csv.starts_with("series,x,y,note\n\"it's, \"\"so\"\"\",0.0001,0.1,\"loose\"\n"))
       << csv;
-  std::filesystem::remove(folder / "figure.svg");
+  fs::remove(folder / "figure.svg");
   ASSERT_EQ(std::system(("cd '" + folder.path().string() + "' && gnuplot figure.gp").c_str()), 0);
   EXPECT_EQ(file_text(folder / "figure.svg"), svg);
   EXPECT_THROW(write_chart_files(folder / "nowhere", "figure", chart), FileError);

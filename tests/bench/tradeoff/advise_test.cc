@@ -1,7 +1,5 @@
 #include "bench/tradeoff/advise.h"
 
-#include <fmt/format.h>
-
 #include "bench/problems/moving_scene.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/text_lines.h"

@@ -34,7 +34,7 @@ time = {step = 1e-3, steps = 80}
 
 std::string scene_file(const TemporaryFolder& folder, const std::string& name,
                        const std::string& text) {
-  const std::filesystem::path path = folder / (name + ".toml");
+  const fs::path path = folder / (name + ".toml");
   std::ofstream(path) << text;
   return path.string();
 }
@@ -211,6 +211,11 @@ TEST(TradeAnalysis, RunsThatWereNotCompletedSayNothing) {
 
 struct TradeRun : testing::Test {
   const TemporaryFolder folder;
+
+  /// Of one target, of equal steps those of its own length alone, with rigid contacts.
+  static Trade::Options options_of(const std::string& target, const std::vector<double>& tols) {
+    return {.targets = {target}, .tols = tols, .step_factors = {1}, .overlaps = {}, .replicas = 1};
+  }
 };
 
 TEST_F(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
@@ -276,12 +281,9 @@ TEST_F(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
 }
 
 TEST_F(TradeRun, AccuraciesCutStepsOfOneFrame) {
-  Trade::Options options{.targets = {scene_file(folder, "falling", kFalling)},
-                         .tols = {1e-2, 1e-6},
-                         .step_factors = {1, 0.5},
-                         .accuracies = {0.1, 0.01},
-                         .overlaps = {},
-                         .replicas = 1};
+  Trade::Options options = options_of(scene_file(folder, "falling", kFalling), {1e-2, 1e-6});
+  options.step_factors = {1, 0.5};
+  options.accuracies = {0.1, 0.01};
   const Trade trade = run_trade(options);
   ASSERT_EQ(trade.rows.size(), 5u);
   const Trade::Row& equal = trade.rows[1];
@@ -400,18 +402,13 @@ TEST(TradeReport, CostAndOverlapOfASettingStandInOneBlock) {
 
 TEST_F(TradeRun, TakesScenesWhoseBodiesComeAndGo) {
   // Disks of 1 kg fall through an outlet: all 4 are gone at the end.
-  Trade::Options options;
-  options.targets = {scene_file(folder, "leak", R"(
+  const std::string leak = scene_file(folder, "leak", R"(
 disks = [{arrangement = "rectangular", columns = 2, rows = 2, radius = 0.1, mass = 1}]
 walls = [{point = [0, -5], normal = [0, 1]}]
 outlets = [{point = [0, -1], normal = [0, 1]}]
 time = {step = 1e-3, steps = 700}
-)")};
-  options.tols = {1e-2, 1e-6};
-  options.step_factors = {1};
-  options.overlaps = {};
-  options.replicas = 1;
-  const Trade trade = run_trade(options);
+)");
+  const Trade trade = run_trade(options_of(leak, {1e-2, 1e-6}));
   const Trade::Row& run = trade.rows.at(0);
   ASSERT_EQ(run.status, "completed") << run.message;
   EXPECT_EQ(trade.scenes[0].bodies, 4);

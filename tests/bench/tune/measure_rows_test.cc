@@ -40,7 +40,7 @@ TEST(MeasureRows, GoesOnFromTheRowsOfAStoppedMeasurement) {
   EXPECT_EQ(measure_rows({source}, options).size(), 12u);
   EXPECT_EQ(loads, 2);
   // The last line was cut off: that row alone is measured again.
-  std::filesystem::resize_file(options.file, std::filesystem::file_size(options.file) - 3);
+  fs::resize_file(options.file, fs::file_size(options.file) - 3);
   EXPECT_EQ(measure_rows({source}, options).size(), 12u);
   EXPECT_EQ(loads, 3);
   EXPECT_EQ(solves, 7);

@@ -1,7 +1,5 @@
 #include "bench/tune/tuned_plan.h"
 
-#include <fmt/format.h>
-
 #include "solvers/auto/auto_plan.h"
 #include "tests/support/test.h"
 

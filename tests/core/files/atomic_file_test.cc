@@ -36,7 +36,7 @@ TEST(AtomicFile, WithoutCommitNothingIsLeft) {
     AtomicFile file(folder / "a");
     std::ofstream(file.draft()) << "new";
   }
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(AtomicFile, NothingToCommitIsAnError) {

@@ -84,7 +84,7 @@ TEST(Hdf5File, AppendReplacesAndKeepsTheRest) {
 
 TEST(Hdf5File, ALinkLeadsIntoAFileBesideIt) {
   const TemporaryFolder folder;
-  std::filesystem::create_directory(folder / "parts");
+  fs::create_directory(folder / "parts");
   Hdf5File(folder / "parts/1.h5", Mode::kCreate).write("/x", 4.5);
   {
     Hdf5File file(folder / "all.h5", Mode::kCreate);
@@ -177,7 +177,7 @@ TEST(Hdf5File, AFullDiskIsReportedAndTheProgramEndsInOrder) {
 }
 
 /// Whether `use` waits for the file that another thread has open.
-void expect_to_wait(const std::filesystem::path& path, const std::function<void()>& use) {
+void expect_to_wait(const fs::path& path, const std::function<void()>& use) {
   std::promise<void> opened, go_on;
   std::thread writer([&] {
     Hdf5File file(path, Hdf5File::Mode::kCreate);
@@ -211,7 +211,7 @@ TEST(ThreadedHdf5File, OneThreadAtATimeHasFilesOpen) {
 }
 
 /// Replaces a number of eight bytes wherever a file has it.
-void replace_number(const std::filesystem::path& path, std::uint64_t from, std::uint64_t to) {
+void replace_number(const fs::path& path, std::uint64_t from, std::uint64_t to) {
   std::string bytes = file_text(path);
   const std::string old(reinterpret_cast<const char*>(&from), sizeof from);
   std::size_t at = bytes.find(old);

@@ -1,7 +1,5 @@
 #include "core/pictures/force_picture.h"
 
-#include <fmt/format.h>
-
 #include <regex>
 
 #include "core/base/file_error.h"
@@ -194,7 +192,7 @@ TEST_F(ForcePicture, OtherFormatsAndUnwritablePlacesAreRefused) {
   EXPECT_THROW(draw_force_picture(folder_ / "picture.pdf", scene, state, ""), FileError);
   EXPECT_THROW(draw_force_picture(folder_ / "no/picture.png", scene, state, ""), FileError);
   EXPECT_THROW(draw_force_picture(folder_ / "no/picture.svg", scene, state, ""), FileError);
-  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 TEST(Scales, AreRoundAndNotTooLong) {

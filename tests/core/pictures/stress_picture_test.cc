@@ -10,7 +10,7 @@ namespace bipot {
 namespace {
 
 /// An SVG without the numbers that cairo counts its surfaces by.
-std::string text_of(const std::filesystem::path& path) {
+std::string text_of(const fs::path& path) {
   return std::regex_replace(file_text(path), std::regex("surface[0-9]+"), "surface");
 }
 

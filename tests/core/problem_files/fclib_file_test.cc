@@ -38,7 +38,7 @@ MatrixXd dense_delassus(const ContactProblem& p) {
 }
 
 /// The message of the refusal, or a text that no test expects.
-std::string refusal(const std::filesystem::path& path) {
+std::string refusal(const fs::path& path) {
   return refusal_of<FileError>([&] { read_problem(path, true); });
 }
 
@@ -56,7 +56,7 @@ void write_matrix(Hdf5File& file, const std::string& group, int rows, int column
 
 struct RoundTrip : testing::TestWithParam<int> {
   const TemporaryFolder folder;
-  const std::filesystem::path path = folder / "p.hdf5";
+  const fs::path path = folder / "p.hdf5";
 
   ProblemFile read_back(const ContactProblem& p, const Vector& s, const Vector& u,
                         const std::vector<Vector>& guesses = {}) const {
@@ -163,14 +163,14 @@ struct FclibFile : testing::Test {
 };
 
 TEST_F(FclibFile, AFilterThatIsMissingIsNamed) {
-  const std::filesystem::path path = source_folder() / "data/fuzz/hdf5/unknown_filter.hdf5";
+  const fs::path path = source_folder() / "data/fuzz/hdf5/unknown_filter.hdf5";
   const std::string message = refusal_of<FileError>([&] { read_problem(path); });
   EXPECT_TRUE(says(message, "/fclib_local/W/x: is packed by the filter 511 'own'")) << message;
 }
 
 TEST_F(FclibFile, ADatasetThatClaimsMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
   // Found by tests/fuzz/hdf5_fuzz.cc: a header whose extent is 8e14 values in a file of 16 kB.
-  const std::filesystem::path path = source_folder() / "data/fuzz/hdf5/claims_many_values.hdf5";
+  const fs::path path = source_folder() / "data/fuzz/hdf5/claims_many_values.hdf5";
   const std::string said = refusal_of<FileError>([&] { read_fclib(path); });
   EXPECT_TRUE(says(said, "more than a file of 15896 bytes can hold"));
   EXPECT_TRUE(says(said, "/fclib_"));
@@ -225,7 +225,7 @@ class Storage : public testing::Test {
     file.write("/fclib_local/vectors/q", std::vector<double>{-1, 0, -1, 0});
     file.write("/fclib_local/vectors/mu", std::vector<double>{0.5, 0.5});
   }
-  std::filesystem::path path() const { return folder_ / "w.hdf5"; }
+  fs::path path() const { return folder_ / "w.hdf5"; }
   void expect_matrix() const {
     MatrixXd W(4, 4);
     W << 5, 1, 0, 0, 3, 6, 0, 0, 0, 0, 7, 2, 0, 0, 0, 8;
@@ -427,7 +427,7 @@ TEST_F(FclibFile, UnsoundProblemsAreNotWritten) {
   p.mu[2] = -1;
   EXPECT_THROW(write_fclib(folder / "p.hdf5", p, kInfo), FileError);
   EXPECT_THROW(write_fclib(folder / "p.hdf5", ContactProblem(), kInfo), FileError);
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST_F(FclibFile, GuessesComeBackAsTheyWere) {
@@ -511,18 +511,18 @@ TEST_F(FclibFile, LibfclibReadsWhatIsWritten) {
 #endif
 
 /// The collection of problems by others is not part of the repository.
-std::filesystem::path collection() {
+fs::path collection() {
   if (const char* named = std::getenv("BIPOT_PROBLEMS"); named != nullptr) return named;
   return source_folder().parent_path() / "shared" / "problems";
 }
 
 TEST_F(FclibFile, TheCollectionOfProblemsByOthersIsReadAndItsReferencesHold) {
-  if (!std::filesystem::is_directory(collection())) {
+  if (!fs::is_directory(collection())) {
     GTEST_SKIP() << "not run: " << collection()
                  << " is no folder; BIPOT_PROBLEMS can name the folder of the collection";
   }
-  std::vector<std::filesystem::path> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(collection())) {
+  std::vector<fs::path> paths;
+  for (const auto& entry : fs::directory_iterator(collection())) {
     if (entry.path().extension() == ".hdf5") paths.push_back(entry.path());
   }
   std::sort(paths.begin(), paths.end());

@@ -25,7 +25,7 @@ class ImpulseFile : public testing::Test {
                       const ImpulseLayout& layout = {}) {
     return refusal_of<std::exception>([&] { read(text, p, layout); });
   }
-  std::filesystem::path path() const { return folder_ / "impulses.txt"; }
+  fs::path path() const { return folder_ / "impulses.txt"; }
 
   TemporaryFolder folder_;
 };

@@ -45,7 +45,7 @@ class NpyFile : public testing::Test {
   std::string refusal(const std::string& content) {
     return refusal_of<FileError>([&] { read(content); });
   }
-  std::filesystem::path path() const { return folder_ / "x.npy"; }
+  fs::path path() const { return folder_ / "x.npy"; }
 
   TemporaryFolder folder_;
 };

@@ -20,7 +20,7 @@ struct Written {
   State<2> state = initial_state(scene);
   ContactProblem problem = step_problem(scene, state, false);
   TemporaryFolder folder;
-  std::filesystem::path path = folder / "p.hdf5";
+  fs::path path = folder / "p.hdf5";
 
   Written() {
     state.step = 7;
@@ -66,7 +66,7 @@ TEST(ProblemGeometry, AFullDiskLeavesTheProblemWhole) {
   Written w;
   const auto fill = [&] {
     std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{std::filesystem::file_size(w.path), RLIM_INFINITY};
+    const rlimit limit{fs::file_size(w.path), RLIM_INFINITY};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     std::exit(refusal_of<FileError>([&] { write_geometry(w.path, w.scene, w.state); }).empty() ? 0
                                                                                                : 4);

@@ -23,7 +23,7 @@ class SiconosText : public testing::Test {
     EXPECT_TRUE(says(message, path().string()));
     EXPECT_TRUE(says(message, reason));
   }
-  std::filesystem::path path() const { return folder_ / "problem.dat"; }
+  fs::path path() const { return folder_ / "problem.dat"; }
 
   TemporaryFolder folder_;
 };

@@ -203,13 +203,13 @@ TEST(Film, AFrameThatIsCutOffDoesNotCount) {
     record(film, touching(scene), 0, 9);
   }
   const auto path = folder.path() / "film.bin";
-  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 3);
+  fs::resize_file(path, fs::file_size(path) - 3);
   EXPECT_EQ(read_film(folder.path()).frames.size(), 9u);
   const Film later = read_film(folder.path(), 6);  // the frames after step 6
   ASSERT_EQ(later.frames.size(), 2u);
   EXPECT_EQ(later.frames[0].step, 7);
   EXPECT_EQ(later.steps, (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8}));
-  std::filesystem::resize_file(path, 5);
+  fs::resize_file(path, 5);
   EXPECT_TRUE(read_film(folder.path()).frames.empty());
 }
 

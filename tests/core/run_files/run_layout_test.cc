@@ -5,8 +5,6 @@
 namespace bipot {
 namespace {
 
-namespace fs = std::filesystem;
-
 TEST(RunLayout, ARunIsNamedByItsFolderOrItsFile) {
   const TemporaryFolder folder;
   EXPECT_EQ(run_folder(folder.path()), folder.path());

@@ -84,7 +84,7 @@ State<2> awkward_state(const Scene<2>& scene, int step) {
   return state;
 }
 
-std::vector<std::vector<std::string>> csv(const std::filesystem::path& path) {
+std::vector<std::vector<std::string>> csv(const fs::path& path) {
   std::vector<std::vector<std::string>> rows;
   std::ifstream in(path);
   for (std::string line; std::getline(in, line);) {
@@ -96,11 +96,11 @@ std::vector<std::vector<std::string>> csv(const std::filesystem::path& path) {
 }
 
 /// All files below a folder by name.
-std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
+std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
-    files[std::filesystem::relative(entry.path(), folder).string()] = file_text(entry.path());
+    files[fs::relative(entry.path(), folder).string()] = file_text(entry.path());
   }
   return files;
 }
@@ -128,7 +128,7 @@ class RunOutput : public testing::Test {
   std::string index() const { return file_text(out_ / "run.xdmf"); }
 
   const TemporaryFolder folder_;
-  const std::filesystem::path out_ = folder_ / "out";
+  const fs::path out_ = folder_ / "out";
   Scene<2> scene_ = awkward_scene();
 };
 using ThreadedRunOutput = RunOutput;
@@ -202,7 +202,7 @@ time = {step = 1e-3, steps = 12}
 
 TEST_F(RunOutput, EveryFrameCanBeReadThroughTheLinksOfTheRunFile) {
   write({at(1), at(2)});
-  std::filesystem::rename(out_, folder_ / "moved");  // links are relative
+  fs::rename(out_, folder_ / "moved");  // links are relative
   const Hdf5File file(folder_ / "moved/run.h5", Hdf5File::Mode::kRead);
   EXPECT_EQ(file.list("/frames"), (std::vector<std::string>{"00000001", "00000002"}));
   EXPECT_EQ(file.read_int("/frames/00000002/step"), 2);
@@ -221,7 +221,7 @@ TEST_F(RunOutput, EveryFrameCanBeReadThroughTheLinksOfTheRunFile) {
 }
 
 /// Every data item leads to a dataset of the shape it says.
-int expect_data(const std::filesystem::path& folder, const std::string& xml) {
+int expect_data(const fs::path& folder, const std::string& xml) {
   const std::regex item("Dimensions=\"([0-9 ]+)\" NumberType=\"(\\w+)\"[^>]*>([^:<]+):([^<]+)<");
   int count = 0;
   for (std::sregex_iterator it(xml.begin(), xml.end(), item), end; it != end; ++it, ++count) {
@@ -554,7 +554,7 @@ TEST_F(ThreadedRunOutput, FramesWrittenBesideTheStepsAreTheSameFiles) {
 TEST_F(ThreadedRunOutput, AFrameThatFailsBesideIsReportedByTheNextAndOnce) {
   RunWriter<2> writer(out_, scene_, "");
   writer.frame(at(0));
-  std::filesystem::rename(out_ / "frames", folder_ / "taken");
+  fs::rename(out_ / "frames", folder_ / "taken");
   writer.frame_beside(at(1));
   const std::string said = refusal_of<FileError>([&] { writer.frame_beside(at(2)); });
   const std::string expected = refusal_of<FileError>([&] { writer.frame(at(1)); });
@@ -562,7 +562,7 @@ TEST_F(ThreadedRunOutput, AFrameThatFailsBesideIsReportedByTheNextAndOnce) {
   EXPECT_EQ(said, expected);
   writer.frame_beside(at(3));
   EXPECT_THROW(writer.close(), FileError);
-  std::filesystem::rename(folder_ / "taken", out_ / "frames");
+  fs::rename(folder_ / "taken", out_ / "frames");
   EXPECT_NO_THROW(writer.close());
   EXPECT_EQ(steps_in_folder(out_), std::vector<int>{0});
 }
@@ -570,8 +570,8 @@ TEST_F(ThreadedRunOutput, AFrameThatFailsBesideIsReportedByTheNextAndOnce) {
 TEST_F(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
   for (int trial = 0; trial < 24; ++trial) {
     const bool beside = trial % 2 == 1;
-    std::filesystem::remove_all(out_);
-    std::filesystem::create_directory(out_);
+    fs::remove_all(out_);
+    fs::create_directory(out_);
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
     if (child == 0) {  // never leaves this block, never outlives a test that is stopped itself

@@ -15,9 +15,7 @@ const std::string kDiskLine = " DISKx      1  color  BLEUx  byrd= 0.5000000D-01\
 const std::string kWallLine =
     " JONCx      1  color  DOWNx  axe1= 0.4000000D+01  axe2= 0.1000000D+00\n";
 
-void put_file(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path) << text;
-}
+void put_file(const fs::path& path, const std::string& text) { std::ofstream(path) << text; }
 
 struct Lmgc90Bodies : testing::Test {
   const TemporaryFolder folder;

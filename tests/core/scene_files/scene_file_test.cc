@@ -615,11 +615,11 @@ TEST(SceneFile, AMissingFileIsNamed) {
       says(refusal_of<FileError>([&] { read_scene("no/such/scene.toml"); }), "no/such/scene.toml"));
 }
 
-const std::filesystem::path kScenes = source_folder() / "data" / "scenes";
+const fs::path kScenes = source_folder() / "data" / "scenes";
 
 TEST(SceneFile, EveryShippedSceneIsSound) {
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
+  for (const auto& entry : fs::directory_iterator(kScenes)) {
     if (entry.path().extension() != ".toml") continue;
     ++count;
     std::visit(
@@ -637,8 +637,7 @@ TEST(SceneFile, EveryShippedSceneIsSound) {
 /// Every key that the reader asks a table for.
 std::set<std::string> keys_in_the_source() {
   std::string source;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(source_folder() / "core" / "scene_files")) {
+  for (const auto& entry : fs::directory_iterator(source_folder() / "core" / "scene_files")) {
     const std::string name = entry.path().filename().string();
     if (name.starts_with("scene_")) source += file_text(entry.path());
   }

@@ -2,8 +2,6 @@
 
 #include "core/scene_files/scene_filling.h"
 
-#include <fmt/format.h>
-
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/temporary_folder.h"
@@ -146,7 +144,7 @@ TEST(SceneFilling, PositionsComeFromAFileBesideTheScene) {
   refused("[[disks]]\n", "p.csv has no disk");
   positions("x,y,radius,X\n1,2,0.1,3\n");
   refused("[[disks]]\n", "p.csv:1: has two columns 'x'");
-  std::filesystem::remove(folder / "p.csv");
+  fs::remove(folder / "p.csv");
   refused("[[disks]]\n", "p.csv: ");
   positions("x,y,radius\n1,2,0.25\n");
   EXPECT_EQ(parse_scene("[[disks]]\n" + group, source).bodies[0].radius, 0.25);

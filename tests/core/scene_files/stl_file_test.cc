@@ -42,7 +42,7 @@ std::string binary(float last = 0.25F) {
   return bytes;
 }
 
-void write(const std::filesystem::path& path, const std::string& bytes) {
+void write(const fs::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 

@@ -1,7 +1,5 @@
 #include "solvers/auto/auto_solver.h"
 
-#include <fmt/format.h>
-
 #include "core/criterion/rounding_bound.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"

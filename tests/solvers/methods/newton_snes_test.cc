@@ -183,7 +183,7 @@ TEST(Newton, LeavesSignalHandlersAlone) {
 /// Names of the processes that `parent` started and that are still there.
 std::vector<std::string> children_of(pid_t parent) {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+  for (const auto& entry : fs::directory_iterator("/proc")) {
     std::ifstream stat(entry.path() / "stat");  // pid (name) state parent ...
     std::string line;
     if (!std::getline(stat, line)) continue;

@@ -361,7 +361,7 @@ TEST(SceneRun, ItsPlanIsReadOnce) {
   scene.solver = {.name = "auto", .tol = 1e-4, .parameters = {{"plan", plan.string()}}};
   SceneRunOptions<2> options;
   options.on_step = [&](const SceneStep<2>&) {
-    std::filesystem::remove(plan);
+    fs::remove(plan);
     return true;
   };
   State<2> state = initial_state(scene);
