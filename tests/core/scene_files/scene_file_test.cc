@@ -738,8 +738,8 @@ TEST(SceneFile, OverlapsAreKeptOrProjected) {
   expect_refused(kTime + "accuracy = 1\n", {"test.toml:4: accuracy = 1"});
   expect_refused(accurate + "travel = 0.1\n", {"accuracy", "travel"});
   // That of the command line has no line.
-  expect_scene_refused([](const std::string& text) { parse_any_scene(text, "test.toml", 1.0); },
-                       accurate, {"test.toml: accuracy = 1"});
+  expect_scene_refused(accurate, {"test.toml: accuracy = 1"},
+                       [](const std::string& text) { parse_any_scene(text, "test.toml", 1.0); });
   expect_refused("model = \"dem\"\n" + accurate, {"accuracy", "dem"});
   expect_refused("[contact]\noverlaps = \"project\"\n" + accurate, {"accuracy", "project"});
   expect_refused("[contact]\noverlaps = \"predict\"\n" + accurate, {"accuracy", "predict"});
