@@ -8,7 +8,6 @@
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/step_outcome.h"
 #include "solvers/analysis/existence.h"
-#include "solvers/simulation/force_energy.h"
 
 namespace bipot {
 namespace {
@@ -232,9 +231,10 @@ void EnergyGrowth<D>::add(const Scene<D>& scene, const StepReport<D>& report) {
   const double loss = e.friction_loss + e.shock_loss;
   // A step solved to the tolerance may have an error of about this fraction of the energy.
   scale_ = std::max({scale_, std::abs(loss), e.kinetic, std::abs(e.wall_work)});
-  const double scale = std::max({std::abs(loss), e.kinetic, std::abs(e.wall_work)});
+  const double scale =
+      std::max({std::abs(loss), e.kinetic, std::abs(e.wall_work), report.error.energy});
   const double grace = std::max(std::max(1e-9, 10 * scene.solver.tol) * scale, 1e-12 * scale_);
-  const double created = loss_ - loss - force_energy(scene, report);
+  const double created = loss_ - loss - report.force_energy;
   if (created > grace) {
     ++steps_;
     if (created > largest_) {

@@ -507,7 +507,8 @@ StepReport<D> SpringDashpotStepper<D>::advance(State<D>& state) {
   report.overlap = worst_overlap_;
   if (report.overlap > 0) report.overlap_pair = overlap_pair();
   report.travel = step_travel(state, next, scene_.step).radii;
-  report.wall_pushes = wall_pushes(next.contacts, next.bodies.size());
+  report.force_energy = force_energy<D>(gravity_, next.walls, next.cell, scene_.step, next.contacts,
+                                        next.bodies.size());
   report.solve_seconds = watch.seconds() - report.detection_seconds;
   state = std::move(next);
   return report;

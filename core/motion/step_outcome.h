@@ -41,14 +41,31 @@ StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
                             const Vector& s, const Vector& v, const State<D>& after,
                             bool count_walls = true);
 
-/// Σ |s| over the contacts with walls; `bodies`: from this number on j is a wall.      [N s]
+/// Upper bound of the energy that contacts may exchange in a step h because forces act within it: ½
+/// κ |s·f| of data/manual/explanation/method.md §3 with κ <= 1. f = h g at walls, besides h times
+/// the acceleration of driven ones, that of driven sides of the cell at images, and 0 between other
+/// bodies, which fall alike. `bodies`: from this number on j is a wall.                [J]
 template <int D>
-double wall_pushes(const std::vector<ContactOutcome<D>>& contacts, std::size_t bodies) {
-  double pushed = 0;
-  for (const ContactOutcome<D>& c : contacts) {
-    if (to_size(c.contact.j) >= bodies) pushed += std::hypot(c.s_n, magnitude(c.s_t));
+double force_energy(const Vec<D>& gravity, const std::vector<Wall<D>>& walls,
+                    const PeriodicCell& cell, double h,
+                    const std::vector<ContactOutcome<D>>& contacts, std::size_t bodies) {
+  double of_cell = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (cell.side(k).motion != CellSide::Motion::kDriven) continue;
+    of_cell += std::abs(stress_force(cell, k)) / cell.side(k).mass;
   }
-  return pushed;
+  double energy = 0;
+  for (const ContactOutcome<D>& c : contacts) {
+    const std::size_t j = to_size(c.contact.j);
+    double acceleration = c.contact.with_image() ? of_cell : 0;
+    if (j >= bodies) {
+      const Wall<D>& wall = walls[j - bodies];
+      const bool driven = wall.motion == Wall<D>::Motion::kDriven;
+      acceleration += gravity.norm() + (driven ? std::abs(wall.force) / wall.mass : 0);
+    }
+    energy += 0.5 * h * acceleration * std::hypot(c.s_n, magnitude(c.s_t));
+  }
+  return energy;
 }
 
 }  // namespace bipot

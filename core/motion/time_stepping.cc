@@ -381,13 +381,14 @@ void TimeStepper<D>::Inside::close_ledger(const State<D>& before, const Midpoint
   StateSums<D> now = state_sums(next, gravity_at(scene, next.time), counts_walls()),
                then = state_sums(before, gravity_at(scene, before.time), counts_walls());
   const std::size_t bodies = neighbours != nullptr ? mid.bodies.size() : next.bodies.size();
-  report.wall_pushes = wall_pushes(outcome.contacts, bodies);
+  report.force_energy =
+      force_energy<D>(mid.gravity, mid.walls, mid.cell, scene.step, outcome.contacts, bodies);
   auto contacts = static_cast<double>(mid.contacts.size());
   auto active = static_cast<double>(outcome.active);
   if (neighbours != nullptr) {
     SumList sums;
     sums.add(outcome.wall_work, outcome.friction_loss, outcome.shock_loss, contacts, active);
-    sums.add(report.wall_pushes, now.kinetic, now.potential, then.kinetic, then.potential);
+    sums.add(report.force_energy, now.kinetic, now.potential, then.kinetic, then.potential);
     sums.add(outcome.external);
     sums.add(now.momentum);
     sums.add(then.momentum);

@@ -78,7 +78,7 @@ struct StepReport {
   double travel = 0;                           ///< largest way of a body over its radius
   int passages = 0;                            ///< pairs that went through each other
   std::string passage;                         ///< the first of them (core/motion/passage.h)
-  double wall_pushes = 0;                      ///< Σ |s| of the contacts with walls [N s]
+  double force_energy = 0;                     ///< as of core/motion/step_outcome.h [J]
   double joint_loss = 0;                       ///< part of the shock loss, by joints [J]
   double from_rest = 0;  ///< with joints: energy that forces alone give bodies at rest [J]
   StepParts cut;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/motion/step_outcome.h"
-
 namespace bipot {
 namespace {
 
@@ -56,6 +54,7 @@ void SummedParts<D>::add(const StepReport<D>& part,
     }
     total_.travel += before.travel;
     total_.joint_loss += before.joint_loss;
+    total_.force_energy += before.force_energy;
     total_.from_rest += before.from_rest;
     total_.passages += before.passages;
     if (before.passages > 0) total_.passage = before.passage;
@@ -71,7 +70,6 @@ StepReport<D> SummedParts<D>::finish(const State<D>& before, double h, State<D>&
   state.time = total_.time = time_after_step(before, h);
   state.step = total_.step = before.step + 1;
   state.contacts = std::move(contacts_);
-  total_.wall_pushes = wall_pushes(state.contacts, state.bodies.size());
   total_.add_cost(attempts_);
   return std::move(total_);
 }

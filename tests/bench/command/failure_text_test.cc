@@ -2,6 +2,8 @@
 
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/scene/scene_parts.h"
+#include "solvers/simulation/scene_run.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/test.h"
 
 namespace bipot {
@@ -24,6 +26,65 @@ TEST(EnergyGrowth, RoundingOfARestIsNoGrowth) {
   EXPECT_EQ(warning(1e-25), "");
   EXPECT_EQ(warning(1e-13), "");
   EXPECT_NE(warning(1e-9), "");
+}
+
+TEST(EnergyGrowth, ForcesThatActWithinAStepAreNoError) {
+  // Disks bounce to rest under a lid, and in a cell under pressure. All steps are solved.
+  const std::string common = R"(
+    gravity = [0, 0]
+    contact = { mu = 0.3, e_n = 0.3, e_t = 0.3 }
+    [time]
+    step = 1e-3
+    steps = 200
+    [[disks]]
+    arrangement = "rectangular"
+    columns = 3
+    rows = 3
+    radius = 0.1
+    corner = [0, 0.02]
+    density = 1000
+  )";
+  const std::string lid = R"(
+    [[walls]]
+    point = [0, 0]
+    normal = [0, 1]
+    [[walls]]
+    point = [0, 0.64]
+    normal = [0, -1]
+    force = 300
+    mass = 5
+  )";
+  const std::string cell = R"(
+    [cell]
+    width = 0.64
+    height = 0.64
+    pressure_x = 1000
+    pressure_y = 2000
+    mass = 5
+  )";
+  for (const std::string& driven : {lid, cell}) {
+    Scene<2> scene = scene_of<2>(common + driven);
+    State<2> state = initial_state(scene);
+    EnergyGrowth growth(scene, state);
+    SceneRunOptions<2> options;
+    options.on_step = [&](const SceneStep<2>& step) {
+      growth.add(scene, step.report);
+      return true;
+    };
+    EXPECT_EQ(run_scene(scene, state, options).totals.converged, 200);
+    EXPECT_EQ(growth.warning(scene), "") << driven;
+  }
+}
+
+TEST(EnergyGrowth, ASolvedStepMayErrByItsToleranceOfWhatContactsMove) {
+  Scene<2> scene = one_law<2>({});
+  scene.solver.tol = 1e-3;
+  EnergyGrowth growth(scene, initial_state(scene));
+  StepReport<2> report;
+  report.error.energy = 1;
+  report.energy.shock_loss = -1e-3;
+  growth.add(scene, report);
+  EXPECT_EQ(growth.warning(scene), "");
 }
 
 TEST(EnergyGrowth, OfSpringsComesFromTheSubsteps) {
