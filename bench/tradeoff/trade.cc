@@ -182,19 +182,6 @@ double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& 
   return count > 0 ? sum / count : kInfinity;
 }
 
-/// Why a scene has no springs; null: it has.
-template <int D>
-const char* no_springs(const Scene<D>& scene) {
-  if (!scene.clusters.empty()) return "springs and dashpots have no clusters";
-  if (!scene.joints.empty()) return "springs and dashpots have no pins and ropes";
-  if (scene.has_cohesion()) return "springs and dashpots have no cohesion";
-  if (scene.has_rolling()) return "springs and dashpots have no rolling friction";
-  if (!scene.forces.empty() || scene.drag.coefficient > 0) {
-    return "springs and dashpots have no forces on bodies and no drag";
-  }
-  return nullptr;
-}
-
 void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runner& runner,
                  Trade& trade) {
   // 1. Tolerances.
@@ -272,8 +259,13 @@ void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runne
   bool out_of_time = false;
   for (const RunSetting& setting : springs) {
     if (runner.stopped()) return;
-    const char* why = std::visit([](const auto& it) { return no_springs(it); }, scene.scene);
-    if (why != nullptr) {
+    const std::string why = std::visit(
+        [&](const auto& in) {
+          std::string refused = validate(with_setting(in, setting));
+          return refused.empty() ? no_springs(in) : refused;
+        },
+        scene.scene);
+    if (!why.empty()) {
       runner.skip_all(scene, setting, why);
       continue;
     }

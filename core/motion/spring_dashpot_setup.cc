@@ -248,25 +248,29 @@ double damping_of_restitution(double e_n) {
 }
 
 template <int D>
-SpringDashpotSetup spring_dashpot_setup(const Scene<D>& scene) {
-  if (scene.cell.periodic()) {
-    throw std::invalid_argument("dem: periodic scenes are for rigid contacts only");
-  }
+std::string no_springs(const Scene<D>& scene) {
+  if (scene.cell.periodic()) return "dem: periodic scenes are for rigid contacts only";
   for (const Body<D>& d : scene.bodies) {
-    if (d.wall >= 0) throw std::invalid_argument("dem: rough walls are for rigid contacts only");
+    if (d.wall >= 0) return "dem: rough walls are for rigid contacts only";
   }
   for (const Wall<D>& w : scene.walls) {
     if (w.is_surface()) {
-      throw std::invalid_argument(fmt::format(
+      return fmt::format(
           "dem: wall '{}' has several contacts with a sphere, so this is for rigid contacts only",
-          w.name));
+          w.name);
     }
     if (w.removed == kInfinity) continue;
-    throw std::invalid_argument(fmt::format(
+    return fmt::format(
         "dem: wall '{}' is removed at {:g} s; the energy of springs at it would not be accounted "
         "for, so this is for rigid contacts only",
-        w.name, w.removed));
+        w.name, w.removed);
   }
+  return {};
+}
+
+template <int D>
+SpringDashpotSetup spring_dashpot_setup(const Scene<D>& scene) {
+  if (std::string why = no_springs(scene); !why.empty()) throw std::invalid_argument(why);
   const SpringDashpotChoice& choice = scene.dem;
   SpringDashpotSetup setup;
   const double smallest = scene.bodies.empty() ? 0 : smallest_radius(scene);
@@ -337,6 +341,8 @@ SpringDashpotSetup spring_dashpot_setup(const Scene<D>& scene) {
 
 template bool supported_by_walls(const Scene<2>&, double);
 template bool supported_by_walls(const Scene<3>&, double);
+template std::string no_springs(const Scene<2>&);
+template std::string no_springs(const Scene<3>&);
 template SpringDashpotSetup spring_dashpot_setup(const Scene<2>&);
 template SpringDashpotSetup spring_dashpot_setup(const Scene<3>&);
 

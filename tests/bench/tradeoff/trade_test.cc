@@ -476,6 +476,30 @@ time = {step = 1e-4, steps = 500}
   EXPECT_TRUE(says(trade.rows.back().message, "clusters"));
 }
 
+TEST_F(TradeRun, SpringsThatDoNotFitTheSceneAreNotRun) {
+  const std::pair<const char*, const char*> kCases[] = {
+      {"cell = {width = 1}", "periodic"},
+      {"outlets = [{point = [0, -1], normal = [0, 1]}]", "outlets"},
+      {"walls = [{point = [0, -1], normal = [0, 1], removed = 1}]", "removed"}};
+  for (const auto& [text, reason] : kCases) {
+    Trade::Options options;
+    options.targets = {scene_file(folder, "falls",
+                                  fmt::format(R"(
+{}
+disks = [{{position = [0.5, 0], radius = 0.1, mass = 1}}]
+time = {{step = 1e-3, steps = 2}}
+)",
+                                              text))};
+    options.tols = {1e-2};
+    options.step_factors = {1};
+    options.overlaps = {1e-2};
+    const Trade trade = run_trade(options);
+    EXPECT_EQ(trade.rows.back().setting.model, Model::kSpringDashpot);
+    EXPECT_EQ(trade.rows.back().status, "not run");
+    EXPECT_TRUE(says(trade.rows.back().message, reason)) << trade.rows.back().message;
+  }
+}
+
 TEST_F(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
   Trade::Options options{.targets = {"bouncing_ball", "sliding_cylinder"},
                          .tols = {1e-8},
