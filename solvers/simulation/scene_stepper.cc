@@ -96,8 +96,8 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
 template <int D>
 void SceneStepper<D>::seek_proof(const std::function<ContactProblem()>& problem,
                                  StepSolution& solution) {
-  if (options_.proof_seconds == 0 || !options_.takes_unsolved() || solution.converged ||
-      solution.failed || solution.refused || solution.cut_short) {
+  if (options_.proof_seconds == 0 || options_.on_failure == OnFailure::kSmallerStep ||
+      solution.converged || solution.failed || solution.refused || solution.cut_short) {
     return;
   }
   const ContactProblem whole = problem();
@@ -112,7 +112,7 @@ void SceneStepper<D>::seek_proof(const std::function<ContactProblem()>& problem,
   if (options_.processes != nullptr) proof = options_.processes->first_text(proof);
   if (proof.empty()) return;
   solution.unsolvable = true;
-  solution.failed = options_.on_failure == OnFailure::kUnlessUnsolvable;
+  solution.failed = options_.on_failure != OnFailure::kContinue;
   solution.message = proof;
 }
 
