@@ -58,8 +58,8 @@ struct SpringDashpotSetup {
 template <int D>
 std::string no_springs(const Scene<D>& scene);
 
-/// Throws std::invalid_argument where there are no_springs(), if the scene asks for a substep above the critical one, or if
-/// nothing in it determines the stiffness of its contacts.
+/// Throws std::invalid_argument where there are no_springs(), if the scene asks for a substep above
+/// the critical one, or if nothing in it determines the stiffness of its contacts.
 template <int D>
 SpringDashpotSetup spring_dashpot_setup(const Scene<D>& scene);
 
