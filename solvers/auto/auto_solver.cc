@@ -23,7 +23,8 @@ ProblemTraits traits_of(SolveRun& run) {
   run.space().sum(rolling);
   const int dim = run.problem().dim;
   const bool rolls = rolling[0] > 0;
-  return {.dim = rolls ? (dim == 6 ? 3 : 2) : dim,
+  return {.contacts = run.space().whole_contacts(),
+          .dim = rolls ? (dim == 6 ? 3 : 2) : dim,
           .tol = run.options().tol,
           .marks = kInParallel,
           .rolls = rolls};

@@ -30,6 +30,8 @@ class MpiSession {
     if (alive) return;  // the host program uses MPI itself
     find_writable_folder();
     setenv("OMPI_MCA_opal_signal", "", 0);
+    // A process that waits leaves its core to the others, which may be more than the cores.
+    setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
     // A single process needs no daemon: without this Open MPI starts one (orted) and leaves it.
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
     // Nor a folder: two such programs at once would make and remove the same one.

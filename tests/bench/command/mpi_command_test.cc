@@ -13,8 +13,7 @@ using nlohmann::json;
 // Open MPI's own second between SIGTERM and SIGKILL stays: with odls_base_sigkill_timeout 0, mpirun
 // 4.1 itself ended in a deadlock of its threads, or in a crash, in 12 of 160 runs that failed (0 of
 // 160 with it), and then heeds no SIGTERM.
-constexpr const char* kMpirun =
-    "timeout -k 5 200 mpirun --allow-run-as-root --oversubscribe --mca mpi_yield_when_idle 1";
+constexpr const char* kMpirun = "timeout -k 5 200 mpirun --allow-run-as-root --oversubscribe";
 
 class MpiCommand : public Command {
  protected:

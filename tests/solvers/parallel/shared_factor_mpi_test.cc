@@ -156,11 +156,11 @@ TEST(SharedFactor, NewtonFactorsOnTheFirstProcessWhereTheOthersCannot) {
 TEST(SharedFactor, AutoTurnsToItWhereGradientsDoNotArrive) {
   const ContactProblem p = shipped_file("2d_triangular_12_mass1e6.hdf5");
   SolverOptions options{.tol = 1e-9};
-  options.max_iterations = 12000;  // three rounds, and some for factorisations
+  options.max_iterations = 3 * 512 + 60;  // a round, and some for factorisations
   const DistributedResult out = distributed_solve("auto", p, options, mpi_group());
   EXPECT_EQ(out.result.status, SolveStatus::kConverged) << out.result.message;
   EXPECT_LE(contact_error(p, out.result.s).guarded(), 1e-9);
-  EXPECT_GT(out.result.iterations, 3 * (512 + 1024 + 2048)) << "an easier problem than was meant";
+  EXPECT_GT(out.result.iterations, 3 * 512) << "an easier problem than was meant";
 }
 
 }  // namespace
