@@ -100,7 +100,7 @@ struct SceneRunOptions {
   int threads = 1;                 ///< of detection, assembly and the scene's own solver
   OnFailure on_failure = OnFailure::kContinue;  ///< rigid contacts only
   /// Wall time, in all, to seek proofs that unsolved steps have no solution; 0: none is sought. For
-  /// the scene's own solver, not with smaller steps.                                   [s]
+  /// the scene's own solver; of smaller steps where the smallest failed.               [s]
   double proof_seconds = 0;
   OnTunnel on_tunnel = OnTunnel::kStop;
   /// Polled before each step, and inside by the scene's own solver or model; true ends the run.

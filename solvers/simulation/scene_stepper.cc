@@ -77,7 +77,9 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
     if (needs_whole_state(scene, options_).empty()) return;  // begin() goes on
     options_.solver = [this](const ContactProblem& problem, Vector s0) {
       StepSolution solution = to_step_solution(own_.solve(problem, std::move(s0)));
-      seek_proof([&] { return problem; }, solution);
+      if (options_.on_failure != OnFailure::kSmallerStep) {
+        seek_proof([&] { return problem; }, solution);
+      }
       return solution;
     };
   }
@@ -96,8 +98,8 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
 template <int D>
 void SceneStepper<D>::seek_proof(const std::function<ContactProblem()>& problem,
                                  StepSolution& solution) {
-  if (options_.proof_seconds == 0 || options_.on_failure == OnFailure::kSmallerStep ||
-      solution.converged || solution.failed || solution.refused || solution.cut_short) {
+  if (options_.proof_seconds == 0 || solution.converged || solution.failed || solution.refused ||
+      solution.cut_short) {
     return;
   }
   const ContactProblem whole = problem();
@@ -173,7 +175,22 @@ StepReport<D> SceneStepper<D>::take(State<D>& state) {
   parts_ = 1;
   cut_.reset();
   if (springs_) return springs_->advance(state);
-  if (accurate_) return accurate_->advance(state);
+  try {
+    return accurate_ ? accurate_->advance(state) : take_rigid(state);
+  } catch (const StepFailure& failure) {
+    if (failure.kind != StepFailure::Kind::kNotConverged ||
+        options_.on_failure != OnFailure::kSmallerStep) {
+      throw;
+    }
+    StepSolution none;
+    seek_proof([&] { return problem(); }, none);
+    if (!none.unsolvable) throw;
+    throw StepFailure(StepFailure::Kind::kUnsolvable, state, none.message);
+  }
+}
+
+template <int D>
+StepReport<D> SceneStepper<D>::take_rigid(State<D>& state) {
   const bool splits_unsolved = options_.on_failure == OnFailure::kSmallerStep;
   const bool splits_passages = options_.on_tunnel == OnTunnel::kSmallerStep;
   const auto in_parts = [&](const SceneRunOptions<D>& options, int halvings, int most_halvings) {

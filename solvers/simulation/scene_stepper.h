@@ -55,6 +55,7 @@ class SceneStepper {
   void seek_proof(const std::function<ContactProblem()>& problem, StepSolution& solution);
   /// advance() without a look at the energy that joints make.
   StepReport<D> take(State<D>& state);
+  StepReport<D> take_rigid(State<D>& state);
   /// The options with a solver that remembers problem() of a step that is cut from now on.
   SceneRunOptions<D> options_of_parts();
 
