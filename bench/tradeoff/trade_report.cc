@@ -138,6 +138,8 @@ Table spring_table(const SceneTrade& s) {
   for (const SceneTrade::Cell& cell : s.cells) {
     if (!cell.setting.dem()) continue;
     add(cell, cell.setting.label() + (cell.done() ? "" : " (" + cell.status + ")"));
+    if (cell.done() || table.note.find(cell.message) != std::string::npos) continue;
+    table.note += fmt::format(" {}: {}.", cell.status, cell.message);
   }
   if (table.rows.size() == 1) table.rows.clear();
   return table;

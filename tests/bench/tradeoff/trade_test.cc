@@ -496,6 +496,9 @@ time = {{step = 1e-3, steps = 2}}
     const Trade trade = run_trade(options);
     EXPECT_EQ(trade.rows.back().setting.model, Model::kSpringDashpot);
     EXPECT_EQ(trade.rows.back().status, "not run");
+    std::string report = to_text(trade_document(FinishedTrade(trade)));
+    std::ranges::replace(report, '\n', ' ');
+    EXPECT_TRUE(says(report, "not run: " + trade.rows.back().message)) << report;
     EXPECT_TRUE(says(trade.rows.back().message, reason)) << trade.rows.back().message;
   }
 }
