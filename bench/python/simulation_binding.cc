@@ -220,11 +220,11 @@ void set_wall(PythonSimulation<D>& self, const py::object& which, const py::obje
   const auto require = [&](Motion motion, const char* what, const char* key) {
     if (wall.motion == motion) return;
     throw std::invalid_argument(
-        fmt::format("wall '{}' is {}: a wall with a {} needs '{}' in the scene", wall.name,
+        fmt::format("wall '{}' is {}: a wall with a {} needs {} in the scene", wall.name,
                     motion_name<D>(wall.motion), what, key));
   };
   if (!velocity.is_none()) {
-    require(Motion::kMoving, "velocity", "velocity");
+    require(Motion::kMoving, "velocity", "'velocity' without 'force'");
     const Vector v = to_vector(velocity, "velocity");
     if (v.size() != D || !v.allFinite()) {
       throw std::invalid_argument(
@@ -233,7 +233,7 @@ void set_wall(PythonSimulation<D>& self, const py::object& which, const py::obje
     wall.v = v;
   }
   if (!force.is_none()) {
-    require(Motion::kDriven, "force", "force");
+    require(Motion::kDriven, "force", "'force'");
     const double f = to_number(force, "force");
     if (!std::isfinite(f)) throw std::invalid_argument(fmt::format("force = {} is not finite", f));
     wall.force = f;

@@ -196,6 +196,9 @@ def test_walls_that_python_may_not_move_are_refused(tmp_path):
     with pytest.raises(ValueError, match="is fixed: a wall with a velocity needs 'velocity'"):
         sim.set_wall(0, velocity=(1, 0))
     refused(ValueError, "is fixed: a wall with a force", sim.set_wall, name or 0, force=1)
+    scene = dict(time=dict(step=1e-3, steps=1), disks=[dict(position=[0, 2], radius=0.5, mass=1)],
+                 walls=[dict(point=[0, 0], normal=[0, 1], force=1, mass=1, velocity=[1, 0])])
+    refused(ValueError, "'velocity' without 'force'", bipot.Simulation(scene).set_wall, 0, velocity=(1, 0))
     refused(ValueError, "wall 99: the scene has walls 0 to", sim.set_wall, 99, velocity=(1, 0))
     refused(ValueError, "unknown wall 'lid'", sim.set_wall, "lid", velocity=(1, 0))
     belt = bipot.Simulation(moving_wall_scene(tmp_path))
