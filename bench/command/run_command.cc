@@ -144,7 +144,9 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
 template <int D>
 int remaining_steps(const RunFlags& flags, const Scene<D>& scene, const State<D>& state) {
   if (flags.steps) return *flags.steps;
-  if (!flags.duration && scene.duration == 0) return scene.num_steps - state.step;
+  if (!flags.duration && scene.duration == 0) {
+    return std::max(scene.num_steps - state.step, 0);
+  }
   // Of the whole duration where all steps have the same size: a restart ends with the same step.
   const bool whole =
       !flags.duration && std::abs(state.time - state.step * scene.step) < 1e-6 * scene.step;
@@ -327,9 +329,9 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
     }
   }
   options.steps = remaining_steps(flags, run.scene, run.state);
+  if (!flags.restart.empty() && *options.steps == 0) return run;
   run.scene.num_steps = run.state.step + *options.steps;
   run.note = changed_time(planned, run.scene, run.state);
-  if (!flags.restart.empty() && *options.steps == 0) return run;
   if (is_speaker()) {
     if (flags.watch) run.server = std::make_unique<WatchServer>(flags.port.value_or(kWatchPort));
     run.lock = claim_folder(flags, options.folder);

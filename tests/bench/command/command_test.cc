@@ -134,6 +134,9 @@ TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
   EXPECT_EQ(again["status"], "nothing to do");
   EXPECT_EQ(again["last_step"], 400);
   EXPECT_EQ(content("parts/summary.json"), summary);
+  write("shorter.toml", collapsing_scene(300));
+  expect_said("run shorter.toml --restart parts", 0,
+              {"is at step 400, the scene ends at step 300"});
   // --steps N is N more.
   EXPECT_EQ(json_of(run + "more --steps 5 --restart parts")["steps"], 5);
   EXPECT_EQ(read_state("more").step, 405);
