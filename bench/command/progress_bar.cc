@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "bench/command/help_text.h"
+#include "bench/report/text_lines.h"
 #include "core/base/printable_text.h"
 #include "core/base/types.h"
 

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "bench/command/help_text.h"
 #include "bench/report/labels.h"
+#include "bench/report/text_lines.h"
 #include "core/base/counted.h"
 #include "core/base/version.h"
 #include "core/motion/sample_area.h"

@@ -1,5 +1,7 @@
 #include "bench/report/text_lines.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 
@@ -17,6 +19,32 @@ bool is_aim(std::string_view aim) {
 std::size_t letters(std::string_view utf8) {
   return static_cast<std::size_t>(std::ranges::count_if(
       utf8, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+std::string first_characters(const std::string& text, std::size_t count) {
+  std::size_t at = 0;
+  for (; at < text.size(); ++at) {
+    if ((text[at] & 0xC0) != 0x80 && count-- == 0) break;
+  }
+  return text.substr(0, at);
+}
+
+std::string short_reason(const std::string& message) {
+  constexpr std::string_view kStages = "stages: ", kNext = "; ";
+  constexpr std::size_t kLongest = 240;
+  std::string text = message;
+  if (const std::size_t begin = text.find(kStages); begin != std::string::npos) {
+    const std::size_t first = begin + kStages.size();
+    std::size_t count = 1, last = first;
+    for (std::size_t at; (at = text.find(kNext, last)) != std::string::npos; ++count) {
+      last = at + kNext.size();
+    }
+    if (count > 2) {
+      text =
+          fmt::format("{}{} stages, the last {}", text.substr(0, begin), count, text.substr(last));
+    }
+  }
+  return letters(text) > kLongest ? first_characters(text, kLongest) + " …" : text;
 }
 
 std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width) {

@@ -9,6 +9,12 @@ namespace bipot {
 /// Number of letters of UTF-8 text: columns on a terminal.
 std::size_t letters(std::string_view utf8);
 
+/// The first so many characters of UTF-8.
+std::string first_characters(const std::string& text, std::size_t count);
+
+/// The reason of a solver in one line: of a list of stages their number and the last one.
+std::string short_reason(const std::string& message);
+
 /// Lines of at most `width` letters, broken at spaces and at ends of lines. A longer word has its
 /// own line.
 std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width);

@@ -92,9 +92,9 @@ Table trial_table(const Advice& a) {
     std::vector<Table::Cell> cells = {fmt::format("{}{}", chosen ? ">" : "", t.pareto ? "*" : ""),
                                       t.solver.label, t.tol, t.seconds};
     add_errors(t.error, a.goal, cells);
-    cells.emplace_back(t.solved < t.stretches
-                           ? fmt::format("{} of {} stretches: {}", t.solved, t.stretches, t.message)
-                           : std::string(verdict_name(t.verdict)));
+    cells.emplace_back(t.solved < t.stretches ? fmt::format("{} of {} stretches: {}", t.solved,
+                                                            t.stretches, short_reason(t.message))
+                                              : std::string(verdict_name(t.verdict)));
     table.add(std::move(cells), t.solved < t.stretches ? "bad" : "");
   }
   return table;
@@ -178,10 +178,10 @@ Chart cost_chart(const Advice& a) {
 
 /// The evidence, one statement a line.
 std::string confidence(const Advice& a) {
-  std::string text =
-      fmt::format("the scene ran for {} of {} steps, {} with contacts (at most {}){}",
-                  a.sample.steps_run, a.sample.steps_planned, a.sample.contact_steps,
-                  a.sample.contacts_max, a.sample.note.empty() ? "" : "; " + a.sample.note);
+  std::string text = fmt::format(
+      "the scene ran for {} of {} steps, {} with contacts (at most {}){}", a.sample.steps_run,
+      a.sample.steps_planned, a.sample.contact_steps, a.sample.contacts_max,
+      a.sample.note.empty() ? "" : "; " + short_reason(a.sample.note));
   text +=
       fmt::format("\nstretches that it was chosen on, that of the deepest overlap among them: {}",
                   a.steps.windows);

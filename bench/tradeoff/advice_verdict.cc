@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bench/report/labels.h"
+#include "bench/report/text_lines.h"
 
 namespace bipot {
 namespace {
@@ -76,7 +77,7 @@ void conclude(const Advice::Options& options, Advice& advice) {
                                  run.unsolved, run.steps);
   } else if (!run.failure.empty()) {
     advice.status = Advice::Status::kNotMet;
-    advice.message = "the run as advised ends: " + run.failure;
+    advice.message = "the run as advised ends: " + short_reason(run.failure);
   } else if (run.overlap > advice.goal.penetration) {
     const double shorter = 0.9 * advice.goal.penetration / run.overlap;
     advice.message =
@@ -144,7 +145,7 @@ void conclude_without_contacts(const Advice::Options& options, Advice& advice) {
   }
   advice.message =
       fmt::format("nothing touches in the first {} of {} steps ({}): {}", seen.steps_run,
-                  seen.steps_planned, seen.note,
+                  seen.steps_planned, short_reason(seen.note),
                   seen.failed ? "mend the scene first, see bipot run"
                               : fmt::format("give --time-limit {:g}", 4 * options.time_limit));
 }

@@ -2,7 +2,6 @@
 
 #include <thread>
 
-#include "bench/command/help_text.h"
 #include "bench/command/run_progress.h"
 #include "bench/report/text_lines.h"
 #include "tests/support/source_folder.h"

@@ -1,5 +1,6 @@
 #include "bench/tradeoff/advice.h"
 
+#include "bench/tradeoff/advice_verdict.h"
 #include "core/base/types.h"
 #include "tests/support/test.h"
 
@@ -96,6 +97,16 @@ TEST(Advice, WithoutABarTheMeasuredErrorsChooseAndNothingIsMet) {
   EXPECT_FALSE(bars_known(steps[0].error, force(1e-2)));
   EXPECT_TRUE(bars_known(steps[0].error, {.energy = 1e-2}));
   EXPECT_EQ(error_against(steps[0].error, force(1e-2)), "force 3.0e0 ± unknown of 1.0e-2");
+}
+
+TEST(Advice, ARunThatEndsIsSaidWithoutTheListOfStages) {
+  Advice advice;
+  advice.trials = {trial("auto", 1e-2, 0, 1)};
+  advice.choice = 0;
+  advice.run.failure = "step 3: stages: pgs 9: stalled; admm 5: given up; ipm 7: iteration limit";
+  conclude({}, advice);
+  EXPECT_EQ(advice.message,
+            "the run as advised ends: step 3: 3 stages, the last ipm 7: iteration limit");
 }
 
 TEST(Advice, AMissedGoalNamesTheLargestStepNearTheBest) {
