@@ -18,6 +18,10 @@ std::string seconds(double s) {
                 : (s < 120 ? fmt::format("{:.0f} s", s) : fmt::format("{:.1f} min", s / 60));
 }
 
+const char* look(const ClaimReport::Item& item) {
+  return item.status == ClaimReport::Item::Status::kNotRun ? "grey" : "bad";
+}
+
 Table::Cell verdict(const Claim& claim) {
   if (!claim.holds) {
     return claim.reason.empty() ? Table::Cell("")
@@ -96,7 +100,7 @@ void add_item(Document& page, const ClaimReport::Item& item) {
   if (item.status != ClaimReport::Item::Status::kDone) {
     return page.say(fmt::format("This item is {}{}{}. Run `{}`.", to_string(item.status),
                                 item.message.empty() ? "" : ": ", item.message, item.command),
-                    "bad");
+                    look(item));
   }
   const Findings& found = item.result;
   if (!found.paper.empty()) page.say("**The paper.** " + found.paper, "quote");
@@ -119,7 +123,7 @@ Table overview(const ClaimReport& report) {
   for (const ClaimReport::Item& item : report.items) {
     Table::Cell checks = "none";
     if (item.status != ClaimReport::Item::Status::kDone) {
-      checks = Table::Cell(to_string(item.status)).as("bad");
+      checks = Table::Cell(to_string(item.status)).as(look(item));
     } else if (item.checks() > 0) {
       const bool all = item.held() == item.checks();
       checks =

@@ -137,6 +137,9 @@ TEST(ClaimPage, AFailedItemSaysWhy) {
   report.items[0].message = "step 3: <stalled>";
   EXPECT_TRUE(says(to_html(to_document(report)), "This item is failed: step 3: &lt;stalled&gt;"));
   EXPECT_FALSE(to_json(report)["all_items_done"].get<bool>());
+  EXPECT_TRUE(says(to_html(to_document(report)), "class=\"bad\""));
+  report.items[0].status = ClaimReport::Item::Status::kNotRun;
+  EXPECT_FALSE(says(to_html(to_document(report)), "class=\"bad\""));
 }
 
 TEST(PaperItems, HaveNamesOfTheirOwn) {
