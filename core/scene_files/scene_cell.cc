@@ -12,13 +12,9 @@ PeriodicCell read_cell(const SceneTable& root, int dim) {
   if (cell.in_y) {
     cell.height.length = dim == 2 ? table->positive("height") : table->positive("depth");
   }
-  if (dim == 3) {
-    table->finish();
-    return cell;
-  }
+  if (dim == 3) return cell;
   cell.offset.length = table->number("offset", 0);
-  const auto mass = table->maybe_number("mass");
-  if (mass && !(*mass > 0)) table->fail("mass", "expected a positive number");
+  const auto mass = table->maybe_positive("mass");
 
   struct Keys {
     const char* length;
@@ -60,7 +56,6 @@ PeriodicCell read_cell(const SceneTable& root, int dim) {
     }
   }
   if (mass && !driven) table->fail("mass", "belongs to a cell that a stress drives");
-  table->finish();
   return cell;
 }
 

@@ -120,10 +120,9 @@ Eigen::Quaterniond random_turn(PortableRandom& random) {
 template <class Add>
 void place_in_space(const SceneTable& table, const Scene<3>& scene, double reach,
                     const Vec3& centre, const Add& add) {
-  const Vec3 axis = table.maybe_vec<3>("axis").value_or(Vec3::UnitZ());
-  if (!(axis.norm() > 0)) table.fail("axis", "must not be zero");
+  const Vec3 axis = table.has("axis") ? table.direction<3>("axis") : Vec3::UnitZ();
   const Eigen::Quaterniond turn(
-      Eigen::AngleAxisd(table.number("degrees", 0) * std::numbers::pi / 180, axis.normalized()));
+      Eigen::AngleAxisd(table.number("degrees", 0) * std::numbers::pi / 180, axis));
   const std::string arrangement =
       table.one_of("arrangement", "single", {"single", "cubic", "random"});
   if (arrangement == "single") {
@@ -190,7 +189,6 @@ template <int D>
 void read_clusters(const SceneTable& root, Scene<D>& scene) {
   for (const SceneTable& table : root.tables("clusters")) {
     read_cluster_group(table, scene);
-    table.finish();
   }
   place_members(scene.clusters, scene.bodies);
 }

@@ -16,11 +16,6 @@
 
 #include "core/base/nearest_name.h"
 #include "core/files/input_file.h"
-#include "core/scene/generators.h"
-#include "core/scene_files/position_file.h"
-#include "core/scene_files/scene_filling.h"
-#include "core/scene_files/scene_groups.h"
-#include "core/scene_files/scene_table.h"
 #include "core/scene_files/scene_tables.h"
 
 namespace bipot {
@@ -63,7 +58,6 @@ void read_materials(const SceneTable& root, Scene<D>& scene) {
                                          : ContactLaw::Impact::kNewton;
     scene.cohesion_range = table->number("cohesion_range", 0);
     scene.heal = table->boolean("heal", true);
-    table->finish();
   }
   scene.materials = root.words("materials");
   if (scene.materials.empty()) scene.materials = {"default"};
@@ -85,85 +79,7 @@ void read_materials(const SceneTable& root, Scene<D>& scene) {
     }
     const ContactLaw law = read_law(table, base);
     scene.laws[index[0] * count + index[1]] = scene.laws[index[1] * count + index[0]] = law;
-    table.finish();
   }
-}
-
-/// Mass, inertia, initial motion and material of a group's disks.
-void read_common(const SceneTable& table, const Scene<2>& scene, std::vector<Disk>& disks) {
-  const int material = material_index(scene, table, "material");
-  if (table.has("wall")) {
-    for (const char* key : {"mass", "density", "inertia", "velocity", "spin"}) {
-      if (table.has(key)) table.fail(key, "belongs to disks that are not glued to a wall");
-    }
-    const std::size_t wall =
-        table.index_of("wall", "wall", table.word("wall", ""), names_of(scene.walls));
-    for (Disk& d : disks) {
-      d.material = material;
-      d.wall = static_cast<int>(wall);
-      d.v = scene.walls[wall].v;
-    }
-    return;
-  }
-  const GroupMass group = read_group_mass(table);
-  const Vec2 v = table.vec_or_zero<2>("velocity");
-  const double spin = table.spin<2>();
-  for (Disk& d : disks) {
-    d.mass = group.mass ? *group.mass : *group.density * std::numbers::pi * d.radius * d.radius;
-    d.inertia = group.inertia.value_or(0.5 * d.mass * d.radius * d.radius);
-    d.v += v;  // to that of a file
-    d.spin += spin;
-    d.material = material;
-  }
-}
-
-/// A driven disk is a solid circle among the walls.
-Wall<2> driven_wall(const PositionRow& row, int material, std::size_t number) {
-  Wall<2> wall{.name = fmt::format("driven {}", number),
-               .shape = Wall<2>::Shape::kSolidCircle,
-               .a = row.x.head<2>(),
-               .v = row.v.head<2>(),
-               .material = material,
-               .radius = row.radius,
-               .spin = row.spin[2]};
-  if (!row.v.isZero(0) || wall.spin != 0) wall.motion = Wall<2>::Motion::kMoving;
-  return wall;
-}
-
-std::vector<Disk> read_group(const SceneTable& table, Scene<2>& scene) {
-  static const std::vector<std::string> kArrangements = {"single",  "rectangular", "triangular",
-                                                         "pyramid", "random",      "file"};
-  const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
-  if (arrangement == "single") {
-    return {{.x = table.vec<2>("position"), .radius = table.positive("radius")}};
-  }
-  if (arrangement == "file") {
-    std::vector<Disk> disks;
-    for (const PositionRow& row : read_named_positions(table, 2, scene.caution)) {
-      if (row.driven) {
-        const int material = material_index(scene, table, "material");
-        scene.walls.push_back(driven_wall(row, material, scene.walls.size()));
-        continue;
-      }
-      disks.push_back({.x = Vec2(row.x[0], row.x[1]),
-                       .v = Vec2(row.v[0], row.v[1]),
-                       .spin = row.spin[2],
-                       .radius = row.radius});
-    }
-    return disks;
-  }
-  if (arrangement == "random") return read_filling(table, scene, "disks");
-  const Vec2 corner = table.vec_or_zero<2>("corner");
-  const double radius = table.positive("radius");
-  const int rows = table.natural("rows");
-  if (arrangement == "pyramid") {
-    require_possible(table, "rows", 0.5 * rows * (rows + 1.0), "disks");
-    return pyramid(rows, radius, corner);
-  }
-  const int columns = table.natural("columns");
-  require_possible(table, "rows", static_cast<double>(rows) * columns, "disks");
-  return arrangement == "rectangular" ? rectangular_lattice(columns, rows, radius, corner)
-                                      : triangular_lattice(columns, rows, radius, corner);
 }
 
 template <int D>
@@ -175,7 +91,6 @@ void read_start(const SceneTable& root, Scene<D>& scene) {
   scene.start = overlaps == "allow"        ? StartChoice::kAllow
                 : overlaps == "push apart" ? StartChoice::kPushApart
                                            : StartChoice::kRefuse;
-  table->finish();
 }
 
 template <int D>
@@ -195,7 +110,6 @@ void read_time(const SceneTable& root, std::optional<double> accuracy, Scene<D>&
     if (!(steps < std::numeric_limits<int>::max())) table->fail("duration", "is too many steps");
     scene.num_steps = static_cast<int>(steps);
   }
-  table->finish();
 }
 
 /// Errors of the solver are then small beside those of time.
@@ -219,7 +133,6 @@ void read_solver(const SceneTable& root, Scene<D>& scene) {
   if (const std::string plan = table->word("plan", ""); !plan.empty()) {
     s.parameters["plan"] = std::filesystem::absolute(table->folder() / plan).lexically_normal();
   }
-  table->finish();
 }
 
 template <int D>
@@ -238,7 +151,6 @@ void read_model(const SceneTable& root, Scene<D>& scene) {
   d.tangential_ratio = table->number("tangential_ratio", d.tangential_ratio);
   if (table->has("substep")) d.substep = table->positive("substep");
   d.safety = table->number("safety", d.safety);
-  table->finish();
 }
 
 template <int D>
@@ -259,7 +171,6 @@ void read_output(const SceneTable& root, Scene<D>& scene) {
       table->fail("track", D == 2 ? "expected disk numbers" : "expected sphere numbers");
     o.track.push_back(static_cast<int>(x));
   }
-  table->finish();
 }
 
 template <int D>
@@ -269,7 +180,6 @@ void read_tilt(const SceneTable& root, Scene<D>& scene) {
   Tilt& tilt = scene.tilt;
   tilt.rate = table->number("degrees_per_second") * std::numbers::pi / 180;
   table->read_period(tilt.starts, tilt.stops);
-  table->finish();
 }
 
 template <int D>
@@ -284,13 +194,11 @@ void read_outside_forces(const SceneTable& root, Scene<D>& scene) {
                             .last = static_cast<int>(range[1]),
                             .force = table.vec<D>("force"),
                             .time_factor = read_time_factor(table)});
-    table.finish();
   }
   const auto table = root.table("drag");
   if (!table) return;
   scene.drag.coefficient = table->positive("coefficient");
   scene.drag.velocity = table->vec_or_zero<D>("velocity");
-  table->finish();
 }
 
 /// Turns bodies, walls, forces and lines about the origin; gravity stays: a tilted box.
@@ -314,26 +222,6 @@ void rotate(Scene<2>& scene, double degrees) {
   turn(scene.drag.velocity);
 }
 
-/// Reads [[disks]], the cell, and rotations.
-void read_bodies(const SceneTable& root, Scene<2>& scene) {
-  for (const SceneTable& table : root.tables("disks")) {
-    std::vector<Disk> disks = read_group(table, scene);
-    read_common(table, scene, disks);
-    table.finish();
-    scene.bodies.insert(scene.bodies.end(), disks.begin(), disks.end());
-  }
-  read_clusters(root, scene);
-}
-
-void read_bodies(const SceneTable& root, Scene<3>& scene) {
-  for (const SceneTable& table : root.tables("spheres")) {
-    const std::vector<Sphere> spheres = read_spheres(table, scene);
-    table.finish();
-    scene.bodies.insert(scene.bodies.end(), spheres.begin(), spheres.end());
-  }
-  read_clusters(root, scene);
-}
-
 void turn(const SceneTable& root, Scene<2>& scene) {
   const auto degrees = root.maybe_number("rotate_degrees");
   if (!degrees) return;
@@ -355,7 +243,6 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   // Walls come first: disks may name them.
   for (const SceneTable& table : root.tables("walls")) {
     scene.walls.push_back(read_wall(table, scene, scene.walls.size()));
-    table.finish();
   }
   read_bodies(root, scene);
   read_joints(root, scene);

@@ -44,9 +44,8 @@ Outlet<D> read_outlet(const SceneTable& table, bool turned, const Scene<D>& scen
     return outlet;
   }
   if (!point || !normal) table.fail("normal", "give both point and normal");
-  if (!(normal->norm() > 0)) table.fail("normal", "must not be zero");
   outlet.point = *point;
-  outlet.normal = normal->normalized();
+  outlet.normal = table.direction<D>("normal");
   return outlet;
 }
 
@@ -82,14 +81,10 @@ Inlet<D> read_inlet(const SceneTable& table, bool turned, const Scene<D>& scene)
 template <int D>
 void read_gates(const SceneTable& root, bool turned, Scene<D>& scene) {
   for (const SceneTable& table : root.tables("outlets")) {
-    Outlet<D> outlet = read_outlet(table, turned, scene);
-    table.finish();
-    scene.outlets.push_back(std::move(outlet));
+    scene.outlets.push_back(read_outlet(table, turned, scene));
   }
   for (const SceneTable& table : root.tables("inlets")) {
-    Inlet<D> inlet = read_inlet(table, turned, scene);
-    table.finish();
-    scene.inlets.push_back(std::move(inlet));
+    scene.inlets.push_back(read_inlet(table, turned, scene));
   }
 }
 

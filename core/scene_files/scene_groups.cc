@@ -110,14 +110,11 @@ std::vector<PositionRow> read_named_positions(const SceneTable& table, int dim,
 }
 
 GroupMass read_group_mass(const SceneTable& table, bool with_inertia) {
-  GroupMass group{table.maybe_number("mass"), table.maybe_number("density")};
-  if (with_inertia) group.inertia = table.maybe_number("inertia");
+  GroupMass group{table.maybe_positive("mass"), table.maybe_positive("density")};
+  if (with_inertia) group.inertia = table.maybe_positive("inertia");
   if (group.density.has_value() == group.mass.has_value()) {
     table.fail("mass", "give either mass [kg] or density [kg/m³]");
   }
-  if (group.density && !(*group.density > 0)) table.fail("density", "expected a positive number");
-  if (group.mass && !(*group.mass > 0)) table.fail("mass", "expected a positive number");
-  if (group.inertia && !(*group.inertia > 0)) table.fail("inertia", "expected a positive number");
   return group;
 }
 

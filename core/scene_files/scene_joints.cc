@@ -53,11 +53,9 @@ void read_joints(const SceneTable& root, Scene<D>& scene) {
     pin.at_i = on_body(scene, pin.i, point);
     pin.at_j = on_body(scene, pin.j, point);
     scene.joints.push_back(pin);
-    table.finish();
   }
   for (const SceneTable& table : root.tables("ropes")) {
     scene.joints.push_back(read_rope(table, scene));
-    table.finish();
   }
 }
 

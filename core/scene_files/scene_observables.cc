@@ -62,7 +62,6 @@ void read_crossings(const SceneTable& table, const PeriodicCell&, ObservableChoi
     const std::string name = read_name(line, "line", choice);
     const auto from = line.maybe_vec<2>("from"), to = line.maybe_vec<2>("to");
     if (!from || !to || *from == *to) line.fail("from", "give from and to, two different points");
-    line.finish();
     choice.crossings.push_back({name, *from, *to});
   }
 }
@@ -148,7 +147,6 @@ void read_crossings(const SceneTable& table, const PeriodicCell& cell,
       if (half == 0 && read.normal[axis] == 0) continue;  // without ends
       require_in_cell(face, "point", cell, axis, read.point[axis] - half, read.point[axis] + half);
     }
-    face.finish();
     choice.crossings.push_back(read);
   }
 }
@@ -181,7 +179,6 @@ std::optional<ObservableChoice<D>> read_observables(const SceneTable& root,
     }
   }
   read_crossings(table, cell, choice);
-  table.finish();
   return choice;
 }
 

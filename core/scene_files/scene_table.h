@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -38,20 +39,23 @@ class SceneTable {
         name_(std::move(name)),
         path_(std::move(path)),
         source_(source),
-        valid_(keys_of_table(path_)) {
-    if (valid_.empty()) return;
+        reading_(std::make_shared<Reading>()) {
+    reading_->valid = keys_of_table(path_);
+    if (reading_->valid.empty()) return;
     for (const auto& [key, node] : table_) {
-      if (!is_valid(key.str())) fail_at(node, unknown_key_message(key.str(), valid_));
+      if (!is_valid(key.str())) fail_at(node, unknown_key_message(key.str(), reading_->valid));
     }
   }
 
-  /// Refuses keys that were not read. Call after the last access.
+  /// Refuses keys that were not read, also of the tables in it. Call after the last access.
   void finish() const {
+    const auto& known = reading_->known;
     for (const auto& [key, node] : table_) {
       const std::string text(key.str());
-      if (known_.contains(text)) continue;
-      fail_at(node, unknown_key_message(text, {known_.begin(), known_.end()}));
+      if (known.contains(text)) continue;
+      fail_at(node, unknown_key_message(text, {known.begin(), known.end()}));
     }
+    for (const SceneTable& part : reading_->parts) part.finish();
   }
 
   [[noreturn]] void fail(std::string_view key, const std::string& message) const {
@@ -60,7 +64,7 @@ class SceneTable {
     if (node != nullptr) fail_at(*node, text);
     // The key may be there under a name that means something else in this table.
     for (const auto& [other, there] : table_) {
-      if (!known_.contains(other.str()) && is_synonym(other.str(), key)) {
+      if (!reading_->known.contains(other.str()) && is_synonym(other.str(), key)) {
         fail_at(there, fmt::format("unknown key '{}' here; did you mean '{}'?", other.str(), key));
       }
     }
@@ -83,10 +87,10 @@ class SceneTable {
   }
 
   bool has(std::string_view key) const {
-    if (!valid_.empty() && !is_valid(key)) {
+    if (!reading_->valid.empty() && !is_valid(key)) {
       throw std::logic_error(fmt::format("scene_keys.cc lacks '{}' of [{}]", key, path_));
     }
-    known_.emplace(key);
+    reading_->known.emplace(key);
     return table_.contains(key);
   }
 
@@ -105,6 +109,10 @@ class SceneTable {
     const double x = number(key);
     if (!(x > 0)) fail(key, fmt::format("expected a positive number, got {}", x));
     return x;
+  }
+  std::optional<double> maybe_positive(std::string_view key) const {
+    if (!has(key)) return std::nullopt;
+    return positive(key);
   }
   int integer(std::string_view key, int fallback) const {
     if (!has(key)) return fallback;
@@ -177,6 +185,13 @@ class SceneTable {
     if (!has(key)) fail(key, "is missing");
     return *maybe_vec<D>(key);
   }
+  /// The unit vector along that of the key.
+  template <int D>
+  Vec<D> direction(std::string_view key) const {
+    const Vec<D> x = vec<D>(key);
+    if (!(x.norm() > 0)) fail(key, "must not be zero");
+    return x.normalized();
+  }
   /// Zero without the key.
   template <int D>
   Vec<D> vec_or_zero(std::string_view key) const {
@@ -230,7 +245,11 @@ class SceneTable {
     if (!has(key)) return std::nullopt;
     const toml::table* table = table_.get(key)->as_table();
     if (table == nullptr) fail(key, "expected a table");
-    return SceneTable(*table, child(name_, key), child(path_, key), source_);
+    const std::string name = child(name_, key);
+    for (const SceneTable& part : reading_->parts) {
+      if (part.name_ == name) return part;
+    }
+    return reading_->parts.emplace_back(*table, name, child(path_, key), source_);
   }
   std::vector<SceneTable> tables(std::string_view key) const {
     std::vector<SceneTable> result;
@@ -243,13 +262,14 @@ class SceneTable {
       result.emplace_back(*table, fmt::format("{}[{}]", child(name_, key), result.size()),
                           child(path_, key), source_);
     }
+    for (const SceneTable& part : result) reading_->parts.push_back(part);
     return result;
   }
   /// Every key with its value as text, for parameters of a solver.
   std::map<std::string, std::string> texts() const {
     std::map<std::string, std::string> result;
     for (const auto& [key, node] : table_) {
-      known_.emplace(key.str());
+      reading_->known.emplace(key.str());
       if (const auto word = node.value_exact<std::string>()) {
         result[std::string(key.str())] = *word;
       } else if (const auto number = node.value<double>()) {
@@ -270,7 +290,7 @@ class SceneTable {
     return parent.empty() ? std::string(key) : fmt::format("{}.{}", parent, key);
   }
   bool is_valid(std::string_view key) const {
-    return std::find(valid_.begin(), valid_.end(), key) != valid_.end();
+    return std::find(reading_->valid.begin(), reading_->valid.end(), key) != reading_->valid.end();
   }
   double number_of(std::string_view key, const toml::node& node) const {
     const bool numeric = node.is_integer() || node.is_floating_point();
@@ -290,8 +310,13 @@ class SceneTable {
   const toml::table& table_;
   std::string name_, path_;
   const std::string& source_;
-  std::vector<std::string> valid_;  // empty: any
-  mutable std::set<std::string, std::less<>> known_;
+  /// Copies of a table share it.
+  struct Reading {
+    std::vector<std::string> valid;  // keys; empty: any
+    std::set<std::string, std::less<>> known;
+    std::vector<SceneTable> parts;  // tables in this one that have been asked for
+  };
+  std::shared_ptr<Reading> reading_;
 };
 
 }  // namespace bipot

@@ -26,13 +26,15 @@ Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t in
 /// SceneFileError.
 PeriodicCell read_cell(const SceneTable& root, int dim);
 
+/// Reads the tables [[disks]] or [[spheres]], then [[clusters]]. Walls must have been read; a file may
+/// add some. Throws SceneFileError.
+template <int D>
+void read_bodies(const SceneTable& root, Scene<D>& scene);
+
 /// Reads the tables [[clusters]] of a scene and appends their bodies. Materials and other bodies must
 /// have been read. Throws SceneFileError.
 template <int D>
 void read_clusters(const SceneTable& root, Scene<D>& scene);
-
-/// One table of [[spheres]]: a sphere or an arrangement. Throws SceneFileError.
-std::vector<Sphere> read_spheres(const SceneTable& table, Scene<3>& scene);
 
 /// Reads the tables [[outlets]] and [[inlets]] of a scene, whose materials must have been read.
 /// `turned`: the scene as a whole is turned, which excludes boxes along the axes. Throws

@@ -5,25 +5,39 @@
 namespace bipot {
 namespace {
 
+/// Half-plane or half-space.
+template <int D>
+void read_plane(const SceneTable& table, Wall<D>& wall) {
+  wall.a = table.vec<D>("point");
+  wall.normal = table.direction<D>("normal");
+}
+
+/// Circle or cylinder.
+template <int D>
+void read_circle(const SceneTable& table, Wall<D>& wall) {
+  const bool hollow = table.boolean("hollow", false);
+  wall.shape = hollow ? Wall<D>::Shape::kHollowCircle : Wall<D>::Shape::kSolidCircle;
+  wall.a = table.vec<D>("center");
+  if constexpr (D == 3) {
+    if (!table.has("axis")) table.fail("axis", "is missing for a cylinder");
+    wall.normal = table.direction<D>("axis");
+  }
+  wall.radius = table.positive("radius");
+  wall.spin = table.number("spin", 0);
+}
+
 /// Half-plane, segment or circle.
 void read_shape(const SceneTable& table, Wall<2>& wall) {
-  const auto point = table.maybe_vec<2>("point"), normal = table.maybe_vec<2>("normal");
-  const auto from = table.maybe_vec<2>("from"), to = table.maybe_vec<2>("to");
-  const auto center = table.maybe_vec<2>("center");
+  const bool point = table.has("point"), normal = table.has("normal");
+  const bool from = table.has("from"), to = table.has("to"), center = table.has("center");
   if (point && normal && !from && !to && !center) {
-    wall.a = *point;
-    if (!(normal->norm() > 0)) table.fail("normal", "must not be zero");
-    wall.normal = normal->normalized();
+    read_plane(table, wall);
   } else if (from && to && !point && !normal && !center) {
     wall.shape = Wall<2>::Shape::kSegment;
-    wall.a = *from;
-    wall.b = *to;
+    wall.a = table.vec<2>("from");
+    wall.b = table.vec<2>("to");
   } else if (center && !point && !normal && !from && !to) {
-    const bool hollow = table.boolean("hollow", false);
-    wall.shape = hollow ? Wall<2>::Shape::kHollowCircle : Wall<2>::Shape::kSolidCircle;
-    wall.a = *center;
-    wall.radius = table.positive("radius");
-    wall.spin = table.number("spin", 0);
+    read_circle(table, wall);
   } else {
     table.fail(
         "point",
@@ -92,8 +106,7 @@ void read_cone(const SceneTable& table, Wall<3>& wall) {
 
 /// Half-space, cylinder, cone, polygon or triangles of a file.
 void read_shape(const SceneTable& table, Wall<3>& wall) {
-  const auto point = table.maybe_vec<3>("point"), normal = table.maybe_vec<3>("normal");
-  const auto center = table.maybe_vec<3>("center");
+  const bool point = table.has("point"), normal = table.has("normal"), center = table.has("center");
   const bool cone = table.has("radii"), file = table.has("file");
   const int surfaces = table.has("corners") + file + cone;
   if (surfaces == 1 && (file || !point) && !normal && !center) {
@@ -107,19 +120,9 @@ void read_shape(const SceneTable& table, Wall<3>& wall) {
                "give one shape: there are keys of several");
   }
   if (point && normal && !center) {
-    wall.a = *point;
-    if (!(normal->norm() > 0)) table.fail("normal", "must not be zero");
-    wall.normal = normal->normalized();
+    read_plane(table, wall);
   } else if (center && !point && !normal) {
-    const bool hollow = table.boolean("hollow", false);
-    wall.shape = hollow ? Wall<3>::Shape::kHollowCircle : Wall<3>::Shape::kSolidCircle;
-    wall.a = *center;
-    const auto axis = table.maybe_vec<3>("axis");
-    if (!axis) table.fail("axis", "is missing for a cylinder");
-    if (!(axis->norm() > 0)) table.fail("axis", "must not be zero");
-    wall.normal = axis->normalized();
-    wall.radius = table.positive("radius");
-    wall.spin = table.number("spin", 0);
+    read_circle(table, wall);
   } else {
     table.fail(
         "point",
@@ -132,18 +135,16 @@ void read_shape(const SceneTable& table, Wall<3>& wall) {
 template <int D>
 void read_drive(const SceneTable& table, Wall<D>& wall) {
   const auto force = table.maybe_number("force"), mass = table.maybe_number("mass");
-  const auto direction = table.maybe_vec<D>("direction");
   if (!force || !mass) table.fail("force", "a driven wall needs force [N] and mass [kg]");
   wall.motion = Wall<D>::Motion::kDriven;
   wall.force = *force;
   wall.mass = *mass;
-  if (!direction && wall.shape != Wall<D>::Shape::kHalfPlane) {
+  if (!table.has("direction") && wall.shape != Wall<D>::Shape::kHalfPlane) {
     table.fail("direction", D == 2 ? "is missing for a driven segment or circle"
                                    : "is missing for this driven wall");
   }
-  const Vec<D> axis = direction ? *direction : wall.normal;
-  if (!(axis.norm() > 0)) table.fail("direction", "must not be zero");
-  wall.direction = axis.normalized();
+  wall.direction =
+      table.has("direction") ? table.direction<D>("direction") : wall.normal.normalized();
   wall.v = table.number("speed", 0) * wall.direction;
   if (const auto velocity = table.maybe_vec<D>("velocity")) {
     const double along = velocity->dot(wall.direction);
@@ -196,12 +197,13 @@ void read_grain(const SceneTable& table, Wall<D>& wall) {
   wall.grain_ratio = table.positive("grain_ratio");
 }
 
-/// Times of start, stop and removal.
+/// Times of start, stop and removal, and the factor of the motion.
 template <int D>
 void read_times(const SceneTable& table, Wall<D>& wall) {
+  wall.time_factor = read_time_factor(table);
   const bool moves =
       wall.motion != Wall<D>::Motion::kFixed || wall.spin != 0 || !wall.belt.isZero(0);
-  for (const char* key : {"starts", "stops"}) {
+  for (const char* key : {"starts", "stops", "times", "frequency"}) {
     if (table.has(key) && !moves)
       table.fail(key, "belongs to a wall that moves, is driven, turns or is a belt");
   }
@@ -243,13 +245,6 @@ Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t in
   read_belt(table, wall);
   read_grain(table, wall);
   read_times(table, wall);
-  wall.time_factor = read_time_factor(table);
-  const bool moves =
-      wall.motion != Wall<D>::Motion::kFixed || wall.spin != 0 || !wall.belt.isZero(0);
-  if (!wall.time_factor.constant() && !moves) {
-    table.fail(table.has("times") ? "times" : "frequency",
-               "belongs to a wall that moves, is driven, turns or is a belt");
-  }
   return wall;
 }
 
