@@ -17,7 +17,6 @@
 #include "bench/measure/statistics.h"
 #include "core/observables/observables.h"
 #include "core/scene/generators.h"
-#include "core/scene/sphere_generators.h"
 
 namespace bipot {
 namespace {

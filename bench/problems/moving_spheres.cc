@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "core/base/nearest_name.h"
+#include "core/scene/generators.h"
 #include "core/scene/scene_parts.h"
-#include "core/scene/sphere_generators.h"
 
 namespace bipot {
 namespace {

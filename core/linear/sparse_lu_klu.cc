@@ -13,15 +13,11 @@ namespace {
 
 /// -1 or +1: sign of the permutation.
 int permutation_sign(const SuiteSparse_long* to, SuiteSparse_long size) {
-  std::vector<char> seen(to_size(size), 0);
-  int sign = 1;
-  for (SuiteSparse_long first = 0; first < size; ++first) {
-    for (SuiteSparse_long k = to[first]; k != first && seen[to_size(first)] == 0; k = to[k]) {
-      seen[to_size(k)] = 1;
-      sign = -sign;
-    }
-  }
-  return sign;
+  using Indices = Eigen::Matrix<SuiteSparse_long, Eigen::Dynamic, 1>;
+  const Indices places = Eigen::Map<const Indices>(to, size);
+  return static_cast<int>(
+      Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, SuiteSparse_long>(places)
+          .determinant());
 }
 
 }  // namespace

@@ -21,6 +21,13 @@ std::uint16_t unit_code(double x) {
 }
 double unit_value(std::uint16_t code) { return code / 32767.0 - 1; }
 
+/// The lower half of the octahedron goes to the corners of the square, and back.
+void fold(double& x, double& y) {
+  const double folded = (1 - std::abs(y)) * (x < 0 ? -1 : 1);
+  y = (1 - std::abs(x)) * (y < 0 ? -1 : 1);
+  x = folded;
+}
+
 /// Appends the bytes of numbers, their count first.
 template <class T>
 void put(std::string& bytes, const T& value) {
@@ -117,22 +124,14 @@ std::array<std::uint16_t, 2> direction_code(const Vec3& n) {
   const double size = n.lpNorm<1>();
   if (!(size > 0)) return {unit_code(0), unit_code(0)};
   double x = n[0] / size, y = n[1] / size;
-  if (n[2] < 0) {
-    const double folded = (1 - std::abs(y)) * (x < 0 ? -1 : 1);
-    y = (1 - std::abs(x)) * (y < 0 ? -1 : 1);
-    x = folded;
-  }
+  if (n[2] < 0) fold(x, y);
   return {unit_code(x), unit_code(y)};
 }
 
 Vec3 direction_value(std::uint16_t first, std::uint16_t second) {
   double x = unit_value(first), y = unit_value(second);
   const double z = 1 - std::abs(x) - std::abs(y);
-  if (z < 0) {
-    const double folded = (1 - std::abs(y)) * (x < 0 ? -1 : 1);
-    y = (1 - std::abs(x)) * (y < 0 ? -1 : 1);
-    x = folded;
-  }
+  if (z < 0) fold(x, y);
   return Vec3(x, y, z).normalized();
 }
 

@@ -19,77 +19,77 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// One number of a measurement, or one of each bin of a profile.
 struct Quantity {
-  const char *name, *unit;
-  double value;
+  std::string name, unit;
+  std::vector<double> values;
+
+  std::string known_unit() const { return unit.empty() ? "1" : unit; }
 };
+
+std::string columns_of(const std::vector<Quantity>& list) {
+  std::string columns;
+  for (const Quantity& q : list) {
+    columns += q.unit.empty() ? "," + q.name : fmt::format(",{} [{}]", q.name, q.unit);
+  }
+  return columns;
+}
 
 /// One measurement, in the order of the columns.
 template <int D>
 std::vector<Quantity> quantities(const Observables<D>& o) {
   const Mat<D> stress = o.stress.total();
-  std::vector<Quantity> list = {{D == 2 ? "disks" : "spheres", "", static_cast<double>(o.bodies)},
-                                {"rattlers", "", static_cast<double>(o.rattlers)},
-                                {"contacts", "", static_cast<double>(o.contacts)},
-                                {"sliding_share", "", o.sliding_share()},
-                                {"coordination", "", o.coordination},
-                                {"coordination_without_rattlers", "", o.coordination_without},
-                                {"solid_fraction", "", o.solid_fraction},
-                                {"fabric_xx", "", o.fabric(0, 0)},
-                                {"fabric_yy", "", o.fabric(1, 1)},
-                                {"fabric_xy", "", o.fabric(0, 1)},
-                                {"stress_xx", "Pa", stress(0, 0)},
-                                {"stress_yy", "Pa", stress(1, 1)},
-                                {"stress_xy", "Pa", 0.5 * (stress(0, 1) + stress(1, 0))},
-                                {"pressure", "Pa", o.stress.pressure()},
-                                {"shear_rate", "1/s", o.shear_rate()},
-                                {"mean_mass", "kg", o.mean_mass},
-                                {"inertial_number", "", o.inertial_number()},
-                                {"friction", "", o.friction()}};
+  std::vector<Quantity> list = {{D == 2 ? "disks" : "spheres", "", {static_cast<double>(o.bodies)}},
+                                {"rattlers", "", {static_cast<double>(o.rattlers)}},
+                                {"contacts", "", {static_cast<double>(o.contacts)}},
+                                {"sliding_share", "", {o.sliding_share()}},
+                                {"coordination", "", {o.coordination}},
+                                {"coordination_without_rattlers", "", {o.coordination_without}},
+                                {"solid_fraction", "", {o.solid_fraction}},
+                                {"fabric_xx", "", {o.fabric(0, 0)}},
+                                {"fabric_yy", "", {o.fabric(1, 1)}},
+                                {"fabric_xy", "", {o.fabric(0, 1)}},
+                                {"stress_xx", "Pa", {stress(0, 0)}},
+                                {"stress_yy", "Pa", {stress(1, 1)}},
+                                {"stress_xy", "Pa", {0.5 * (stress(0, 1) + stress(1, 0))}},
+                                {"pressure", "Pa", {o.stress.pressure()}},
+                                {"shear_rate", "1/s", {o.shear_rate()}},
+                                {"mean_mass", "kg", {o.mean_mass}},
+                                {"inertial_number", "", {o.inertial_number()}},
+                                {"friction", "", {o.friction()}}};
   if constexpr (D == 3) {
     const auto mean = [&](int k, int l) { return 0.5 * (stress(k, l) + stress(l, k)); };
-    list.insert(list.end(), {{"fabric_zz", "", o.fabric(2, 2)},
-                             {"fabric_xz", "", o.fabric(0, 2)},
-                             {"fabric_yz", "", o.fabric(1, 2)},
-                             {"stress_zz", "Pa", stress(2, 2)},
-                             {"stress_xz", "Pa", mean(0, 2)},
-                             {"stress_yz", "Pa", mean(1, 2)},
-                             {"mean_diameter", "m", o.mean_diameter},
-                             {"density", "kg/m3", o.density}});
+    list.insert(list.end(), {{"fabric_zz", "", {o.fabric(2, 2)}},
+                             {"fabric_xz", "", {o.fabric(0, 2)}},
+                             {"fabric_yz", "", {o.fabric(1, 2)}},
+                             {"stress_zz", "Pa", {stress(2, 2)}},
+                             {"stress_xz", "Pa", {mean(0, 2)}},
+                             {"stress_yz", "Pa", {mean(1, 2)}},
+                             {"mean_diameter", "m", {o.mean_diameter}},
+                             {"density", "kg/m3", {o.density}}});
   }
   return list;
 }
 
-std::string with_unit(const Quantity& q) {
-  return *q.unit == 0 ? std::string(q.name) : fmt::format("{} [{}]", q.name, q.unit);
-}
-
 template <int D>
 std::string header_of(const Scene<D>& scene) {
-  std::string header = "step,time [s]";
-  for (const Quantity& q : quantities<D>({})) header += fmt::format(",{}", with_unit(q));
+  std::string header = "step,time [s]" + columns_of(quantities(Observables<D>{}));
   for (const FluxSurface<D>& crossing : scene.observables->crossings)
     header += fmt::format(",flux_{} [kg/s]", crossing.name);
   return header;
 }
 
-/// A quantity of every bin of a profile.
-struct BinQuantity {
-  std::string name, unit;
-  std::vector<double> values;
-};
-
 /// In the order of the columns.
 template <int D>
-std::vector<BinQuantity> quantities(const Profile<D>& p) {
+std::vector<Quantity> quantities(const Profile<D>& p) {
   const auto each = [](const auto& list, const auto& of) {
     std::vector<double> values;
     for (const auto& entry : list) values.push_back(of(entry));
     return values;
   };
   const std::string axes = "xyz";
-  std::vector<BinQuantity> list = {{"position", "m", p.position},
-                                   {"solid_fraction", "", p.solid_fraction}};
+  std::vector<Quantity> list = {{"position", "m", p.position},
+                                {"solid_fraction", "", p.solid_fraction}};
   for (int k = 0; k < D; ++k) {
     list.push_back({fmt::format("v{}", axes[to_size(k)]), "m/s",
                     each(p.velocity, [k](const Vec<D>& v) { return v[k]; })});
@@ -116,11 +116,7 @@ std::vector<BinQuantity> quantities(const Profile<D>& p) {
 
 template <int D>
 std::string bin_columns() {
-  std::string columns;
-  for (const BinQuantity& q : quantities<D>(Profile<D>{})) {
-    columns += q.unit.empty() ? "," + q.name : fmt::format(",{} [{}]", q.name, q.unit);
-  }
-  return columns;
+  return columns_of(quantities(Profile<D>{}));
 }
 
 constexpr const char* kForcesHeader = "step,time [s],bin,low,high,count,mean_force [N]";
@@ -233,11 +229,11 @@ void write_force_means(const fs::path& folder, double starts) {
 
 template <int D>
 void write_profile_rows(const State<D>& state, const Scene<D>& scene, CsvFile& file) {
-  const std::vector<BinQuantity> list =
+  const std::vector<Quantity> list =
       quantities<D>(observe_profile<D>(state, scene.step, *scene.observables));
   for (std::size_t b = 0; b < list.front().values.size(); ++b) {
     std::string row = step_and_time(state.step, state.time) + fmt::format(",{}", b);
-    for (const BinQuantity& q : list) add_number(row, q.values[b]);
+    for (const Quantity& q : list) add_number(row, q.values[b]);
     file.row(row);
   }
 }
@@ -297,7 +293,7 @@ void ObservableWriter<D>::step(const State<D>& state) {
   const ObservableChoice<D>& choice = *scene_.observables;
   if (state.step % choice.every != 0) return;
   std::string row = step_and_time(state.step, state.time);
-  for (const Quantity& q : quantities(observe(scene_, state, choice))) add_number(row, q.value);
+  for (const Quantity& q : quantities(observe(scene_, state, choice))) add_number(row, q.values[0]);
   for (const FluxSurface<D>& crossing : choice.crossings) {
     add_number(row, mass_flux(state, crossing));
   }
@@ -327,7 +323,7 @@ template <int D>
 void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& state) {
   const ObservableChoice<D>& choice = *scene.observables;
   for (const Quantity& q : quantities(observe(scene, state, choice))) {
-    file.write(std::string("/observables/") + q.name, q.value, *q.unit != 0 ? q.unit : "1");
+    file.write("/observables/" + q.name, q.values[0], q.known_unit());
   }
   const ForceDistribution forces = observe_forces(state, scene.step, choice);
   file.write("/observables/forces/counts", forces.counts);
@@ -337,8 +333,8 @@ void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& st
     file.write("/observables/flux/" + crossing.name, mass_flux(state, crossing), "kg/s");
   }
   if (!choice.profile) return;
-  for (const BinQuantity& q : quantities<D>(observe_profile<D>(state, scene.step, choice))) {
-    file.write("/observables/profile/" + q.name, q.values, q.unit.empty() ? "1" : q.unit);
+  for (const Quantity& q : quantities<D>(observe_profile<D>(state, scene.step, choice))) {
+    file.write("/observables/profile/" + q.name, q.values, q.known_unit());
   }
 }
 

@@ -8,8 +8,9 @@
 
 namespace bipot {
 
-/// Lattices of equal, touching disks. `corner` is the lower left corner of the bounding box; radius
-/// in m. Only position and radius of the disks are set. Order: row by row from the bottom.
+// Lattices of equal, touching bodies. `corner` is the corner of the bounding box with the smallest
+// coordinates; radius in m. Only position and radius are set. Order of disks: row by row from the
+// bottom.
 
 /// columns x rows, square lattice.
 std::vector<Disk> rectangular_lattice(int columns, int rows, double radius, const Vec2& corner);
@@ -41,5 +42,20 @@ struct FillingBounds {
 std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& classes, double width,
                                  double spacing, std::uint64_t seed, const Vec2& corner,
                                  const FillingBounds<2>& bounds = {});
+
+// The same of spheres. Order: along x, then y, then z.
+
+/// columns x rows x layers along x, y and z.
+std::vector<Sphere> cubic_lattice(int columns, int rows, int layers, double radius,
+                                  const Vec3& corner);
+/// Cannon balls: square layers of rows², (rows - 1)², ..., 1, each sphere in the hollow of four.
+std::vector<Sphere> sphere_pyramid(int rows, double radius, const Vec3& corner);
+
+/// A loose random filling without overlap, as random_filling(). The cells lie over
+/// the rectangle `base` (along x and y) and are filled upwards along z. Throws
+/// std::invalid_argument.
+std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& classes,
+                                   const Vec2& base, double spacing, std::uint64_t seed,
+                                   const Vec3& corner, const FillingBounds<3>& bounds = {});
 
 }  // namespace bipot

@@ -2,8 +2,8 @@
 
 #include <numbers>
 
+#include "core/scene/generators.h"
 #include "core/scene/scene_parts.h"
-#include "core/scene/sphere_generators.h"
 #include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_groups.h"
 #include "core/scene_files/scene_tables.h"

@@ -5,7 +5,6 @@
 #include "core/scene/cluster_motion.h"
 #include "core/scene/disk_union.h"
 #include "core/scene/generators.h"
-#include "core/scene/sphere_generators.h"
 #include "core/scene_files/scene_filling.h"
 #include "core/scene_files/scene_groups.h"
 #include "core/scene_files/scene_tables.h"

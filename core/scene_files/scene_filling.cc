@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "core/scene/generators.h"
-#include "core/scene/sphere_generators.h"
 #include "core/scene/wall_room.h"
 #include "core/scene_files/scene_groups.h"
 

@@ -31,9 +31,9 @@ template <int D>
 const ContactOutcome<D>* find_pair(const std::vector<ContactOutcome<D>>& contacts, int i, int j) {
   const auto at = std::lower_bound(contacts.begin(), contacts.end(), std::pair(i, j),
                                    [](const ContactOutcome<D>& c, const std::pair<int, int>& key) {
-                                     return std::pair(c.contact.i, c.contact.j) < key;
+                                     return c.contact.pair() < key;
                                    });
-  const bool found = at != contacts.end() && at->contact.i == i && at->contact.j == j;
+  const bool found = at != contacts.end() && at->contact.pair() == std::pair(i, j);
   return found ? &*at : nullptr;
 }
 

@@ -1,7 +1,6 @@
 #include "solvers/simulation/body_buffer.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace bipot {
 namespace {
@@ -77,7 +76,7 @@ template <int D>
 void sort_by_bodies(std::vector<ContactOutcome<D>>& contacts) {
   std::sort(contacts.begin(), contacts.end(),
             [](const ContactOutcome<D>& a, const ContactOutcome<D>& b) {
-              return std::tie(a.contact.i, a.contact.j) < std::tie(b.contact.i, b.contact.j);
+              return a.contact.pair() < b.contact.pair();
             });
 }
 

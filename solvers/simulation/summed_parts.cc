@@ -10,7 +10,6 @@ namespace {
 template <int D>
 std::vector<ContactOutcome<D>> added(const std::vector<ContactOutcome<D>>& first,
                                      const std::vector<ContactOutcome<D>>& second) {
-  const auto key = [](const ContactOutcome<D>& c) { return std::pair(c.contact.i, c.contact.j); };
   std::vector<ContactOutcome<D>> sum;
   const auto add_opened = [&](ContactOutcome<D> c) {
     c.bonded = false;
@@ -18,9 +17,9 @@ std::vector<ContactOutcome<D>> added(const std::vector<ContactOutcome<D>>& first
   };
   auto a = first.begin();
   for (const ContactOutcome<D>& b : second) {
-    for (; a != first.end() && key(*a) < key(b); ++a) add_opened(*a);
+    for (; a != first.end() && a->contact.pair() < b.contact.pair(); ++a) add_opened(*a);
     ContactOutcome<D> both = b;
-    if (a != first.end() && key(*a) == key(b)) {
+    if (a != first.end() && a->contact.pair() == b.contact.pair()) {
       both.s_n += a->s_n;
       both.s_t += a->s_t;
       both.moment += a->moment;

@@ -3,7 +3,6 @@
 
 #include "core/base/portable_random.h"
 #include "core/scene/generators.h"
-#include "core/scene/sphere_generators.h"
 #include "tests/support/refused_scene.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
