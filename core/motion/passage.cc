@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/base/number_buffer.h"
 #include "core/motion/population.h"
 #include "core/scene/triangle_mesh.h"
 
@@ -124,6 +125,12 @@ struct Against {
     to -= last;
   }
 };
+
+/// Passes what other processes need of a way.
+template <class Path, class Pass>
+void pass_path(Path& way, const Pass& pass) {
+  pass(way.number, way.wall, way.cluster, way.radius, way.before, way.from, way.mid, way.to);
+}
 
 /// Calls visit(a, b) for pairs of which one is fast and one is here. Outside of cells only where
 /// the ways overlap along the first axis.
@@ -246,29 +253,19 @@ std::string passage_text(const Scene<D>& scene, const Passage& passage) {
 
 template <int D>
 std::vector<double> packed(const std::vector<BodyPath<D>>& ways) {
-  std::vector<double> numbers;
+  Buffer numbers;
   for (const BodyPath<D>& way : ways) {
-    for (const int n : {way.number, way.wall, way.cluster}) numbers.push_back(n);
-    numbers.push_back(way.radius);
-    for (const Vec<D>& x : {way.before, way.from, way.mid, way.to})
-      numbers.insert(numbers.end(), x.begin(), x.end());
+    pass_path(way, [&](const auto&... values) { append(numbers, values...); });
   }
   return numbers;
 }
 
 template <int D>
 std::vector<BodyPath<D>> unpacked(const std::vector<double>& numbers) {
-  constexpr std::size_t kNumbers = 4 + 4 * D;
-  std::vector<BodyPath<D>> ways(numbers.size() / kNumbers);
-  for (std::size_t k = 0; k < ways.size(); ++k) {
-    const double* from = numbers.data() + k * kNumbers;
-    BodyPath<D>& way = ways[k];
-    for (int* n : {&way.number, &way.wall, &way.cluster}) *n = static_cast<int>(*from++);
-    way.radius = *from++;
-    for (Vec<D>* x : {&way.before, &way.from, &way.mid, &way.to}) {
-      *x = Eigen::Map<const Vec<D>>(from);
-      from += D;
-    }
+  std::vector<BodyPath<D>> ways;
+  for (BufferReader reader(numbers); !reader.at_end();) {
+    BodyPath<D>& way = ways.emplace_back();
+    pass_path(way, [&](auto&... values) { reader.take(values...); });
     way.fast = way.elsewhere = true;
   }
   return ways;

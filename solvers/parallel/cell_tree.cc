@@ -5,6 +5,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/base/number_buffer.h"
+
 namespace bipot {
 
 CellTree::CellTree(std::span<const Vec3> points, std::span<const double> weights, int cells)
@@ -71,11 +73,9 @@ int CellTree::cut(std::span<const Vec3> points, std::span<const double> weights,
 }
 
 std::vector<double> CellTree::to_numbers() const {
-  std::vector<double> numbers{static_cast<double>(cells_), static_cast<double>(root_)};
-  for (const Cut& c : cuts_) {
-    numbers.insert(numbers.end(), {static_cast<double>(c.axis), c.at, static_cast<double>(c.left),
-                                   static_cast<double>(c.right)});
-  }
+  Buffer numbers;
+  append(numbers, cells_, root_);
+  for (const Cut& c : cuts_) append(numbers, c.axis, c.at, c.left, c.right);
   return numbers;
 }
 

@@ -79,9 +79,9 @@ DistributedResult::Counts counts_since(const ProcessGroup::Traffic& before,
   const std::vector<double> contacts = group.gather(here);
   counts.imbalance = imbalance(contacts);
   counts.most_contacts = static_cast<int>(*std::max_element(contacts.begin(), contacts.end()));
-  auto next = most.cbegin();
-  counts.most_halo = static_cast<int>(*next++);
-  counts.traffic.read(next);
+  BufferReader reader(most);
+  reader.take(counts.most_halo);
+  counts.traffic.read(reader);
   return counts;
 }
 

@@ -7,32 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "core/base/number_buffer.h"
 #include "core/linear/system_factor.h"
 #include "solvers/contact_space.h"
 
 namespace bipot {
-
-/// Message for one process, or from one, of any length.
-using Buffer = std::vector<double>;
-
-/// Reads the numbers of a buffer in sequence. Throws std::out_of_range past the end.
-class BufferReader {
- public:
-  explicit BufferReader(const Buffer& buffer) : buffer_(buffer) {}
-  bool at_end() const { return next_ == buffer_.size(); }
-  double number() { return buffer_.at(next_++); }
-  int integer() { return static_cast<int>(number()); }
-  template <int N>
-  Eigen::Matrix<double, N, 1> vector() {
-    Eigen::Matrix<double, N, 1> x;
-    for (int k = 0; k < N; ++k) x[k] = number();
-    return x;
-  }
-
- private:
-  const Buffer& buffer_;
-  std::size_t next_ = 0;
-};
 
 /// The processes that work on one problem. There are two implementations: for a single process,
 /// without effect (lone_process()), and on MPI through PETSc (petsc_group.h), the only code that
@@ -48,20 +27,10 @@ class ProcessGroup {
     std::int64_t reductions = 0;     ///< in which all take part
     std::int64_t reduced_bytes = 0;  ///< part of this process in them
 
-    /// Calls f for each of the counts.
-    template <class Any, class F>
-    static void each(Any& traffic, const F& f) {
-      f(traffic.messages);
-      f(traffic.bytes);
-      f(traffic.reductions);
-      f(traffic.reduced_bytes);
-    }
     void append_to(Buffer& numbers) const {
-      each(*this, [&](std::int64_t n) { numbers.push_back(static_cast<double>(n)); });
+      append(numbers, messages, bytes, reductions, reduced_bytes);
     }
-    void read(Buffer::const_iterator& numbers) {
-      each(*this, [&](std::int64_t& n) { n = static_cast<std::int64_t>(*numbers++); });
-    }
+    void read(BufferReader& numbers) { numbers.take(messages, bytes, reductions, reduced_bytes); }
     /// Adds the difference of two readings.
     void add_since(const Traffic& before, const Traffic& now) {
       messages += now.messages - before.messages;

@@ -13,23 +13,20 @@ Buffer to_buffer(const ProblemPiece& piece) {
   const ContactProblem& p = piece.own;
   const int d = p.dim;
   const bool scaled = p.row_scale.size() != 0;
-  Buffer buffer{static_cast<double>(d), static_cast<double>(p.num_dofs()),
-                static_cast<double>(p.num_contacts()), scaled ? 1.0 : 0.0, p.rolls() ? 1.0 : 0.0};
+  Buffer buffer;
+  append(buffer, d, p.num_dofs(), p.num_contacts(), scaled, p.rolls());
   const Vector mass = p.A.diagonal();
   for (int k = 0; k < p.num_dofs(); ++k) {
-    buffer.insert(buffer.end(),
-                  {static_cast<double>(piece.dof_number[to_size(k)]), mass[k], p.v_free[k]});
+    append(buffer, piece.dof_number[to_size(k)], mass[k], p.v_free[k]);
   }
   for (int c = 0; c < p.num_contacts(); ++c) {
-    buffer.insert(buffer.end(),
-                  {static_cast<double>(piece.number[to_size(c)]), p.mu[c],
-                   p.mu_r.size() > 0 ? p.mu_r[c] : 0.0, p.mu_spin.size() > 0 ? p.mu_spin[c] : 0.0});
+    append(buffer, piece.number[to_size(c)], p.mu[c], p.mu_r.size() > 0 ? p.mu_r[c] : 0.0,
+           p.mu_spin.size() > 0 ? p.mu_spin[c] : 0.0);
     for (int row = c * d; row < (c + 1) * d; ++row) {
       const int entries = p.H.outerIndexPtr()[row + 1] - p.H.outerIndexPtr()[row];
-      buffer.insert(buffer.end(),
-                    {p.u_free[row], scaled ? p.row_scale[row] : 1.0, static_cast<double>(entries)});
+      append(buffer, p.u_free[row], scaled ? p.row_scale[row] : 1.0, entries);
       for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
-        buffer.insert(buffer.end(), {static_cast<double>(it.row()), it.value()});
+        append(buffer, it.row(), it.value());
       }
     }
   }

@@ -23,25 +23,11 @@ void pass_contact(Outcome& c, const Pass& pass) {
   pass(c.contact.i, c.contact.j, c.contact.n, c.contact.gap, c.s_n, c.s_t, c.u_n, c.u_t, c.status);
 }
 
-void put_value(double x, Buffer& buffer) { buffer.push_back(x); }
-void put_value(ContactStatus x, Buffer& buffer) { buffer.push_back(static_cast<double>(x)); }
-void put_value(const Eigen::Ref<const Vector>& x, Buffer& buffer) {
-  buffer.insert(buffer.end(), x.data(), x.data() + x.size());
-}
 auto appending(Buffer& buffer) {
-  return [&buffer](const auto&... values) { (put_value(values, buffer), ...); };
-}
-
-template <class Number>
-void take_value(BufferReader& buffer, Number& x) {
-  x = static_cast<Number>(buffer.number());
-}
-template <int N>
-void take_value(BufferReader& buffer, Eigen::Matrix<double, N, 1>& x) {
-  x = buffer.vector<N>();
+  return [&buffer](const auto&... values) { append(buffer, values...); };
 }
 auto taking(BufferReader& buffer) {
-  return [&buffer](auto&... values) { (take_value(buffer, values), ...); };
+  return [&buffer](auto&... values) { buffer.take(values...); };
 }
 
 }  // namespace

@@ -25,18 +25,15 @@ DomainCounts largest_counts(const DomainCounts& mine, ProcessGroup& group) {
   std::int64_t migrated[1] = {mine.migrated};
   group.sum(migrated);
   all.migrated = migrated[0];
-  std::vector<double> numbers = {
-      static_cast<double>(mine.most_bodies), static_cast<double>(mine.most_ghosts),
-      static_cast<double>(mine.most_contacts), static_cast<double>(mine.most_halo)};
+  Buffer numbers;
+  append(numbers, mine.most_bodies, mine.most_ghosts, mine.most_contacts, mine.most_halo);
   ProcessGroup::Traffic* const traffics[] = {&all.detection, &all.solve, &all.migration,
                                              &all.gathering};
   for (const ProcessGroup::Traffic* t : traffics) t->append_to(numbers);
   group.largest(numbers);
-  auto next = numbers.cbegin();
-  for (int* n : {&all.most_bodies, &all.most_ghosts, &all.most_contacts, &all.most_halo}) {
-    *n = static_cast<int>(*next++);
-  }
-  for (ProcessGroup::Traffic* t : traffics) t->read(next);
+  BufferReader reader(numbers);
+  reader.take(all.most_bodies, all.most_ghosts, all.most_contacts, all.most_halo);
+  for (ProcessGroup::Traffic* t : traffics) t->read(reader);
   return all;
 }
 

@@ -111,9 +111,7 @@ CellTree cut_cells_again(const DomainState<D>& state, ProcessGroup& group) {
   const std::vector<double> weights = contact_weights<D>(state.numbers, state.here.contacts);
   std::vector<Buffer> buffers(to_size(group.size()));
   for (std::size_t k = 0; k < state.numbers.size(); ++k) {
-    const Vec3 x = in_space<D>(state.here.bodies[k].x);
-    buffers[0].insert(buffers[0].end(),
-                      {static_cast<double>(state.numbers[k]), x[0], x[1], x[2], weights[k]});
+    append(buffers[0], state.numbers[k], in_space<D>(state.here.bodies[k].x), weights[k]);
   }
   buffers = group.deliver(std::move(buffers));
   std::vector<double> tree;
@@ -124,8 +122,7 @@ CellTree cut_cells_again(const DomainState<D>& state, ProcessGroup& group) {
     for (const Buffer& buffer : buffers) {
       for (BufferReader reader(buffer); !reader.at_end();) {
         const std::size_t k = to_size(reader.integer());
-        places.at(k) = reader.vector<3>();
-        weight[k] = reader.number();
+        reader.take(places.at(k), weight[k]);
       }
     }
     tree = CellTree(places, weight, group.size()).to_numbers();

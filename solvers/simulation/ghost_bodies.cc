@@ -28,17 +28,14 @@ bool meet(const Box<D>& a, const Box<D>& b) {
 template <int D>
 std::vector<Box<D>> gather_reaches(const Box<D>& mine, double& largest_radius,
                                    ProcessGroup& group) {
-  constexpr std::size_t kNumbers = 2 * D + 1;
-  std::vector<double> numbers(mine.lower.begin(), mine.lower.end());
-  numbers.insert(numbers.end(), mine.upper.begin(), mine.upper.end());
-  numbers.push_back(largest_radius);
-  const std::vector<double> all = group.gather(numbers);
+  Buffer numbers;
+  append(numbers, mine.lower, mine.upper, largest_radius);
+  const Buffer all = group.gather(numbers);
+  BufferReader reader(all);
   std::vector<Box<D>> reaches(to_size(group.size()));
-  for (std::size_t r = 0; r < reaches.size(); ++r) {
-    const double* from = all.data() + r * kNumbers;
-    reaches[r].lower = Eigen::Map<const Vec<D>>(from);
-    reaches[r].upper = Eigen::Map<const Vec<D>>(from + D);
-    largest_radius = std::max(largest_radius, from[2 * D]);
+  for (Box<D>& reach : reaches) {
+    reader.take(reach.lower, reach.upper);
+    largest_radius = std::max(largest_radius, reader.number());
   }
   return reaches;
 }

@@ -61,8 +61,7 @@ void number_contacts(const LocalBodies<D>& local, int bodies, ProcessGroup& grou
     const int body = local.numbers[to_size(contacts.own[c].i)];
     counts.push_back(static_cast<int>(end - c));
     range_of.push_back(ranges.of(body));
-    Buffer& to = buffers[to_size(range_of.back())];
-    to.insert(to.end(), {static_cast<double>(body), static_cast<double>(end - c)});
+    append(buffers[to_size(range_of.back())], body, end - c);
     c = end;
   }
   buffers = group.deliver(std::move(buffers));
@@ -110,8 +109,7 @@ void find_places(const LocalBodies<D>& local, int bodies, ProcessGroup& group,
   for (const int k : contacts.halo) {
     const Contact<D>& c = contacts.all[to_size(k)];
     const auto [i, j] = bodies_of(c);
-    Buffer& to = buffers[to_size(local.owner[to_size(c.i)])];
-    to.insert(to.end(), {static_cast<double>(i), static_cast<double>(j)});
+    append(buffers[to_size(local.owner[to_size(c.i)])], i, j);
   }
   buffers = group.deliver(std::move(buffers));
   std::string failure;
