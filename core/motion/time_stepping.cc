@@ -8,6 +8,7 @@
 #include <set>
 #include <span>
 
+#include "core/base/number_buffer.h"
 #include "core/base/release.h"
 #include "core/base/stopwatch.h"
 #include "core/motion/impact_law.h"
@@ -28,29 +29,6 @@ namespace bipot {
 namespace {
 
 using Impact = ContactLaw::Impact;
-
-/// Numbers of different meaning that are added up over all processes in one reduction.
-class SumList {
- public:
-  template <class... Numbers>
-  void add(Numbers&... numbers) {
-    (values_.push_back(&numbers), ...);
-  }
-  template <int D>
-  void add(Eigen::Matrix<double, D, 1>& x) {
-    for (int k = 0; k < D; ++k) values_.push_back(&x[k]);
-  }
-  template <int D>
-  void sum(Neighbours<D>& neighbours) {
-    std::vector<double> numbers;
-    for (const double* x : values_) numbers.push_back(*x);
-    neighbours.sum(numbers);
-    for (std::size_t k = 0; k < numbers.size(); ++k) *values_[k] = numbers[k];
-  }
-
- private:
-  std::vector<double*> values_;
-};
 
 /// The impulses of a step, in the problem's variables; the solver's account of them goes into the
 /// report. Throws StepFailure where it refused, was cut short or failed, and where they are not
@@ -351,13 +329,16 @@ void TimeStepper<D>::close_ledger(const State<D>& before, const Midpoint<D>& mid
   auto contacts = static_cast<double>(mid.contacts.size());
   auto active = static_cast<double>(outcome.active);
   if (neighbours_ != nullptr) {
-    SumList sums;
-    sums.add(outcome.wall_work, outcome.friction_loss, outcome.shock_loss, contacts, active);
-    sums.add(report.force_energy, now.kinetic, now.potential, then.kinetic, then.potential);
-    sums.add(outcome.external);
-    sums.add(now.momentum);
-    sums.add(then.momentum);
-    sums.sum(*neighbours_);
+    const auto pass = [&](const auto& each) {  // all in one reduction
+      each(outcome.wall_work, outcome.friction_loss, outcome.shock_loss, contacts, active,
+           report.force_energy, now.kinetic, now.potential, then.kinetic, then.potential,
+           outcome.external, now.momentum, then.momentum);
+    };
+    Buffer numbers;
+    pass([&](const auto&... values) { append(numbers, values...); });
+    neighbours_->sum(numbers);
+    BufferReader reader(numbers);
+    pass([&](auto&... values) { reader.take(values...); });
   }
   report.contacts = static_cast<int>(contacts);
   report.active = static_cast<int>(active);

@@ -265,15 +265,13 @@ RoundingBound distributed_rounding_bound(DistributedSpace& space, const Vector& 
   }
   RoundedSums sums;
   if (own.num_contacts() > 0) sums = rounded_sums(own, s, pushed);
-  std::vector<double*> fields;
-  for (Rounded* sum : {&sums.friction, &sums.gap, &sums.penetration, &sums.natural, &sums.moved,
-                       &sums.free_energy}) {
-    fields.insert(fields.end(), {&sum->value, &sum->error});
-  }
-  std::vector<double> totals(fields.size());
-  for (std::size_t k = 0; k < totals.size(); ++k) totals[k] = *fields[k];
+  Rounded* const all_sums[] = {&sums.friction, &sums.gap,   &sums.penetration,
+                               &sums.natural,  &sums.moved, &sums.free_energy};
+  Buffer totals;
+  for (const Rounded* sum : all_sums) append(totals, sum->value, sum->error);
   space.sum(totals);
-  for (std::size_t k = 0; k < totals.size(); ++k) *fields[k] = totals[k];
+  BufferReader reader(totals);
+  for (Rounded* sum : all_sums) reader.take(sum->value, sum->error);
   return rounding_bound(sums, piece.whole_contacts, Precision::kDouble);
 }
 
