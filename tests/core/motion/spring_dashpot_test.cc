@@ -219,6 +219,26 @@ TEST(SpringDashpot, AStickingContactHoldsItsPlaceAndPullsBack) {
   EXPECT_GT(end.bodies[0].x[0], 0.99 * -end.contacts[0].spring);
 }
 
+TEST(SpringDashpot, ATangentialOscillationIsDampedByItsDashpot) {
+  // Without slip m_t x'' = -k_t x - c_t x', where 1/m_t = 1/m + a²/I: m_t = m/3 for a disk, 2m/7 for
+  // a sphere. c_t = 2 zeta √(k_t m_t), so that x' is exp(-2 pi zeta/d) of its first value after the
+  // period 2 pi √(m_t/k_t)/d, d = √(1 - zeta²). The spring is slack then.
+  const auto expect_decay = []<int D>(Scene<D> scene, double m_t) {
+    scene.dem.stiffness = 1e5;
+    scene.bodies[0].x[D - 1] -= 2 * kGravity / 1e5;  // carried from the start
+    const double zeta = damping_of_restitution(0.5), d = std::sqrt(1 - zeta * zeta);
+    const double k_t = spring_dashpot_setup(scene).tangential_stiffness;
+    scene.step = 2 * kPi * std::sqrt(m_t / k_t) / d;
+    scene.dem.substep = scene.step / 4000;
+    const State<D> end = run(scene, 1);
+    const double left = std::exp(-2 * kPi * zeta / d);
+    EXPECT_NEAR(magnitude(end.contacts.at(0).u_t) / (1e-3 * left), 1, 0.01);
+    EXPECT_NEAR(end.friction_loss / (0.5 * m_t * 1e-6 * (1 - left * left)), 1, 0.01);
+  };
+  expect_decay(on_floor(spring_scene(100, 0.5), 0.1, 2, Vec2(1e-3, 0)), 2.0 / 3);
+  expect_decay(on_floor(spring_scene<3>(100, 0.5), 0.1, 2, Vec3(1e-3, 0, 0)), 4.0 / 7);
+}
+
 Scene<2> lattice(int columns, int rows, double mu) {
   Scene<2> scene = spring_scene(mu, 0.1);
   for (const Disk& d : rectangular_lattice(columns, rows, 0.01, Vec2::Zero())) {
