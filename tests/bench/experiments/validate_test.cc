@@ -133,14 +133,20 @@ TEST(Validate, EveryRowSaysWhatItIs) {
   EXPECT_GE(names.size(), 70u);
 }
 
+struct NamedExperiments {
+  const char* name;
+  std::vector<Experiment> (*make)();
+};
+void PrintTo(const NamedExperiments& e, std::ostream* out) { *out << e.name; }
+
 /// Rows whose answer is known by hand hold at the tightest tolerance; with an expected value that
 /// is 20 % off (or a bound that is moved by a tenth of its scale past what was measured) each of
 /// them does not.
-class ExactRows : public testing::TestWithParam<std::vector<Experiment> (*)()> {};
+class ExactRows : public testing::TestWithParam<NamedExperiments> {};
 
 TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
   Experiment::Context context{.quick = true};
-  for (Experiment e : GetParam()()) {
+  for (Experiment e : GetParam().make()) {
     e.quick_tols = {e.quick_tols.back()};
     for (ValidationRow& v : run_experiment(e, context).rows) {
       EXPECT_TRUE(v.holds()) << v.claim.name << ": " << v.claim.reason;
@@ -158,10 +164,15 @@ TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Validate, ExactRows,
-                         testing::Values(&slope_experiments, &standing_experiments,
-                                         &impact_experiments, &collision_experiments,
-                                         &mfix_experiments, &cohesion_experiments,
-                                         &chain_experiments, &indeterminacy_experiments));
+                         testing::ValuesIn(std::vector<NamedExperiments>{
+                             {"slope", &slope_experiments},
+                             {"standing", &standing_experiments},
+                             {"impact", &impact_experiments},
+                             {"collision", &collision_experiments},
+                             {"mfix", &mfix_experiments},
+                             {"cohesion", &cohesion_experiments},
+                             {"chain", &chain_experiments},
+                             {"indeterminacy", &indeterminacy_experiments}}));
 
 // A solver that may not iterate reaches no tolerance, and no row holds by luck.
 TEST(Validate, WithoutIterationsNothingThatNeedsThemHolds) {
