@@ -66,6 +66,28 @@ TEST_F(Command, TheStressPictureIsDrawnWhereTheSceneAsksForIt) {
   EXPECT_FALSE(fs::exists("plain/stress.svg"));
 }
 
+TEST_F(Command, TheSummaryHasTheEnergiesOfTheLastRow) {
+  // A floor lifts a sticky disk, which slides to the right, while another leaves.
+  const std::string lift =
+      "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\nvelocity = [0, 0.5]\n"
+      "[[disks]]\nposition = [0, 0.1]\nradius = 0.1\nmass = 1\nvelocity = [1, 0]\n"
+      "[[disks]]\nposition = [3.998, 5]\nradius = 0.1\nmass = 1\nvelocity = [1, 0]\n"
+      "[time]\nstep = 1e-3\nsteps = 5\n[contact]\nmu = 0.5\n";
+  const std::string leave = "cohesion = 1\n[[outlets]]\npoint = [4, 0]\nnormal = [-1, 0]\n";
+  for (const auto& [out, text] :
+       {std::pair("sticky", lift + leave), std::pair("dem", "model = 'dem'\n" + lift)}) {
+    const json energy =
+        json_of("run " + write("lift.toml", text) + " --json - --out " + out)["energy"];
+    EXPECT_GE(energy.size(), 6u);
+    const NumberTable ledger = read_number_table(fs::path(out) / "ledger.csv");
+    for (const auto& [name, value] : energy.items()) {
+      const double expected = ledger.rows.back()[ledger.column(name)];
+      EXPECT_NE(expected, 0) << name;
+      EXPECT_NEAR(value.get<double>(), expected, 1e-8 * std::abs(expected)) << name;
+    }
+  }
+}
+
 // 142² = 20 164 disks that nothing moves.
 TEST_F(Command, AVectorPictureIsLeftOutOfManyBodies) {
   std::ofstream("many.toml") << "gravity = [0, 0]\n[[disks]]\narrangement = 'rectangular'\n"

@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "core/motion/sample_area.h"
+#include "core/run_files/observable_output.h"
 #include "tests/support/markup_defect.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
@@ -327,6 +328,35 @@ TEST_F(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
   EXPECT_EQ(trajectory[2][2], "0");
   EXPECT_NEAR(std::stod(trajectory[1][3]), scene_.bodies[2].x[0], 1e-8);
   EXPECT_NEAR(std::stod(trajectory[1][8]), scene_.bodies[2].spin, 1e-8);
+}
+
+TEST_F(RunOutput, EachNumberOfTheBalancesHasItsColumn) {
+  scene_.model = Model::kSpringDashpot;
+  scene_.laws[0].cohesion = 1;
+  scene_.outlets.emplace_back();
+  State<2> state = at(2);
+  state.population.outlets = {{.momentum = Vec2(-10, -11)}};
+  StepReport<2> report = report_of(state);
+  report.energy = {.kinetic = 1,
+                   .potential = 2,
+                   .wall_work = 3,
+                   .friction_loss = 4,
+                   .shock_loss = 5,
+                   .imbalance = 6,
+                   .elastic = 7,
+                   .cohesion_loss = 8,
+                   .passed = 9};
+  report.momentum = Vec2(12, 13);
+  report.momentum_imbalance = Vec2(14, 15);
+  RunWriter<2>(out_, scene_, "").step(state, report);
+  const NumberTable ledger = read_number_table(out_ / "ledger.csv");
+  double expected = 1;
+  for (const char* name :
+       {"kinetic", "potential", "wall_work", "friction_loss", "shock_loss", "imbalance", "elastic",
+        "cohesion_loss", "passed", "momentum_passed_x", "momentum_passed_y", "momentum_x",
+        "momentum_y", "momentum_imbalance_x", "momentum_imbalance_y"}) {
+    EXPECT_EQ(ledger.rows.at(0)[ledger.column(name)], expected++) << name;
+  }
 }
 
 /// Rows that are left out change neither the others nor the frames.
