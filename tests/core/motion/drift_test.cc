@@ -155,6 +155,17 @@ TEST(Drift, ADiskRollsInADrumThatTurns) {
   }
 }
 
+// A lid under 100 N, 0.01 m too low: its force did 100 N times its way, also where projection moved it.
+TEST(Drift, ALidThatProjectionMovesDoesItsWork) {
+  Scene<2> scene = on_floor(heavy_scene({.mu = 0}), 0.5, 1);
+  scene.project_overlaps = true;
+  scene.walls.push_back(half_space<2>(Vec2(0, 0.99), Vec2(0, -1)));
+  drive(scene.walls[1], Vec2(0, -1), 1, 100);
+  const State<2> end = drift_of(scene, 1).end;
+  EXPECT_GT(end.walls[1].a[1], 0.995);
+  EXPECT_NEAR(end.wall_work, 100 * (0.99 - end.walls[1].a[1]), 1e-9);
+}
+
 /// Two balls stacked without restitution land on the floor at 4.43 m/s: with velocities alone they
 /// keep what they overlap.
 TEST(Drift, ProjectionTakesOutWhatAFallLeaves) {

@@ -109,6 +109,26 @@ TEST(RollingFriction, TwoStackedDisksStandUpToTheDerivedLean) {
   }
 }
 
+// A disk goes round in a drum that turns at 3 rad/s, without gravity: the work of friction and of
+// its moment is 3 rad/s times the angular momentum about the axis that they give.
+TEST(RollingFriction, ADrumThatTurnsDoesTheWorkOfItsTorque) {
+  Scene<2> scene = on_the_flat<2>({.mu = 0.1, .mu_r = 0.1 * kRollRadius});
+  scene.gravity.setZero();
+  scene.walls = {Wall<2>{.name = "drum",
+                         .shape = Wall<2>::Shape::kHollowCircle,
+                         .motion = Wall<2>::Motion::kMoving,
+                         .radius = 2 * kRollRadius,
+                         .spin = 3}};
+  scene.bodies[0].x = Vec2(0, -kRollRadius);
+  scene.bodies[0].v = Vec2(0.1 * kRollRadius, 0);
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper = stepper_of(scene);
+  for (int k = 0; k < 20; ++k) stepper.advance(state);
+  const double gained = angular_momentum(state) - angular_momentum(initial_state(scene));
+  EXPECT_GT(gained, 0);
+  EXPECT_NEAR(state.wall_work / (3 * gained), 1, 1e-3);
+}
+
 // A disk in a hollow circle, small swings about the bottom: 3/2 L φ̈ = -g φ - (mu_r/a) g sign φ̇,
 // an oscillator with a constant friction. Each half swing costs twice mu_r/a of the amplitude:
 // 0.1, -0.08, 0.06. It comes to rest where |φ| <= mu_r/a.
