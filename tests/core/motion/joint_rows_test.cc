@@ -79,6 +79,7 @@ TEST(Pin, KeepsItsLengthAndItsEnergyOverTenThousandSteps) {
     if (r.step > 9000) late = std::max(late, off);
     EXPECT_LE(std::abs(r.energy.imbalance), 1e-12);
     EXPECT_LE(r.momentum_imbalance.norm(), 1e-12);
+    EXPECT_NEAR(r.from_rest, kG * h * kG * h, 1e-12);  // 2 kg at g h
     EXPECT_NEAR(r.energy.shock_loss, start - energy(r.energy), 1e-9);
   });
   EXPECT_GT(open, 1e-7);
