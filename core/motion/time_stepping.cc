@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "core/base/number_buffer.h"
 #include "core/base/release.h"
@@ -75,44 +78,73 @@ ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool e
 }
 
 template <int D>
-const ContactProblem& TimeStepper<D>::own_problem() const {
-  return neighbours_ != nullptr ? neighbours_->problem() : assembled_.problem;
-}
+struct TimeStepper<D>::Inside {
+  const Scene<D>& scene;
+  StepSolver solver;
+  bool explicit_delassus = false;
+  int threads = 1;
+  Neighbours<D>* neighbours = nullptr;  // none: the state lies on this process alone
+  bool refuse_passages = false;
+  double unnamed_overlap = 0;  // name_overlaps_beyond()
+  KeptContacts<D> kept;
+  AssembledStep assembled;              // without neighbours
+  std::optional<Scene<D>> step_laws;    // with_step_laws(), but for Newton's law
+  std::optional<ContactProblem> phase;  // of Poisson's law: solved last
+
+  const ContactProblem& problem() const {
+    return neighbours != nullptr ? neighbours->problem() : assembled.problem;
+  }
+  const Scene<D>& laws() const { return step_laws ? *step_laws : scene; }
+  bool counts_walls() const { return neighbours == nullptr || neighbours->counts_walls(); }
+
+  Midpoint<D> midpoint(const State<D>& start);
+  void assemble(const State<D>& start, const Midpoint<D>& mid);
+  void refuse_driven_pins(const State<D>& start, const Midpoint<D>& mid) const;
+  Vector start_of(const State<D>& state, const Midpoint<D>& mid) const;
+  Vector solve_contacts(const State<D>& state, const Midpoint<D>& mid, StepReport<D>& report);
+  Vector solve_phase(const State<D>& state, Vector s0, StepReport<D>& report);
+  Vector solve_phases(const State<D>& state, const Midpoint<D>& mid, StepReport<D>& report);
+  State<D> move(const State<D>& start, Midpoint<D>& mid, const Vector& s, Vector& v);
+  void check_motion(const State<D>& start, const State<D>& next, StepReport<D>& report);
+  void measure_overlaps(const State<D>& start, const Midpoint<D>& mid,
+                        const std::vector<Body<D>>& bodies, StepReport<D>& report);
+  std::string first_of_all(double key, const std::string& text);
+  void take_out_overlaps(State<D>& next, StepOutcome<D>& outcome, StepReport<D>& report);
+  void close_ledger(const State<D>& before, const Midpoint<D>& mid, StepOutcome<D>& outcome,
+                    State<D>& next, StepReport<D>& report);
+  StepReport<D> advance(State<D>& state);
+};
 
 template <int D>
-bool TimeStepper<D>::counts_walls() const {
-  return neighbours_ == nullptr || neighbours_->counts_walls();
-}
-
-template <int D>
-Midpoint<D> TimeStepper<D>::midpoint(const State<D>& start) {
-  if (neighbours_ != nullptr) return neighbours_->midpoint();
+Midpoint<D> TimeStepper<D>::Inside::midpoint(const State<D>& start) {
+  if (neighbours != nullptr) return neighbours->midpoint();
   try {
-    return make_midpoint(scene_, start, threads_, &kept_);
+    return make_midpoint(scene, start, threads, &kept);
   } catch (const std::invalid_argument& e) {
     throw StepFailure(StepFailure::Kind::kPlaces, start, e.what());
   }
 }
 
 template <int D>
-void TimeStepper<D>::assemble(const State<D>& start, const Midpoint<D>& mid) {
-  if (scene_.impact != Impact::kNewton && !step_laws_) step_laws_ = with_step_laws(scene_);
+void TimeStepper<D>::Inside::assemble(const State<D>& start, const Midpoint<D>& mid) {
+  if (scene.impact != Impact::kNewton && !step_laws) step_laws = with_step_laws(scene);
   try {
-    assembled_ = assemble_step(laws(), mid, explicit_delassus_, threads_);
+    assembled = assemble_step(laws(), mid, explicit_delassus, threads);
   } catch (const std::invalid_argument& e) {  // pins that couple too many bodies
     throw StepFailure(StepFailure::Kind::kInvalidInput, start, e.what());
   }
   refuse_driven_pins(start, mid);
-  if (scene_.impact == Impact::kFremond) add_mean_restitution(scene_, start, mid, assembled_);
+  if (scene.impact == Impact::kFremond) add_mean_restitution(scene, start, mid, assembled);
 }
 
 /// No impulse stops a wall that moves into a body where pins leave it no motion.
 template <int D>
-void TimeStepper<D>::refuse_driven_pins(const State<D>& start, const Midpoint<D>& mid) const {
+void TimeStepper<D>::Inside::refuse_driven_pins(const State<D>& start,
+                                                const Midpoint<D>& mid) const {
   constexpr double kAlong = 1e-9;
-  if (!assembled_.problem.equality) return;
+  if (!assembled.problem.equality) return;
   const std::size_t bodies = mid.bodies.size();
-  for (const int k : assembled_.problem.equality->blocked) {
+  for (const int k : assembled.problem.equality->blocked) {
     if (to_size(k) >= mid.contacts.size()) break;  // ropes
     const Contact<D>& c = mid.contacts[to_size(k)];
     const std::size_t j = to_size(c.j);
@@ -123,72 +155,72 @@ void TimeStepper<D>::refuse_driven_pins(const State<D>& start, const Midpoint<D>
     throw StepFailure(
         StepFailure::Kind::kPlaces, start,
         fmt::format("wall '{}' moves into {} {}, which pins hold there",
-                    scene_.walls[to_size(w)].name, kBodyName<D>, body_number(start, c.i)));
+                    scene.walls[to_size(w)].name, kBodyName<D>, body_number(start, c.i)));
   }
 }
 
 /// From where the solver starts, in the problem's variables; empty: from nowhere.
 template <int D>
-Vector TimeStepper<D>::start_of(const State<D>& state, const Midpoint<D>& mid) const {
-  const ContactProblem& p = own_problem();
+Vector TimeStepper<D>::Inside::start_of(const State<D>& state, const Midpoint<D>& mid) const {
+  const ContactProblem& p = problem();
   std::span<const Contact<D>> contacts = mid.contacts;
   Vector s0;
-  if (scene_.solver.warm_start) {
+  if (scene.solver.warm_start) {
     const int bodies = static_cast<int>(mid.disk_v_free.size());
     std::vector<const Wall<D>*> walls;
     for (const Contact<D>& c : contacts) {
-      walls.push_back(c.j < bodies ? nullptr : &scene_.walls[to_size(c.j - bodies)]);
+      walls.push_back(c.j < bodies ? nullptr : &scene.walls[to_size(c.j - bodies)]);
     }
     std::vector<Contact<D>> numbered;
-    if (neighbours_ != nullptr) {
+    if (neighbours != nullptr) {
       numbered.assign(contacts.begin(), contacts.end());
-      for (Contact<D>& c : numbered) neighbours_->number(c);
+      for (Contact<D>& c : numbered) neighbours->number(c);
       contacts = numbered;
     }
     s0 = warm_start<D>(state.contacts, contacts, walls, p);
   }
-  if (s0.size() > 0 && assembled_.pull.size() > 0) s0 += assembled_.pull;
+  if (s0.size() > 0 && assembled.pull.size() > 0) s0 += assembled.pull;
   return s0;
 }
 
 /// The impulses of the step, in the problem's variables.
 template <int D>
-Vector TimeStepper<D>::solve_contacts(const State<D>& state, const Midpoint<D>& mid,
-                                      StepReport<D>& report) {
-  const ContactProblem& p = own_problem();
+Vector TimeStepper<D>::Inside::solve_contacts(const State<D>& state, const Midpoint<D>& mid,
+                                              StepReport<D>& report) {
+  const ContactProblem& p = problem();
   Vector s0 = start_of(state, mid);
-  StepSolution solution =
-      neighbours_ != nullptr ? neighbours_->solve(s0) : solver_(p, std::move(s0));
+  StepSolution solution = neighbours != nullptr ? neighbours->solve(s0) : solver(p, std::move(s0));
   bool usable = solution.s.size() == p.num_rows() && solution.s.allFinite();
-  if (neighbours_ != nullptr)
-    usable = neighbours_->all(usable || solution.refused || solution.cut_short);
+  if (neighbours != nullptr)
+    usable = neighbours->all(usable || solution.refused || solution.cut_short);
   return take_solution(std::move(solution), usable, state, report);
 }
 
 template <int D>
-Vector TimeStepper<D>::solve_phase(const State<D>& state, Vector s0, StepReport<D>& report) {
-  StepSolution solution = solver_(*phase_, std::move(s0));
-  const bool usable = solution.s.size() == phase_->num_rows() && solution.s.allFinite();
+Vector TimeStepper<D>::Inside::solve_phase(const State<D>& state, Vector s0,
+                                           StepReport<D>& report) {
+  StepSolution solution = solver(*phase, std::move(s0));
+  const bool usable = solution.s.size() == phase->num_rows() && solution.s.allFinite();
   return take_solution(std::move(solution), usable, state, report);
 }
 
 /// The impulses of both phases of Poisson's law. The report has the larger error, and the message
 /// of the first phase that was not solved.
 template <int D>
-Vector TimeStepper<D>::solve_phases(const State<D>& state, const Midpoint<D>& mid,
-                                    StepReport<D>& report) {
-  const ContactProblem& p = assembled_.problem;
+Vector TimeStepper<D>::Inside::solve_phases(const State<D>& state, const Midpoint<D>& mid,
+                                            StepReport<D>& report) {
+  const ContactProblem& p = assembled.problem;
   StepReport<D> first;
   Vector compression = Vector::Zero(p.num_rows());
-  const bool two = has_compression(assembled_, scene_.solver.tol);
+  const bool two = has_compression(assembled, scene.solver.tol);
   if (two) {
-    phase_ = compression_problem(state, mid, assembled_);
+    phase = compression_problem(state, mid, assembled);
     compression = solve_phase(state, Vector(), first);
   }
-  const Vector returned = returned_impulses(scene_, state, mid, p, compression);
-  phase_ = expansion_problem(p, compression, returned, explicit_delassus_);
+  const Vector returned = returned_impulses(scene, state, mid, p, compression);
+  phase = expansion_problem(p, compression, returned, explicit_delassus);
   Vector s0 = start_of(state, mid);
-  if (s0.size() > 0) s0.conservativeResizeLike(Vector::Zero(phase_->num_rows()));
+  if (s0.size() > 0) s0.conservativeResizeLike(Vector::Zero(phase->num_rows()));
   const Vector expansion = solve_phase(state, std::move(s0), report);
   report.iterations += first.iterations;
   if (two && !(first.error.guarded() <= report.error.guarded())) report.error = first.error;
@@ -203,33 +235,34 @@ Vector TimeStepper<D>::solve_phases(const State<D>& state, const Midpoint<D>& mi
 /// The state after the step, but for its time, its books and its contacts; v as of
 /// Neighbours::move().
 template <int D>
-State<D> TimeStepper<D>::move(const State<D>& start, Midpoint<D>& mid, const Vector& s, Vector& v) {
-  if (neighbours_ != nullptr) return neighbours_->move(mid, v);
-  const ContactProblem& p = assembled_.problem;
+State<D> TimeStepper<D>::Inside::move(const State<D>& start, Midpoint<D>& mid, const Vector& s,
+                                      Vector& v) {
+  if (neighbours != nullptr) return neighbours->move(mid, v);
+  const ContactProblem& p = assembled.problem;
   if (p.num_dofs() > 0 || p.equality) v = body_velocities(p, s);
-  place_bodies(scene_, start, mid);
-  return update_bodies(mid, assembled_.dofs, v, scene_.step);
+  place_bodies(scene, start, mid);
+  return update_bodies(mid, assembled.dofs, v, scene.step);
 }
 
 /// The text of the process with the smallest key; infinite: it has none.
 template <int D>
-std::string TimeStepper<D>::first_of_all(double key, const std::string& text) {
-  if (neighbours_ == nullptr) return text;
+std::string TimeStepper<D>::Inside::first_of_all(double key, const std::string& text) {
+  if (neighbours == nullptr) return text;
   double first[1] = {-key};
-  neighbours_->largest(first);
-  return neighbours_->first_text(-first[0] == key && std::isfinite(key) ? text : std::string());
+  neighbours->largest(first);
+  return neighbours->first_text(-first[0] == key && std::isfinite(key) ? text : std::string());
 }
 
 /// How far bodies moved, and what went through what. Only where something is fast are pairs looked
 /// at.
 template <int D>
-void TimeStepper<D>::check_motion(const State<D>& start, const State<D>& next,
-                                  StepReport<D>& report) {
-  const double h = scene_.step;
+void TimeStepper<D>::Inside::check_motion(const State<D>& start, const State<D>& next,
+                                          StepReport<D>& report) {
+  const double h = scene.step;
   StepTravel travel = step_travel(start, next, h);
-  if (neighbours_ != nullptr) {
+  if (neighbours != nullptr) {
     double most[] = {travel.radii, travel.way, -travel.least};
-    neighbours_->largest(most);
+    neighbours->largest(most);
     travel.radii = most[0];
     travel.way = most[1];
     travel.least = -most[2];
@@ -237,36 +270,37 @@ void TimeStepper<D>::check_motion(const State<D>& start, const State<D>& next,
   report.travel = travel.radii;
   if (!travel.may_pass()) return;
   const auto number = [&](int k) {
-    return neighbours_ != nullptr ? neighbours_->body_number(k) : body_number(start, k);
+    return neighbours != nullptr ? neighbours->body_number(k) : body_number(start, k);
   };
   std::vector<BodyPath<D>> ways = paths_of<D>(start, next, h, travel, number);
-  if (neighbours_ != nullptr) {
+  if (neighbours != nullptr) {
     std::vector<BodyPath<D>> fast;
     std::copy_if(ways.begin(), ways.end(), std::back_inserter(fast),
                  [](const BodyPath<D>& way) { return way.fast; });
     std::set<int> here;
     for (const BodyPath<D>& way : fast) here.insert(way.number);
-    for (const BodyPath<D>& way : unpacked<D>(neighbours_->gather(packed(fast)))) {
+    for (const BodyPath<D>& way : unpacked<D>(neighbours->gather(packed(fast)))) {
       if (!here.contains(way.number)) ways.push_back(way);
     }
   }
   const std::vector<Passage> passages = find_passages(start, next, h, ways);
   double count[1] = {static_cast<double>(passages.size())};
-  if (neighbours_ != nullptr) neighbours_->sum(count);
+  if (neighbours != nullptr) neighbours->sum(count);
   report.passages = static_cast<int>(count[0]);
   if (report.passages == 0) return;
   report.passage = passages.empty() ? first_of_all(kInfinity, {})
                                     : first_of_all(1e8 * passages[0].i + passages[0].j,
-                                                   passage_text(scene_, passages[0]));
-  if (!refuse_passages_) return;
+                                                   passage_text(scene, passages[0]));
+  if (!refuse_passages) return;
   throw StepFailure(StepFailure::Kind::kPassage, start, report.passage);
 }
 
 /// The deepest overlap at mid-step, by itself and over the smaller radius. `bodies`: those that the
 /// contacts name, for their radii.
 template <int D>
-void TimeStepper<D>::measure_overlaps(const State<D>& start, const Midpoint<D>& mid,
-                                      const std::vector<Body<D>>& bodies, StepReport<D>& report) {
+void TimeStepper<D>::Inside::measure_overlaps(const State<D>& start, const Midpoint<D>& mid,
+                                              const std::vector<Body<D>>& bodies,
+                                              StepReport<D>& report) {
   const Contact<D>* worst = nullptr;
   for (const Contact<D>& c : mid.contacts) {
     if (!(c.gap < 0)) continue;
@@ -277,36 +311,36 @@ void TimeStepper<D>::measure_overlaps(const State<D>& start, const Midpoint<D>& 
     worst = &c;
   }
   const double here = report.overlap;
-  if (neighbours_ != nullptr) {
+  if (neighbours != nullptr) {
     double most[] = {report.penetration, report.overlap};
-    neighbours_->largest(most);
+    neighbours->largest(most);
     report.penetration = most[0];
     report.overlap = most[1];
   }
-  if (!(report.overlap > unnamed_overlap_)) return;
+  if (!(report.overlap > unnamed_overlap)) return;
   if (worst == nullptr || here < report.overlap) {
     report.overlap_pair = first_of_all(kInfinity, {});
     return;
   }
   Contact<D> pair = *worst;
-  if (neighbours_ != nullptr) neighbours_->number(pair);
-  const auto number = [&](int k) { return neighbours_ != nullptr ? k : body_number(start, k); };
+  if (neighbours != nullptr) neighbours->number(pair);
+  const auto number = [&](int k) { return neighbours != nullptr ? k : body_number(start, k); };
   const std::size_t j = to_size(worst->j);
   report.overlap_pair = first_of_all(
       1e8 * pair.i + pair.j,
       j < bodies.size()
           ? fmt::format("{0} {1} and {0} {2}", kBodyName<D>, number(pair.i), number(pair.j))
           : fmt::format("{} {} and wall '{}'", kBodyName<D>, number(pair.i),
-                        scene_.walls[j - bodies.size()].name));
+                        scene.walls[j - bodies.size()].name));
 }
 
 /// What lifts the bodies out of each other is what their shocks took too much: it is booked there.
 template <int D>
-void TimeStepper<D>::take_out_overlaps(State<D>& next, StepOutcome<D>& outcome,
-                                       StepReport<D>& report) {
-  const Vec<D> gravity = gravity_at(scene_, next.time);
+void TimeStepper<D>::Inside::take_out_overlaps(State<D>& next, StepOutcome<D>& outcome,
+                                               StepReport<D>& report) {
+  const Vec<D> gravity = gravity_at(scene, next.time);
   const double before = potential_energy(next, gravity);
-  const Projection done = project_overlaps(scene_, solver_, explicit_delassus_, threads_, next);
+  const Projection done = project_overlaps(scene, solver, explicit_delassus, threads, next);
   report.iterations += done.iterations;
   if (!done.solved) {
     report.converged = false;
@@ -319,16 +353,17 @@ void TimeStepper<D>::take_out_overlaps(State<D>& next, StepOutcome<D>& outcome,
 /// Accumulated work of the state after the step, the balances of energy and momentum, and all else
 /// that is summed over the processes.
 template <int D>
-void TimeStepper<D>::close_ledger(const State<D>& before, const Midpoint<D>& mid,
-                                  StepOutcome<D>& outcome, State<D>& next, StepReport<D>& report) {
-  StateSums<D> now = state_sums(next, gravity_at(scene_, next.time), counts_walls()),
-               then = state_sums(before, gravity_at(scene_, before.time), counts_walls());
-  const std::size_t bodies = neighbours_ != nullptr ? mid.bodies.size() : next.bodies.size();
+void TimeStepper<D>::Inside::close_ledger(const State<D>& before, const Midpoint<D>& mid,
+                                          StepOutcome<D>& outcome, State<D>& next,
+                                          StepReport<D>& report) {
+  StateSums<D> now = state_sums(next, gravity_at(scene, next.time), counts_walls()),
+               then = state_sums(before, gravity_at(scene, before.time), counts_walls());
+  const std::size_t bodies = neighbours != nullptr ? mid.bodies.size() : next.bodies.size();
   report.force_energy =
-      force_energy<D>(mid.gravity, mid.walls, mid.cell, scene_.step, outcome.contacts, bodies);
+      force_energy<D>(mid.gravity, mid.walls, mid.cell, scene.step, outcome.contacts, bodies);
   auto contacts = static_cast<double>(mid.contacts.size());
   auto active = static_cast<double>(outcome.active);
-  if (neighbours_ != nullptr) {
+  if (neighbours != nullptr) {
     const auto pass = [&](const auto& each) {  // all in one reduction
       each(outcome.wall_work, outcome.friction_loss, outcome.shock_loss, contacts, active,
            report.force_energy, now.kinetic, now.potential, then.kinetic, then.potential,
@@ -336,7 +371,7 @@ void TimeStepper<D>::close_ledger(const State<D>& before, const Midpoint<D>& mid
     };
     Buffer numbers;
     pass([&](const auto&... values) { append(numbers, values...); });
-    neighbours_->sum(numbers);
+    neighbours->sum(numbers);
     BufferReader reader(numbers);
     pass([&](auto&... values) { reader.take(values...); });
   }
@@ -367,53 +402,90 @@ void TimeStepper<D>::close_ledger(const State<D>& before, const Midpoint<D>& mid
 }
 
 template <int D>
-StepReport<D> TimeStepper<D>::advance(State<D>& state) {
+StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
   StepReport<D> report;
   Stopwatch watch;
   std::optional<State<D>> changed;
-  if (scene_.has_gates()) {
+  if (scene.has_gates()) {
     changed = state;
-    if (change_population(scene_, *changed)) kept_ = {};
+    if (change_population(scene, *changed)) kept = {};
   }
   const State<D>& start = changed ? *changed : state;
   Midpoint<D> mid = midpoint(start);
   report.detection_seconds = watch.lap();
-  if (neighbours_ == nullptr) assemble(start, mid);
-  const AssembledStep& step = neighbours_ != nullptr ? neighbours_->assemble(mid) : assembled_;
+  if (neighbours == nullptr) assemble(start, mid);
+  const AssembledStep& step = neighbours != nullptr ? neighbours->assemble(mid) : assembled;
   report.assembly_seconds = watch.lap();
   // A tenth of a run's memory where the solver takes the most; neighbours name bodies of mid-step.
-  if (neighbours_ == nullptr) release(mid.bodies);
-  const Vector s = scene_.impact == Impact::kPoisson ? solve_phases(start, mid, report)
-                                                     : solve_contacts(start, mid, report);
+  if (neighbours == nullptr) release(mid.bodies);
+  const Vector s = scene.impact == Impact::kPoisson ? solve_phases(start, mid, report)
+                                                    : solve_contacts(start, mid, report);
   report.solve_seconds = watch.lap();
 
   Vector v;
   State<D> next = move(start, mid, s, v);
   next.step = start.step + 1;
-  next.time = time_after_step(start, scene_.step);
+  next.time = time_after_step(start, scene.step);
   check_motion(start, next, report);
-  measure_overlaps(start, mid, neighbours_ != nullptr ? mid.bodies : next.bodies, report);
+  measure_overlaps(start, mid, neighbours != nullptr ? mid.bodies : next.bodies, report);
   StepOutcome<D> outcome =
-      step_outcome<D>(laws(), mid, neighbours_ != nullptr ? mid.bodies : next.bodies, own_problem(),
+      step_outcome<D>(laws(), mid, neighbours != nullptr ? mid.bodies : next.bodies, problem(),
                       step, s, v, next, counts_walls());
   if (!counts_walls()) mid.walls.clear();
   const OutsideChanges<D> changes =
-      outside_changes(scene_, start, mid.walls, mid.gravity, next, next.time);
+      outside_changes(scene, start, mid.walls, mid.gravity, next, next.time);
   outcome.wall_work += changes.work;
   outcome.external += changes.impulse;
-  if (scene_.project_overlaps) take_out_overlaps(next, outcome, report);
+  if (scene.project_overlaps) take_out_overlaps(next, outcome, report);
   next.population = start.population;
   close_ledger(start, mid, outcome, next, report);
-  if (neighbours_ != nullptr) {
-    for (ContactOutcome<D>& c : outcome.contacts) neighbours_->number(c.contact);
+  if (neighbours != nullptr) {
+    for (ContactOutcome<D>& c : outcome.contacts) neighbours->number(c.contact);
   }
   next.contacts = std::move(outcome.contacts);
 
   report.step = next.step;
   report.time = next.time;
   state = std::move(next);
-  if (neighbours_ != nullptr) neighbours_->settle();
+  if (neighbours != nullptr) neighbours->settle();
   return report;
+}
+
+template <int D>
+TimeStepper<D>::TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus,
+                            int threads)
+    : inside_(new Inside{.scene = scene,
+                         .solver = std::move(solver),
+                         .explicit_delassus = explicit_delassus,
+                         .threads = threads}) {}
+
+template <int D>
+TimeStepper<D>::TimeStepper(const Scene<D>& scene, Neighbours<D>& neighbours)
+    : inside_(new Inside{.scene = scene, .neighbours = &neighbours}) {}
+
+template <int D>
+TimeStepper<D>::~TimeStepper() = default;
+template <int D>
+TimeStepper<D>::TimeStepper(TimeStepper&&) noexcept = default;
+
+template <int D>
+StepReport<D> TimeStepper<D>::advance(State<D>& state) {
+  return inside_->advance(state);
+}
+
+template <int D>
+void TimeStepper<D>::name_overlaps_beyond(double overlap) {
+  inside_->unnamed_overlap = overlap;
+}
+
+template <int D>
+void TimeStepper<D>::refuse_passages() {
+  inside_->refuse_passages = true;
+}
+
+template <int D>
+const ContactProblem& TimeStepper<D>::problem() const {
+  return inside_->phase ? *inside_->phase : inside_->problem();
 }
 
 template class TimeStepper<2>;

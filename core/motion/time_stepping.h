@@ -1,14 +1,11 @@
 #pragma once
 
 #include <functional>
-#include <optional>
+#include <memory>
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "core/criterion/contact_error.h"
-#include "core/motion/midpoint.h"
 #include "core/motion/state.h"
 #include "core/problem/contact_problem.h"
 #include "core/scene/scene.h"
@@ -130,8 +127,6 @@ struct StepFailure : std::runtime_error {
 
 template <int D>
 class Neighbours;  // core/motion/neighbours.h
-template <int D>
-struct StepOutcome;  // core/motion/step_outcome.h
 
 /// Advances a state by the mid-point scheme (38)-(43), after bodies have left and come in where the
 /// scene has outlets and inlets (core/motion/population.h):
@@ -143,15 +138,12 @@ class TimeStepper {
  public:
   /// The scene must outlive the stepper. `explicit_delassus`: assemble W for every step. `threads`:
   /// of detection and assembly; they change no bit.
-  TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus, int threads = 1)
-      : scene_(scene),
-        solver_(std::move(solver)),
-        explicit_delassus_(explicit_delassus),
-        threads_(threads) {}
+  TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus, int threads = 1);
   /// For the bodies of one of several processes; `neighbours` must outlive the stepper and knows
   /// the state that is advanced. Not for scenes with gates or projected overlaps.
-  TimeStepper(const Scene<D>& scene, Neighbours<D>& neighbours)
-      : scene_(scene), neighbours_(&neighbours) {}
+  TimeStepper(const Scene<D>& scene, Neighbours<D>& neighbours);
+  ~TimeStepper();
+  TimeStepper(TimeStepper&&) noexcept;
 
   /// Takes one step. Throws StepFailure, leaving the state at the end of the step before, when the
   /// solver failed, refused or was cut short, or when anything comes out not finite; on all of
@@ -160,45 +152,17 @@ class TimeStepper {
 
   /// From now on a report names the pair of its largest overlap only where this is larger; on all of
   /// several processes. At first it always does.
-  void name_overlaps_beyond(double overlap) { unnamed_overlap_ = overlap; }
+  void name_overlaps_beyond(double overlap);
   /// From now on a step with passages (core/motion/passage.h) is not taken: StepFailure.
-  void refuse_passages() { refuse_passages_ = true; }
+  void refuse_passages();
 
   /// The contact problem of the last step, of this process's contacts; with Poisson's law that of
   /// the phase that was solved last.
-  const ContactProblem& problem() const { return phase_ ? *phase_ : own_problem(); }
+  const ContactProblem& problem() const;
 
  private:
-  const ContactProblem& own_problem() const;
-  const Scene<D>& laws() const { return step_laws_ ? *step_laws_ : scene_; }
-  bool counts_walls() const;
-  Midpoint<D> midpoint(const State<D>& start);
-  void assemble(const State<D>& start, const Midpoint<D>& mid);
-  void refuse_driven_pins(const State<D>& start, const Midpoint<D>& mid) const;
-  Vector start_of(const State<D>& state, const Midpoint<D>& mid) const;
-  Vector solve_contacts(const State<D>& state, const Midpoint<D>& mid, StepReport<D>& report);
-  Vector solve_phase(const State<D>& state, Vector s0, StepReport<D>& report);
-  Vector solve_phases(const State<D>& state, const Midpoint<D>& mid, StepReport<D>& report);
-  State<D> move(const State<D>& start, Midpoint<D>& mid, const Vector& s, Vector& v);
-  void check_motion(const State<D>& start, const State<D>& next, StepReport<D>& report);
-  void measure_overlaps(const State<D>& start, const Midpoint<D>& mid,
-                        const std::vector<Body<D>>& bodies, StepReport<D>& report);
-  std::string first_of_all(double key, const std::string& text);
-  void take_out_overlaps(State<D>& next, StepOutcome<D>& outcome, StepReport<D>& report);
-  void close_ledger(const State<D>& before, const Midpoint<D>& mid, StepOutcome<D>& outcome,
-                    State<D>& next, StepReport<D>& report);
-
-  const Scene<D>& scene_;
-  StepSolver solver_;
-  bool explicit_delassus_ = false;
-  int threads_ = 1;
-  Neighbours<D>* neighbours_ = nullptr;  // none: the state lies on this process alone
-  bool refuse_passages_ = false;
-  double unnamed_overlap_ = 0;  // name_overlaps_beyond()
-  KeptContacts<D> kept_;
-  AssembledStep assembled_;              // without neighbours
-  std::optional<Scene<D>> step_laws_;    // with_step_laws(), but for Newton's law
-  std::optional<ContactProblem> phase_;  // of Poisson's law: solved last
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
 };
 
 }  // namespace bipot

@@ -306,7 +306,7 @@ void expect_caught(const SolverEntry& entry, const std::string& part,
 TEST(Sabotage, ZerosAndAClaimOfConvergence) {
   expect_caught(claiming(0), "withdrawn");
   EXPECT_MESSAGE(solve(claiming(0), some_problem(), {.tol = 1.25e-3}),
-                 "tolerance 0.00125 (it said: trust me");
+                 "tolerance 1.25e-3 (it said: trust me");
 }
 
 TEST(Sabotage, NothingToDoIsAClaimToo) {
