@@ -19,9 +19,12 @@ namespace {
 // constant          value   unit          reason
 // kNearTolerances   10      tolerances    an error within a decade mostly arrives soon
 // kOvertime         1.25    budgets       for a stage that is near and will arrive by then
+// kLoose            3e-3    tolerance     from here on none: where grains land, what sweeps leave
+//                                         makes the next steps harder
 // kFreedFrom        6000    contacts      memory counts more than the milliseconds to give it back
 constexpr double kNearTolerances = 10;
 constexpr double kOvertime = 1.25;
+constexpr double kLoose = 3e-3;
 constexpr int kFreedFrom = 6000;
 
 /// Whether a stage will reach the tolerance within its budget, from the errors that it showed so
@@ -57,7 +60,8 @@ class Forecast {
 
   /// Of iterations, overtime included.
   double budget() const {
-    return (stop_ == StopTest::kImpulse ? 1 : kOvertime) * stage_.max_iterations;
+    const bool more = stop_ != StopTest::kImpulse && tol_ < kLoose;
+    return (more ? kOvertime : 1) * stage_.max_iterations;
   }
 
  private:
