@@ -14,8 +14,8 @@ namespace bipot {
 /// `max_iterations`, or if it is given up. From `min_iterations` on, the decades that the best
 /// error fell over the second half of the stage are extrapolated, and must reach the tolerance
 /// within `max_iterations`. Within a decade of the tolerance a stage has `near_iterations` first,
-/// and below 3e-3 a quarter of its budget more if it will arrive by then. A stage is skipped while
-/// the best error of all stages is above `largest_error`.
+/// and from a cold start a quarter of its budget more if it will arrive by then. A stage is skipped
+/// while the best error of all stages is above `largest_error`.
 struct AutoStage : StageTerms {
   static constexpr int kUnlimited = std::numeric_limits<int>::max();
 

@@ -18,21 +18,19 @@ namespace {
 
 // constant          value   unit          reason
 // kNearTolerances   10      tolerances    an error within a decade mostly arrives soon
-// kOvertime         1.25    budgets       for a stage that is near and will arrive by then
-// kLoose            3e-3    tolerance     from here on none: where grains land, what sweeps leave
-//                                         makes the next steps harder
+// kOvertime         1.25    budgets       for a stage that is near and will arrive by then; not from
+//                                         a warm start: what sweeps leave makes next steps harder
 // kFreedFrom        6000    contacts      memory counts more than the milliseconds to give it back
 constexpr double kNearTolerances = 10;
 constexpr double kOvertime = 1.25;
-constexpr double kLoose = 3e-3;
 constexpr int kFreedFrom = 6000;
 
 /// Whether a stage will reach the tolerance within its budget, from the errors that it showed so
 /// far: the decades gained since half as many iterations are carried forward.
 class Forecast {
  public:
-  Forecast(const AutoStage& stage, double tol, StopTest stop)
-      : stage_(stage), tol_(tol), stop_(stop) {}
+  Forecast(const AutoStage& stage, double tol, StopTest stop, bool warm)
+      : stage_(stage), tol_(tol), stop_(stop), warm_(warm) {}
 
   void record(const IterationRecord& r) {
     if (failed_) return;
@@ -60,7 +58,7 @@ class Forecast {
 
   /// Of iterations, overtime included.
   double budget() const {
-    const bool more = stop_ != StopTest::kImpulse && tol_ < kLoose;
+    const bool more = stop_ != StopTest::kImpulse && !warm_;
     return (more ? kOvertime : 1) * stage_.max_iterations;
   }
 
@@ -68,6 +66,7 @@ class Forecast {
   const AutoStage& stage_;
   const double tol_;
   const StopTest stop_;
+  const bool warm_;
   std::map<int, double> best_;  // error so far, by iteration
   bool failed_ = false;
 };
@@ -154,7 +153,7 @@ class Race {
     inner_.s0 *= stage.of_start;
     inner_.time_limit = run_.remaining_seconds();
     inner_.parameters = stage_parameters(stage.parameters);
-    Forecast forecast(stage, inner_.tol, options_.stop);
+    Forecast forecast(stage, inner_.tol, options_.stop, is_warm(options_));
     const double allowed = options_.max_iterations - iterations_;
     inner_.max_iterations = static_cast<int>(std::min(forecast.budget(), allowed));
     inner_.also_judged = stage.max_iterations;

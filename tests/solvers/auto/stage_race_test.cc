@@ -101,6 +101,11 @@ TEST_F(StageRace, AStageThatIsNearIsGivenAQuarterMore) {
   ends_at(static_cast<int>(std::ceil(needed() / 1.25)));  // far
   slow_.stride = 7;
   EXPECT_TRUE(says(race({stage_of(slow, 40)}).message, "slow 42: iteration limit"));
+  slow_.stride = 1;
+  options_.tol = 1e-3;
+  options_.s0 = Vector::Zero(2);
+  options_.s0[0] = 1e-3;
+  ends_at(enough);  // warm
 }
 
 TEST_F(StageRace, AStageWaitsForAnErrorThatIsSmallEnough) {
