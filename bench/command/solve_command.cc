@@ -239,9 +239,9 @@ ProblemFile problem_of(const std::string& target, const CommonFlags& common) {
 }
 
 ProblemFile read_file(const SolveFlags& flags) {
-  const bool is_target = flags.problem.find_first_of(":@") != std::string::npos ||
-                         std::ranges::count(names_of(shipped_scenes()), flags.problem) > 0;
-  if (is_target && !std::filesystem::exists(flags.problem)) {
+  const bool exists = std::filesystem::exists(flags.problem);
+  if (!exists && (flags.problem.find_first_of(":@") != std::string::npos ||
+                  std::ranges::count(names_of(shipped_scenes()), flags.problem) > 0)) {
     return problem_of(flags.problem, flags.common);
   }
   return readable(flags.problem,

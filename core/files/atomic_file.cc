@@ -39,10 +39,10 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)), dra
   if (type == fifo || type == character || type == block || type == socket) return;
   for (int k = 0; k < kMostLinks && std::filesystem::is_symlink(path_, failed); ++k) {
     const std::filesystem::path next = std::filesystem::read_symlink(path_, failed);
-    if (next.string().starts_with("/proc/")) return;  // /dev/stdout: an open file, kept as it is
     path_ = path_.parent_path() / next;
+    draft_ = path_;
+    if (next.string().starts_with("/proc/")) return;  // /dev/stdout: an open file, kept as it is
   }
-  draft_ = path_;
   draft_ += ".part";
 }
 

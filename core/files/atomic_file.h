@@ -7,8 +7,8 @@ namespace bipot {
 
 /// A file that appears under its name whole or not at all, whenever the program dies. It is written
 /// under another name in the same folder, and commit() renames it in one step. Until then an
-/// earlier file of that name remains. A link stays, and what it names is written. A pipe or a
-/// device of that name is written to directly, once a pipe has a reader.
+/// earlier file of that name remains. A link stays, and what it names is written. A pipe, a device
+/// or an open file of that name (/dev/stdout) is written to directly, once a pipe has a reader.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);

@@ -30,6 +30,20 @@ TEST(AtomicFile, ALinkIsWrittenThrough) {
   }
 }
 
+/// As /dev/stdout: the file that is open is written, not another one of its name.
+TEST(AtomicFile, AnOpenFileIsWrittenItself) {
+  const TemporaryFolder folder;
+  std::FILE* open = std::fopen((folder / "out").c_str(), "w");
+  fs::create_symlink(fmt::format("/proc/self/fd/{}", fileno(open)), folder / "stdout");
+  fs::create_symlink("stdout", folder / "link");
+  write_text_file(folder / "link", "text");
+  for (const char* link : {"link", "stdout"}) EXPECT_TRUE(fs::is_symlink(folder / link)) << link;
+  EXPECT_EQ(file_text(folder / "out"), "text");
+  std::fputs("more", open);
+  std::fclose(open);
+  EXPECT_EQ(file_text(folder / "out"), "more");
+}
+
 TEST(AtomicFile, WithoutCommitNothingIsLeft) {
   const TemporaryFolder folder;
   {
