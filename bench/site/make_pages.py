@@ -216,7 +216,8 @@ def main():
         },
         "plugins": ["search"],
         "extra_css": ["site.css"],
-        "markdown_extensions": ["tables", "fenced_code", "toc"],
+        "markdown_extensions": ["tables", "fenced_code", "toc",
+                                {"codehilite": {"guess_lang": False, "css_class": "highlight"}}],
         "use_directory_urls": False,
         "nav": [*menu(titles), {"C++ headers": "cpp.md"}, {"Contributing": "github/CONTRIBUTING.md"}],
     }
