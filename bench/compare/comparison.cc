@@ -67,7 +67,7 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
   solver.tol = tol;
   solver.execution.threads = options.threads;
   if (warm) solver.s0 = given.start;
-  solver.time_limit = CpuLimit::kWallFactor * options.time_limit;
+  solver.cancelled = options.watch.interrupted;
   // The cost of recording is negligible beside the judgements, and only the first repeat is
   // recorded.
   HistoryRecorder recorder;
@@ -75,19 +75,17 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
   std::vector<double> setup, solve_time, total, cpu;
   double spent = 0;
   for (int k = 0; k < std::max(1, options.repeat) || spent < options.min_time; ++k) {
-    CpuLimit limit(options.time_limit);
-    solver.cancelled = [&] { return limit() || options.watch.stopped(); };
     const CpuStopwatch watch;
-    SolveResult result = solve(entry, problem, solver);
+    SolveResult result = solve_within(entry, problem, solver, options.time_limit);
     cpu.push_back(watch.seconds());
+    const bool out_of_time = cpu.back() >= options.time_limit;
     spent += cpu.back();
     setup.push_back(result.setup_seconds);
     solve_time.push_back(result.solve_seconds);
     total.push_back(result.setup_seconds + result.solve_seconds);
     if (k == 0) {
       solver.on_iteration = nullptr;
-      if (limit.reached() && !is_success(result.status)) {
-        result.status = SolveStatus::kTimeLimit;
+      if (out_of_time && result.status == SolveStatus::kTimeLimit) {
         result.message =
             fmt::format("time limit {} s of CPU time reached after {} iterations, error {:.2e}",
                         options.time_limit, result.iterations, result.error.guarded());
@@ -109,7 +107,7 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
       write_errors(true_error, result.s, row);
       made.s = result.s;
     }
-    if (limit.reached() || result.status == SolveStatus::kTimeLimit ||
+    if (out_of_time || result.status == SolveStatus::kTimeLimit ||
         result.status == SolveStatus::kInterrupted) {
       break;  // more of the same
     }
@@ -257,9 +255,8 @@ class ProblemRows {
                                    reference_.error.guarded()));
       }
     } else {
-      reference_ =
-          find_reference(problem_, options_.reference_time_limit, ReferenceSolution::kTarget,
-                         ReferenceSolution::Clock::kCpu, options_.watch.interrupted);
+      reference_ = find_reference(problem_, options_.reference_time_limit,
+                                  ReferenceSolution::kTarget, options_.watch.interrupted);
       true_error_.emplace(problem_, reference_);
       if (reference_.several()) reference_.spread = true_error_->spread();
       if (!options_.watch.stopped()) store_.write(source_, problem_, reference_);

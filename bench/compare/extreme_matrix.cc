@@ -54,7 +54,7 @@ ExtremeCell solve_problem(const ExtremeMatrix::Case& of, const std::string& solv
   }
   const SolverEntry& entry = require_solver(solver);
   const double begin = cpu_seconds();
-  const SolveResult r = solve_within(solver, problem, options.tol, limit_of(of, options));
+  const SolveResult r = solve_within(entry, problem, {.tol = options.tol}, limit_of(of, options));
   cell.cpu_seconds = cpu_seconds() - begin;
   cell.status = to_string(r.status);
   cell.message = r.message;
@@ -95,8 +95,8 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
                      const ExtremeMatrix::Options& options) {
   ExtremeCell cell{.guarded = 0, .energy_error = 0, .steps = of.steps};
   const Scene<2> scene = of.scene();
-  SceneRunOptions<2> run{.steps = of.steps,
-                         .explicit_delassus = require_solver(solver).needs_delassus};
+  const SolverEntry& entry = require_solver(solver);
+  SceneRunOptions<2> run{.steps = of.steps, .explicit_delassus = entry.needs_delassus};
   bool wrong = false, beyond = false;
   const auto fail = [&](bool is_wrong, const std::string& status, const std::string& message) {
     if (cell.message.empty() || (is_wrong && !wrong)) {
@@ -108,7 +108,7 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
   const double begin = cpu_seconds();
   run.solver = [&](const ContactProblem& p, const Vector& s0) {
     const double left = std::max(1e-3, limit_of(of, options) - (cpu_seconds() - begin));
-    const SolveResult r = solve_within(solver, p, options.tol, left, s0);
+    const SolveResult r = solve_within(entry, p, {.tol = options.tol, .s0 = s0}, left);
     cell.iterations += r.iterations;
     StepSolution step = taken_step(r);
     if (step.refused) {

@@ -132,7 +132,8 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
       Leaderboard::Entry entry = entry_of("bipot " + solver);
       const CpuStopwatch watch;
       const SolveResult result =
-          solve_within(solver, p, ours.tol, ours.time_limit, {}, ours.watch.interrupted);
+          solve_within(require_solver(solver), p,
+                       {.tol = ours.tol, .cancelled = ours.watch.interrupted}, ours.time_limit);
       entry.seconds = watch.seconds();
       if (result.status == SolveStatus::kInvalidInput) {
         entry.defect = result.message;

@@ -281,9 +281,8 @@ SettingStudy study_settings(const std::vector<ProblemSource>& sources,
       study.defects.push_back(fmt::format("{}: {}", source.name, e.what()));
       continue;
     }
-    const ReferenceSolution reference =
-        find_reference(*problem, options.reference_time_limit, kReferenceTol,
-                       ReferenceSolution::Clock::kCpu, options.watch.interrupted);
+    const ReferenceSolution reference = find_reference(*problem, options.reference_time_limit,
+                                                       kReferenceTol, options.watch.interrupted);
     std::optional<TrueErrorEvaluator> true_error;
     if (reference.error.guarded() <= ReferenceSolution::kTrusted) {
       true_error.emplace(*problem, reference);

@@ -76,7 +76,8 @@ JobRecord problem_job(const RandomSets::Options& options, int index) {
       record.planted && independent_check(p, random.planted).guarded <= options.tol / 10;
   for (const std::string& solver : solvers_of(options, index)) {
     const double begin = cpu_seconds();
-    const SolveResult result = solve_within(solver, p, options.tol, options.time_limit);
+    const SolveResult result =
+        solve_within(require_solver(solver), p, {.tol = options.tol}, options.time_limit);
     record.solves.push_back(judge(solver, p, result, options.tol, cpu_seconds() - begin));
   }
   if (!record.solves.front().solved || index % kCertifyEvery < 2) {
@@ -191,12 +192,14 @@ class Ledger {
 JobRecord scene_job(const RandomSets::Options& options, int index) {
   const Scene<2> scene = random_scene(options.seed, index);
   const std::string& name = options.solvers.front();
+  const SolverEntry& entry = require_solver(name);
   JobRecord record;
   SceneRunOptions<2> run;
   run.steps = kStepsOfAScene;
   run.solver = [&](const ContactProblem& p, const Vector& s0) {
     const double begin = cpu_seconds();
-    const SolveResult r = solve_within(name, p, options.tol, options.time_limit, s0);
+    const SolveResult r =
+        solve_within(entry, p, {.tol = options.tol, .s0 = s0}, options.time_limit);
     StepSolution step = taken_step(r);
     if (p.num_contacts() == 0) {
       ++record.without_contacts;
@@ -208,7 +211,7 @@ JobRecord scene_job(const RandomSets::Options& options, int index) {
     record.solves.push_back(std::move(solve));
     return step;
   };
-  run.explicit_delassus = require_solver(name).needs_delassus;
+  run.explicit_delassus = entry.needs_delassus;
   // Impulses act through the mean of the velocities before and after: the energy taken by contacts
   // is the loss.
   const bool must_dissipate = contacts_must_dissipate(scene);

@@ -363,8 +363,7 @@ Findings run_stop_test(const PaperItem::Context& context) {
   int several = 0;
   for (const StopTestScene& scene : scenes) {
     context.report(scene.name);
-    const ReferenceSolution reference =
-        find_reference(scene.given, 20, 1e-11, ReferenceSolution::Clock::kCpu, context.interrupted);
+    const ReferenceSolution reference = find_reference(scene.given, 20, 1e-11, context.interrupted);
     worst_reference = std::fmax(worst_reference, reference.error.guarded());
     if (reference.several()) {
       ++several;

@@ -5,13 +5,15 @@
 
 namespace bipot {
 
-SolveResult solve_within(const std::string& solver, const ContactProblem& problem, double tol,
-                         double seconds, const Vector& s0, const std::function<bool()>& cancelled) {
+SolveResult solve_within(const SolverEntry& entry, const ContactProblem& problem,
+                         SolverOptions options, double seconds) {
   CpuLimit limit(seconds);
-  SolverOptions o{.tol = tol, .time_limit = CpuLimit::kWallFactor * seconds, .s0 = s0};
-  o.cancelled = [&] { return limit() || (cancelled && cancelled()); };
-  SolveResult r = solve(solver, problem, o);
-  if (r.status == SolveStatus::kInterrupted && limit.reached()) r.status = SolveStatus::kTimeLimit;
+  options.time_limit = CpuLimit::kWallFactor * seconds;
+  options.cancelled = [&, cancelled = std::move(options.cancelled)] {
+    return limit() || (cancelled && cancelled());
+  };
+  SolveResult r = solve(entry, problem, options);
+  if (limit.reached() && !is_success(r.status)) r.status = SolveStatus::kTimeLimit;
   return r;
 }
 

@@ -9,11 +9,10 @@
 
 namespace bipot {
 
-/// Solves within `seconds` of CPU time (CpuLimit); beyond it the status is kTimeLimit. `s0` may be
-/// empty. `cancelled`: true ends it as interrupted.
-SolveResult solve_within(const std::string& solver, const ContactProblem& problem, double tol,
-                         double seconds, const Vector& s0 = {},
-                         const std::function<bool()>& cancelled = {});
+/// Solves within `seconds` of CPU time (CpuLimit), which replace the options' wall time.
+/// Beyond them the status of an unsolved problem is kTimeLimit.
+SolveResult solve_within(const SolverEntry& entry, const ContactProblem& problem,
+                         SolverOptions options, double seconds);
 
 /// For runs that take each step, however its solve ended, unless the solver refuses it.
 StepSolution taken_step(const SolveResult& result);

@@ -24,7 +24,6 @@ SolveStatus parse_status(const std::string& text) {
 }  // namespace
 
 ReferenceSolution find_reference(const TestProblem& given, double time_limit, double target,
-                                 ReferenceSolution::Clock limit_on,
                                  const std::function<bool()>& interrupted) {
   const double witness = std::max(ReferenceSolution::kTrusted, 10 * target);
   const ContactProblem& problem = given.problem;
@@ -45,14 +44,8 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
   for (const char* name : names) {
     const SolverEntry* entry = find_solver(name);
     if (entry == nullptr) continue;
-    SolverOptions options{.tol = target, .time_limit = time_limit, .cancelled = interrupted};
-    CpuLimit limit(time_limit);
-    if (limit_on == ReferenceSolution::Clock::kCpu) {
-      options.time_limit *= CpuLimit::kWallFactor;
-      options.cancelled = [&] { return limit() || (interrupted && interrupted()); };
-    }
-    SolveResult result = solve(*entry, problem, options);
-    if (limit.reached() && !is_success(result.status)) result.status = SolveStatus::kTimeLimit;
+    SolveResult result =
+        solve_within(*entry, problem, {.tol = target, .cancelled = interrupted}, time_limit);
     ReferenceSolution::Attempt attempt{name, result.status, kNaN,
                                        result.setup_seconds + result.solve_seconds};
     if (result.s.size() == problem.num_rows() && result.status != SolveStatus::kInvalidInput) {
@@ -111,13 +104,10 @@ bool learn_answer(const ContactProblem& problem, const Vector& s, double time_li
     if (is_new() || (interrupted && interrupted())) break;
     const SolverEntry* entry = find_solver(name);
     if (entry == nullptr || !beyond_solver(*entry, problem).empty()) continue;
-    CpuLimit limit(time_limit);
-    SolverOptions options{.tol = ReferenceSolution::kTarget,
-                          .time_limit = CpuLimit::kWallFactor * time_limit,
-                          .s0 = found.s};
-    options.cancelled = [&] { return limit() || (interrupted && interrupted()); };
+    SolverOptions options{
+        .tol = ReferenceSolution::kTarget, .s0 = found.s, .cancelled = interrupted};
     if (std::string_view(name) == "homotopy") options.parameters = as_it_is;
-    const SolveResult result = solve(*entry, problem, options);
+    const SolveResult result = solve_within(*entry, problem, options, time_limit);
     if (result.error.guarded() < found.error.guarded()) found = known.judge(result.s, name);
   }
   if (!is_new()) return false;

@@ -28,8 +28,6 @@ struct ReferenceSolution {
     double guarded = kNaN;
     double seconds = 0;
   };
-  /// Clock of a time limit; CPU time does not depend on other work of the machine.
-  enum class Clock { kWall, kCpu };
   std::string origin;  ///< of the problem, see TestProblem
   int contacts = 0, dim = 0, dofs = 0;
   std::string solver;  ///< whose impulse it is
@@ -52,15 +50,14 @@ struct ReferenceSolution {
   static constexpr int kLarge = 1000;  ///< contacts: beyond, ten times the target is enough
 };
 
-/// Runs auto, newton, ipm and apgd from s = 0 to a guarded error of `target`, each within the time
-/// limit. It ends once one reaches the target and a second one is below 1e-9 (or ten times the
-/// target, if that is more) as a witness. Keeps the lowest, and distinct answers besides. Beyond
-/// kLarge contacts the order is auto, apgd, ipm, newton. `interrupted` is polled inside the solves:
-/// true ends the search.
-ReferenceSolution find_reference(
-    const TestProblem& problem, double time_limit, double target = ReferenceSolution::kTarget,
-    ReferenceSolution::Clock limit_on = ReferenceSolution::Clock::kWall,
-    const std::function<bool()>& interrupted = {});
+/// Runs auto, newton, ipm and apgd from s = 0 to a guarded error of `target`, each within the limit
+/// of CPU time. It ends once one reaches the target and a second one is below 1e-9 (or ten times
+/// the target, if that is more) as a witness. Keeps the lowest, and distinct answers besides.
+/// Beyond kLarge contacts the order is auto, apgd, ipm, newton. `interrupted` is polled inside the
+/// solves: true ends the search.
+ReferenceSolution find_reference(const TestProblem& problem, double time_limit,
+                                 double target = ReferenceSolution::kTarget,
+                                 const std::function<bool()>& interrupted = {});
 
 /// Adds an impulse to the reference's others if it is a new exact answer. A nearly exact one
 /// (guarded error at most 1e-6), far from all of them, is first improved within the time limit

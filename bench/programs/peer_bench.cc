@@ -224,7 +224,8 @@ class Bench {
     const double quarter = std::pow(10, 0.25);
     const auto rung = [&](int k) { return std::pow(quarter, k); };
     const auto reaches = [&](int k) {
-      const SolveResult r = solve_within(solver, p, rung(k), flags_.time_limit);
+      const SolveResult r =
+          solve_within(require_solver(solver), p, {.tol = rung(k)}, flags_.time_limit);
       return is_success(r.status) && peer_natural_map(p, r.s) <= map;
     };
     constexpr int kTightest = -60, kLoosest = 0;
@@ -236,7 +237,8 @@ class Bench {
       // A decade at a time, then back up.
       while (k > kTightest) {
         const int tighter = std::max(k - 4, kTightest);
-        const SolveResult r = solve_within(solver, p, rung(tighter), flags_.time_limit);
+        const SolveResult r =
+            solve_within(require_solver(solver), p, {.tol = rung(tighter)}, flags_.time_limit);
         k = tighter;
         if (!is_success(r.status)) return rung(k);
         if (peer_natural_map(p, r.s) <= map) break;
@@ -249,7 +251,7 @@ class Bench {
   void own_row(const ContactProblem& p, const std::string& solver, double map, Row& row) {
     SolveResult r;
     row.seconds = median_seconds(flags_.repeat, row.runs, [&] {
-      r = solve_within(solver, p, row.asked, flags_.time_limit);
+      r = solve_within(require_solver(solver), p, {.tol = row.asked}, flags_.time_limit);
     });
     row.iterations = r.iterations;
     judge(p, r.s, row);

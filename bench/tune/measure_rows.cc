@@ -120,9 +120,7 @@ class ProblemMeasurement {
     if (warm_) options.s0 = given_.start;
     options.parameters = stage_parameters(
         variant.find(' ') == std::string::npos ? "" : variant.substr(variant.find(' ') + 1));
-    options.time_limit = CpuLimit::kWallFactor * options_.time_limit;
-    CpuLimit limit(options_.time_limit);
-    options.cancelled = [&] { return limit() || options_.watch.stopped(); };
+    options.cancelled = options_.watch.interrupted;
     const CpuStopwatch watch;
     std::vector<std::pair<int, double>> reached(tols.size(), {-1, 0.0});
     options.on_iteration = [&](const IterationRecord& r) {
@@ -132,7 +130,7 @@ class ProblemMeasurement {
         }
       }
     };
-    const SolveResult result = solve(entry, given_.problem, options);
+    const SolveResult result = solve_within(entry, given_.problem, options, options_.time_limit);
     const double seconds = watch.seconds();
     if (options_.watch.stopped()) return false;
     for (std::size_t k = 0; k < tols.size(); ++k) {
