@@ -59,11 +59,8 @@ Vector tower_impulses(const Scene<2>& scene) {
   return s;
 }
 
-std::function<double(const ContactProblem&, const Vector& s, const Vector& u)> against(
-    const Vector& known) {
-  return [known](const ContactProblem&, const Vector& s, const Vector&) {
-    return relative_difference(s, known);
-  };
+ExtremeCase::Error against(const Vector& known) {
+  return [known](const Vector& s, const Vector&) { return relative_difference(s, known); };
 }
 
 void add_wedge(Scene<2>& scene, double half_angle) {

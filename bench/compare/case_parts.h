@@ -1,9 +1,8 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
-#include "core/problem/contact_problem.h"
+#include "bench/compare/extreme_case.h"
 #include "core/scene/scene_parts.h"
 
 namespace bipot {
@@ -22,9 +21,8 @@ double relative_difference(const Vector& x, const Vector& y);
 /// Impulses of a tower without friction: the contacts carry the weight above, h g Σ m. In the order
 /// of the first step's contacts.
 Vector tower_impulses(const Scene<2>& scene);
-/// The relative difference of the impulses from these: an ExtremeCase::true_error.
-std::function<double(const ContactProblem&, const Vector& s, const Vector& u)> against(
-    const Vector& known);
+/// The relative difference of the impulses from these.
+ExtremeCase::Error against(const Vector& known);
 /// Two planes of a wedge open upwards, at this angle from the vertical, touch the scene's disk.
 void add_wedge(Scene<2>& scene, double half_angle);
 /// Touching disks of 0.5 m and 1 kg in rows, from the origin on.

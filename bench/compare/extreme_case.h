@@ -26,7 +26,8 @@ struct ExtremeCase {
   /// problem.
   std::function<ContactProblem()> problem;
   /// Relative error of an answer against the known one; may be empty. [-]
-  std::function<double(const ContactProblem&, const Vector& s, const Vector& u)> true_error;
+  using Error = std::function<double(const Vector& s, const Vector& u)>;
+  Error true_error;
   /// The known impulses, if all are known. Rounded to double they show the least possible error in
   /// double precision.
   std::function<Vector()> solution;

@@ -72,7 +72,7 @@ ExtremeCell solve_problem(const ExtremeMatrix::Case& of, const std::string& solv
   const bool finite = r.s.allFinite() && r.u.allFinite();
   if (finite) {
     cell.energy_error = energy_created(r.s, r.u, problem);
-    if (of.true_error) cell.true_error = of.true_error(problem, r.s, r.u);
+    if (of.true_error) cell.true_error = of.true_error(r.s, r.u);
   }
   const bool claimed = is_success(r.status);
   // If an energy underflows, no error exists in double precision, and none is claimed.

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "bench/compare/case_parts.h"
-#include "bench/compare/extreme_case.h"
 #include "core/scene/scene_family.h"
 
 namespace bipot {
@@ -72,7 +71,7 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
          .known =
              "rolling asks for s_t = s_n tan / 3, which is the edge: s = s_n (1, mu) on both sides",
          .problem = step_of(scene),
-         .true_error = [normal](const ContactProblem&, const Vector& s, const Vector&) {
+         .true_error = [normal](const Vector& s, const Vector&) {
            return std::hypot(s[0] - normal, std::abs(s[1]) - 0.2 * normal) / normal;
          }});
   }
@@ -89,7 +88,7 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
          .known = "that pair obeys the law, and s = 0 does not",
          .problem = [=] { return contact_in_space(mu, coupling, b); },
          .true_error =
-             [mu](const ContactProblem&, const Vector& s, const Vector& u) {
+             [mu](const Vector& s, const Vector& u) {
                return std::max(relative_difference(s, three(1 / mu, -1, 0)),
                                (u - three(0, 1, 0)).norm());
              }});

@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "bench/compare/case_parts.h"
-#include "bench/compare/extreme_case.h"
 #include "core/scene/scene_family.h"
 
 namespace bipot {
@@ -20,7 +19,7 @@ void add_pressed(std::vector<ExtremeCase>& cases, const std::string& name, const
        .known =
            "rest obeys the law, and on each driven wall at rest the normal impulses add up to h F",
        .problem = step_of(scene),
-       .true_error = [scene](const ContactProblem&, const Vector& s, const Vector&) {
+       .true_error = [scene](const Vector& s, const Vector&) {
          double worst = 0;
          for (std::size_t w = 0; w < scene.walls.size(); ++w) {
            if (scene.walls[w].motion != Wall<2>::Motion::kDriven) continue;
@@ -33,14 +32,14 @@ void add_pressed(std::vector<ExtremeCase>& cases, const std::string& name, const
 
 void add_at_rest(std::vector<ExtremeCase>& cases, const std::string& name, const std::string& what,
                  const std::string& known, const Scene<2>& scene) {
-  cases.push_back({.name = name,
-                   .what = what,
-                   .known = known + "; the error is the motion left, |u| / (h g)",
-                   .problem = step_of(scene),
-                   .true_error = [h_g = scene.step * scene.gravity.norm()](
-                                     const ContactProblem&, const Vector&, const Vector& u) {
-                     return u.cwiseAbs().maxCoeff() / h_g;
-                   }});
+  cases.push_back(
+      {.name = name,
+       .what = what,
+       .known = known + "; the error is the motion left, |u| / (h g)",
+       .problem = step_of(scene),
+       .true_error = [h_g = scene.step * scene.gravity.norm()](const Vector&, const Vector& u) {
+         return u.cwiseAbs().maxCoeff() / h_g;
+       }});
 }
 
 /// Rows of 4, 5, 6, 7, 6, 5, 4 touching disks, pressed by six walls along the normals of the sides.

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "bench/compare/case_parts.h"
-#include "bench/compare/extreme_case.h"
 
 namespace bipot {
 namespace {
@@ -43,7 +42,7 @@ void add_rolling(std::vector<ExtremeCase>& cases, const std::string& name, doubl
        .known = rolling < mu * normal ? "it rolls: s_t = h m g sin / (1 + m a²/I)"
                                       : "it slides: s_t = mu s_n",
        .problem = step_of(scene),
-       .true_error = [normal, rolling, mu](const ContactProblem&, const Vector& s, const Vector&) {
+       .true_error = [normal, rolling, mu](const Vector& s, const Vector&) {
          const double friction = std::min(rolling, mu * normal);
          return std::hypot(s[0] - normal, std::abs(s[1]) - friction) / normal;
        }});

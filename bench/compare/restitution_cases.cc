@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include "bench/compare/case_parts.h"
-#include "bench/compare/extreme_case.h"
 #include "core/scene/scene_family.h"
 
 namespace bipot {
