@@ -7,7 +7,7 @@
 namespace bipot {
 namespace {
 
-using Members = std::vector<const ClassifiedInstance*>;
+using Members = std::vector<const TunedInstance*>;
 
 constexpr double kLeastSaving = 0.05;
 constexpr int kDeepest = 6;
@@ -23,10 +23,8 @@ struct Plan {
 };
 
 Plan plan_of(const Members& members) {
-  std::vector<const TunedInstance*> measured;
-  for (const ClassifiedInstance* member : members) measured.push_back(&member->measured);
-  Plan plan{greedy_schedule(measured)};
-  for (const TunedInstance* instance : measured) {
+  Plan plan{greedy_schedule(members)};
+  for (const TunedInstance* instance : members) {
     bool solved = false;
     plan.cost += seconds_of(plan.schedule, *instance, &solved) / instance->best;
     plan.solved += solved;
@@ -47,7 +45,7 @@ std::vector<Cut> cuts_of(const Members& members) {
   for (const double contacts : kContacts)
     cuts.push_back({{.up_to = contacts}, {.above = contacts}});
   std::set<double> tols;
-  for (const ClassifiedInstance* member : members) tols.insert(member->traits.tol);
+  for (const TunedInstance* member : members) tols.insert(member->traits.tol);
   for (auto tol = tols.begin(); tol != tols.end() && std::next(tol) != tols.end(); ++tol) {
     const double between = std::sqrt(*tol * *std::next(tol));
     cuts.push_back({{.tol_below = between}, {.tol_from = between}});
@@ -72,7 +70,7 @@ void grow(const Members& members, const PlanConditions& conditions, Plan plan, i
   double least = (1 - kLeastSaving) * plan.cost;
   for (const Cut& cut : depth < kDeepest ? cuts_of(members) : std::vector<Cut>()) {
     Members inside, outside;
-    for (const ClassifiedInstance* member : members) {
+    for (const TunedInstance* member : members) {
       (cut.inside.hold(member->traits) ? inside : outside).push_back(member);
     }
     const auto rows = static_cast<std::size_t>(std::max(1, least_rows));
@@ -102,7 +100,7 @@ PlanConditions common(const Members& members) {
   PlanConditions made{.marks = ~0U};
   double most = 0, loosest = 0;
   double fewest = kInfinity, tightest = kInfinity;
-  for (const ClassifiedInstance* member : members) {
+  for (const TunedInstance* member : members) {
     made.marks &= member->traits.marks;
     most = std::max<double>(most, member->traits.contacts);
     fewest = std::min<double>(fewest, member->traits.contacts);
@@ -118,10 +116,10 @@ PlanConditions common(const Members& members) {
 
 }  // namespace
 
-std::vector<TunedClass> class_tree(std::span<const ClassifiedInstance> instances, int least_rows) {
+std::vector<TunedClass> class_tree(std::span<const TunedInstance> instances, int least_rows) {
   Members members;
-  for (const ClassifiedInstance& instance : instances) {
-    if (instance.measured.best > 0) members.push_back(&instance);
+  for (const TunedInstance& instance : instances) {
+    if (instance.best > 0) members.push_back(&instance);
   }
   std::vector<TunedClass> leaves;
   if (members.empty()) return leaves;

@@ -4,15 +4,8 @@
 #include <vector>
 
 #include "bench/tune/greedy_schedule.h"
-#include "solvers/auto/plan.h"
 
 namespace bipot {
-
-/// An instance with what a plan knows of it.
-struct ClassifiedInstance {
-  ProblemTraits traits;
-  TunedInstance measured;
-};
 
 /// A leaf of the tree: its conditions and the greedy schedule of its instances.
 struct TunedClass {
@@ -26,7 +19,7 @@ struct TunedClass {
 /// the schedules of its halves, in units of the best times; both have `least_rows` instances, and
 /// at least a twentieth of the time is saved. The leaves are in an order in which the first whose
 /// conditions hold is the right one.
-std::vector<TunedClass> class_tree(std::span<const ClassifiedInstance> instances, int least_rows);
+std::vector<TunedClass> class_tree(std::span<const TunedInstance> instances, int least_rows);
 
 /// Null: none of the classes.
 const TunedClass* class_of(std::span<const TunedClass> classes, const ProblemTraits& problem);

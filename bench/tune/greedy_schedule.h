@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/types.h"
+#include "solvers/auto/plan.h"
 
 namespace bipot {
 
@@ -18,6 +18,7 @@ struct TunedInstance {
     /// Time of the first `budget` units of work; infinite beyond what was run.
     double seconds_of(double budget) const;
   };
+  ProblemTraits traits;           ///< what a plan knows of it
   std::vector<Outcome> outcomes;  ///< one for each variant
   double limit = 0;               ///< time that a schedule may take                       [s]
   double best = 0;                ///< least time of a variant that solves it; its unit of time  [s]

@@ -15,8 +15,7 @@ namespace {
 constexpr int kParts = 10;  // of the cross-validation
 
 /// The rows of one instance together.
-struct Measured {
-  ClassifiedInstance instance;
+struct Measured : TunedInstance {
   std::string scene, problem;
   TunedInstance::Outcome present;  // of auto
 };
@@ -28,19 +27,14 @@ std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
   for (const MeasuredRow& row : rows) {
     const auto [at, fresh] = place.try_emplace(instance_of(row), made.size());
     if (fresh) {
-      Measured measured;
-      measured.instance.traits = row.traits;
-      measured.instance.measured.outcomes.resize(variants.size());
-      measured.scene = row.scene;
-      measured.problem = row.problem;
-      made.push_back(std::move(measured));
+      made.push_back({{.traits = row.traits}, row.scene, row.problem});
+      made.back().outcomes.resize(variants.size());
     }
-    Measured& to = made[at->second];
-    TunedInstance& instance = to.instance.measured;
+    Measured& instance = made[at->second];
     TunedInstance::Outcome outcome{static_cast<double>(row.iterations), std::max(row.seconds, 1e-7),
                                    row.solved};
     if (row.variant == "auto") {
-      to.present = outcome;
+      instance.present = outcome;
       instance.limit = std::max(instance.limit, row.limit);
       continue;
     }
@@ -54,7 +48,7 @@ std::vector<Measured> instances_of(std::span<const MeasuredRow> rows,
       instance.best = outcome.seconds;
     }
   }
-  std::erase_if(made, [](const Measured& m) { return m.instance.measured.best == 0; });
+  std::erase_if(made, [](const Measured& m) { return m.best == 0; });
   return made;
 }
 
@@ -72,21 +66,20 @@ TunedPlan::Regret regret_row(const std::string& name, std::vector<double> ratios
 /// Where the plan has no class, or does not solve the instance, the present plan goes on.
 void add_ratio(std::span<const TunedClass> classes, const Measured& m,
                std::vector<double>& ratios) {
-  const TunedInstance& instance = m.instance.measured;
-  const TunedClass* of = class_of(classes, m.instance.traits);
+  const TunedClass* of = class_of(classes, m.traits);
   bool solved = false;
-  double seconds = of == nullptr ? 0 : seconds_of(of->schedule, instance, &solved);
+  double seconds = of == nullptr ? 0 : seconds_of(of->schedule, m, &solved);
   if (!solved && of != nullptr) {
     seconds = 0;
     for (const auto& [variant, budget] : of->schedule) {
-      seconds += instance.outcomes[variant].seconds_of(budget);
+      seconds += m.outcomes[variant].seconds_of(budget);
     }
   }
   if (!solved) {
     seconds += m.present.seconds;
     solved = m.present.solved;
   }
-  if (solved) ratios.push_back(seconds / instance.best);
+  if (solved) ratios.push_back(seconds / m.best);
 }
 
 std::string condition_lines(const PlanConditions& c) {
@@ -109,9 +102,7 @@ TunedPlan tune_plan(std::span<const MeasuredRow> rows, std::span<const TunedVari
   const std::vector<Measured> all = instances_of(rows, variants);
   TunedPlan plan;
   plan.variants.assign(variants.begin(), variants.end());
-  std::vector<ClassifiedInstance> instances;
-  for (const Measured& m : all) instances.push_back(m.instance);
-  plan.classes = class_tree(instances, least_rows);
+  plan.classes = class_tree(std::vector<TunedInstance>(all.begin(), all.end()), least_rows);
   const int count = static_cast<int>(all.size());
 
   const bool one_scene =
@@ -127,9 +118,9 @@ TunedPlan tune_plan(std::span<const MeasuredRow> rows, std::span<const TunedVari
     for (std::size_t k = to_size(part); k < scenes.size(); k += to_size(parts)) {
       left_out.insert(scenes[k]);
     }
-    std::vector<ClassifiedInstance> kept;
+    std::vector<TunedInstance> kept;
     for (const Measured& m : all) {
-      if (!left_out.contains(part_of(m))) kept.push_back(m.instance);
+      if (!left_out.contains(part_of(m))) kept.push_back(m);
     }
     const std::vector<TunedClass> classes = class_tree(kept, least_rows);
     for (const Measured& m : all) {
@@ -143,16 +134,16 @@ TunedPlan tune_plan(std::span<const MeasuredRow> rows, std::span<const TunedVari
   plan.regret.push_back(regret_row("tuned, all scenes", ratios, count));
   ratios.clear();
   for (const Measured& m : all) {
-    if (m.present.solved) ratios.push_back(m.present.seconds / m.instance.measured.best);
+    if (m.present.solved) ratios.push_back(m.present.seconds / m.best);
   }
   plan.regret.push_back(regret_row("auto, present plan", ratios, count));
   for (std::size_t v = 0; v < variants.size(); ++v) {
     ratios.clear();
     int ran = 0;
     for (const Measured& m : all) {
-      const TunedInstance::Outcome& outcome = m.instance.measured.outcomes[v];
+      const TunedInstance::Outcome& outcome = m.outcomes[v];
       ran += outcome.work > 0;
-      if (outcome.solved) ratios.push_back(outcome.seconds / m.instance.measured.best);
+      if (outcome.solved) ratios.push_back(outcome.seconds / m.best);
     }
     plan.regret.push_back(regret_row(variants[v].name, ratios, ran));
   }

@@ -6,27 +6,27 @@ namespace bipot {
 namespace {
 
 /// Warm ones are quick with variant 0, cold ones with variant 1; the other takes ten times as long.
-std::vector<ClassifiedInstance> two_kinds() {
-  std::vector<ClassifiedInstance> made;
+std::vector<TunedInstance> two_kinds() {
+  std::vector<TunedInstance> made;
   for (int k = 0; k < 40; ++k) {
     const bool warm = k % 2 == 0;
     const double first = warm ? 1 : 10, second = warm ? 10 : 1;
-    made.push_back(
-        {.traits = {.contacts = 100 + k,
-                    .dim = 2,
-                    .tol = 1e-3,
-                    .marks = kInPlane | kBodies | (warm ? kWarm : kCold)},
-         .measured = {
-             .outcomes = {{first, first, true}, {second, second, true}}, .limit = 50, .best = 1}});
+    made.push_back({.traits = {.contacts = 100 + k,
+                               .dim = 2,
+                               .tol = 1e-3,
+                               .marks = kInPlane | kBodies | (warm ? kWarm : kCold)},
+                    .outcomes = {{first, first, true}, {second, second, true}},
+                    .limit = 50,
+                    .best = 1});
   }
   return made;
 }
 
 TEST(ClassTree, CutsWhereOtherVariantsAreQuick) {
-  const std::vector<ClassifiedInstance> instances = two_kinds();
+  const std::vector<TunedInstance> instances = two_kinds();
   const std::vector<TunedClass> classes = class_tree(instances, 10);
   ASSERT_EQ(classes.size(), 2u);
-  for (const ClassifiedInstance& instance : instances) {
+  for (const TunedInstance& instance : instances) {
     const TunedClass* of = class_of(classes, instance.traits);
     ASSERT_NE(of, nullptr);
     ASSERT_EQ(of->schedule.size(), 1u);
@@ -43,7 +43,7 @@ TEST(ClassTree, LeavesHaveTheLeastNumberOfRows) {
 
 /// Nothing is said of problems that are unlike all that were measured: in space, or twice as large.
 TEST(ClassTree, OtherProblemsHaveNoClass) {
-  const std::vector<ClassifiedInstance> instances = two_kinds();
+  const std::vector<TunedInstance> instances = two_kinds();
   const std::vector<TunedClass> classes = class_tree(instances, 10);
   ProblemTraits other = instances[0].traits;
   other.contacts = 2 * 139;
