@@ -36,11 +36,7 @@ class FieldVisitor {
 
   template <class T>
   void operator()(const char* key, T& value) {
-    if (reads_) {
-      read(json_.at(key), value);
-    } else {
-      json_[key] = written(value);
-    }
+    pass(reads_ ? json_.at(key) : json_[key], value);
   }
   /// Omitted if there is none.
   template <class T>
@@ -57,54 +53,43 @@ class FieldVisitor {
   static bool is_none(const T& value) {
     if constexpr (requires { value.empty(); }) {
       return value.empty();
+    } else if constexpr (requires { value.has_value(); }) {
+      return !value.has_value();
     } else {
       return value == T();
     }
   }
   template <class T>
-  static bool is_none(const std::optional<T>& value) {
-    return !value;
-  }
-
-  template <class T>
-  static Json written(T& value) {
+  void pass(Json& json, T& value) const {
     if constexpr (requires(FieldVisitor & v) { fields(v, value); }) {
-      Json json = Json::object();
-      FieldVisitor visitor(json, false);
-      fields(visitor, value);
-      return json;
-    } else {
-      return value;
-    }
-  }
-  template <class T>
-  static Json written(std::vector<T>& values) {
-    Json json = Json::array();
-    for (T& value : values) json.push_back(written(value));
-    return json;
-  }
-  template <class T>
-  static Json written(std::optional<T>& value) {
-    return value ? written(*value) : Json(nullptr);
-  }
-
-  template <class T>
-  static void read(Json& json, T& value) {
-    if constexpr (requires(FieldVisitor & v) { fields(v, value); }) {
-      FieldVisitor visitor(json, true);
-      fields(visitor, value);
-    } else {
+      FieldVisitor inside(json, reads_);
+      fields(inside, value);
+    } else if (reads_) {
       value = json.get<T>();
+    } else {
+      json = value;
     }
   }
-  static void read(Json& json, double& value) { value = number_or_nan(json); }
-  template <class T>
-  static void read(Json& json, std::vector<T>& values) {
-    for (Json& entry : json) read(entry, values.emplace_back());
+  void pass(Json& json, double& value) const {
+    if (reads_) {
+      value = number_or_nan(json);
+    } else {
+      json = value;
+    }
   }
   template <class T>
-  static void read(Json& json, std::optional<T>& value) {
-    if (!json.is_null()) read(json, value.emplace());
+  void pass(Json& json, std::vector<T>& values) const {
+    if (reads_) {
+      values.resize(json.size());
+    } else {
+      json = std::vector<Json>(values.size());
+    }
+    for (std::size_t k = 0; k < values.size(); ++k) pass(json[k], values[k]);
+  }
+  template <class T>
+  void pass(Json& json, std::optional<T>& value) const {
+    if (reads_ && !json.is_null()) value.emplace();
+    if (value) pass(json, *value);
   }
 
   Json& json_;
