@@ -12,18 +12,11 @@ const Comparison::Row* row_of(const Comparison& comparison, const std::string& p
 }
 
 std::vector<std::string> solvers_of(const Comparison& comparison) {
-  std::vector<std::string> names;
-  for (const Comparison::Row& row : comparison.rows) {
-    if (std::ranges::find(names, row.solver) == names.end()) names.push_back(row.solver);
-  }
-  return names;
+  return distinct_in_order(comparison.rows, &Comparison::Row::solver);
 }
 
 std::vector<double> tolerances_of(const Comparison& comparison) {
-  std::vector<double> tols;
-  for (const Comparison::Row& row : comparison.rows) {
-    if (std::ranges::find(tols, row.tol) == tols.end()) tols.push_back(row.tol);
-  }
+  std::vector<double> tols = distinct_in_order(comparison.rows, &Comparison::Row::tol);
   std::ranges::sort(tols, std::greater<>());
   return tols;
 }

@@ -506,14 +506,10 @@ void provenance_of_rows(const ReportContext& context, const Comparison& c, Docum
                             "least {} repeat{} and {:g} s of them",
                             o.time_limit, o.reference_time_limit, o.repeat,
                             o.repeat == 1 ? "" : "s", o.min_time));
-  std::vector<std::string> commits;
-  std::string list;
-  for (const Comparison::Row& row : c.rows) {
-    if (std::ranges::find(commits, row.commit) != commits.end()) continue;
-    commits.push_back(row.commit);
-    list += (list.empty() ? "" : ", ") + row.commit;
+  const std::vector<std::string> commits = distinct_in_order(c.rows, &Comparison::Row::commit);
+  if (commits.size() > 1) {
+    terms.entries.emplace_back("rows of commits", fmt::format("{}", fmt::join(commits, ", ")));
   }
-  if (commits.size() > 1) terms.entries.emplace_back("rows of commits", list);
   page.add(std::move(terms));
   page.say(
       "The numbers behind all figures stand beside this page: "

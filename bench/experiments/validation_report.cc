@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/measure/statistics.h"
 #include "bench/report/labels.h"
 #include "core/files/atomic_file.h"
 
@@ -152,11 +153,7 @@ std::string to_text(const ValidationPage& page) {
 }
 
 std::vector<std::string> groups_of(const ValidationPage& page) {
-  std::vector<std::string> groups;
-  for (const ValidationRow& row : page.rows) {
-    if (std::ranges::find(groups, row.group) == groups.end()) groups.push_back(row.group);
-  }
-  return groups;
+  return distinct_in_order(page.rows, &ValidationRow::group);
 }
 
 Chart error_chart(const ValidationPage& page, const std::string& group) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -7,6 +9,17 @@
 #include "core/base/types.h"
 
 namespace bipot {
+
+/// The values of a member, or of a function, that a list has, each once, in the order of the list.
+template <class List, class Of>
+auto distinct_in_order(const List& list, Of of) {
+  std::vector<std::decay_t<std::invoke_result_t<Of, decltype(*list.begin())>>> values;
+  for (const auto& item : list) {
+    const auto& value = std::invoke(of, item);
+    if (std::ranges::find(values, value) == values.end()) values.push_back(value);
+  }
+  return values;
+}
 
 /// Slope of the straight line through points by least squares.
 double fitted_slope(std::span<const double> x, std::span<const double> y);

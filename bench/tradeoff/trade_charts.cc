@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/measure/statistics.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
@@ -40,12 +41,9 @@ struct Family {
 
 std::vector<Family> families_of(const SceneTrade& s) {
   std::vector<Family> families;
-  std::vector<std::string> solvers;
-  for (const SceneTrade::Cell& cell : s.cells) {
-    const std::string& name = cell.setting.solver;
-    if (!name.empty() && std::ranges::find(solvers, name) == solvers.end()) solvers.push_back(name);
-  }
-  for (const std::string& name : solvers) {
+  for (const std::string& name : distinct_in_order(
+           s.cells, [](const SceneTrade::Cell& cell) { return cell.setting.solver; })) {
+    if (name.empty()) continue;  // springs
     families.push_back(
         {name + ", tolerances", static_cast<int>(families.size()), [name](const RunSetting& x) {
            return x.equal_steps() && x.solver == name && x.step_factor == 1;
