@@ -9,7 +9,6 @@
 #include "core/files/input_file.h"
 #include "core/problem/energy_norm.h"
 #include "solvers/registry.h"
-#include "solvers/solve.h"
 
 namespace bipot {
 namespace {

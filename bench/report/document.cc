@@ -66,7 +66,7 @@ void write_columns(std::string& out, const Table& table, const std::vector<std::
                    const std::vector<std::vector<std::string>>& cells,
                    const std::vector<std::size_t>& widths, std::size_t heads, std::size_t begin,
                    std::size_t end) {
-  const auto line = [&](const std::vector<std::string>& texts) {
+  for (const auto& texts : cells) {
     std::string made;
     for (std::size_t k = 0; k < end; k = k + 1 == heads ? begin : k + 1) {
       if (k >= texts.size()) break;
@@ -76,8 +76,7 @@ void write_columns(std::string& out, const Table& table, const std::vector<std::
       made += right ? fill + texts[k] : texts[k] + fill;
     }
     out += made.substr(0, made.find_last_not_of(' ') + 1) + '\n';
-  };
-  for (const auto& texts : cells) line(texts);
+  }
 }
 
 void write_blocks(std::string& out, const std::vector<Document::Block>& blocks);
@@ -126,19 +125,6 @@ std::string value_csv(const Table::Cell& cell) {
 }
 
 }  // namespace
-
-Table::Cell& Table::Cell::shown(std::string x) {
-  text = std::move(x);
-  return *this;
-}
-Table::Cell& Table::Cell::tipped(std::string x) {
-  tip = std::move(x);
-  return *this;
-}
-Table::Cell& Table::Cell::as(std::string x) {
-  look = std::move(x);
-  return *this;
-}
 
 std::string text_of(const Table::Cell& cell, const Table::Column& column) {
   if (cell.text) return *cell.text;

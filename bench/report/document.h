@@ -38,9 +38,9 @@ struct Table {
     Cell(std::string_view x) : value(std::string(x)) {}
     Cell(std::string x) : value(std::move(x)) {}
 
-    Cell& shown(std::string x);   ///< sets `text`
-    Cell& tipped(std::string x);  ///< sets `tip`
-    Cell& as(std::string x);      ///< sets `look`
+    Cell& shown(std::string x) { return text = std::move(x), *this; }
+    Cell& tipped(std::string x) { return tip = std::move(x), *this; }
+    Cell& as(std::string x) { return look = std::move(x), *this; }
 
     std::variant<std::monostate, bool, long, double, std::string> value;
     std::optional<std::string> text;  ///< shown instead of the value

@@ -16,7 +16,6 @@
 #include "core/base/file_error.h"
 #include "solvers/auto/auto_plan.h"
 #include "solvers/registry.h"
-#include "solvers/solve.h"
 
 namespace bipot {
 namespace {
