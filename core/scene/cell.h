@@ -15,6 +15,8 @@ struct CellSide {
   double speed = 0;   ///< of the length; of the offset without what the width carries     [m/s]
   double stress = 0;  ///< driven: pressure (width, height) or shear stress (offset)       [Pa]
   double mass = 0;    ///< driven: > 0; energy is 1/2 mass speed²                          [kg]
+
+  bool operator==(const CellSide&) const = default;
 };
 
 /// A periodic scene repeats itself by p_x = (width, 0) and p_y = (offset, height). Image (kx, ky)
@@ -31,6 +33,7 @@ struct PeriodicCell {
   bool in_x = false, in_y = false;  ///< in_y only together with in_x
   CellSide width, height, offset;
 
+  bool operator==(const PeriodicCell&) const = default;
   bool periodic() const { return in_x || in_y; }
   /// True if a side moves or may move: images then have velocities.
   bool deforms() const;

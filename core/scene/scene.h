@@ -27,6 +27,7 @@ struct TimeFactor {
   double at(double time) const;
   double mean(double from, double to) const;  ///< exact; from <= to
   double rate(double time) const;             ///< its derivative, at a kink that from then on [1/s]
+  bool operator==(const TimeFactor&) const = default;
 };
 
 /// Empty for a sound factor, else one sentence.
@@ -45,6 +46,8 @@ struct ContactLaw {
   double cohesion = 0;  ///< largest tension, >= 0: s_n/h >= -cohesion [N]
   double mu_r = 0;      ///< rolling friction, >= 0: moment <= mu_r s_n     [m]
   double mu_spin = 0;   ///< the same about the normal; in 3D only          [m]
+
+  bool operator==(const ContactLaw&) const = default;
 };
 
 /// A round body: a disk in 2D, a sphere in 3D.
@@ -66,6 +69,8 @@ struct Body<2> {
   /// free.
   int wall = -1;
   int cluster = -1;  ///< member of this cluster, without mass of its own; -1: of none
+
+  bool operator==(const Body&) const = default;
 };
 using Disk = Body<2>;
 
@@ -83,6 +88,8 @@ struct Body<3> {
   int material = 0;          ///< index into Scene::materials
   int wall = -1;             ///< as for a disk
   int cluster = -1;          ///< as for a disk
+
+  bool operator==(const Body&) const = default;
 };
 using Sphere = Body<3>;
 
@@ -192,6 +199,7 @@ struct Wall {
   double factor_rate = 0;      ///< in a state: of a prescribed velocity's time_factor [1/s]
   bool present = true;         ///< in a state: false once it has been removed
 
+  bool operator==(const Wall&) const = default;  ///< with the very same mesh, if any
   bool has_grain() const { return !grain.isZero(0); }
   bool is_circle() const { return shape == Shape::kHollowCircle || shape == Shape::kSolidCircle; }
   /// A surface in 3D that ends, and may touch a sphere at several points.
@@ -218,6 +226,8 @@ struct Tilt {
   double rate = 0;           ///< 0: it does not turn                 [rad/s]
   double starts = 0;         ///< [s]
   double stops = kInfinity;  ///< [s]
+
+  bool operator==(const Tilt&) const = default;
 };
 
 /// The solver that a scene asks for; the command line may override each entry.
@@ -261,6 +271,8 @@ struct OutputChoice {
   bool stress_picture = false;  ///< disks coloured by pressure, last step (SVG and PNG)
   bool page = true;             ///< index.html, which shows the run, and its film
   std::vector<int> track;       ///< disks whose trajectory goes to trajectory.csv at every step
+
+  bool operator==(const OutputChoice&) const = default;
 };
 
 /// A whole scene file, ready to run, in D dimensions. SI units.
