@@ -182,13 +182,24 @@ double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& 
   return count > 0 ? sum / count : kInfinity;
 }
 
+/// Why a scene cannot be run with a setting; empty if it can.
+std::string refusal(const Trade::Scene& scene, const RunSetting& setting) {
+  return std::visit(
+      [&](const auto& in) {
+        std::string refused = validate(with_setting(in, setting));
+        return refused.empty() && setting.dem() ? no_springs(in) : refused;
+      },
+      scene.scene);
+}
+
 void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runner& runner,
                  Trade& trade) {
   // 1. Tolerances.
   std::vector<double> tols = options.tols;
   std::sort(tols.rbegin(), tols.rend());
+  const std::vector<std::string>& solvers = options.solvers;
   std::vector<double> completed;  // by the first solver
-  for (const std::string& solver : options.solvers) {
+  for (const std::string& solver : solvers) {
     bool gave_up = false;
     for (const double tol : tols) {
       if (runner.stopped()) return;
@@ -197,12 +208,11 @@ void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runne
         runner.skip_all(scene, setting, "a looser tolerance was not completed");
       } else if (!runner.run(scene, setting)) {
         gave_up = true;
-      } else if (solver == options.solvers.front()) {
+      } else if (solver == solvers.front()) {
         completed.push_back(tol);
       }
     }
   }
-  const auto& solvers = options.solvers;
   const bool known = std::ranges::find(solvers, options.witness) != solvers.end();
   if (!options.witness.empty() && !known && !completed.empty()) {
     runner.run(scene, {.solver = options.witness, .tol = completed.back()});
@@ -213,35 +223,21 @@ void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runne
   const double shortest = factors.empty() ? 1 : factors.back();
   double tol = completed.empty() ? kNaN : completed.front();
   for (const double t : completed) {
-    const double cost = mean_cpu(trade, scene.name, {.solver = options.solvers.front(), .tol = t});
+    const double cost = mean_cpu(trade, scene.name, {.solver = solvers.front(), .tol = t});
     if (1.5 * cost / shortest <= options.time_limit) tol = t;
   }
+  std::vector<RunSetting> settings;
   for (const double factor : factors) {
-    if (runner.stopped()) return;
-    if (factor == 1) continue;
-    const RunSetting setting{.solver = options.solvers.front(), .tol = tol, .step_factor = factor};
-    if (completed.empty()) {
-      runner.skip_all(scene, setting, "no tolerance was completed at the scene's step");
-    } else {
-      runner.run(scene, setting);
+    if (factor != 1) {
+      settings.push_back({.solver = solvers.front(), .tol = tol, .step_factor = factor});
     }
   }
   // 3. Accuracies.
   for (const double accuracy : options.accuracies) {
-    if (runner.stopped()) return;
-    RunSetting setting{.solver = options.solvers.front(), .tol = tol, .accuracy = accuracy};
-    const std::string refused = std::visit(
-        [&](const auto& in) {
-          setting.step_factor = longest_cut_step(in, in.num_steps);
-          return validate(with_setting(in, setting));
-        },
-        scene.scene);
-    if (completed.empty() || !refused.empty()) {
-      runner.skip_all(scene, setting,
-                      refused.empty() ? "no tolerance was completed at the scene's step" : refused);
-    } else {
-      runner.run(scene, setting);
-    }
+    const double factor =
+        std::visit([](const auto& in) { return longest_cut_step(in, in.num_steps); }, scene.scene);
+    settings.push_back(
+        {.solver = solvers.front(), .tol = tol, .step_factor = factor, .accuracy = accuracy});
   }
   // 4. Springs, soft to stiff.
   std::vector<RunSetting> springs;
@@ -256,27 +252,23 @@ void trade_scene(const Trade::Scene& scene, const Trade::Options& options, Runne
   std::ranges::sort(springs, [](const RunSetting& a, const RunSetting& b) {
     return std::isfinite(a.stiffness) ? a.stiffness < b.stiffness : a.overlap > b.overlap;
   });
-  bool out_of_time = false;
-  for (const RunSetting& setting : springs) {
+  settings.insert(settings.end(), springs.begin(), springs.end());
+  bool out_of_time = false;  // with springs
+  for (const RunSetting& setting : settings) {
     if (runner.stopped()) return;
-    const std::string why = std::visit(
-        [&](const auto& in) {
-          std::string refused = validate(with_setting(in, setting));
-          return refused.empty() ? no_springs(in) : refused;
-        },
-        scene.scene);
+    std::string why = refusal(scene, setting);
+    if (why.empty() && !setting.dem() && completed.empty()) {
+      why = "no tolerance was completed at the scene's step";
+    }
+    if (why.empty() && setting.dem() && out_of_time) why = "softer springs ran out of time";
     if (!why.empty()) {
       runner.skip_all(scene, setting, why);
       continue;
     }
-    if (out_of_time) {
-      runner.skip_all(scene, setting, "softer springs ran out of time");
-      continue;
-    }
     runner.run(scene, setting);
     for (const Trade::Row& row : trade.rows) {
-      out_of_time |=
-          row.scene == scene.name && row.setting == setting && row.status == "time limit";
+      out_of_time |= setting.dem() && row.scene == scene.name && row.setting == setting &&
+                     row.status == "time limit";
     }
   }
 }
