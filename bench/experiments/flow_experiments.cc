@@ -18,10 +18,10 @@ namespace {
 
 /// Means over the second half of a shear.
 struct Sheared {
-  double inertial = 0, friction = 0, fraction = 0;
-  double friction_bar = 0, fraction_bar = 0;  ///< 95 % over blocks
-  double pressure = 0, pressure_bar = 0;      ///< over the one that is imposed
-  double power = 0, power_bar = 0;  ///< of the mean shear stress over the dissipation of contacts
+  double inertial = 0;
+  MeanValue friction, fraction;  ///< over blocks, as the others
+  MeanValue pressure;            ///< over the one that is imposed
+  MeanValue power;               ///< of the mean shear stress over the dissipation of contacts
 };
 
 /// The shipped plane_shear at another speed, over the shear strain `strain` in steps of at most
@@ -59,35 +59,26 @@ Sheared shear(double speed, double strain, Experiment::Trial& trial) {
     ++samples;
     return true;
   });
-  const auto over_blocks = [](const std::vector<double>* blocks, double& bar) {
-    std::vector<double> means;
-    for (int b = 0; b < kBlocks; ++b) {
-      if (!blocks[b].empty()) means.push_back(mean_value(blocks[b]).mean);
-    }
-    const MeanValue mean = mean_value(means);
-    bar = mean.confidence;
-    return mean.mean;
-  };
-  Sheared result;
-  result.friction = over_blocks(friction, result.friction_bar);
-  result.fraction = over_blocks(fraction, result.fraction_bar);
-  result.pressure = over_blocks(pressure, result.pressure_bar);
-  result.inertial = inertial / static_cast<double>(samples);
   // The ratio of the sums; its bar from the blocks, each with the losses of all.
   const double mean_loss = std::accumulate(losses, losses + kBlocks, 0.0) / kBlocks;
   std::vector<double> excess(kBlocks);
   for (int b = 0; b < kBlocks; ++b) excess[to_size(b)] = (work[b] - losses[b]) / mean_loss;
-  const MeanValue mean = mean_value(excess);
-  result.power = 1 + mean.mean;
-  result.power_bar = mean.confidence;
-  return result;
+  const MeanValue over_losses = mean_value(excess);
+  return {.inertial = inertial / static_cast<double>(samples),
+          .friction = mean_of_blocks(friction),
+          .fraction = mean_of_blocks(fraction),
+          .pressure = mean_of_blocks(pressure),
+          .power = {1 + over_losses.mean, over_losses.confidence}};
 }
 
-/// Slope of y against x from the two ends of the range, with its bar.
-Observation slope(const Sheared& slow, const Sheared& fast, double low, double low_bar, double high,
-                  double high_bar, std::string note) {
+/// Slope against the inertial number from the two ends of the range, with its bar.
+Observation slope(const Sheared& slow, const Sheared& fast, MeanValue Sheared::*of,
+                  const std::string& symbol) {
+  const MeanValue &low = slow.*of, &high = fast.*of;
   const double span = fast.inertial - slow.inertial;
-  return {(high - low) / span, std::hypot(low_bar, high_bar) / span, std::move(note)};
+  return {(high.mean - low.mean) / span, std::hypot(low.confidence, high.confidence) / span,
+          fmt::format("{} = {:.3f} at I = {:.3f}, {:.3f} at {:.3f}", symbol, low.mean,
+                      slow.inertial, high.mean, fast.inertial)};
 }
 
 void plane_shear(Experiment& e) {
@@ -124,14 +115,10 @@ void plane_shear(Experiment& e) {
     }
     const Sheared &slow = runs.front(), &fast = runs.back();
     trial.seen = {
-        {slow.pressure, slow.pressure_bar, fmt::format("I = {:.3f}", slow.inertial)},
-        {slow.power, slow.power_bar, ""},
-        slope(slow, fast, slow.friction, slow.friction_bar, fast.friction, fast.friction_bar,
-              fmt::format("τ/P = {:.3f} at I = {:.3f}, {:.3f} at {:.3f}", slow.friction,
-                          slow.inertial, fast.friction, fast.inertial)),
-        slope(slow, fast, slow.fraction, slow.fraction_bar, fast.fraction, fast.fraction_bar,
-              fmt::format("ν = {:.3f} at I = {:.3f}, {:.3f} at {:.3f}", slow.fraction,
-                          slow.inertial, fast.fraction, fast.inertial))};
+        {slow.pressure.mean, slow.pressure.confidence, fmt::format("I = {:.3f}", slow.inertial)},
+        {slow.power.mean, slow.power.confidence},
+        slope(slow, fast, &Sheared::friction, "τ/P"),
+        slope(slow, fast, &Sheared::fraction, "ν")};
     Chart chart{.title = "Plane shear",
                 .x = {.label = "inertial number", .kind = Chart::Axis::Kind::kLog},
                 .y = {.label = "τ/P and solid fraction", .low = 0, .high = 1}};
@@ -142,14 +129,14 @@ void plane_shear(Experiment& e) {
     Chart::Series fraction{"solid fraction", 1, {}};
     Chart::Series law{".26 + 1.0 I", 2, {}, Chart::Series::Kind::kLine};
     Chart::Series density{".81 − .3 I", 3, {}, Chart::Series::Kind::kLine};
+    const auto add = [](Chart::Series& series, double x, const MeanValue& y) {
+      Chart::Point& point = series.points.emplace_back(Chart::Point{x, y.mean});
+      point.y_low = y.mean - y.confidence;
+      point.y_high = y.mean + y.confidence;
+    };
     for (const Sheared& r : runs) {
-      Chart::Point p{r.inertial, r.friction}, q{r.inertial, r.fraction};
-      p.y_low = r.friction - r.friction_bar;
-      p.y_high = r.friction + r.friction_bar;
-      q.y_low = r.fraction - r.fraction_bar;
-      q.y_high = r.fraction + r.fraction_bar;
-      friction.points.push_back(p);
-      fraction.points.push_back(q);
+      add(friction, r.inertial, r.friction);
+      add(fraction, r.inertial, r.fraction);
       law.points.push_back({r.inertial, 0.26 + r.inertial});
       density.points.push_back({r.inertial, 0.81 - 0.3 * r.inertial});
     }

@@ -26,7 +26,7 @@ constexpr double kSiloMu = 0.5, kSiloWidth = 8;
 /// Means while the floor sinks.
 struct SiloLoad {
   double weight = 0, height = 0;
-  double floor = 0, floor_bar = 0;    ///< upward force of the floor                           [N]
+  MeanValue floor = {0, 0};           ///< upward force of the floor, over blocks              [N]
   double drag = 0;                    ///< upward friction of both walls                       [N]
   double normal = 0;                  ///< of both walls                                       [N]
   std::vector<double> depths, loads;  ///< Q below the depth, from the walls' forces above it
@@ -82,13 +82,7 @@ SiloLoad silo_load(int count, std::uint64_t seed, Experiment::Trial& trial) {
   load.drag /= n;
   load.normal /= n;
   load.height /= n;
-  std::vector<double> means;
-  for (const std::vector<double>& block : floor_blocks) {
-    if (!block.empty()) means.push_back(mean_value(block).mean);
-  }
-  const MeanValue mean = mean_value(means);
-  load.floor = mean.mean;
-  load.floor_bar = mean.confidence;
+  load.floor = mean_of_blocks(floor_blocks);
   double carried = 0;
   for (int k = 0; k < kLayers; ++k) {
     carried += (weights[to_size(k)] - above[to_size(k)]) / n;
@@ -150,7 +144,8 @@ void janssen(Experiment& e) {
     const int tall = trial.context.quick ? 160 : 360;
     const SiloLoad half = silo_load(tall / 2, 1, trial);
     const SiloLoad full = silo_load(tall, 1, trial);
-    const double ratio = full.floor / half.floor;
+    const MeanValue &floor = full.floor, &half_floor = half.floor;
+    const double ratio = floor.mean / half_floor.mean;
     double rms = kNaN;
     const double length = screening_length(full, rms);
     // K over the whole height: mean wall pressure over the mean vertical stress.
@@ -161,10 +156,11 @@ void janssen(Experiment& e) {
     const double wall_pressure = 0.5 * full.normal / full.height;
     const double k = wall_pressure / vertical, m = full.drag / full.normal;
     trial.seen = {
-        {(full.floor + full.drag) / full.weight, full.floor_bar / full.weight,
+        {(floor.mean + full.drag) / full.weight, floor.confidence / full.weight,
          fmt::format("the walls carry {:.2f} of it", full.drag / full.weight)},
         {full.drag / (kSiloMu * full.normal)},
-        {ratio, ratio * std::hypot(full.floor_bar / full.floor, half.floor_bar / half.floor),
+        {ratio,
+         ratio * std::hypot(floor.confidence / floor.mean, half_floor.confidence / half_floor.mean),
          fmt::format("{:.1f} and {:.1f} widths high", full.height / kSiloWidth,
                      half.height / kSiloWidth)},
         {length / (kSiloWidth / (2 * m * k)), 0,

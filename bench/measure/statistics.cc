@@ -111,6 +111,14 @@ MeanValue mean_value(std::span<const double> x) {
   return value;
 }
 
+MeanValue mean_of_blocks(std::span<const std::vector<double>> blocks) {
+  std::vector<double> means;
+  for (const std::vector<double>& block : blocks) {
+    if (!block.empty()) means.push_back(mean_value(block).mean);
+  }
+  return mean_value(means);
+}
+
 ExponentialTail fit_exponential_tail(std::vector<double> x, double from) {
   std::erase_if(x, [&](double value) { return !(value >= from); });
   std::ranges::sort(x);

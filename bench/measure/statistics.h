@@ -59,6 +59,8 @@ struct MeanValue {
   double confidence = kNaN;
 };
 MeanValue mean_value(std::span<const double> x);
+/// That of the means of blocks of a long series. Empty blocks do not count.
+MeanValue mean_of_blocks(std::span<const std::vector<double>> blocks);
 
 /// P(x) ~ exp(-rate x) for x >= from, by maximum likelihood: rate = 1 / mean(x - from).
 struct ExponentialTail {
