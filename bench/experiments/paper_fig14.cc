@@ -134,11 +134,12 @@ class Fig14 {
     }
   }
 
-  const GrowthFit* fit_of(const std::string& family, const std::string& method, double tol) const {
+  /// Without numbers if nothing was measured.
+  GrowthFit fit_of(const std::string& family, const std::string& method, double tol) const {
     for (const GrowthFit& fit : fits_) {
-      if (fit.family == family && fit.method == method && fit.tol == tol) return &fit;
+      if (fit.family == family && fit.method == method && fit.tol == tol) return fit;
     }
-    return nullptr;
+    return {};
   }
 
   std::string command(const Case& c, const CurveMethod& m, const std::string& tols) const {
@@ -162,9 +163,7 @@ class Fig14 {
     const Case& square = cases_[0];
     for (const CurveMethod& m : methods_) {
       for (const double tol : kTols) {
-        const GrowthFit* fit = fit_of("square", m.method.label, tol);
-        PowerLaw law;
-        if (fit != nullptr) law = fit->iterations;
+        const PowerLaw law = fit_of("square", m.method.label, tol).iterations;
         Claim& n = result_.state(
             fmt::format("{}_{}", m.id, tol_text(tol)), law.exponent, "",
             fmt::format(
@@ -284,11 +283,9 @@ class Fig14 {
       for (const CurveMethod& m : methods_) {
         std::vector<std::string> cells = {m.method.label};
         for (const double tol : kTols) {
-          const GrowthFit* fit = fit_of(c.scene.family, m.method.label, tol);
-          cells.push_back(fit == nullptr ? "–" : exponent(fit->iterations));
+          cells.push_back(exponent(fit_of(c.scene.family, m.method.label, tol).iterations));
         }
-        const GrowthFit* fit = fit_of(c.scene.family, m.method.label, 1e-4);
-        cells.push_back(fit == nullptr ? "–" : exponent(fit->seconds));
+        cells.push_back(exponent(fit_of(c.scene.family, m.method.label, 1e-4).seconds));
         table.rows.push_back(std::move(cells));
       }
       result_.tables.push_back(std::move(table));

@@ -13,7 +13,6 @@
 #include <numbers>
 
 #include "bench/experiments/experiment_scene.h"
-#include "bench/experiments/packing.h"
 #include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
 #include "core/motion/force_balance.h"
