@@ -313,7 +313,7 @@ class Script {
     const Chart::Series& s = chart_.series[index];
     using Kind = Chart::Series::Kind;
     std::string joined, bars;
-    std::array<std::string, 4> marked;  // filled, hollow; then those with notes
+    std::array<std::string, 2> marked;  // filled, hollow
     for (std::size_t k = 0; k < s.points.size(); ++k) {
       const Chart::Point& p = s.points[k];
       if (!std::isfinite(p.x) || !std::isfinite(p.y)) continue;
@@ -324,11 +324,10 @@ class Script {
             fmt::format("{} {} {}\n", at, number(lifted_y(p.y_low)), number(lifted_y(p.y_high)));
       }
       if (!p.marked || s.kind == Kind::kLine || s.background) continue;
-      const bool note = page_;
-      marked[(p.hollow ? 1 : 0) + (note ? 2 : 0)] +=
-          note ? fmt::format("{} {} n{}_{}\n", inside(chart_.x, lifted_x(p.x), x_middle_),
-                             inside(chart_.y, lifted_y(p.y), y_middle_), index, k)
-               : at + "\n";
+      marked[p.hollow ? 1 : 0] +=
+          page_ ? fmt::format("{} {} n{}_{}\n", inside(chart_.x, lifted_x(p.x), x_middle_),
+                              inside(chart_.y, lifted_y(p.y), y_middle_), index, k)
+                : at + "\n";
     }
     if (s.kind != Kind::kPoints) {
       block(fmt::format("$line{}", index), joined,
@@ -341,25 +340,19 @@ class Script {
                       of_style(kColours, s.style)),
           s.name);
     const Marker& marker = of_style(kMarkers, s.style);
-    const auto points = [&](int type, const char* colour) {
-      return fmt::format("points pt {} ps {} lw 1.2 lc rgb '{}'", type, marker.size, colour);
+    const char* colour = of_style(kColours, s.style);
+    const auto look = [&](int type, const char* fill) {
+      return fmt::format("pt {} ps {} lw 1.2 lc rgb '{}'", type, marker.size, fill);
     };
-    for (std::size_t note : {0, 2}) {
-      const char* colour = of_style(kColours, s.style);
-      const std::string with = note == 0 ? "using 1:2 with " : "using 1:2:3 with labels hypertext ";
-      const auto draw = [&](int type, const char* fill) {
-        std::string plot = points(type, fill);
-        return with + (note == 0 ? plot : "point" + plot.substr(6));
-      };
-      block(fmt::format("$filled{}_{}", index, note), marked[note], draw(marker.filled, colour),
-            s.name);
-      // White below, so that no line crosses an empty marker.
-      const std::string empty = fmt::format("$hollow{}_{}", index, note);
-      block(empty, marked[note + 1], "using 1:2 with " + points(marker.filled, "#ffffff"), s.name);
-      if (!marked[note + 1].empty()) {
-        add_plot(empty + " " + draw(marker.hollow, colour) + " notitle", s.name);
-      }
-    }
+    const std::string with =
+        page_ ? "using 1:2:3 with labels hypertext point " : "using 1:2 with points ";
+    const std::string of = fmt::format("{}_{}", index, page_ ? 2 : 0);
+    block("$filled" + of, marked[0], with + look(marker.filled, colour), s.name);
+    if (marked[1].empty()) return;
+    // White below, so that no line crosses an empty marker.
+    const std::string empty = "$hollow" + of;
+    block(empty, marked[1], "using 1:2 with points " + look(marker.filled, "#ffffff"), s.name);
+    add_plot(empty + " " + with + look(marker.hollow, colour) + " notitle", s.name);
   }
 
   void key_entry(const Chart::Series& s) {
