@@ -25,8 +25,8 @@ std::function<ContactProblem()> step_of(const Scene<2>& scene) {
   return [scene] { return first_step(scene); };
 }
 
-Scene<2> tower(const std::vector<double>& masses, const std::vector<double>& radii, double mu) {
-  Scene<2> scene = empty_scene(mu);
+Scene<2> tower(const std::vector<double>& masses, const std::vector<double>& radii) {
+  Scene<2> scene = empty_scene(0.3);
   double top = 0;
   for (std::size_t k = 0; k < masses.size(); ++k) {
     const double a = radii[k % radii.size()];

@@ -12,9 +12,8 @@ Scene<2> empty_scene(double mu, double e_n = 0, double e_t = 0);
 /// The problem of the scene's first step, A and H alone.
 ContactProblem first_step(const Scene<2>& scene);
 std::function<ContactProblem()> step_of(const Scene<2>& scene);
-/// A tower of disks of these masses and radii (bottom first) on a floor.
-Scene<2> tower(const std::vector<double>& masses, const std::vector<double>& radii,
-               double mu = 0.3);
+/// A tower of disks of these masses and radii (bottom first) on a floor, μ = 0.3.
+Scene<2> tower(const std::vector<double>& masses, const std::vector<double>& radii);
 
 /// max |x - y| / max |y|.
 double relative_difference(const Vector& x, const Vector& y);

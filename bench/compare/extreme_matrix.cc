@@ -254,9 +254,8 @@ int count_cells(const ExtremeMatrix& matrix, ExtremeCell::End end, const std::st
   }));
 }
 
-std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,
-                                          const std::string& missed) {
-  const ExtremeCell* first = matrix.find(name, missed);
+std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name) {
+  const ExtremeCell* first = matrix.find(name, "auto");
   if (first == nullptr || first->end == ExtremeCell::kSolved) return {};
   std::vector<std::string> others;
   for (const ExtremeCell& c : matrix.cells) {

@@ -69,9 +69,8 @@ ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options);
 /// Number of cells with this end, of one solver, or of all if `solver` is empty.
 int count_cells(const ExtremeMatrix& matrix, ExtremeCell::End end, const std::string& solver = {});
 
-/// The solvers that solved a case that `missed` tried and did not solve; empty if it did, or no
-/// solver did.
-std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,
-                                          const std::string& missed = "auto");
+/// The solvers that solved a case that auto tried and did not solve; empty if it did, or no solver
+/// did.
+std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name);
 
 }  // namespace bipot

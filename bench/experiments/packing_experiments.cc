@@ -69,9 +69,9 @@ Counted count_packing(const Scene<D>& scene, const State<D>& state) {
   return counted;
 }
 
-Observation over_packings(const std::vector<double>& values, std::string note = "") {
+Observation over_packings(const std::vector<double>& values) {
   const MeanValue mean = mean_value(values);
-  return {mean.mean, mean.confidence, std::move(note)};
+  return {mean.mean, mean.confidence};
 }
 
 void plane_packings(Experiment& e) {

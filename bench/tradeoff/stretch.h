@@ -42,11 +42,11 @@ double energy_floor(const Scene<D>& scene, const State<D>& state);
 /// samples' own.
 MeasuredError stretch_errors(const std::vector<StretchSample>& samples,
                              const std::vector<StretchSample>& reference, double floor,
-                             std::size_t first = 0);
+                             std::size_t first);
 
 /// Errors that a solver adds: the penetration is what exceeds that of the reference.
 MeasuredError added_errors(const std::vector<StretchSample>& samples,
                            const std::vector<StretchSample>& reference, double floor,
-                           std::size_t first = 0);
+                           std::size_t first);
 
 }  // namespace bipot

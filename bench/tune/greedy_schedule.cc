@@ -31,8 +31,8 @@ double TunedInstance::Outcome::seconds_of(double budget) const {
   return seconds * std::min(1.0, budget / work);
 }
 
-std::vector<ScheduledStage> greedy_schedule(std::span<const TunedInstance* const> instances,
-                                            std::size_t most_stages) {
+std::vector<ScheduledStage> greedy_schedule(std::span<const TunedInstance* const> instances) {
+  constexpr std::size_t kMostStages = 6;
   std::vector<ScheduledStage> schedule;
   std::vector<const TunedInstance*> left;
   for (const TunedInstance* instance : instances) {
@@ -40,7 +40,7 @@ std::vector<ScheduledStage> greedy_schedule(std::span<const TunedInstance* const
   }
   if (left.empty()) return schedule;
   std::vector<double> done(left.front()->outcomes.size(), 0);
-  while (!left.empty() && schedule.size() < most_stages) {
+  while (!left.empty() && schedule.size() < kMostStages) {
     ScheduledStage best;
     double best_rate = 0;
     for (std::size_t v = 0; v < done.size(); ++v) {

@@ -34,9 +34,8 @@ struct ScheduledStage {
 /// stage is the one that solves most of the instances that are left for the time spent on them, in
 /// units of their best times. Budgets are among the works of solved instances. The greedy schedule
 /// takes at most four times the time of the best one where a stage costs the same on all instances.
-/// It ends where no stage solves another instance, or after `most_stages`.
-std::vector<ScheduledStage> greedy_schedule(std::span<const TunedInstance* const> instances,
-                                            std::size_t most_stages = 6);
+/// It ends where no stage solves another instance, or after six.
+std::vector<ScheduledStage> greedy_schedule(std::span<const TunedInstance* const> instances);
 
 /// Time of the schedule on the instance, at most its limit, which is that of one it does not solve.
 double seconds_of(std::span<const ScheduledStage> schedule, const TunedInstance& instance,
