@@ -7,7 +7,6 @@
 #include <algorithm>
 
 #include "bench/command/completion.h"
-#include "bench/command/help_text.h"
 #include "bench/command/manual_page.h"
 #include "bench/report/text_lines.h"
 #include "core/base/nearest_name.h"
@@ -46,7 +45,7 @@ class ScreenHelp : public CLI::Formatter {
 
   std::string make_option(const CLI::Option* option, bool is_positional) const override {
     std::string line = "  " + make_option_name(option, is_positional) + make_option_opts(option);
-    const std::string description = wrapped(make_option_desc(option), kColumn);
+    const std::string description = hanging_text(make_option_desc(option), kColumn);
     if (description.empty()) return line + "\n";
     if (letters(line) + 1 > kColumn) {
       line += "\n" + std::string(kColumn, ' ');
@@ -60,7 +59,7 @@ class ScreenHelp : public CLI::Formatter {
     constexpr std::size_t kNames = 14;
     const std::string name = "  " + command->get_name();
     return name + std::string(kNames - std::min(kNames, letters(name)), ' ') +
-           wrapped(command->get_description(), kNames) + "\n";
+           hanging_text(command->get_description(), kNames) + "\n";
   }
 
   std::string make_option_opts(const CLI::Option* option) const override {

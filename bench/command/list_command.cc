@@ -9,9 +9,9 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
-#include "bench/command/help_text.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/json_output.h"
+#include "bench/report/text_lines.h"
 #include "core/base/counted.h"
 #include "core/problem_files/problem_file.h"
 #include "core/scene_files/scene_file.h"
@@ -72,7 +72,7 @@ Json solvers_json() {
 
 /// Prints one solver and its parameters on a screen.
 void print_solver(const SolverEntry& entry) {
-  fmt::print("{}: {}\n", entry.name, wrapped(std::string(entry.summary), entry.name.size() + 2));
+  fmt::print("{}: {}\n", entry.name, hanging_text(entry.summary, entry.name.size() + 2));
   fmt::print("contacts of dimension up to {}", entry.max_dim);
   if (entry.max_contacts < std::numeric_limits<int>::max()) {
     fmt::print(", at most {} of them", entry.max_contacts);
@@ -81,7 +81,7 @@ void print_solver(const SolverEntry& entry) {
   constexpr std::size_t kColumn = 24;
   for (const ParameterSpec& spec : all_parameters(entry)) {
     fmt::print("\n{:<{}}{}\n", parameter_flag(spec.name), kColumn,
-               wrapped(std::string(spec.help), kColumn));
+               hanging_text(spec.help, kColumn));
     fmt::print("{:{}}default {}; {}{}\n", "", kColumn, default_of(spec), domain_of(spec),
                spec.unit.empty() ? "" : fmt::format("; unit: {}", spec.unit));
   }
@@ -89,9 +89,9 @@ void print_solver(const SolverEntry& entry) {
 
 void print_parameter(std::string_view solver, const ParameterSpec& spec) {
   fmt::print("{:<14}   {}\n", solver,
-             wrapped(fmt::format("{} = {}  ({})  {}", spec.name, default_of(spec), domain_of(spec),
-                                 spec.help),
-                     19));
+             hanging_text(fmt::format("{} = {}  ({})  {}", spec.name, default_of(spec),
+                                      domain_of(spec), spec.help),
+                          19));
 }
 
 void print_solvers() {
@@ -152,7 +152,7 @@ void print_problems() {
 void print_names() {
   const auto print = [](const char* kind, const std::string& names) {
     constexpr std::size_t kColumn = 12;
-    fmt::print("{:<{}}{}\n", kind, kColumn, wrapped(names, kColumn));
+    fmt::print("{:<{}}{}\n", kind, kColumn, hanging_text(names, kColumn));
   };
   const auto stems = [](const std::vector<std::filesystem::path>& paths) {
     std::string names;

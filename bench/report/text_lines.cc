@@ -1,6 +1,7 @@
 #include "bench/report/text_lines.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -61,6 +62,11 @@ std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width)
     begin = end + 1;
   }
   return lines;
+}
+
+std::string hanging_text(std::string_view text, std::size_t indent) {
+  return fmt::format("{}",
+                     fmt::join(wrapped_lines(text, 100 - indent), "\n" + std::string(indent, ' ')));
 }
 
 std::vector<Span> spans_of(std::string_view text) {

@@ -18,6 +18,9 @@ std::string short_reason(const std::string& message);
 /// Lines of at most `width` letters, broken at spaces and at ends of lines. A longer word has its
 /// own line.
 std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width);
+/// For a terminal of 100 columns: lines below each other from column `indent` on, where the first
+/// one begins.
+std::string hanging_text(std::string_view text, std::size_t indent);
 
 /// A piece of a text with marks: `code`, **strong**, [words](aim).
 struct Span {
