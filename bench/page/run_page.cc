@@ -259,6 +259,15 @@ PageText page_of(const fs::path& folder, std::size_t most_bytes, bool live) {
                   : page_text<2>(folder, fixed, most_bytes, std::move(about));
 }
 
+template <int D>
+void add_frames(const fs::path& folder, double step, int after, Json& update) {
+  const RunFrames<D> run = read_frames<D>(folder, step, after);
+  describe_frames(run.film, D, update);
+  update["steps"] = run.film.steps;
+  update["bodies"] = run.bodies.size();
+  update["frame_data"] = packed_text(packed_frames(run.bodies, run.film.frames, D, run.gates));
+}
+
 }  // namespace
 
 RunPage write_run_page(const fs::path& run, std::size_t most_bytes) {
@@ -270,6 +279,22 @@ RunPage write_run_page(const fs::path& run, std::size_t most_bytes) {
 
 std::string live_run_page(const fs::path& run) {
   return page_of(run_folder(run), kMostPageBytes, true).text;
+}
+
+std::string page_update(const fs::path& folder, int after, bool ended) {
+  Json update{{"ended", ended}, {"summary", ended ? page_summary(folder) : Json()}};
+  const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
+  const double step = fixed.read_double("/time_step");
+  if (fixed.exists("/dimensions")) {
+    add_frames<3>(folder, step, after, update);
+  } else {
+    add_frames<2>(folder, step, after, update);
+  }
+  const std::vector<CurveTable> curves = read_curves(folder);
+  update["marks"] = page_marks(folder, curves);
+  update["curve_data"] =
+      packed_text(packed_curves(curves, ended ? kCurvePoints : kLiveCurvePoints, update));
+  return json_text(update);
 }
 
 }  // namespace bipot

@@ -20,7 +20,12 @@ struct RunPage {
 RunPage write_run_page(const std::filesystem::path& run, std::size_t most_bytes = kMostPageBytes);
 
 /// The same page as text, for a run that goes on: it asks its server for what is new
-/// (page_update.h). Throws FileError.
+/// (page_update). Throws FileError.
 std::string live_run_page(const std::filesystem::path& run);
+
+/// What an open page of a run lacks (player/live.js reads it): the frames of the film after step
+/// `after`, and the curves and marks of the whole run, as JSON. `ended`: the run is over, and the
+/// summary comes as well. Throws FileError.
+std::string page_update(const std::filesystem::path& folder, int after, bool ended);
 
 }  // namespace bipot

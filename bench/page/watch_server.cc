@@ -13,7 +13,6 @@
 #include <mutex>
 #include <thread>
 
-#include "bench/page/page_update.h"
 #include "bench/page/run_page.h"
 #include "core/base/interrupt.h"
 #include "core/base/number_text.h"

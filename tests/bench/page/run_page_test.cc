@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bench/page/page_update.h"
 #include "core/base/file_error.h"
 #include "solvers/simulation/scene_run.h"
 #include "tests/support/scene_text.h"
