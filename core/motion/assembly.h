@@ -34,7 +34,7 @@ struct ClusterInput {
   std::span<const Vec<D>> v_free;  ///< of their centres of mass                             [m/s]
 };
 
-/// What a step is assembled from. `scene`: materials, joints and the step's size alone.
+/// What a step is assembled from. `scene`: materials, joints, walls as given, the step's size.
 template <int D>
 struct StepInput {
   const Scene<D>& scene;

@@ -185,6 +185,7 @@ TEST(ContactError, DoesNotDependOnTheOrientationOfTheScene) {
       x.direction = turn * x.direction;
       x.v = turn * x.v;
     }
+    scene.walls = w;
     const std::vector<double> wall_free = {0, 0.25};
     const AssembledStep step =
         assemble_step<2>({scene, d, w, detect_contacts(d, w, 0), v_free, wall_free}, false);

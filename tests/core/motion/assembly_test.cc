@@ -37,7 +37,8 @@ struct Bodies {
   std::vector<Vec2> v_free;
   std::vector<double> wall_free;
 
-  AssembledStep assemble(const Scene<2>& scene, double eta = 0, bool with_delassus = true) {
+  AssembledStep assemble(Scene<2> scene, double eta = 0, bool with_delassus = true) {
+    scene.walls = walls;
     if (v_free.empty()) {
       for (const Disk& d : bodies) v_free.push_back(d.v);
     }
