@@ -97,7 +97,7 @@ std::filesystem::path find_scene(const std::string& path_or_name) {
 SceneOfLength find_scene_of_length(const std::string& target) {
   std::string file = target;
   std::optional<int> steps;
-  for (std::size_t at;
+  for (std::size_t at = 0;
        !std::filesystem::exists(file) && (at = file.rfind(':')) != std::string::npos;
        file.resize(at)) {
     const std::string part = file.substr(at + 1), key = part.substr(0, part.find('='));

@@ -147,7 +147,9 @@ void factor(EqualityRows& rows, EqualityRows::Part& part, const std::vector<int>
                     "all of them have {2}",
                     row, rows.b[row], rows.b[row] + miss[worst] * norms[worst]));
   }
-  part.basis = mass.matrixU().solve(left);
+  part.basis = left;
+  // Eigen takes the address of the first column, which a part without freedom lacks.
+  if (left.cols() > 0) mass.matrixU().solveInPlace(part.basis);
   part.particular = mass.matrixU().solve(smallest);
   part.multipliers_map =
       norms.cwiseInverse().asDiagonal() * mass.matrixU().solve(inverse.transpose()).transpose();
