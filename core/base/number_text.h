@@ -26,20 +26,10 @@ std::optional<Number> whole_number(std::string_view text) {
   return x;
 }
 
-/// The number that other programs print as this whole text: a plus may stand before it. Beyond the
-/// largest double it is infinite, below the smallest 0.
-inline std::optional<double> printed_number(std::string_view text) {
-  const bool plus = text.starts_with('+') && !text.starts_with("+-");
-  if (plus) text.remove_prefix(1);
-  double x = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), x);
-  if (end != text.data() + text.size()) return std::nullopt;
-  if (error == std::errc::result_out_of_range) {
-    const bool small = text.find_first_of("eE") < text.rfind('-') && text.rfind('-') != text.npos;
-    return small ? 0 : (text.starts_with('-') ? -kInfinity : kInfinity);
-  }
-  return error == std::errc() ? std::optional(x) : std::nullopt;
-}
+/// The number that other programs print as this whole text: a plus may stand before it, and the
+/// exponent may be Fortran's, as in 1.5D-03 and, beyond 99, 1.5-100. Beyond the largest double it is
+/// infinite, below the smallest 0.
+std::optional<double> printed_number(std::string_view text);
 
 /// 1e-6 and not 1e-06; 0.01.
 std::string tolerance_label(double tol);

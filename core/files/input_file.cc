@@ -24,7 +24,10 @@ std::string read_text_file(const std::filesystem::path& path) {
   require_regular_file(path);
   std::ifstream in(path, std::ios::binary);
   if (!in) throw FileError(path, "", std::string("cannot be opened: ") + std::strerror(errno));
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (text.starts_with("\x1F\x8B")) throw FileError(path, "", "is compressed: gunzip it first");
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  return text;
 }
 
 }  // namespace bipot

@@ -9,7 +9,8 @@ namespace bipot {
 /// of a pipe or of a device might wait for ever, one of a folder reads nothing.
 void require_regular_file(const std::filesystem::path& path);
 
-/// The bytes of a regular file. Throws FileError.
+/// The bytes of a regular file, without the mark that editors and spreadsheets put before UTF-8.
+/// Throws FileError.
 std::string read_text_file(const std::filesystem::path& path);
 
 }  // namespace bipot

@@ -53,8 +53,7 @@ std::string_view without_brackets(const std::filesystem::path& path, std::string
 }
 
 TextTable read_text(const std::filesystem::path& path) {
-  std::string content = read_text_file(path);
-  if (content.starts_with("\xEF\xBB\xBF")) content.erase(0, 3);  // the mark of spreadsheets
+  const std::string content = read_text_file(path);
   if (content.find('\0') != std::string::npos) {
     throw FileError(path, "", "neither a text file nor .npy nor HDF5");
   }

@@ -88,29 +88,22 @@ class RecordReader {
   }
 
  private:
-  /// Numbers of Fortran, as 0.5000000D-01; beyond 99 the exponent has no letter, as 0.5000000-100.
   double number_of(const std::string& key, const std::string& text) const {
-    std::string number = text.substr(0, text.find('\r'));
-    for (char& c : number) {
-      if (c == 'D' || c == 'd' || c == 'E') c = 'e';
-    }
-    const std::size_t sign = number.find_last_of("+-");
-    if (sign != std::string::npos && sign > 0 && number.find('e') == std::string::npos) {
-      number.insert(sign, "e");
-    }
-    const auto value = printed_number(number);
+    const auto value = printed_number(text);
     if (!value || !std::isfinite(*value)) {
       refuse(fmt::format("{}: '{}' is no finite number", key, text));
     }
     return *value;
   }
 
-  void read_entries(std::string text, Entries& to) const {
+  void read_entries(const std::string& text, Entries& to) const {
+    constexpr const char* kBlanks = " \t\r";
     for (std::size_t at = text.find('='); at != std::string::npos; at = text.find('=', at + 1)) {
-      const std::size_t last = text.find_last_not_of(' ', at - (at > 0 ? 1 : 0));
-      const std::size_t first = text.find_last_of(' ', last);
+      const std::size_t last = text.find_last_not_of(kBlanks, at - (at > 0 ? 1 : 0));
+      const std::size_t first = text.find_last_of(kBlanks, last);
       const std::string key = text.substr(first == std::string::npos ? 0 : first + 1, last - first);
-      std::size_t from = text.find_first_not_of(' ', at + 1), end = text.find(' ', from);
+      const std::size_t from = text.find_first_not_of(kBlanks, at + 1);
+      const std::size_t end = text.find_first_of(kBlanks, from);
       to[key] = number_of(key, text.substr(std::min(from, text.size()), end - from));
     }
   }

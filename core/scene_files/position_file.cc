@@ -44,7 +44,6 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
   std::istringstream file(read_text_file(path));
   std::string text;
   std::getline(file, text);
-  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // the mark that spreadsheets write
   std::vector<std::string> head;
   for (const std::string_view cell : cells_of(text)) {
     head.emplace_back(cell);

@@ -93,11 +93,10 @@ std::vector<Triangle> read_text(const std::filesystem::path& path, const std::st
 }  // namespace
 
 std::vector<Triangle> read_stl(const std::filesystem::path& path) {
-  std::string bytes = read_text_file(path);
+  const std::string bytes = read_text_file(path);
   std::uint32_t count = 0;
   if (bytes.size() >= kHead) std::memcpy(&count, bytes.data() + kHead - 4, sizeof count);
   const bool binary = bytes.size() >= kHead && bytes.size() == kHead + kRecord * count;
-  if (!binary && bytes.starts_with("\xEF\xBB\xBF")) bytes.erase(0, 3);  // mark of some editors
   if (!binary && !begins_with_solid(bytes)) {
     refuse(path, bytes.size() < kHead
                      ? std::string("is no STL file")

@@ -34,11 +34,13 @@ MatrixXd expected_matrix() {
   W << 5, 1, 0, 0, 3, 6, 0, 0, 0, 0, 7, 2, 0, 0, 0, 8;
   return W;
 }
-const std::string kVectors = " -1.5e+00 2.5e-1  -3 0 \n 5.0e-01 0.25 \n";
+const std::string kVectors = " -1.5e+00 2.5D-01  -3 0 \n 5.0e-01 0.25 \n";
 
 TEST_F(SiconosText, DenseMatricesStandColumnByColumn) {
-  const ProblemFile file =
-      read("2\n2\n0\n4\n4\n4\t4\n 5.0 3 0 0 \n 1 6e0 0 0\n 0 0 +7 0 \n 0 0 2 8 \n" + kVectors);
+  const ProblemFile file = read(
+      "\xEF\xBB\xBF"
+      "2\n2\n0\n4\n4\n4\t4\n 5.0 3 0 0 \n 1 6e0 0 0\n 0 0 +7 0 \n 0 0 2 8 \n" +
+      kVectors);
   EXPECT_FALSE(file.global);
   EXPECT_EQ(file.problem.dim, 2);
   EXPECT_EQ(MatrixXd(file.problem.W), expected_matrix());
@@ -133,6 +135,7 @@ TEST_F(SiconosText, AProblemWithoutContactsIsRead) {
 TEST_F(SiconosText, DefectsAreRefusedWithLineAndReason) {
   expect_refusal("", "line 1: the file ends where contact dimension should stand");
   expect_refusal("5\n1\n", "contact dimension 5 is neither 2 nor 3");
+  expect_refusal("\x1F\x8B\x08", "gunzip it first");
   expect_refusal("two\n", "'two' is not an integer");
   // Another kind of problem: n, storage, n, n; and storage, n, n, blocks with joints.
   expect_refusal("4\n0\n4\n4\n4\t4\n", "linear complementarity problem (LCP) of 4 rows");

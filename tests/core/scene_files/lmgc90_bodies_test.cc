@@ -11,7 +11,7 @@ std::string disk_record(const std::string& x, const std::string& contactors) {
          "0.0000000D+01\n$nodty\n NO3xx      1                coo1= " +
          x + "  coo2=-0.2500000D-01  coo3= 0.0000000D+00\n$tacty\n" + contactors + "$$$$$$\n";
 }
-const std::string kDiskLine = " DISKx      1  color  BLEUx  byrd= 0.5000000D-01\n";
+const std::string kDiskLine = " DISKx      1  color  BLEUx\tbyrd=\t0.5000000D-01\n";
 const std::string kWallLine =
     " JONCx      1  color  DOWNx  axe1= 0.4000000D+01  axe2= 0.1000000D+00\n";
 
