@@ -75,13 +75,17 @@ class SceneTable {
   /// "forces[0]: ...", "wall 2: ..." or "[start] ...", or of a key of such a table. The key
   /// `elsewhere` was given elsewhere, in place of the file's.
   [[noreturn]] void refuse(const std::string& defect, std::string_view elsewhere) const {
-    std::string named = defect.substr(0, defect.find_first_of(": "));
-    if (named.starts_with('[')) named = named.substr(1, named.size() - 2);
-    if (named == "wall") named = fmt::format("walls[{}]", std::atoi(defect.c_str() + 5));
-    const toml::node* node = table_.at_path(named).node();
-    for (const auto& [key, part] : table_) {
-      if (node == nullptr && named != elsewhere && part.is_table())
-        node = part.as_table()->get(named);
+    const toml::node* node = nullptr;
+    for (std::size_t at = 0, end = 0; node == nullptr && at < defect.size(); at = end + 1) {
+      end = std::min(defect.find_first_of(": ", at), defect.size());
+      std::string named = defect.substr(at, end - at);
+      if (named.starts_with('[')) named = named.substr(1, named.size() - 2);
+      if (named == "wall") named = fmt::format("walls[{}]", std::atoi(defect.c_str() + end));
+      if (named.empty() || named == elsewhere) continue;
+      node = table_.at_path(named).node();
+      for (const auto& [key, part] : table_) {
+        if (node == nullptr && part.is_table()) node = part.as_table()->get(named);
+      }
     }
     throw SceneFileError(fmt::format("{}: {}", node ? place(*node) : source_, defect));
   }

@@ -334,8 +334,9 @@ TEST(SceneFile, PeriodicCells) {
   expect_refused(both + "mass = 1\n", {"test.toml:6", "'mass'", "stress drives"});
   expect_refused("rotate_degrees = 3\n[cell]\nwidth = 5\n", {"'rotate_degrees'"});
   // kDisk has a radius of 0.5: two of its diameters.
-  expect_refused("[cell]\nwidth = 2\n" + kDisk, {"after 2 m", "two of the largest"});
-  expect_refused("[cell]\nwidth = 5\nheight = 5\n" + kDisk, {"gravity has no place"});
+  expect_refused("[cell]\nwidth = 2\n" + kDisk,
+                 {"test.toml:1: the cell repeats itself after 2 m", "two of the largest"});
+  expect_refused("[cell]\nwidth = 5\nheight = 5\n" + kDisk, {"test.toml:1: gravity has no place"});
   expect_refused(both + kDisk + kFloor, {"wall 0", "half-plane"});
   expect_refused("[cell]\nwidth = 5\n[[walls]]\npoint = [0, 0]\nnormal = [1, 9]\n",
                  {"wall 0", "lies along x"});
