@@ -53,12 +53,11 @@ SeveralAnswers::Options options_of(const SolveFlags& flags, const ProblemFile& f
   if (!options.parameters.empty() && options.solver.empty()) {
     throw std::invalid_argument("--several: a solver's parameters need --solver");
   }
-  if (flags.explain || flags.certify || !flags.solution.empty() || !flags.history.empty()) {
+  if (flags.explain || flags.certify || flags.reproducible || !flags.solution.empty() ||
+      !flags.history.empty() || flags.solver.stop || flags.solver.max_iterations) {
     throw std::invalid_argument(
-        "--several goes without --explain, --certify, --solution and --history");
-  }
-  if (flags.solver.stop || flags.solver.max_iterations) {
-    throw std::invalid_argument("--several goes without --stop and --max-iterations");
+        "--several goes without --explain, --certify, --reproducible, --solution, --history, --stop "
+        "and --max-iterations");
   }
   if (flags.warm) {
     if (file.guesses.empty()) {
