@@ -33,7 +33,7 @@ std::vector<ParameterSpec> all_parameters(const SolverEntry& entry) {
 std::vector<std::string> solver_names() { return names_of(solver_table()); }
 
 std::string unknown_solver_message(std::string_view name) {
-  const auto lacks = [&](const char* option, const char* package) {
+  [[maybe_unused]] const auto lacks = [&](const char* option, const char* package) {
     return fmt::format("solver '{}' is not in this build: configure with -D{}=ON (needs {})", name,
                        option, package);
   };
