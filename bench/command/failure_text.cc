@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/report/labels.h"
+#include "core/base/interrupt.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/population.h"
 #include "core/motion/spring_dashpot_setup.h"
@@ -137,7 +138,8 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state,
                "  1. the tolerance {} is below what doubles can express here; try --tol {}\n",
                tolerance_label(scene.solver.tol), tolerance_label(reached));
   }
-  const ExistenceCertificate certificate = certify_existence(problem, kCertificateSeconds);
+  const ExistenceCertificate certificate =
+      certify_existence(problem, kCertificateSeconds, &InterruptGuard::requested);
   const std::string verdict = to_text(certificate);
   if (said.find(verdict) == said.npos) text += fmt::format("  {}\n", verdict);
   int k = 0;

@@ -19,6 +19,7 @@
 #include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/base/interrupt.h"
+#include "core/base/stopwatch.h"
 #include "core/base/version.h"
 #include "core/files/atomic_file.h"
 #include "core/problem/delassus.h"
@@ -60,7 +61,9 @@ using Counts = std::optional<DistributedResult::Counts>;
 int exit_code_of(SolveStatus status, const Certificate& certificate) {
   const int code = exit_code_of(status);
   const bool none = certificate && certificate->verdict == Existence::kNone;
-  return none && code == kExitNotConverged ? int{kExitNumericalFailure} : code;
+  if (none && code == kExitNotConverged) return kExitNumericalFailure;
+  const bool undecided = certificate && certificate->verdict == Existence::kUndecided;
+  return undecided && InterruptGuard::requested() ? int{kExitInterrupted} : code;
 }
 
 Json to_json(const ExistenceCertificate& c) {
@@ -143,7 +146,7 @@ CommandDeclaration add_solve(CommandLine& line, SolveFlags& flags) {
                "Take a W that is not symmetric or not positive semidefinite; each verdict says so");
   command.flag("--certify", flags.certify,
                "Say whether a solution exists at all, by a proof that is checked in extended "
-               "precision");
+               "precision; the solver then gets half of --time-limit");
   add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
   command.option("--solution FILE", flags.solution,
@@ -267,7 +270,7 @@ SolveTask prepare(const SolveFlags& given) {
   task.choice = merged(SolverChoice{}, given.solver);
   task.entry = &require_solver(task.choice.name);
   task.options = to_options(task.choice);
-  task.options.time_limit = given.common.time_limit;
+  task.options.time_limit = given.common.time_limit / (given.certify ? 2 : 1);
   task.options.execution.threads = given.common.threads;
   if (given.warm) {
     if (task.file.guesses.empty()) {
@@ -324,6 +327,7 @@ std::string explanation_of(const SolveTask& task) {
 }
 
 int run_solve(const SolveFlags& typed) {
+  const Stopwatch watch;
   SolveFlags given = typed;
   given.problem = find_problem(typed.problem).string();
   if (given.several) {
@@ -360,7 +364,8 @@ int run_solve(const SolveFlags& typed) {
   if (!task.file.caution.empty()) result.message += "; " + task.file.caution;
   Certificate certificate;
   if (flags.certify && result.status != SolveStatus::kInvalidInput) {
-    certificate = certify_existence(problem, flags.common.time_limit);
+    certificate = certify_existence(problem, flags.common.time_limit - watch.seconds(),
+                                    &InterruptGuard::requested);
   }
   if (!flags.history.empty()) {
     history.close();

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/base/stopwatch.h"
 #include "core/base/triplets.h"
 #include "solvers/analysis/linear_programme.h"
 
@@ -45,7 +46,8 @@ std::vector<ForceRange> admissible_forces(const ContactProblem& problem) {
     programme.cost = Vector::Zero(2 * contacts + 1);
     programme.cost[2 * contacts] = -reward;
     if (contact >= 0) programme.cost.segment(2 * contact, 2).setConstant(weight);
-    return solve(programme, 60);
+    const Stopwatch watch;
+    return solve(programme, [&] { return watch.seconds() > 60; });
   };
   const LinearProgramme::Optimum any = optimum(-1, 0, 1);
   if (!any.found) throw std::runtime_error("admissible forces: " + any.message);

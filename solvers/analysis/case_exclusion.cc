@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/stopwatch.h"
 #include "core/base/triplets.h"
 #include "core/problem/delassus.h"
 #include "solvers/analysis/linear_programme.h"
@@ -59,7 +58,8 @@ double friction_of(const ContactProblem& p, int contact) { return p.dim == 1 ? 0
 /// The linear programmes, with rows and columns of W scaled to a unit diagonal.
 class CaseSearch {
  public:
-  CaseSearch(const ContactProblem& p, double seconds) : p_(p), seconds_(seconds) {
+  CaseSearch(const ContactProblem& p, const std::function<bool()>& stopped)
+      : p_(p), stopped_(stopped) {
     W_ = p.has_delassus() ? Eigen::MatrixXd(p.W)
                           : Eigen::MatrixXd(assemble_delassus(p.A, p.H, p.dim));
     scale_ = Vector::Ones(W_.rows());
@@ -81,7 +81,7 @@ class CaseSearch {
  private:
   /// Excludes the case of statuses_, in which contacts from `contact` on are not distinguished.
   bool exclude(int contact) {
-    if (watch_.seconds() > seconds_ || static_cast<int>(out_.cases.size()) >= kMostCases) {
+    if (stopped_() || static_cast<int>(out_.cases.size()) >= kMostCases) {
       out_.message = fmt::format("{} cases were excluded before the limit", out_.cases.size());
       return false;
     }
@@ -146,8 +146,7 @@ class CaseSearch {
       lp.upper[n + e] = kInfinity;
     }
     lp.A = from_triplets(k, n + k, entries);
-    const LinearProgramme::Optimum best =
-        bipot::solve(lp, std::max(1e-3, seconds_ - watch_.seconds()));
+    const LinearProgramme::Optimum best = bipot::solve(lp, stopped_);
     if (!best.found || !(best.value < -kSolvable)) return 0;
     found.multipliers = Vector::Zero(W_.rows());
     for (int j = 0; j < n; ++j) {
@@ -158,8 +157,7 @@ class CaseSearch {
   }
 
   const ContactProblem& p_;
-  const double seconds_;
-  const Stopwatch watch_;
+  const std::function<bool()>& stopped_;
   Eigen::MatrixXd W_;
   Vector scale_, b_;
   std::vector<CaseExclusion::Status> statuses_;
@@ -258,11 +256,11 @@ double reach_of_exclusion(const ContactProblem& p, const CaseExclusion::Case& ex
   return static_cast<double>(work / (resistance * std::sqrt(data2)));
 }
 
-CaseExclusion exclude_cases(const ContactProblem& p, double seconds) {
+CaseExclusion exclude_cases(const ContactProblem& p, const std::function<bool()>& stopped) {
   if (p.dim > 2 || p.num_contacts() > kMostContactsByCases) {
     return {.message = "too many contacts or dimensions to go through the cases"};
   }
-  return CaseSearch(p, seconds).run();
+  return CaseSearch(p, stopped).run();
 }
 
 }  // namespace bipot

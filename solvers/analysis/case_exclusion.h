@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -36,9 +37,9 @@ struct CaseExclusion {
 /// Excludes the 4^c cases of up to kMostContactsByCases contacts for d <= 2, by a linear programme
 /// (Farkas' lemma) each. Whole branches are excluded at once if contacts that are not yet
 /// distinguished already leave no solution. A result counts only as far as reach_of_exclusion()
-/// confirms it. W need be neither symmetric nor semidefinite. `seconds`: wall-clock limit.
+/// confirms it. W need be neither symmetric nor semidefinite. `stopped`: true ends it.
 inline constexpr int kMostContactsByCases = 8;
-CaseExclusion exclude_cases(const ContactProblem& problem, double seconds);
+CaseExclusion exclude_cases(const ContactProblem& problem, const std::function<bool()>& stopped);
 
 /// Checks one case in extended precision, from the data of the problem and the multipliers alone.
 /// With g the rates y·W e along the edges e of the case (normal part 1), whose positive parts and

@@ -62,7 +62,8 @@ std::vector<std::vector<double>> edges_of(const ContactProblem& p, int contact, 
 /// the diagonal of W), columns to unit length.
 class Search {
  public:
-  Search(const ContactProblem& problem, double seconds) : p_(problem), seconds_(seconds) {
+  Search(const ContactProblem& problem, double seconds, const std::function<bool()>& cancelled)
+      : p_(problem), seconds_(seconds), cancelled_(cancelled) {
     wrench_ = p_.has_velocities() ? p_.H : SparseMatrix(p_.W);
     const Vector diagonal = p_.has_velocities() ? Vector(p_.A.diagonal()) : Vector(p_.W.diagonal());
     row_scale_ = Vector::Ones(diagonal.size());
@@ -76,7 +77,9 @@ class Search {
     std::string why = defect();
     if (why.empty()) why = try_programmes(found);
     if (found.verdict == Existence::kUndecided) try_cases(found);
-    if (found.verdict == Existence::kUndecided) found.reason = why;
+    if (found.verdict != Existence::kUndecided) return found;
+    found.reason =
+        stopped_() ? fmt::format("{}, {}", cancelled() ? "interrupted" : "out of time", why) : why;
     return found;
   }
 
@@ -84,7 +87,7 @@ class Search {
   /// Programmes 1 to 3; returns the reason if nothing was proved.
   std::string try_programmes(ExistenceCertificate& found) const {
     std::string why = try_opening(found);
-    if (found.verdict != Existence::kUndecided) return {};
+    if (found.verdict != Existence::kUndecided || stopped_()) return why;
     if (p_.plain_dim() <= 2 && try_undoing(found)) return {};
     if (const std::string more = try_obstruction(found); !more.empty()) why = more;
     if (found.verdict != Existence::kUndecided) return {};
@@ -95,7 +98,7 @@ class Search {
   }
 
   void try_cases(ExistenceCertificate& found) const {
-    const CaseExclusion all = exclude_cases(p_, seconds_left());
+    const CaseExclusion all = exclude_cases(p_, stopped_);
     if (!all.complete) return;
     found.verdict = Existence::kNone;
     found.margin = 1 / all.reach;
@@ -105,7 +108,7 @@ class Search {
         p_.num_contacts(), found.cases);
   }
 
-  double seconds_left() const { return std::max(1e-3, seconds_ - watch_.seconds()); }
+  bool cancelled() const { return cancelled_ && cancelled_(); }
 
   /// Reason why the theory does not apply to this W.
   std::string defect() const {
@@ -178,7 +181,7 @@ class Search {
   }
   /// The least work of shares of at most 1 that are in balance.
   LinearProgramme::Optimum least_work(const Stresses& all) const {
-    return solve({all.columns, all.work, Vector::Ones(all.work.size())}, seconds_left());
+    return solve({all.columns, all.work, Vector::Ones(all.work.size())}, stopped_);
   }
 
   /// Programme 1.
@@ -199,7 +202,7 @@ class Search {
     lp.cost[n] = 0;
     lp.upper = Vector::Ones(n + 1);
     lp.upper[n] = kInfinity;
-    const LinearProgramme::Optimum best = solve(lp, seconds_left());
+    const LinearProgramme::Optimum best = solve(lp, stopped_);
     if (!best.found) return best.message;
     if (best.value < -0.5) {  // 0, or at least 1: a self-stress can grow until one share is 1
       return "there is a self-stress in the friction cones: contacts can be jammed";
@@ -289,7 +292,11 @@ class Search {
 
   const ContactProblem& p_;
   double seconds_;
+  const std::function<bool()>& cancelled_;
   Stopwatch watch_;
+  const std::function<bool()> stopped_ = [this] {
+    return cancelled() || watch_.seconds() >= seconds_;
+  };
   SparseMatrix wrench_;
   Vector row_scale_;
 };
@@ -302,7 +309,8 @@ std::string_view to_string(Existence verdict) {
   return kNames[static_cast<int>(verdict)];
 }
 
-ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds) {
+ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds,
+                                       const std::function<bool()>& cancelled) {
   const Stopwatch watch;
   ExistenceCertificate found;
   if (problem.num_contacts() == 0) {
@@ -310,7 +318,7 @@ ExistenceCertificate certify_existence(const ContactProblem& problem, double sec
     found.margin = 1;
     found.reason = "there are no contacts";
   } else {
-    found = Search(problem, seconds).run();
+    found = Search(problem, seconds, cancelled).run();
   }
   found.seconds = watch.seconds();
   return found;

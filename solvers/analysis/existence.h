@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "core/problem/contact_problem.h"
@@ -39,9 +40,10 @@ struct ExistenceCertificate {
 ///
 /// For d = 3, K_mu is widened to a cone with 16 edges, which narrows K_mu*: proofs remain valid.
 /// Without A and H, H r = 0 reads W r = 0. A result counts only as far as certificate_check.h
-/// confirms it. `seconds`: wall-clock limit of the search. The problem must pass validate(). For an
-/// unsymmetric or indefinite W only 4 applies.
-ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds = kInfinity);
+/// confirms it. `seconds`: wall-clock limit of the search; `cancelled`: true ends it. The problem
+/// must pass validate(). For an unsymmetric or indefinite W only 4 applies.
+ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds = kInfinity,
+                                       const std::function<bool()>& cancelled = {});
 
 /// As "a solution exists (proved, margin 2.1e-03)", "no solution exists (proved, …)", "undecided:
 /// …".

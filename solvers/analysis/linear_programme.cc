@@ -1,42 +1,57 @@
 #include "solvers/analysis/linear_programme.h"
 
-#include <Clp_C_Interface.h>
 #include <fmt/format.h>
 
+#include <ClpEventHandler.hpp>
+#include <ClpSimplex.hpp>
 #include <algorithm>
 #include <limits>
-#include <memory>
 
 namespace bipot {
+namespace {
 
-LinearProgramme::Optimum solve(const LinearProgramme& programme, double seconds) {
+/// Ends the pivoting when told to. (CLP's own limit of time is looked at rarely.)
+class StopHandler : public ClpEventHandler {
+ public:
+  explicit StopHandler(const std::function<bool()>& stopped) : stopped_(stopped) {}
+  int event(Event happened) override { return happened == endOfIteration && stopped_() ? 0 : -1; }
+  ClpEventHandler* clone() const override { return new StopHandler(*this); }
+
+ private:
+  const std::function<bool()>& stopped_;
+};
+
+}  // namespace
+
+LinearProgramme::Optimum solve(const LinearProgramme& programme,
+                               const std::function<bool()>& stopped) {
   SparseMatrix A = programme.A;
   A.makeCompressed();
   const int rows = static_cast<int>(A.rows()), columns = static_cast<int>(A.cols());
   const Vector zero = Vector::Zero(std::max(rows, columns));
   const Vector upper = programme.upper.cwiseMin(std::numeric_limits<double>::max());
 
-  const std::unique_ptr<Clp_Simplex, void (*)(Clp_Simplex*)> model(Clp_newModel(),
-                                                                   &Clp_deleteModel);
-  Clp_setLogLevel(model.get(), 0);
-  Clp_loadProblem(model.get(), columns, rows, A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr(),
-                  zero.data(), upper.data(), programme.cost.data(), zero.data(), zero.data());
-  Clp_setPrimalTolerance(model.get(), 1e-9);
-  Clp_setDualTolerance(model.get(), 1e-9);
-  Clp_setMaximumSeconds(model.get(), std::min(seconds, 1e8));
-  Clp_dual(model.get(), 0);
+  ClpSimplex model;
+  model.setLogLevel(0);
+  model.scaling(0);  // its own scaling takes rounding for data; the programmes come equilibrated
+  model.loadProblem(columns, rows, A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr(), zero.data(),
+                    upper.data(), programme.cost.data(), zero.data(), zero.data());
+  model.setPrimalTolerance(1e-9);
+  model.setDualTolerance(1e-9);
+  const StopHandler handler(stopped);
+  model.passInEventHandler(&handler);
+  model.dual();
 
-  LinearProgramme::Optimum optimum{.pivots = Clp_numberIterations(model.get())};
-  const int status = Clp_status(model.get());
-  if (status != 0) {
-    optimum.message = status == 3 ? fmt::format("out of time after {} pivots", optimum.pivots)
-                                  : fmt::format("CLP ended with status {}", status);
+  LinearProgramme::Optimum optimum{.pivots = model.numberIterations()};
+  if (model.status() != 0) {
+    optimum.message = model.status() == 5 ? fmt::format("stopped after {} pivots", optimum.pivots)
+                                          : fmt::format("CLP ended with status {}", model.status());
     return optimum;
   }
   optimum.found = true;
-  optimum.value = Clp_objectiveValue(model.get());
-  optimum.x = Eigen::Map<const Vector>(Clp_primalColumnSolution(model.get()), columns);
-  optimum.y = Eigen::Map<const Vector>(Clp_dualRowSolution(model.get()), rows);
+  optimum.value = model.objectiveValue();
+  optimum.x = Eigen::Map<const Vector>(model.primalColumnSolution(), columns);
+  optimum.y = Eigen::Map<const Vector>(model.dualRowSolution(), rows);
   return optimum;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "core/base/types.h"
@@ -24,7 +25,8 @@ struct LinearProgramme {
 };
 
 /// Solves it by the dual simplex method (CLP, COIN-OR) in floating point. Proofs need a separate
-/// check. `seconds`: wall-clock limit.
-LinearProgramme::Optimum solve(const LinearProgramme& programme, double seconds);
+/// check. `stopped`, asked in each pivot: true ends it.
+LinearProgramme::Optimum solve(const LinearProgramme& programme,
+                               const std::function<bool()>& stopped);
 
 }  // namespace bipot

@@ -3,7 +3,7 @@
 
 namespace bipot {
 
-LinearProgramme::Optimum solve(const LinearProgramme&, double) {
+LinearProgramme::Optimum solve(const LinearProgramme&, const std::function<bool()>&) {
   return {.message = "this program was built without CLP (-DBIPOT_WITH_CLP=OFF)"};
 }
 

@@ -104,10 +104,11 @@ void SceneStepper<D>::seek_proof(const std::function<ContactProblem()>& problem,
   }
   const ContactProblem whole = problem();
   std::string proof;
-  const double left = std::min(options_.proof_seconds - proof_seconds_, kProofSeconds);
+  const double left = std::min({options_.proof_seconds - proof_seconds_, kProofSeconds,
+                                options_.time_limit - watch_.seconds()});
   if ((options_.processes == nullptr || options_.processes->rank() == 0) && left > 0) {
     const Stopwatch watch;
-    const ExistenceCertificate found = certify_existence(whole, left);
+    const ExistenceCertificate found = certify_existence(whole, left, options_.cancelled);
     proof_seconds_ += watch.seconds();
     if (found.verdict == Existence::kNone) proof = to_text(found);
   }

@@ -115,6 +115,7 @@ TEST_F(Command, SolveLooksForSeveralAnswers) {
   EXPECT_EQ(code_of("solve " + problem + " --several 500 --time-limit 0.3"), 1);
   EXPECT_EQ(code_of("solve " + problem + " --several 0"), 2);
   EXPECT_EQ(code_of("solve " + problem + " --several 3 --explain"), 2);
+  EXPECT_EQ(code_of("solve " + problem + " --several 3 --reproducible"), 2);
   EXPECT_EQ(code_of("solve " + problem + " --several 3 --warm"), 2);  // has no guess
   expect_interrupted("solve " + problem + " --several 5000");
   std::ofstream("no_contacts.dat") << "2\n0\n0\n0 0\n0 0\n";
@@ -247,6 +248,22 @@ TEST_F(Command, CertifiesWhetherASolutionExists) {
   const json exists = json_of("solve " + pile + " --certify --json -")["existence"];
   EXPECT_EQ(exists["verdict"], "exists");
   EXPECT_GT(exists["margin"].get<double>(), 0);
+  // Rounding in its free velocities is no data.
+  EXPECT_EQ(json_of("solve cannonballs:4 --certify --json -")["existence"]["verdict"], "exists");
+}
+
+TEST_F(Command, ACertificateKeepsTheTimeLimitAndCanBeInterrupted) {
+  write("rolling.toml", changed(content(shipped_scene("pipe")),
+                                {{"mu = 0.4", "mu = 0.4\nmu_r = 1e-3\nmu_spin = 1e-3"},
+                                 {"count = 150", "count = 400"}}));
+  ASSERT_EQ(code_of("solve rolling.toml@500 --solution p.hdf5"), 0);
+  const json late = json_of("solve p.hdf5 --certify --time-limit 1 --json -");
+  EXPECT_EQ(late["status"], "converged");
+  EXPECT_TRUE(says(late["existence"]["statement"], "undecided: out of time, stopped after"));
+  EXPECT_LT(late["existence"]["seconds"], 10);  // of minutes
+  expect_interrupted("solve p.hdf5 --certify --out out");
+  EXPECT_TRUE(
+      says(json_in("out/summary.json")["existence"]["statement"], "undecided: interrupted"));
 }
 
 }  // namespace

@@ -15,14 +15,16 @@ ContactProblem between_walls(double w_1, double w_2) {
                           Vector::Zero(2));
 }
 
+bool not_stopped() { return false; }
+
 // y = (1, 1): y·W = 0, y·w = -3. No case has to be told from another; what reaches is beyond the
 // rounding of y·W.
 TEST(CaseExclusion, WallsDrivenTogetherAreOneCase) {
-  const CaseExclusion none = exclude_cases(between_walls(-1, -2), kInfinity);
+  const CaseExclusion none = exclude_cases(between_walls(-1, -2), &not_stopped);
   ASSERT_TRUE(none.complete) << none.message;
   EXPECT_EQ(none.cases.size(), 1u);
   EXPECT_GT(none.reach, 1e16);
-  EXPECT_FALSE(exclude_cases(between_walls(-1, 2), kInfinity).complete);
+  EXPECT_FALSE(exclude_cases(between_walls(-1, 2), &not_stopped).complete);
 }
 
 // W = [[1, -2], [-1, 1]] is the W of no body. Both closed: s = -W⁻¹ w with W⁻¹ = [[-1, -2], [-1,
@@ -31,11 +33,11 @@ TEST(CaseExclusion, WallsDrivenTogetherAreOneCase) {
 TEST(CaseExclusion, DecidesDataThatNoTheoryCovers) {
   ContactProblem p = between_walls(-1, -1);
   p.W.coeffRef(0, 1) = -2;
-  const CaseExclusion none = exclude_cases(p, kInfinity);
+  const CaseExclusion none = exclude_cases(p, &not_stopped);
   EXPECT_TRUE(none.complete) << none.message;
   // u = W s + (-1, 3): the first closed alone, s_1 = 1, u_2 = 2.
   p.u_free[1] = 3;
-  EXPECT_FALSE(exclude_cases(p, kInfinity).complete);
+  EXPECT_FALSE(exclude_cases(p, &not_stopped).complete);
 }
 
 TEST(CaseExclusion, NeverExcludesAPlantedSolution) {
@@ -46,7 +48,7 @@ TEST(CaseExclusion, NeverExcludesAPlantedSolution) {
                   contacts = 1 + static_cast<int>(seed % 6);
         ContactProblem p = manufactured_problem(dim, bodies, contacts, seed, mu).problem;
         if (seed % 2 == 0) p = local_form(p);
-        EXPECT_FALSE(exclude_cases(p, kInfinity).complete)
+        EXPECT_FALSE(exclude_cases(p, &not_stopped).complete)
             << "d = " << dim << ", mu = " << mu << ", seed " << seed;
       }
     }
@@ -58,7 +60,7 @@ TEST(CaseExclusion, NoSolverFindsWhatIsExcluded) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     ContactProblem p = manufactured_problem(2, 1, 3, seed, 0.8).problem;
     p.u_free = random_vector(p.u_free.size(), seed);
-    if (!exclude_cases(p, kInfinity).complete) continue;
+    if (!exclude_cases(p, &not_stopped).complete) continue;
     ++none;
     for (const char* solver : {"lemke", "multistart", "homotopy"}) {
       EXPECT_FALSE(is_success(solve(solver, p, {.tol = 1e-9}).status)) << solver << ", " << seed;

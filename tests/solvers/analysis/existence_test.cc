@@ -183,6 +183,16 @@ TEST(Existence, AsymmetricAndIndefiniteDataAreUndecided) {
   EXPECT_EQ(certify_existence(indefinite).verdict, Existence::kUndecided);
 }
 
+TEST(Existence, ASearchEndsWhenItIsToldTo) {
+  const ContactProblem p = manufactured_problem(3, 20, 60, 1, 0.5).problem;
+  EXPECT_TRUE(says(certify_existence(p, 0).reason, "out of time, stopped after"));
+  int questions = 0;
+  const ExistenceCertificate c = certify_existence(p, kInfinity, [&] { return ++questions > 20; });
+  EXPECT_EQ(c.verdict, Existence::kUndecided);
+  EXPECT_TRUE(says(c.reason, "interrupted, stopped after"));
+  EXPECT_LT(questions, 40);
+}
+
 TEST(CertificateCheck, RefusesWhatDoesNotHold) {
   const ContactProblem p = on_a_line({1, -1}, pair(-1, -2));
   // v = 5 opens the first contact and drives into the second.
