@@ -33,9 +33,10 @@ struct Method {
   Storage storage;
   int first_calls_iterations;
   int inner_iterations = 0;  // of Siconos' inner solver; 0: its default
+  bool can_be_cut = false;   // the next call goes on as this one would have, bit for bit
 };
 constexpr Method kMethods[] = {
-    {"NSGS", SICONOS_FRICTION_2D_NSGS, SICONOS_FRICTION_3D_NSGS, Storage::kBlocks, 1000},
+    {"NSGS", SICONOS_FRICTION_2D_NSGS, SICONOS_FRICTION_3D_NSGS, Storage::kBlocks, 1000, 0, true},
     {"NSN_AC", 0, SICONOS_FRICTION_3D_NSN_AC, Storage::kTriplets, 200},
     {"ADMM", 0, SICONOS_FRICTION_3D_ADMM, Storage::kTriplets, 1000},
     {"PROX", 0, SICONOS_FRICTION_3D_PROX, Storage::kTriplets, 10, 200},
@@ -43,6 +44,8 @@ constexpr Method kMethods[] = {
 
 // Least tolerance requested of Siconos.
 constexpr double kSmallestTolerance = 1e-16;
+// Contacts times iterations between two questions for an end, where a call may be cut.
+constexpr int kContactsOfCut = 100000;
 // Number of calls in a row without a better best iterate at which the solver ends.
 constexpr int kIdleCalls = 5;
 
@@ -156,7 +159,7 @@ void run_siconos(const Method& method, SolveRun& run) {
   const bool planar = p.dim <= 2 && method.planar_id != 0;
   const SiconosProblem problem(p, planar ? 2 : 3, method.storage);
   const TheirOptions theirs = make_options(planar ? method.planar_id : method.spatial_id);
-  // Upper limit of one outer iteration: a call cannot be interrupted.
+  // Upper limit of one outer iteration: it cannot be interrupted.
   if (method.inner_iterations > 0) {
     theirs->internalSolvers[0]->iparam[SICONOS_IPARAM_MAX_ITER] = method.inner_iterations;
   }
@@ -166,6 +169,8 @@ void run_siconos(const Method& method, SolveRun& run) {
 
   int iteration = 0, calls = 0, idle = 0;
   int budget = method.first_calls_iterations;
+  const int cut =
+      method.can_be_cut ? std::max(1, kContactsOfCut / std::max(1, p.num_contacts())) : INT_MAX;
   double tolerance = options.tol;
   if (!run.stop(0, s)) {
     Vector reaction = problem.reaction(s);
@@ -174,12 +179,15 @@ void run_siconos(const Method& method, SolveRun& run) {
     Vector velocity = problem.velocity(u);
     for (;;) {
       const double best = run.best_error();
-      const int left = options.max_iterations - iteration;
-      const int info =
-          call_siconos(problem, *theirs, tolerance, std::min(budget, left), reaction, velocity);
+      int left = std::min(budget, options.max_iterations - iteration), info = 0;
+      do {
+        info = call_siconos(problem, *theirs, tolerance, std::min(cut, left), reaction, velocity);
+        // Some solvers do not count; none may loop without effect.
+        const int done = std::max(1, theirs->iparam[SICONOS_IPARAM_ITER_DONE]);
+        iteration += done;
+        left -= done;
+      } while (info != 0 && left > 0 && !run.out_of_time());
       ++calls;
-      // Some solvers do not count; none may loop without effect.
-      iteration += std::max(1, theirs->iparam[SICONOS_IPARAM_ITER_DONE]);
       const Vector before = s;
       s = problem.impulse(reaction);
       if (!s.allFinite()) {
@@ -213,11 +221,8 @@ void run_siconos(const Method& method, SolveRun& run) {
                             info, tolerance, run.best_error()));
         break;
       }
-      if (info == 0) {
-        tolerance = std::max(0.1 * tolerance, kSmallestTolerance);
-      } else {
-        budget = budget > INT_MAX / 2 ? INT_MAX : 2 * budget;
-      }
+      if (info == 0 || idle > 0) tolerance = std::max(0.1 * tolerance, kSmallestTolerance);
+      if (info != 0) budget = budget > INT_MAX / 2 ? INT_MAX : 2 * budget;
     }
   }
   run.set_iterations(iteration);

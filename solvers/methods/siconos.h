@@ -18,13 +18,16 @@ namespace bipot {
 /// the largest free velocity are one, as Siconos has absolute thresholds.
 ///
 /// Siconos decides by its own measure when to return, so each call is judged by the run and
-/// repeated from where it ended: with a tenth of its tolerance where it claimed convergence, with
-/// more iterations where it ran into their limit. A call cannot be interrupted: a time limit is
-/// looked at between calls. Siconos ends the process on some internal errors; that cannot be caught
-/// here.
+/// repeated from where it ended: with a tenth of its tolerance where it claimed convergence or came
+/// no further, with more iterations where it ran into their limit. A call cannot be interrupted: an
+/// end is asked for between calls, and NSGS' calls are cut for that. Siconos ends the process on
+/// some internal errors; that cannot be caught here.
 ///
 /// `name`: NSGS, NSN_AC, ADMM, PROX or LEMKE.
 std::function<void(SolveRun&)> siconos_solver(std::string_view name);
+
+/// Siconos 4.4 frees no factor of its Newton iterations: beyond, they may fill the memory.
+inline constexpr int kSiconosNewtonMaxContacts = 1000;
 
 /// A solver of Siconos as its own users call it: one call, from s = 0, to its own measure, with its
 /// default options. For measurements; the solvers above are for solving.

@@ -151,7 +151,8 @@ const SolverEntry kSolvers[] = {
     {.name = "siconos:nsn_ac",
      .summary = "Siconos Numerics: nonsmooth Newton, Alart-Curnier",
      .run = siconos_solver("NSN_AC"),
-     .needs_delassus = true},
+     .needs_delassus = true,
+     .max_contacts = kSiconosNewtonMaxContacts},
     {.name = "siconos:admm",
      .summary = "Siconos Numerics: alternating directions",
      .run = siconos_solver("ADMM"),
@@ -159,12 +160,14 @@ const SolverEntry kSolvers[] = {
     {.name = "siconos:prox",
      .summary = "Siconos Numerics: proximal point around its Newton",
      .run = siconos_solver("PROX"),
-     .needs_delassus = true},
+     .needs_delassus = true,
+     .max_contacts = kSiconosNewtonMaxContacts},
     {.name = "siconos:lemke",
      .summary = "Siconos Numerics: Lemke's pivoting",
      .run = siconos_solver("LEMKE"),
      .needs_delassus = true,
-     .max_dim = 2},
+     .max_dim = 2,
+     .max_contacts = kLemkeMaxContacts},
 #endif
 };
 

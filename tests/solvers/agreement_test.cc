@@ -95,8 +95,10 @@ std::vector<std::string> case_names() {
 }
 
 /// Solver and case that are known not to converge at 1e-8: a status that says so is asked for
-/// instead, and an entry that converges after all is an error, so that the list stays true.
-const std::set<std::pair<std::string, std::string>> kUnsolved = {{"pdas", "planar_rough"}};
+/// instead, and an entry that converges after all is an error, so that the list stays true. On the
+/// pyramid every vertex is degenerate, and Siconos' pivots end at no solution.
+const std::set<std::pair<std::string, std::string>> kUnsolved = {{"pdas", "planar_rough"},
+                                                                 {"siconos:lemke", "pyramid"}};
 
 /// Cases with several velocity solutions, compared by the errors alone; the evidence is the test
 /// AgreementEvidence below.

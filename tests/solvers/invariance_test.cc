@@ -7,6 +7,7 @@
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "tests/support/siconos_limits.h"
 #include "tests/support/test.h"
 #include "tests/support/test_name.h"
 
@@ -50,23 +51,26 @@ SolveResult solve_first_step(const std::string& solver, const Scene<2>& scene) {
 
 class Invariance : public testing::TestWithParam<std::string> {};
 
-void expect_same(const SolveResult& a, const SolveResult& b) {
+void expect_same(const std::string& solver, const SolveResult& a, const SolveResult& b) {
   ASSERT_EQ(a.status, SolveStatus::kConverged) << a.message;
   ASSERT_EQ(b.status, SolveStatus::kConverged) << b.message;
-  EXPECT_NEAR(a.iterations, b.iterations, 1);
+  if (!kDecidedByRounding.contains(solver)) {
+    EXPECT_NEAR(a.iterations, b.iterations, 1);
+  }
   EXPECT_LE(b.error.guarded(), 1e-6);
 }
 
 TEST_P(Invariance, UnitsDoNotMatter) {
   // mm, g, ms: a length of 1 m is 1000, a mass of 1 kg is 1000, a time of 1 s is 1000.
   const Scene<2> scene = lattice();
-  expect_same(solve_first_step(GetParam(), scene),
+  expect_same(GetParam(), solve_first_step(GetParam(), scene),
               solve_first_step(GetParam(), in_units(scene, 1e3, 1e3, 1e3)));
 }
 
 TEST_P(Invariance, DirectionDoesNotMatter) {
   const Scene<2> scene = lattice();
-  expect_same(solve_first_step(GetParam(), scene), solve_first_step(GetParam(), turned(scene, 37)));
+  expect_same(GetParam(), solve_first_step(GetParam(), scene),
+              solve_first_step(GetParam(), turned(scene, 37)));
 }
 
 INSTANTIATE_TEST_SUITE_P(, Invariance, testing::ValuesIn(solver_names()),
