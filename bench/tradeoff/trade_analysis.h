@@ -84,7 +84,8 @@ struct SceneTrade {
   std::string what_is_needed() const;
 };
 
-/// The scene and the trade must outlive the result.
+/// The trade must outlive the result.
 std::vector<SceneTrade> analyse_trade(const Trade& trade);
+std::vector<SceneTrade> analyse_trade(Trade&&) = delete;
 
 }  // namespace bipot

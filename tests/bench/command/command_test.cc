@@ -555,7 +555,8 @@ TEST_F(Command, ARestartGoesOnAcrossSplitStepsBitForBit) {
 TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
   EXPECT_EQ(code_of("extremes --only s --solver auto,pgs --quick --out out"), 0);
   expect_files("out", {"extremes.csv", "extremes.html", "extremes.json", "extremes.md"});
-  for (const json& row : json_in("out/extremes.json")["cells"]) {
+  const json extremes = json_in("out/extremes.json");
+  for (const json& row : extremes["cells"]) {
     EXPECT_EQ(row["steps_solved"] == row["steps"], row["end"] == "solved") << row;
   }
   EXPECT_EQ(code_of("extremes --only no_such_case"), 2);

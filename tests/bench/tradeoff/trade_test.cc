@@ -87,7 +87,8 @@ double by_replica(double tol, double factor, int replica) {
 TEST(TradeAnalysis, SeparatesTheSolverFromTheTimeStep) {
   // q = 1 + 0.01 (h/h0) + 0.5 tol: the step's own error is 0.01 of 1.0025 (the reference, at h/4),
   // the solver's 0.05, 0.005, 5e-4, 0: tolerance 1e-2 is enough.
-  const SceneTrade s = analyse_trade(manufactured(1, 0, by_solver_and_step)).at(0);
+  const Trade trade = manufactured(1, 0, by_solver_and_step);
+  const SceneTrade s = analyse_trade(trade).at(0);
   const SceneTrade::Errors& e = s.quantities.at(0);
   const double reference = 1.0025 + 0.5e-6;
   EXPECT_NEAR(e.reference, reference, 1e-15);
@@ -106,18 +107,21 @@ TEST(TradeAnalysis, SeparatesTheSolverFromTheTimeStep) {
 }
 
 TEST(TradeAnalysis, ATightToleranceIsNeededWhereTheTimeStepIsExact) {
-  const SceneTrade exact = analyse_trade(manufactured(1, 0, by_solver)).at(0);
+  Trade trade = manufactured(1, 0, by_solver);
+  const SceneTrade exact = analyse_trade(trade).at(0);
   EXPECT_EQ(exact.quantities[0].step_error, 0);
   EXPECT_EQ(*exact.sufficient_tol, 1e-6);
   // Unless nobody looks that closely.
-  const SceneTrade good = analyse_trade(manufactured(1, 1e-2, by_solver)).at(0);
+  trade = manufactured(1, 1e-2, by_solver);
+  const SceneTrade good = analyse_trade(trade).at(0);
   EXPECT_EQ(*good.sufficient_tol, 1e-2);
 }
 
 TEST(TradeAnalysis, NearbyRunsHideWhatIsSmallerThanTheirSpread) {
   // Two replicas at ±0.03: standard deviation 0.03 √2, twice the standard error of a difference of
   // two means of two: 2 x 0.03 √2 = 0.085. The solver's 0.05 at 1e-1 cannot be seen.
-  const SceneTrade s = analyse_trade(manufactured(2, 0, by_replica)).at(0);
+  const Trade trade = manufactured(2, 0, by_replica);
+  const SceneTrade s = analyse_trade(trade).at(0);
   EXPECT_NEAR(s.quantities[0].noise, 0.06 * std::sqrt(2), 1e-6);
   EXPECT_EQ(*s.sufficient_tol, 1e-1);
 }
@@ -171,7 +175,8 @@ TEST(TradeAnalysis, EachOutcomeNamesTheSolverThatEndsFurthestAwayInIt) {
 
 TEST(TradeAnalysis, AWitnessThatAgreesChangesNothing) {
   const Trade alone = manufactured(1, 0, by_solver);
-  const SceneTrade s = analyse_trade(with_witness(alone, 1 + 0.5e-6)).at(0);
+  const Trade agreeing = with_witness(alone, 1 + 0.5e-6);
+  const SceneTrade s = analyse_trade(agreeing).at(0);
   EXPECT_EQ(s.quantities[0].choice, 0);
   EXPECT_EQ(*s.sufficient_tol, 1e-6);
   EXPECT_FALSE(says(s.answer(), "several exact answers")) << s.answer();
@@ -336,7 +341,8 @@ TEST_F(TradeRun, FailuresAndTimeOutsStayInTheTable) {
 TEST(TradeAnalysis, WhereStepAndToleranceAddNothingThatIsSaid) {
   const auto answer = [](double slope, double negligible) {
     const auto value = [slope](double, double factor, int) { return 1 + slope * factor; };
-    return analyse_trade(manufactured(1, negligible, value)).at(0).answer();
+    const Trade trade = manufactured(1, negligible, value);
+    return analyse_trade(trade).at(0).answer();
   };
   EXPECT_TRUE(says(answer(0.01, 1e-4), "Only the time step matters"));
   EXPECT_TRUE(says(answer(1e-14, 0), "The time step adds less than 1e-12")) << answer(1e-14, 0);
