@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <string>
 
 #include "core/motion/time_stepping.h"
 #include "core/problem/contact_problem.h"

@@ -346,7 +346,7 @@ class Script {
     };
     const std::string with =
         page_ ? "using 1:2:3 with labels hypertext point " : "using 1:2 with points ";
-    const std::string of = fmt::format("{}_{}", index, page_ ? 2 : 0);
+    const std::string of = std::to_string(index);
     block("$filled" + of, marked[0], with + look(marker.filled, colour), s.name);
     if (marked[1].empty()) return;
     // White below, so that no line crosses an empty marker.

@@ -69,7 +69,8 @@ std::ofstream open_csv_table(const std::filesystem::path& path, std::string_view
   if (fs::exists(path)) {
     const std::string whole = read_text_file(path);
     if (const std::size_t end = whole.rfind('\n'); end + 1 != whole.size()) {
-      fs::resize_file(path, end + 1);
+      // The mark of UTF-8 may stand before the text.
+      fs::resize_file(path, fs::file_size(path) - (whole.size() - (end + 1)));
     }
   }
   const bool fresh = !fs::exists(path) || fs::file_size(path) == 0;

@@ -59,7 +59,7 @@ struct Level {
   double cell = 0;
   std::span<const CellEntry> entries;
 
-  static Grid<D>::GridCell cell_of(const Vec<D>& x, double cell) {
+  static typename Grid<D>::GridCell cell_of(const Vec<D>& x, double cell) {
     constexpr double kMost = Grid<D>::kMaxCell;
     typename Grid<D>::GridCell index;
     for (int k = 0; k < D; ++k) {
@@ -306,7 +306,7 @@ std::vector<Contact<D>> sorted(const Found<D>& found, int num_disks, int threads
       f(bound(k), bound(k + 1));
     });
   };
-  // Parts are of places: most bodies of one have numbers near each other.
+  // Of each part the least and the largest body: a thread skips parts without its bodies.
   std::vector<std::pair<int, int>> numbers(found.size(), {num_disks, 0});
   run_tasks(threads, static_cast<int>(found.size()), [&](int k) {
     auto& [least, most] = numbers[to_size(k)];

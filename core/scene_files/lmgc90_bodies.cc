@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <utility>
 
 #include "core/base/number_text.h"
 #include "core/files/input_file.h"

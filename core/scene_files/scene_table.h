@@ -7,7 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -71,7 +71,7 @@ class SceneTable {
     fail_at(table_, text);
   }
 
-  /// For a defect of the scene as a whole: at the line of what it names first, as in
+  /// For a defect of the scene as a whole: at the line of the first key that it names, as in
   /// "forces[0]: ...", "wall 2: ..." or "[start] ...", or of a key of such a table. The key
   /// `elsewhere` was given elsewhere, in place of the file's.
   [[noreturn]] void refuse(const std::string& defect, std::string_view elsewhere) const {
@@ -80,7 +80,9 @@ class SceneTable {
       end = std::min(defect.find_first_of(": ", at), defect.size());
       std::string named = defect.substr(at, end - at);
       if (named.starts_with('[')) named = named.substr(1, named.size() - 2);
-      if (named == "wall") named = fmt::format("walls[{}]", std::atoi(defect.c_str() + end));
+      int wall = 0;
+      if (std::sscanf(defect.c_str() + at, "wall %d", &wall) == 1)
+        named = fmt::format("walls[{}]", wall);
       if (named.empty() || named == elsewhere) continue;
       node = table_.at_path(named).node();
       for (const auto& [key, part] : table_) {

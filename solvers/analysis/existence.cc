@@ -74,12 +74,14 @@ class Search {
 
   ExistenceCertificate run() {
     ExistenceCertificate found;
-    std::string why = defect();
-    if (why.empty()) why = try_programmes(found);
+    const std::string without = defect();
+    std::string why = without.empty() ? try_programmes(found) : without;
     if (found.verdict == Existence::kUndecided) try_cases(found);
     if (found.verdict != Existence::kUndecided) return found;
-    found.reason =
-        stopped_() ? fmt::format("{}, {}", cancelled() ? "interrupted" : "out of time", why) : why;
+    if (without.empty() && stopped_()) {
+      why = fmt::format("{}, {}", cancelled() ? "interrupted" : "out of time", why);
+    }
+    found.reason = why;
     return found;
   }
 
