@@ -96,9 +96,9 @@ void apply(const OptionTraits& traits, CLI::Option& option) {
     option.check(number_check("a number of at least 0", [](double x) { return x >= 0; }));
   }
   if (traits.between) {
-    const auto [lowest, highest] = *traits.between;
-    option.check(number_check(fmt::format("a number from {} to {}", lowest, highest),
-                              [=](double x) { return x >= lowest && x <= highest; }));
+    const auto range = *traits.between;
+    option.check(number_check(fmt::format("a number from {} to {}", range.first, range.second),
+                              [=](double x) { return x >= range.first && x <= range.second; }));
   }
   if (!traits.one_of.empty()) {
     const auto check = [values = traits.one_of](std::string& text) {
