@@ -25,6 +25,7 @@
 #include "core/motion/step_outcome.h"
 #include "core/motion/warm_start.h"
 #include "core/problem/delassus.h"
+#include "core/problem/equality_rows.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/wall_motion.h"
 
