@@ -218,12 +218,13 @@ void StressModes::set_pattern() {
 
 bool StressModes::renew(std::span<const ImpulseBatch<2>> x) {
   if (lanes_.items.empty()) return false;
-  const auto [contacts, law, laws] = tiles_.packed();
+  const auto tiles = tiles_.packed();
   const auto share_at = [&](int lane) {
     const int batch = lane / kLanes, at = lane % kLanes;
     const double normal = x[to_size(batch)].x[0][at], tangential = x[to_size(batch)].x[1][at];
-    const bool within = normal > 0 && std::abs(tangential) < laws[law[batch]].mu[at] * normal;
-    const bool pair = !is_outside(tiles_, row_at(contacts[batch].j[at]));
+    const bool within =
+        normal > 0 && std::abs(tangential) < tiles.laws[tiles.law[batch]].mu[at] * normal;
+    const bool pair = !is_outside(tiles_, row_at(tiles.contact[batch].j[at]));
     return !within ? 0 : pair ? 0.5 : 1;
   };
   std::atomic<std::size_t> changed = 0;
@@ -260,13 +261,13 @@ void StressModes::assemble() {
 
 /// Adds (wrench of P)ᵀ inverse (wrench of P) of one body.
 void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
-  const auto [contacts, law, laws] = tiles_.packed();
+  const auto tiles = tiles_.packed();
   const Place& own = place_[to_size(row)];
   const std::array<double, 4> own_weights = own.weights();
   const auto cell = [&](const Place& place) -> const Cell& { return cells_[to_size(place.cell)]; };
   Node low = nodes_[to_size(cell(own)[0])];
   const auto place_of_other = [&](int lane) -> const Place& {
-    const ContactBatch<2>& c = contacts[lane / kLanes];
+    const ContactBatch<2>& c = tiles.contact[lane / kLanes];
     const int i = row_at(c.i[lane % kLanes]), j = row_at(c.j[lane % kLanes]);
     return place_[to_size(i == row ? j : i)];
   };
@@ -298,10 +299,10 @@ void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
   Moments all;
   for (const int lane : lanes_.of(row)) {
     const int at = lane % kLanes;
-    const ContactBatch<2>& c = contacts[lane / kLanes];
+    const ContactBatch<2>& c = tiles.contact[lane / kLanes];
     const double share = share_[to_size(lane / kLanes)].share[at];
     if (share == 0) continue;
-    const double length = laws[law[lane / kLanes]].ratio[at] / c.turns[kTurnSpin][at];
+    const double length = tiles.laws[tiles.law[lane / kLanes]].ratio[at] / c.turns[kTurnSpin][at];
     const double nx = length * c.gx[at], ny = length * c.gy[at];
     const double sign = row_at(c.i[at]) == row ? share : -share;
     const Moments carried{-1, sign * nx, sign * ny, share * nx * ny, share * (nx * nx - ny * ny)};
