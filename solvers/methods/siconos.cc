@@ -33,7 +33,7 @@ struct Method {
   Storage storage;
   int first_calls_iterations;
   int inner_iterations = 0;  // of Siconos' inner solver; 0: its default
-  bool can_be_cut = false;   // the next call goes on as this one would have, bit for bit
+  bool can_be_cut = false;   // the next call iterates on from where this one stopped
 };
 constexpr Method kMethods[] = {
     {"NSGS", SICONOS_FRICTION_2D_NSGS, SICONOS_FRICTION_3D_NSGS, Storage::kBlocks, 1000, 0, true},
