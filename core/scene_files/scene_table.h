@@ -7,7 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -80,9 +80,10 @@ class SceneTable {
       end = std::min(defect.find_first_of(": ", at), defect.size());
       std::string named = defect.substr(at, end - at);
       if (named.starts_with('[')) named = named.substr(1, named.size() - 2);
-      int wall = 0;
-      if (std::sscanf(defect.c_str() + at, "wall %d", &wall) == 1)
-        named = fmt::format("walls[{}]", wall);
+      const char* after = defect.c_str() + std::min(end + 1, defect.size());
+      if (named == "wall" && std::isdigit(*after)) {
+        named = fmt::format("walls[{}]", std::atoi(after));
+      }
       if (named.empty() || named == elsewhere) continue;
       node = table_.at_path(named).node();
       for (const auto& [key, part] : table_) {

@@ -10,10 +10,12 @@
 #include <SolverOptions.h>
 #include <SparseBlockMatrix.h>
 #include <fmt/format.h>
+#include <mpi.h>
 
 #include <algorithm>
 #include <climits>
 #include <cstdlib>
+#include <mutex>
 #include <stdexcept>
 
 #include "core/problem/delassus.h"
@@ -34,18 +36,21 @@ struct Method {
   int first_calls_iterations;
   int inner_iterations = 0;  // of Siconos' inner solver; 0: its default
   bool can_be_cut = false;   // the next call iterates on from where this one stopped
+  int lost_factors = 0;      // of an iteration at most, which Siconos 4.4 does not free
 };
 constexpr Method kMethods[] = {
     {"NSGS", SICONOS_FRICTION_2D_NSGS, SICONOS_FRICTION_3D_NSGS, Storage::kBlocks, 1000, 0, true},
-    {"NSN_AC", 0, SICONOS_FRICTION_3D_NSN_AC, Storage::kTriplets, 200},
+    {"NSN_AC", 0, SICONOS_FRICTION_3D_NSN_AC, Storage::kTriplets, 200, 0, false, 1},
     {"ADMM", 0, SICONOS_FRICTION_3D_ADMM, Storage::kTriplets, 1000},
-    {"PROX", 0, SICONOS_FRICTION_3D_PROX, Storage::kTriplets, 10, 200},
+    {"PROX", 0, SICONOS_FRICTION_3D_PROX, Storage::kTriplets, 10, 200, false, 500},
     {"LEMKE", SICONOS_FRICTION_2D_LEMKE, 0, Storage::kDense, 10000}};
 
 // Least tolerance requested of Siconos.
 constexpr double kSmallestTolerance = 1e-16;
 // Contacts times iterations between two questions for an end, where a call may be cut.
 constexpr int kContactsOfCut = 100000;
+// Communicators that Siconos may leave behind; beyond 2^15 Open MPI ends the process.
+constexpr int kMostCommunicators = 30000;
 // Number of calls in a row without a better best iterate at which the solver ends.
 constexpr int kIdleCalls = 5;
 
@@ -153,7 +158,23 @@ int call_siconos(const SiconosProblem& problem, ::SolverOptions& theirs, double 
   return driver(problem.get(), reaction.data(), velocity.data(), &theirs);
 }
 
+/// How many communicators MUMPS has left behind. Open MPI numbers them from the lowest free number
+/// on, and a factor returns a few of its own.
+int lost_communicators() {
+  int number = 0;
+#ifdef OPEN_MPI
+  MPI_Comm some[8];
+  for (MPI_Comm& one : some) MPI_Comm_dup(MPI_COMM_SELF, &one);
+  number = MPI_Comm_c2f(some[7]);
+  for (MPI_Comm& one : some) MPI_Comm_free(&one);
+#endif
+  return number;
+}
+
 void run_siconos(const Method& method, SolveRun& run) {
+  // Siconos and MUMPS have a state of the process.
+  static std::mutex one_at_a_time;
+  const std::lock_guard<std::mutex> lock(one_at_a_time);
   const ContactProblem& p = run.problem();
   const SolverOptions& options = run.options();
   const bool planar = p.dim <= 2 && method.planar_id != 0;
@@ -180,6 +201,15 @@ void run_siconos(const Method& method, SolveRun& run) {
     for (;;) {
       const double best = run.best_error();
       int left = std::min(budget, options.max_iterations - iteration), info = 0;
+      if (method.lost_factors > 0) {
+        const int room = (kMostCommunicators - lost_communicators()) / method.lost_factors;
+        if (room < 1) {
+          run.end(SolveStatus::kNumericalFailure,
+                  "this process has no communicators left: Siconos frees none of its factors'");
+          break;
+        }
+        left = std::min(left, room);
+      }
       do {
         info = call_siconos(problem, *theirs, tolerance, std::min(cut, left), reaction, velocity);
         // Some solvers do not count; none may loop without effect.

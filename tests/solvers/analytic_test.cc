@@ -5,6 +5,7 @@
 #include "core/scene_files/scene_file.h"
 #include "tests/support/converged.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/siconos_limits.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 
@@ -154,8 +155,11 @@ TEST(FourBars, JointsAreEqualityRowsOrPairsOfOppositeContacts) {
   pairs.mu[0] = bars.problem.mu[0];
   for (const SolverEntry& entry : solver_table()) {
     for (const ContactProblem* p : {&rows, &std::as_const(pairs)}) {
+      const bool beyond = p == &pairs && is_beyond_siconos(entry.name, "four bars");
       const SolveResult result =
-          converged(solve(entry, *p, {.tol = 1e-10, .time_limit = 20}), entry.name);
+          ended(beyond ? SolveStatus::kStalled : SolveStatus::kConverged,
+                solve(entry, *p, {.tol = 1e-10, .time_limit = 20}), entry.name);
+      if (beyond) continue;
       EXPECT_LE((result.s.head<2>() - bars.s).norm(), 1e-7 * bars.s.norm()) << entry.name;
       EXPECT_NEAR(result.u[1], bars.slides_at, 1e-8) << entry.name;
       const Vector v = body_velocities(*p, result.s);
@@ -174,8 +178,10 @@ TEST(Guide, LeavesAContactWithoutTangentialMotion) {
   const Eigen::MatrixXd G = Eigen::RowVector2d(0, 1);
   p = with_equality_rows(p, G.sparseView(), Vector::Constant(1, 0.3));
   for (const SolverEntry& entry : solver_table()) {
-    const SolveResult result =
-        converged(solve(entry, p, {.tol = 1e-10, .time_limit = 5}), entry.name);
+    const bool beyond = is_beyond_siconos(entry.name, "guide");
+    const SolveResult result = ended(beyond ? SolveStatus::kStalled : SolveStatus::kConverged,
+                                     solve(entry, p, {.tol = 1e-10, .time_limit = 5}), entry.name);
+    if (beyond) continue;
     EXPECT_LE((result.s - Vec2(2, -1)).norm(), 1e-5) << entry.name << ": " << result.s.transpose();
   }
 }
