@@ -134,13 +134,11 @@ void move_clusters(const Midpoint<D>& mid, const DofMap& dofs, const Vector& v, 
 template <int D>
 void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid) {
   const double h = scene.step;
+  mid.bodies = state.bodies;
   const double middle = state.time + 0.5 * h;
   mid.walls = walls_at(scene.walls, state.walls, middle, h);
   mid.gravity = gravity_at(scene, middle);
-  mid.bodies.clear();
-  mid.bodies.reserve(state.bodies.size());
-  for (const Body<D>& body : state.bodies) {
-    Body<D>& d = mid.bodies.emplace_back(body);
+  for (Body<D>& d : mid.bodies) {
     if (d.wall >= 0) d.v = mid.walls[to_size(d.wall)].v;  // which may have started or stopped
     drift(d, 0.5 * h);
   }

@@ -50,16 +50,15 @@ struct Grid {
 struct CellEntry {
   std::uint64_t key;
   int disk;
-  int level;  ///< smallest radius × 2^level >= radius
 };
 
 /// The disks of one size class, sorted by grid cell (row by row).
 template <int D>
 struct Level {
   double cell = 0;
-  std::span<const CellEntry> entries;
+  std::vector<CellEntry> entries;
 
-  static typename Grid<D>::GridCell cell_of(const Vec<D>& x, double cell) {
+  typename Grid<D>::GridCell cell_of(const Vec<D>& x) const {
     constexpr double kMost = Grid<D>::kMaxCell;
     typename Grid<D>::GridCell index;
     for (int k = 0; k < D; ++k) {
@@ -70,10 +69,9 @@ struct Level {
   }
 };
 
-/// By level, then by key, then by disk: parts on threads, which are then merged.
+/// By key, then by disk: parts on threads, which are then merged.
 void sort_entries(std::vector<CellEntry>& entries, int threads) {
   const auto earlier = [](const CellEntry& a, const CellEntry& b) {
-    if (a.level != b.level) return a.level < b.level;
     return a.key != b.key ? a.key < b.key : a.disk < b.disk;
   };
   const auto size = static_cast<std::ptrdiff_t>(entries.size());
@@ -89,35 +87,41 @@ void sort_entries(std::vector<CellEntry>& entries, int threads) {
   }
 }
 
-/// `entries`: of the levels, which refer to them.
 template <int D>
-std::vector<Level<D>> build_levels(std::span<const Body<D>> disks, double eta, int threads,
-                                   std::vector<CellEntry>& entries) {
-  double smallest = kInfinity;
+std::vector<Level<D>> build_levels(std::span<const Body<D>> disks, double eta, int threads) {
+  std::vector<Level<D>> levels;
+  if (disks.empty()) return levels;
+  double smallest = disks[0].radius;
   for (const Body<D>& d : disks) smallest = std::min(smallest, d.radius);
-  // Two disks of a class or smaller that touch lie in the same or in adjacent cells.
-  const auto cell_of_level = [&](int level) {
-    return 2 * std::ldexp(smallest, level) * (1 + 1e-12) + std::max(eta, 0.0);
-  };
-  entries.resize(disks.size());
-  run_pieces(threads, static_cast<int>(disks.size()), [&](int begin, int end) {
-    int level = 0;
-    double cell = cell_of_level(level);
-    for (int i = begin; i < end; ++i) {
-      const Body<D>& disk = disks[to_size(i)];
-      int own = 0;
-      if (std::frexp(disk.radius / smallest, &own) == 0.5) --own;
-      if (own != level) cell = cell_of_level(level = own);
-      entries[to_size(i)] = {Grid<D>::key(Level<D>::cell_of(disk.x, cell)), i, level};
+  const int num_disks = static_cast<int>(disks.size());
+  std::vector<int> level_of(disks.size());  // smallest * 2^level >= radius
+  run_pieces(threads, num_disks, [&](int begin, int end) {
+    for (std::size_t i = to_size(begin); i < to_size(end); ++i) {
+      int exponent = 0;
+      const double mantissa = std::frexp(disks[i].radius / smallest, &exponent);
+      level_of[i] = mantissa == 0.5 ? exponent - 1 : exponent;
     }
   });
-  sort_entries(entries, threads);
-  std::vector<Level<D>> levels;
-  for (auto first = entries.begin(); first != entries.end();) {
-    const auto last = std::partition_point(
-        first, entries.end(), [&](const CellEntry& e) { return e.level == first->level; });
-    levels.push_back({cell_of_level(first->level), {first, last}});
-    first = last;
+  std::vector<std::vector<int>> members;
+  for (int i = 0; i < num_disks; ++i) {
+    const std::size_t level = to_size(level_of[to_size(i)]);
+    if (level >= members.size()) members.resize(level + 1);
+    members[level].push_back(i);
+  }
+  for (std::size_t l = 0; l < members.size(); ++l) {
+    if (members[l].empty()) continue;
+    Level<D> level;
+    // Two disks of this class or smaller that touch lie in the same or in adjacent cells.
+    level.cell = 2 * std::ldexp(smallest, static_cast<int>(l)) * (1 + 1e-12) + std::max(eta, 0.0);
+    level.entries.resize(members[l].size());
+    run_pieces(threads, static_cast<int>(members[l].size()), [&](int begin, int end) {
+      for (std::size_t k = to_size(begin); k < to_size(end); ++k) {
+        const int i = members[l][k];
+        level.entries[k] = {Grid<D>::key(level.cell_of(disks[to_size(i)].x)), i};
+      }
+    });
+    sort_entries(level.entries, threads);
+    levels.push_back(std::move(level));
   }
   return levels;
 }
@@ -209,9 +213,9 @@ void test_surface(const Sphere& sphere, int i, const Wall<3>& wall, int j, doubl
   wall.mesh->find_contacts(sphere, sphere.x - wall.a, i, j, eta, out);
 }
 
-using Entries = std::span<const CellEntry>;
+using Entries = std::vector<CellEntry>;
 
-Entries::iterator first_from(Entries entries, std::uint64_t key) {
+Entries::const_iterator first_from(const Entries& entries, std::uint64_t key) {
   return std::lower_bound(entries.begin(), entries.end(), key,
                           [](const CellEntry& e, std::uint64_t k) { return e.key < k; });
 }
@@ -222,10 +226,10 @@ Entries::iterator first_from(Entries entries, std::uint64_t key) {
 template <int D>
 void find_within(std::span<const Body<D>> disks, const Level<D>& level, int begin, int end,
                  double eta, std::vector<Contact<D>>& out) {
-  const Entries entries = level.entries;
+  const Entries& entries = level.entries;
   out.reserve((D == 2 ? 3 : 6) * to_size(end - begin));
   constexpr auto kRowsAfter = Grid<D>::rows_after();
-  std::array<Entries::iterator, kRowsAfter.size()> after;
+  std::array<Entries::const_iterator, kRowsAfter.size()> after;
   for (std::size_t r = 0; r < after.size(); ++r) {
     after[r] = first_from(entries, entries[to_size(begin)].key + kRowsAfter[r] - 1);
   }
@@ -262,7 +266,7 @@ void find_between(std::span<const Body<D>> disks, const Level<D>& fine, const Le
                   int begin, int end, double eta, std::vector<Contact<D>>& out) {
   for (int k = begin; k < end; ++k) {
     const int disk = fine.entries[to_size(k)].disk;
-    const auto cell = Level<D>::cell_of(disks[to_size(disk)].x, coarse.cell);
+    const auto cell = coarse.cell_of(disks[to_size(disk)].x);
     for (std::int64_t row = cell[1] - 1; row <= cell[1] + 1; ++row) {
       auto beside = cell;
       beside[1] = row;
@@ -306,19 +310,9 @@ std::vector<Contact<D>> sorted(const Found<D>& found, int num_disks, int threads
       f(bound(k), bound(k + 1));
     });
   };
-  // Of each part the least and the largest body: a thread skips parts without its bodies.
-  std::vector<std::pair<int, int>> numbers(found.size(), {num_disks, 0});
-  run_tasks(threads, static_cast<int>(found.size()), [&](int k) {
-    auto& [least, most] = numbers[to_size(k)];
-    for (const Contact<D>& c : found[to_size(k)]) {
-      least = std::min(least, c.i);
-      most = std::max(most, c.i);
-    }
-  });
   const auto each_contact = [&](int first, int last, const auto& f) {
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      if (last <= numbers[k].first || numbers[k].second < first) continue;
-      for (const Contact<D>& c : found[k]) {
+    for (const std::vector<Contact<D>>& piece : found) {
+      for (const Contact<D>& c : piece) {
         if (first <= c.i && c.i < last) f(c);
       }
     }
@@ -347,8 +341,7 @@ template <int D>
 std::vector<Contact<D>> all_contacts(std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
                                      double eta, int threads) {
   Found<D> contacts;
-  std::vector<CellEntry> in_cells;
-  const std::vector<Level<D>> levels = build_levels(disks, eta, threads, in_cells);
+  const std::vector<Level<D>> levels = build_levels(disks, eta, threads);
   for (std::size_t fine = 0; fine < levels.size(); ++fine) {
     const int entries = static_cast<int>(levels[fine].entries.size());
     collect(threads, entries, contacts, [&](int begin, int end, auto& found) {
