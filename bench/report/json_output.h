@@ -11,10 +11,10 @@ namespace bipot {
 /// Members keep their order of insertion. A number that is not finite is written as null.
 using Json = nlohmann::ordered_json;
 
-/// The members of an array: show(x) for each x.
-template <class Range, class Show>
-std::vector<Json> json_list(const Range& range, const Show& show) {
-  std::vector<Json> list;
+/// The members of an array: show(x) for each x. (As a parameter Json may be declared alone here.)
+template <class Range, class Show, class Member = Json>
+std::vector<Member> json_list(const Range& range, const Show& show) {
+  std::vector<Member> list;
   for (const auto& x : range) list.push_back(show(x));
   return list;
 }
