@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -12,7 +11,7 @@
 namespace bipot {
 namespace {
 
-constexpr double kNoCompliance = 1e-12;  // of the largest eigenvalue of a block
+constexpr double kNoCompliance = 1e-12;  // of the largest entry of a block
 
 }  // namespace
 
@@ -38,23 +37,27 @@ ContactProblem with_compliance(ContactProblem p, const SparseRows& R) {
         if (column / d == c) block(k, column - c * d) = it.value();
       }
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(0.5 * (block + block.transpose()));
-    const double largest = parts.eigenvalues().cwiseAbs().maxCoeff();
-    if ((block - block.transpose()).cwiseAbs().maxCoeff() > kNoCompliance * largest ||
-        parts.eigenvalues()[0] < -kNoCompliance * largest) {
-      throw std::invalid_argument(fmt::format(
-          "R of contact {} is not symmetric and positive semidefinite (smallest eigenvalue {})", c,
-          parts.eigenvalues()[0]));
-    }
-    for (int k = 0; k < d; ++k) {
-      const double value = parts.eigenvalues()[k];
-      if (!(value > kNoCompliance * largest)) continue;
-      for (int row = 0; row < d; ++row) {
-        const double entry = std::sqrt(value) * parts.eigenvectors()(row, k);
-        if (entry != 0) wrenches.emplace_back(dofs, c * d + row, entry);
+    Eigen::MatrixXd rest = 0.5 * (block + block.transpose());
+    const double least = kNoCompliance * rest.cwiseAbs().maxCoeff();
+    const bool refused = (block - block.transpose()).cwiseAbs().maxCoeff() > least;
+    // R = Lᵀ L by Cholesky's method, the largest pivot first.
+    for (int k = 0; k < d && !refused; ++k) {
+      int pivot = 0;
+      const double value = rest.diagonal().maxCoeff(&pivot);
+      if (!(value > least)) break;
+      const Vector row = rest.col(pivot) / std::sqrt(value);
+      for (int i = 0; i < d; ++i) {
+        if (row[i] != 0) wrenches.emplace_back(dofs, c * d + i, row[i]);
       }
       masses.emplace_back(dofs, dofs, 1.0);
       ++dofs;
+      rest -= row * row.transpose();
+      rest.row(pivot).setZero();
+      rest.col(pivot).setZero();
+    }
+    if (refused || rest.cwiseAbs().maxCoeff() > least) {
+      throw std::invalid_argument(
+          fmt::format("R of contact {} is not symmetric and positive semidefinite", c));
     }
   }
   if (p.has_delassus()) p.W = SparseRows(p.W + R);

@@ -24,14 +24,18 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// Between commas, semicolons or tabs; of a line without them, between blanks.
 std::vector<std::string_view> cells_of(std::string_view line) {
+  const bool by_blanks = line.find_first_of(",;\t") == std::string_view::npos;
+  if (by_blanks) line = trimmed(line);
   std::vector<std::string_view> cells;
-  for (std::size_t end = 0; end != std::string_view::npos; line.remove_prefix(end + 1)) {
-    end = line.find_first_of(",;\t");
+  while (true) {
+    const std::size_t end = line.find_first_of(by_blanks ? " " : ",;\t");
     cells.push_back(trimmed(line.substr(0, end)));
-    if (end == std::string_view::npos) break;
+    if (end == std::string_view::npos) return cells;
+    line.remove_prefix(end + 1);
+    if (by_blanks) line = trimmed(line);
   }
-  return cells;
 }
 
 [[noreturn]] void refuse_line(const std::filesystem::path& path, int line, const std::string& why) {
@@ -45,7 +49,9 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
   std::string text;
   std::getline(file, text);
   std::vector<std::string> head;
-  for (const std::string_view cell : cells_of(text)) {
+  std::string_view names = text;
+  if (names.starts_with('#')) names.remove_prefix(1);  // as numpy.savetxt writes it
+  for (const std::string_view cell : cells_of(names)) {
     head.emplace_back(cell);
     for (char& c : head.back()) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   }

@@ -1,7 +1,9 @@
 #include "solvers/interior/series_weights.h"
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <limits>
+
+#include "core/linear/dense_factor.h"
 
 namespace bipot {
 namespace {
@@ -29,7 +31,9 @@ void SeriesWeights::fit(const Eigen::MatrixXd& terms, double length) {
     }
   }
   denominator_.resize(degree + 1);
-  denominator_ << 1, system.completeOrthogonalDecomposition().solve(right);
+  const auto pivots = static_cast<double>(std::min(system.rows(), system.cols()));
+  const double rounding = std::numeric_limits<double>::epsilon() * pivots;
+  denominator_ << 1, least_norm_and_rank(system, right, rounding).first;
   double scale = 1;
   for (int i = 1; i <= degree; ++i) denominator_[i] *= scale /= length;
 }
