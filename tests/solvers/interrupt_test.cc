@@ -61,12 +61,13 @@ class Caller {
 };
 
 /// A solver that is as exact as doubles allow before the caller or the clock stops it ends there, as
-/// does load_path, which has one iteration.
-bool has_ended(const SolveResult& r) {
+/// does load_path, which has one iteration, and a deaf one whose call returned without progress.
+bool has_ended(const SolveResult& r, const std::string& solver) {
   return r.status == SolveStatus::kStalled &&
          (r.message.find("as exact as doubles allow") != std::string::npos ||
-          r.message.find("no path of the load") != std::string::npos ||
-          r.message.find("Siconos makes no progress") != std::string::npos);
+          (solver == "load_path" && r.message.find("no path of the load") != std::string::npos) ||
+          (kDeafInACall.contains(solver) &&
+           r.message.find("Siconos makes no progress") != std::string::npos));
 }
 
 /// A solver of the table, or "ppa around" one; and whether the problem comes as W alone.
@@ -123,7 +124,7 @@ TEST_P(EveryRow, IsInterruptedAtOnce) {
     options_.cancelled = [&caller] { return caller.stop(); };
     const SolveResult r = solve(*entry_, problem_, options_);
     silence = std::min(silence, caller.longest_silence());
-    if (has_ended(r)) continue;
+    if (has_ended(r, std::get<0>(GetParam()))) continue;
     ASSERT_EQ(r.status, SolveStatus::kInterrupted) << to_string(r.status) << ": " << r.message;
     EXPECT_TRUE(says(r.message, "interrupted"));
   }
@@ -138,7 +139,7 @@ TEST_P(EveryRow, KeepsToItsTime) {
     const Timer timer;
     const SolveResult r = solve(*entry_, problem_, options_);
     seconds = std::min(seconds, timer.seconds());
-    if (has_ended(r)) continue;
+    if (has_ended(r, std::get<0>(GetParam()))) continue;
     ASSERT_EQ(r.status, SolveStatus::kTimeLimit) << to_string(r.status) << ": " << r.message;
   }
   RecordProperty("seconds", std::to_string(seconds));
