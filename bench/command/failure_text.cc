@@ -32,10 +32,13 @@ struct Cause {
 template <int D>
 double mass_ratio(const Scene<D>& scene) {
   double least = kInfinity, most = 0;
-  for (const Body<D>& d : scene.bodies) {
-    least = std::min(least, d.mass);
-    most = std::max(most, d.mass);
-  }
+  const auto add = [&](double mass) {
+    if (mass == 0) return;  // glued to a wall, or part of a cluster
+    least = std::min(least, mass);
+    most = std::max(most, mass);
+  };
+  for (const Body<D>& d : scene.bodies) add(d.mass);
+  for (const Cluster<D>& cluster : scene.clusters.bodies) add(cluster.mass);
   return most / least;
 }
 

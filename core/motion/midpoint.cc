@@ -34,8 +34,8 @@ void free_clusters(Midpoint<D>& mid, double h) {
 template <int D>
 double largest_speed(const Midpoint<D>& mid, double h) {
   double speed = 0;
-  for (const Body<D>& d : mid.bodies) {
-    speed = std::max({speed, d.v.norm(), (d.v + h * mid.gravity).norm()});
+  for (std::size_t i = 0; i < mid.bodies.size(); ++i) {
+    speed = std::max({speed, mid.bodies[i].v.norm(), mid.disk_v_free[i].norm()});
   }
   for (const Wall<D>& w : mid.walls) {
     const bool driven = w.motion == Wall<D>::Motion::kDriven;

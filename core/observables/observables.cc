@@ -54,13 +54,13 @@ Mat<D> fitted_gradient(const std::vector<const MeasuredBody<D>*>& disks) {
   return vx * xx.inverse();
 }
 
-/// Mean diameter and density of the spheres; 2D needs neither.
+/// Mean diameter, of spheres of the same volumes, and density; 2D needs neither.
 void observe_grains(const State<3>& placed, const ObservableChoice<3>& choice,
                     Observables<3>& seen) {
   double mass = 0, volume = 0;
   for (const MeasuredBody<3>& body : measured_bodies(placed).list) {
     if (!in_window<3>(choice, body.x)) continue;
-    seen.mean_diameter += 2 * placed.bodies[body.parts.front()].radius / seen.bodies;
+    seen.mean_diameter += 2 * std::cbrt(0.75 * body.size / std::numbers::pi) / seen.bodies;
     mass += body.mass;
     volume += body.size;
   }

@@ -127,10 +127,14 @@ std::string gates_header(const Scene<D>& scene) {
 
 template <int D>
 std::string gates_row(const Scene<D>& scene, const State<D>& state) {
-  std::string line =
-      step_and_time(state.step, state.time) + fmt::format(",{}", state.bodies.size());
+  std::size_t count = state.clusters.bodies.size();
   double inside = 0;
-  for (const Body<D>& body : state.bodies) inside += body.mass;
+  for (const Body<D>& body : state.bodies) {
+    if (body.cluster < 0 && body.wall < 0) ++count;
+    inside += body.mass;
+  }
+  for (const Cluster<D>& cluster : state.clusters.bodies) inside += cluster.mass;
+  std::string line = step_and_time(state.step, state.time) + fmt::format(",{}", count);
   add_number(line, inside);
   const auto add = [&](const GateFlow<D>& flow) {
     fmt::format_to(std::back_inserter(line), ",{}", flow.count);

@@ -25,8 +25,9 @@ struct TimeFactor {
 
   bool constant() const { return times.empty() && frequency == 0; }
   double at(double time) const;
-  double mean(double from, double to) const;  ///< exact; from <= to
-  double rate(double time) const;             ///< its derivative, at a kink that from then on [1/s]
+  double mean(double from, double to) const;     ///< exact; from <= to
+  double largest(double from, double to) const;  ///< of its absolute values; from <= to
+  double rate(double time) const;  ///< its derivative, at a kink that from then on [1/s]
   bool operator==(const TimeFactor&) const = default;
 };
 

@@ -36,6 +36,22 @@ double TimeFactor::mean(double from, double to) const {
   return sum / (to - from);
 }
 
+double TimeFactor::largest(double from, double to) const {
+  const double ends = std::max(std::abs(at(from)), std::abs(at(to)));
+  if (frequency > 0) {
+    // Half periods begin at the extrema.
+    const auto half = [&](double time) {
+      return std::floor(2 * frequency * time + phase / std::numbers::pi - 0.5);
+    };
+    return half(from) < half(to) ? 1 : ends;
+  }
+  double most = ends;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (times[k] > from && times[k] < to) most = std::max(most, std::abs(factors[k]));
+  }
+  return most;
+}
+
 double TimeFactor::rate(double time) const {
   const double turn = 2 * std::numbers::pi * frequency;
   if (frequency > 0) return turn * std::cos(turn * time + phase);

@@ -35,7 +35,8 @@ std::vector<Wall<D>> walls_at(const std::vector<Wall<D>>& scene_walls,
     wall.spin = moves ? factor * definition.spin : 0;
     wall.belt = moves ? Vec<D>(factor * definition.belt) : Vec<D>(Vec<D>::Zero());
     wall.force = factor * definition.force;
-    wall.factor_rate = wall.motion == Motion::kMoving ? definition.time_factor.rate(time) : 0;
+    wall.factor_rate =
+        moves && definition.motion != Motion::kDriven ? definition.time_factor.rate(time) : 0;
     if (!moves) {
       wall.v.setZero();
     } else if (definition.motion == Motion::kMoving) {

@@ -262,6 +262,10 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source,
   read_solver(root, scene);
   read_output(root, scene);
   scene.observables = read_observables<D>(root, scene.cell);
+  if (D == 3 && scene.observables && !scene.observables->crossings.empty() &&
+      !scene.clusters.empty()) {
+    root.fail("observables", "faces do not measure the flux of clusters");
+  }
   if constexpr (D == 2) turn(root, scene);
   root.finish();
   if (scene.contact_distance < 0) {

@@ -66,7 +66,7 @@ double next_change(const Scene<D>& scene, double time, double resolution) {
   };
   for (const Wall<D>& wall : scene.walls) {
     for (const double at : {wall.starts, wall.stops, wall.removed}) add(at);
-    if (wall.motion == Wall<D>::Motion::kDriven) add_table(wall.time_factor);
+    add_table(wall.time_factor);
   }
   for (const BodyForce<D>& force : scene.forces) add_table(force.time_factor);
   if (scene.tilt.rate != 0) {
@@ -76,15 +76,13 @@ double next_change(const Scene<D>& scene, double time, double resolution) {
   return next;
 }
 
-/// Of the fastest force that swings [s]. Over a whole period its mean is zero: parts of a quarter
-/// see it.
+/// Of the fastest wall or force that swings [s]. Over a whole period its mean is zero: parts of a
+/// quarter see it.
 template <int D>
 double quarter_period(const Scene<D>& scene) {
   double fastest = 0;
   for (const Wall<D>& wall : scene.walls) {
-    if (wall.motion == Wall<D>::Motion::kDriven) {
-      fastest = std::max(fastest, wall.time_factor.frequency);
-    }
+    fastest = std::max(fastest, wall.time_factor.frequency);
   }
   for (const BodyForce<D>& force : scene.forces) {
     fastest = std::max(fastest, force.time_factor.frequency);

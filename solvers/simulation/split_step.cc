@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/motion/body_forces.h"
 #include "core/motion/population.h"
 #include "core/scene/wall_motion.h"
 #include "solvers/simulation/summed_parts.h"
@@ -92,16 +93,27 @@ SplitStep<D> advance_in_parts(const Scene<D>& scene, const SceneRunOptions<D>& o
 template <int D>
 int travel_halvings(const Scene<D>& scene, const State<D>& state) {
   if (scene.travel == 0 || state.bodies.empty()) return 0;
-  const Vec<D> gained = scene.step * gravity_at(scene, state.time + 0.5 * scene.step);
+  const double middle = state.time + 0.5 * scene.step, end = state.time + scene.step;
+  const Vec<D> gained = scene.step * gravity_at(scene, middle);
+  std::vector<Vec<D>> v_free;
+  for (const Body<D>& d : state.bodies) v_free.emplace_back(d.v + gained);
+  if (has_body_forces(scene)) add_body_forces<D>(scene, middle, state.bodies, v_free);
   double speed = 0, radius = kInfinity;
-  for (const Body<D>& d : state.bodies) {
-    const bool free = d.wall < 0;
-    speed = std::max({speed, d.v.norm(), free ? Vec<D>(d.v + gained).norm() : 0.0});
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const Body<D>& d = state.bodies[i];
+    speed = std::max({speed, d.v.norm(), d.wall < 0 ? v_free[i].norm() : 0.0});
     radius = std::min(radius, d.radius);
   }
-  for (const Wall<D>& w : walls_at(scene.walls, state.walls, state.time + 0.5 * scene.step)) {
-    const bool driven = w.motion == Wall<D>::Motion::kDriven;
-    speed = std::max(speed, w.v.norm() + (driven ? scene.step * std::abs(w.force) / w.mass : 0));
+  const std::vector<Wall<D>> walls = walls_at(scene.walls, state.walls, middle);
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    using Motion = typename Wall<D>::Motion;
+    const Wall<D>& whole = scene.walls[w];
+    const double factor = whole.time_factor.largest(state.time, end);
+    const bool scheduled = walls[w].motion == Motion::kMoving && has_schedule(whole);
+    const double gain = walls[w].motion == Motion::kDriven
+                            ? scene.step * factor * std::abs(whole.force) / whole.mass
+                            : 0;
+    speed = std::max(speed, (scheduled ? factor * whole.v : walls[w].v).norm() + gain);
   }
   double way = scene.step * speed;
   for (int halvings = 0; halvings <= kMostTravelHalvings; ++halvings, way *= 0.5) {

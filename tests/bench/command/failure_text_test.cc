@@ -103,6 +103,23 @@ TEST(EnergyGrowth, OfSpringsComesFromTheSubsteps) {
   EXPECT_FALSE(says(warning, "Newton")) << warning;
 }
 
+TEST(FailureText, GluedDisksAndPartsOfClustersHaveNoMassThatDiffers) {
+  Scene<2> scene = scene_of<2>(R"(
+    walls = [{point = [0, 0], normal = [0, 1], name = "floor"}]
+    disks = [{position = [0, 0.2], radius = 0.1, mass = 1},
+             {position = [5, 0.2], radius = 0.1, wall = "floor"}]
+    clusters = [{position = [2, 0.2], mass = 2, parts = [[0, 0, 0.1], [0.1, 0, 0.1]]}]
+    time = {step = 1e-3, steps = 1}
+  )");
+  const auto text = [&] {
+    return failure_text<2>(scene, initial_state(scene), {}, ContactProblem(), ContactError(), 1,
+                           false);
+  };
+  EXPECT_FALSE(says(text(), "masses differ")) << text();
+  scene.bodies[0].mass = 1e-9;
+  EXPECT_TRUE(says(text(), "masses differ by 2e+09")) << text();
+}
+
 TEST(PassageAdvice, NamesTheBodiesAlsoWithSprings) {
   // 2 m/s over 1e-3 s are 0.02 radii of 0.1 m.
   Scene<3> scene = one_law<3>({});

@@ -35,6 +35,27 @@ TEST(Travel, CutsTheStepUntilNoBodyGoesFarther) {
   EXPECT_THROW(travel_halvings(scene, state), StepFailure);
 }
 
+TEST(Travel, SeesForcesDragAndTheFastestMomentOfAWall) {
+  Scene<2> scene = fall();
+  scene.bodies[0].v.setZero();
+  scene.travel = 0.06;                         // 0.03 m of 0.01 s: 3 m/s
+  scene.forces = {{.force = Vec2(0, -1000)}};  // gains 5 m/s in the step
+  EXPECT_EQ(travel_halvings(scene, initial_state(scene)), 1);
+  scene.forces.clear();
+  scene.drag = {.coefficient = 1e6, .velocity = Vec2(4, 0)};  // takes the body along at once
+  EXPECT_EQ(travel_halvings(scene, initial_state(scene)), 1);
+  scene.drag = {};
+  // The sine is 0 in the middle of the step, 1 at a quarter of it.
+  Wall<2>& wall = scene.walls[0];
+  move_at(wall, Vec2(0, 4));
+  wall.time_factor = {.frequency = 100};
+  EXPECT_EQ(travel_halvings(scene, initial_state(scene)), 1);
+  wall.time_factor = {.times = {0.001, 0.002, 0.003}, .factors = {0, -1, 0}};
+  EXPECT_EQ(travel_halvings(scene, initial_state(scene)), 1);
+  wall.time_factor = {.times = {0.1, 0.2}, .factors = {0, 1}};
+  EXPECT_EQ(travel_halvings(scene, initial_state(scene)), 0);
+}
+
 TEST(Travel, ALandingOverlapsByWhatAPartGoesAndRestTakesWholeSteps) {
   Scene<2> scene = fall();
   for (const double travel : {0.0, 0.06}) {

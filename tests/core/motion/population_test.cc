@@ -1,5 +1,6 @@
 #include "core/motion/population.h"
 
+#include "core/run_files/frame_entries.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/contact_detection.h"
 #include "tests/support/refused_scene.h"
@@ -307,6 +308,20 @@ TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
   }
   EXPECT_GT(changes, 20);
   EXPECT_GT(started, 100);
+}
+
+TEST(Population, ThoseInsideAreFreeBodiesAndClusters) {
+  const Scene<3> scene = scene_of<3>(R"(
+dim = 3
+walls = [{point = [0, 0, 0], normal = [0, 0, 1], name = "floor"}]
+outlets = [{name = "hole", point = [0, 0, -1], normal = [0, 0, 1]}]
+spheres = [{position = [3, 3, 1], radius = 0.1, mass = 1},
+           {position = [5, 5, 1], radius = 0.1, wall = "floor"}]
+clusters = [{position = [0, 0, 1], mass = 2, parts = [[0, 0, 0, 0.1], [0.1, 0, 0, 0.1]]}]
+time = {step = 1e-3, steps = 1}
+)");
+  const std::string row = gates_row(scene, initial_state(scene));
+  EXPECT_TRUE(row.starts_with("0,0,2,3,")) << row;
 }
 
 TEST(Population, ARunGoesOnBitForBitAndItsFramesSayWhoIsThere) {

@@ -56,6 +56,19 @@ TEST(PredictedGaps, AFastDiskTouchesInTheMiddleOfTheNextStepAndStaysThere) {
   }
 }
 
+// At rest 0.02 m above the floor: the force of 2 kg 400 m/s² would make it go 0.04 m in a step.
+TEST(PredictedGaps, LookAsFarAsForcesCarry) {
+  Scene<2> scene = fall({.mu = 0.3});
+  scene.bodies[0].x[1] = 0.52;
+  scene.bodies[0].v.setZero();
+  scene.forces = {{.force = Vec2(0, -800)}};
+  scene.predict_gaps = true;
+  State<2> state = initial_state(scene);
+  const Landed landed = advance(scene, state, 10);
+  EXPECT_NEAR(landed.penetration, 0, 1e-12);
+  EXPECT_NEAR(state.bodies[0].x[1], 0.5, 1e-12);
+}
+
 TEST(PredictedGaps, HoldInSpaceAndBetweenTwoBodies) {
   // Two balls of 0.5 m and 2 kg meet head on at 10 and 6 m/s; the gap in the middle of the step is
   // 0.05 m: it closes by 0.16 m a step. Afterwards both have the mean velocity, 2 m/s.

@@ -55,10 +55,11 @@ TEST_F(Lmgc90Bodies, WhatIsLeftOutIsTold) {
   const std::string disk = disk_record("0.1D+00", kDiskLine), wall = disk_record("0", kWallLine);
   EXPECT_EQ(scene(disk).caution, "");
   EXPECT_EQ(scene(wall + disk + wall).caution, "BODIES.DAT: 1 read, left out: 2 JONCx");
-  for (const auto& [text, why] : {std::pair<std::string, const char*>{"! none\n", "has no disk"},
-                                  {wall, "has no disk, left out: 1 JONCx"}}) {
+  const auto refused = [&](const std::string& text, const char* why) {
     EXPECT_TRUE(says(refusal_of<SceneFileError>([&] { scene(text); }), why));
-  }
+  };
+  refused("! none\n", "has no disk");
+  refused(wall, "has no disk, left out: 1 JONCx");
 }
 
 // The spin of a sphere is that along the axes a, b, c of the body: here a = z, b = x, c = y.

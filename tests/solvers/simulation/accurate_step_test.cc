@@ -104,6 +104,40 @@ TEST(AccurateStep, CohesionHoldsWhatTurnsAndHangs) {
   }
 }
 
+// A wall rises by 10 mm within 2 ms and goes back, all within a step. In its middle, at 5 mm and at
+// 10 m/s, it strikes a disk at rest: twice its speed.
+TEST(AccurateStep, SeesAWallThatMovesForAMomentOnly) {
+  Scene<2> scene = one_law<2>({.e_n = 1});
+  scene.walls = {flat_floor<2>()};
+  move_at(scene.walls[0], Vec2(0, 10));
+  scene.walls[0].time_factor = {.times = {0.151, 0.152, 0.153, 0.154, 0.155},
+                                .factors = {0, 1, 0, -1, 0}};
+  scene.bodies = {round_body<2>(Vec2(0, 0.005 + kRadius), kRadius, 2)};
+  // Misplaced by 1e-5 m, it meets a speed that is off by 1e4 m/s² 1e-6 s.
+  const Ended<2> end = run(with_accuracy(scene, 1e-3, 0.1, 4));
+  EXPECT_NEAR(end.state.bodies[0].v[1], 20, 0.1);
+}
+
+// A disk sticks on a wall that swings along itself, or on a belt: the same motion.
+TEST(AccurateStep, ABeltCarriesAsAMovedWallDoes) {
+  double x[2];
+  for (const bool belt : {false, true}) {
+    Scene<2> scene = heavy_scene({.mu = 5});
+    scene.walls = {flat_floor<2>()};
+    Wall<2>& wall = scene.walls[0];
+    if (belt) {
+      wall.belt = Vec2(1, 0);
+    } else {
+      move_at(wall, Vec2(1, 0));
+    }
+    wall.time_factor.frequency = 1;
+    scene.bodies = {round_body<2>(Vec2(0, kRadius), kRadius, 2)};
+    x[belt ? 1 : 0] = run(with_accuracy(scene, 1e-2, 0.1, 5)).state.bodies[0].x[0];
+  }
+  EXPECT_GT(x[0], kRadius);
+  EXPECT_NEAR(x[0], x[1], 1e-3 * kRadius);
+}
+
 TEST(AccurateStep, AnImpactIsMisplacedByItsPlaceInAStepOfFixedSize) {
   // It is noticed at the next mid-step: late by (1/2 - t) h, or by (3/2 - t) h. In the meantime the
   // body goes on with w instead of -e w.
