@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 
 #include "bench/command/completion.h"
 #include "bench/command/manual_page.h"
@@ -90,10 +91,12 @@ void apply(const OptionTraits& traits, CLI::Option& option) {
   if (traits.group) option.group(*traits.group);
   if (traits.show_default) option.capture_default_str();
   if (traits.positive) {
-    option.check(number_check("a positive number", [](double x) { return x > 0; }));
+    option.check(
+        number_check("a positive number", [](double x) { return x > 0 && std::isfinite(x); }));
   }
   if (traits.not_negative) {
-    option.check(number_check("a number of at least 0", [](double x) { return x >= 0; }));
+    option.check(number_check("a number of at least 0",
+                              [](double x) { return x >= 0 && std::isfinite(x); }));
   }
   if (traits.between) {
     const auto range = *traits.between;

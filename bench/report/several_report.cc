@@ -80,6 +80,9 @@ Json answer_json(const Answer& answer) {
 
 std::string conclusion(const SeveralAnswers& found) {
   if (found.status == SolveStatus::kNothingToDo) return "One answer: no impulses.\n";
+  if (found.answers.empty() && found.complete) {
+    return "No answer: none in any case of open, stick and slip.\n";
+  }
   if (found.answers.empty()) {
     return fmt::format("No start reached a guarded error of {:.0e}, so nothing is known.\n",
                        DistinctAnswers::kTrusted);

@@ -1,10 +1,12 @@
 #include "core/criterion/extended_error.h"
 
+#include <cmath>
 #include <functional>
 #include <vector>
 
 #include "core/base/parallel.h"
 #include "core/criterion/error_terms.h"
+#include "core/criterion/rounding_bound.h"
 #include "core/problem/delassus.h"
 
 namespace bipot {
@@ -179,6 +181,18 @@ double extended_guarded_error(const ContactProblem& p, const Eigen::Ref<const Ve
 double quadruple_guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
                                const ErrorShare& share, int threads) {
   return guarded_error<Quadruple>(p, s, share, threads);
+}
+
+double accurate_guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+                              const ContactError& error) {
+  const RoundedSums sums = rounded_sums(p, s);
+  const auto hides = [&](Precision precision, double figure) {
+    return !(rounding_bound(sums, p.num_contacts(), precision).guarded() <= figure);
+  };
+  double figure = error.guarded();
+  if (hides(Precision::kDouble, figure)) figure = extended_guarded_error(p, s);
+  if (hides(Precision::kExtended, figure)) figure = quadruple_guarded_error(p, s);
+  return std::isnan(figure) ? error.guarded() : figure;  // without W and with a general A
 }
 
 }  // namespace bipot

@@ -15,4 +15,9 @@ double extended_guarded_error(const ContactProblem& problem, const Eigen::Ref<co
 double quadruple_guarded_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                                const ErrorShare& share = {}, int threads = 1);
 
+/// The guarded error of `error`, which is that of s in double precision; in quadruple precision where
+/// rounding may hide as much as that figure.
+double accurate_guarded_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
+                              const ContactError& error);
+
 }  // namespace bipot

@@ -9,6 +9,7 @@
 
 #include "core/base/number_text.h"
 #include "core/criterion/error_terms.h"
+#include "core/criterion/extended_error.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 
@@ -258,10 +259,7 @@ std::string sentence(const JudgedContact& c) {
   return text;
 }
 
-double ImpulseVerdict::guarded() const {
-  const double law = error.guarded();
-  return cone > law ? cone : law;
-}
+double ImpulseVerdict::guarded() const { return cone > accurate ? cone : accurate; }
 
 ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vector>& s, int worst) {
   check_impulse(problem, s);
@@ -272,6 +270,7 @@ ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vecto
     throw std::invalid_argument("the energy of these impulses is beyond double precision");
   }
   verdict.s = evaluate.impulse();
+  verdict.accurate = accurate_guarded_error(problem, verdict.s, verdict.error);
   verdict.u = evaluate.velocity();
   verdict.count = count_contacts(problem, verdict.s);
   Vector u_given(problem.num_rows());
@@ -292,7 +291,7 @@ std::string sentence(const ImpulseVerdict& verdict, double tol) {
                        sentence(plain, tol));
   }
   const double error = verdict.guarded();
-  const char* measure = verdict.cone > verdict.error.guarded() ? "distance to the cone" : "error";
+  const char* measure = verdict.cone > verdict.accurate ? "distance to the cone" : "error";
   const bool within = error <= tol;
   std::string text = fmt::format("{} the tolerance {}: {} {:.2e}", within ? "within" : "not within",
                                  tolerance_label(tol), measure, error);

@@ -48,6 +48,8 @@ std::string sentence(const JudgedContact& contact);
 /// projected on K_mu, as the criterion asks (data/manual/explanation/criterion.md).
 struct ImpulseVerdict {
   ContactError error;
+  /// accurate_guarded_error(): not that of `error` where rounding decides.
+  double accurate = kNaN;
   /// Distance of the impulse as given from K_mu in the measure of eta, which does not see it:
   /// sqrt(Σ ½ W_nn |s - P_K(s)|² / max(D, theta E)). 0 inside; the result of a solver is inside.
   double cone = kNaN;
@@ -65,7 +67,7 @@ struct ImpulseVerdict {
   /// Why W is no Delassus operator, from a caller who accepts that; sentence() begins with it.
   std::string caution;
 
-  /// max(epsilon, eta, cone), to be compared with a tolerance.
+  /// max(accurate, cone), to be compared with a tolerance.
   double guarded() const;
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/base/types.h"
+#include "core/criterion/extended_error.h"
+#include "core/criterion/rounding_bound.h"
 #include "core/problem/energy_norm.h"
 
 namespace bipot {
@@ -18,20 +20,23 @@ DistinctAnswers::DistinctAnswers(const ContactProblem& problem)
 VerifiedAnswer DistinctAnswers::judge(const Vector& s, std::string_view found_by) {
   VerifiedAnswer answer{.error = evaluate_(s), .found_by = std::string(found_by)};
   answer.s = evaluate_.impulse();
+  answer.guarded = accurate_guarded_error(problem_, answer.s, answer.error);
   const double scale = std::max(answer.error.friction_power, kTheta * answer.error.energy);
-  answer.explained = std::sqrt(2 * answer.error.guarded() * largest_scale_ * scale);
+  const double hidden = rounding_bound(problem_, answer.s, Precision::kDouble).guarded();
+  const double error = answer.guarded + (std::isfinite(hidden) ? hidden : 0);
+  answer.explained = std::sqrt(2 * error * largest_scale_ * scale);
   return answer;
 }
 
 bool DistinctAnswers::are_distinct(const VerifiedAnswer& a, const VerifiedAnswer& b) const {
-  return a.error.guarded() <= kTrusted && b.error.guarded() <= kTrusted &&
+  return a.guarded <= kTrusted && b.guarded <= kTrusted &&
          distance(a.s, b.s) > kFactor * (a.explained + b.explained);
 }
 
 int DistinctAnswers::add(const Vector& s, std::string_view found_by) {
   if (s.size() != problem_.num_rows() || !s.allFinite()) return -1;
   VerifiedAnswer answer = judge(s, found_by);
-  if (!(answer.error.guarded() <= kTrusted)) return -1;
+  if (!(answer.guarded <= kTrusted)) return -1;
   // Near several answers, as in a family: the nearest.
   const int same =
       nearest(answer.s, [&](const VerifiedAnswer& other) { return !are_distinct(answer, other); });

@@ -15,6 +15,7 @@ namespace bipot {
 struct VerifiedAnswer {
   Vector s;            ///< projected on K_mu, the problem's variables                    [N s]
   ContactError error;  ///< of s
+  double guarded = 0;  ///< of s, see accurate_guarded_error()
   std::string found_by;
   /// largest distance of an exact answer that the error of s allows, see DistinctAnswers [J^½]
   double explained = 0;
@@ -26,7 +27,7 @@ struct VerifiedAnswer {
 ///
 /// An error explains a distance of
 ///
-///     explained(s) = sqrt(2 max(ε, η) max(D, θ E))
+///     explained(s) = sqrt(2 (max(ε, η) + ρ) max(D, θ E)),    ρ: bound on rounding
 ///
 /// from an exact answer, for any conditioning of W, where the law is monotone (no friction, or
 /// friction of given normal forces). Answers count as distinct beyond 100 times that, for Coulomb's

@@ -381,7 +381,7 @@ class AnswerSearch {
       explained = std::max(explained, answer.impulse.explained);
     }
     found_.resolution = distinct_.relative(2 * DistinctAnswers::kFactor * explained);
-    found_.spread = all.front().from_first;
+    found_.spread = all.size() > 1 ? difference(all[0], all[1]) : all.front().from_first;
     for (std::size_t i = 0; i < all.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         found_.spread = larger_of(found_.spread, difference(all[j], all[i]));

@@ -174,6 +174,9 @@ void solve_proximal_point(SolveRun& run) {
   RegularisedProblem regularised(p, weights);
   ContactErrorEvaluator outer = run.whole().evaluator();
   Vector start = run.start();
+  // An iterate within the tolerance that was not judged would never be seen: the next inner solve
+  // leaves it as it is.
+  run.judge_every_iteration();
   run.end_setup();
 
   long inner_iterations = 0;

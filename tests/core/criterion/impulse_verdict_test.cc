@@ -178,6 +178,19 @@ TEST(ImpulseVerdict, RestitutionIsJudgedInPhysicalVariables) {
   }
 }
 
+// W s + b cancels to 1e-16 of its parts: 0 in double precision, and 8.0e-3 with the exact sums
+// u = (-5.55e-17, -2.22e-16) (rational arithmetic).
+TEST(ImpulseVerdict, JudgesByWiderNumbersWhereRoundingDecides) {
+  Eigen::Matrix2d W;
+  W << 0.1, -0.6, -0.6, 3.6000000000036;
+  const ContactProblem p = delassus_problem(
+      2, W, Eigen::Vector2d(-1.1102230246251565e-16, -3.6002312242544576e-12), Vector::Ones(1));
+  const ImpulseVerdict verdict = judge(p, Eigen::Vector2d(6, 1));
+  EXPECT_LE(verdict.error.guarded(), 1e-8);
+  EXPECT_NEAR(verdict.guarded(), 8.0e-3, 1e-4);
+  EXPECT_TRUE(sentence(verdict, 1e-8).starts_with("not within"));
+}
+
 TEST(ImpulseVerdict, RefusesWhatIsNoImpulse) {
   const ContactProblem p = one_contact(1, -1, 0);
   const auto refusal = [&](const Vector& s) -> std::string {

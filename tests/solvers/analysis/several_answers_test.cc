@@ -79,6 +79,31 @@ TEST(SeveralAnswers, FindsOneWhereThereIsOne) {
   }
 }
 
+TEST(SeveralAnswers, RoundingIsNoSecondAnswer) {
+  Eigen::MatrixXd W(4, 4);
+  W << 3, 1, 2, 0, 1, 1, 1, 0, 2, 1, 2, -1, 0, 0, -1, 2;
+  const ContactProblem p =
+      delassus_problem(2, W, Eigen::Vector4d(-2, -1, -1, -1), Eigen::Vector2d(0, 1));
+  const SeveralAnswers found = find_several_answers(p, {.starts = 6});
+  ASSERT_GE(found.answers.size(), 1u);
+  for (std::size_t i = 0; i < found.answers.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      EXPECT_GT((found.answers[i].impulse.s - found.answers[j].impulse.s).norm(), 1e-6);
+    }
+  }
+}
+
+// The first answer is s = 0: nothing to measure the other's velocities by.
+TEST(SeveralAnswers, ADistanceFromRestIsUndefined) {
+  Eigen::Matrix2d W;
+  W << 1, -1, -1, 1;
+  const ContactProblem p = delassus_problem(2, W, Eigen::Vector2d(1, -1), Vector::Constant(1, 5));
+  const SeveralAnswers found = find_several_answers(p, {.starts = 4});
+  ASSERT_GE(found.answers.size(), 2u);
+  EXPECT_EQ(found.answers[0].impulse.s.norm(), 0);
+  EXPECT_TRUE(std::isnan(found.spread.velocity));
+}
+
 TEST(SeveralAnswers, ThreeIsolatedOnesOfATiltedPacking) {
   const ContactProblem p = shipped_file("2d_tilt1000hi_182.hdf5");
   const SeveralAnswers found = converged(find_several_answers(p, {.starts = 12, .seed = 3}));

@@ -24,6 +24,16 @@ TEST(ProximalPoint, TakesAnyOtherSolverInside) {
   EXPECT_TRUE(says(converged(ppa(p, {{"inner", "uzawa"}})).message, "of uzawa"));
 }
 
+// Here the iterate within 1e-6 is one that a run judges only if it judges all; the inner solver then
+// leaves it as it is.
+TEST(ProximalPoint, SeesEachIterate) {
+  Eigen::MatrixXd W(4, 4);
+  W << 5, 1, 0, 2, 1, 5, 4, -2, 0, 4, 4, -2, 2, -2, -2, 6;
+  const ContactProblem p =
+      delassus_problem(2, W, Eigen::Vector4d(-3, 1, -2, 0), Eigen::Vector2d(1, 0));
+  EXPECT_LE(converged(ppa(p, {}, 1e-6)).error.guarded(), 1e-6);
+}
+
 TEST(ProximalPoint, RefusesItselfUnknownSolversAndBadParameters) {
   const ContactProblem p = lattice_step(Lattice::kSquare, 3, 0.3, 0);
   EXPECT_EQ(ppa(p, {{"inner", "ppa"}}).status, SolveStatus::kInvalidInput);
