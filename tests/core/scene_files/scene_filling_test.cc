@@ -122,12 +122,6 @@ TEST(SceneFilling, PositionsComeFromAFileBesideTheScene) {
   EXPECT_EQ(space.bodies[1].radius, 0.02);
   EXPECT_NEAR(space.bodies[0].mass, 4.18879020e-3, 1e-10);  // 4/3 π 0.01³ 1000
 
-  positions("# x  y radius\n1 2 0.1\n\n 3  -4 0.2 \n");
-  const Scene<2> plane = parse_scene("[[disks]]\n" + group, source);
-  ASSERT_EQ(plane.bodies.size(), 2u);
-  EXPECT_EQ(plane.bodies[1].x, Vec2(3, -4));
-  EXPECT_EQ(plane.bodies[1].radius, 0.2);
-
   const auto refused = [&](const std::string& table, const std::string& because) {
     EXPECT_TRUE(says(
         refusal_of<std::runtime_error>([&] { parse_any_scene(table + group, source); }), because));
@@ -154,6 +148,11 @@ TEST(SceneFilling, PositionsComeFromAFileBesideTheScene) {
   refused("[[disks]]\n", "p.csv: ");
   positions("x,y,radius\n1,2,0.25\n");
   EXPECT_EQ(parse_scene("[[disks]]\n" + group, source).bodies[0].radius, 0.25);
+  positions("# x  y radius\n1 2 0.1\n\n 3  -4 0.2 \n");
+  const Scene<2> plane = parse_scene("[[disks]]\n" + group, source);
+  ASSERT_EQ(plane.bodies.size(), 2u);
+  EXPECT_EQ(plane.bodies[1].x, Vec2(3, -4));
+  EXPECT_EQ(plane.bodies[1].radius, 0.2);
 }
 
 }  // namespace
