@@ -38,8 +38,8 @@ TEST(Travel, CutsTheStepUntilNoBodyGoesFarther) {
 TEST(Travel, SeesForcesDragAndTheFastestMomentOfAWall) {
   Scene<2> scene = fall();
   scene.bodies[0].v.setZero();
-  scene.travel = 0.06;                         // 0.03 m of 0.01 s: 3 m/s
-  scene.forces = {{.force = Vec2(0, -1000)}};  // gains 5 m/s in the step
+  scene.travel = 0.06;                                    // 0.03 m of 0.01 s: 3 m/s
+  scene.forces = {{.last = 0, .force = Vec2(0, -1000)}};  // gains 5 m/s in the step
   EXPECT_EQ(travel_halvings(scene, initial_state(scene)), 1);
   scene.forces.clear();
   scene.drag = {.coefficient = 1e6, .velocity = Vec2(4, 0)};  // takes the body along at once

@@ -310,13 +310,12 @@ TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
   EXPECT_GT(started, 100);
 }
 
-TEST(Population, ThoseInsideAreFreeBodiesAndClusters) {
+TEST(Population, AClusterInsideCountsOnceWithItsMass) {
   const Scene<3> scene = scene_of<3>(R"(
 dim = 3
 walls = [{point = [0, 0, 0], normal = [0, 0, 1], name = "floor"}]
 outlets = [{name = "hole", point = [0, 0, -1], normal = [0, 0, 1]}]
-spheres = [{position = [3, 3, 1], radius = 0.1, mass = 1},
-           {position = [5, 5, 1], radius = 0.1, wall = "floor"}]
+spheres = [{position = [3, 3, 1], radius = 0.1, mass = 1}]
 clusters = [{position = [0, 0, 1], mass = 2, parts = [[0, 0, 0, 0.1], [0.1, 0, 0, 0.1]]}]
 time = {step = 1e-3, steps = 1}
 )");

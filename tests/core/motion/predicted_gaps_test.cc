@@ -61,7 +61,7 @@ TEST(PredictedGaps, LookAsFarAsForcesCarry) {
   Scene<2> scene = fall({.mu = 0.3});
   scene.bodies[0].x[1] = 0.52;
   scene.bodies[0].v.setZero();
-  scene.forces = {{.force = Vec2(0, -800)}};
+  scene.forces = {{.last = 0, .force = Vec2(0, -800)}};
   scene.predict_gaps = true;
   State<2> state = initial_state(scene);
   const Landed landed = advance(scene, state, 10);
