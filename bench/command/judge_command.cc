@@ -72,6 +72,7 @@ Json to_json(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerd
          {"exit_code", code},
          {"tol", flags.tol}};
   add_error(j, v.error);
+  j["guarded"] = v.guarded();
   j["siconos_map"] = v.siconos_map;
   j["cone"] = v.cone;
   j["cone_violation"] = v.cone_violation;
@@ -140,8 +141,8 @@ CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
                "Take a W that is not symmetric or not positive semidefinite; each verdict says so");
   add_output_flags(command, flags, "");
   command.footer(
-      "Ends with 0 where the largest of ε, η and the distance to the cone is within --tol, with 1\n"
-      "where it is not.\n"
+      "Ends with 0 where the largest of ε, η (in wider numbers where rounding decides) and the\n"
+      "distance to the cone is within --tol, with 1 where it is not.\n"
       "Examples:\n"
       "  bipot judge problem.hdf5\n"
       "  bipot judge problem.hdf5 --impulses mine.npy --tol 1e-4\n"

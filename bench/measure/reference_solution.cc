@@ -94,9 +94,9 @@ bool learn_answer(const ContactProblem& problem, const Vector& s, double time_li
     }
     return true;
   };
-  if (!(found.error.guarded() <= kNearlyExact) || !is_far(kSuspicious)) return false;
+  if (!(found.guarded <= kNearlyExact) || !is_far(kSuspicious)) return false;
   const auto is_new = [&] {
-    return found.error.guarded() <= DistinctAnswers::kTrusted && is_far(DistinctAnswers::kFactor);
+    return found.guarded <= DistinctAnswers::kTrusted && is_far(DistinctAnswers::kFactor);
   };
   const std::map<std::string, std::string> as_it_is{{"start_tol", "1"}};
   for (const char* name : {"homotopy", "newton", "ipm"}) {
@@ -107,7 +107,8 @@ bool learn_answer(const ContactProblem& problem, const Vector& s, double time_li
         .tol = ReferenceSolution::kTarget, .s0 = found.s, .cancelled = interrupted};
     if (std::string_view(name) == "homotopy") options.parameters = as_it_is;
     const SolveResult result = solve_within(*entry, problem, options, time_limit);
-    if (result.error.guarded() < found.error.guarded()) found = known.judge(result.s, name);
+    VerifiedAnswer next = known.judge(result.s, name);
+    if (next.guarded < found.guarded) found = std::move(next);
   }
   if (!is_new()) return false;
   reference.others.push_back(std::move(found.s));

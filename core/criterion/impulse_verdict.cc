@@ -291,9 +291,9 @@ std::string sentence(const ImpulseVerdict& verdict, double tol) {
                        sentence(plain, tol));
   }
   const double error = verdict.guarded();
-  const char* measure = verdict.cone > verdict.accurate              ? "distance to the cone"
-                        : verdict.accurate > verdict.error.guarded() ? "error in wider numbers"
-                                                                     : "error";
+  const char* measure = verdict.cone > verdict.accurate               ? "distance to the cone"
+                        : verdict.accurate != verdict.error.guarded() ? "error in wider numbers"
+                                                                      : "error";
   const bool within = error <= tol;
   std::string text = fmt::format("{} the tolerance {}: {} {:.2e}", within ? "within" : "not within",
                                  tolerance_label(tol), measure, error);

@@ -22,8 +22,8 @@ VerifiedAnswer DistinctAnswers::judge(const Vector& s, std::string_view found_by
   answer.s = evaluate_.impulse();
   answer.guarded = accurate_guarded_error(problem_, answer.s, answer.error);
   const double scale = std::max(answer.error.friction_power, kTheta * answer.error.energy);
-  const double hidden = rounding_bound(problem_, answer.s, Precision::kDouble).guarded();
-  const double error = answer.guarded + (std::isfinite(hidden) ? hidden : 0);
+  const double rounding = rounding_floor(problem_, answer.s, answer.error);
+  const double error = answer.guarded + (std::isfinite(rounding) ? rounding : 0);
   answer.explained = std::sqrt(2 * error * largest_scale_ * scale);
   return answer;
 }

@@ -27,7 +27,7 @@ struct VerifiedAnswer {
 ///
 /// An error explains a distance of
 ///
-///     explained(s) = sqrt(2 (max(ε, η) + ρ) max(D, θ E)),    ρ: bound on rounding
+///     explained(s) = sqrt(2 (max(ε, η) + ρ) max(D, θ E)),    ρ: that of s, see rounding_floor()
 ///
 /// from an exact answer, for any conditioning of W, where the law is monotone (no friction, or
 /// friction of given normal forces). Answers count as distinct beyond 100 times that, for Coulomb's

@@ -277,7 +277,7 @@ class AnswerSearch {
   /// Exact at 1/4, 1/2 and 3/4 between two exact answers.
   bool joined(const Vector& a, const Vector& b) {
     for (const double t : {0.25, 0.5, 0.75}) {
-      const double error = distinct_.judge((1 - t) * a + t * b, "").error.guarded();
+      const double error = distinct_.judge((1 - t) * a + t * b, "").guarded;
       if (!(error <= DistinctAnswers::kTrusted)) return false;
     }
     return true;
@@ -293,7 +293,7 @@ class AnswerSearch {
       std::string by;
       improve(back, by, "homotopy", kPivots, {{"start_tol", "1"}});
       const VerifiedAnswer found = distinct_.judge(back.s, "");
-      if (!(found.error.guarded() <= DistinctAnswers::kTrusted)) continue;
+      if (!(found.guarded <= DistinctAnswers::kTrusted)) continue;
       answer.perturbed = distinct_.relative(distinct_.distance(away, s));
       answer.came_back_to = distinct_.relative(distinct_.distance(found.s, s));
       answer.kind = !distinct_.are_distinct(found, answer.impulse) ? Answer::Kind::kIsolated

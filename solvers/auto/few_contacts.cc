@@ -12,7 +12,7 @@ namespace {
 /// Sweeps converge at a rate that depends on the chain of contacts; other cases are left to pivots.
 constexpr int kMostSweeps = 100;
 /// Changes below this, relative to the largest impulse, are rounding.
-constexpr double kSettled = 64 * std::numeric_limits<double>::epsilon();
+constexpr double kLastChange = 64 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -75,7 +75,7 @@ int FewContacts::sweeps(std::span<const int> contacts, Vector& s) {
       u.noalias() += w.middleCols<D>(c * D) * step;
       change = std::max(change, step.template lpNorm<Eigen::Infinity>());
     }
-    if (!(change <= kSettled * x.lpNorm<Eigen::Infinity>())) continue;
+    if (!(change <= kLastChange * x.lpNorm<Eigen::Infinity>())) continue;
     for (int k = 0; k < m; ++k) s[row(k)] = x[k];
     return sweep;
   }

@@ -107,13 +107,20 @@ int travel_halvings(const Scene<D>& scene, const State<D>& state) {
   const std::vector<Wall<D>> walls = walls_at(scene.walls, state.walls, middle);
   for (std::size_t w = 0; w < walls.size(); ++w) {
     using Motion = typename Wall<D>::Motion;
-    const Wall<D>& whole = scene.walls[w];
+    const Wall<D>&wall = walls[w], &whole = scene.walls[w];
+    if (!has_schedule(whole)) {
+      const bool driven = wall.motion == Motion::kDriven;
+      const double gain = driven ? scene.step * std::abs(wall.force) / wall.mass : 0;
+      speed = std::max(speed, wall.v.norm() + gain);
+      continue;
+    }
+    const double stops = std::min(whole.stops, whole.removed);
+    if (!(whole.starts < end && stops > state.time)) continue;
     const double factor = whole.time_factor.largest(state.time, end);
-    const bool scheduled = walls[w].motion == Motion::kMoving && has_schedule(whole);
-    const double gain = walls[w].motion == Motion::kDriven
-                            ? scene.step * factor * std::abs(whole.force) / whole.mass
-                            : 0;
-    speed = std::max(speed, (scheduled ? factor * whole.v : walls[w].v).norm() + gain);
+    speed = std::max(speed,
+                     whole.motion == Motion::kDriven
+                         ? wall.v.norm() + scene.step * factor * std::abs(whole.force) / whole.mass
+                         : factor * whole.v.norm());
   }
   double way = scene.step * speed;
   for (int halvings = 0; halvings <= kMostTravelHalvings; ++halvings, way *= 0.5) {
