@@ -141,7 +141,7 @@ CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
                "Take a W that is not symmetric or not positive semidefinite; each verdict says so");
   add_output_flags(command, flags, "");
   command.footer(
-      "Ends with 0 where the largest of ε, η (in wider numbers where rounding decides) and the\n"
+      "Ends with 0 where the largest of ε, η (in higher precision where rounding decides) and the\n"
       "distance to the cone is within --tol, with 1 where it is not.\n"
       "Examples:\n"
       "  bipot judge problem.hdf5\n"

@@ -77,7 +77,7 @@ void bind_judge(py::module_& module) {
       .def_readonly("cone", &ImpulseVerdict::cone,
                     "Distance of s to the friction cone, in the measure of eta; 0 inside.")
       .def_property_readonly("guarded", &ImpulseVerdict::guarded,
-                             "max(epsilon, eta, cone), in wider numbers where rounding decides.")
+                             "max(epsilon, eta, cone), in higher precision where rounding decides.")
       .def_readonly("cone_violation", &ImpulseVerdict::cone_violation,
                     "Largest distance of one contact's impulse to its cone [N s].")
       .def_property_readonly(

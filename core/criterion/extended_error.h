@@ -15,8 +15,8 @@ double extended_guarded_error(const ContactProblem& problem, const Eigen::Ref<co
 double quadruple_guarded_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                                const ErrorShare& share = {}, int threads = 1);
 
-/// The guarded error of `error`, which is that of s in double precision; in quadruple precision where
-/// rounding may hide as much as that figure.
+/// The guarded error of s, whose `error` in double precision is given. Where rounding may hide as much
+/// as that figure (rounding_bound.h), it is taken in extended, then in quadruple precision.
 double accurate_guarded_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                               const ContactError& error);
 

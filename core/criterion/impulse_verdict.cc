@@ -292,7 +292,7 @@ std::string sentence(const ImpulseVerdict& verdict, double tol) {
   }
   const double error = verdict.guarded();
   const char* measure = verdict.cone > verdict.accurate               ? "distance to the cone"
-                        : verdict.accurate != verdict.error.guarded() ? "error in wider numbers"
+                        : verdict.accurate != verdict.error.guarded() ? "error in higher precision"
                                                                       : "error";
   const bool within = error <= tol;
   std::string text = fmt::format("{} the tolerance {}: {} {:.2e}", within ? "within" : "not within",

@@ -48,7 +48,7 @@ std::string sentence(const JudgedContact& contact);
 /// projected on K_mu, as the criterion asks (data/manual/explanation/criterion.md).
 struct ImpulseVerdict {
   ContactError error;
-  /// accurate_guarded_error(): not that of `error` where rounding decides.
+  /// max(epsilon, eta), in higher precision where rounding decides: accurate_guarded_error().
   double accurate = kNaN;
   /// Distance of the impulse as given from K_mu in the measure of eta, which does not see it:
   /// sqrt(Σ ½ W_nn |s - P_K(s)|² / max(D, theta E)). 0 inside; the result of a solver is inside.

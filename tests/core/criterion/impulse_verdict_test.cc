@@ -180,7 +180,7 @@ TEST(ImpulseVerdict, RestitutionIsJudgedInPhysicalVariables) {
 
 // W s + b cancels to 1e-16 of its parts: 0 in double precision, and 8.0e-3 with the exact sums
 // u = (-5.55e-17, -2.22e-16) (rational arithmetic).
-TEST(ImpulseVerdict, JudgesByWiderNumbersWhereRoundingDecides) {
+TEST(ImpulseVerdict, JudgesInHigherPrecisionWhereRoundingDecides) {
   Eigen::Matrix2d W;
   W << 0.1, -0.6, -0.6, 3.6000000000036;
   const ContactProblem p = delassus_problem(
@@ -189,6 +189,7 @@ TEST(ImpulseVerdict, JudgesByWiderNumbersWhereRoundingDecides) {
   EXPECT_LE(verdict.error.guarded(), 1e-8);
   EXPECT_NEAR(verdict.guarded(), 8.0e-3, 1e-4);
   EXPECT_TRUE(sentence(verdict, 1e-8).starts_with("not within"));
+  EXPECT_TRUE(says(sentence(verdict, 1e-8), "higher precision"));
 }
 
 TEST(ImpulseVerdict, RefusesWhatIsNoImpulse) {

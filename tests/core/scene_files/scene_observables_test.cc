@@ -95,10 +95,10 @@ TEST(SceneObservables, InSpace) {
   refused(cell + table + at + "normal = [1, 0, 1]\n", {"'normal'", "along an axis"});
   refused(cell + table + at + "normal = [0, 0, 1]\nradius = 1.5\n", {"'point'", "x = -0.5 to 2.5"});
   read(cell + table + at + "normal = [1, 0, 0]\nradius = 1.5\n");  // reaches along y and z
-  refused(
-      table + at +
-          "normal = [0, 0, 1]\n[[clusters]]\nposition = [0, 0, 0]\nmass = 1\nparts = [[0, 0, 0, 1], [1, 0, 0, 1]]\n",
-      {"faces do not measure the flux of clusters"});
+  refused(table + at +
+              "normal = [0, 0, 1]\n[[clusters]]\nposition = [0, 0, 0]\nmass = 1\n"
+              "parts = [[0, 0, 0, 1], [1, 0, 0, 1]]\n",
+          {"faces do not measure the flux of clusters"});
   EXPECT_THROW(scene_of("[observables]\n[[observables.faces]]\n" + kTenSteps), SceneFileError);
 }
 

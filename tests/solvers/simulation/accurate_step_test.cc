@@ -113,7 +113,7 @@ TEST(AccurateStep, SeesAWallThatMovesForAMomentOnly) {
   scene.walls[0].time_factor = {.times = {0.151, 0.152, 0.153, 0.154, 0.155},
                                 .factors = {0, 1, 0, -1, 0}};
   scene.bodies = {round_body<2>(Vec2(0, 0.005 + kRadius), kRadius, 2)};
-  // Misplaced by 1e-5 m, it meets a speed that is off by 1e4 m/s² 1e-6 s.
+  // Misplaced by 1e-5 m, it meets a speed that is off by 1e4 m/s² × 1e-6 s.
   const Ended<2> end = run(with_accuracy(scene, 1e-3, 0.1, 4));
   EXPECT_NEAR(end.state.bodies[0].v[1], 20, 0.1);
 }
