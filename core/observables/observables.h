@@ -30,7 +30,7 @@ struct Observables {
   MeanStress<D> stress;                       ///< core/motion/stress_tensor.h
   Mat<D> velocity_gradient = Mat<D>::Zero();  ///< dv_i/dx_j, least squares over the disks   [1/s]
   double mean_mass = 0;      ///< of a disk                                              [kg]
-  double mean_diameter = 0;  ///< 3D: of a sphere                                         [m]
+  double mean_diameter = 0;  ///< 3D: of spheres of the same volumes                    [m]
   double density = 0;        ///< 3D: mass over volume of the spheres           [kg/m³]
 
   double sliding_share() const {

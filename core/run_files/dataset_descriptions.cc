@@ -128,7 +128,7 @@ constexpr Description kObservables[] = {
     {"pressure", "mean of the principal stresses"},
     {"shear_rate", "of the velocity gradient that fits the bodies best"},
     {"mean_mass", "of a body"},
-    {"mean_diameter", "of a body"},
+    {"mean_diameter", "of spheres of the same volumes"},
     {"density", "of the bodies"},
     {"inertial_number", "shear rate in units of pressure and size"},
     {"friction", "shear over mean stress"},

@@ -297,9 +297,10 @@ void solve_lemke(SolveRun& run) {
                               kDraws, closest));
         } else {
           run.end(SolveStatus::kNumericalFailure,
-                  fmt::format("pivoting from {} covering vectors ended on {} after {} pivots: "
-                              "the problem has no solution, or rounding was too large",
-                              kDraws, failures, pivots));
+                  fmt::format(
+                      "pivoting from {} covering vectors ended on {} after {} pivots: "
+                      "no solution exists, or friction or rounding is too large for this method",
+                      kDraws, failures, pivots));
         }
       }
     }

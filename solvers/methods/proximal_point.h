@@ -52,7 +52,8 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
 
 /// The parameters that every solver with this outer loop has.
 inline constexpr ParameterSpec kKappaParameter = ParameterSpec::number(
-    "kappa", "100", {1e-3, 1e12}, "first proximal parameter, in units of the diagonal of W");
+    "kappa", "100", {1e-3, 1e12},
+    "first proximal parameter, at most kappa_max, in units of the diagonal of W");
 inline constexpr ParameterSpec kLargestKappaParameter =
     ParameterSpec::number("kappa_max", "1e7", {1e-3, 1e12}, "largest proximal parameter");
 
