@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 namespace bipot {
 
 /// A reference to a task: cheap to pass; it never outlives the call.
@@ -61,6 +63,21 @@ void run_pieces(int threads, int items, F&& f) {
     const int first = k * kPieceItems;
     f(first, items - first < kPieceItems ? items : first + kPieceItems);
   });
+}
+
+/// Joins f(first, last) of the parts to `total`, in their order, by join(total, value): the same
+/// bits for any number of threads.
+template <class T, class F, class Join>
+T join_pieces(int threads, int items, T total, F&& f, Join&& join) {
+  struct Piece {
+    T value;
+  };
+  std::vector<Piece> pieces(static_cast<unsigned>((items + kPieceItems - 1) / kPieceItems));
+  run_pieces(threads, items, [&](int first, int last) {
+    pieces[static_cast<unsigned>(first / kPieceItems)].value = f(first, last);
+  });
+  for (const Piece& piece : pieces) join(total, piece.value);
+  return total;
 }
 
 }  // namespace bipot

@@ -145,14 +145,10 @@ ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x, c
 template <ContactRows D, class Real>
 ErrorSums sums_of(const ContactProblem& p, const std::vector<Real>& x, const Vector& arms,
                   const WideProduct<Real>& product, int threads) {
-  std::vector<ErrorSumsOf<Real>> pieces(
-      to_size((p.num_contacts() + kPieceItems - 1) / kPieceItems));
-  run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
-    pieces[to_size(begin / kPieceItems)] = sums_of<D>(p, x, arms, product, begin, end);
-  });
-  ErrorSumsOf<Real> all;
-  for (const ErrorSumsOf<Real>& piece : pieces) all += piece;
-  return in_double(all);
+  return in_double(join_pieces(
+      threads, p.num_contacts(), ErrorSumsOf<Real>(),
+      [&](int begin, int end) { return sums_of<D>(p, x, arms, product, begin, end); },
+      [](ErrorSumsOf<Real>& all, const ErrorSumsOf<Real>& piece) { all += piece; }));
 }
 
 template <class Real>

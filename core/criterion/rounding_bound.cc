@@ -163,16 +163,13 @@ RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& giv
 /// Sums over all contacts, in pieces.
 RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
                     const RoundedRows& rows, int threads) {
-  std::vector<RoundedSums> pieces(to_size((p.num_contacts() + kPieceItems - 1) / kPieceItems));
   const Vector arms = p.rolls() ? rolling_arms(p, DelassusOperator(p).diagonal()) : Vector();
-  dispatch_rows(p, [&](auto d) {
-    run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
-      pieces[to_size(begin / kPieceItems)] = sums_of<d()>(p, s, arms, rows, begin, end);
-    });
+  return dispatch_rows(p, [&](auto d) {
+    return join_pieces(
+        threads, p.num_contacts(), RoundedSums(),
+        [&](int begin, int end) { return sums_of<d()>(p, s, arms, rows, begin, end); },
+        [](RoundedSums& all, const RoundedSums& piece) { all += piece; });
   });
-  RoundedSums sums;
-  for (const RoundedSums& piece : pieces) sums += piece;
-  return sums;
 }
 
 /// The errors in another precision, or slightly more: all are at most linear in the roundoff,

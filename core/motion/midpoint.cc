@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/motion/body_forces.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/joints.h"
@@ -62,12 +64,14 @@ void keep_those_who_may_meet(const Scene<D>& scene, Midpoint<D>& mid) {
 
 /// Velocities of disks and walls after the step without contact impulses.
 template <int D>
-void free_bodies(const Scene<D>& scene, double middle, Midpoint<D>& mid) {
+void free_bodies(const Scene<D>& scene, double middle, Midpoint<D>& mid, int threads) {
   const double h = scene.step;
   mid.disk_v_free.resize(mid.bodies.size());
-  for (std::size_t i = 0; i < mid.bodies.size(); ++i) {
-    mid.disk_v_free[i] = mid.bodies[i].v + h * mid.gravity;
-  }
+  run_pieces(threads, static_cast<int>(mid.bodies.size()), [&](int begin, int end) {
+    for (std::size_t i = to_size(begin); i < to_size(end); ++i) {
+      mid.disk_v_free[i] = mid.bodies[i].v + h * mid.gravity;
+    }
+  });
   if (has_body_forces(scene)) add_body_forces<D>(scene, middle, mid.bodies, mid.disk_v_free);
   mid.wall_v_free.assign(mid.walls.size(), 0.0);
   for (std::size_t w = 0; w < mid.walls.size(); ++w) {
@@ -132,16 +136,18 @@ void move_clusters(const Midpoint<D>& mid, const DofMap& dofs, const Vector& v, 
 
 /// Moves everything to its place at mid-step, with the velocities before the step.
 template <int D>
-void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid) {
+void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid, int threads) {
   const double h = scene.step;
   mid.bodies = state.bodies;
   const double middle = state.time + 0.5 * h;
   mid.walls = walls_at(scene.walls, state.walls, middle, h);
   mid.gravity = gravity_at(scene, middle);
-  for (Body<D>& d : mid.bodies) {
-    if (d.wall >= 0) d.v = mid.walls[to_size(d.wall)].v;  // which may have started or stopped
-    drift(d, 0.5 * h);
-  }
+  run_pieces(threads, static_cast<int>(mid.bodies.size()), [&](int begin, int end) {
+    for (Body<D>& d : std::span(mid.bodies).subspan(to_size(begin), to_size(end - begin))) {
+      if (d.wall >= 0) d.v = mid.walls[to_size(d.wall)].v;  // which may have started or stopped
+      drift(d, 0.5 * h);
+    }
+  });
   if (!state.clusters.empty()) {
     mid.clusters = state.clusters;
     for (Cluster<D>& cluster : mid.clusters.bodies) drift(cluster, 0.5 * h);
@@ -154,10 +160,10 @@ void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid
 }
 
 template <int D>
-Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state) {
+Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state, int threads) {
   Midpoint<D> mid;
-  place_bodies(scene, state, mid);
-  free_bodies(scene, state.time + 0.5 * scene.step, mid);
+  place_bodies(scene, state, mid, threads);
+  free_bodies(scene, state.time + 0.5 * scene.step, mid, threads);
   free_clusters(mid, scene.step);
   return mid;
 }
@@ -166,7 +172,7 @@ template <int D>
 Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int threads,
                           KeptContacts<D>* kept) {
   const double h = scene.step;
-  Midpoint<D> mid = free_midpoint(scene, state);
+  Midpoint<D> mid = free_midpoint(scene, state, threads);
   if (state.cell.periodic()) {
     mid.cell = state.cell;
     move_cell(mid.cell, 0.5 * h);
@@ -246,10 +252,10 @@ State<D> update_bodies(Midpoint<D>& mid, const DofMap& dofs, const Vector& v, do
   return next;
 }
 
-template void place_bodies(const Scene<2>&, const State<2>&, Midpoint<2>&);
-template void place_bodies(const Scene<3>&, const State<3>&, Midpoint<3>&);
-template Midpoint<2> free_midpoint(const Scene<2>&, const State<2>&);
-template Midpoint<3> free_midpoint(const Scene<3>&, const State<3>&);
+template void place_bodies(const Scene<2>&, const State<2>&, Midpoint<2>&, int);
+template void place_bodies(const Scene<3>&, const State<3>&, Midpoint<3>&, int);
+template Midpoint<2> free_midpoint(const Scene<2>&, const State<2>&, int);
+template Midpoint<3> free_midpoint(const Scene<3>&, const State<3>&, int);
 template Midpoint<2> make_midpoint(const Scene<2>&, const State<2>&, int, KeptContacts<2>*);
 template Midpoint<3> make_midpoint(const Scene<3>&, const State<3>&, int, KeptContacts<3>*);
 template AssembledStep assemble_step(const Scene<2>&, const Midpoint<2>&, bool, int);

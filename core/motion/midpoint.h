@@ -28,11 +28,11 @@ struct Midpoint {
 
 /// Sets bodies, walls and clusters again, for a midpoint whose `bodies` were released.
 template <int D>
-void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid);
+void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid, int threads = 1);
 
 /// The same without contacts: positions, velocities and forces alone. Not for periodic scenes.
 template <int D>
-Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state);
+Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state, int threads = 1);
 
 /// `kept`: neighbour lists of earlier steps, which change no bit.
 template <int D>

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <cstdint>
 #include <numeric>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/scene/triangle_mesh.h"
@@ -47,90 +50,142 @@ struct Grid {
   }
 };
 
-struct CellEntry {
-  std::uint64_t key;
-  int disk;
+/// Bodies of one size class: cells of this width, and their range in SortedBodies.
+struct Level {
+  double cell;
+  int begin, end;
 };
 
-/// The disks of one size class, sorted by grid cell (row by row).
-template <int D>
-struct Level {
-  double cell = 0;
-  std::vector<CellEntry> entries;
+struct CellEntry {
+  std::uint64_t key;
+  int level, body;
 
-  typename Grid<D>::GridCell cell_of(const Vec<D>& x) const {
-    constexpr double kMost = Grid<D>::kMaxCell;
-    typename Grid<D>::GridCell index;
-    for (int k = 0; k < D; ++k) {
-      index[to_size(k)] =
-          static_cast<std::int64_t>(std::clamp(std::floor(x[k] / cell), -kMost, kMost));
-    }
-    return index;
+  auto operator<=>(const CellEntry& other) const {
+    return std::tie(level, key, body) <=> std::tie(other.level, other.key, other.body);
   }
 };
 
-/// By key, then by disk: parts on threads, which are then merged.
-void sort_entries(std::vector<CellEntry>& entries, int threads) {
-  const auto earlier = [](const CellEntry& a, const CellEntry& b) {
-    return a.key != b.key ? a.key < b.key : a.disk < b.disk;
+/// Bodies by size class, grid cell (row by row) and number. Places stand in the same order: tests
+/// of neighbours read them from one part of memory.
+template <int D>
+struct SortedBodies {
+  struct Place {
+    Vec<D> x;
+    double radius;
   };
-  const auto size = static_cast<std::ptrdiff_t>(entries.size());
+  std::vector<CellEntry> entries;
+  std::vector<Place> places;
+  std::vector<Level> levels;
+};
+
+template <int D>
+typename Grid<D>::GridCell cell_of(const Vec<D>& x, double width) {
+  constexpr double kMost = Grid<D>::kMaxCell;
+  typename Grid<D>::GridCell index;
+  for (int k = 0; k < D; ++k) {
+    index[to_size(k)] =
+        static_cast<std::int64_t>(std::clamp(std::floor(x[k] / width), -kMost, kMost));
+  }
+  return index;
+}
+
+/// How many of the first `count` of two merged lists come from the first list.
+std::ptrdiff_t from_first(std::span<const CellEntry> a, std::span<const CellEntry> b,
+                          std::ptrdiff_t count) {
+  std::ptrdiff_t low = std::max<std::ptrdiff_t>(0, count - std::ssize(b));
+  std::ptrdiff_t high = std::min(count, std::ssize(a));
+  while (low < high) {
+    const std::ptrdiff_t middle = (low + high) / 2;
+    if (a[to_size(middle)] < b[to_size(count - middle - 1)]) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low;
+}
+
+/// Sorts parts on threads and merges them in pairs: all threads take part in each merge.
+void sort_entries(std::vector<CellEntry>& entries, int threads) {
+  const std::ptrdiff_t size = std::ssize(entries);
   int parts = 1;
   while (2 * parts <= threads && size >= 2 * parts * kPieceItems) parts *= 2;
-  const auto bound = [&](int k) { return entries.begin() + size * k / parts; };
-  run_tasks(threads, parts, [&](int k) { std::sort(bound(k), bound(k + 1), earlier); });
+  const auto bound = [&](int k) { return size * k / parts; };
+  run_tasks(threads, parts,
+            [&](int k) { std::sort(entries.begin() + bound(k), entries.begin() + bound(k + 1)); });
+  std::vector<CellEntry> merged(parts > 1 ? entries.size() : 0);
   for (int width = 1; width < parts; width *= 2) {
-    run_tasks(threads, parts / (2 * width), [&](int k) {
-      std::inplace_merge(bound(2 * k * width), bound((2 * k + 1) * width),
-                         bound((2 * k + 2) * width), earlier);
+    run_tasks(threads, parts, [&](int task) {
+      const int left = task / (2 * width) * 2 * width;
+      const auto list = [&](int k) {
+        return std::span<const CellEntry>(entries.begin() + bound(k),
+                                          entries.begin() + bound(k + width));
+      };
+      const std::span<const CellEntry> a = list(left), b = list(left + width);
+      const std::ptrdiff_t first = bound(task) - bound(left), last = bound(task + 1) - bound(left);
+      const std::ptrdiff_t a0 = from_first(a, b, first), a1 = from_first(a, b, last);
+      std::merge(a.begin() + a0, a.begin() + a1, b.begin() + (first - a0), b.begin() + (last - a1),
+                 merged.begin() + bound(task));
     });
+    entries.swap(merged);
   }
 }
 
 template <int D>
-std::vector<Level<D>> build_levels(std::span<const Body<D>> disks, double eta, int threads) {
-  std::vector<Level<D>> levels;
-  if (disks.empty()) return levels;
-  double smallest = disks[0].radius;
-  for (const Body<D>& d : disks) smallest = std::min(smallest, d.radius);
+SortedBodies<D> sort_bodies(std::span<const Body<D>> disks, double eta, int threads) {
+  SortedBodies<D> sorted;
   const int num_disks = static_cast<int>(disks.size());
-  std::vector<int> level_of(disks.size());  // smallest * 2^level >= radius
+  const double smallest = join_pieces(
+      threads, num_disks, kInfinity,
+      [&](int begin, int end) {
+        double least = kInfinity;
+        for (int i = begin; i < end; ++i) least = std::min(least, disks[to_size(i)].radius);
+        return least;
+      },
+      [](double& a, double b) { a = std::min(a, b); });
+  // Two disks of this class or smaller that touch lie in the same or in adjacent cells.
+  const auto width = [&](int level) {
+    return 2 * std::ldexp(smallest, level) * (1 + 1e-12) + std::max(eta, 0.0);
+  };
+  sorted.entries.resize(disks.size());
   run_pieces(threads, num_disks, [&](int begin, int end) {
-    for (std::size_t i = to_size(begin); i < to_size(end); ++i) {
-      int exponent = 0;
-      const double mantissa = std::frexp(disks[i].radius / smallest, &exponent);
-      level_of[i] = mantissa == 0.5 ? exponent - 1 : exponent;
+    for (int i = begin; i < end; ++i) {
+      const Body<D>& disk = disks[to_size(i)];
+      int level = 0;  // the least with smallest * 2^level >= radius
+      if (std::frexp(disk.radius / smallest, &level) == 0.5) --level;
+      sorted.entries[to_size(i)] = {Grid<D>::key(cell_of<D>(disk.x, width(level))), level, i};
     }
   });
-  std::vector<std::vector<int>> members;
-  for (int i = 0; i < num_disks; ++i) {
-    const std::size_t level = to_size(level_of[to_size(i)]);
-    if (level >= members.size()) members.resize(level + 1);
-    members[level].push_back(i);
+  sort_entries(sorted.entries, threads);
+  sorted.places.resize(disks.size());
+  run_pieces(threads, num_disks, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      const Body<D>& disk = disks[to_size(sorted.entries[to_size(k)].body)];
+      sorted.places[to_size(k)] = {disk.x, disk.radius};
+    }
+  });
+  for (int begin = 0; begin < num_disks;) {
+    const int level = sorted.entries[to_size(begin)].level;
+    const auto beyond = std::partition_point(sorted.entries.begin() + begin, sorted.entries.end(),
+                                             [&](const CellEntry& e) { return e.level == level; });
+    const int end = static_cast<int>(beyond - sorted.entries.begin());
+    sorted.levels.push_back({width(level), begin, end});
+    begin = end;
   }
-  for (std::size_t l = 0; l < members.size(); ++l) {
-    if (members[l].empty()) continue;
-    Level<D> level;
-    // Two disks of this class or smaller that touch lie in the same or in adjacent cells.
-    level.cell = 2 * std::ldexp(smallest, static_cast<int>(l)) * (1 + 1e-12) + std::max(eta, 0.0);
-    level.entries.resize(members[l].size());
-    run_pieces(threads, static_cast<int>(members[l].size()), [&](int begin, int end) {
-      for (std::size_t k = to_size(begin); k < to_size(end); ++k) {
-        const int i = members[l][k];
-        level.entries[k] = {Grid<D>::key(level.cell_of(disks[to_size(i)].x)), i};
-      }
-    });
-    sort_entries(level.entries, threads);
-    levels.push_back(std::move(level));
-  }
-  return levels;
+  return sorted;
 }
 
 /// True if disks are glued to walls or joined: one test for both, since -1 stands for neither.
 template <int D>
-bool any_joined(std::span<const Body<D>> disks) {
-  return std::any_of(disks.begin(), disks.end(),
-                     [](const Body<D>& d) { return (d.wall & d.cluster) != -1; });
+bool any_joined(std::span<const Body<D>> disks, int threads) {
+  return join_pieces(
+      threads, static_cast<int>(disks.size()), false,
+      [&](int begin, int end) {
+        const auto part = disks.subspan(to_size(begin), to_size(end - begin));
+        return std::any_of(part.begin(), part.end(),
+                           [](const Body<D>& d) { return (d.wall & d.cluster) != -1; });
+      },
+      [](bool& a, bool b) { a = a || b; });
 }
 
 /// Sorts pairs of disks: a disk glued to a wall comes second. Pairs of two glued disks and pairs
@@ -157,19 +212,19 @@ template <int D>
       "{}s {} and {} have the same centre: their contact has no normal", kBodyName<D>, i, j));
 }
 
-/// Inlined by order: it is called for every candidate pair.
+/// `a` and `b` are the places of the bodies i and j. Inlined by order: it is called for every
+/// candidate pair.
 template <int D>
-[[gnu::always_inline]] inline void test_pair(std::span<const Body<D>> disks, int i, int j,
-                                             double eta, std::vector<Contact<D>>& out) {
-  if (i > j) std::swap(i, j);
-  const Body<D>&a = disks[to_size(i)], &b = disks[to_size(j)];
-  const Vec<D> d = a.x - b.x;
-  const double reach = a.radius + b.radius + eta;
-  const double distance2 = d.squaredNorm();
+[[gnu::always_inline]] inline void test_pair(int i, const auto& a, int j, const auto& b, double eta,
+                                             std::vector<Contact<D>>& out) {
+  const double radii = a.radius + b.radius;
+  const double reach = radii + eta;
+  const double distance2 = (a.x - b.x).squaredNorm();
   if (distance2 > reach * reach) return;
   const double distance = std::sqrt(distance2);
-  if (distance <= kNoDirection * (a.radius + b.radius)) refuse_coincident<D>(i, j);
-  out.push_back({i, j, d / distance, distance - (a.radius + b.radius)});
+  if (distance <= kNoDirection * radii) refuse_coincident<D>(std::min(i, j), std::max(i, j));
+  const Vec<D> d = i < j ? a.x - b.x : b.x - a.x;
+  out.push_back({std::min(i, j), std::max(i, j), d / distance, distance - radii});
 }
 
 template <int D>
@@ -213,69 +268,66 @@ void test_surface(const Sphere& sphere, int i, const Wall<3>& wall, int j, doubl
   wall.mesh->find_contacts(sphere, sphere.x - wall.a, i, j, eta, out);
 }
 
-using Entries = std::vector<CellEntry>;
-
-Entries::const_iterator first_from(const Entries& entries, std::uint64_t key) {
-  return std::lower_bound(entries.begin(), entries.end(), key,
-                          [](const CellEntry& e, std::uint64_t k) { return e.key < k; });
+/// The first body of the level whose key is at least this one.
+template <int D>
+int first_from(const SortedBodies<D>& bodies, const Level& level, std::uint64_t key) {
+  const auto begin = bodies.entries.begin();
+  return static_cast<int>(std::partition_point(begin + level.begin, begin + level.end,
+                                               [&](const CellEntry& e) { return e.key < key; }) -
+                          begin);
 }
 
-/// Contacts within a level of the entries [begin, end) with later ones: the rest of their cell, the
-/// cell to the right, and three cells of each neighbouring row that comes later. Each pair is met
-/// once. All these positions advance together with the entries.
+/// Contacts of the bodies [begin, end) of a level with later ones: the rest of their cell, the cell
+/// to the right, and three cells of each neighbouring row that comes later. Each pair is met once.
+/// All these positions advance together with the bodies.
 template <int D>
-void find_within(std::span<const Body<D>> disks, const Level<D>& level, int begin, int end,
-                 double eta, std::vector<Contact<D>>& out) {
-  const Entries& entries = level.entries;
+void find_within(const SortedBodies<D>& bodies, const Level& level, int begin, int end, double eta,
+                 std::vector<Contact<D>>& out) {
   out.reserve((D == 2 ? 3 : 6) * to_size(end - begin));
+  const auto key = [&](int k) { return bodies.entries[to_size(k)].key; };
+  const auto test = [&](int k, int l) {
+    const std::size_t a = to_size(k), b = to_size(l);
+    test_pair<D>(bodies.entries[a].body, bodies.places[a], bodies.entries[b].body, bodies.places[b],
+                 eta, out);
+  };
   constexpr auto kRowsAfter = Grid<D>::rows_after();
-  std::array<Entries::const_iterator, kRowsAfter.size()> after;
+  std::array<int, kRowsAfter.size()> after;
   for (std::size_t r = 0; r < after.size(); ++r) {
-    after[r] = first_from(entries, entries[to_size(begin)].key + kRowsAfter[r] - 1);
+    after[r] = first_from(bodies, level, key(begin) + kRowsAfter[r] - 1);
   }
   for (int k = begin; k < end; ++k) {
-    const CellEntry& entry = entries[to_size(k)];
-    for (auto it = entries.begin() + k + 1; it != entries.end() && it->key <= entry.key + 1; ++it) {
-      test_pair<D>(disks, entry.disk, it->disk, eta, out);
-    }
+    for (int l = k + 1; l < level.end && key(l) <= key(k) + 1; ++l) test(k, l);
     for (std::size_t r = 0; r < after.size(); ++r) {
-      auto& row = after[r];
-      const std::uint64_t first = entry.key + kRowsAfter[r] - 1;
-      while (row != entries.end() && row->key < first) ++row;
-      for (auto it = row; it != entries.end() && it->key <= first + 2; ++it) {
-        test_pair<D>(disks, entry.disk, it->disk, eta, out);
-      }
+      int& row = after[r];
+      const std::uint64_t first = key(k) + kRowsAfter[r] - 1;
+      while (row < level.end && key(row) < first) ++row;
+      for (int l = row; l < level.end && key(l) <= first + 2; ++l) test(k, l);
     }
   }
 }
 
-/// Contacts of a disk with the entries of three adjacent cells of a row; `cell` is the middle one.
+/// Contacts of the bodies [begin, end) with larger ones, those of another level.
 template <int D>
-void find_in_row(std::span<const Body<D>> disks, int disk, const Level<D>& coarse,
-                 typename Grid<D>::GridCell cell, double eta, std::vector<Contact<D>>& out) {
-  const std::uint64_t middle = Grid<D>::key(cell);
-  auto it = first_from(coarse.entries, middle - 1);
-  for (; it != coarse.entries.end() && it->key <= middle + 1; ++it) {
-    test_pair<D>(disks, disk, it->disk, eta, out);
-  }
-}
-
-/// Contacts of the entries [begin, end) of a level with the larger disks of another.
-template <int D>
-void find_between(std::span<const Body<D>> disks, const Level<D>& fine, const Level<D>& coarse,
-                  int begin, int end, double eta, std::vector<Contact<D>>& out) {
-  for (int k = begin; k < end; ++k) {
-    const int disk = fine.entries[to_size(k)].disk;
-    const auto cell = coarse.cell_of(disks[to_size(disk)].x);
+void find_between(const SortedBodies<D>& bodies, const Level& coarse, int begin, int end,
+                  double eta, std::vector<Contact<D>>& out) {
+  for (std::size_t k = to_size(begin); k < to_size(end); ++k) {
+    // Three adjacent cells of a row; the middle one is given.
+    const auto find_in_row = [&](const typename Grid<D>::GridCell& middle) {
+      const std::uint64_t first = Grid<D>::key(middle) - 1;
+      for (std::size_t l = to_size(first_from(bodies, coarse, first));
+           l < to_size(coarse.end) && bodies.entries[l].key <= first + 2; ++l) {
+        test_pair<D>(bodies.entries[k].body, bodies.places[k], bodies.entries[l].body,
+                     bodies.places[l], eta, out);
+      }
+    };
+    const auto cell = cell_of<D>(bodies.places[k].x, coarse.cell);
     for (std::int64_t row = cell[1] - 1; row <= cell[1] + 1; ++row) {
       auto beside = cell;
       beside[1] = row;
       if constexpr (D == 2) {
-        find_in_row<D>(disks, disk, coarse, beside, eta, out);
+        find_in_row(beside);
       } else {
-        for (beside[2] = cell[2] - 1; beside[2] <= cell[2] + 1; ++beside[2]) {
-          find_in_row<D>(disks, disk, coarse, beside, eta, out);
-        }
+        for (beside[2] = cell[2] - 1; beside[2] <= cell[2] + 1; ++beside[2]) find_in_row(beside);
       }
     }
   }
@@ -298,33 +350,44 @@ void collect(int threads, int items, Found<D>& found, const Find& find) {
 }
 
 /// Sorts by i, then by j: a counting sort into the lists of each i, which are short. Each thread
-/// makes the lists of a range of i.
+/// counts and moves the contacts of a block of parts, and sorts the lists of a range of i.
 template <int D>
 std::vector<Contact<D>> sorted(const Found<D>& found, int num_disks, int threads) {
-  std::vector<int> start(to_size(num_disks) + 1, 0);
-  const auto each_range = [&](const auto& f) {
-    run_tasks(threads, threads, [&](int k) {
-      const auto bound = [&](std::int64_t at) {
-        return static_cast<int>(num_disks * at / threads);
-      };
-      f(bound(k), bound(k + 1));
-    });
-  };
-  const auto each_contact = [&](int first, int last, const auto& f) {
-    for (const std::vector<Contact<D>>& piece : found) {
-      for (const Contact<D>& c : piece) {
-        if (first <= c.i && c.i < last) f(c);
-      }
+  const auto each_contact = [&](int block, const auto& f) {
+    const auto bound = [&](std::size_t k) { return found.size() * k / to_size(threads); };
+    for (std::size_t k = bound(to_size(block)); k < bound(to_size(block) + 1); ++k) {
+      for (const Contact<D>& c : found[k]) f(c);
     }
   };
-  each_range([&](int first, int last) {
-    each_contact(first, last, [&](const Contact<D>& c) { ++start[to_size(c.i) + 1]; });
+  const auto bound = [&](std::int64_t k) { return static_cast<int>(num_disks * k / threads); };
+  std::vector<std::vector<int>> place(to_size(threads));  // by block and i: counts, then the next
+  run_tasks(threads, threads, [&](int block) {
+    std::vector<int>& count = place[to_size(block)];
+    count.assign(to_size(num_disks), 0);
+    each_contact(block, [&](const Contact<D>& c) { ++count[to_size(c.i)]; });
   });
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  std::vector<int> next(start.begin(), start.end() - 1);
-  std::vector<Contact<D>> out(to_size(start.back()));
-  each_range([&](int first, int last) {
-    each_contact(first, last, [&](const Contact<D>& c) { out[to_size(next[to_size(c.i)]++)] = c; });
+  std::vector<int> range_start(to_size(threads) + 1, 0);
+  run_tasks(threads, threads, [&](int range) {
+    for (const std::vector<int>& count : place) {
+      range_start[to_size(range) + 1] +=
+          std::accumulate(count.begin() + bound(range), count.begin() + bound(range + 1), 0);
+    }
+  });
+  std::partial_sum(range_start.begin(), range_start.end(), range_start.begin());
+  std::vector<int> start(to_size(num_disks) + 1, range_start.back());
+  run_tasks(threads, threads, [&](int range) {
+    int next = range_start[to_size(range)];
+    for (std::size_t i = to_size(bound(range)); i < to_size(bound(range + 1)); ++i) {
+      start[i] = next;
+      for (std::vector<int>& count : place) next += std::exchange(count[i], next);
+    }
+  });
+  std::vector<Contact<D>> out(to_size(range_start.back()));
+  run_tasks(threads, threads, [&](int block) {
+    std::vector<int>& next = place[to_size(block)];
+    each_contact(block, [&](const Contact<D>& c) { out[to_size(next[to_size(c.i)]++)] = c; });
+  });
+  run_pieces(threads, num_disks, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
       std::sort(out.begin() + start[to_size(i)], out.begin() + start[to_size(i) + 1],
                 [](const Contact<D>& a, const Contact<D>& b) {
@@ -341,20 +404,26 @@ template <int D>
 std::vector<Contact<D>> all_contacts(std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
                                      double eta, int threads) {
   Found<D> contacts;
-  const std::vector<Level<D>> levels = build_levels(disks, eta, threads);
-  for (std::size_t fine = 0; fine < levels.size(); ++fine) {
-    const int entries = static_cast<int>(levels[fine].entries.size());
-    collect(threads, entries, contacts, [&](int begin, int end, auto& found) {
-      find_within(disks, levels[fine], begin, end, eta, found);
+  const SortedBodies<D> bodies = sort_bodies(disks, eta, threads);
+  for (std::size_t fine = 0; fine < bodies.levels.size(); ++fine) {
+    const Level& level = bodies.levels[fine];
+    const auto each_part = [&](const auto& find) {
+      collect(threads, level.end - level.begin, contacts, [&](int begin, int end, auto& found) {
+        find(level.begin + begin, level.begin + end, found);
+      });
+    };
+    each_part([&](int begin, int end, auto& found) {
+      find_within(bodies, level, begin, end, eta, found);
     });
-    for (std::size_t coarse = fine + 1; coarse < levels.size(); ++coarse) {
-      collect(threads, entries, contacts, [&](int begin, int end, auto& found) {
-        find_between(disks, levels[fine], levels[coarse], begin, end, eta, found);
+    for (std::size_t coarse = fine + 1; coarse < bodies.levels.size(); ++coarse) {
+      each_part([&](int begin, int end, auto& found) {
+        find_between(bodies, bodies.levels[coarse], begin, end, eta, found);
       });
     }
   }
-  if (any_joined(disks)) {
-    for (std::vector<Contact<D>>& piece : contacts) sort_joined(disks, piece);
+  if (any_joined(disks, threads)) {
+    run_tasks(threads, static_cast<int>(contacts.size()),
+              [&](int k) { sort_joined(disks, contacts[to_size(k)]); });
   }
   const int num_disks = static_cast<int>(disks.size());
   for (int w = 0; w < static_cast<int>(walls.size()); ++w) {
@@ -437,16 +506,23 @@ constexpr int kWorthwhile = 3, kPause = 16;
 
 template <int D>
 bool KeptContacts<D>::hold(std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
-                           double eta) const {
+                           double eta, int threads) const {
   if (disks_.empty() || disks.size() != disks_.size() || walls.size() != walls_.size() ||
       eta != eta_) {
     return false;
   }
   const double most2 = 0.25 * skin_ * skin_;
-  for (std::size_t k = 0; k < disks.size(); ++k) {
-    if (disks[k].radius != disks_[k].radius) return false;
-    if (!((disks[k].x - disks_[k].x).squaredNorm() < most2)) return false;
-  }
+  const bool disks_hold = join_pieces(
+      threads, static_cast<int>(disks.size()), true,
+      [&](int begin, int end) {
+        for (std::size_t k = to_size(begin); k < to_size(end); ++k) {
+          if (disks[k].radius != disks_[k].radius) return false;
+          if (!((disks[k].x - disks_[k].x).squaredNorm() < most2)) return false;
+        }
+        return true;
+      },
+      [](bool& a, bool b) { a = a && b; });
+  if (!disks_hold) return false;
   for (std::size_t k = 0; k < walls.size(); ++k) {
     const Wall<D>&now = walls[k], &then = walls_[k];
     if (now.shape != then.shape || now.normal != then.normal || now.radius != then.radius ||
@@ -482,7 +558,7 @@ template <int D>
 std::vector<Contact<D>> KeptContacts<D>::operator()(std::span<const Body<D>> disks,
                                                     std::span<const Wall<D>> walls, double eta,
                                                     int threads) {
-  if (!hold(disks, walls, eta)) {
+  if (!hold(disks, walls, eta, threads)) {
     if (!disks_.empty() && lasted_ < kWorthwhile) pause_ = kPause;
     disks_.clear();
     ++searches_;
@@ -506,7 +582,8 @@ std::vector<Contact<D>> KeptContacts<D>::operator()(std::span<const Body<D>> dis
             for (int k = begin; k < end; ++k) {
               const Pair& pair = pairs_[to_size(k)];
               if (pair.j < num_disks) {
-                test_pair(disks, pair.i, pair.j, eta, found);
+                test_pair(pair.i, disks[to_size(pair.i)], pair.j, disks[to_size(pair.j)], eta,
+                          found);
               } else {
                 find_wall_contact<D>(disks[to_size(pair.i)], pair.i,
                                      walls[to_size(pair.j - num_disks)], pair.j, eta, found);
@@ -520,7 +597,7 @@ std::vector<Contact<D>> KeptContacts<D>::operator()(std::span<const Body<D>> dis
   for (const std::vector<Contact<D>>& piece : found_in_parts) {
     contacts.insert(contacts.end(), piece.begin(), piece.end());
   }
-  if (any_joined(disks)) sort_joined(disks, contacts);
+  if (any_joined(disks, threads)) sort_joined(disks, contacts);
   return contacts;
 }
 

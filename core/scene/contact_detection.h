@@ -43,7 +43,8 @@ class KeptContacts {
   int searches() const { return searches_; }
 
  private:
-  bool hold(std::span<const Body<D>> disks, std::span<const Wall<D>> walls, double eta) const;
+  bool hold(std::span<const Body<D>> disks, std::span<const Wall<D>> walls, double eta,
+            int threads) const;
   void keep(std::span<const Body<D>> disks, std::span<const Wall<D>> walls, double eta,
             int threads);
 
