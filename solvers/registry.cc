@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/base/nearest_name.h"
@@ -21,6 +22,15 @@ const SolverEntry& require_solver(std::string_view name) {
   const SolverEntry* entry = find_solver(name);
   if (entry == nullptr) throw std::invalid_argument(unknown_solver_message(name));
   return *entry;
+}
+
+void require_solvers(std::span<const std::string> names) {
+  for (const std::string& name : names) {
+    require_solver(name);
+    if (std::ranges::count(names, name) > 1) {
+      throw std::invalid_argument(fmt::format("solver '{}' is named twice", name));
+    }
+  }
 }
 
 std::vector<ParameterSpec> all_parameters(const SolverEntry& entry) {

@@ -22,6 +22,9 @@ const SolverEntry* find_solver(std::string_view name);
 /// The row of that name; throws std::invalid_argument(unknown_solver_message(name)).
 const SolverEntry& require_solver(std::string_view name);
 
+/// Throws std::invalid_argument for a name that is unknown or stands there twice.
+void require_solvers(std::span<const std::string> names);
+
 /// The solver's own parameters, then the one that all solvers take.
 std::vector<ParameterSpec> all_parameters(const SolverEntry& entry);
 

@@ -163,22 +163,27 @@ int run_compare(const CompareFlags& flags) {
       expand_targets(flags.targets.empty() ? shipped : flags.targets, scenes);
   if (!flags.settings.empty()) return run_settings(flags, sources);
 
+  std::optional<Trade::Options> trade;
+  if (!flags.whole_runs.empty()) {
+    trade = trade_options(flags.quick);
+    if (flags.whole_runs != std::vector<std::string>{"set"}) trade->targets = flags.whole_runs;
+    if (!flags.quiet) trade->warn = &warn_once;
+    check_trade(*trade);
+  }
+
   flags.prepare(true);
   const Comparison comparison = watched(flags.silent(), [&, options](const Watch& watch) mutable {
     options.watch = watch;
     return compare(sources, options);
   });
   std::optional<FinishedTrade> whole;
-  if (!flags.whole_runs.empty() && comparison.complete) {
+  if (trade && comparison.complete) {
     const std::string quick = flags.quick ? " --quick" : "";
     const bool set = flags.whole_runs == std::vector<std::string>{"set"};
     whole = watched(flags.silent(), [&](const Watch& watch) {
-      Trade::Options trade = trade_options(flags.quick);
-      if (!set) trade.targets = flags.whole_runs;
-      trade.watch = watch;
-      if (!flags.quiet) trade.warn = &warn_once;
+      trade->watch = watch;
       return finished_trade(
-          trade,
+          *trade,
           fmt::format("bipot trade{}{}",
                       set ? "" : fmt::format(" {}", fmt::join(flags.whole_runs, " ")), quick),
           "bipot trade {}" + quick);
@@ -190,12 +195,14 @@ int run_compare(const CompareFlags& flags) {
   context.made.threads = options.threads;
   if (!flags.out.empty()) {
     Document more;
+    Json more_json = Json::object();
     if (whole) {
       write_trade(options.out, *whole);
       more.heading("Whole simulations", "whole");
       more.append(trade_document(*whole));
+      more_json["whole_simulations"] = to_json(*whole);
     }
-    write_report(options.out, comparison, context, more);
+    write_report(options.out, comparison, context, more, &more_json);
   }
   Json table = to_json(comparison, context);
   std::string text = to_text(comparison);

@@ -40,7 +40,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> solvers_of(const ExtremesFlags& flags) {
   if (flags.solvers.empty()) return solver_names();
-  for (const std::string& name : flags.solvers) require_solver(name);
+  require_solvers(flags.solvers);
   return flags.solvers;
 }
 
@@ -93,7 +93,7 @@ int random_sets(const ExtremesFlags& flags) {
     for (const RandomSets::Finding& f : result.findings) {
       const std::string again =
           fmt::format("bipot extremes --{} 1 --seed {} --first {} --tol {} --time-limit {}{}", flag,
-                      flags.seed, f.index, tolerance_label(options.tol), options.time_limit,
+                      flags.seed, f.index, options.tol, options.time_limit,
                       f.solver.empty() ? "" : " --solver " + f.solver);
       findings.add({what, f.kind, f.index, f.solver, f.message, again});
       if (!flags.silent() && f.kind != "planted, not solved" && f.kind != "exists, not solved") {
@@ -170,9 +170,9 @@ CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
   const char* group = "Random sets (instead of the cases)";
   command.option("--random-problems N", flags.random_problems,
                  "So many problems: the first solver sees all, the others share them",
-                 {.group = group, .not_negative = true});
+                 {.group = group, .positive = true});
   command.option("--random-scenes N", flags.random_scenes, "So many scenes, 20 steps each",
-                 {.group = group, .not_negative = true});
+                 {.group = group, .positive = true});
   command.option("--seed", flags.seed, "Of the sets", {.show_default = true, .group = group});
   command.option("--first", flags.first, "Index to begin with",
                  {.show_default = true, .group = group, .not_negative = true});
@@ -188,7 +188,24 @@ CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
   return command;
 }
 
+/// Throws std::invalid_argument for flags that would have no effect.
+void require_effect(const ExtremesFlags& flags) {
+  const ExtremesFlags none;
+  const bool random = flags.random_problems + flags.random_scenes > 0;
+  const bool dumps = !flags.dump_problem.empty();
+  const auto refuse = [](bool given, const char* flag, const char* why) {
+    if (given) throw std::invalid_argument(fmt::format("{} has no effect {}", flag, why));
+  };
+  refuse(random && !flags.only.empty(), "--only", "on random sets");
+  refuse(random && flags.quick, "--quick", "on random sets");
+  refuse(!random && flags.seed != none.seed, "--seed", "without random sets");
+  refuse(!random && flags.first != none.first, "--first", "without random sets");
+  refuse(dumps && !flags.out.empty(), "--out", "with --dump-problem");
+  refuse(dumps && !flags.json.empty(), "--json", "with --dump-problem");
+}
+
 int run_extremes(const ExtremesFlags& flags) {
+  require_effect(flags);
   if (!flags.dump_problem.empty()) return dump(flags);
   flags.prepare();
   if (flags.random_problems + flags.random_scenes > 0) return random_sets(flags);

@@ -51,7 +51,7 @@ CommandDeclaration add_leaderboard(CommandLine& line, LeaderboardFlags& flags) {
 
 int run_leaderboard(const LeaderboardFlags& flags) {
   const InterruptGuard interrupt;
-  for (const std::string& solver : flags.ours.solvers) require_solver(solver);
+  require_solvers(flags.ours.solvers);
   if (flags.no_solvers && flags.ours.solvers != LeaderboardFlags().ours.solvers) {
     throw std::invalid_argument("--solvers has no effect with --no-solvers");
   }

@@ -54,7 +54,8 @@ int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
   if (rows.empty()) throw no_rows();
   const TunedPlan made = tune_plan(rows, options.variants, least_rows);
   if (made.classes.empty()) {
-    fmt::print(stderr, "bipot: {}: no solver solved any of the problems\n", options.file.string());
+    fmt::print(stderr, "bipot: {}: none of the solvers for a plan solved any problem\n",
+               options.file.string());
     return kExitNotConverged;
   }
   const std::string commit = provenance("tune", typed_command()).build.commit;

@@ -181,9 +181,9 @@ class ProblemRows {
   /// Without the problem if no row was missing and the reference is kept.
   Comparison::Problem summary() {
     if (!prepared_) {
-      // A scene takes its steps again; all other problems are looked at, as they may have changed.
-      const bool scene = !source_.series.empty() || source_.target.ends_with(".toml");
-      if (auto kept = store_.reference(source_.name); kept && scene) {
+      // Those of a series are always the same; others are looked at, as their files may have changed.
+      const bool same = !source_.series.empty();
+      if (auto kept = store_.reference(source_.name); kept && same) {
         reference_ = std::move(*kept);
       } else {
         prepare();
@@ -198,7 +198,8 @@ class ProblemRows {
                           .dim = reference_.dim,
                           .dofs = reference_.dofs,
                           .reference = reference_};
-    if (!s.poor_reference()) s.answers = 1 + static_cast<int>(reference_.others.size());
+    if (defect_.empty() && !s.poor_reference())
+      s.answers = 1 + static_cast<int>(reference_.others.size());
     s.reference.s.resize(0);
     s.reference.others.clear();
     return s;

@@ -65,6 +65,7 @@ std::vector<const Comparison::Row*> pareto_rows(const Comparison::Problem& probl
 const Comparison::Row* fastest_to(const Comparison::Problem& problem,
                                   const std::vector<Comparison::Row>& rows, double accuracy,
                                   std::string_view solver) {
+  if (problem.contacts == 0) return nullptr;  // no race
   const Ranking rank = ranking(problem, rows);
   const Comparison::Row* best = nullptr;
   for (const Comparison::Row& row : rows) {
@@ -90,11 +91,14 @@ double PerformanceProfile::share(double ratio) const {
 
 std::vector<PerformanceProfile> performance_profiles(const Comparison& comparison,
                                                      const CostOf& cost) {
+  const auto races = [](const Comparison::Problem& problem) { return problem.contacts > 0; };
+  const auto problems = static_cast<int>(std::ranges::count_if(comparison.problems, races));
   std::vector<PerformanceProfile> profiles;
   for (const std::string& solver : solvers_of(comparison)) {
-    profiles.push_back({solver, {}, static_cast<int>(comparison.problems.size())});
+    profiles.push_back({solver, {}, problems});
   }
   for (const Comparison::Problem& problem : comparison.problems) {
+    if (!races(problem)) continue;
     std::vector<double> costs;
     double best = kInfinity;
     for (const PerformanceProfile& profile : profiles) {

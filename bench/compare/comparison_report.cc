@@ -239,11 +239,13 @@ std::string to_text(const Comparison& comparison) {
 }
 
 void write_report(const std::filesystem::path& folder, const Comparison& comparison,
-                  const ReportContext& context, const Document& more) {
+                  const ReportContext& context, const Document& more, const Json* more_json) {
   write_text_file(folder / "comparison.csv", to_csv(comparison));
   write_text_file(folder / "success.csv", to_csv(success_table(success_curves(comparison))));
   write_text_file(folder / "several.csv", to_csv(several_problems_table(comparison)));
-  write_json(to_json(comparison, context), (folder / "comparison.json").string());
+  Json json = to_json(comparison, context);
+  if (more_json != nullptr) json.update(*more_json);
+  write_json(json, (folder / "comparison.json").string());
   write_text_file(folder / "report.html", to_html(comparison_page(comparison, context, more)));
 }
 

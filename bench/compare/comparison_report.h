@@ -37,8 +37,9 @@ Document comparison_page(const Comparison& comparison, const ReportContext& cont
                          const Document& more = {});
 
 /// Writes comparison.csv, success.csv, several.csv, comparison.json and report.html into an
-/// existing folder. Throws FileError.
+/// existing folder. `more` and the keys of `more_json` are added. Throws FileError.
 void write_report(const std::filesystem::path& folder, const Comparison& comparison,
-                  const ReportContext& context, const Document& more = {});
+                  const ReportContext& context, const Document& more = {},
+                  const Json* more_json = nullptr);
 
 }  // namespace bipot

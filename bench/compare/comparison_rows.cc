@@ -22,11 +22,12 @@ ComparisonColumn row_column(std::string key, std::string name, Value Comparison:
                                    .meaning = std::move(meaning),
                                    .filter = filter}};
   made.cell = [field](const Comparison::Row& r) { return Table::Cell(r.*field); };
-  made.read = [field](Comparison::Row& r, const std::string& text) {
+  made.read = [field](Comparison::Row& r, const std::string& text,
+                      const std::filesystem::path& path) {
     if constexpr (std::is_same_v<Value, std::string>) {
       r.*field = text;
     } else {
-      r.*field = static_cast<Value>(number_at(text));
+      r.*field = csv_number<Value>(text, path);
     }
   };
   return made;
@@ -133,7 +134,7 @@ std::vector<Comparison::Row> read_csv_rows(const std::filesystem::path& path) {
   for (const std::vector<std::string>& fields :
        read_csv_table(path, csv_header(), columns.size())) {
     Comparison::Row& row = rows.emplace_back();
-    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].read(row, fields[i]);
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i].read(row, fields[i], path);
   }
   return rows;
 }
@@ -155,10 +156,10 @@ std::vector<Comparison::History> read_csv_histories(const std::filesystem::path&
   // By problem and solver; a repeated first iteration marks a repeated solve.
   std::map<std::pair<std::string, std::string>, std::size_t> places;
   for (const std::vector<std::string>& fields : read_csv_table(path, history_csv_header(), 7)) {
-    const double tol = number_at(fields[2]);
-    const Comparison::History::Point point{
-        static_cast<int>(std::strtol(fields[3].c_str(), nullptr, 10)), number_at(fields[4]),
-        number_at(fields[5]), number_at(fields[6])};
+    const auto number = [&](std::size_t k) { return csv_number<double>(fields[k], path); };
+    const double tol = number(2);
+    const Comparison::History::Point point{csv_number<int>(fields[3], path), number(4), number(5),
+                                           number(6)};
     const auto [place, fresh] = places.try_emplace({fields[0], fields[1]}, histories.size());
     if (fresh) histories.push_back({fields[0], fields[1], tol, {}});
     Comparison::History& history = histories[place->second];

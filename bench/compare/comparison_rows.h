@@ -27,7 +27,8 @@ std::vector<Comparison::History> read_csv_histories(const std::filesystem::path&
 struct ComparisonColumn {
   Table::Column column;
   std::function<Table::Cell(const Comparison::Row&)> cell;
-  std::function<void(Comparison::Row&, const std::string&)> read;
+  /// Throws FileError for a text that is no such value.
+  std::function<void(Comparison::Row&, const std::string&, const std::filesystem::path&)> read;
 };
 const std::vector<ComparisonColumn>& comparison_columns();
 

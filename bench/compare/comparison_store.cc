@@ -102,7 +102,10 @@ const Comparison::Row* ComparisonStore::find(const std::string& problem, const s
 }
 
 void ComparisonStore::append(const Comparison::Row& row, const Comparison::History& history) {
-  if (!history.points.empty()) histories_[{history.problem, history.solver}] = history;
+  if (!history.points.empty()) {
+    Comparison::History& kept = histories_[{history.problem, history.solver}];
+    if (!(kept.tol < history.tol)) kept = history;  // the tightest
+  }
   if (folder_.empty() || is_unread(row)) return;
   if (!history.problem.empty()) history_file_ << to_csv(history) << std::flush;
   rows_file_ << to_csv(row) << std::endl;

@@ -203,7 +203,7 @@ const ExtremeCell* ExtremeMatrix::find(const std::string& name, const std::strin
 
 ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options) {
   ExtremeMatrix matrix{.solvers = options.solvers, .tol = options.tol};
-  for (const std::string& name : options.solvers) require_solver(name);
+  require_solvers(options.solvers);
   std::vector<std::string> names;
   for (const ExtremeCase& c : extreme_cases()) {
     names.push_back(c.name);

@@ -30,7 +30,10 @@ struct Submission {
   fs::path folder;
   std::map<std::string, double> seconds;
 
-  std::string name() const { return fs::absolute(folder).lexically_normal().stem().string(); }
+  std::string name() const {
+    const fs::path whole = fs::absolute(folder).lexically_normal();
+    return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+  }
   std::optional<fs::path> file_of(const std::string& problem) const {
     for (const char* ending : kImpulseEndings) {
       if (fs::path file = folder / (problem + ending); fs::is_regular_file(file)) return file;
@@ -102,6 +105,9 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
   for (auto it = board.who.begin(); it != board.who.end(); ++it) {
     if (std::count(board.who.begin(), it, *it) > 0) {
       throw std::invalid_argument(fmt::format("two contestants are called {}", *it));
+    }
+    if (*it == "family" || *it == "problems") {  // columns of the tables
+      throw std::invalid_argument(fmt::format("a contestant cannot be called {}", *it));
     }
   }
   for (const ProblemSource& source : problems) {

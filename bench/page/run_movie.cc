@@ -66,7 +66,7 @@ Shown shown(const Scene<3>& scene, const State<3>& state) {
 }
 
 /// The value that a share of the numbers does not exceed; 0 without numbers.
-double quantile(std::vector<double> values, double share) {
+double value_at_share(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   const auto place =
       values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -94,11 +94,11 @@ ForcePictureOptions scales(const RunFrames<D>& run, const Scene<D>& scene) {
     for (const auto& c : at.state.contacts) {
       if (c.s_n > 0) forces.push_back(c.s_n / scene.step);
     }
-    if (!forces.empty()) strongest.push_back(quantile(std::move(forces), 0.99));
+    if (!forces.empty()) strongest.push_back(value_at_share(std::move(forces), 0.99));
   }
   options.view = view;
-  options.full_force = quantile(std::move(strongest), 0.6);  // as the page: shocks aside
-  options.fill.high = quantile(std::move(speeds), 0.99);
+  options.full_force = value_at_share(std::move(strongest), 0.6);  // as the page: shocks aside
+  options.fill.high = value_at_share(std::move(speeds), 0.99);
   return options;
 }
 

@@ -286,7 +286,7 @@ void write_csv(const std::vector<Row>& rows, const std::string& path) {
 }
 
 int run(const Flags& flags) {
-  for (const std::string& solver : flags.solvers) require_solver(solver);
+  require_solvers(flags.solvers);
   for (const std::string& name : flags.variants) find_named("variant", name, kVariants);
   const std::vector<ProblemSource> sources = expand_targets(flags.targets);
   const BuildInfo build = build_info();

@@ -151,7 +151,7 @@ void register_rows(const BenchFlags& flags, std::vector<GrowthRow>& rows) {
     method.parameters[text.substr(0, colon)] =
         colon == std::string::npos ? "" : text.substr(colon + 1);
   }
-  for (const std::string& solver : flags.solvers) require_solver(solver);
+  require_solvers(flags.solvers);
   const std::vector<std::string> valid = target_families();
   for (const std::string& family : flags.families) {
     require_name("family", family, valid);

@@ -33,7 +33,9 @@ void check_request(const Scene<D>& scene, const Advice::Options& options) {
         "a window of {:g} s is longer than the {:g} s of the scene", options.window, end));
   }
   if (options.samples < 1) throw std::invalid_argument("at least one stretch must be sampled");
-  for (const SolverVariant& variant : options.solvers) require_solver(variant.solver);
+  std::vector<std::string> solvers;
+  for (const SolverVariant& variant : options.solvers) solvers.push_back(variant.solver);
+  require_solvers(solvers);
 }
 
 /// Indices of evenly spaced stretches: middle, last, first and the rest, of which the last ones are

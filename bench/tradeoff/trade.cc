@@ -293,8 +293,20 @@ Trade::Options trade_options(bool quick) {
           .witness = "apgd"};
 }
 
-Trade run_trade(const Trade::Options& options) {
-  for (const std::string& solver : options.solvers) require_solver(solver);
+namespace {
+
+/// Repeated values would count as further replicas.
+void remove_repeats(std::vector<double>& values) {
+  std::vector<double> kept;
+  for (const double x : values) {
+    if (std::ranges::find(kept, x) == kept.end()) kept.push_back(x);
+  }
+  values = std::move(kept);
+}
+
+/// The scenes, checked as the settings are.
+Trade planned_trade(const Trade::Options& options) {
+  require_solvers(options.solvers);
   if (!options.witness.empty()) require_solver(options.witness);
   if (options.solvers.empty() || options.tols.empty()) {
     throw std::invalid_argument("a comparison of runs needs a solver and a tolerance");
@@ -311,6 +323,20 @@ Trade run_trade(const Trade::Options& options) {
           fmt::format("two scenes are called {}", trade.scenes.back().name));
     }
   }
+  return trade;
+}
+
+}  // namespace
+
+void check_trade(const Trade::Options& options) { planned_trade(options); }
+
+Trade run_trade(const Trade::Options& given) {
+  Trade::Options options = given;
+  for (auto* values : {&options.tols, &options.step_factors, &options.accuracies, &options.overlaps,
+                       &options.stiffness}) {
+    remove_repeats(*values);
+  }
+  Trade trade = planned_trade(options);
   Runner runner(options, trade);
   for (const Trade::Scene& scene : trade.scenes) trade_scene(scene, options, runner, trade);
   trade.complete = !runner.stopped();

@@ -62,6 +62,9 @@ struct Trade {
 /// The default targets and settings, or those of --quick.
 Trade::Options trade_options(bool quick);
 
+/// Throws as run_trade() does before its first run.
+void check_trade(const Trade::Options& options);
+
 /// Runs whole simulations, scene by scene:
 ///   1. every solver at every tolerance, loose to tight, with the scene's time step, and the
 ///      witness at the tightest;

@@ -43,12 +43,13 @@ constexpr struct {
 constexpr double kEnough = 0.3;
 constexpr int kMostRepeats = 20;
 
-/// Targets of one scene share their name up to the last number.
+/// Steps of one scene share their name up to the @, files of one scene up to the last number.
 std::string scene_of(const ProblemSource& source) {
   if (source.target.find(':') != std::string::npos) return source.target;
-  std::string name = source.name;
-  while (!name.empty() && (std::isdigit(static_cast<unsigned char>(name.back())) ||
-                           name.back() == '_' || name.back() == '@')) {
+  std::string name = source.name.substr(0, source.name.rfind('@'));
+  if (name != source.name) return name;
+  while (!name.empty() &&
+         (std::isdigit(static_cast<unsigned char>(name.back())) || name.back() == '_')) {
     name.pop_back();
   }
   return name.empty() ? source.name : name;
@@ -155,6 +156,20 @@ class ProblemMeasurement {
                                            .parameters = {{"forces", "spread"}}});
 };
 
+/// Throws std::invalid_argument where rows of that name were measured on another problem.
+void require_same(const std::vector<MeasuredRow>& rows, const ProblemSource& source,
+                  const ContactProblem& p, const std::filesystem::path& file) {
+  for (const MeasuredRow& row : rows) {
+    const ProblemTraits& then = row.traits;
+    const bool same = then.contacts == p.num_contacts() && then.dim == p.dim;
+    if (row.problem != source.name || same) continue;
+    throw std::invalid_argument(fmt::format(
+        "{}: its rows of {} are of another problem ({} contacts, d = {}; now {}, {}): name another "
+        "file by --rows",
+        file.string(), source.name, then.contacts, then.dim, p.num_contacts(), p.dim));
+  }
+}
+
 bool can_run(const std::string& variant, const ContactProblem& p) {
   const SolverEntry& entry = require_solver(variant.substr(0, variant.find(' ')));
   return beyond_solver(entry, p).empty();
@@ -200,12 +215,9 @@ std::vector<MeasuredRow> read_measured_rows(const std::filesystem::path& path) {
 }
 
 std::vector<TunedVariant> tuned_variants(const std::vector<std::string>& solvers) {
+  require_solvers(solvers);
   std::vector<TunedVariant> made;
   for (const std::string& name : solvers.empty() ? solver_names() : solvers) {
-    require_solver(name);
-    if (std::ranges::count(solvers, name) > 1) {
-      throw std::invalid_argument(fmt::format("solver '{}' is named twice", name));
-    }
     if (name == "auto" || (solvers.empty() && name.find(':') != std::string::npos)) continue;
     bool listed = false;
     for (const auto& [solver, parameters, power] : kVariants) {
@@ -226,7 +238,13 @@ std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
   const auto key = [](const std::string& instance, const std::string& variant) {
     return instance + " " + variant;
   };
-  for (const MeasuredRow& row : rows) known.insert(key(instance_of(row), row.variant));
+  std::set<std::string> problems;
+  for (const MeasuredRow& row : rows) {
+    problems.insert(row.problem);
+    if (row.solved || row.limit >= options.time_limit) {
+      known.insert(key(instance_of(row), row.variant));
+    }
+  }
   std::ofstream file = open_csv_table(options.file, measured_csv_header());
   std::vector<double> tols = options.tols;
   std::ranges::sort(tols, std::greater<>());
@@ -237,6 +255,10 @@ std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
   int done = 0;
   for (const ProblemSource& source : sources) {
     std::optional<TestProblem> given;
+    if (problems.contains(source.name)) {
+      given = source.load();
+      require_same(rows, source, given->problem, options.file);
+    }
     for (const bool warm : {false, true}) {
       for (const std::string& variant : variants) {
         ++done;

@@ -49,9 +49,10 @@ struct MeasureOptions {
 };
 
 /// Measures `auto` and every variant on every problem, from 0 and from the problem's start, at all
-/// tolerances; a problem is made only where a row is missing. A solver whose iterates do not depend
-/// on the tolerance runs once for all of them. One that is out of time does not run at tighter
-/// tolerances. Times are CPU times of this process. Returns all rows of the file. Throws FileError.
+/// tolerances, where the file has no row, or that of a failure within less time. A solver whose
+/// iterates do not depend on the tolerance runs once for all of them. One that is out of time does
+/// not run at tighter tolerances. Times are CPU times of this process. Returns all rows of the file.
+/// Throws FileError, and std::invalid_argument where its rows are of another problem of that name.
 std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
                                       const MeasureOptions& options);
 

@@ -247,6 +247,8 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   write("no_problem.hdf5", "hi");
   EXPECT_EQ(code_of("compare no_problem.hdf5 --solvers pgs --tols 1e-2 --quiet"), 2);
   EXPECT_EQ(code_of("compare square:4 --solvers pgz"), 2);
+  EXPECT_EQ(code_of("compare square:4 --whole-runs no_such_scene --out nothing"), 2);
+  EXPECT_FALSE(fs::exists("nothing"));
   EXPECT_EQ(code_of("compare square:4 --out /proc/nowhere"), 4);
 }
 
@@ -566,6 +568,11 @@ TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
   // One of the set, on its own.
   ASSERT_EQ(code_of("extremes --random-problems 1 --first 4 --dump-problem 4.hdf5"), 0);
   EXPECT_EQ(code_of("solve 4.hdf5 -q"), 0);
+  for (const char* without_effect :
+       {"--random-problems 2 --only wedge", "--only wedge --seed 9", "--only wedge --first 5",
+        "--random-problems 1 --dump-problem 5.hdf5 --out out", "--random-problems 0"}) {
+    EXPECT_EQ(code_of(fmt::format("extremes {}", without_effect)), 2) << without_effect;
+  }
 }
 
 TEST_F(Command, StudyDrawsItsRowsAgain) {

@@ -65,6 +65,17 @@ TEST(ComparisonMeasures, TimeProfileIsThatOfTheTable) {
   EXPECT_EQ(profiles[2].share(1e9), 0.5);
 }
 
+TEST(ComparisonMeasures, AProblemWithoutContactsIsNoRace) {
+  RunTable t;
+  t.problem("p").row("a", 1e-2, 1, 10, 1e-3, 1e-3);
+  t.problem("free").row("a", 1e-2, 1e-6, 0, 0, 0);
+  t.made.problems.back().contacts = 0;
+  const auto profiles = performance_profiles(t.made, time_at(t.made, 1e-2));
+  EXPECT_EQ(profiles[0].problems, 1);
+  EXPECT_EQ(profiles[0].ratios, (std::vector<double>{1}));
+  EXPECT_EQ(fastest_to(t.made.problems[1], t.made.rows, 1e-2), nullptr);
+}
+
 TEST(ComparisonMeasures, IterationProfileCountsNoneAsOne) {
   // At 1e-4: p takes 40, none, 40 iterations; q only auto's 50.
   const Comparison c = small_table();

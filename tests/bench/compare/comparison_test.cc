@@ -7,8 +7,10 @@
 #include "bench/compare/comparison_rows.h"
 #include "bench/compare/warm_gain.h"
 #include "bench/measure/true_error.h"
+#include "core/base/file_error.h"
 #include "core/base/triplets.h"
 #include "core/criterion/contact_error.h"
+#include "core/files/input_file.h"
 #include "core/problem_files/fclib_file.h"
 #include "solvers/solve.h"
 #include "tests/bench/compare/quick_comparison.h"
@@ -262,6 +264,10 @@ TEST(Comparison, KeepsTheHistoryOfTheTightestSolve) {
   ASSERT_EQ(again.histories.size(), 2u);
   EXPECT_EQ(to_csv(again.histories[1]), to_csv(c.histories[1]));
 
+  // A looser solve that is added later does not replace it.
+  options.tols.push_back(1e-4);
+  EXPECT_EQ(to_csv(compare(sources, options).histories[1]), to_csv(c.histories[1]));
+
   // A solve that was cut off and begun again stands twice in the file; its second run counts.
   Comparison::History broken = c.histories[0];
   broken.points.resize(2);
@@ -301,6 +307,38 @@ TEST(Comparison, AProblemThatCouldNotBeReadIsReadWhenItGoesOn) {
   fs::copy_file(source_folder() / "data/problems/2d_sliding_cylinder.hdf5", file,
                 fs::copy_options::overwrite_existing);
   EXPECT_EQ(status(), "converged");
+}
+
+/// All rows are known, but not of this scene: with more friction the reference is none.
+TEST(Comparison, RowsOfASceneThatWasEditedAreRefused) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "edited.toml";
+  std::string text = read_text_file(source_folder() / "data/scenes/compaction_100.toml");
+  std::ofstream(file) << text;
+  TargetOptions one_step{.scene_problems = 1, .scene_steps = 400};
+  const Comparison::Options options = quick({"pgs"}, {1e-4}, folder / "out");
+  const auto rows = [&] {
+    return compare(expand_targets({file.string()}, one_step), options).rows;
+  };
+  ASSERT_EQ(rows().size(), 1u);
+  EXPECT_EQ(rows().size(), 1u);
+  const std::size_t mu = text.find("mu = ");
+  ASSERT_NE(mu, std::string::npos);
+  text.replace(mu, text.find('\n', mu) - mu, "mu = 0.05");
+  std::ofstream(file) << text;
+  EXPECT_THROW(rows(), std::invalid_argument);
+}
+
+TEST(Comparison, RowsWithADamagedNumberAreRefused) {
+  const TemporaryFolder folder;
+  const Comparison::Options options = quick({"pgs"}, {1e-4}, folder / "out");
+  const auto sources = expand_targets({"square:4"});
+  compare(sources, options);
+  const std::string text = read_text_file(folder / "out/rows.csv");
+  const std::size_t converged = text.find("converged");
+  ASSERT_NE(converged, std::string::npos);
+  std::ofstream(folder / "out/rows.csv") << std::string(text).replace(converged + 10, 1, "x");
+  EXPECT_THROW(compare(sources, options), FileError);
 }
 
 TEST(Comparison, ProblemsWhoseNamesBecomeTheSameFileNameHaveTwoFiles) {

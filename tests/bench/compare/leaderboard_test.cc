@@ -76,6 +76,17 @@ TEST(Leaderboard, JudgesWhatIsThereAndSaysWhatIsNot) {
   EXPECT_EQ(table[0]["seconds"], kInfinity);
 }
 
+TEST(Leaderboard, CallsContestantsByTheWholeNamesOfTheirFolders) {
+  const TemporaryFolder folder;
+  for (const char* name : {"team.v1", "team.v2", "problems"}) {
+    write_numbers(folder / name / "2d_sliding_cylinder.csv", Vector{{1, 0.1}});
+  }
+  const Leaderboard board =
+      make_leaderboard({folder / "team.v1", folder / "team.v2/."}, two_problems(), {});
+  EXPECT_EQ(board.who, (std::vector<std::string>{"team.v1", "team.v2"}));
+  EXPECT_THROW(make_leaderboard({folder / "problems"}, two_problems(), {}), std::invalid_argument);
+}
+
 TEST(Leaderboard, ReadsTimesWithEndsOfWindowsAndWithoutTheLastEnd) {
   const TemporaryFolder folder;
   write_numbers(folder / "one" / "2d_sliding_cylinder.csv", Vector{{1, 0.1}});

@@ -285,6 +285,16 @@ TEST_F(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
   EXPECT_NEAR(first.rows[3].values[lost] / first.rows[5].values[lost], 1, 0.2);
 }
 
+/// A value that is given twice is run once: it is no further replica.
+TEST_F(TradeRun, RepeatedValuesCountOnce) {
+  Trade::Options options =
+      options_of(scene_file(folder, "columns", kColumns) + ":steps=4", {1e-2, 1e-4, 1e-2});
+  options.accuracies = {};
+  EXPECT_EQ(run_trade(options).rows.size(), 2u);
+  options.solvers = {"auto", "auto"};
+  EXPECT_THROW(run_trade(options), std::invalid_argument);
+}
+
 TEST_F(TradeRun, AccuraciesCutStepsOfOneFrame) {
   Trade::Options options = options_of(scene_file(folder, "falling", kFalling), {1e-2, 1e-6});
   options.step_factors = {1, 0.5};

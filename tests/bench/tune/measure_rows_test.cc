@@ -41,15 +41,47 @@ TEST(MeasureRows, GoesOnFromTheRowsOfAStoppedMeasurement) {
     EXPECT_TRUE(row.traits.marks & kDisks);
   }
   EXPECT_EQ(measure_rows({source}, options).size(), 12u);
-  EXPECT_EQ(loads, 2);
+  EXPECT_EQ(solves, 6);
+  EXPECT_EQ(loads, 3);  // the problem is looked at: another one may have that name now
   // An editor put UTF-8's mark before the text, and the last line was cut off: that row alone is
   // measured again.
   const std::string text = read_text_file(options.file);
   std::ofstream(options.file) << "\xEF\xBB\xBF" << text.substr(0, text.size() - 3);
   EXPECT_EQ(measure_rows({source}, options).size(), 12u);
-  EXPECT_EQ(loads, 3);
   EXPECT_EQ(solves, 7);
   EXPECT_EQ(read_measured_rows(options.file).size(), 12u);
+}
+
+TEST(MeasureRows, RowsOfAnotherProblemOfThatNameAreRefused) {
+  const TemporaryFolder folder;
+  int side = 6;
+  const ProblemSource source{
+      "lattice", "lattice.hdf5",
+      [&] { return TestProblem{.problem = lattice_step(Lattice::kTriangular, side, 0.3, 10)}; }};
+  const MeasureOptions options{.variants = tuned_variants({"ipm"}), .file = folder / "rows.csv"};
+  measure_rows({source}, options);
+  side = 7;
+  EXPECT_THROW(measure_rows({source}, options), std::invalid_argument);
+}
+
+/// Failures count for the time that they had.
+TEST(MeasureRows, MoreTimeMeasuresFailuresAgain) {
+  const TemporaryFolder folder;
+  const ProblemSource source{
+      "seed1@7", "seed1.toml",
+      [] { return TestProblem{.problem = lattice_step(Lattice::kTriangular, 12, 0.3, 10)}; }};
+  MeasureOptions options{.variants = tuned_variants({"uzawa"}),
+                         .tols = {1e-6},
+                         .time_limit = 1e-4,
+                         .file = folder / "rows.csv"};
+  for (const MeasuredRow& row : measure_rows({source}, options)) {
+    EXPECT_EQ(row.scene, "seed1");  // seed2.toml is another scene
+    if (row.variant == "uzawa") EXPECT_FALSE(row.solved);
+  }
+  options.time_limit = 60;
+  const std::vector<MeasuredRow> rows = measure_rows({source}, options);
+  EXPECT_TRUE(rows.back().variant == "uzawa" && rows.back().solved);
+  EXPECT_EQ(measure_rows({source}, options).size(), rows.size());
 }
 
 TEST(MeasureRows, TheLooserToleranceIsMetOnTheWay) {
