@@ -139,32 +139,6 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
 }
 
-/// Steps that remain: of the flags, else up to the end of the scene, which is a time or a number
-/// of steps.
-template <int D>
-int remaining_steps(const RunFlags& flags, const Scene<D>& scene, const State<D>& state) {
-  if (flags.steps) return *flags.steps;
-  if (!flags.duration && scene.duration == 0) {
-    return std::max(scene.num_steps - state.step, 0);
-  }
-  // Of the whole duration where all steps have the same size: a restart ends with the same step.
-  const bool whole =
-      !flags.duration && std::abs(state.time - state.step * scene.step) < 1e-6 * scene.step;
-  const double duration = flags.duration ? *flags.duration
-                          : whole        ? scene.duration
-                                         : scene.duration - state.time;
-  const double steps = std::round(duration / scene.step) - (whole ? state.step : 0);
-  if (steps < 1 && duration > 0 && state.step == 0) {
-    throw std::invalid_argument(fmt::format(
-        "the duration of {:.3g} s is shorter than a step of {:.3g} s", duration, scene.step));
-  }
-  if (!(steps < std::numeric_limits<int>::max())) {
-    throw std::invalid_argument(
-        fmt::format("{:.3g} s are too many steps of {:.3g} s", duration, scene.step));
-  }
-  return std::max(static_cast<int>(steps), 0);
-}
-
 /// Says so where flags change the time that the scene would simulate, else nothing.
 template <int D>
 std::string changed_time(double planned, const Scene<D>& scene, const State<D>& state) {
@@ -328,7 +302,8 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
       throw std::invalid_argument(flags.restart + " does not fit the scene: " + mismatch);
     }
   }
-  options.steps = remaining_steps(flags, run.scene, run.state);
+  options.steps =
+      flags.steps ? *flags.steps : remaining_steps(run.scene, run.state, flags.duration);
   if (!flags.restart.empty() && *options.steps == 0) return run;
   run.scene.num_steps = run.state.step + *options.steps;
   run.note = changed_time(planned, run.scene, run.state);

@@ -125,10 +125,13 @@ std::vector<TestProblem> problems_of(const Scene<D>& scene, const MovingRunReque
   }
   if (!complete) {
     problems.clear();
-    run_moving_scene<D>(scene, request.steps, [&](const SceneStep<D>& step) {
-      const int number = step.report.step;
-      problems[number] = write_step(request, number, step.problem, step.start);
-    });
+    run_moving_scene<D>(
+        scene, request.steps,
+        [&](const SceneStep<D>& step) {
+          const int number = step.report.step;
+          problems[number] = write_step(request, number, step.problem, step.start);
+        },
+        request.cancelled);
   }
   std::vector<TestProblem> made;
   for (const int step : request.steps) {
@@ -148,9 +151,11 @@ std::vector<TestProblem> problems_of(const Scene<D>& scene, const MovingRunReque
 }  // namespace
 
 std::vector<TestProblem> moving_problems(const MovingRunRequest& request) {
-  const auto& [family, side, options, steps] = request;
-  if (in_space(family)) return problems_of(make_moving_spheres(family, side, options), request);
-  return problems_of(make_moving_scene(family, side, options), request);
+  const auto scene_of = [&](auto make) {
+    return make(request.family, request.side, request.options);
+  };
+  if (in_space(request.family)) return problems_of(scene_of(&make_moving_spheres), request);
+  return problems_of(scene_of(&make_moving_scene), request);
 }
 
 std::vector<std::string> moving_families() {

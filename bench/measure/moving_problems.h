@@ -1,10 +1,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "bench/measure/test_problem.h"
+#include "core/base/interrupt.h"
 #include "core/scene/scene_family.h"
 
 namespace bipot {
@@ -20,6 +22,7 @@ struct MovingRunRequest {
   int side = 0;
   FamilyOptions options;
   std::vector<int> steps;  ///< wanted, increasing
+  std::function<bool()> cancelled = &InterruptGuard::requested;
 };
 
 /// Steps of the run, in the order of the request. Each problem is read from its file in the cache

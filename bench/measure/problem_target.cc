@@ -244,8 +244,8 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
 template <int D>
 class ProblemRun {
  public:
-  ProblemRun(Scene<D> scene, std::vector<int> steps)
-      : scene_(std::move(scene)), steps_(std::move(steps)) {}
+  ProblemRun(Scene<D> scene, std::vector<int> steps, std::function<bool()> cancelled)
+      : scene_(std::move(scene)), steps_(std::move(steps)), cancelled_(std::move(cancelled)) {}
 
   TestProblem at(int step) {
     if (problems_.empty()) run();
@@ -254,7 +254,7 @@ class ProblemRun {
 
  private:
   void run() {
-    SolverOptions options{.tol = scene_.solver.tol, .cancelled = &InterruptGuard::requested};
+    SolverOptions options{.tol = scene_.solver.tol, .cancelled = cancelled_};
     State<D> state = initial_state(scene_);
     SceneRunOptions<D> to_last{.steps = steps_.back(),
                                .solver = make_step_solver(require_solver("auto"), options),
@@ -273,12 +273,13 @@ class ProblemRun {
       return true;
     };
     const SceneRun<D> run = run_scene(scene_, state, to_last);
-    if (InterruptGuard::requested()) throw Interrupted();
+    if (cancelled_()) throw Interrupted();
     if (run.failure) throw *run.failure;
   }
 
   Scene<D> scene_;
   std::vector<int> steps_;
+  std::function<bool()> cancelled_;
   std::map<int, TestProblem> problems_;
 };
 
@@ -294,7 +295,8 @@ void add_moving(const std::string& target, const Family& family, const TargetOpt
   const auto request = std::make_shared<const MovingRunRequest>(MovingRunRequest{
       family.name, family.side, family.options,
       options.step ? std::vector{*options.step}
-                   : moving_steps(family.name, family.side, options.scene_problems)});
+                   : moving_steps(family.name, family.side, options.scene_problems),
+      options.cancelled});
   const auto made = std::make_shared<std::vector<TestProblem>>();
   for (std::size_t k = 0; k < request->steps.size(); ++k) {
     const auto load = [request, made, k] {
@@ -350,8 +352,8 @@ void add_steps(const std::string& target, const SceneOfLength& file, Scene<D>&& 
     steps.insert(std::max(
         1, static_cast<int>(std::lround(static_cast<double>(last) * i / options.scene_problems))));
   }
-  const auto run = std::make_shared<ProblemRun<D>>(std::move(scene),
-                                                   std::vector<int>(steps.begin(), steps.end()));
+  const auto run = std::make_shared<ProblemRun<D>>(
+      std::move(scene), std::vector<int>(steps.begin(), steps.end()), options.cancelled);
   for (int step : steps) {
     sources.push_back({fmt::format("{}@{}", file.path.stem().string(), step), target,
                        [run, step] { return run->at(step); }});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/measure/test_problem.h"
+#include "core/base/interrupt.h"
 
 namespace bipot {
 
@@ -23,10 +24,11 @@ struct ProblemSource {
 
 struct TargetOptions {
   int scene_problems = 3;  ///< number of steps of a scene or a moving family, evenly along its run
-  int scene_steps = std::numeric_limits<int>::max();  ///< a run is cut there
-  std::optional<int> step;                            ///< the only one, of one run
-  bool quick = false;                                 ///< the small benchmark
-  std::function<void(const std::string&)> warn;       ///< told what scenes leave out; may be empty
+  int scene_steps = std::numeric_limits<int>::max();             ///< a run is cut there
+  std::optional<int> step;                                       ///< the only one, of one run
+  bool quick = false;                                            ///< the small benchmark
+  std::function<bool()> cancelled = &InterruptGuard::requested;  ///< ends a scene's run
+  std::function<void(const std::string&)> warn;  ///< told what scenes leave out; may be empty
 };
 
 /// Names of the families below.

@@ -10,11 +10,11 @@ namespace bipot {
 
 template <int D>
 void run_moving_scene(const Scene<D>& scene, const std::vector<int>& steps,
-                      const std::function<void(const SceneStep<D>&)>& on_step) {
+                      const std::function<void(const SceneStep<D>&)>& on_step,
+                      const std::function<bool()>& cancelled) {
   if (steps.empty()) return;
-  SolverOptions options{.tol = kMovingTolerance,
-                        .max_iterations = kMovingIterations,
-                        .cancelled = &InterruptGuard::requested};
+  SolverOptions options{
+      .tol = kMovingTolerance, .max_iterations = kMovingIterations, .cancelled = cancelled};
   State<D> state = initial_state(scene);
   SceneRunOptions<D> to_last;
   to_last.steps = steps.back();
@@ -26,13 +26,15 @@ void run_moving_scene(const Scene<D>& scene, const std::vector<int>& steps,
   };
   to_last.cancelled = options.cancelled;
   const SceneRun<D> done = run_scene(scene, state, to_last);
-  if (InterruptGuard::requested()) throw Interrupted();
+  if (cancelled()) throw Interrupted();
   if (done.failure) throw *done.failure;
 }
 
 template void run_moving_scene<2>(const Scene<2>&, const std::vector<int>&,
-                                  const std::function<void(const SceneStep<2>&)>&);
+                                  const std::function<void(const SceneStep<2>&)>&,
+                                  const std::function<bool()>&);
 template void run_moving_scene<3>(const Scene<3>&, const std::vector<int>&,
-                                  const std::function<void(const SceneStep<3>&)>&);
+                                  const std::function<void(const SceneStep<3>&)>&,
+                                  const std::function<bool()>&);
 
 }  // namespace bipot

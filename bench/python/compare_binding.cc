@@ -18,6 +18,8 @@
 #include "bench/python/python_problem.h"
 #include "bench/python/python_watch.h"
 #include "bench/report/chart.h"
+#include "core/base/file_error.h"
+#include "core/base/interrupt.h"
 
 namespace bipot {
 namespace {
@@ -41,8 +43,11 @@ ProblemSource source_of(const std::string& name, const PythonProblem& given, Vec
   return source;
 }
 
-TargetOptions target_options(int scene_problems, const py::object& scene_steps) {
-  TargetOptions options{.scene_problems = scene_problems, .warn = python_warnings()};
+TargetOptions target_options(int scene_problems, const py::object& scene_steps,
+                             PythonWatch& watch) {
+  TargetOptions options{.scene_problems = scene_problems,
+                        .cancelled = [&watch] { return watch.stopped(); },
+                        .warn = python_warnings()};
   if (!scene_steps.is_none()) options.scene_steps = scene_steps.cast<int>();
   return options;
 }
@@ -135,10 +140,11 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
   options.watch.interrupted = [&watch] { return watch.stopped(); };
   report_rows_to(on_row, watch, options);
   const std::vector<ProblemSource> sources =
-      sources_of(targets, target_options(scene_problems, scene_steps));
-  {
+      sources_of(targets, target_options(scene_problems, scene_steps, watch));
+  try {
     const py::gil_scoped_release release;
     made.comparison = compare(sources, options);
+  } catch (const Interrupted&) {  // in the run of a scene
   }
   watch.rethrow();
   // The options as the report shows them; none of them runs again.
@@ -153,22 +159,29 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
 void write_into(const PythonComparison& self, const std::filesystem::path& folder) {
   const py::gil_scoped_release release;
   require_plotting_tool();
-  std::filesystem::create_directories(folder);
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) throw FileError(folder, "", failed.message());
   write_report(folder, self.comparison, self.context);
 }
 
 std::vector<std::shared_ptr<PythonProblem>> load_problems(const std::vector<std::string>& targets,
                                                           int scene_problems,
                                                           const py::object& scene_steps) {
+  PythonWatch watch;
   const std::vector<ProblemSource> sources =
-      expand_targets(targets, target_options(scene_problems, scene_steps));
+      expand_targets(targets, target_options(scene_problems, scene_steps, watch));
   std::vector<std::shared_ptr<PythonProblem>> problems;
-  const py::gil_scoped_release release;
-  for (const ProblemSource& source : sources) {
-    TestProblem made = source.load();
-    problems.push_back(std::make_shared<PythonProblem>(std::move(made.problem), source.name));
-    if (made.start.size() > 0) problems.back()->guesses.push_back(std::move(made.start));
+  try {
+    const py::gil_scoped_release release;
+    for (const ProblemSource& source : sources) {
+      TestProblem made = source.load();
+      problems.push_back(std::make_shared<PythonProblem>(std::move(made.problem), source.name));
+      if (made.start.size() > 0) problems.back()->guesses.push_back(std::move(made.start));
+    }
+  } catch (const Interrupted&) {
   }
+  watch.rethrow();
   return problems;
 }
 

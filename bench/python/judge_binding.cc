@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
+#include <stdexcept>
 
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
@@ -126,7 +128,12 @@ void bind_judge(py::module_& module) {
       .def(
           "sentence",
           [](const ImpulseVerdict& v, const py::object& tol) {
-            return sentence(v, to_number(tol, "tol"));
+            const double within = to_number(tol, "tol");
+            if (!(within > 0 && std::isfinite(within))) {
+              throw std::invalid_argument(
+                  fmt::format("tol = {}: expected a positive number", within));
+            }
+            return sentence(v, within);
           },
           py::arg("tol"), "As `bipot judge` says it.")
       .def("__repr__", [](const ImpulseVerdict& v) {

@@ -15,6 +15,7 @@
 #include "bench/python/python_problem.h"
 #include "core/base/counted.h"
 #include "core/base/file_error.h"
+#include "core/files/atomic_file.h"
 #include "core/problem/compliance.h"
 #include "core/problem/delassus.h"
 #include "core/problem/equality_rows.h"
@@ -158,6 +159,10 @@ Vector restitution_by_row(const py::object& given, const ContactProblem& p) {
   return by_row;
 }
 
+bool has_velocities_before(const py::kwargs& options) {
+  return !option(options, "v_before", "u_before").is_none();
+}
+
 /// Value of u at s = 0 in the symmetric variables (data/manual/explanation/method.md, §3), from the
 /// physical one and the velocities before the impact.
 Vector symmetric_velocity(const PythonProblem& given, const ContactProblem& p,
@@ -276,14 +281,14 @@ HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   if (!row_scale.is_none()) p.row_scale = to_vector(row_scale, "row_scale");
   require_sound(validate(p));
   if (const py::object R = option(options, "R"); !R.is_none()) {
-    if (options.contains("G")) throw std::invalid_argument("R is given with G");
+    if (!option(options, "G").is_none()) throw std::invalid_argument("R is given with G");
     p = with_compliance(std::move(p), compliance(R));
   }
   if (shocks) {
     if (!row_scale.is_none()) throw std::invalid_argument("row_scale is given with restitution");
     take_restitution(*made, p, options);
     require_sound(validate(p));
-  } else if (options.contains("v_before") || options.contains("u_before")) {
+  } else if (has_velocities_before(options)) {
     throw std::invalid_argument("velocities before the impact are given without restitution");
   }
   p = with_joints(std::move(p), options);
@@ -296,6 +301,8 @@ HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
     }
   }
   const py::object accept = option(options, "accept_indefinite");
+  if (!accept.is_none())
+    py::module_::import("bipot._names").attr("flag")(accept, "accept_indefinite");
   // A W that was made here from A and H is one.
   if (!W.is_none()) made->caution = delassus_defect(p);
   if (!made->caution.empty() && (accept.is_none() || !py::bool_(accept))) {
@@ -324,13 +331,23 @@ HeldProblem update(const PythonProblem& self, const py::args& arguments,
     if (!p.has_velocities()) throw std::invalid_argument("v_free is given without A and H");
     p.v_free = to_vector(v_free, "v_free");
   }
+  if (made->restitution.size() == 0 && has_velocities_before(options)) {
+    if (p.row_scale.size() == 0) {
+      throw std::invalid_argument("velocities before the impact are given without restitution");
+    }
+    made->restitution = p.row_scale.array().square() - 1;  // of a file or a step
+  }
   const bool shocks = made->restitution.size() > 0;
+  if (!shocks && !v_free.is_none() && p.row_scale.size() > 0 && (p.row_scale.array() != 1).any()) {
+    throw std::invalid_argument(
+        "restitution needs the velocities before the impact: v_before (n) or u_before (m)");
+  }
   if (!u_free.is_none() || !v_free.is_none()) {
     p.u_free =
         u_free.is_none() ? at_contacts(*made, p, p.v_free, "v_free") : to_vector(u_free, "u_free");
     require_size("u_free", p.u_free.size(), self.problem->num_rows());
     if (shocks) p.u_free = symmetric_velocity(*made, p, options);
-  } else if (options.contains("v_before") || options.contains("u_before")) {
+  } else if (has_velocities_before(options)) {
     throw std::invalid_argument("give v_free or u_free with the velocities before the impact");
   }
   if (!mu.is_none()) {
@@ -357,17 +374,17 @@ py::tuple parts_of_problem(const PythonProblem& self) {
   };
   py::list guesses;
   for (const Vector& guess : self.guesses) guesses.append(copy_of(guess));
-  return py::make_tuple(p.dim, part(p.A, p.has_velocities()), part(p.H, p.has_velocities()),
-                        part(p.W, p.has_delassus()), copy_of(p.v_free), copy_of(p.u_free),
-                        copy_of(p.mu), copy_of(p.row_scale), copy_of(self.restitution), self.name,
-                        copy_of(self.solution), guesses,
-                        rows != nullptr ? py::object(parts_of(rows->G)) : py::object(py::none()),
-                        rows != nullptr ? py::object(copy_of(rows->b)) : py::object(py::none()),
-                        copy_of(p.mu_r), copy_of(p.mu_spin), rows != nullptr && rows->lenient);
+  return py::make_tuple(
+      p.dim, part(p.A, p.has_velocities()), part(p.H, p.has_velocities()),
+      part(p.W, p.has_delassus()), copy_of(p.v_free), copy_of(p.u_free), copy_of(p.mu),
+      copy_of(p.row_scale), copy_of(self.restitution), self.name, copy_of(self.solution), guesses,
+      rows != nullptr ? py::object(parts_of(rows->G)) : py::object(py::none()),
+      rows != nullptr ? py::object(copy_of(rows->b)) : py::object(py::none()), copy_of(p.mu_r),
+      copy_of(p.mu_spin), rows != nullptr && rows->lenient, self.caution);
 }
 
 HeldProblem problem_of_parts(const py::tuple& parts) {
-  if (parts.size() != 17) throw std::invalid_argument("a Problem that another version pickled");
+  if (parts.size() != 18) throw std::invalid_argument("a Problem that another version pickled");
   auto made = std::make_shared<PythonProblem>();
   ContactProblem p{.dim = parts[0].cast<int>()};
   if (!parts[1].is_none()) p.A = from_parts<SparseMatrix>(parts[1], "A");
@@ -384,7 +401,7 @@ HeldProblem problem_of_parts(const py::tuple& parts) {
   made->name = parts[9].cast<std::string>();
   made->solution = to_vector(parts[10], "solution");
   for (const py::handle guess : parts[11]) made->guesses.push_back(to_vector(guess, "guesses"));
-  if (!p.has_velocities()) made->caution = delassus_defect(p);  // was accepted
+  made->caution = parts[17].cast<std::string>();
   if (!parts[12].is_none()) {
     p = with_equality_rows(std::move(p), from_parts<SparseRows>(parts[12], "G"),
                            to_vector(parts[13], "b"), parts[16].cast<bool>());
@@ -415,17 +432,25 @@ HeldProblem read(const std::filesystem::path& path, bool accept_indefinite) {
 void write(const PythonProblem& given, const std::filesystem::path& path, const py::object& s,
            const std::string& title, const std::string& description,
            const std::vector<py::object>& guesses) {
-  std::vector<Vector> starts;
-  for (const py::object& guess : guesses) starts.push_back(to_vector(guess, "guesses"));
-  const Vector impulse = s.is_none() ? Vector() : to_vector(s, "s");
   const ContactProblem& p = *given.problem;
-  if (!s.is_none()) require_size("s", impulse.size(), p.num_rows());
+  const auto impulse_of = [&](const py::object& numbers, const char* name) {
+    Vector x = to_vector(numbers, name);
+    require_size(name, x.size(), p.num_rows());
+    if (!x.allFinite()) throw std::invalid_argument(fmt::format("{} is not finite", name));
+    return x;
+  };
+  std::vector<Vector> starts;
+  for (const py::object& guess : guesses) starts.push_back(impulse_of(guess, "guesses"));
+  const Vector impulse = s.is_none() ? Vector() : impulse_of(s, "s");
   const py::gil_scoped_release release;
-  write_fclib(path, p, {.title = title, .description = description, .math_info = {}}, starts);
-  if (impulse.size() == 0) return;
+  const ProblemInfo info{.title = title, .description = description, .math_info = {}};
+  if (impulse.size() == 0) return write_fclib(path, p, info, starts);
   Vector u;
   DelassusOperator(p).velocity(impulse, u);
-  write_fclib_solution(path, impulse, u);
+  AtomicFile file(path);  // with both, or as it was before
+  write_fclib(file.draft(), p, info, starts);
+  write_fclib_solution(file.draft(), impulse, u);
+  file.commit();
 }
 
 /// W as scipy's csr_matrix: a view if the problem has it, else assembled now.
@@ -444,6 +469,7 @@ py::object delassus(const HeldProblem& self) {
 Vector checked_impulse(const ContactProblem& p, const py::object& s) {
   Vector x = to_vector(s, "s");
   require_size("s", x.size(), p.num_rows());
+  if (!x.allFinite()) throw std::invalid_argument("s is not finite");
   return x;
 }
 

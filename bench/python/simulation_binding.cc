@@ -68,16 +68,24 @@ class PythonSimulation {
     choose(choice);
     if (choice.restart) {
       go_on_from(*choice.restart);
-      return;
+    } else {
+      start_ = check_start(scene_, {}, 1).text;
+      state_ = initial_state(scene_);
     }
-    check_start(scene_, {}, 1);
-    state_ = initial_state(scene_);
+    if (choice.step && !choice.num_steps) {  // the scene's duration stays
+      scene_.num_steps = state_.step + remaining_steps(scene_, state_);
+    }
   }
   PythonSimulation(const PythonSimulation&) = delete;  // the stepper looks at the scene
   PythonSimulation& operator=(const PythonSimulation&) = delete;
 
   const Scene<D>& scene() const { return scene_; }
   const std::string& text() const { return text_; }
+  /// What the scene leaves out, and what overlapped at its start.
+  std::string caution() const {
+    const bool both = !scene_.caution.empty() && !start_.empty();
+    return scene_.caution + (both ? "; " : "") + start_;
+  }
   const State<D>& state() const {
     require_rest();
     return state_;
@@ -184,6 +192,11 @@ class PythonSimulation {
     const auto cancelled = [this] { return watch_.stopped(); };
     const bool rigid = scene_.model == Model::kNonsmooth || !choice.solver.is_none();
     if (!rigid) {
+      if (choice.tol || choice.max_iterations || choice.warm_start || !choice.parameters.empty()) {
+        throw std::invalid_argument(
+            "tol, max_iterations, warm_start and parameters of solvers have no meaning for springs "
+            "and dashpots (model dem): name a solver, which means rigid contacts");
+      }
       stepper_.emplace(scene_, SceneRunOptions<D>{.cancelled = cancelled});
       return;
     }
@@ -197,6 +210,7 @@ class PythonSimulation {
 
   Scene<D> scene_;
   std::string text_;
+  std::string start_;  // what overlapped, in a sentence
   State<D> state_;
   bool stepping_ = false;  // read and written with Python's lock held
   PythonWatch watch_;
@@ -223,8 +237,9 @@ void set_wall(PythonSimulation<D>& self, const py::object& which, const py::obje
         fmt::format("wall '{}' is {}: a wall with a {} needs {} in the scene", wall.name,
                     motion_name<D>(wall.motion), what, key));
   };
+  if (!velocity.is_none()) require(Motion::kMoving, "velocity", "'velocity' without 'force'");
+  if (!force.is_none()) require(Motion::kDriven, "force", "'force'");
   if (!velocity.is_none()) {
-    require(Motion::kMoving, "velocity", "'velocity' without 'force'");
     const Vector v = to_vector(velocity, "velocity");
     if (v.size() != D || !v.allFinite()) {
       throw std::invalid_argument(
@@ -233,7 +248,6 @@ void set_wall(PythonSimulation<D>& self, const py::object& which, const py::obje
     wall.v = v;
   }
   if (!force.is_none()) {
-    require(Motion::kDriven, "force", "'force'");
     const double f = to_number(force, "force");
     if (!std::isfinite(f)) throw std::invalid_argument(fmt::format("force = {} is not finite", f));
     wall.force = f;
@@ -346,7 +360,7 @@ void bind_simulation_in(py::module_& module) {
       .def_property_readonly("text", &Simulation::text)
       .def_property_readonly("source", [](const Simulation& s) { return s.scene().source; })
       .def_property_readonly("title", [](const Simulation& s) { return s.scene().title; })
-      .def_property_readonly("caution", [](const Simulation& s) { return s.scene().caution; })
+      .def_property_readonly("caution", &Simulation::caution)
       .def_property_readonly("time", [](const Simulation& s) { return s.state().time; })
       .def_property_readonly("steps_done", [](const Simulation& s) { return s.state().step; })
       .def_property_readonly("num_steps", [](const Simulation& s) { return s.scene().num_steps; })

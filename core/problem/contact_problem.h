@@ -54,7 +54,7 @@ struct ContactProblem {
   bool rolls() const { return mu_r.size() > 0; }
   /// d without the rows of rolling.
   int plain_dim() const { return !rolls() ? dim : (dim == 6 ? 3 : 2); }
-  bool has_velocities() const { return H.cols() > 0 && H.rows() > 0; }
+  bool has_velocities() const { return A.rows() > 0 && H.rows() > 0; }
   bool has_delassus() const { return W.rows() > 0; }
 };
 

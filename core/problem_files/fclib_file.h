@@ -40,13 +40,15 @@ namespace bipot {
 ProblemFile read_fclib(const std::filesystem::path& path);
 
 /// Writes a new file, in global form if A and H are given (W is then not stored), else in local
-/// form; with equality rows the problem as it was given, G and b. The information becomes /fclib_*/info. The problem must be sound. Each guess (an impulse r
-/// to start from) is written into /guesses with its u (and v).
+/// form; with equality rows the problem as it was given, G and b. The information becomes
+/// /fclib_*/info. The problem must be sound. Each guess (an impulse r to start from) is written into
+/// /guesses with its u (and v).
 void write_fclib(const std::filesystem::path& path, const ContactProblem& problem,
                  const ProblemInfo& info, const std::vector<Vector>& guesses = {});
 
 /// Writes /solution of an existing problem file and replaces an earlier one. r and u are in the
-/// problem's variables. v: velocities of a global problem, by default computed from r. l is computed too.
+/// problem's variables. v: velocities of a global problem, by default computed from r. l is computed
+/// too.
 void write_fclib_solution(const std::filesystem::path& path, const Vector& r, const Vector& u,
                           const std::optional<Vector>& v = std::nullopt);
 

@@ -34,5 +34,7 @@ struct EqualProductStart {
   /// force network of s0, though not its error.
   InteriorState<D> warm(const Vector& s0, double tau) const;
 };
+template <ContactRows D>  // clang 14 does not deduce it
+EqualProductStart(InteriorSystem<D>&)->EqualProductStart<D>;
 
 }  // namespace bipot

@@ -29,5 +29,7 @@ struct ProximalInteriorPoint {
   StageEnd operator()(InteriorState<D>& z, const ProximalInteriorPointOptions& options,
                       InteriorState<D>& best);
 };
+template <ContactRows D>
+ProximalInteriorPoint(InteriorSystem<D>&, InteriorRun&) -> ProximalInteriorPoint<D>;
 
 }  // namespace bipot

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -154,6 +156,27 @@ void check_start(Scene<D>& scene, const std::function<void(const std::string&)>&
   }
 }
 
+template <int D>
+int remaining_steps(const Scene<D>& scene, const State<D>& state, std::optional<double> duration) {
+  if (!duration && scene.duration == 0) return std::max(scene.num_steps - state.step, 0);
+  // Of the whole duration where all steps have the same size: a restart ends with the same step.
+  const bool whole =
+      !duration && std::abs(state.time - state.step * scene.step) < 1e-6 * scene.step;
+  const double time = duration ? *duration : scene.duration - (whole ? 0 : state.time);
+  const double steps = std::round(time / scene.step) - (whole ? state.step : 0);
+  if (steps < 1 && time > 0 && state.step == 0) {
+    throw std::invalid_argument(fmt::format(
+        "the duration of {:.3g} s is shorter than a step of {:.3g} s", time, scene.step));
+  }
+  if (!(steps < std::numeric_limits<int>::max())) {
+    throw std::invalid_argument(
+        fmt::format("{:.3g} s are too many steps of {:.3g} s", time, scene.step));
+  }
+  return std::max(static_cast<int>(steps), 0);
+}
+
+template int remaining_steps(const Scene<2>&, const State<2>&, std::optional<double>);
+template int remaining_steps(const Scene<3>&, const State<3>&, std::optional<double>);
 template StartReport check_start(Scene<2>&, const std::filesystem::path&, int, double);
 template StartReport check_start(Scene<3>&, const std::filesystem::path&, int, double);
 template void check_start(Scene<2>&, const std::function<void(const std::string&)>&);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/motion/push_apart.h"
+#include "core/motion/state.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
@@ -31,5 +32,11 @@ StartReport check_start(Scene<D>& scene, const std::filesystem::path& picture, i
 /// scene leaves out and what overlaps.
 template <int D>
 void check_start(Scene<D>& scene, const std::function<void(const std::string&)>& warn);
+
+/// Steps from the state to the end of the scene, which is a time or a number of steps, or of this
+/// duration [s]. Throws std::invalid_argument for one that is shorter than a step.
+template <int D>
+int remaining_steps(const Scene<D>& scene, const State<D>& state,
+                    std::optional<double> duration = std::nullopt);
 
 }  // namespace bipot

@@ -8,7 +8,7 @@ from typing import Any, Sequence
 
 from . import _bipot
 from ._display import table
-from ._names import flag, integer, named_options, number
+from ._names import count, flag, named_options, positive
 
 
 class Advice(dict):
@@ -84,14 +84,14 @@ def advise(
     text = _bipot.advise(
         os.fspath(scene),
         goal={
-            key: number(x, "force_error" if key == "force" else key)
+            key: positive(x, "force_error" if key == "force" else key)
             for key, x in goals.items()
             if x is not None
         },
         solvers=[solvers] if isinstance(solvers, str) else list(solvers),
-        time_limit=number(time_limit, "time_limit"),
-        window=0 if window is None else number(window, "window"),
-        samples=integer(samples, "samples"),
+        time_limit=positive(time_limit, "time_limit"),
+        window=0 if window is None else positive(window, "window"),
+        samples=count(samples, "samples", most=64),
         keep_step=flag(keep_step, "keep_step"),
     )
     return Advice(json.loads(text))

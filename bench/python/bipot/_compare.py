@@ -8,10 +8,20 @@ from typing import Any, Callable, Iterable, Mapping, Sequence
 
 from . import _bipot
 from ._bipot import Problem
-from ._names import flag, integer, named_options, number, optional, solver_name, text
+from ._names import (
+    count,
+    flag,
+    named_options,
+    not_negative,
+    number,
+    optional,
+    positive,
+    solver_name,
+    text,
+)
 from ._solve import Solver
 
-Target = str | Problem | tuple[str, Problem]
+Target = str | os.PathLike[str] | Problem | tuple[str, Problem]
 
 
 class Comparison(dict):
@@ -95,7 +105,7 @@ def compare(
     Warns of what scenes leave out and of overlaps at their start. Raises ValueError for a target or
     solver that does not exist, OSError, KeyboardInterrupt (rows in `out` are kept).
     """
-    if isinstance(targets, (str, Problem)):
+    if isinstance(targets, (str, os.PathLike, Problem)) or _is_pair(targets):
         targets = [targets]
     if isinstance(targets, Mapping):
         targets = list(targets.items())
@@ -108,6 +118,10 @@ def compare(
             if name in given:
                 raise ValueError(f"solver '{name}' is named twice")
             given[name] = solver
+    for name, solver in given.items():
+        if isinstance(solver, str) and solver != name:
+            raise ValueError(f"solvers: '{solver}' keeps its own name, '{name}' is for a callable")
+        solver_name(solver)
     names = [solver for solver in given.values() if isinstance(solver, str)]
     callables = [(name, solver) for name, solver in given.items() if not isinstance(solver, str)]
     sources = [_source(target, k) for k, target in enumerate(targets)]
@@ -117,15 +131,15 @@ def compare(
         names,
         callables,
         [number(tol, "tols") for tol in tols],
-        number(time_limit, "time_limit"),
-        number(reference_time_limit, "reference_time_limit"),
-        integer(repeat, "repeat"),
-        number(min_time, "min_time"),
+        positive(time_limit, "time_limit"),
+        positive(reference_time_limit, "reference_time_limit"),
+        count(repeat, "repeat", most=1000),
+        not_negative(min_time, "min_time"),
         flag(try_all, "try_all"),
         flag(warm, "warm"),
         os.fspath(out) if out is not None else "",
-        integer(scene_problems, "scene_problems"),
-        optional(integer, scene_steps, "scene_steps"),
+        count(scene_problems, "scene_problems", most=1000),
+        optional(count, scene_steps, "scene_steps"),
         on_row,
         f"bipot.compare([{shown}], solvers={list(given)}, tols={list(tols)})",
     )
@@ -140,9 +154,13 @@ def problems(
     Warns as `compare`."""
     return _bipot.problems(
         [text(target, "target") for target in targets],
-        integer(scene_problems, "scene_problems"),
-        optional(integer, scene_steps, "scene_steps"),
+        count(scene_problems, "scene_problems", most=1000),
+        optional(count, scene_steps, "scene_steps"),
     )
+
+
+def _is_pair(target: Any) -> bool:
+    return isinstance(target, tuple) and len(target) == 2 and isinstance(target[1], Problem)
 
 
 def _source(target: Any, place: int) -> Any:
@@ -151,7 +169,7 @@ def _source(target: Any, place: int) -> Any:
         return os.fspath(target)
     if isinstance(target, Problem):
         target = (target.name or f"problem_{place}", target)
-    if not (isinstance(target, tuple) and len(target) == 2 and isinstance(target[1], Problem)):
+    if not _is_pair(target):
         raise TypeError(f"target {target!r}: expected a text, a Problem or (name, Problem)")
     name, problem = target
     return name, problem, problem.guesses[0] if problem.guesses else None

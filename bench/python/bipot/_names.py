@@ -2,6 +2,7 @@
 
 import functools
 import inspect
+import math
 import operator
 import os
 import reprlib
@@ -118,6 +119,28 @@ def flag(value, name):
     return bool(value)
 
 
+def positive(value, name):
+    value = number(value, name)
+    if not 0 < value < math.inf:
+        raise ValueError(f"{name} = {value}: expected a positive number")
+    return value
+
+
+def not_negative(value, name):
+    value = number(value, name)
+    if not 0 <= value < math.inf:
+        raise ValueError(f"{name} = {value}: expected a number that is not negative")
+    return value
+
+
+def count(value, name, least=1, most=2**31 - 1):
+    """An integer between the two, both included."""
+    value = integer(value, name)
+    if not least <= value <= most:
+        raise ValueError(f"{name} = {value}: expected an integer from {least} to {most}")
+    return value
+
+
 def optional(check, value, name):
     """None, or a value that passes the check."""
     return None if value is None else check(value, name)
@@ -145,4 +168,6 @@ def parameter_texts(parameters):
 
 def solver_name(solver):
     """Name of a solver, or of a callable."""
+    if not isinstance(solver, str) and not callable(solver):
+        raise wrong_type("solver", "a name or a callable", solver)
     return solver if isinstance(solver, str) else _bipot.name_of_callable(solver)

@@ -9,6 +9,7 @@ from . import _bipot
 from ._bipot import Iteration, Problem, Result, Verdict
 from ._names import (
     a_problem,
+    count,
     integer,
     named_options,
     number,
@@ -133,7 +134,7 @@ def judge(problem: Problem, s: Any, *, worst: int = 5) -> Verdict:
     `cone`, `cone_violation` and `siconos_map`, which are those of s as it is. Raises ValueError for
     a wrong size or a number that is not finite.
     """
-    return _bipot.judge(a_problem(problem), s, integer(worst, "worst"))
+    return _bipot.judge(a_problem(problem), s, count(worst, "worst", least=0))
 
 
 def solvers() -> list[dict[str, Any]]:

@@ -28,7 +28,12 @@ def to_toml(scene):
 def _key(key):
     if not isinstance(key, str):
         raise wrong_type("scene", "texts as keys", key)
-    return json.dumps(key, ensure_ascii=False)
+    return _text(key)
+
+
+def _text(value):
+    """TOML escapes one character more than JSON."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _value(value, key, depth=0):
@@ -43,7 +48,7 @@ def _value(value, key, depth=0):
     if isinstance(value, float):
         return repr(value) if math.isfinite(value) else str(value)
     if isinstance(value, (str, os.PathLike)):
-        return json.dumps(os.fspath(value), ensure_ascii=False)
+        return _text(os.fspath(value))
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(item, key, depth + 1) for item in value) + "]"
     if isinstance(value, dict):

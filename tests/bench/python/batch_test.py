@@ -167,6 +167,13 @@ def test_a_pickle_that_was_changed_is_refused():
     refused(ValueError, "another version", function, ("0.0.1", *parts[1:]))
 
 
+def test_a_w_that_is_none_of_a_and_h_is_told_after_pickle_too():
+    p = bipot.Problem(A=np.eye(2), H=np.eye(2), W=2 * np.eye(2), v_free=[-1, 0], mu=[0.5],
+                      accept_indefinite=True)
+    said = bipot.judge(pickle.loads(pickle.dumps(p)), [1, 0]).sentence(1e-6)
+    assert "W is not that of A and H" in said and said == bipot.judge(p, [1, 0]).sentence(1e-6)
+
+
 def test_what_cannot_be_pickled_says_so():
     step = bipot.Simulation("bouncing_ball").advance()
     for thing in (step, bipot.judge(chain(1), [1, 0])):

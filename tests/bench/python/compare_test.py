@@ -122,6 +122,25 @@ def test_names_must_differ():
     assert t["problem"] == ["a", "a", "b", "b"] and set(t["solver"]) == {"mine", "apgd"}
 
 
+def test_one_target_may_stand_alone(tmp_path):
+    bipot.write(chain(2), tmp_path / "two.hdf5")
+    for target, name in ((("pile:2", chain(2)), "pile:2"), (tmp_path / "two.hdf5", "two")):
+        t = bipot.compare(target, solvers=["pgs"], tols=[1e-2], **QUICK)
+        assert t["problem"] == [name]
+    refused(ValueError, "'apgd' keeps its own name", bipot.compare, chain(2), solvers={"a": "apgd"})
+    refused(TypeError, "expected a name or a callable", bipot.compare, chain(2), solvers=[None])
+    refused(OSError, "null", t.report, "/dev/null/x")
+
+
+def test_limits_are_those_of_the_command():
+    for option, value in dict(time_limit=0, reference_time_limit=-1, min_time=-1, repeat=0,
+                              scene_problems=0, scene_steps=0).items():
+        refused(ValueError, f"{option} = ", bipot.compare, chain(2), solvers=["pgs"], **{option: value})
+    refused(ValueError, "scene_problems = -3", bipot.problems, "compaction", scene_problems=-3)
+    refused(ValueError, "worst = -1", bipot.judge, chain(1), [1, 0], worst=-1)
+    refused(ValueError, "expected a positive number", bipot.judge(chain(1), [1, 0]).sentence, np.nan)
+
+
 def test_bad_input_is_refused():
     refused(ValueError, "did you mean 'pgs'", bipot.compare, chain(2), solvers=["pgz"])
     refused(ValueError, "no such file", bipot.compare, "no_such_scene")

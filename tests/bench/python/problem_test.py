@@ -345,6 +345,45 @@ def test_a_ball_bounces_with_friction():
     assert np.allclose(bipot.solve(rough, tol=1e-12).impulse, [1.8, -0.216, -0.288], atol=1e-9)
 
 
+def test_problems_of_files_and_steps_have_their_restitution(tmp_path):
+    """A ball hits the floor at 1 m/s, then at 2 m/s: it leaves with half of that."""
+    v = np.array([-1.0, 0.2])
+    given = dict(A=np.eye(2), H=np.eye(2), v_free=v, mu=[0.5], v_before=v, e=0.5)
+    bipot.write(bipot.Problem(**given), tmp_path / "ball.hdf5")
+    read = bipot.read(tmp_path / "ball.hdf5")
+    for p in (bipot.Problem(**given), read):
+        assert bipot.solve(p.update(v_free=2 * v, v_before=2 * v), tol=1e-12).v[0] == pytest.approx(1)
+        refused(ValueError, "needs the velocities before", p.update, v_free=2 * v)
+    rigid = bipot.Problem(A=np.eye(2), H=np.eye(2), v_free=v, mu=[0.5], v_before=None)
+    refused(ValueError, "without restitution", rigid.update, v_free=v, v_before=v)
+    assert rigid.update(v_free=v, v_before=None).u_free[0] == -1
+
+
+def test_bodies_that_touch_nothing_keep_their_velocities():
+    p = bipot.Problem(A=np.eye(3), J=np.zeros((0, 3)), v_free=[1, 2, 3], mu=[], dim=3)
+    assert p.A.shape == (3, 3) and p.H.shape == (3, 0)
+    assert np.array_equal(bipot.solve(p).v, [1, 2, 3])
+    assert np.array_equal(p.body_velocity([]), [1, 2, 3])
+    assert np.array_equal(bipot.solve(p.update(v_free=[4, 5, 6])).v, [4, 5, 6])
+    held = bipot.Problem(A=np.eye(3), J=np.zeros((0, 3)), v_free=[1, 2, 3], mu=[], dim=3,
+                         G=[[1, 0, 0]], b=[0])
+    assert bipot.solve(held).v == pytest.approx([0, 2, 3])
+
+
+def test_a_file_stays_where_writing_is_refused(tmp_path):
+    path = tmp_path / "kept.hdf5"
+    bipot.write(one_contact(-1, 0), path, s=[1, 0], guesses=[[1, 0]])
+    before = path.read_bytes()
+    other = one_contact(-2, 0)
+    refused(ValueError, "s is not finite", bipot.write, other, path, s=[np.nan, 0])
+    refused(ValueError, "guesses is not finite", bipot.write, other, path, guesses=[[np.inf, 0]])
+    refused(ValueError, "guesses has size 3", bipot.write, other, path, guesses=[[1, 0, 0]])
+    huge = bipot.Problem(W=1e200 * np.eye(2), u_free=[-1, 0], mu=[0.5])
+    refused(OSError, "not finite", bipot.write, huge, path, s=[1e200, 0])
+    assert path.read_bytes() == before
+    refused(ValueError, "s is not finite", other.velocity, [np.nan, 0])
+
+
 def test_restitution_that_is_not_whole_is_refused():
     W, u = np.eye(2), [-1.0, 0.5]
     given = dict(W=W, u_free=u, mu=[0.1])

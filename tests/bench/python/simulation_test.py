@@ -204,6 +204,32 @@ def test_walls_that_python_may_not_move_are_refused(tmp_path):
     belt = bipot.Simulation(moving_wall_scene(tmp_path))
     refused(ValueError, "velocity has size 3", belt.set_wall, "belt", velocity=(1, 0, 0))
     refused(ValueError, "expected 2 finite", belt.set_wall, "belt", velocity=(np.nan, 0))
+    refused(ValueError, "is moving: a wall with a force", belt.set_wall, "belt", velocity=(1, 0), force=3)
+    assert belt.walls[0]["velocity"] == (0, 0)
+
+
+def test_a_step_of_another_size_keeps_the_duration(tmp_path):
+    """A duration stays, a number of steps stays, and a restart ends at the same time."""
+    scene = dict(disks=[dict(position=[0, 2], radius=0.5, mass=1)], time=dict(step=1e-3, duration=0.02))
+    fine = [step.time for step in bipot.Simulation(scene, step=5e-4)]
+    assert len(fine) == 40 and fine[-1] == pytest.approx(0.02)
+    assert len(list(bipot.Simulation(scene, step=5e-4, num_steps=3))) == 3
+    assert len(list(bipot.Simulation(scene | dict(time=dict(step=1e-3, steps=4)), step=5e-4))) == 4
+    path = tmp_path / "fall.toml"
+    path.write_text("[[disks]]\nposition = [0, 2]\nradius = 0.5\nmass = 1\n"
+                    "[time]\nstep = 1e-3\nduration = 0.02\n")
+    bipot.run(path, out=tmp_path / "run", steps=10)
+    on = [step.time for step in bipot.Simulation(path, step=5e-4, restart=tmp_path / "run")]
+    assert len(on) == 20 and on[-1] == pytest.approx(0.02)
+    refused(ValueError, "is shorter than a step of 0.5 s", bipot.Simulation, scene, step=0.5)
+
+
+def test_springs_take_no_options_of_solvers():
+    scene = dict(disks=[dict(position=[0, 2], radius=0.5, mass=1)], time=dict(step=1e-3, steps=4),
+                 model=dict(type="dem"))
+    assert len(list(bipot.Simulation(scene))) == 4
+    for option in (dict(tol=1e-3), dict(max_iterations=5), dict(warm_start=False), dict(omega=1.2)):
+        refused(ValueError, "have no meaning for springs", bipot.Simulation, scene, **option)
 
 
 def test_driven_walls_take_forces():
@@ -263,8 +289,11 @@ def test_advice_is_that_of_the_command():
 
 def test_advice_takes_a_goal_of_its_own_and_refuses_a_wrong_one():
     assert bipot.advise("bouncing_ball", solvers=["pgs"], time_limit=20)["default_goal"]
-    with pytest.raises(ValueError, match="force: expected a positive number"):
-        bipot.advise("bouncing_ball", force_error=-1)
+    for option in ("force_error", "energy", "time_limit", "window"):
+        for value in (-1, float("nan")):
+            refused(ValueError, f"{option} = .* expected a positive number",
+                    bipot.advise, "bouncing_ball", **{option: value})
+    refused(ValueError, "samples = 65", bipot.advise, "bouncing_ball", samples=65)
     refused(TypeError, "did you mean 'force_error'", bipot.advise, "bouncing_ball", force_eror=1e-2)
 
 

@@ -217,6 +217,8 @@ except KeyboardInterrupt:
         "list(sim)",
         'bipot.compare(p, solvers=["pgs"], tols=[1e-15], time_limit=60)',
         'bipot.advise("collapse_1000", force_error=1e-3)',
+        'bipot.problems("tilt_1000")',
+        'bipot.compare("tilt_1000", solvers=["pgs"], tols=[1e-2])',
     ],
 )
 def test_ctrl_c_is_a_keyboard_interrupt(call):
