@@ -55,6 +55,15 @@ def test_a_simulation_goes_on_from_a_run(folder):
             assert np.array_equal(steps[-1].contacts, whole[-1].contacts)
 
 
+def test_a_restart_with_another_step_ends_at_the_same_time(folder):
+    scene, out = folder
+    plain = bipot.Simulation(scene, restart=out)
+    finer = bipot.Simulation(scene, restart=out, step=plain.step_size / 2)
+    by_duration = "duration" in scene.read_text()
+    left = plain.num_steps - plain.steps_done
+    assert finer.num_steps - finer.steps_done == (2 * left if by_duration else left)
+
+
 def test_a_run_of_another_scene_is_refused(folder, tmp_path):
     told = "does not fit the scene: it has 1 disks|a run in 3 dimensions"
     refused((ValueError, OSError), told, bipot.Simulation, "drum", restart=folder[1])
