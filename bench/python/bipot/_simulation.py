@@ -71,8 +71,8 @@ class Simulation:
     to u_tz.
 
     solver: a name, or a callable f(problem, tol, callback) -> s (see `compare`); the scene's own
-        where it is None, as are tol, max_iterations, warm_start (from the step before), step [s],
-        num_steps, friction (of all pairs) and accuracy. Other options are the solver's parameters.
+        where it is None, as are tol, max_iterations, warm_start (from the step before), step [s]
+        (a duration stays), num_steps, friction (of all pairs) and accuracy. Other options are the solver's parameters.
     restart: the folder of a run of this scene, or a `Run`: the simulation goes on from its last
         frame, to the same number of steps.
         A scene of springs and dashpots (model dem) gets rigid contacts where a solver is named.
