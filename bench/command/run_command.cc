@@ -183,6 +183,15 @@ std::unique_ptr<FolderLock> claim_folder(const RunFlags& flags, const RunFolderO
   return lock;
 }
 
+/// True for a run that ended after its last frame, before its pictures, charts and summary.
+bool lacks_results(const fs::path& folder, int last_step) {
+  const fs::path path = folder / "summary.json";
+  if (!fs::exists(path)) return true;
+  const Json summary = Json::parse(read_text_file(path), nullptr, false);
+  return !summary.is_object() || summary.value("last_step", -1) != last_step ||
+         summary.value("status", "") == "interrupted";
+}
+
 /// A run that was complete already. Its files do not change.
 template <int D>
 int nothing_to_do(const RunFlags& flags, const Scene<D>& scene, const State<D>& state, bool quiet) {
@@ -232,7 +241,7 @@ struct RunOutcome {
 };
 
 template <int D>
-RunOutcome outcome_of(const SceneRun<D>& run, bool has_begun) {
+RunOutcome outcome_of(const SceneRun<D>& run, bool has_begun, bool interrupted) {
   using End = typename SceneRun<D>::End;
   if (run.end == End::kFailed) {
     using Kind = StepFailure::Kind;
@@ -252,7 +261,7 @@ RunOutcome outcome_of(const SceneRun<D>& run, bool has_begun) {
         return {"failed", kExitNumericalFailure};
     }
   }
-  if (InterruptGuard::requested()) return {"interrupted", kExitInterrupted};
+  if (interrupted) return {"interrupted", kExitInterrupted};
   if (run.end == End::kCancelled) return {"time limit", kExitNotConverged};
   if (run.totals.converged < run.totals.steps) return {"not converged", kExitNotConverged};
   return {"completed", kExitConverged};
@@ -267,6 +276,7 @@ struct PreparedRun {
   std::unique_ptr<FolderLock> lock;     // of the folder of the results, on the speaker
   std::unique_ptr<WatchServer> server;  // likewise, with --watch
   StartReport start;
+  bool finished = false;    // before, with all its results
   std::string note;         // on the simulated time
   std::string whole_state;  // reason why this process has the whole state; empty: it has a part
 };
@@ -304,7 +314,9 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
   }
   options.steps =
       flags.steps ? *flags.steps : remaining_steps(run.scene, run.state, flags.duration);
-  if (!flags.restart.empty() && *options.steps == 0) return run;
+  run.finished = !flags.restart.empty() && *options.steps == 0 &&
+                 !(options.folder.resume && lacks_results(options.folder.folder, run.state.step));
+  if (run.finished) return run;
   run.scene.num_steps = run.state.step + *options.steps;
   run.note = changed_time(planned, run.scene, run.state);
   if (is_speaker()) {
@@ -391,7 +403,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   const Scene<D>& scene = prepared.scene;
   const State<D>& state = prepared.state;
   const fs::path& folder = prepared.options.folder.folder;
-  if (!flags.restart.empty() && *prepared.options.steps == 0) {
+  if (prepared.finished) {
     return is_speaker() ? nothing_to_do(flags, scene, state, quiet) : int{kExitConverged};
   }
   bool draws = false;
@@ -411,9 +423,10 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   prepared.options.time_limit -= watch.seconds();
   TakenSteps<D> taken = take_steps(prepared, quiet);
   const SceneRun<D>& run = taken.run;
-  double peak[1] = {peak_memory()};
-  if (run.domains) run_processes().largest(peak);
-  const auto [status, exit_code] = outcome_of(run, prepared.state.step > 0);
+  double peak_and_interrupt[2] = {peak_memory(), InterruptGuard::requested() ? 1.0 : 0.0};
+  if (on_several_processes()) run_processes().largest(peak_and_interrupt);
+  const auto [peak, interrupted] = peak_and_interrupt;
+  const auto [status, exit_code] = outcome_of(run, prepared.state.step > 0, interrupted > 0);
   if (!is_speaker()) return exit_code;
   if (scene.observables) write_observable_charts(folder, scene.observables->profile, draws);
   if (run.failure) {
@@ -452,7 +465,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
     state_text = run.domains ? "distributed" : "on every process: " + prepared.whole_state;
     json["state"] = state_text;
   }
-  if (run.domains) json["domains"] = to_json(*run.domains, peak[0]);
+  if (run.domains) json["domains"] = to_json(*run.domains, peak);
   json["command_line"] = typed_command();
   write_json(json, (folder / "summary.json").string());
   append_to_log(folder, to_text(summary));

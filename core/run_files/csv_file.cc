@@ -10,7 +10,8 @@
 #include <fstream>
 #include <iterator>
 #include <utility>
-#include <vector>
+
+#include "core/files/atomic_file.h"
 
 namespace bipot {
 
@@ -31,6 +32,14 @@ void for_each_column(std::string_view columns, F&& f) {
       f(column.substr(0, at), column.substr(at + 2, column.size() - at - 3));
     }
   }
+}
+
+std::ptrdiff_t commas_outside_quotes(std::string_view line) {
+  bool inside = false;
+  return std::count_if(line.begin(), line.end(), [&](char c) {
+    inside ^= c == '"';
+    return c == ',' && !inside;
+  });
 }
 
 }  // namespace
@@ -79,11 +88,12 @@ std::string unit_rows(std::string_view file, std::string_view columns) {
 CsvFile::CsvFile(fs::path path, const std::string& columns, int keep_up_to)
     : path_(std::move(path)) {
   const std::string header = without_units(columns);
-  std::vector<std::string> kept;
+  std::string kept;
   if (keep_up_to >= 0) {
     std::ifstream before(path_);
     std::string line;
     std::getline(before, line);
+    const std::ptrdiff_t commas = commas_outside_quotes(line);
     line = without_units(line);
     const bool known = (header + ",").rfind(line + ",", 0) == 0;
     std::string missing;
@@ -98,13 +108,15 @@ CsvFile::CsvFile(fs::path path, const std::string& columns, int keep_up_to)
       const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), step);
       if (failure != std::errc() || step > keep_up_to) continue;
       if (!known) throw FileError(path_, "", "has other columns than this run: name another --out");
-      kept.push_back(line + missing);
+      if (commas_outside_quotes(line) != commas) {
+        throw FileError(path_, fmt::format("row of step {}", step), "was cut off");
+      }
+      kept += line + missing + '\n';
     }
   }
-  file_.reset(std::fopen(path_.c_str(), "w"));
+  write_text_file(path_, header + '\n' + kept);  // rows that were there are never lost
+  file_.reset(std::fopen(path_.c_str(), "a"));
   if (!file_) throw FileError(path_, "", std::string("cannot write: ") + std::strerror(errno));
-  row(header);
-  for (const std::string& line : kept) row(line);
 }
 
 void CsvFile::row(const std::string& line) {

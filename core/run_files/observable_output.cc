@@ -320,6 +320,32 @@ void ObservableWriter<D>::close() const {
 }
 
 template <int D>
+std::string definition_of(const ObservableChoice<D>& choice) {
+  const auto place = [](const auto& numbers) {
+    return fmt::format("({})", fmt::join(numbers.data(), numbers.data() + numbers.size(), ", "));
+  };
+  std::string text = fmt::format("forces: {} bins to {}", choice.force_bins, choice.force_limit);
+  if (choice.window) {
+    text += fmt::format("; window {} {}", place(choice.window->lower), place(choice.window->upper));
+  }
+  if (choice.profile) {
+    const ProfileChoice& p = *choice.profile;
+    text +=
+        fmt::format("; profile along {}: {} bins, {} to {}", "xyz"[p.axis], p.bins, p.low, p.high);
+  }
+  for (const FluxSurface<D>& s : choice.crossings) {
+    text += fmt::format("; flux {} ", s.name);
+    if constexpr (D == 2) {
+      text += place(s.a) + place(s.b);
+    } else {
+      text += fmt::format("{}{}{} {}{}{}", static_cast<int>(s.shape), place(s.point),
+                          place(s.normal), s.radius, place(s.along), place(s.size));
+    }
+  }
+  return text;
+}
+
+template <int D>
 void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& state) {
   const ObservableChoice<D>& choice = *scene.observables;
   for (const Quantity& q : quantities(observe(scene, state, choice))) {
@@ -340,6 +366,8 @@ void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& st
 
 template class ObservableWriter<2>;
 template class ObservableWriter<3>;
+template std::string definition_of(const ObservableChoice<2>&);
+template std::string definition_of(const ObservableChoice<3>&);
 template void write_observables(Hdf5File&, const Scene<2>&, const State<2>&);
 template void write_observables(Hdf5File&, const Scene<3>&, const State<3>&);
 

@@ -39,6 +39,10 @@ class ObservableWriter {
   CsvFile forces_;
 };
 
+/// What is measured, and where, as a text: rows of two runs belong together if theirs are equal.
+template <int D>
+std::string definition_of(const ObservableChoice<D>& choice);
+
 /// Writes the observables of a state: /observables in the frame's file.
 template <int D>
 void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& state);

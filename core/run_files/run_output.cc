@@ -29,6 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kIndexShare = 32;  // see RunWriter
+constexpr const char* kObservables = "/observables";
 
 /// Writes the triangles of all meshes, and how many each wall has.
 void write_triangles(Hdf5File& file, const std::vector<Wall<3>>& walls) {
@@ -188,6 +189,18 @@ void write_no_contact(Hdf5File& file, const Vec3& x) {
   }
 }
 
+/// Their means would be of different things.
+template <int D>
+void require_same_observables(const fs::path& run, const Scene<D>& scene) {
+  if (!scene.observables || !fs::exists(run)) return;
+  const Hdf5File file(run, Hdf5File::Mode::kRead);
+  if (!file.exists(kObservables)) return;
+  const std::string now = definition_of(*scene.observables), then = file.read_string(kObservables);
+  if (then == now) return;
+  throw FileError(run, kObservables,
+                  fmt::format("measured {}, this run {}: name another --out", then, now));
+}
+
 }  // namespace
 
 template <int D>
@@ -205,6 +218,7 @@ RunWriter<D>::RunWriter(fs::path folder, const Scene<D>& scene, std::string scen
   std::error_code error;
   fs::create_directories(folder_ / "frames", error);
   if (error) throw FileError(folder_, "", "cannot create: " + error.message());
+  if (resume_after >= 0) require_same_observables(folder_ / "run.h5", scene_);
   for (int step : steps_in_folder(folder_)) {
     if (step > resume_after) {
       fs::remove(frame_path(folder_, step), error);
@@ -260,6 +274,7 @@ void RunWriter<D>::write_run_file() const {
   file.write("/source", scene_.source);
   file.write("/scene", scene_text_);
   if (D == 3) file.write("/dimensions", D);
+  if (scene_.observables) file.write(kObservables, definition_of(*scene_.observables));
   file.write("/gravity", std::span(scene_.gravity.data(), D), "m/s2");
   file.write("/time_step", scene_.step, "s");
   if (scene_.accuracy > 0) file.write("/accuracy", scene_.accuracy);

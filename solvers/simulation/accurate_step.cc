@@ -295,8 +295,9 @@ auto AccurateStepper<D>::next_part(const Step& step) -> Part {
   if (is_over_()) {
     throw StepFailure(StepFailure::Kind::kCutShort, step.start, "ended within the step");
   }
-  const double left =
-      std::min(whole - step.done, next_change(scene_, now.time, kEnd * whole) - now.time);
+  double left = whole - step.done;
+  const double change = next_change(scene_, now.time, kEnd * whole) - now.time;
+  if (change < left - kEnd * whole) left = change;  // one at the end of the step, but for rounding
   double h = std::min({step.smooth, left, longest_});
   // Rounding must not keep a wall at rest that starts now.
   const std::vector<Wall<D>> walls = walls_at(scene_.walls, now.walls, now.time + kEnd * whole);

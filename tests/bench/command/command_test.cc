@@ -156,6 +156,15 @@ TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
   EXPECT_EQ(again["status"], "nothing to do");
   EXPECT_EQ(again["last_step"], 400);
   EXPECT_EQ(content("parts/summary.json"), summary);
+  // As a signal after the last frame leaves it: what lacks is made.
+  fs::remove("parts/summary.json");
+  fs::remove("parts/forces.png");
+  fs::remove("parts/index.html");
+  EXPECT_EQ(json_of(run + "parts --restart parts")["status"], "completed");
+  expect_files("parts", {"summary.json", "forces.png", "index.html"});
+  EXPECT_EQ(json_in("parts/summary.json")["last_step"], 400);
+  EXPECT_EQ(content("whole/ledger.csv"), content("parts/ledger.csv"));
+  EXPECT_EQ(json_of(run + "parts --restart parts")["status"], "nothing to do");
   write("shorter.toml", collapsing_scene(300));
   expect_said("run shorter.toml --restart parts", 0,
               {"is at step 400, the scene ends at step 300"});

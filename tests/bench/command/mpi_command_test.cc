@@ -290,6 +290,18 @@ TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
   EXPECT_EQ(count(content("several/ledger.csv"), "\n"), left + 17);
 }
 
+/// A signal for one of them is one for all: the summary, which another one writes, says so.
+TEST_F(MpiCommand, AnInterruptOfOneProcessIsToldByAll) {
+  write("pressed.toml", kPressed);
+  both_streams(2, "run pressed.toml --tol 1e-6 -q --steps 100000 --out several",
+               " & run=$!; for k in $(seq 300); do [ -e several/frames/00000010.h5 ] && break; "
+               "sleep 0.1; done; launcher=$(pgrep -P $run); "
+               "kill -INT $(pgrep -P $launcher | tail -n 1); wait $run");
+  const json summary = json_in("several/summary.json");
+  EXPECT_EQ(summary["status"], "interrupted");
+  EXPECT_EQ(summary["exit_code"], 5);
+}
+
 TEST_F(MpiCommand, AKilledSolveEndsAtOnce) {
   const Outcome killed = both_streams(2,
                                       "solve " + shipped_problem("2d_pour300_392") +

@@ -496,6 +496,18 @@ TEST(CsvFile, EarlierRowsUnderOtherColumnsAreNotLost) {
   EXPECT_EQ(csv(path).size(), 1u);
 }
 
+TEST(CsvFile, RowsThatWereCutOffAreTold) {
+  const TemporaryFolder folder;
+  const auto path = folder / "rows.csv";
+  const std::string whole = "step,name,a\n1,\"left, low\",3\n";
+  std::ofstream(path) << whole << "2,right\n";
+  EXPECT_TRUE(
+      says(refusal_of<FileError>([&] { CsvFile(path, "step,name,a", 2); }), "row of step 2"));
+  EXPECT_EQ(file_text(path), whole + "2,right\n");
+  { CsvFile before(path, "step,name,a", 1); }
+  EXPECT_EQ(file_text(path), whole);
+}
+
 TEST(CsvFile, NumbersHaveNineDigitsAndNoSignOfNan) {
   std::string line;
   for (const double x : {0.1, 1.0 / 3, -kNaN, 12345678901.0}) add_number(line, x);

@@ -1,3 +1,4 @@
+#include "core/base/file_error.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/scene_text.h"
 
@@ -122,6 +123,41 @@ void expect_same_bits(const NamedScene& named) {
 TEST(SceneRestart, GoesOnBitForBit) {
   for (const NamedScene& named : kRestartScenes) expect_same_bits<2>(named);
   for (const NamedScene& named : kRestartInSpace) expect_same_bits<3>(named);
+}
+
+/// Rows of other bins, along another axis or of another place are not continued: means would mix.
+TEST(SceneRestart, OtherObservablesAreTold) {
+  const std::string text = R"(
+disks = [{position = [0, 0.1], radius = 0.1, mass = 1}]
+walls = [{point = [0, 0], normal = [0, 1]}]
+time = {step = 1e-3, steps = 4}
+)";
+  const auto scene = [&](const std::string& observables) {
+    return scene_of<2>(text + "observables = {" + observables + "}\n");
+  };
+  const std::string along_y = "every = 1, profile = 'y', profile_range = [0, 1]";
+  const TemporaryFolder folder;
+  const auto resume = [&](const std::string& observables) {
+    const Scene<2> other = scene(observables);
+    RunWriter<2> writer(folder / "out", other, text, 0);
+  };
+  {
+    const Scene<2> first = scene(along_y);
+    RunWriter<2> writer(folder / "out", first, text);
+    writer.frame(initial_state(first));
+    writer.close();
+  }
+  EXPECT_NO_THROW(resume(along_y));
+  EXPECT_NO_THROW(resume("every = 2, profile = 'y', profile_range = [0, 1]"));
+  for (const char* other :
+       {"every = 1, profile = 'x', profile_range = [0, 1]",
+        "every = 1, profile = 'y', profile_range = [0, 2]",
+        "every = 1, profile = 'y', profile_range = [0, 1], profile_bins = 6",
+        "every = 1, profile = 'y', profile_range = [0, 1], window = [0, 0, 1, 1]",
+        "every = 1, profile = 'y', profile_range = [0, 1], force_bins = 7"}) {
+    EXPECT_TRUE(says(refusal_of<FileError>([&] { resume(other); }), "name another --out")) << other;
+  }
+  EXPECT_NO_THROW(resume(along_y));
 }
 
 /// A state keeps the places and velocities of its walls: those of an edited scene would be ignored.

@@ -618,5 +618,18 @@ TEST(AccurateStep, ADrivenWallStartsWithItsSpeedAndStops) {
   EXPECT_EQ(end.totals.cut.rejected(), 0);
 }
 
+/// A wall that stops at the end of a step moves in all of it, wherever rounding puts that end.
+TEST(AccurateStep, AWallThatStopsAtTheEndOfAStepMovesInAllOfIt) {
+  for (int k = 2; k < 40; ++k) {
+    Scene<2> scene = ball<2>(0);
+    scene.walls.push_back(half_space<2>(Vec2(1, 0), Vec2(-1, 0), "press"));
+    move_at(scene.walls[1], Vec2(-1, 0));
+    scene.walls[1].stops = k * 1e-3;
+    const Ended<2> end = run(with_accuracy(scene, 0.1, 1e-3, k));
+    EXPECT_EQ(end.state.walls[1].v[0], -1) << k;
+    EXPECT_NEAR(end.state.walls[1].a[0], 1 - k * 1e-3, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace bipot
