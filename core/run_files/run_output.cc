@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kIndexShare = 32;  // see RunWriter
-constexpr const char* kObservables = "/observables";
+constexpr const char* kMeasured = "/observables";
 
 /// Writes the triangles of all meshes, and how many each wall has.
 void write_triangles(Hdf5File& file, const std::vector<Wall<3>>& walls) {
@@ -194,10 +194,10 @@ template <int D>
 void require_same_observables(const fs::path& run, const Scene<D>& scene) {
   if (!scene.observables || !fs::exists(run)) return;
   const Hdf5File file(run, Hdf5File::Mode::kRead);
-  if (!file.exists(kObservables)) return;
-  const std::string now = definition_of(*scene.observables), then = file.read_string(kObservables);
+  if (!file.exists(kMeasured)) return;
+  const std::string now = definition_of(*scene.observables), then = file.read_string(kMeasured);
   if (then == now) return;
-  throw FileError(run, kObservables,
+  throw FileError(run, kMeasured,
                   fmt::format("measured {}, this run {}: name another --out", then, now));
 }
 
@@ -274,7 +274,7 @@ void RunWriter<D>::write_run_file() const {
   file.write("/source", scene_.source);
   file.write("/scene", scene_text_);
   if (D == 3) file.write("/dimensions", D);
-  if (scene_.observables) file.write(kObservables, definition_of(*scene_.observables));
+  if (scene_.observables) file.write(kMeasured, definition_of(*scene_.observables));
   file.write("/gravity", std::span(scene_.gravity.data(), D), "m/s2");
   file.write("/time_step", scene_.step, "s");
   if (scene_.accuracy > 0) file.write("/accuracy", scene_.accuracy);
