@@ -314,11 +314,13 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
   }
   options.steps =
       flags.steps ? *flags.steps : remaining_steps(run.scene, run.state, flags.duration);
-  run.finished = !flags.restart.empty() && *options.steps == 0 &&
-                 !(options.folder.resume && lacks_results(options.folder.folder, run.state.step));
+  const bool ended = !flags.restart.empty() && *options.steps == 0;
+  const bool asked = flags.steps || flags.duration || !options.folder.resume;
+  run.finished = ended && (asked || !lacks_results(options.folder.folder, run.state.step));
   if (run.finished) return run;
   run.scene.num_steps = run.state.step + *options.steps;
-  run.note = changed_time(planned, run.scene, run.state);
+  run.note = ended ? "no step was left: results of the run that ended; ledger.csv says how it did"
+                   : changed_time(planned, run.scene, run.state);
   if (is_speaker()) {
     if (flags.watch) run.server = std::make_unique<WatchServer>(flags.port.value_or(kWatchPort));
     run.lock = claim_folder(flags, options.folder);

@@ -248,7 +248,9 @@ class ProblemRun {
       : scene_(std::move(scene)), steps_(std::move(steps)), cancelled_(std::move(cancelled)) {}
 
   TestProblem at(int step) {
-    if (problems_.empty()) run();
+    if (problems_.empty() && !failure_) run();
+    if (const auto made = problems_.find(step); made != problems_.end()) return made->second;
+    if (failure_) throw *failure_;
     return problems_.at(step);
   }
 
@@ -274,13 +276,14 @@ class ProblemRun {
     };
     const SceneRun<D> run = run_scene(scene_, state, to_last);
     if (cancelled_()) throw Interrupted();
-    if (run.failure) throw *run.failure;
+    failure_ = run.failure;  // of steps after those that it made
   }
 
   Scene<D> scene_;
   std::vector<int> steps_;
   std::function<bool()> cancelled_;
   std::map<int, TestProblem> problems_;
+  std::optional<StepFailure> failure_;
 };
 
 /// The target without its size.

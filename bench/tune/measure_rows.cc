@@ -161,12 +161,12 @@ void require_same(const std::vector<MeasuredRow>& rows, const ProblemSource& sou
                   const ContactProblem& p, const std::filesystem::path& file) {
   for (const MeasuredRow& row : rows) {
     const ProblemTraits& then = row.traits;
-    const bool same = then.contacts == p.num_contacts() && then.dim == p.dim;
+    const bool same = then.contacts == p.num_contacts() && then.dim == p.plain_dim();
     if (row.problem != source.name || same) continue;
     throw std::invalid_argument(fmt::format(
         "{}: its rows of {} are of another problem ({} contacts, d = {}; now {}, {}): name another "
         "file by --rows",
-        file.string(), source.name, then.contacts, then.dim, p.num_contacts(), p.dim));
+        file.string(), source.name, then.contacts, then.dim, p.num_contacts(), p.plain_dim()));
   }
 }
 

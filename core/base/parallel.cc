@@ -14,13 +14,18 @@ namespace {
 /// Keeps the exception of the first task in order.
 class FirstFailure {
  public:
-  void keep(int task, std::exception_ptr failure) {
+  void keep(int phase, int task, std::exception_ptr failure) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (failure_ && task_ <= task) return;
     failure_ = std::move(failure);
     task_ = task;
+    phase_ = phase;
   }
-  bool any() const { return static_cast<bool>(failure_); }
+  /// A thread may be a phase ahead of the others.
+  bool any_up_to(int phase) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return failure_ && phase_ <= phase;
+  }
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);
   }
@@ -28,7 +33,7 @@ class FirstFailure {
  private:
   std::mutex mutex_;
   std::exception_ptr failure_;
-  int task_ = 0;
+  int task_ = 0, phase_ = 0;
 };
 
 }  // namespace
@@ -54,11 +59,11 @@ void run_phases(int threads, int phases, const int* first, const int* last, Task
       try {
         task(phase, k);
       } catch (...) {
-        failure.keep(k, std::current_exception());
+        failure.keep(phase, k, std::current_exception());
       }
     }
     // The barrier after the loop has made it visible to all.
-    if (failure.any()) break;
+    if (failure.any_up_to(phase)) break;
   }
   failure.rethrow();
 }

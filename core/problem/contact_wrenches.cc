@@ -47,7 +47,7 @@ void ContactWrenches::momentum(const Eigen::Ref<const Vector>& s, Vector& g) con
       const Local<D> push = s.segment<D>(c * D);
       for (int k = begin(c); k < end(c); ++k) {
         double sum = g[dof(k)];
-        for (int a = 0; a < D; ++a) sum += wrench_[to_size(k * D + a)] * push[a];
+        for (int a = 0; a < D; ++a) sum += wrench_[to_size(k) * to_size(D) + to_size(a)] * push[a];
         g[dof(k)] = sum;
       }
     }

@@ -35,7 +35,7 @@ class ContactWrenches {
     Local<D> u = Local<D>::Zero();
     for (int k = begin(contact); k < end(contact); ++k) {
       const double speed = v[dof(k)];
-      for (int a = 0; a < D; ++a) u[a] += wrench_[to_size(k * D + a)] * speed;
+      for (int a = 0; a < D; ++a) u[a] += wrench_[to_size(k) * to_size(D) + to_size(a)] * speed;
     }
     return u;
   }

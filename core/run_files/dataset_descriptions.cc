@@ -13,6 +13,7 @@ constexpr Description kDatasets[] = {
     {"/gravity", "acceleration of gravity"},
     {"/time_step", "size h of a step"},
     {"/accuracy", "radii by which an impact may misplace a body; absent: none was asked for"},
+    {"/measured", "what the observables are; a restart must have the same"},
     {"/contact_distance", "bodies closer than this at mid-step are candidates for a contact"},
     {"/dem/stiffness", "of a contact spring along n"},
     {"/dem/tangential_stiffness", "of a contact spring along t"},

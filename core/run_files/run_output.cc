@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kIndexShare = 32;  // see RunWriter
-constexpr const char* kMeasured = "/observables";
+constexpr const char* kMeasured = "/measured";
 
 /// Writes the triangles of all meshes, and how many each wall has.
 void write_triangles(Hdf5File& file, const std::vector<Wall<3>>& walls) {
@@ -189,14 +189,16 @@ void write_no_contact(Hdf5File& file, const Vec3& x) {
   }
 }
 
-/// Their means would be of different things.
+/// What the rows of the observables are, also where a part of the run had none. Throws FileError for
+/// a scene that measures something else: means would be of different things.
 template <int D>
-void require_same_observables(const fs::path& run, const Scene<D>& scene) {
-  if (!scene.observables || !fs::exists(run)) return;
+std::string measured(const fs::path& run, const Scene<D>& scene, bool resumes) {
+  const std::string now = scene.observables ? definition_of(*scene.observables) : std::string();
+  if (!resumes || !fs::exists(run)) return now;
   const Hdf5File file(run, Hdf5File::Mode::kRead);
-  if (!file.exists(kMeasured)) return;
-  const std::string now = definition_of(*scene.observables), then = file.read_string(kMeasured);
-  if (then == now) return;
+  if (!file.exists(kMeasured)) return now;
+  const std::string then = file.read_string(kMeasured);
+  if (now.empty() || then == now) return then;
   throw FileError(run, kMeasured,
                   fmt::format("measured {}, this run {}: name another --out", then, now));
 }
@@ -218,7 +220,7 @@ RunWriter<D>::RunWriter(fs::path folder, const Scene<D>& scene, std::string scen
   std::error_code error;
   fs::create_directories(folder_ / "frames", error);
   if (error) throw FileError(folder_, "", "cannot create: " + error.message());
-  if (resume_after >= 0) require_same_observables(folder_ / "run.h5", scene_);
+  measured_ = measured(folder_ / "run.h5", scene_, resume_after >= 0);
   for (int step : steps_in_folder(folder_)) {
     if (step > resume_after) {
       fs::remove(frame_path(folder_, step), error);
@@ -233,7 +235,6 @@ RunWriter<D>::RunWriter(fs::path folder, const Scene<D>& scene, std::string scen
                file.exists(bodies + "stress"), file.size(bodies + "spin") / to_size(kSpins<D>),
                bodies});
   }
-  write_index();
   std::string units;
   const auto begin = [&](std::optional<CsvFile>& file, const char* name, const std::string& head) {
     file.emplace(folder_ / name, head, resume_after);
@@ -252,6 +253,7 @@ RunWriter<D>::RunWriter(fs::path folder, const Scene<D>& scene, std::string scen
   }
   if (!scene_.output.track.empty()) begin(trajectory_, "trajectory.csv", trajectory_header<D>());
   write_text_file(folder_ / "units.csv", kUnitsHeader + ("\n" + units));
+  write_index();  // last: tables of another run are refused before
 }
 
 template <int D>
@@ -274,7 +276,7 @@ void RunWriter<D>::write_run_file() const {
   file.write("/source", scene_.source);
   file.write("/scene", scene_text_);
   if (D == 3) file.write("/dimensions", D);
-  if (scene_.observables) file.write(kMeasured, definition_of(*scene_.observables));
+  if (!measured_.empty()) file.write(kMeasured, measured_);
   file.write("/gravity", std::span(scene_.gravity.data(), D), "m/s2");
   file.write("/time_step", scene_.step, "s");
   if (scene_.accuracy > 0) file.write("/accuracy", scene_.accuracy);

@@ -75,6 +75,7 @@ class RunWriter {
   std::filesystem::path folder_;
   const Scene<D>& scene_;
   std::string scene_text_;
+  std::string measured_;  // definition of the observables, if there are any
   std::vector<XdmfIndex::Frame> frames_;
   std::optional<CsvFile> ledger_, trajectory_, gates_, walls_;
   std::optional<ObservableWriter<D>> observables_;

@@ -156,6 +156,7 @@ TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
   EXPECT_EQ(again["status"], "nothing to do");
   EXPECT_EQ(again["last_step"], 400);
   EXPECT_EQ(content("parts/summary.json"), summary);
+  EXPECT_EQ(json_of(run + "parts --steps 0 --restart parts")["status"], "nothing to do");
   // As a signal after the last frame leaves it: what lacks is made.
   fs::remove("parts/summary.json");
   fs::remove("parts/forces.png");

@@ -329,6 +329,27 @@ TEST(Comparison, RowsOfASceneThatWasEditedAreRefused) {
   EXPECT_THROW(rows(), std::invalid_argument);
 }
 
+/// A disk goes through a wall in step 150: the step before is a problem, those after it are told.
+TEST(Comparison, AStepThatARunDoesNotReachLeavesTheOthers) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "bullet.toml") << R"(
+gravity = [0, -9.81]
+disks = [{position = [0, 0.01], radius = 0.01, mass = 1},
+  {position = [1, 1], radius = 0.01, mass = 1, velocity = [100, 0]}]
+walls = [{point = [0, 0], normal = [0, 1]}, {from = [16, -5], to = [16, 5]}]
+time = {step = 1e-3, steps = 300}
+)";
+  const auto sources = expand_targets({(folder / "bullet.toml").string()});
+  ASSERT_EQ(sources.size(), 3u);  // after 100, 200 and 300 steps
+  const Comparison c = compare(sources, quick({"pgs"}, {1e-4}));
+  ASSERT_EQ(c.rows.size(), 3u);
+  EXPECT_EQ(c.rows[0].status, "converged");
+  for (const std::size_t k : {1u, 2u}) {
+    EXPECT_EQ(c.rows[k].status, "invalid input");
+    EXPECT_TRUE(says(c.problems[k].defect, "step 150")) << c.problems[k].defect;
+  }
+}
+
 TEST(Comparison, RowsWithADamagedNumberAreRefused) {
   const TemporaryFolder folder;
   const Comparison::Options options = quick({"pgs"}, {1e-4}, folder / "out");

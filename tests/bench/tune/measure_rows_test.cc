@@ -4,6 +4,7 @@
 
 #include "core/files/input_file.h"
 #include "solvers/solve.h"
+#include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/temporary_folder.h"
 
@@ -62,6 +63,18 @@ TEST(MeasureRows, RowsOfAnotherProblemOfThatNameAreRefused) {
   measure_rows({source}, options);
   side = 7;
   EXPECT_THROW(measure_rows({source}, options), std::invalid_argument);
+}
+
+/// Rows have the dimension without rolling.
+TEST(MeasureRows, RowsOfRollingContactsAreTakenUpAgain) {
+  const TemporaryFolder folder;
+  const ProblemSource source{
+      "rolls", "rolls.hdf5",
+      [] { return TestProblem{.problem = manufactured_rolling(6, 4, 6, 1).problem}; }};
+  const MeasureOptions options{.variants = tuned_variants({"pgs"}), .file = folder / "rows.csv"};
+  const std::size_t rows = measure_rows({source}, options).size();
+  EXPECT_GT(rows, 0u);
+  EXPECT_EQ(measure_rows({source}, options).size(), rows);
 }
 
 /// Failures count for the time that they had.

@@ -47,6 +47,17 @@ TEST(Parallel, TheFirstFailureIsThrownAndLaterPhasesDoNotBegin) {
   }
 }
 
+/// A thread that is ahead fails in a phase that others have not begun: none waits for ever.
+TEST(Parallel, AFailureOfALaterPhaseEndsAllThreads) {
+  const std::vector<int> first{0, 0, 0}, last{2, 2, 2};
+  for (int turn = 0; turn < 500; ++turn) {
+    const auto task = [](int phase, int) {
+      if (phase > 0) throw std::runtime_error("second");
+    };
+    EXPECT_THROW(run_phases(2, 3, first.data(), last.data(), task), std::runtime_error);
+  }
+}
+
 TEST(Parallel, LoopsInsideOneThreadHaveOneThread) {
   const auto team = [] {
     std::atomic<int> members{0};

@@ -157,6 +157,15 @@ time = {step = 1e-3, steps = 4}
         "every = 1, profile = 'y', profile_range = [0, 1], force_bins = 7"}) {
     EXPECT_TRUE(says(refusal_of<FileError>([&] { resume(other); }), "name another --out")) << other;
   }
+  // Nor after a part without any, whose refusal leaves the file as it was.
+  {
+    const Scene<2> none = scene_of<2>(text);
+    RunWriter<2> writer(folder / "out", none, text, 0);
+    writer.close();
+  }
+  const std::string before = file_text(folder / "out/run.h5");
+  EXPECT_NE(refusal_of([&] { resume("every = 1, profile = 'x', profile_range = [0, 1]"); }), "");
+  EXPECT_EQ(file_text(folder / "out/run.h5"), before);
   EXPECT_NO_THROW(resume(along_y));
 }
 
