@@ -59,7 +59,7 @@ void figure(Document& page, Chart chart, std::string caption, std::string source
 void answer(const Comparison& c, Document& page) {
   if (!c.complete) page.say("**This comparison was stopped; rows are missing.**");
   page.say(fmt::format(
-      "{} problems, {} solvers. For each accuracy: on how many problems some solver reaches it, "
+      "Problems: {}, solvers: {}. For each accuracy: on how many problems some solver reaches it, "
       "which solvers get there first, with the number of problems, and the tolerance that they "
       "need in the median. Errors are true ones, measured against a reference solution.",
       c.problems.size(), solvers_of(c).size()));

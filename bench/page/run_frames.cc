@@ -77,6 +77,11 @@ State<D> shown_state(const RunFrames<D>& run, const FilmFrame& frame, double ste
       body.x[c] = run.film.grid.position(frame.x[k * widths.x + to_size(c)], to_size(c));
       body.v[c] = log_value(frame.v[k * widths.x + to_size(c)]);
     }
+    if constexpr (D == 2) {
+      body.angle = angle_value(frame.turn[k]);
+    } else {
+      body.orientation = quaternion_value(frame.turn.data() + 3 * k);
+    }
     index[frame.number[k]] = static_cast<int>(k);
     state.bodies.push_back(body);
   }

@@ -12,6 +12,7 @@
 #include "bench/page/run_frames.h"
 #include "bench/report/json_output.h"
 #include "bench/report/program.h"
+#include "core/base/file_error.h"
 #include "core/base/interrupt.h"
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFfmpeg = "movies are made by it: install the package ffmpeg";
 constexpr double kPatience = 1800;    // seconds for ffmpeg
-constexpr std::size_t kSamples = 30;  // frames that decide the view and the scales
+constexpr std::size_t kSamples = 30;  // frames that decide the scales
 
 /// A folder for pictures that goes with its contents.
 class PictureFolder {
@@ -84,11 +85,12 @@ ForcePictureOptions scales(const RunFrames<D>& run, const Scene<D>& scene) {
   std::vector<double> strongest, speeds;
   Box<2> view;
   const std::size_t stride = std::max<std::size_t>(1, run.film.frames.size() / kSamples);
-  for (std::size_t k = 0; k < run.film.frames.size(); k += stride) {
+  for (std::size_t k = 0; k < run.film.frames.size(); ++k) {
     const Shown at = shown(scene, shown_state(run, run.film.frames[k], scene.step));
-    const Box<2> box = view_box(at.state.bodies, at.state.walls);
+    const Box<2> box = whole_view(at.scene, at.state);
     view.include(box.lower);
     view.include(box.upper);
+    if (k % stride != 0) continue;
     speeds.insert(speeds.end(), at.speeds.begin(), at.speeds.end());
     std::vector<double> forces;
     for (const auto& c : at.state.contacts) {
@@ -131,12 +133,22 @@ fs::path write_run_movie(const fs::path& run, fs::path file, int frames_a_second
   run_program({"ffmpeg", "-version"}, "", kFfmpeg, kPatience);
   const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
   const PictureFolder pictures(folder / "movie.part");
+  const auto scene_of_run = [&] {
+    try {
+      return parse_any_scene(fixed.read_string("/scene"), fixed.read_string("/source"));
+    } catch (const FileError& e) {
+      throw FileError(folder, "",
+                      fmt::format("its scene reads a file that is not found from here "
+                                  "({}): make the movie where the run was started",
+                                  e.what()));
+    }
+  };
   std::visit(
       [&](auto scene) {
         scene.step = fixed.read_double("/time_step");
         draw_frames(folder, pictures.path(), scene);
       },
-      parse_any_scene(fixed.read_string("/scene"), fixed.read_string("/source")));
+      scene_of_run());
   // Even sizes, which the codec needs; a gif has few colours, chosen for it.
   const std::string filter =
       gif ? "scale=560:-1:flags=lanczos,split[a][b];[a]palettegen=max_colors=64[p];[b][p]paletteuse"

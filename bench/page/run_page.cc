@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -202,7 +203,7 @@ PageText page_text(const fs::path& folder, const Hdf5File& fixed, std::size_t mo
   if (run.gates || names("pins") || names("ropes")) {
     try {
       add_openings_and_joints(scene, about["source"], run.film.grid, about);
-    } catch (const SceneFileError& e) {
+    } catch (const std::runtime_error& e) {  // a file beside it may be elsewhere
       about["notes"].push_back(
           fmt::format("Outlets, inlets, pins and ropes are not drawn: {}", e.what()));
     }
@@ -217,14 +218,17 @@ PageText page_text(const fs::path& folder, const Hdf5File& fixed, std::size_t mo
   const std::string packed = fitted_frames(run, most_bytes - std::min(rest, most_bytes / 2), about);
   const std::string title = about["title"].get<std::string>();
   std::string page(files.page);
-  const auto fill = [&](std::string_view mark, const std::string& text) {
-    page.replace(page.find(mark), mark.size(), text);
+  // Marks in their order: what is filled in may look like one.
+  auto fill = [&, from = std::size_t{0}](std::string_view mark, const std::string& text) mutable {
+    from = page.find(mark, from);
+    page.replace(from, mark.size(), text);
+    from += text.size();
   };
   // A page that is served asks its server, and no other.
   fill("{{connect}}", about["live"].get<bool>() ? "; connect-src 'self'" : "");
   fill("{{title}}", escape_markup(title));  // of the window
-  fill("{{title}}", escape_markup(title));  // of the page
   fill("{{style}}", std::string(files.style));
+  fill("{{title}}", escape_markup(title));  // of the page
   fill("{{about}}", script_json(about));
   fill("{{curves}}", curve_text);
   fill("{{frames}}", base64(packed));

@@ -73,6 +73,8 @@ std::vector<std::string> classed_quantities(const Study::Measured& measured,
 
 namespace {
 
+constexpr double kNeverRight = 1e-12;  // in the place of a threshold, below all
+
 const std::string kThresholds = "thresholds", kReferenceMethod = "apgd";
 constexpr double kRight = 0.01;       // relative error of a right observable, beside its bar
 constexpr double kDecisiveBar = 0.1;  // relative; wider bars decide nothing
@@ -283,15 +285,18 @@ Document thresholds_report(const Study::Measured& measured) {
       for (const ErrorCurve& c : curves) {
         if (Study::class_of(c.quantity) != name || c.size != size || !c.decisive()) continue;
         const double t = c.threshold();
-        thresholds.push_back(std::isnan(t) ? -1e-12 : -t);  // ascending: loosest first
+        thresholds.push_back(std::isnan(t) ? -kNeverRight : -t);  // ascending: loosest first
       }
       if (thresholds.empty()) continue;
       std::ranges::sort(thresholds);
       const ClassError at_1 = class_error(curves, name, 1, size);
       const ClassError at_01 = class_error(curves, name, 0.1, size);
-      worst.add({name, size, static_cast<int>(thresholds.size()), -quantile(thresholds, 0.5),
-                 -quantile(thresholds, 0.9), at_1.right, at_1.all, at_01.right, at_01.all,
-                 median(at_01.errors), median(at_01.bars)});
+      const auto from = [&](double share) {
+        const double t = -quantile(thresholds, share);
+        return t > kNeverRight ? t : kNaN;
+      };
+      worst.add({name, size, static_cast<int>(thresholds.size()), from(0.5), from(0.9), at_1.right,
+                 at_1.all, at_01.right, at_01.all, median(at_01.errors), median(at_01.bars)});
     }
   }
   for (const ErrorCurve& c : curves) {

@@ -125,13 +125,34 @@ void observe_contacts(const State<D>& placed, const MeasuredBodies<D>& bodies,
   }
 }
 
+/// Beside hollow cylinders, which cut the bins themselves: on the axes across them the section ends
+/// a little beyond.
+void cut_by_cylinders(const State<3>& placed, double step, Box<3>& section) {
+  for (const Wall<3>& w : placed.walls) {
+    if (w.shape != Wall<3>::Shape::kHollowCircle || !w.present) continue;
+    for (int k = 0; k < 3; ++k) {
+      if (std::abs(w.normal[k]) > 1e-12) continue;  // it goes on there
+      const double at = w.a[k] - 0.5 * step * w.v[k], beyond = 1.01 * w.radius;
+      section.lower[k] = std::max(section.lower[k], at - beyond);
+      section.upper[k] = std::min(section.upper[k], at + beyond);
+    }
+  }
+}
+void cut_by_cylinders(const State<2>&, double, Box<2>&) {}
+
 /// Ends of the bins of a profile across its axis: those of the window, the cell, the region that
-/// half-planes leave, or the disks.
+/// half-planes and, in 3D, hollow cylinders leave, or the disks.
 template <int D>
 Box<D> profile_section(const State<D>& placed, double step, const ObservableChoice<D>& choice) {
   if (choice.window) return *choice.window;
-  Box<D> section{Vec<D>::Constant(kInfinity), Vec<D>::Constant(-kInfinity)};
-  for (const Body<D>& d : placed.bodies) section.include(d.x, d.radius);
+  Box<D> bodies{Vec<D>::Constant(kInfinity), Vec<D>::Constant(-kInfinity)};
+  for (const Body<D>& d : placed.bodies) bodies.include(d.x, d.radius);
+  Box<D> section{Vec<D>::Constant(-kInfinity), Vec<D>::Constant(kInfinity)};
+  cut_by_cylinders(placed, step, section);
+  for (int k = 0; k < D; ++k) {
+    if (!std::isfinite(section.lower[k])) section.lower[k] = bodies.lower[k];
+    if (!std::isfinite(section.upper[k])) section.upper[k] = bodies.upper[k];
+  }
   for (const Wall<D>& w : placed.walls) {
     if (w.shape != Wall<D>::Shape::kHalfPlane || !w.present) continue;
     for (int k = 0; k < D; ++k) {

@@ -212,16 +212,7 @@ class Picture {
   Picture(const Scene<2>& scene, const State<2>& state, const std::string& caption,
           const ForcePictureOptions& options)
       : scene_(scene), state_(state), options_(options), friction_(scene.has_friction()) {
-    box_ = options.view.value_or(view_box(state.bodies, state.walls));
-    for (const Scene<2>::Joint& joint : scene.joints) {
-      const auto [from, to] = joint_points<2>(joint, state.bodies);
-      box_.include(from);
-      box_.include(to);
-    }
-    for (const auto& [a, b] : cell_outline(state.cell, box_)) {
-      box_.include(a);
-      box_.include(b);
-    }
+    box_ = options.view ? *options.view : whole_view(scene, state);
     double largest = 0;
     for (const Disk& d : state.bodies) largest = std::max(largest, d.radius);
     const double width = std::max(largest * (options.width - 2 * kMargin) / kLargestDisk,
@@ -559,6 +550,20 @@ void require(cairo_status_t status, const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+Box<2> whole_view(const Scene<2>& scene, const State<2>& state) {
+  Box<2> box = view_box(state.bodies, state.walls);
+  for (const Scene<2>::Joint& joint : scene.joints) {
+    const auto [from, to] = joint_points<2>(joint, state.bodies);
+    box.include(from);
+    box.include(to);
+  }
+  for (const auto& [a, b] : cell_outline(state.cell, box)) {
+    box.include(a);
+    box.include(b);
+  }
+  return box;
+}
 
 double round_below(double x) {
   const double power = std::pow(10.0, std::floor(std::log10(x)));

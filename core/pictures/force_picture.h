@@ -23,12 +23,15 @@ struct ForcePictureOptions {
   double full_force = 0;       ///< normal force of the widest segment; 0: the largest one   [N]
   bool take_off = true;        ///< also the candidates that carry nothing, as thin dots
   bool forces = true;          ///< false: no segments at all
-  std::optional<Box<2>> view;  ///< shown in any case; empty: where the bodies are
+  std::optional<Box<2>> view;  ///< what is shown; empty: whole_view()
   Fill fill;
   std::vector<int> marked;        ///< indices into State::contacts, each marked by a ring
   std::string marked_label;       ///< text for the marks in the legend
   double time_limit = kInfinity;  ///< of the drawing; std::runtime_error if it is over      [s]
 };
+
+/// Bodies, ends of walls, pins and ropes, and the cell.
+Box<2> whole_view(const Scene<2>& scene, const State<2>& state);
 
 /// Draws a force-chain picture as in Fig. 10 to 12: disks, walls (half-planes hatched on their
 /// solid side) and contacts. A contact is a segment between the centres (for a wall: centre to

@@ -63,10 +63,11 @@ TextTable read_text(const std::filesystem::path& path) {
   std::size_t columns = 0, number = 0;
   for (std::string_view rest = text; !rest.empty();) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
-    const std::vector<std::string_view> words = words_of(rest.substr(0, end));
+    const std::string_view line = rest.substr(0, end);
+    const std::vector<std::string_view> words = words_of(line.substr(0, line.find('#')));
     rest.remove_prefix(std::min(end + 1, rest.size()));
     ++number;
-    if (words.empty() || words.front().starts_with('#')) continue;
+    if (words.empty()) continue;
     if (table.values.empty() && !printed_number(words.front())) {
       table.names.assign(words.begin(), words.end());
       continue;

@@ -120,6 +120,12 @@ std::uint16_t angle_code(double angle) {
 
 double angle_value(std::uint16_t code) { return 2 * std::numbers::pi * code / 65536; }
 
+Eigen::Quaterniond quaternion_value(const std::uint16_t* codes) {
+  const Vec3 v(unit_value(codes[0]), unit_value(codes[1]), unit_value(codes[2]));
+  const double w = std::sqrt(std::max(0.0, 1 - v.squaredNorm()));
+  return Eigen::Quaterniond(w, v[0], v[1], v[2]).normalized();
+}
+
 std::array<std::uint16_t, 2> direction_code(const Vec3& n) {
   const double size = n.lpNorm<1>();
   if (!(size > 0)) return {unit_code(0), unit_code(0)};

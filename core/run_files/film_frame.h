@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -19,6 +20,8 @@ double log_value(std::uint16_t code);
 /// An angle in 16 bits, modulo 2π; the error is at most 4.8e-5 rad.
 std::uint16_t angle_code(double angle);
 double angle_value(std::uint16_t code);
+/// Of the codes of x, y and z; w >= 0.
+Eigen::Quaterniond quaternion_value(const std::uint16_t* codes);
 
 /// A unit vector in 32 bits: its place on an octahedron that is folded to a square (Meyer et al.,
 /// "On Floating-Point Normal Vectors", Computer Graphics Forum 29 (2010)). Error below 1e-4.

@@ -234,30 +234,40 @@ void test_half_plane(const Body<D>& disk, int i, const Wall<D>& wall, int j, dou
   if (gap <= eta && disk.wall < 0) out.push_back({i, j, wall.normal, gap});
 }
 
-/// A cone touches at one point: that of the half-plane through its axis and the centre.
+/// In each half-plane through its axis a cone is a segment. A sphere touches that of its own
+/// half-plane, and from within also the one behind the axis: together they can carry it. On the
+/// axis all half-planes are alike, and two planes across each other stand for them.
 void test_cone(const Sphere& sphere, int i, const Wall<3>& wall, int j, double eta,
                std::vector<Contact<3>>& out) {
-  const double length = (wall.b - wall.a).norm();
+  const double length = (wall.b - wall.a).norm(), least = kNoDirection * sphere.radius;
   const Vec3 axis = (wall.b - wall.a) / length, from = sphere.x - wall.a;
   const Vec3 across = from - from.dot(axis) * axis;
   const double away = across.norm();
   const Vec2 start(0, wall.radius), along(length, wall.radius_b - wall.radius);
-  const Vec2 place(from.dot(axis), away);
-  const double t = std::clamp((place - start).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  const Vec2 off = place - (start + t * along);
-  const double distance = off.norm();
-  if (distance - sphere.radius > eta) return;
-  const double least = kNoDirection * sphere.radius;
-  const bool on_axis = away <= least && wall.radius + t * along[1] > 0;
-  if (distance <= least || on_axis) {
-    throw std::invalid_argument(fmt::format(
-        "the centre of sphere {} lies on the {} of wall '{}', which it touches: their contact has no "
-        "normal",
-        i, distance <= least ? "surface" : "axis", wall.name));
-  }
-  Vec3 normal = off[0] * axis;
-  if (away > least) normal += off[1] / away * across;
-  out.push_back({i, j, normal / distance, distance - sphere.radius});
+  // `r`: of the centre in the half-plane of the direction `way`.
+  const auto test = [&](const Vec3& way, double r, bool only_within) {
+    const Vec2 place(from.dot(axis), r);
+    const double t = std::clamp((place - start).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    if (only_within && away >= wall.radius + t * along[1]) return;
+    const Vec2 off = place - (start + t * along);
+    const double distance = off.norm();
+    if (distance - sphere.radius > eta) return;
+    if (distance <= least) {
+      throw std::invalid_argument(
+          fmt::format("the centre of sphere {} lies on the surface of wall '{}', which it touches: "
+                      "their contact has no normal",
+                      i, wall.name));
+    }
+    out.push_back({i, j, (off[0] * axis + off[1] * way) / distance, distance - sphere.radius});
+  };
+  const std::array<Vec3, 3> frame = contact_frame<3>(axis);
+  const bool on_axis = away <= least;
+  const Vec3 way = on_axis ? frame[1] : Vec3(across / away);
+  test(way, away, false);
+  test(-way, -away, true);
+  if (!on_axis) return;
+  test(frame[2], away, true);
+  test(-frame[2], -away, true);
 }
 
 /// Contacts with the surfaces that only 3D has.
@@ -460,13 +470,17 @@ void find_wall_contact(const Body<D>& disk, int i, const Wall<D>& wall, int j, d
     const double distance = d.norm();
     const double gap = (hollow ? wall.radius - distance : distance - wall.radius) - disk.radius;
     if (gap > eta) return;
-    if (distance <= kNoDirection * disk.radius) {
+    if (distance > kNoDirection * disk.radius) {
+      out.push_back({i, j, d / distance, gap});
+    } else if (gap > 0) {  // any direction will do
+      out.push_back(
+          {i, j, D == 2 ? Vec<D>(Vec<D>::UnitX()) : contact_frame<D>(wall.normal)[1], gap});
+    } else {
       throw std::invalid_argument(
           fmt::format("{} {} lies at the centre of wall '{}' and touches it: their contact has no "
                       "normal",
                       kBodyName<D>, i, wall.name));
     }
-    out.push_back({i, j, d / distance, gap});
     return;
   }
   if (wall.is_surface()) return test_surface(disk, i, wall, j, eta, out);

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/nearest_name.h"
 #include "core/base/number_text.h"
 #include "core/files/input_file.h"
 #include "core/scene_files/scene_file.h"
@@ -87,6 +88,15 @@ std::vector<PositionRow> read_positions(const std::filesystem::path& path, int d
                 fmt::format("has a column {}: {}", other,
                             dim == 3 ? "spheres have spin_x, spin_y and spin_z"
                                      : "spheres need [[spheres]]"));
+  }
+  std::vector<std::string> optional;
+  for (const Column& column : columns) {
+    if (!column.required) optional.emplace_back(column.name);
+  }
+  for (const std::string& name : head) {
+    if (std::ranges::any_of(columns, [&](const Column& c) { return name == c.name; })) continue;
+    if (name.size() < 3 || nearest_name(name, optional).empty()) continue;  // of another kind
+    refuse_line(path, 1, unknown_name_message("column", name, optional));
   }
   for (Column& column : columns) {
     const auto it = std::find(head.begin(), head.end(), column.name);

@@ -16,11 +16,11 @@ struct PositionRow {
   bool driven = false;       ///< v and spin are prescribed
 };
 
-/// Reads a CSV file with a head that names its columns: x, y, in 3D z, and radius, in any order. vx,
-/// vy, vz and spin (in 3D spin_x, spin_y, spin_z) may follow; they are 0 without a column.
+/// Reads a CSV file with a head that names its columns: x, y, in 3D z, and radius, in any order.
+/// vx, vy, vz and spin (in 3D spin_x, spin_y, spin_z) may follow; they are 0 without a column.
 /// Separated by commas, semicolons or tabs; case and spaces do not matter. Other columns are left
-/// out, but those of the other dimension are refused. Throws SceneFileError with the line, FileError
-/// without a file.
+/// out, but names near to one of these, and those of the other dimension, are refused. Throws
+/// SceneFileError with the line, FileError without a file.
 std::vector<PositionRow> read_positions(const std::filesystem::path& path, int dim);
 
 }  // namespace bipot

@@ -101,6 +101,9 @@ void glue(const SceneTable& table, const Scene<2>& scene, std::vector<Disk>& dis
   const std::size_t wall =
       table.index_of("wall", "wall", table.word("wall", ""), names_of(scene.walls));
   for (Disk& d : disks) {
+    if (!d.v.isZero(0) || d.spin != 0) {
+      table.fail("file", "has velocities or spins, but glued disks move with their wall");
+    }
     d.wall = static_cast<int>(wall);
     d.v = scene.walls[wall].v;
   }

@@ -65,13 +65,17 @@ void read_polygon(const SceneTable& table, Wall<3>& wall) {
   wall.normal = first.normalized();
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const Vec3 side = corners[(k + 1) % corners.size()] - corners[k];
-    const Vec3 next = corners[(k + 2) % corners.size()] - corners[k];
+    const auto to_the_left = [&](std::size_t corner) {
+      return wall.normal.dot(side.cross(corners[corner % corners.size()] - corners[k]));
+    };
     if (std::abs(wall.normal.dot(corners[k])) > 1e-9 * size) {
       table.fail("corners", "do not lie in one plane");
     }
-    if (!(wall.normal.dot(side.cross(next)) > 0)) {
-      table.fail("corners", "do not run round a convex polygon");
+    bool convex = to_the_left(k + 2) > 0;
+    for (std::size_t other = 0; other < corners.size(); ++other) {  // else it winds twice
+      convex = convex && to_the_left(other) >= -1e-9 * size * size;
     }
+    if (!convex) table.fail("corners", "do not run round a convex polygon");
   }
   wall.mesh = std::make_shared<const Wall<3>::Mesh>(std::move(triangles));
 }

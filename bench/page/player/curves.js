@@ -111,7 +111,7 @@ class CurvePanel {
     const before = this.charts, charts = chartsOf(this.run, tables);
     if (charts.length === before.length && charts.every((chart, k) => chart.title === before[k].title)) {
       before.forEach((chart, k) => {
-        Object.assign(chart, {time: charts[k].time, lines: charts[k].lines});
+        Object.assign(chart, {time: charts[k].time, lines: charts[k].lines, thinned: charts[k].thinned});
         chart.plot?.setData(dataOf(chart));
       });
       this.setTime(this.time ?? 0);

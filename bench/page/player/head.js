@@ -34,17 +34,21 @@ function warningsOf(run) {
   const earlier = unsolved.filter(([, step]) => step <= summaryFrom(summary)).length;
   const count = summary ? earlier + summary.steps - summary.steps_converged : unsolved.length;
   if (count > 0) {
-    const first = unsolved[0], step = first ? first[1] : summary.first_unconverged_step;
+    // The ledger may leave rows out, and the summary knows a last part alone.
+    const steps = [unsolved[0]?.[1], summary?.first_unconverged_step].filter(step => step >= 0);
+    const step = Math.min(...steps), first = unsolved.find(mark => mark[1] === step);
     warnings.push({bad: true, text: `${count} ${count === 1 ? 'step was' : 'steps were'} not solved to the tolerance ${textOf(about.tol, 1)}, first step ${step}` +
-      (summary?.message ? `: ${summary.message.replace(/^step \d+: /, '')}` : ''), time: first ? first[2] : step * about.time_step});
+      (summary?.message ? `; the worst: ${summary.message}` : ''), time: first ? first[2] : step * about.time_step});
   }
   const several = about.marks.filter(([kind]) => kind === 'several');
   if (several.length) {
     warnings.push({text: `${several.length} ${several.length === 1 ? 'step has' : 'steps have'} several exact answers; the run took one of them.`,
       time: several[0][2]});
   }
-  for (const [kind, step, time, share] of about.marks) {
-    if (kind !== 'overlap') continue;
+  const deep = about.marks.filter(([kind]) => kind === 'overlap'), most = summary?.overlap;
+  if (most?.largest > most?.beyond) deep.push(['overlap', most.step, most.step * about.time_step, most.largest]);
+  deep.sort((a, b) => b[3] - a[3]);
+  for (const [, step, time, share] of deep.slice(0, 1)) {
     warnings.push({text: `Bodies overlap by up to ${textOf(100 * share, 3)} % of the smaller radius (step ${step}). ` +
       'A smaller time step makes it smaller.', time});
   }
@@ -98,7 +102,10 @@ function fillFoot(run) {
     .flatMap(([name, value]) => [element('dt', name), element('dd', String(value))]));
   const fold = (title, content, open = false) => element('details', [element('summary', title), ...[content].flat()], {open});
   const left = about.num_steps - run.frames.at(-1).step;
-  const next = [`bipot run ${scene} --restart ${folder} --steps ${left > 0 ? left : Math.max(100, Math.round(about.num_steps / 4))}`,
+  // The command of the run with its flags, but for those that a restart replaces.
+  const again = (summary?.command_line || `bipot run ${scene}`).replace(
+    / --(restart|steps|duration|out|json|time-limit)(=| )('[^']*'|"[^"]*"|\S+)| --(overwrite|watch)\b/g, '');
+  const next = [`${again} --restart ${folder} --steps ${left > 0 ? left : Math.max(100, Math.round(about.num_steps / 4))}`,
     `bipot advise ${scene}`, `paraview ${folder}/run.xdmf`];
   const keys = [['Space', 'play, pause'], ['← →', 'one frame; with Shift ten'], ['Home End', 'first, last frame'], ['+ −', 'closer, farther; also the wheel or two fingers'],
     ['F', 'fit'], ['Esc', 'let go of the body'], [run.dim === 2 ? 'Drag' : 'Drag, Shift and drag', run.dim === 2 ? 'move the picture' : 'turn, move the picture']];

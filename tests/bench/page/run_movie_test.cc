@@ -32,6 +32,10 @@ disks = [{radius = 0.1, density = 1000, position = [0.05, 0.1], velocity = [1, 0
   ASSERT_EQ(shown.bodies.size(), 1u);
   // Half a quantum, 0.1 / 1024 / 2; numbers to 0.11 %.
   EXPECT_LT((shown.bodies[0].x - state.bodies[0].x).cwiseAbs().maxCoeff(), 5e-5);
+  EXPECT_NE(state.bodies[0].angle, 0);  // the floor turns it
+  EXPECT_LT(
+      std::abs(std::remainder(shown.bodies[0].angle - state.bodies[0].angle, 2 * std::numbers::pi)),
+      1e-4);
   EXPECT_NEAR(shown.bodies[0].v[0], state.bodies[0].v[0], 1.1e-3 * state.bodies[0].v[0]);
   ASSERT_EQ(shown.contacts.size(), 1u);
   ASSERT_GT(state.contacts[0].s_n, 0);

@@ -18,8 +18,9 @@ every = 10
 picture = false
 )";
 
-void run_into(const fs::path& folder) {
-  const Scene<2> scene = scene_of(kScene);
+void run_into(const fs::path& folder, const std::string& title = "") {
+  Scene<2> scene = scene_of(kScene);
+  if (!title.empty()) scene.title = title;
   State<2> state = initial_state(scene);
   run_scene(scene, state, {.folder = {.folder = folder, .scene_text = kScene, .program = "test"}});
 }
@@ -51,6 +52,20 @@ TEST(RunPage, HoldsEveryStepOfAShortRun) {
   EXPECT_EQ(facts["curves"][0]["file"], "ledger");
   EXPECT_EQ(facts["curves"][0]["rows"], 30);
   EXPECT_TRUE(facts["marks"].empty());
+}
+
+/// What is filled into a page may look like a mark of it.
+TEST(RunPage, ATitleThatLooksLikeAMarkStaysOne) {
+  const TemporaryFolder folder, plain;
+  run_into(folder.path(), "{{style}} {{title}} {{about}}");
+  run_into(plain.path());
+  const std::string page = file_text(write_run_page(folder.path()).path);
+  EXPECT_TRUE(says(page, "<h1>{{style}} {{title}} {{about}}</h1>"));
+  const auto style_of = [](const std::string& text) {
+    const std::size_t begin = text.find("<style>");
+    return text.substr(begin, text.find("</style>") - begin);
+  };
+  EXPECT_EQ(style_of(page), style_of(file_text(write_run_page(plain.path()).path)));
 }
 
 TEST(RunPage, AnOlderRunHasTheFramesOfItsFiles) {

@@ -38,11 +38,11 @@ TEST_F(ImpulseFile, TextIsReadInAllItsForms) {
        {"1 -2 3 -4 5 -6", "1\n-2\n3\n-4\n5\n-6\n", "1,-2\n3,-4\n5,-6\n", "1; -2\n3; -4\n5; -6",
         "s_n,s_t\n1,-2\n3,-4\n5,-6\n",  // names
         "\xEF\xBB\xBF"
-        "1,-2\n3,-4\n5,-6\n",                          // the mark of a spreadsheet
-        "# a comment\n\n1 -2\r\n3 -4\r\n+5 -6e0\r\n",  // and another system's line ends
-        "contact,n,t\n0,1,-2\n1,3,-4\n2,5,-6\n",       // contacts counted from 0
-        ",n,t\n1,1,-2\n2,3,-4\n3,5,-6\n",              // and from 1
-        "6\n1 -2 3 -4 5 -6\n",                         // Siconos: the size before
+        "1,-2\n3,-4\n5,-6\n",                                    // the mark of a spreadsheet
+        "# a comment\n\n1 -2 # another\r\n3 -4\r\n+5 -6e0\r\n",  // and another system's line ends
+        "contact,n,t\n0,1,-2\n1,3,-4\n2,5,-6\n",                 // contacts counted from 0
+        ",n,t\n1,1,-2\n2,3,-4\n3,5,-6\n",                        // and from 1
+        "6\n1 -2 3 -4 5 -6\n",                                   // Siconos: the size before
         "size = 6; \ndata= [1.0e0,\t -2,\t 3,\t -4,\t 5,\t -6,\t ]"}) {
     EXPECT_EQ(read(text, kThree), kImpulses) << text;
   }

@@ -130,6 +130,11 @@ TEST(SceneFilling, PositionsComeFromAFileBesideTheScene) {
   positions("x,y,radius\n1,2,0.1\n1,x,0.1\n");
   refused("[[disks]]\n", "p.csv:3: y: 'x' is no finite number");
   refused("[[spheres]]\n", "p.csv:1: no column 'z'");
+  positions("x,y,radius,v_x\n1,2,0.1,3\n");
+  refused("[[disks]]\n", "unknown column 'v_x'; did you mean 'vx'?");
+  positions("x,y,radius,vx\n1,2,0.1,3\n");
+  refused("[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\nname = 'floor'\n[[disks]]\nwall = 'floor'\n",
+          "glued disks move with their wall");
   positions("x,y,radius\n1,2\n");
   refused("[[disks]]\n", "p.csv:2: 2 columns");
   positions("x,y,radius\n1,2,0\n");
