@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
+#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -31,6 +32,7 @@
 #include "core/base/version.h"
 #include "core/files/folder_lock.h"
 #include "core/files/input_file.h"
+#include "core/run_files/observable_output.h"
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/opposite_walls.h"
@@ -192,6 +194,14 @@ bool lacks_results(const fs::path& folder, int last_step) {
          summary.value("status", "") == "interrupted";
 }
 
+/// True if the ledger has steps that were not solved.
+bool has_unsolved_rows(const fs::path& folder) {
+  if (!fs::exists(folder / "ledger.csv")) return false;
+  const NumberTable ledger = read_number_table(folder / "ledger.csv");
+  const std::size_t converged = ledger.column("converged");
+  return std::ranges::any_of(ledger.rows, [&](const auto& row) { return row[converged] == 0; });
+}
+
 /// A run that was complete already. Its files do not change.
 template <int D>
 int nothing_to_do(const RunFlags& flags, const Scene<D>& scene, const State<D>& state, bool quiet) {
@@ -319,7 +329,7 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
   run.finished = ended && (asked || !lacks_results(options.folder.folder, run.state.step));
   if (run.finished) return run;
   run.scene.num_steps = run.state.step + *options.steps;
-  run.note = ended ? "no step was left: results of the run that ended; ledger.csv says how it did"
+  run.note = ended ? "no step was left: the results of the run that ended are made"
                    : changed_time(planned, run.scene, run.state);
   if (is_speaker()) {
     if (flags.watch) run.server = std::make_unique<WatchServer>(flags.port.value_or(kWatchPort));
@@ -428,7 +438,10 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   double peak_and_interrupt[2] = {peak_memory(), InterruptGuard::requested() ? 1.0 : 0.0};
   if (on_several_processes()) run_processes().largest(peak_and_interrupt);
   const auto [peak, interrupted] = peak_and_interrupt;
-  const auto [status, exit_code] = outcome_of(run, prepared.state.step > 0, interrupted > 0);
+  auto [status, exit_code] = outcome_of(run, prepared.state.step > 0, interrupted > 0);
+  if (*prepared.options.steps == 0 && exit_code == kExitConverged && has_unsolved_rows(folder)) {
+    std::tie(status, exit_code) = std::pair("not converged", kExitNotConverged);
+  }
   if (!is_speaker()) return exit_code;
   if (scene.observables) write_observable_charts(folder, scene.observables->profile, draws);
   if (run.failure) {

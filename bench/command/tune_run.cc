@@ -33,7 +33,7 @@ int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
     options.file.replace_extension(".csv");
   }
   require_apart({{"--rows", options.file.string()}}, {{"--out", plan.string()}});
-  if (!quiet) scenes.warn = &warn_once;
+  if (!quiet) scenes.warn = options.warn = &warn_once;
   const std::vector<ProblemSource> sources = expand_targets(targets, scenes);
   const auto no_rows = [&] {
     return std::invalid_argument(options.file.string() +

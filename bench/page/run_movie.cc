@@ -133,9 +133,10 @@ fs::path write_run_movie(const fs::path& run, fs::path file, int frames_a_second
   run_program({"ffmpeg", "-version"}, "", kFfmpeg, kPatience);
   const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
   const PictureFolder pictures(folder / "movie.part");
+  const std::string text = fixed.read_string("/scene"), source = fixed.read_string("/source");
   const auto scene_of_run = [&] {
     try {
-      return parse_any_scene(fixed.read_string("/scene"), fixed.read_string("/source"));
+      return parse_any_scene(text, source);
     } catch (const FileError& e) {
       throw FileError(folder, "",
                       fmt::format("its scene reads a file that is not found from here "

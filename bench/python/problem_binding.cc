@@ -598,8 +598,10 @@ void bind_problem_methods(ProblemClass& problem) {
   problem
       .def("update", &update,
            R"(The same bodies and contacts with other u_free (m,), v_free (n,), mu, b (p,): a new
-problem, in microseconds; with G it is made anew. u_free follows v_free where it is not given. With restitution all are physical, and
-v_before or u_before comes with v_free or u_free. Raises as the constructor.)")
+problem, in microseconds; with G it is made anew. u_free follows v_free where it is not given. With
+restitution all are physical, and v_before or u_before comes with v_free or u_free. Of a file or a
+step u_free and mu are the scaled ones, until an update has velocities before the impact. Raises as
+the constructor.)")
       .def("__reduce__",
            [](const PythonProblem& self) {
              return py::make_tuple(py::module_::import("bipot._pickle").attr("problem_of"),

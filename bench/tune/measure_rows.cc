@@ -14,6 +14,7 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/report/csv_text.h"
 #include "core/base/file_error.h"
+#include "core/motion/time_stepping.h"
 #include "solvers/auto/auto_plan.h"
 #include "solvers/registry.h"
 
@@ -170,6 +171,16 @@ void require_same(const std::vector<MeasuredRow>& rows, const ProblemSource& sou
   }
 }
 
+/// Without contacts where the run of its scene fails before.
+TestProblem loaded(const ProblemSource& source, const MeasureOptions& options) {
+  try {
+    return source.load();
+  } catch (const StepFailure& e) {
+    if (options.warn) options.warn(fmt::format("{} is left out: {}", source.name, e.what()));
+    return {};
+  }
+}
+
 bool can_run(const std::string& variant, const ContactProblem& p) {
   const SolverEntry& entry = require_solver(variant.substr(0, variant.find(' ')));
   return beyond_solver(entry, p).empty();
@@ -256,8 +267,9 @@ std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
   for (const ProblemSource& source : sources) {
     std::optional<TestProblem> given;
     if (problems.contains(source.name)) {
-      given = source.load();
-      require_same(rows, source, given->problem, options.file);
+      given = loaded(source, options);
+      if (given->problem.num_contacts() > 0)
+        require_same(rows, source, given->problem, options.file);
     }
     for (const bool warm : {false, true}) {
       for (const std::string& variant : variants) {
@@ -272,7 +284,7 @@ std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
         }
         if (missing.empty()) continue;
         if (options.watch.stopped()) return rows;
-        if (!given) given = source.load();
+        if (!given) given = loaded(source, options);
         const bool has_start = given->start.size() > 0 && !given->start.isZero(0);
         if ((warm && !has_start) || given->problem.num_contacts() == 0 ||
             !can_run(variant, given->problem)) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,7 @@ struct MeasureOptions {
   double time_limit = 2;       ///< CPU seconds of one solve
   std::filesystem::path file;  ///< rows are appended as they are made; rows there are kept
   Watch watch;
+  std::function<void(const std::string&)> warn;  ///< told of steps that a scene does not reach
 };
 
 /// Measures `auto` and every variant on every problem, from 0 and from the problem's start, at all

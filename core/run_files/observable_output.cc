@@ -325,9 +325,9 @@ std::string definition_of(const ObservableChoice<D>& choice) {
     return fmt::format("({})", fmt::join(numbers.data(), numbers.data() + numbers.size(), ", "));
   };
   std::string text = fmt::format("forces: {} bins to {}", choice.force_bins, choice.force_limit);
-  if (choice.window) {
-    text += fmt::format("; window {} {}", place(choice.window->lower), place(choice.window->upper));
-  }
+  text += choice.window ? fmt::format("; window {} {}", place(choice.window->lower),
+                                      place(choice.window->upper))
+                        : std::string("; no window");
   if (choice.profile) {
     const ProfileChoice& p = *choice.profile;
     text +=

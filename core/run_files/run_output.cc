@@ -199,6 +199,7 @@ std::string measured(const fs::path& run, const Scene<D>& scene, bool resumes) {
   if (!file.exists(kMeasured)) return now;
   const std::string then = file.read_string(kMeasured);
   if (now.empty() || then == now) return then;
+  if (now.starts_with(then + ";")) return now;  // more, in further columns
   throw FileError(run, kMeasured,
                   fmt::format("measured {}, this run {}: name another --out", then, now));
 }

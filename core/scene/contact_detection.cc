@@ -227,6 +227,13 @@ template <int D>
   out.push_back({std::min(i, j), std::max(i, j), d / distance, distance - radii});
 }
 
+/// The order of the contacts of a body: by the other one, then by the normal.
+template <int D>
+bool earlier(const Contact<D>& a, const Contact<D>& b) {
+  if (a.j != b.j) return a.j < b.j;
+  return std::lexicographical_compare(a.n.begin(), a.n.end(), b.n.begin(), b.n.end());
+}
+
 template <int D>
 void test_half_plane(const Body<D>& disk, int i, const Wall<D>& wall, int j, double eta,
                      std::vector<Contact<D>>& out) {
@@ -263,11 +270,14 @@ void test_cone(const Sphere& sphere, int i, const Wall<3>& wall, int j, double e
   const std::array<Vec3, 3> frame = contact_frame<3>(axis);
   const bool on_axis = away <= least;
   const Vec3 way = on_axis ? frame[1] : Vec3(across / away);
+  const std::ptrdiff_t before = std::ssize(out);
   test(way, away, false);
   test(-way, -away, true);
-  if (!on_axis) return;
-  test(frame[2], away, true);
-  test(-frame[2], -away, true);
+  if (on_axis) {
+    test(frame[2], away, true);
+    test(-frame[2], -away, true);
+  }
+  std::sort(out.begin() + before, out.end(), earlier<3>);
 }
 
 /// Contacts with the surfaces that only 3D has.
@@ -363,6 +373,7 @@ void collect(int threads, int items, Found<D>& found, const Find& find) {
 /// counts and moves the contacts of a block of parts, and sorts the lists of a range of i.
 template <int D>
 std::vector<Contact<D>> sorted(const Found<D>& found, int num_disks, int threads) {
+  threads = std::min(threads, 16);  // a table of all bodies each
   const auto each_contact = [&](int block, const auto& f) {
     const auto bound = [&](std::size_t k) { return found.size() * k / to_size(threads); };
     for (std::size_t k = bound(to_size(block)); k < bound(to_size(block) + 1); ++k) {
@@ -399,12 +410,7 @@ std::vector<Contact<D>> sorted(const Found<D>& found, int num_disks, int threads
   });
   run_pieces(threads, num_disks, [&](int first, int last) {
     for (int i = first; i < last; ++i) {
-      std::sort(out.begin() + start[to_size(i)], out.begin() + start[to_size(i) + 1],
-                [](const Contact<D>& a, const Contact<D>& b) {
-                  if (a.j != b.j) return a.j < b.j;
-                  return std::lexicographical_compare(a.n.begin(), a.n.end(), b.n.begin(),
-                                                      b.n.end());
-                });
+      std::sort(out.begin() + start[to_size(i)], out.begin() + start[to_size(i) + 1], earlier<D>);
     }
   });
   return out;

@@ -73,7 +73,8 @@ void read_polygon(const SceneTable& table, Wall<3>& wall) {
     }
     bool convex = to_the_left(k + 2) > 0;
     for (std::size_t other = 0; other < corners.size(); ++other) {  // else it winds twice
-      convex = convex && to_the_left(other) >= -1e-9 * size * size;
+      const bool again = other < k && corners[other] == corners[k];
+      convex = convex && !again && to_the_left(other) >= -1e-9 * size * size;
     }
     if (!convex) table.fail("corners", "do not run round a convex polygon");
   }

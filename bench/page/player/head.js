@@ -38,7 +38,7 @@ function warningsOf(run) {
     const steps = [unsolved[0]?.[1], summary?.first_unconverged_step].filter(step => step >= 0);
     const step = Math.min(...steps), first = unsolved.find(mark => mark[1] === step);
     warnings.push({bad: true, text: `${count} ${count === 1 ? 'step was' : 'steps were'} not solved to the tolerance ${textOf(about.tol, 1)}, first step ${step}` +
-      (summary?.message ? `; the worst: ${summary.message}` : ''), time: first ? first[2] : step * about.time_step});
+      (summary?.message && !warnings.length ? `; the worst: ${summary.message}` : ''), time: first ? first[2] : step * about.time_step});
   }
   const several = about.marks.filter(([kind]) => kind === 'several');
   if (several.length) {
@@ -104,7 +104,7 @@ function fillFoot(run) {
   const left = about.num_steps - run.frames.at(-1).step;
   // The command of the run with its flags, but for those that a restart replaces.
   const again = (summary?.command_line || `bipot run ${scene}`).replace(
-    / --(restart|steps|duration|out|json|time-limit)(=| )('[^']*'|"[^"]*"|\S+)| --(overwrite|watch)\b/g, '');
+    / --(restart|steps|duration|out|json|time-limit|port)(=| )((?:'[^']*'|\\.|[^\s'\\])+)| --(overwrite|watch)\b/g, '');
   const next = [`${again} --restart ${folder} --steps ${left > 0 ? left : Math.max(100, Math.round(about.num_steps / 4))}`,
     `bipot advise ${scene}`, `paraview ${folder}/run.xdmf`];
   const keys = [['Space', 'play, pause'], ['← →', 'one frame; with Shift ten'], ['Home End', 'first, last frame'], ['+ −', 'closer, farther; also the wheel or two fingers'],

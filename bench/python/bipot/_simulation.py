@@ -72,7 +72,8 @@ class Simulation:
 
     solver: a name, or a callable f(problem, tol, callback) -> s (see `compare`); the scene's own
         where it is None, as are tol, max_iterations, warm_start (from the step before), step [s]
-        (a duration stays), num_steps, friction (of all pairs) and accuracy. Other options are the solver's parameters.
+        (a duration stays), num_steps, friction (of all pairs) and accuracy. Other options are the
+        solver's parameters.
     restart: the folder of a run of this scene, or a `Run`: the simulation goes on from its last
         frame, to the same number of steps.
         A scene of springs and dashpots (model dem) gets rigid contacts where a solver is named.
@@ -141,7 +142,8 @@ class Simulation:
                 str(path.relative_to(folder)): path.read_bytes()
                 for path in pathlib.Path(folder).rglob("*.h5")
             }
-        return _restored, (type(self), self._options, self._native.source, self._native.text, files)
+        options = self._options | {"num_steps": self.num_steps}  # copies know of no restart
+        return _restored, (type(self), options, self._native.source, self._native.text, files)
 
     def __repr__(self) -> str:
         return (

@@ -62,6 +62,7 @@ def test_a_restart_with_another_step_ends_at_the_same_time(folder):
     by_duration = "duration" in scene.read_text()
     left = plain.num_steps - plain.steps_done
     assert finer.num_steps - finer.steps_done == (2 * left if by_duration else left)
+    assert copy.deepcopy(finer).num_steps == finer.num_steps
 
 
 def test_a_run_of_another_scene_is_refused(folder, tmp_path):

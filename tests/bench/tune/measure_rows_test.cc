@@ -65,6 +65,23 @@ TEST(MeasureRows, RowsOfAnotherProblemOfThatNameAreRefused) {
   EXPECT_THROW(measure_rows({source}, options), std::invalid_argument);
 }
 
+TEST(MeasureRows, AStepThatASceneDoesNotReachIsLeftOut) {
+  const TemporaryFolder folder;
+  const ProblemSource fails{"bullet@200", "bullet.toml", []() -> TestProblem {
+                              throw StepFailure(StepFailure::Kind::kPassage, 150, "went through");
+                            }};
+  const ProblemSource lattice{
+      "lattice", "lattice",
+      [] { return TestProblem{.problem = lattice_step(Lattice::kTriangular, 6, 0.3, 10)}; }};
+  std::string told;
+  const MeasureOptions options{.variants = tuned_variants({"ipm"}),
+                               .file = folder / "rows.csv",
+                               .watch = {},
+                               .warn = [&](const std::string& text) { told = text; }};
+  EXPECT_EQ(measure_rows({fails, lattice}, options).size(), 6u);
+  EXPECT_TRUE(says(told, "bullet@200 is left out: step 150"));
+}
+
 /// Rows have the dimension without rolling.
 TEST(MeasureRows, RowsOfRollingContactsAreTakenUpAgain) {
   const TemporaryFolder folder;

@@ -157,6 +157,7 @@ time = {step = 1e-3, steps = 4}
         "every = 1, profile = 'y', profile_range = [0, 1], force_bins = 7"}) {
     EXPECT_TRUE(says(refusal_of<FileError>([&] { resume(other); }), "name another --out")) << other;
   }
+  EXPECT_NO_THROW(resume(along_y + ", lines = [{name = 'low', from = [-1, 0], to = [1, 0]}]"));
   // Nor after a part without any, whose refusal leaves the file as it was.
   {
     const Scene<2> none = scene_of<2>(text);

@@ -249,10 +249,14 @@ TEST(TriangleMesh, KeptContactsAreThoseOfASearch) {
     const Vec3 at = 3 * any();
     rough.push_back({at + any(), at + any(), at + any()});
   }
-  std::vector<Wall<3>> walls = {mesh_of(rough), cone(0.5, 2)};
+  // The last one is plugged by some spheres, which it has several contacts with.
+  std::vector<Wall<3>> walls = {mesh_of(rough), cone(0.5, 2), cone(0.1, 0.6)};
   std::vector<Sphere> spheres;
   for (int k = 0; k < 40; ++k) {
     spheres.push_back(round_body<3>(3 * Vec3(unit(random), unit(random), unit(random)), 0.4, 1));
+  }
+  for (int k = 1; k < 5; ++k) {
+    spheres.push_back(round_body<3>(Vec3(-0.01 * k, 0.005, 0.68), 0.4, 1));
   }
   KeptContacts<3> kept;
   std::size_t several = 0;
