@@ -93,8 +93,8 @@ int random_sets(const ExtremesFlags& flags) {
     for (const RandomSets::Finding& f : result.findings) {
       const std::string again =
           fmt::format("bipot extremes --{} 1 --seed {} --first {} --tol {} --time-limit {}{}", flag,
-                      flags.seed, f.index, options.tol, options.time_limit,
-                      f.solver.empty() ? "" : " --solver " + f.solver);
+                      flags.seed, f.index, short_exponent(fmt::format("{}", options.tol)),
+                      options.time_limit, f.solver.empty() ? "" : " --solver " + f.solver);
       findings.add({what, f.kind, f.index, f.solver, f.message, again});
       if (!flags.silent() && f.kind != "planted, not solved" && f.kind != "exists, not solved") {
         fmt::print("  {}: {}\n    {}\n", f.kind, again, f.message);

@@ -97,7 +97,7 @@ void add_case(const ExtremeMatrix& m, const ExtremeMatrix::Case& c, Document& wh
 
 std::string cell_command(const ExtremeMatrix& m, const ExtremeCell& cell) {
   return fmt::format("bipot extremes --only {} --solver {} --tol {} --time-limit {}", cell.name,
-                     cell.solver, m.tol, cell.time_limit);
+                     cell.solver, short_exponent(fmt::format("{}", m.tol)), cell.time_limit);
 }
 
 Table cells_table(const ExtremeMatrix& m) {

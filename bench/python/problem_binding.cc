@@ -331,7 +331,8 @@ HeldProblem update(const PythonProblem& self, const py::args& arguments,
     if (!p.has_velocities()) throw std::invalid_argument("v_free is given without A and H");
     p.v_free = to_vector(v_free, "v_free");
   }
-  if (made->restitution.size() == 0 && has_velocities_before(options)) {
+  const bool moves = !u_free.is_none() || !v_free.is_none();
+  if (moves && made->restitution.size() == 0 && has_velocities_before(options)) {
     if (p.row_scale.size() == 0) {
       throw std::invalid_argument("velocities before the impact are given without restitution");
     }
@@ -342,7 +343,7 @@ HeldProblem update(const PythonProblem& self, const py::args& arguments,
     throw std::invalid_argument(
         "restitution needs the velocities before the impact: v_before (n) or u_before (m)");
   }
-  if (!u_free.is_none() || !v_free.is_none()) {
+  if (moves) {
     p.u_free =
         u_free.is_none() ? at_contacts(*made, p, p.v_free, "v_free") : to_vector(u_free, "u_free");
     require_size("u_free", p.u_free.size(), self.problem->num_rows());

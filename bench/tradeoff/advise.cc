@@ -33,9 +33,15 @@ void check_request(const Scene<D>& scene, const Advice::Options& options) {
         "a window of {:g} s is longer than the {:g} s of the scene", options.window, end));
   }
   if (options.samples < 1) throw std::invalid_argument("at least one stretch must be sampled");
-  std::vector<std::string> solvers;
-  for (const SolverVariant& variant : options.solvers) solvers.push_back(variant.solver);
-  require_solvers(solvers);
+  for (const SolverVariant& variant : options.solvers) {
+    require_solver(variant.solver);
+    const auto same = [&](const SolverVariant& other) {
+      return other.solver == variant.solver && other.parameters == variant.parameters;
+    };
+    if (std::ranges::count_if(options.solvers, same) > 1) {
+      throw std::invalid_argument(fmt::format("solver '{}' is named twice", variant.solver));
+    }
+  }
 }
 
 /// Indices of evenly spaced stretches: middle, last, first and the rest, of which the last ones are

@@ -604,7 +604,7 @@ TEST(ComparisonRows, SurviveTheCsvFile) {
 }
 
 TEST(ComparisonReport, FindsTheFastestAndTheUnbeaten) {
-  Comparison::Problem problem{.name = "p"};
+  Comparison::Problem problem{.name = "p", .contacts = 1};
   std::vector<Comparison::Row> rows;
   const auto add = [&rows](const char* solver, double seconds, double error) {
     rows.push_back({.problem = "p", .solver = solver, .cpu_min = seconds, .velocity_error = error});
