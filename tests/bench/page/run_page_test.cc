@@ -56,16 +56,16 @@ TEST(RunPage, HoldsEveryStepOfAShortRun) {
 
 /// What is filled into a page may look like a mark of it.
 TEST(RunPage, ATitleThatLooksLikeAMarkStaysOne) {
-  const TemporaryFolder folder, plain;
-  run_into(folder.path(), "{{style}} {{title}} {{about}}");
-  run_into(plain.path());
-  const std::string page = file_text(write_run_page(folder.path()).path);
+  const TemporaryFolder folder;
+  run_into(folder / "marks", "{{style}} {{title}} {{about}}");
+  run_into(folder / "plain");
+  const std::string page = file_text(write_run_page(folder / "marks").path);
   EXPECT_TRUE(says(page, "<h1>{{style}} {{title}} {{about}}</h1>"));
   const auto style_of = [](const std::string& text) {
     const std::size_t begin = text.find("<style>");
     return text.substr(begin, text.find("</style>") - begin);
   };
-  EXPECT_EQ(style_of(page), style_of(file_text(write_run_page(plain.path()).path)));
+  EXPECT_EQ(style_of(page), style_of(file_text(write_run_page(folder / "plain").path)));
 }
 
 TEST(RunPage, AnOlderRunHasTheFramesOfItsFiles) {

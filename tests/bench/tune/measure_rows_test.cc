@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "core/files/input_file.h"
+#include "core/motion/time_stepping.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
@@ -68,7 +69,8 @@ TEST(MeasureRows, RowsOfAnotherProblemOfThatNameAreRefused) {
 TEST(MeasureRows, AStepThatASceneDoesNotReachIsLeftOut) {
   const TemporaryFolder folder;
   const ProblemSource fails{"bullet@200", "bullet.toml", []() -> TestProblem {
-                              throw StepFailure(StepFailure::Kind::kPassage, 150, "went through");
+                              throw StepFailure(StepFailure::Kind::kPassage,
+                                                "step 150: through a wall");
                             }};
   const ProblemSource lattice{
       "lattice", "lattice",

@@ -157,7 +157,8 @@ time = {step = 1e-3, steps = 4}
         "every = 1, profile = 'y', profile_range = [0, 1], force_bins = 7"}) {
     EXPECT_TRUE(says(refusal_of<FileError>([&] { resume(other); }), "name another --out")) << other;
   }
-  EXPECT_NO_THROW(resume(along_y + ", lines = [{name = 'low', from = [-1, 0], to = [1, 0]}]"));
+  const std::string with_line = along_y + ", lines = [{name = 'low', from = [-1, 0], to = [1, 0]}]";
+  EXPECT_NO_THROW(resume(with_line));
   // Nor after a part without any, whose refusal leaves the file as it was.
   {
     const Scene<2> none = scene_of<2>(text);
@@ -165,9 +166,10 @@ time = {step = 1e-3, steps = 4}
     writer.close();
   }
   const std::string before = file_text(folder / "out/run.h5");
-  EXPECT_NE(refusal_of([&] { resume("every = 1, profile = 'x', profile_range = [0, 1]"); }), "");
+  const std::string along_x = "every = 1, profile = 'x', profile_range = [0, 1]";
+  EXPECT_TRUE(says(refusal_of<FileError>([&] { resume(along_x); }), "name another --out"));
   EXPECT_EQ(file_text(folder / "out/run.h5"), before);
-  EXPECT_NO_THROW(resume(along_y));
+  EXPECT_NO_THROW(resume(with_line));
 }
 
 /// A state keeps the places and velocities of its walls: those of an edited scene would be ignored.

@@ -218,7 +218,8 @@ TEST(TriangleMesh, ASphereThatPlugsAConeStays) {
       scene.step = 1e-3;
       scene.num_steps = 1000;
       const State<3> end = solved_run(scene);
-      EXPECT_NEAR(end.bodies[0].x[2], height, 5 * aside + 1e-9) << mu << " " << aside;
+      // The first step may be free: it falls by g h².
+      EXPECT_NEAR(end.bodies[0].x[2], height, 5 * aside + 2e-5) << mu << " " << aside;
       EXPECT_LT(end.bodies[0].v.norm(), 1e-3);
     }
   }

@@ -133,8 +133,12 @@ TEST(SceneFilling, PositionsComeFromAFileBesideTheScene) {
   positions("x,y,radius,v_x\n1,2,0.1,3\n");
   refused("[[disks]]\n", "unknown column 'v_x'; did you mean 'vx'?");
   positions("x,y,radius,vx\n1,2,0.1,3\n");
-  refused("[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\nname = 'floor'\n[[disks]]\nwall = 'floor'\n",
-          "glued disks move with their wall");
+  const std::string glued =
+      "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\nname = 'floor'\n[[disks]]\n"
+      "wall = 'floor'\narrangement = 'file'\nfile = 'p.csv'\n" +
+      std::string(kShortTime);
+  EXPECT_TRUE(says(refusal_of([&] { parse_any_scene(glued, source); }),
+                   "glued disks move with their wall"));
   positions("x,y,radius\n1,2\n");
   refused("[[disks]]\n", "p.csv:2: 2 columns");
   positions("x,y,radius\n1,2,0\n");
