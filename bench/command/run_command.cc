@@ -194,20 +194,27 @@ bool lacks_results(const fs::path& folder, int last_step) {
          summary.value("status", "") == "interrupted";
 }
 
-/// True if the ledger has steps that were not solved.
-bool has_unsolved_rows(const fs::path& folder) {
+/// True if the ledger has each of these steps, solved.
+bool all_solved(const fs::path& folder, int steps) {
   if (!fs::exists(folder / "ledger.csv")) return false;
   const NumberTable ledger = read_number_table(folder / "ledger.csv");
   const std::size_t converged = ledger.column("converged");
-  return std::ranges::any_of(ledger.rows, [&](const auto& row) { return row[converged] == 0; });
+  const auto solved = std::ranges::count_if(
+      ledger.rows, [&](const auto& row) { return row.front() > 0 && row[converged] == 1; });
+  return solved == steps;
 }
 
 /// A run that was complete already. Its files do not change.
 template <int D>
 int nothing_to_do(const RunFlags& flags, const Scene<D>& scene, const State<D>& state, bool quiet) {
-  const std::string message = fmt::format(
-      "{} is at step {}, the scene ends at step {}: nothing to do (--steps N takes N more)",
-      flags.restart, state.step, scene.num_steps);
+  const std::string message =
+      state.step < scene.num_steps
+          ? fmt::format("{} is at step {} of {}: no step is asked for", flags.restart, state.step,
+                        scene.num_steps)
+          : fmt::format(
+                "{} is at step {}, the scene ends at step {}: nothing to do (--steps N takes "
+                "N more)",
+                flags.restart, state.step, scene.num_steps);
   if (!flags.common.json.empty()) {
     require_writable(flags.common.json);
     write_json({{"command", "run"},
@@ -329,7 +336,8 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
   run.finished = ended && (asked || !lacks_results(options.folder.folder, run.state.step));
   if (run.finished) return run;
   run.scene.num_steps = run.state.step + *options.steps;
-  run.note = ended ? "no step was left: the results of the run that ended are made"
+  run.note = ended ? "no step was left: results of the ended run; steps without a solved row count "
+                     "as unsolved"
                    : changed_time(planned, run.scene, run.state);
   if (is_speaker()) {
     if (flags.watch) run.server = std::make_unique<WatchServer>(flags.port.value_or(kWatchPort));
@@ -439,7 +447,8 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   if (on_several_processes()) run_processes().largest(peak_and_interrupt);
   const auto [peak, interrupted] = peak_and_interrupt;
   auto [status, exit_code] = outcome_of(run, prepared.state.step > 0, interrupted > 0);
-  if (*prepared.options.steps == 0 && exit_code == kExitConverged && has_unsolved_rows(folder)) {
+  if (*prepared.options.steps == 0 && exit_code == kExitConverged &&
+      !all_solved(folder, state.step)) {  // or not known to be
     std::tie(status, exit_code) = std::pair("not converged", kExitNotConverged);
   }
   if (!is_speaker()) return exit_code;

@@ -33,13 +33,14 @@ int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
     options.file.replace_extension(".csv");
   }
   require_apart({{"--rows", options.file.string()}}, {{"--out", plan.string()}});
-  if (!quiet) scenes.warn = options.warn = &warn_once;
+  options.warn = &warn_once;
+  if (!quiet) scenes.warn = &warn_once;
   const std::vector<ProblemSource> sources = expand_targets(targets, scenes);
   const auto no_rows = [&] {
-    return std::invalid_argument(options.file.string() +
-                                 (sources.empty()
-                                      ? " has no rows: name targets, whose solves are measured"
-                                      : " has no rows: nothing touches in the targets"));
+    return std::invalid_argument(
+        options.file.string() +
+        (sources.empty() ? " has no rows: name targets, whose solves are measured"
+                         : " has no rows: nothing touches in the targets, or their runs fail"));
   };
   if (sources.empty() && !std::filesystem::exists(options.file)) throw no_rows();
   const std::size_t known = read_measured_rows(options.file).size();

@@ -246,6 +246,10 @@ class ProblemRows {
       if (kept->s.size() != problem_.problem.num_rows()) {
         refuse_another(fmt::format("{} rows, now {}", kept->s.size(), problem_.problem.num_rows()));
       }
+      const ProblemMark now = mark_of(problem_.problem);
+      if (!kept->mark.fits(now)) {
+        refuse_another(fmt::format("{}, now {}", to_string(kept->mark), to_string(now)));
+      }
       reference_ = std::move(*kept);
       const double before = reference_.error.guarded();
       reference_.error = contact_error(problem_.problem, reference_.s);
@@ -257,6 +261,7 @@ class ProblemRows {
     } else {
       reference_ = find_reference(problem_, options_.reference_time_limit,
                                   ReferenceSolution::kTarget, options_.watch.interrupted);
+      reference_.mark = mark_of(problem_.problem);
       true_error_.emplace(problem_, reference_);
       if (reference_.several()) reference_.spread = true_error_->spread();
       if (!options_.watch.stopped()) store_.write(source_, problem_, reference_);

@@ -130,6 +130,8 @@ void write_reference(const std::filesystem::path& path, const std::string& probl
                      const ReferenceSolution& reference) {
   Json j{{"problem", problem},   {"origin", reference.origin}, {"contacts", reference.contacts},
          {"dim", reference.dim}, {"dofs", reference.dofs},     {"solver", reference.solver}};
+  const ProblemMark& mark = reference.mark;
+  j["mark"] = {mark.velocity, mark.friction, mark.mobility};
   add_error(j, reference.error);
   j["velocity_spread"] = reference.velocity_spread;
   j["spread"] = to_json(reference.spread);
@@ -150,6 +152,11 @@ ReferenceSolution read_reference(const std::filesystem::path& path) {
                                 .dim = j.at("dim").get<int>(),
                                 .dofs = j.at("dofs").get<int>(),
                                 .solver = j.at("solver").get<std::string>()};
+    if (j.contains("mark")) {
+      const Json& mark = j["mark"];
+      reference.mark = {number_or_nan(mark.at(0)), number_or_nan(mark.at(1)),
+                        number_or_nan(mark.at(2))};
+    }
     reference.error.epsilon = number_or_nan(j.at("epsilon"));
     reference.error.eta = number_or_nan(j.at("eta"));
     reference.error.raw42 = number_or_nan(j.at("epsilon_raw"));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/measure/problem_mark.h"
 #include "bench/measure/test_problem.h"
 #include "bench/report/json_output.h"
 #include "core/base/types.h"
@@ -30,6 +31,7 @@ struct ReferenceSolution {
   };
   std::string origin;  ///< of the problem, see TestProblem
   int contacts = 0, dim = 0, dofs = 0;
+  ProblemMark mark;    ///< of the problem
   std::string solver;  ///< whose impulse it is
   Vector s;            ///< the problem's variables                              [N s]
   ContactError error;  ///< recomputed from s alone

@@ -94,6 +94,7 @@ class ProblemMeasurement {
     return {.problem = source_.name,
             .scene = scene_of(source_),
             .traits = traits_,
+            .mark = mark_of(given_.problem),
             .variant = variant,
             .limit = options_.time_limit};
   }
@@ -160,9 +161,11 @@ class ProblemMeasurement {
 /// Throws std::invalid_argument where rows of that name were measured on another problem.
 void require_same(const std::vector<MeasuredRow>& rows, const ProblemSource& source,
                   const ContactProblem& p, const std::filesystem::path& file) {
+  const ProblemMark now = mark_of(p);
   for (const MeasuredRow& row : rows) {
     const ProblemTraits& then = row.traits;
-    const bool same = then.contacts == p.num_contacts() && then.dim == p.plain_dim();
+    const bool same =
+        then.contacts == p.num_contacts() && then.dim == p.plain_dim() && row.mark.fits(now);
     if (row.problem != source.name || same) continue;
     throw std::invalid_argument(fmt::format(
         "{}: its rows of {} are of another problem ({} contacts, d = {}; now {}, {}): name another "
@@ -194,20 +197,22 @@ std::string instance_of(const MeasuredRow& row) {
 }
 
 std::string measured_csv_header() {
-  return "problem,scene,contacts,dim,tol,properties,variant,iterations,seconds,solved,limit";
+  return "problem,scene,contacts,dim,tol,properties,variant,iterations,seconds,solved,limit,"
+         "velocity,friction,mobility";
 }
 
 std::string to_csv(const MeasuredRow& row) {
-  return fmt::format("{},{},{},{},{:g},{},{},{},{:.6g},{},{:g}\n", csv_text(row.problem),
-                     csv_text(row.scene), row.traits.contacts, row.traits.dim, row.traits.tol,
-                     csv_text(mark_words(row.traits.marks)), csv_text(row.variant), row.iterations,
-                     row.seconds, row.solved ? 1 : 0, row.limit);
+  return fmt::format("{},{},{},{},{:g},{},{},{},{:.6g},{},{:g},{:.9g},{:.9g},{:.9g}\n",
+                     csv_text(row.problem), csv_text(row.scene), row.traits.contacts,
+                     row.traits.dim, row.traits.tol, csv_text(mark_words(row.traits.marks)),
+                     csv_text(row.variant), row.iterations, row.seconds, row.solved ? 1 : 0,
+                     row.limit, row.mark.velocity, row.mark.friction, row.mark.mobility);
 }
 
 std::vector<MeasuredRow> read_measured_rows(const std::filesystem::path& path) {
   std::vector<MeasuredRow> rows;
   if (!std::filesystem::exists(path)) return rows;
-  for (const auto& fields : read_csv_table(path, measured_csv_header(), 11)) {
+  for (const auto& fields : read_csv_table(path, measured_csv_header(), 14)) {
     const auto value = [&](std::size_t k) { return csv_number<double>(fields[k], path); };
     MeasuredRow& row = rows.emplace_back();
     row.problem = fields[0];
@@ -221,6 +226,7 @@ std::vector<MeasuredRow> read_measured_rows(const std::filesystem::path& path) {
     row.seconds = value(8);
     row.solved = value(9) != 0;
     row.limit = value(10);
+    row.mark = {value(11), value(12), value(13)};
   }
   return rows;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/measure/problem_mark.h"
 #include "bench/measure/problem_target.h"
 #include "bench/measure/watch.h"
 #include "core/base/types.h"
@@ -16,7 +17,8 @@ namespace bipot {
 struct MeasuredRow {
   std::string problem, scene;  ///< rows of one scene are left out together in a cross-validation
   ProblemTraits traits;        ///< warm or cold is one of its marks
-  std::string variant;         ///< "assor sweeps=4", a solver and its parameters; or "auto"
+  ProblemMark mark;
+  std::string variant;  ///< "assor sweeps=4", a solver and its parameters; or "auto"
   int iterations = 0;
   double seconds = kNaN;  ///< CPU time until solved, or until it was given up
   bool solved = false;

@@ -511,8 +511,9 @@ class Picture {
       const double tick = x + at * kBarWidth;
       stroke_line(c, Vec2(tick, y + kBarHeight), Vec2(tick, y + kBarHeight + 4), 1, kText);
       std::string label = with_prefix(at * full_fill_, options_.fill.unit);
-      if (at == 1 && largest > full_fill_ * (1 + 1e-12)) {
-        label += " and more, at most " + with_prefix(largest, options_.fill.unit);
+      const std::string most = with_prefix(largest, options_.fill.unit);
+      if (at == 1 && largest > full_fill_ && most != label) {
+        label += " and more, at most " + most;
       }
       const double left = at == 0.5 ? tick - 0.5 * text_width(c, label) : tick - 4;
       show_text(c, at == 0 ? tick : left, y + kBarHeight + 4 + kLegendSize, label);

@@ -104,11 +104,13 @@ CsvFile::CsvFile(fs::path path, const std::string& columns, int keep_up_to)
       missing += ",nan";
     }
     while (std::getline(before, line)) {
+      const bool torn = before.eof();  // the end of a line is written last
       int step = 0;
       const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), step);
       if (failure != std::errc() || step > keep_up_to) continue;
+      if (torn && end == line.data() + line.size()) continue;  // its step is not known
       if (!known) throw FileError(path_, "", "has other columns than this run: name another --out");
-      if (commas_outside_quotes(line) != commas) {
+      if (torn || commas_outside_quotes(line) != commas) {
         throw FileError(path_, fmt::format("row of step {}", step), "was cut off");
       }
       kept += line + missing + '\n';

@@ -350,6 +350,18 @@ time = {step = 1e-3, steps = 300}
   }
 }
 
+/// Where all contacts stick, the answer stays one with more friction: the problem is another one.
+TEST(Comparison, MoreFrictionIsAnotherProblem) {
+  const TemporaryFolder folder;
+  const Comparison::Options options = quick({"pgs"}, {1e-4}, folder / "out");
+  const auto rows = [&](double mu) {
+    return compare({source_of("t", lattice_step(Lattice::kTriangular, 4, mu, 0))}, options).rows;
+  };
+  EXPECT_EQ(rows(0.6).size(), 1u);
+  EXPECT_EQ(rows(0.6).size(), 1u);
+  EXPECT_THROW(rows(0.9), std::invalid_argument);
+}
+
 TEST(Comparison, RowsWithADamagedNumberAreRefused) {
   const TemporaryFolder folder;
   const Comparison::Options options = quick({"pgs"}, {1e-4}, folder / "out");

@@ -64,6 +64,13 @@ TEST(MeasureRows, RowsOfAnotherProblemOfThatNameAreRefused) {
   measure_rows({source}, options);
   side = 7;
   EXPECT_THROW(measure_rows({source}, options), std::invalid_argument);
+  // With as many contacts but more friction.
+  const ProblemSource rough{
+      "lattice", "lattice.hdf5",
+      [] { return TestProblem{.problem = lattice_step(Lattice::kTriangular, 6, 0.4, 10)}; }};
+  EXPECT_THROW(measure_rows({rough}, options), std::invalid_argument);
+  side = 6;
+  EXPECT_NO_THROW(measure_rows({source}, options));
 }
 
 TEST(MeasureRows, AStepThatASceneDoesNotReachIsLeftOut) {

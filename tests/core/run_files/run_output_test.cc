@@ -504,6 +504,11 @@ TEST(CsvFile, RowsThatWereCutOffAreTold) {
   EXPECT_TRUE(
       says(refusal_of<FileError>([&] { CsvFile(path, "step,name,a", 2); }), "row of step 2"));
   EXPECT_EQ(file_text(path), whole + "2,right\n");
+  // Torn in its last number, it has all commas; torn in its step, it is a later row.
+  std::ofstream(path) << whole << "2,right,3.1";
+  EXPECT_TRUE(
+      says(refusal_of<FileError>([&] { CsvFile(path, "step,name,a", 2); }), "row of step 2"));
+  std::ofstream(path) << whole << "1";
   { CsvFile before(path, "step,name,a", 1); }
   EXPECT_EQ(file_text(path), whole);
 }
