@@ -6,11 +6,13 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <tuple>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
@@ -24,6 +26,7 @@
 #include "bench/problems/observable_charts.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/chart.h"
+#include "bench/report/csv_text.h"
 #include "bench/report/json_output.h"
 #include "bench/report/text_lines.h"
 #include "core/base/file_error.h"
@@ -32,7 +35,6 @@
 #include "core/base/version.h"
 #include "core/files/folder_lock.h"
 #include "core/files/input_file.h"
-#include "core/run_files/observable_output.h"
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/opposite_walls.h"
@@ -196,11 +198,18 @@ bool lacks_results(const fs::path& folder, int last_step) {
 
 /// True if the ledger has each of these steps, solved.
 bool all_solved(const fs::path& folder, int steps) {
+  if (steps == 0) return true;
   if (!fs::exists(folder / "ledger.csv")) return false;
-  const NumberTable ledger = read_number_table(folder / "ledger.csv");
-  const std::size_t converged = ledger.column("converged");
-  const auto solved = std::ranges::count_if(
-      ledger.rows, [&](const auto& row) { return row.front() > 0 && row[converged] == 1; });
+  std::istringstream ledger(read_text_file(folder / "ledger.csv"));
+  std::string line;
+  std::getline(ledger, line);
+  const std::vector<std::string> names = split_csv_line(line);  // a column may have texts
+  const auto converged = to_size(std::ranges::find(names, "converged") - names.begin());
+  int solved = 0;
+  while (std::getline(ledger, line)) {
+    const std::vector<std::string> row = split_csv_line(line);
+    solved += converged < row.size() && row[0] != "0" && row[converged] == "1" ? 1 : 0;
+  }
   return solved == steps;
 }
 

@@ -94,7 +94,7 @@ class ProblemMeasurement {
     return {.problem = source_.name,
             .scene = scene_of(source_),
             .traits = traits_,
-            .mark = mark_of(given_.problem),
+            .mark = mark_,
             .variant = variant,
             .limit = options_.time_limit};
   }
@@ -151,6 +151,7 @@ class ProblemMeasurement {
   const MeasureOptions& options_;
   const TestProblem& given_;
   const bool warm_;
+  const ProblemMark mark_ = mark_of(given_.problem);
   const ProblemTraits traits_ = traits_of(given_.problem, DelassusOperator(given_.problem),
                                           {.tol = 1,
                                            .s0 = warm_ ? given_.start : Vector(),

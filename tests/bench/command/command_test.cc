@@ -166,6 +166,13 @@ TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
   EXPECT_EQ(json_in("parts/summary.json")["last_step"], 400);
   EXPECT_EQ(content("whole/ledger.csv"), content("parts/ledger.csv"));
   EXPECT_EQ(json_of(run + "parts --restart parts")["status"], "nothing to do");
+  // Without a ledger nothing says that they were solved; no step at all is none that failed.
+  fs::remove("parts/summary.json");
+  fs::remove("parts/ledger.csv");
+  EXPECT_EQ(json_of(run + "parts --restart parts", 1)["status"], "not converged");
+  write("rare.toml",
+        changed(collapsing_scene(400), {{"[output]\n", "[output]\nledger_every = 0\n"}}));
+  EXPECT_EQ(json_of("run rare.toml --steps 0 --json - --out rare")["status"], "completed");
   write("shorter.toml", collapsing_scene(300));
   expect_said("run shorter.toml --restart parts", 0,
               {"is at step 400, the scene ends at step 300"});
