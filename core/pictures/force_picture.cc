@@ -579,7 +579,8 @@ std::string with_prefix(double value, const std::string& unit) {
                                                                 "k", "M", "G", "T"};
   if (!(std::abs(value) > 0)) return fmt::format("0 {}", unit);
   if (unit.size() > 3) return fmt::format("{:.3g} {}", value, unit);
-  const double thousands = std::floor(std::log10(std::abs(value)) / 3 + 1e-9);
+  // From 999.5 on three digits show the next thousand.
+  const double thousands = std::floor(std::log10(std::abs(value) / 0.9995) / 3 + 1e-9);
   const double index = std::clamp(thousands, -4.0, 4.0);
   return fmt::format("{:.3g} {}{}", value * std::pow(10.0, -3 * index),
                      kPrefixes[static_cast<std::size_t>(index + 4)], unit);

@@ -206,6 +206,8 @@ TEST(Scales, AreRoundAndNotTooLong) {
   EXPECT_EQ(with_prefix(1000, "N"), "1 kN");
   EXPECT_EQ(with_prefix(0.001, "m"), "1 mm");
   EXPECT_EQ(with_prefix(2, "N"), "2 N");
+  EXPECT_EQ(with_prefix(0.99949, "m/s"), "999 mm/s");
+  EXPECT_EQ(with_prefix(0.99951, "m/s"), "1 m/s");
   EXPECT_EQ(with_prefix(5e-6, "m"), "5 µm");
   EXPECT_EQ(with_prefix(2e15, "N"), "2e+03 TN");
   EXPECT_EQ(with_prefix(0, "N"), "0 N");
