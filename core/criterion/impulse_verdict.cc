@@ -185,76 +185,61 @@ double off_opposite(const Vector& a, const Vector& b) {
   return 2 * std::atan2((x + y).norm(), (x - y).norm());
 }
 
+/// Names of the kinds, in their order.
+constexpr std::string_view kFaultNames[] = {"pulls",
+                                            "outside the cone",
+                                            "beyond the bound of rolling friction",
+                                            "penetrates",
+                                            "acts across a gap",
+                                            "slides inside the cone",
+                                            "friction does not oppose",
+                                            "rolls inside that bound",
+                                            "rolling friction does not oppose"};
+
+std::string sentence(const ContactFault& f, const JudgedContact& c) {
+  using Kind = ContactFault::Kind;
+  const double s_t = c.tangents > 0 ? c.s.segment(1, c.tangents).norm() : 0;
+  switch (f.kind) {
+    case Kind::kPulls:
+      return fmt::format("pulls with s_n = {:.1e} N s", f.size);
+    case Kind::kOutsideCone:
+      return fmt::format("outside the cone, |s_t| = {:.1e} N s and mu s_n = {:.1e} N s", s_t,
+                         c.mu * c.s[0]);
+    case Kind::kPenetrates:
+      return fmt::format("penetrates at {:.1e} m/s", -f.size);
+    case Kind::kActsAcrossGap:
+      return fmt::format("opens at {:.1e} m/s and yet has s_n = {:.1e} N s", f.size, c.s[0]);
+    case Kind::kSlidesInside:
+      return fmt::format("slides at {:.1e} m/s, |s_t| being {:.3g} of mu s_n", f.size,
+                         s_t / (c.mu * c.s[0]));
+    case Kind::kNotOpposed:
+      return fmt::format("slides at {:.1e} m/s, which s_t does not oppose: {:.1e} rad off", f.size,
+                         off_opposite(c.s.segment(1, c.tangents), c.u.segment(1, c.tangents)));
+    case Kind::kBeyondRolling:
+      return fmt::format("its moment is {:.1e} N m s beyond rolling friction", f.size);
+    case Kind::kRollsInside:
+      return fmt::format("rolls at {:.1e} rad/s inside the bound of rolling friction", f.size);
+    case Kind::kRollsAlong:
+      return fmt::format("rolls at {:.1e} rad/s, which its moment does not oppose", f.size);
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string_view to_string(ContactFault::Kind kind) {
-  switch (kind) {
-    case ContactFault::Kind::kPulls:
-      return "pulls";
-    case ContactFault::Kind::kOutsideCone:
-      return "outside the cone";
-    case ContactFault::Kind::kPenetrates:
-      return "penetrates";
-    case ContactFault::Kind::kActsAcrossGap:
-      return "acts across a gap";
-    case ContactFault::Kind::kSlidesInside:
-      return "slides inside the cone";
-    case ContactFault::Kind::kNotOpposed:
-      return "friction does not oppose";
-    case ContactFault::Kind::kBeyondRolling:
-      return "beyond the bound of rolling friction";
-    case ContactFault::Kind::kRollsInside:
-      return "rolls inside that bound";
-    case ContactFault::Kind::kRollsAlong:
-      return "rolling friction does not oppose";
-  }
-  return "unknown fault";
+  return kFaultNames[static_cast<std::size_t>(kind)];
 }
 
 std::string sentence(const JudgedContact& c) {
-  using Kind = ContactFault::Kind;
-  std::string text = fmt::format("contact {}", c.contact);
   // Smaller faults than a hundredth of the contact's largest one are left out.
   constexpr double kWorthSaying = 1e-2;
-  const double s_t = c.tangents > 0 ? c.s.segment(1, c.tangents).norm() : 0;
-  bool first = true;
+  std::string text = fmt::format("contact {}", c.contact);
+  const char* separator = ": ";
   for (const ContactFault& f : c.faults) {
     if (f.energy < kWorthSaying * c.faults.front().energy) break;
-    text += first ? ": " : "; ";
-    first = false;
-    switch (f.kind) {
-      case Kind::kPulls:
-        text += fmt::format("pulls with s_n = {:.1e} N s", f.size);
-        break;
-      case Kind::kOutsideCone:
-        text += fmt::format("outside the cone, |s_t| = {:.1e} N s and mu s_n = {:.1e} N s", s_t,
-                            c.mu * c.s[0]);
-        break;
-      case Kind::kPenetrates:
-        text += fmt::format("penetrates at {:.1e} m/s", -f.size);
-        break;
-      case Kind::kActsAcrossGap:
-        text += fmt::format("opens at {:.1e} m/s and yet has s_n = {:.1e} N s", f.size, c.s[0]);
-        break;
-      case Kind::kSlidesInside:
-        text += fmt::format("slides at {:.1e} m/s, |s_t| being {:.3g} of mu s_n", f.size,
-                            s_t / (c.mu * c.s[0]));
-        break;
-      case Kind::kNotOpposed:
-        text +=
-            fmt::format("slides at {:.1e} m/s, which s_t does not oppose: {:.1e} rad off", f.size,
-                        off_opposite(c.s.segment(1, c.tangents), c.u.segment(1, c.tangents)));
-        break;
-      case Kind::kBeyondRolling:
-        text += fmt::format("its moment is {:.1e} N m s beyond rolling friction", f.size);
-        break;
-      case Kind::kRollsInside:
-        text += fmt::format("rolls at {:.1e} rad/s inside the bound of rolling friction", f.size);
-        break;
-      case Kind::kRollsAlong:
-        text += fmt::format("rolls at {:.1e} rad/s, which its moment does not oppose", f.size);
-        break;
-    }
+    text += separator + sentence(f, c);
+    separator = "; ";
   }
   return text;
 }
