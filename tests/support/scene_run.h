@@ -91,6 +91,7 @@ State<D> expect_exact_restart(const Scene<D>& scene, int at, RunFolderOptions fo
   run_scene(scene, whole);
   run_scene(scene, part, {.steps = at, .folder = folder});
   State<D> again = read_state<D>(folder.folder);
+  EXPECT_EQ(restart_mismatch(scene, again), "");
   run_scene(scene, again, {.steps = scene.num_steps - at});
   EXPECT_EQ(bits_of_state(again), bits_of_state(whole));
   return whole;

@@ -140,22 +140,7 @@ TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
 
 TEST(PeriodicSpheres, ARunGoesOnBitForBitAndIsDrawn) {
   const auto scene = scene_of<3>(kLayer);
-  const TemporaryFolder folder;
-  const auto run = [&](State<3> state, RunWriter<3>* writer) {
-    TimeStepper<3> stepper = stepper_of(scene, "pgs");
-    while (state.step < 60) {
-      stepper.advance(state);
-      if (writer != nullptr && state.step % 20 == 0) writer->frame(state);
-    }
-    return state;
-  };
-  RunWriter<3> writer(folder / "out", scene, kLayer);
-  const State<3> end = run(initial_state(scene), &writer);
-  writer.close();
-  const State<3> middle = read_state<3>(folder / "out", 40);
-  EXPECT_EQ(restart_mismatch(scene, middle), "");
-  const State<3> again = run(middle, nullptr);
-  for (std::size_t i = 0; i < end.bodies.size(); ++i) EXPECT_EQ(end.bodies[i].x, again.bodies[i].x);
+  const State<3> end = expect_exact_restart(scene, 40);
   // The picture repeats itself to the right, and shows contacts with the image there.
   const FlatView all = project(scene, end);
   EXPECT_TRUE(all.state.cell.in_x && !all.state.cell.in_y);

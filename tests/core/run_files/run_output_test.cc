@@ -16,13 +16,6 @@
 namespace bipot {
 namespace {
 
-const char* kBox = R"(
-title = "Box <of> \"disks\" & more"
-gravity = [0.0, -9.81]
-contact = {mu = 0.3, e_n = 0.1}
-disks = [{arrangement = "triangular", columns = 4, rows = 3, radius = 0.01, density = 2000.0}]
-)";
-
 /// Three disks and three walls with awkward numbers in every field.
 Scene<2> awkward_scene() {
   Scene<2> scene{.title = "a <\"title\"> & such",
@@ -177,28 +170,6 @@ TEST_F(RunOutput, WallsWithAScheduleHaveTheForceSpinAndBeltOfTheFrame) {
   EXPECT_EQ(fixed.read_doubles("/walls/force")[1], 5.0 / 3);
   EXPECT_EQ(fixed.read_doubles("/walls/spin")[3], 2);
   EXPECT_EQ(fixed.read_doubles("/walls/belt")[4], 0.8 / 3);
-}
-
-TEST_F(RunOutput, ARunGoesOnFromAFrameWithTheSameBits) {
-  Scene<2> scene = scene_of(std::string(kBox) + R"(
-walls = [{name = "floor", point = [0.0, 0.0], normal = [0.0, 1.0]}]
-time = {step = 1e-3, steps = 12}
-)");
-  TimeStepper<2> stepper = stepper_of(scene, "pgs", {});
-  State<2> state = initial_state(scene);
-  {
-    RunWriter<2> writer(out_, scene, kBox);
-    for (int k = 0; k < 12; ++k) {
-      writer.step(state, stepper.advance(state));
-      if (state.step == 6) writer.frame(state);
-    }
-  }
-  State<2> restarted = read_state(out_);
-  ASSERT_EQ(restarted.step, 6);
-  ASSERT_GT(restarted.contacts.size(), 0u);
-  TimeStepper<2> again = stepper_of(scene, "pgs", {});
-  while (restarted.step < 12) again.advance(restarted);
-  EXPECT_EQ(bits_of_state(restarted), bits_of_state(state));
 }
 
 TEST_F(RunOutput, EveryFrameCanBeReadThroughTheLinksOfTheRunFile) {
