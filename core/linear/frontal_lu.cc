@@ -252,10 +252,10 @@ struct FrontalLU::Impl {
   bool look_at_entries(const FrontalLU::MatrixByLines& A, double most, double* sizes);
   bool assemble(const FrontalLU::MatrixByLines& A, double most, int s, const Front& f);
   bool run(const FrontalLU::MatrixByLines& A, double most);
-  void substitute_forward();
-  void substitute_backward();
-  void substitute_several_forward();
-  void substitute_several_backward();
+  template <int kSides>
+  void substitute_forward(double* all, double* beside);
+  template <int kSides>
+  void substitute_backward(double* all, double* beside);
 };
 
 bool FrontalLU::Impl::analyse(const SymmetricPattern& pattern) {
@@ -413,83 +413,59 @@ bool FrontalLU::factor(const SparseMatrix& A) {
   return factor(StoredMatrix(A, f.positions));
 }
 
-void FrontalLU::Impl::substitute_forward() {
+/// `all`: rows of kSides numbers, one right side or kRightSides of them. `beside`: as many rows.
+template <int kSides>
+void FrontalLU::Impl::substitute_forward(double* all, double* beside) {
   const FrontalTree& t = *tree;
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front f = front(s);
-    double* own = x.data() + t.first[to_size(s)];
+    double* own = all + t.first[to_size(s)] * kSides;
     // A right side of few numbers stays away from most fronts.
-    if (std::all_of(own, own + f.columns, [](double value) { return value == 0; })) continue;
-    fetch_forward(s + 1);
-    const int* swaps = exchange.data() + t.first[to_size(s)];
-    for (int j = 0; j < f.columns; ++j) std::swap(own[j], own[swaps[j]]);
-    const int h = f.height();
-    solve_unit_lower(f.columns, f.panel, f.rows, own);
-    if (h == 0) continue;
-    std::fill(below.begin(), below.begin() + h, 0.0);
-    subtract_columns(h, f.columns, own, f.panel + f.columns, f.rows, below.data());
-    const int* rows = t.below.data() + t.below_start[to_size(s)];
-    for (int i = 0; i < h; ++i) x[to_size(rows[i])] += below[to_size(i)];
-  }
-}
-
-void FrontalLU::Impl::substitute_backward() {
-  const FrontalTree& t = *tree;
-  for (int s = t.num_fronts() - 1; s >= 0; --s) {
-    const Front f = front(s);
-    fetch_backward(s - 1);
-    double* own = x.data() + t.first[to_size(s)];
-    const int h = f.height();
-    const int* rows = t.below.data() + t.below_start[to_size(s)];
-    for (int i = 0; i < h; ++i) below[to_size(i)] = x[to_size(rows[i])];
-    if (h > 0) subtract_products(h, f.columns, f.upper, h, below.data(), own);
-    solve_upper(f.columns, f.panel, f.rows, own);
-  }
-}
-
-void FrontalLU::Impl::substitute_several_forward() {
-  const FrontalTree& t = *tree;
-  for (int s = 0; s < t.num_fronts(); ++s) {
-    const Front f = front(s);
-    double* own = several.data() + t.first[to_size(s)] * kRightSides;
-    const int numbers = f.columns * kRightSides;
+    const int numbers = f.columns * kSides;
     if (std::all_of(own, own + numbers, [](double value) { return value == 0; })) continue;
     fetch_forward(s + 1);
     const int* swaps = exchange.data() + t.first[to_size(s)];
     for (int j = 0; j < f.columns; ++j) {
       if (swaps[j] == j) continue;
-      double *one = own + j * kRightSides, *other = own + swaps[j] * kRightSides;
-      std::swap_ranges(one, one + kRightSides, other);
+      std::swap_ranges(own + j * kSides, own + (j + 1) * kSides, own + swaps[j] * kSides);
     }
     const int h = f.height();
-    solve_unit_lower_of_eight(f.columns, f.panel, f.rows, own);
+    if constexpr (kSides == 1) {
+      solve_unit_lower(f.columns, f.panel, f.rows, own);
+    } else {
+      solve_unit_lower_of_eight(f.columns, f.panel, f.rows, own);
+    }
     if (h == 0) continue;
-    std::fill_n(several_below.begin(), h * kRightSides, 0.0);
-    subtract_columns_of_eight(h, f.columns, f.panel + f.columns, f.rows, own, several_below.data());
+    std::fill_n(beside, h * kSides, 0.0);
+    if constexpr (kSides == 1) {
+      subtract_columns(h, f.columns, own, f.panel + f.columns, f.rows, beside);
+    } else {
+      subtract_columns_of_eight(h, f.columns, f.panel + f.columns, f.rows, own, beside);
+    }
     const int* rows = t.below.data() + t.below_start[to_size(s)];
     for (int i = 0; i < h; ++i) {
-      double* row = several.data() + rows[i] * kRightSides;
-      for (int c = 0; c < kRightSides; ++c) row[c] += several_below[to_size(i * kRightSides + c)];
+      for (int c = 0; c < kSides; ++c) all[rows[i] * kSides + c] += beside[i * kSides + c];
     }
   }
 }
 
-void FrontalLU::Impl::substitute_several_backward() {
+template <int kSides>
+void FrontalLU::Impl::substitute_backward(double* all, double* beside) {
   const FrontalTree& t = *tree;
   for (int s = t.num_fronts() - 1; s >= 0; --s) {
     const Front f = front(s);
     fetch_backward(s - 1);
-    double* own = several.data() + t.first[to_size(s)] * kRightSides;
+    double* own = all + t.first[to_size(s)] * kSides;
     const int h = f.height();
     const int* rows = t.below.data() + t.below_start[to_size(s)];
-    for (int i = 0; i < h; ++i) {
-      std::copy_n(several.data() + rows[i] * kRightSides, kRightSides,
-                  several_below.data() + i * kRightSides);
+    for (int i = 0; i < h; ++i) std::copy_n(all + rows[i] * kSides, kSides, beside + i * kSides);
+    if constexpr (kSides == 1) {
+      if (h > 0) subtract_products(h, f.columns, f.upper, h, beside, own);
+      solve_upper(f.columns, f.panel, f.rows, own);
+    } else {
+      if (h > 0) subtract_products_of_eight(h, f.columns, f.upper, h, beside, own);
+      solve_upper_of_eight(f.columns, f.panel, f.rows, own);
     }
-    if (h > 0) {
-      subtract_products_of_eight(h, f.columns, f.upper, h, several_below.data(), own);
-    }
-    solve_upper_of_eight(f.columns, f.panel, f.rows, own);
   }
 }
 
@@ -508,8 +484,8 @@ void FrontalLU::solve(const Columns& B, Vector* solution) const {
     }
     solution[c].resize(t.size());
   }
-  f.substitute_several_forward();
-  f.substitute_several_backward();
+  f.substitute_forward<kRightSides>(f.several.data(), f.several_below.data());
+  f.substitute_backward<kRightSides>(f.several.data(), f.several_below.data());
   // Row by row of the solutions: a line of several is read once and whole.
   double* x[kRightSides];
   for (std::size_t c = 0; c < count; ++c) x[c] = solution[c].data();
@@ -527,8 +503,8 @@ void FrontalLU::solve(const Vector& b, Vector& solution) const {
     const std::size_t j = to_size(t.order[to_size(k)]);
     f.x[to_size(k)] = b[t.order[to_size(k)]] * f.scale[j];
   }
-  f.substitute_forward();
-  f.substitute_backward();
+  f.substitute_forward<1>(f.x.data(), f.below.data());
+  f.substitute_backward<1>(f.x.data(), f.below.data());
   solution.resize(t.size());
   for (int j = 0; j < t.size(); ++j) {
     const std::size_t k = to_size(f.place[to_size(j)]);
