@@ -143,27 +143,6 @@ TEST(Periodic, ARingOfDisksSharesItsMomentum) {
   for (const Disk& d : inside.bodies) EXPECT_TRUE(d.x[0] >= 0 && d.x[0] < 2);
 }
 
-TEST(Periodic, PressureOnARow) {
-  // A row of 10 disks around a cell of height 0.5 m under pressure_x = 30 Pa: each contact carries
-  // 30 x 0.5 N, the sample's stress is 30 Pa along x and nothing else.
-  PeriodicCell cell = cell_of(2, 0.5, 0);
-  cell.width = {.motion = CellSide::Motion::kDriven, .length = 2, .stress = 30, .mass = 3};
-  Scene<2> scene = periodic_scene(cell, {.mu = 0.3});
-  for (int k = 0; k < 10; ++k)
-    scene.bodies.push_back(round_body<2>(Vec2(0.1 + 0.2 * k, 0.1), 0.1, 2));
-  const State<2> end = solved_run(scene, 5, [](const State<2>&, const StepReport<2>& r) {
-    EXPECT_LT(std::abs(r.energy.imbalance), 1e-13);
-  });
-  ASSERT_EQ(end.contacts.size(), 10u);
-  for (const ContactOutcome<2>& c : end.contacts) EXPECT_NEAR(c.s_n / scene.step, 15, 1e-8);
-  EXPECT_NEAR(end.cell.width.length, 2, 1e-12);
-  const double area = sample_measure(end, scene.step);
-  EXPECT_NEAR(area, 1, 1e-12);
-  const Mat2 stress = sample_stress(end, scene.step, area, contact_moments(end)).total();
-  EXPECT_NEAR(stress(0, 0), 30, 1e-7);
-  EXPECT_NEAR(std::abs(stress(1, 1)) + std::abs(stress(0, 1)), 0, 1e-12);
-}
-
 /// 3 x 3 disks of radius 0.1 m: rows that touch, columns that touch and lean by `angle`; a cell of
 /// 0.6 m x 0.6 sin(angle), offset by 0.6 cos(angle). Both pressures act.
 Scene<2> leaning_lattice(double angle, double p_x, double p_y, const ContactLaw& law) {

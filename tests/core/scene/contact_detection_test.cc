@@ -72,17 +72,6 @@ TEST(Detection, FindsEveryPairForAnyRatioOfRadii) {
   }
 }
 
-TEST(Detection, FindsOneSmallDiskOnALargeOne) {
-  const std::vector<Disk> disks = {
-      {.radius = 1000}, {.x = Vec2(0, 1000.5), .radius = 1}, {.x = Vec2(0, -1001.5), .radius = 1}};
-  const std::vector<Contact<2>> contacts = detect_contacts(disks, {}, 0);
-  ASSERT_EQ(contacts.size(), 1u);
-  EXPECT_EQ(contacts[0].i, 0);
-  EXPECT_EQ(contacts[0].j, 1);
-  EXPECT_EQ(contacts[0].n, Vec2(0, -1));
-  EXPECT_DOUBLE_EQ(contacts[0].gap, -0.5);
-}
-
 TEST(Detection, RadiiAtPowersOfTwoOfTheSmallest) {
   // The border of a size class belongs to it.
   for (const double shift : {0.0, 1e-16, -1e-16, 1e-12, -1e-12}) {
