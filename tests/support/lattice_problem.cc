@@ -57,15 +57,14 @@ class Builder {
     const double dv = o_.gravity * o_.time_step;
     Vec3 fall = p_.dim == 3 ? Vec3(dv * std::sin(angle), 0, -dv * std::cos(angle))
                             : Vec3(dv * std::sin(angle), -dv * std::cos(angle), 0);
-    p_.A.resize(n, n);
-    p_.A.reserve(Eigen::VectorXi::Constant(n, 1));
+    Vector mass(n);
     p_.v_free = Vector::Zero(n);
     for (int k = 0; k < n; ++k) {
       const bool translation = k % dofs_ < translations;
-      p_.A.insert(k, k) = translation ? o_.mass : inertia;
+      mass[k] = translation ? o_.mass : inertia;
       if (translation) p_.v_free[k] = fall[k % dofs_];
     }
-    p_.A.makeCompressed();
+    p_.A = mass.asDiagonal();
     p_.H = from_triplets(n, m, entries_);
     p_.u_free = p_.H.transpose() * p_.v_free;
     p_.mu = Vector::Constant(contacts_, p_.dim == 1 ? 0 : o_.mu);

@@ -9,35 +9,45 @@
 namespace bipot {
 namespace {
 
+/// A problem of bodies that any numbers couple, `dofs` of each; without what belongs to the law.
+ContactProblem coupled_bodies(int rows, int dofs, int bodies, int contacts, PortableRandom& draw) {
+  const int n = bodies * dofs, m = contacts * rows;
+  ContactProblem p{.dim = rows};
+  Triplets a, h;
+  for (int k = 0; k < n; ++k) a.emplace_back(k, k, 0.5 + draw.uniform());
+  for (int c = 0; c < contacts; ++c) {
+    // Every body is touched: first a chain, then random pairs.
+    const int i = c % bodies, j = c < bodies - 1 ? c + 1 : draw.below(bodies);
+    for (int row = c * rows; row < (c + 1) * rows; ++row) {
+      for (int k = 0; k < dofs; ++k) {
+        h.emplace_back(i * dofs + k, row, draw.symmetric());
+        if (j != i) h.emplace_back(j * dofs + k, row, draw.symmetric());
+      }
+    }
+  }
+  p.A = from_triplets(n, n, a);
+  p.H = from_triplets(n, m, h);
+  p.W = assemble_delassus(p.A, p.H, rows);
+  return p;
+}
+
+/// The free velocities with which s and u are the solution.
+void close_problem(Manufactured& out) {
+  ContactProblem& p = out.problem;
+  p.u_free = out.u - Vector(p.W * out.s);
+  // Velocities without contact impulses that are consistent with u_free need not exist; v_free is
+  // free to choose as u_free carries the rest.
+  p.v_free = Vector::Zero(p.A.rows());
+}
+
 template <int D>
 Manufactured make(int bodies, int contacts, unsigned seed, double mu) {
   PortableRandom draw(seed);
   constexpr int K = D == 3 ? 6 : (D == 2 ? 3 : 2);
-  const int n = bodies * K, m = contacts * D;
-  Manufactured out;
+  Manufactured out{.problem = coupled_bodies(D, K, bodies, contacts, draw)};
   ContactProblem& p = out.problem;
-  p.dim = D;
-  Triplets a, h;
-  for (int b = 0; b < bodies; ++b) {
-    for (int k = 0; k < K; ++k) a.emplace_back(b * K + k, b * K + k, 0.5 + draw.uniform());
-  }
-  p.A = from_triplets(n, n, a);
-  for (int c = 0; c < contacts; ++c) {
-    // Every body is touched: first a chain, then random pairs.
-    const int i = c % bodies;
-    const int j = c < bodies - 1 ? c + 1 : draw.below(bodies);
-    for (int r = 0; r < D; ++r) {
-      for (int k = 0; k < K; ++k) {
-        h.emplace_back(i * K + k, c * D + r, draw.symmetric());
-        if (j != i) h.emplace_back(j * K + k, c * D + r, draw.symmetric());
-      }
-    }
-  }
-  p.H = from_triplets(n, m, h);
-  p.W = assemble_delassus(p.A, p.H, D);
   p.mu = Vector::Constant(contacts, D == 1 ? 0.0 : mu);
-  out.s = Vector::Zero(m);
-  out.u = Vector::Zero(m);
+  out.s = out.u = Vector::Zero(contacts * D);
   for (int c = 0; c < contacts; ++c) {
     const int status = draw.below(3);
     Local<D> s = Local<D>::Zero(), u = Local<D>::Zero(), direction = Local<D>::Zero();
@@ -60,39 +70,19 @@ Manufactured make(int bodies, int contacts, unsigned seed, double mu) {
     out.s.segment<D>(c * D) = s;
     out.u.segment<D>(c * D) = u;
   }
-  p.u_free = out.u - Vector(p.W * out.s);
-  // Velocities without contact impulses that are consistent with u_free need not exist; v_free is
-  // free to choose as u_free carries the rest.
-  p.v_free = Vector::Zero(n);
+  close_problem(out);
   return out;
 }
 
 template <ContactRows K>
 Manufactured make_rolling(int bodies, int contacts, unsigned seed) {
   PortableRandom draw(seed);
-  constexpr int kDofs = K == 6 ? 6 : 3;
-  const int n = bodies * kDofs, m = contacts * K;
-  Manufactured out;
+  Manufactured out{.problem = coupled_bodies(K, K == 6 ? 6 : 3, bodies, contacts, draw)};
   ContactProblem& p = out.problem;
-  p.dim = K;
-  Triplets a, h;
-  for (int k = 0; k < n; ++k) a.emplace_back(k, k, 0.5 + draw.uniform());
-  for (int c = 0; c < contacts; ++c) {
-    const int i = c % bodies, j = c < bodies - 1 ? c + 1 : draw.below(bodies);
-    for (int row = c * K; row < (c + 1) * K; ++row) {
-      for (int k = 0; k < kDofs; ++k) {
-        h.emplace_back(i * kDofs + k, row, draw.symmetric());
-        if (j != i) h.emplace_back(j * kDofs + k, row, draw.symmetric());
-      }
-    }
-  }
-  p.A = from_triplets(n, n, a);
-  p.H = from_triplets(n, m, h);
-  p.W = assemble_delassus(p.A, p.H, K);
   p.mu = Vector::Constant(contacts, 0.3);
   p.mu_r = Vector::Constant(contacts, 0.2);
   if (K == 6) p.mu_spin = Vector::Constant(contacts, 0.1);
-  out.s = out.u = Vector::Zero(m);
+  out.s = out.u = Vector::Zero(contacts * K);
   for (int c = 0; c < contacts; ++c) {
     Local<K> s = Local<K>::Zero(), u = Local<K>::Zero();
     const bool opens = draw.below(4) == 0;
@@ -109,8 +99,7 @@ Manufactured make_rolling(int bodies, int contacts, unsigned seed) {
     out.s.segment<K>(c * K) = s;
     out.u.segment<K>(c * K) = u;
   }
-  p.u_free = out.u - Vector(p.W * out.s);
-  p.v_free = Vector::Zero(n);
+  close_problem(out);
   return out;
 }
 

@@ -17,20 +17,16 @@ ContactProblem shipped_file(const std::string& name) {
 
 ContactProblem one_contact_problem(int dim, double w_n, double w_t, double mu, double b_n,
                                    const Vector& b_t) {
-  ContactProblem p{.dim = dim};
-  p.A.resize(dim, dim);
-  p.H.resize(dim, dim);
-  for (int k = 0; k < dim; ++k) {
-    p.A.insert(k, k) = 1 / (k == 0 ? w_n : w_t);
-    p.H.insert(k, k) = 1;
-  }
-  p.A.makeCompressed();
-  p.H.makeCompressed();
+  Vector mass = Vector::Constant(dim, 1 / w_t), b(dim);
+  mass[0] = 1 / w_n;
+  b << b_n, b_t.head(dim - 1);
+  ContactProblem p{.dim = dim,
+                   .A = Eigen::MatrixXd(mass.asDiagonal()).sparseView(),
+                   .H = Eigen::MatrixXd::Identity(dim, dim).sparseView(),
+                   .v_free = b,
+                   .u_free = b,
+                   .mu = Vector::Constant(1, mu)};
   p.W = assemble_delassus(p.A, p.H, dim);
-  p.u_free.resize(dim);
-  p.u_free << b_n, b_t.head(dim - 1);
-  p.v_free = p.u_free;
-  p.mu = Vector::Constant(1, mu);
   return p;
 }
 

@@ -67,16 +67,12 @@ TEST(DelassusCheck, ALargeMatrixIsLookedAtByProducts) {
 }
 
 TEST(DelassusCheck, WIsComparedWithAAndH) {
-  ContactProblem p{.dim = 1, .A = SparseMatrix(1, 1)};
-  p.A.insert(0, 0) = 2;
-  p.H = SparseMatrix(1, 2);
-  p.H.insert(0, 0) = 1;
-  p.H.insert(0, 1) = 1;
-  p.A.makeCompressed();
-  p.H.makeCompressed();
-  p.v_free = -Vector::Ones(1);
-  p.u_free = -Vector::Ones(2);
-  p.mu = Vector::Zero(2);
+  ContactProblem p{.dim = 1,
+                   .A = Eigen::MatrixXd::Constant(1, 1, 2).sparseView(),
+                   .H = Eigen::MatrixXd::Ones(1, 2).sparseView(),
+                   .v_free = -Vector::Ones(1),
+                   .u_free = -Vector::Ones(2),
+                   .mu = Vector::Zero(2)};
   EXPECT_EQ(delassus_defect(p), "");  // nothing to test
   p.W = assemble_delassus(p.A, p.H, 1);
   EXPECT_EQ(delassus_defect(p), "");
