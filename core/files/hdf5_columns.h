@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <functional>
 #include <numeric>
 #include <span>
@@ -15,7 +16,8 @@
 namespace bipot {
 
 // Datasets: a value of each item of a list. The value is a member, or what a
-// function says of an item: to read, a reference. Numbers make a column, vectors rows.
+// function says of an item: to read, a reference. Numbers make a column, vectors rows, and so do
+// quaternions: w, x, y, z.
 
 /// Collects one column of numbers, or several, row by row.
 class Hdf5Column {
@@ -52,6 +54,11 @@ void write_column(Hdf5File& file, const std::string& name, const char* unit,
     Hdf5Column column(items.size());
     for (const Item& item : items) column.add(std::invoke(at, item));
     file.write(name, column.values(), unit);
+  } else if constexpr (std::is_same_v<Value, Eigen::Quaterniond>) {
+    write_column(file, name, unit, items, [&](const Item& item) {
+      const Value& q = std::invoke(at, item);
+      return Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+    });
   } else {
     constexpr std::size_t kWidth = Value::RowsAtCompileTime;
     Hdf5Column column(kWidth * items.size());
@@ -79,6 +86,12 @@ void read_column(const Hdf5File& file, const std::string& name, std::vector<Item
   } else if constexpr (std::is_same_v<Value, double>) {
     const std::vector<double> column = file.read_doubles(name, count);
     for (std::size_t k = 0; k < count; ++k) std::invoke(at, items[k]) = column[k];
+  } else if constexpr (std::is_same_v<Value, Eigen::Quaterniond>) {
+    const std::vector<double> rows = file.read_doubles(name, 4 * count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const double* const q = rows.data() + 4 * k;
+      std::invoke(at, items[k]) = Value(q[0], q[1], q[2], q[3]);
+    }
   } else {
     constexpr std::size_t kWidth = Value::RowsAtCompileTime;
     const std::vector<double> rows = file.read_doubles(name, kWidth * count);

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <span>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,58 +11,31 @@
 namespace bipot {
 namespace {
 
-/// A dataset of the clusters: rows of `width` numbers, which `at` finds in one of them. Four are a
-/// quaternion, which the file begins with w.
-template <int D>
-struct ClusterEntry {
-  const char *name, *unit;
-  int width;
-  double* (*at)(Cluster<D>&);
-};
-constexpr ClusterEntry<2> kEntries2[] = {
-    {"angle", "rad", 1, [](Cluster<2>& c) { return &c.angle; }},
-    {"spin", "rad/s", 1, [](Cluster<2>& c) { return &c.spin; }},
-    {"mass", "kg", 1, [](Cluster<2>& c) { return &c.mass; }},
-    {"inertia", "kg m2", 1, [](Cluster<2>& c) { return &c.inertia; }},
-    {"area", "m2", 1, [](Cluster<2>& c) { return &c.size; }},
-    {"x", "m", 2, [](Cluster<2>& c) { return c.x.data(); }},
-    {"v", "m/s", 2, [](Cluster<2>& c) { return c.v.data(); }}};
-constexpr ClusterEntry<3> kEntries3[] = {
-    {"orientation", "1", 4, [](Cluster<3>& c) { return c.orientation.coeffs().data(); }},
-    {"spin", "rad/s", 3, [](Cluster<3>& c) { return c.spin.data(); }},
-    {"mass", "kg", 1, [](Cluster<3>& c) { return &c.mass; }},
-    {"inertia", "kg m2", 3, [](Cluster<3>& c) { return c.inertia.data(); }},
-    {"axes", "1", 4, [](Cluster<3>& c) { return c.axes.coeffs().data(); }},
-    {"volume", "m3", 1, [](Cluster<3>& c) { return &c.size; }},
-    {"x", "m", 3, [](Cluster<3>& c) { return c.x.data(); }},
-    {"v", "m/s", 3, [](Cluster<3>& c) { return c.v.data(); }}};
-
-template <int D>
-std::span<const ClusterEntry<D>> cluster_entries() {
+/// Calls column(name, unit, member) for each dataset of the clusters.
+template <int D, class Column>
+void for_cluster_columns(const Column& column) {
+  using Item = Cluster<D>;
   if constexpr (D == 2) {
-    return kEntries2;
+    column("angle", "rad", &Item::angle);
   } else {
-    return kEntries3;
+    column("orientation", "1", &Item::orientation);
   }
+  column("spin", "rad/s", &Item::spin);
+  column("mass", "kg", &Item::mass);
+  column("inertia", "kg m2", &Item::inertia);
+  if constexpr (D == 3) column("axes", "1", &Item::axes);
+  column(D == 2 ? "area" : "volume", D == 2 ? "m2" : "m3", &Item::size);
+  column("x", "m", &Item::x);
+  column("v", "m/s", &Item::v);
 }
 
 }  // namespace
 
 template <int D>
 void write_clusters(Hdf5File& frame, const State<D>& state) {
-  for (const auto& [name, unit, width, at] : cluster_entries<D>()) {
-    std::vector<double> rows;
-    for (Cluster<D> c : state.clusters.bodies) {
-      if (width == 4) std::rotate(at(c), at(c) + 3, at(c) + 4);
-      rows.insert(rows.end(), at(c), at(c) + width);
-    }
-    const std::string dataset = std::string("/clusters/") + name;
-    if (width == 1) {
-      frame.write(dataset, rows, unit);
-    } else {
-      frame.write_rows(dataset, rows, to_size(width), unit);
-    }
-  }
+  for_cluster_columns<D>([&](const char* name, const char* unit, auto member) {
+    write_column(frame, std::string("/clusters/") + name, unit, state.clusters.bodies, member);
+  });
   write_column(frame, "/bodies/cluster", "", state.bodies, &Body<D>::cluster);
   std::vector<Vec<D>> arms = state.clusters.arms;  // none once all clusters have left
   arms.resize(state.bodies.size(), Vec<D>::Zero());
@@ -77,14 +49,9 @@ void read_clusters(const Hdf5File& frame, State<D>& state) {
   read_column(frame, bodies_at + "cluster", state.bodies, &Body<D>::cluster);
   const std::size_t count = frame.size("/clusters/mass");
   state.clusters.bodies.assign(count, {});
-  for (const auto& [name, unit, width, at] : cluster_entries<D>()) {
-    const auto rows = frame.read_doubles(std::string("/clusters/") + name, to_size(width) * count);
-    for (std::size_t k = 0; k < count; ++k) {
-      double* const to = at(state.clusters.bodies[k]);
-      std::copy_n(rows.data() + to_size(width) * k, width, to);
-      if (width == 4) std::rotate(to, to + 1, to + 4);
-    }
-  }
+  for_cluster_columns<D>([&](const char* name, const char*, auto member) {
+    read_column(frame, std::string("/clusters/") + name, state.clusters.bodies, member);
+  });
   state.clusters.arms.resize(state.bodies.size());
   read_column(frame, bodies_at + "arm", state.clusters.arms, std::identity());
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {

@@ -22,17 +22,6 @@
 namespace bipot {
 namespace {
 
-/// Orientation of the bodies: angles in 2D, unit quaternions (w, x, y, z) in 3D.
-void write_orientations(Hdf5File& file, const std::vector<Disk>& disks) {
-  write_column(file, "/bodies/angle", "rad", disks, &Disk::angle);
-}
-void write_orientations(Hdf5File& file, const std::vector<Sphere>& spheres) {
-  write_column(file, "/bodies/orientation", "1", spheres, [](const Sphere& s) {
-    const auto& q = s.orientation;
-    return Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
-  });
-}
-
 /// ParaView's symmetric tensors: xx, xy, xz, yy, yz, zz.
 template <int D>
 Eigen::Matrix<double, 6, 1> six_components(const Mat<D>& s) {
@@ -139,7 +128,11 @@ void write_frame_file(const std::filesystem::path& path, const Scene<D>& scene,
 
   const auto& disks = state.bodies;
   write_column(file, "/bodies/x", "m", disks, &Body<D>::x);
-  write_orientations(file, disks);
+  if constexpr (D == 2) {
+    write_column(file, "/bodies/angle", "rad", disks, &Disk::angle);
+  } else {
+    write_column(file, "/bodies/orientation", "1", disks, &Sphere::orientation);
+  }
   write_column(file, "/bodies/v", "m/s", disks, [](const Body<D>& d) { return in_space<D>(d.v); });
   write_column(file, "/bodies/spin", "rad/s", disks, &Body<D>::spin);
 

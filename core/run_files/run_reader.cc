@@ -34,12 +34,7 @@ std::vector<Body<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame,
   if constexpr (D == 2) {
     read_column(frame, at + "angle", disks, &Disk::angle);
   } else {
-    std::vector<Eigen::Vector4d> turned(disks.size());
-    read_column(frame, at + "orientation", turned, std::identity());
-    for (std::size_t k = 0; k < disks.size(); ++k) {
-      const Eigen::Vector4d& q = turned[k];
-      disks[k].orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-    }
+    read_column(frame, at + "orientation", disks, &Sphere::orientation);
   }
   std::vector<Vec3> v(disks.size());
   read_column(frame, at + "v", v, std::identity());
