@@ -2,31 +2,35 @@
 
 #include "core/base/portable_random.h"
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 #include "tests/support/test.h"
 
 namespace bipot {
 namespace {
 
-struct Pair {
-  int i, j;
-  double gap;
-};
-
 bool by_pair(const Contact<2>& a, const Contact<2>& b) {
   return std::pair(a.i, a.j) < std::pair(b.i, b.j);
 }
 
-/// Every pair, no grid.
-std::vector<Pair> brute_force(const std::vector<Disk>& disks, double eta) {
-  std::vector<Pair> pairs;
-  for (int i = 0; i < static_cast<int>(disks.size()); ++i) {
-    for (int j = i + 1; j < static_cast<int>(disks.size()); ++j) {
-      const double gap = std::hypot(disks[i].x[0] - disks[j].x[0], disks[i].x[1] - disks[j].x[1]) -
-                         disks[i].radius - disks[j].radius;
-      if (gap <= eta) pairs.push_back({i, j, gap});
+/// Every pair, no grid, and half-planes.
+template <int D>
+std::vector<Contact<D>> brute_force(const std::vector<Body<D>>& bodies,
+                                    const std::vector<Wall<D>>& walls, double eta) {
+  std::vector<Contact<D>> found;
+  const int count = static_cast<int>(bodies.size());
+  for (int i = 0; i < count; ++i) {
+    const Body<D>& a = bodies[i];
+    for (int j = i + 1; j < count; ++j) {
+      const Vec<D> d = a.x - bodies[j].x;
+      const double gap = d.norm() - a.radius - bodies[j].radius;
+      if (gap <= eta) found.push_back({i, j, d.normalized(), gap});
+    }
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      const double gap = walls[w].normal.dot(a.x - walls[w].a) - a.radius;
+      if (gap <= eta) found.push_back({i, count + static_cast<int>(w), walls[w].normal, gap});
     }
   }
-  return pairs;
+  return found;
 }
 
 /// Radii between `smallest` and ratio * smallest, number density falling as a power of the radius,
@@ -46,19 +50,20 @@ std::vector<Disk> power_law_disks(int count, double ratio, double exponent, unsi
   return disks;
 }
 
-void expect_all_found(const std::vector<Disk>& disks, double eta) {
-  const std::vector<Pair> expected = brute_force(disks, eta);
-  const std::vector<Contact<2>> found = detect_contacts(disks, {}, eta);
+/// `far`: of the bodies from the origin.
+template <int D>
+void expect_all_found(const std::vector<Body<D>>& bodies, double eta,
+                      const std::vector<Wall<D>>& walls = {}, double far = 0) {
+  const std::vector<Contact<D>> expected = brute_force<D>(bodies, walls, eta);
+  const std::vector<Contact<D>> found = detect_contacts<D>(bodies, walls, eta);
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t k = 0; k < found.size(); ++k) {
-    const Contact<2>& c = found[k];
+    const Contact<D>& c = found[k];
     ASSERT_EQ(c.i, expected[k].i);
     ASSERT_EQ(c.j, expected[k].j);
-    const double size = disks[c.i].radius + disks[c.j].radius;
-    EXPECT_NEAR(c.gap, expected[k].gap, 1e-13 * size);
-    EXPECT_NEAR(c.n.norm(), 1, 1e-15);
-    // n points from j to i.
-    EXPECT_NEAR((disks[c.i].x - disks[c.j].x - (size + c.gap) * c.n).norm(), 0, 1e-12 * size);
+    const double other = to_size(c.j) < bodies.size() ? bodies[c.j].radius : 0;
+    EXPECT_NEAR(c.gap, expected[k].gap, 1e-13 * (bodies[c.i].radius + other + 10 * far));
+    EXPECT_LT((c.n - expected[k].n).norm(), 1e-14);  // from j to i
   }
 }
 
@@ -66,8 +71,8 @@ TEST(Detection, FindsEveryPairForAnyRatioOfRadii) {
   for (const double ratio : {1.5, 10.0, 100.0, 1000.0}) {
     for (unsigned seed = 1; seed <= 5; ++seed) {
       const std::vector<Disk> disks = power_law_disks(800, ratio, 2.2, seed);
-      expect_all_found(disks, 0);
-      expect_all_found(disks, 0.3);
+      expect_all_found<2>(disks, 0);
+      expect_all_found<2>(disks, 0.3);
     }
   }
 }
@@ -100,8 +105,7 @@ TEST(Detection, WorksFarFromTheOriginAndBeyondTheGrid) {
       for (std::size_t j = 0; j < i; ++j) coincident |= disks[i].x == disks[j].x;
     }
     ASSERT_FALSE(coincident);
-    const std::vector<Pair> expected = brute_force(disks, 0.01);
-    EXPECT_EQ(detect_contacts(disks, {}, 0.01).size(), expected.size()) << offset;
+    expect_all_found<2>(disks, 0.01);
   }
 }
 
@@ -144,7 +148,7 @@ TEST(Detection, EtaIsTheLargestGapOfACandidate) {
   EXPECT_EQ(detect_contacts(disks, {}, 0).size(), 1u);  // touching counts
 }
 
-TEST(Detection, EtaMayExceedTheDisks) { expect_all_found(power_law_disks(100, 3, 2, 6), 50.0); }
+TEST(Detection, EtaMayExceedTheDisks) { expect_all_found<2>(power_law_disks(100, 3, 2, 6), 50.0); }
 
 std::vector<Disk> one_disk(const Vec2& x, double radius) { return {{.x = x, .radius = radius}}; }
 
@@ -193,6 +197,8 @@ TEST(Detection, DisksAndWallsAreSortedByPair) {
 TEST(Detection, RefusesCoincidentCentres) {
   const std::vector<Disk> disks = {{.radius = 1}, {.radius = 200}};
   EXPECT_THROW(detect_contacts(disks, {}, 0), std::invalid_argument);
+  const std::vector<Sphere> spheres = {{.radius = 1}, {.radius = 0.5}};
+  EXPECT_THROW(detect_contacts<3>(spheres, {}, 0), std::invalid_argument);
   Wall<2> wall{.shape = Wall<2>::Shape::kSegment, .a = Vec2(-1, 0), .b = Vec2(1, 0)};
   EXPECT_THROW(detect_contacts(one_disk(Vec2(0.5, 0), 1), std::span(&wall, 1), 0),
                std::invalid_argument);
@@ -212,6 +218,71 @@ TEST(Detection, HundredThousandDisksOfPowerLawRadiiAreNoTrouble) {
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   EXPECT_GT(found, 100000u);
   EXPECT_LT(seconds.count(), 20);
+}
+
+/// Radii between 1 and `ratio`, log-uniform, in a cube about `centre`.
+std::vector<Sphere> cloud(int count, double ratio, double width, const Vec3& centre,
+                          unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Sphere> spheres;
+  for (int k = 0; k < count; ++k) {
+    const Vec3 x(unit(random), unit(random), unit(random));
+    spheres.push_back(round_body<3>(centre + width * (x - Vec3::Constant(0.5)),
+                                    std::pow(ratio, unit(random)), 2));
+  }
+  return spheres;
+}
+
+// Equal spheres, sizes that fill several levels of the grid, negative coordinates, and coordinates
+// far beyond the cells that a key can tell apart: 2^20 cells of 2 m in each direction.
+TEST(SphereDetection, FindsWhatBruteForceFinds) {
+  const std::vector<Wall<3>> walls = {half_space<3>(Vec3(0, 0, -9), Vec3::UnitZ()),
+                                      half_space<3>(Vec3(8, 8, 0), Vec3(-1, -1, 0).normalized())};
+  for (const double ratio : {1.0, 3.0, 40.0}) {
+    for (const double far : {0.0, 1e7}) {
+      const auto spheres = cloud(400, ratio, 20 * std::sqrt(ratio), Vec3(far, -far, far), 7);
+      ASSERT_GT(detect_contacts<3>(spheres, walls, 0.1).size(), 100u) << ratio << " at " << far;
+      expect_all_found<3>(spheres, 0.1, walls, far);
+    }
+  }
+}
+
+TEST(SphereDetection, ThreadsChangeNoBit) {
+  const auto spheres = cloud(5000, 4, 60, Vec3::Zero(), 3);
+  const std::vector<Wall<3>> walls = {half_space<3>(Vec3(0, 0, -20), Vec3::UnitZ())};
+  const auto one = detect_contacts<3>(spheres, walls, 0.2, 1);
+  const auto many = detect_contacts<3>(spheres, walls, 0.2, 4);
+  ASSERT_EQ(one.size(), many.size());
+  ASSERT_GT(one.size(), 1000u);
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    EXPECT_EQ(one[k].i, many[k].i);
+    EXPECT_EQ(one[k].j, many[k].j);
+    EXPECT_EQ(one[k].gap, many[k].gap);
+    EXPECT_EQ(one[k].n, many[k].n);
+  }
+}
+
+// Right-handed, orthonormal, for directions of all octants and the poles, where the formula's sign
+// changes.
+TEST(ContactFrame, IsRightHandedAndOrthonormal) {
+  std::vector<Vec3> normals = {Vec3::UnitX(),
+                               Vec3::UnitY(),
+                               Vec3::UnitZ(),
+                               -Vec3::UnitX(),
+                               -Vec3::UnitY(),
+                               -Vec3::UnitZ(),
+                               Vec3(1, 1, -1e-17).normalized(),
+                               Vec3(1e-9, 0, -1).normalized()};
+  for (const Sphere& s : cloud(100, 2, 2, Vec3::Zero(), 5)) normals.push_back(s.x.normalized());
+  for (const Vec3& n : normals) {
+    const auto frame = contact_frame<3>(n);
+    Eigen::Matrix3d basis;
+    basis << frame[0], frame[1], frame[2];
+    EXPECT_EQ(frame[0], n);
+    EXPECT_LT((basis.transpose() * basis - Eigen::Matrix3d::Identity()).norm(), 1e-14);
+    EXPECT_NEAR(basis.determinant(), 1, 1e-14);
+  }
 }
 
 }  // namespace
