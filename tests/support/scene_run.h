@@ -73,14 +73,6 @@ State<D> after_steps(const Scene<D>& scene, int steps, double bound = 1e-10) {
   return state;
 }
 
-/// The state as the files of a run give it back.
-template <int D>
-State<D> written_and_read(const Scene<D>& scene, const State<D>& state) {
-  const TemporaryFolder place;
-  RunWriter<D>(place / "run", scene, "").frame(state);
-  return read_state<D>(place / "run");
-}
-
 /// A run that is cut after `at` steps and goes on from its folder must end with the same bits.
 /// Returns its end. `folder`: further options.
 template <int D>

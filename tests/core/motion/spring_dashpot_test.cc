@@ -36,13 +36,14 @@ State<2> run(const Scene<2>& scene, const OnStep<2>& on_step = {}) {
   return run(scene, scene.num_steps, on_step);
 }
 
-/// Two disks of 1 and 3 kg meet head-on at 2 m/s; ends after they have parted.
-Scene<2> head_on(double e_n, double stiffness) {
-  Scene<2> scene = spring_scene(0.3, e_n);
-  scene.gravity = Vec2::Zero();
+/// Two bodies of 1 and 3 kg meet head-on at 2 m/s; ends after they have parted.
+template <int D = 2>
+Scene<D> head_on(double e_n, double stiffness, const Vec<D>& along = Vec<D>::Unit(0)) {
+  Scene<D> scene = spring_scene<D>(0.3, e_n);
+  scene.gravity.setZero();
   scene.dem.stiffness = stiffness;
-  scene.bodies = {round_body<2>(Vec2(0, 0), 0.1, 1, Vec2(1.5, 0)),
-                  round_body<2>(Vec2(0.2001, 0), 0.1, 3, Vec2(-0.5, 0))};
+  scene.bodies = {round_body<D>(Vec<D>::Zero(), 0.1, 1, Vec<D>(1.5 * along)),
+                  round_body<D>(Vec<D>(0.2001 * along), 0.1, 3, Vec<D>(-0.5 * along))};
   scene.step = 1e-5;
   scene.num_steps = 800;
   return scene;
@@ -366,16 +367,12 @@ TEST(SpringDashpot, UnitsDoNotChangeTheBits) {
 }
 
 TEST(SpringDashpot, RestartGoesOnWithTheSameBits) {
-  const Scene<2> scene = springs_in_a_falling_box(1, 1, 1);
-  const State<2> whole = run(scene, 250);
-  State<2> state = run(scene, 200);
+  Scene<2> scene = springs_in_a_falling_box(1, 1, 1);
+  scene.num_steps = 250;
+  const State<2> end = expect_exact_restart(scene, 200);
   int stretched = 0;
-  for (const ContactOutcome<2>& c : state.contacts) stretched += c.spring != 0;
+  for (const ContactOutcome<2>& c : end.contacts) stretched += c.spring != 0;
   EXPECT_GT(stretched, 20);
-  state = written_and_read(scene, state);
-  SpringDashpotStepper stepper(scene);
-  for (int k = 0; k < 50; ++k) stepper.advance(state);
-  EXPECT_EQ(bits_of_state(whole), bits_of_state(state));
 }
 
 TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
@@ -501,13 +498,7 @@ TEST(SpringDashpot, SpheresMeetHeadOnAlongAnyDirection) {
   // As in the plane: 1 and 3 kg, 2 m/s, k = 1e6 N/m.
   for (const double e : {1.0, 0.5, 0.2}) {
     for (const Vec3& along : {Vec3(1, 0, 0), Vec3(0.6, 0, -0.8), Vec3(-2, 3, 6).normalized()}) {
-      Scene<3> scene = spring_scene<3>(0.3, e);
-      scene.gravity.setZero();
-      scene.dem.stiffness = 1e6;
-      scene.step = 1e-5;
-      scene.bodies = {round_body<3>(Vec3::Zero(), 0.1, 1, Vec3(1.5 * along)),
-                      round_body<3>(Vec3(0.2001 * along), 0.1, 3, Vec3(-0.5 * along))};
-      const State<3> end = run(scene, 800);
+      const State<3> end = run(head_on<3>(e, 1e6, along), 800);
       const double measured = (end.bodies[1].v - end.bodies[0].v).dot(along) / 2;
       EXPECT_NEAR(measured, e, 0.01);
       EXPECT_NEAR(end.shock_loss, 0.5 * 0.75 * 4 * (1 - measured * measured), 1e-9);
@@ -563,16 +554,11 @@ TEST(SpringDashpot, SpheresHoldTheirPlaceAndGoOnWithTheSameBits) {
     for (const double y : {-r, r}) scene.bodies.push_back(round_body<3>(Vec3(x, y, r), r, 1));
   }
   scene.bodies.push_back(round_body<3>(Vec3(0, 0, r + up), r, 1));
-  SpringDashpotStepper stepper(scene);
-  State<3> state = initial_state(scene);
-  for (int step = 0; step < 200; ++step) stepper.advance(state);
-  State<3> read = written_and_read(scene, state);
-  EXPECT_GT(read.contacts.at(0).spring.norm(), 0);
-  for (int step = 0; step < 100; ++step) {
-    stepper.advance(state);
-    SpringDashpotStepper(scene).advance(read);
-  }
-  EXPECT_EQ(bits_of_state(state), bits_of_state(read));
+  scene.num_steps = 300;
+  const State<3> state = expect_exact_restart(scene, 200);
+  int stretched = 0;
+  for (const ContactOutcome<3>& c : state.contacts) stretched += c.spring.norm() > 0;
+  EXPECT_GE(stretched, 4);
   // Each floor contact carries 5/4 of a weight; the four upper ones the fifth sphere.
   double floor = 0;
   for (const ContactOutcome<3>& c : state.contacts) floor += c.contact.j == 5 ? c.s_n : 0;

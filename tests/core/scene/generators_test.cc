@@ -1,27 +1,20 @@
 #include "core/scene/generators.h"
 
-#include <bit>
-
 #include "core/scene/contact_detection.h"
 #include "core/scene/scene_family.h"
+#include "tests/support/bit_hash.h"
 #include "tests/support/test.h"
 
 namespace bipot {
 namespace {
 
-/// FNV-1a over the bits of positions and radii.
+/// Of the bits of positions and radii.
 std::uint64_t hash_of(const std::vector<Disk>& disks) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto mix = [&](double value) {
-    std::uint64_t bits = std::bit_cast<std::uint64_t>(value);
-    for (int k = 0; k < 8; ++k, bits >>= 8) hash = (hash ^ (bits & 0xff)) * 0x100000001b3u;
-  };
+  BitHash hash;
   for (const Disk& d : disks) {
-    mix(d.x[0]);
-    mix(d.x[1]);
-    mix(d.radius);
+    for (const double x : {d.x[0], d.x[1], d.radius}) hash.add(x);
   }
-  return hash;
+  return hash.value();
 }
 
 double lowest_gap(const std::vector<Disk>& disks) {
