@@ -13,9 +13,12 @@ namespace bipot {
 
 /// Parts of a page's data, in the names that the scripts of the player read.
 
+/// The bytes in the zlib format (RFC 1950), which browsers call "deflate". The same bytes give the
+/// same result with one version of zlib. Throws std::bad_alloc.
+std::string deflated(std::string_view bytes);
+std::string base64(std::string_view bytes);
 /// The bytes deflated, in base64.
 std::string packed_text(std::string_view bytes);
-std::string base64(std::string_view bytes);
 
 /// summary.json of a run; null if there is none, or none that is whole.
 Json page_summary(const std::filesystem::path& folder);

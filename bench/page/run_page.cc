@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "bench/page/deflate.h"
 #include "bench/page/page_curves.h"
 #include "bench/page/page_data.h"
 #include "bench/page/page_files.h"

@@ -1,5 +1,6 @@
 """`bipot run --watch` with an ordinary HTTP client: watch_test.py BIPOT FOLDER."""
 
+import base64
 import json
 import pathlib
 import re
@@ -10,6 +11,7 @@ import sys
 import time
 import urllib.error
 import urllib.request
+import zlib
 
 BIPOT, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2])
 
@@ -43,6 +45,7 @@ def check_answers():
     assert '"live":true' in page and "connect-src 'self'" in page
     first = json.loads(get(address + "update?after=-1"))
     assert first["steps"][0] == 0 and len(first["frames"]) == len(first["steps"]) and not first["ended"]
+    assert zlib.decompress(base64.b64decode(first["frame_data"]))
     last = first["steps"][-1]
     more = json.loads(get(f"{address}update?after={last}"))
     assert all(frame[0] > last for frame in more["frames"]) and more["summary"] is None
