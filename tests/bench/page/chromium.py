@@ -2,21 +2,17 @@
 
 import base64
 import json
-import os
 import pathlib
 import shutil
 import socket
-import struct
 import subprocess
 import tempfile
 import time
-import urllib.parse
-import urllib.request
 
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
          "--disable-background-networking", "--disable-component-update", "--disable-sync",
          "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
-         "--remote-debugging-port=0"]
+         "--remote-debugging-pipe"]
 
 
 def find():
@@ -24,76 +20,33 @@ def find():
     return shutil.which("chromium") or shutil.which("chromium-browser")
 
 
-class Socket:
-    """A WebSocket client (RFC 6455): text frames, no extensions."""
-
-    def __init__(self, url):
-        parts = urllib.parse.urlparse(url)
-        self.stream = socket.create_connection((parts.hostname, parts.port), timeout=120)
-        key = base64.b64encode(os.urandom(16)).decode()
-        self.stream.sendall((f"GET {parts.path} HTTP/1.1\r\nHost: {parts.netloc}\r\nUpgrade: websocket\r\n"
-                             f"Connection: Upgrade\r\nSec-WebSocket-Key: {key}\r\n"
-                             "Sec-WebSocket-Version: 13\r\n\r\n").encode())
-        answer = b""
-        while b"\r\n\r\n" not in answer:
-            answer += self.stream.recv(1)
-        if b" 101 " not in answer:
-            raise RuntimeError(answer.decode())
-
-    def send(self, text):
-        data, mask = text.encode(), os.urandom(4)
-        size = len(data)
-        head = b"\x81" + (bytes([0x80 | size]) if size < 126 else
-                          b"\xfe" + struct.pack(">H", size) if size < 65536 else
-                          b"\xff" + struct.pack(">Q", size))
-        self.stream.sendall(head + mask + bytes(b ^ mask[k % 4] for k, b in enumerate(data)))
-
-    def take(self, size):
-        data = bytearray()
-        while len(data) < size:
-            piece = self.stream.recv(size - len(data))
-            if not piece:
-                raise RuntimeError("the browser has gone")
-            data += piece
-        return bytes(data)
-
-    def receive(self):
-        text = b""
-        while True:
-            first, second = self.take(2)
-            size = second & 127
-            if size == 126:
-                size = struct.unpack(">H", self.take(2))[0]
-            elif size == 127:
-                size = struct.unpack(">Q", self.take(8))[0]
-            data = self.take(size)
-            if first & 15 in (0, 1):
-                text += data
-                if first & 128:
-                    return text.decode()
-
-
 class Page:
     """One page. `errors`: what its console complained about."""
 
     def __init__(self):
         self.folder = tempfile.mkdtemp(prefix="bipot_browser_")
-        self.process = subprocess.Popen([find(), *FLAGS, f"--user-data-dir={self.folder}", "about:blank"],
-                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        port_file = pathlib.Path(self.folder) / "DevToolsActivePort"
-        deadline = time.time() + 60
-        while not (port_file.exists() and port_file.read_text().count("\n") >= 1):
-            if time.time() > deadline or self.process.poll() is not None:
-                raise RuntimeError("Chromium does not start")
-            time.sleep(0.05)
-        port = port_file.read_text().split("\n")[0]
-        with urllib.request.urlopen(f"http://127.0.0.1:{port}/json/list") as answer:
-            target = next(t for t in json.load(answer) if t["type"] == "page")
-        self.socket = Socket(target["webSocketDebuggerUrl"])
-        self.number, self.errors = 0, []
+        self.stream, theirs = socket.socketpair()
+        self.stream.settimeout(120)
+        pipes = f'exec "$@" 3<&{theirs.fileno()} 4>&{theirs.fileno()}'  # that it reads and writes
+        self.process = subprocess.Popen(
+            ["bash", "-c", pipes, "bash", find(), *FLAGS, f"--user-data-dir={self.folder}", "about:blank"],
+            pass_fds=[theirs.fileno()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        theirs.close()
+        self.unread, self.number, self.errors, self.session = b"", 0, [], {}
         self.own = ("file:", "data:", "blob:", "about:")  # addresses that a page may load
+        target = self.call("Target.createTarget", url="about:blank")
+        self.session = self.call("Target.attachToTarget", flatten=True, **target)
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
+
+    def receive(self):
+        while b"\0" not in self.unread:
+            piece = self.stream.recv(1 << 20)
+            if not piece:
+                raise RuntimeError("the browser has gone")
+            self.unread += piece
+        message, _, self.unread = self.unread.partition(b"\0")
+        return json.loads(message)
 
     def note(self, message):
         method, what = message.get("method"), message.get("params", {})
@@ -113,9 +66,10 @@ class Page:
 
     def call(self, method, **params):
         self.number += 1
-        self.socket.send(json.dumps({"id": self.number, "method": method, "params": params}))
+        message = {"id": self.number, "method": method, "params": params, **self.session}
+        self.stream.sendall(json.dumps(message).encode() + b"\0")
         while True:
-            message = json.loads(self.socket.receive())
+            message = self.receive()
             if message.get("id") == self.number:
                 if "error" in message:
                     raise RuntimeError(f"{method}: {message['error']}")
@@ -157,11 +111,6 @@ class Page:
 
     def mouse(self, kind, x, y, **more):
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
-
-    def click(self, x, y):
-        self.mouse("mouseMoved", x, y)
-        self.mouse("mousePressed", x, y, button="left", clickCount=1)
-        self.mouse("mouseReleased", x, y, button="left", clickCount=1)
 
     def key(self, key):
         for kind in ("keyDown", "keyUp"):
