@@ -264,64 +264,6 @@ def check_watched_run(page):
     expect(not page.errors, f"watched: the console is silent {page.errors[:3] or ''}")
 
 
-LATTICE = """
-gravity = [0, -9.81]
-[contact]
-mu = 0.3
-[[disks]]
-arrangement = "triangular"
-columns = {n}
-rows = {n}
-radius = 0.01
-density = 2000
-[[walls]]
-name = "floor"
-point = [0, 0]
-normal = [0, 1]
-[time]
-step = 1e-3
-steps = 3
-[solver]
-tol = 0.1
-[output]
-picture = false
-"""
-PLAY = """new Promise(done => {
-  const p = bipotPlayer, draw = p.view.draw, start = performance.now();
-  let frames = 0, spent = 0;
-  p.view.draw = function(...what) {
-    const before = performance.now();
-    draw.apply(this, what);
-    spent += performance.now() - before;
-  };
-  const next = now => {
-    if (now - start > 3000) {
-      delete p.view.draw;
-      done([1000 * frames / (now - start), spent / frames]);
-      return;
-    }
-    p.go(frames++ % p.run.frames.length);
-    requestAnimationFrame(next);
-  };
-  requestAnimationFrame(next);
-})"""
-
-
-def measure_frames(page):
-    """Prints how fast frames with forces are drawn on this machine."""
-    for n in (32, 100):
-        scene = FOLDER / f"lattice_{n}.toml"
-        scene.write_text(LATTICE.format(n=n))
-        subprocess.run([BIPOT, "run", scene, "--out", FOLDER / f"lattice_{n}", "--quiet",
-                        "--solver", "assor", "--max-iterations", "200"], check=False)
-        page.show(1280, 900, False)
-        page.open(FOLDER / f"lattice_{n}" / "index.html")
-        page.wait("window.bipotPlayer !== undefined")
-        rate, spent = page.value(PLAY)
-        bodies, contacts = page.value("[bipotPlayer.frame.count, bipotPlayer.frame.contacts]")
-        print(f"      {bodies} disks, {contacts} contacts: {rate:.0f} frames a second, {spent:.1f} ms of drawing each")
-
-
 def main():
     if not chromium.find():
         print("Chromium is not installed: pages are not tested in a browser")
@@ -336,7 +278,6 @@ def main():
             check_small_stages(page, name)
             check_paper(page, name)
         check_watched_run(page)
-        measure_frames(page)
     finally:
         page.close()
     print(f"{len(FAULTS)} faults")
