@@ -4,7 +4,6 @@
 
 #include "bench/compare/popular_settings.h"
 #include "bench/problems/moving_scene.h"
-#include "bench/problems/moving_spheres.h"
 #include "core/motion/push_apart.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_parts.h"

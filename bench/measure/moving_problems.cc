@@ -6,9 +6,7 @@
 
 #include <cstdlib>
 
-#include "bench/problems/moving_run.h"
 #include "bench/problems/moving_scene.h"
-#include "bench/problems/moving_spheres.h"
 #include "bench/report/build_info.h"
 #include "core/base/file_error.h"
 #include "core/files/atomic_file.h"

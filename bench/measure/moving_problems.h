@@ -11,12 +11,12 @@
 
 namespace bipot {
 
-/// The families of moving_scene.h and of moving_spheres.h.
+/// The families of moving_scene.h.
 std::vector<std::string> moving_families();
 /// Bodies of one of them: side², in space side³.
 double bodies_in(const std::string& family, int side);
 
-/// Steps of a run of a moving scene (bench/problems/moving_run.h), counted from 1.
+/// Steps of a run of a moving scene (bench/problems/moving_scene.h), counted from 1.
 struct MovingRunRequest {
   std::string family;
   int side = 0;

@@ -46,7 +46,7 @@ std::vector<std::string> target_families();
 ///   - a moving family "pour:32", "collapse:32", "tilt:32:angle=30" or "strike:32"
 ///     (moving_scene.h): steps along one run, each with its start, kept in a cache folder
 ///     (moving_problems.h), with the options :mu, :tilt, :e and :seed; in space "pour3d:8", "pipe:8"
-///     or "shear3d:8" (moving_spheres.h);
+///     or "shear3d:8" (moving_scene.h);
 ///   - one step of a scene or a moving family, "drum@120" or "pour:32:seed=2@120";
 ///   - "benchmark": series of families from 10² to 10⁴ disks, the shipped problems and those of the
 ///     folder that the environment variable BIPOT_PROBLEMS names.

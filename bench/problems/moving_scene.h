@@ -1,10 +1,13 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "core/base/interrupt.h"
 #include "core/scene/scene.h"
 #include "core/scene/scene_family.h"
+#include "solvers/simulation/scene_run.h"
 
 namespace bipot {
 
@@ -21,5 +24,29 @@ namespace bipot {
 /// is ignored. Throws std::invalid_argument for another name.
 Scene<2> make_moving_scene(const std::string& family, int side, const FamilyOptions& options);
 std::vector<std::string> moving_family_names();
+
+/// Scenes of spheres that move, of one shape and any size. side³ spheres of three radii (0.4, 0.5,
+/// 0.6 m, a third each) and 1000 kg/m³ are loose above the floor, drawn by the seed; gravity 9.81
+/// m/s², h = 0.005 s.
+///   "pour3d":  they fall into a box, `side` m wide and deep
+///   "pipe":    they fall into a vertical pipe about such a box
+///   "shear3d": as pour3d, periodic along x, on a floor whose surface moves along x at side/4 m/s
+/// The number of steps grows with sqrt(side): 350, 350 and 500 for a side of 8. The options
+/// mass_ratio and tilt_degrees (gravity, towards x) are as above. Throws std::invalid_argument for
+/// another name.
+Scene<3> make_moving_spheres(const std::string& family, int side, const FamilyOptions& options);
+std::vector<std::string> moving_sphere_names();
+
+/// Runs a moving scene up to the last of `steps`, increasing from 1. The solver is `apgd` to 1e-2
+/// with at most kMovingIterations in each step, warm started. This is fixed, so that the problems
+/// do not depend on changes of other solvers. `on_step` receives those of `steps` that have
+/// contacts. Throws StepFailure, and Interrupted once `cancelled` is true.
+template <int D>
+void run_moving_scene(const Scene<D>& scene, const std::vector<int>& steps,
+                      const std::function<void(const SceneStep<D>&)>& on_step,
+                      const std::function<bool()>& cancelled = &InterruptGuard::requested);
+
+inline constexpr double kMovingTolerance = 1e-2;
+inline constexpr int kMovingIterations = 1000;
 
 }  // namespace bipot

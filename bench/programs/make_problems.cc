@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/problems/moving_run.h"
 #include "bench/problems/moving_scene.h"
 #include "bench/problems/settled_pile.h"
 #include "bench/problems/sphere_problems.h"

@@ -6,7 +6,6 @@
 #include "bench/measure/iteration_growth.h"
 #include "bench/measure/problem_target.h"
 #include "bench/problems/moving_scene.h"
-#include "bench/problems/moving_spheres.h"
 #include "core/criterion/contact_error.h"
 #include "tests/support/temporary_folder.h"
 
