@@ -36,7 +36,6 @@ Json numbers(const Eigen::Matrix<double, N, 1>& x) {
 
 template <int D>
 Json walls_json(const std::vector<Wall<D>>& walls, const Hdf5File& fixed) {
-  const std::vector<std::string> materials = fixed.read_strings("/materials/name");
   // Those of the scene: the walls of a frame may stand at the time.
   const std::vector<double> spins = fixed.exists("/walls/spin")
                                         ? fixed.read_doubles("/walls/spin", walls.size())
@@ -44,13 +43,11 @@ Json walls_json(const std::vector<Wall<D>>& walls, const Hdf5File& fixed) {
   Json list = Json::array();
   constexpr const char* kShapes[] = {"plane", "segment", "hollow", "solid", "mesh", "cone"};
   for (const Wall<D>& wall : walls) {
-    const std::size_t material = to_size(wall.material);
     list.push_back({{"name", wall.name},
                     {"shape", kShapes[static_cast<int>(wall.shape)]},
                     {"normal", numbers(wall.normal)},
                     {"radius", wall.radius},
-                    {"turns", spins[list.size()] != 0},
-                    {"material", material < materials.size() ? materials[material] : ""}});
+                    {"turns", spins[list.size()] != 0}});
     if constexpr (D == 3) {
       if (!wall.is_surface()) continue;
       std::vector<float> corners;  // relative to the point a, which moves
@@ -127,9 +124,7 @@ std::string fitted_frames(RunFrames<D>& run, std::size_t most, Json& about) {
   std::string packed;
   double quantile = 0, weakest = 0;
   while (true) {
-    const std::string bytes = packed_frames(run.bodies, frames, D, run.gates);
-    packed = deflated(bytes);
-    about["frame_bytes"] = bytes.size();
+    packed = deflated(packed_frames(run.bodies, frames, D, run.gates));
     const std::size_t size = packed.size() / 3 * 4;
     if (size <= most) break;
     if (frames.size() > kFewFrames) {
@@ -251,7 +246,6 @@ PageText page_of(const fs::path& folder, std::size_t most_bytes, bool live) {
              {"solver", fixed.read_string("/solver/name")},
              {"tol", fixed.read_double("/solver/tol")},
              {"time_step", fixed.read_double("/time_step")},
-             {"accuracy", fixed.exists("/accuracy") ? fixed.read_double("/accuracy") : 0.0},
              {"num_steps", fixed.read_int("/num_steps")},
              {"gravity", fixed.read_doubles("/gravity")},
              {"materials", fixed.read_strings("/materials/name")},

@@ -3,12 +3,12 @@
 const LINE_COLOURS = {light: ['#0b62b0', '#c2410c', '#2f7d4f', '#8b3fa0', '#8a6d00', '#5d6a73'],
   dark: ['#74b6f5', '#ff9d66', '#7fd0a6', '#d49be6', '#e3c15a', '#9aa6ae']};
 
-/** The tables of the run's CSV files: {file, part, names, columns}, columns by name without unit. */
+/** The tables of the run's CSV files: {file, part, columns}, columns by name without unit. */
 async function readCurves(about, text) {
   const bytes = await inflate(text), tables = [];
   let next = 0;
   for (const {file, part, names, rows, all_rows} of about.curves) {
-    const table = {file, part, names, rows, allRows: all_rows, columns: {}, units: {}};
+    const table = {file, part, rows, allRows: all_rows, columns: {}, units: {}};
     for (const column of names) {
       const name = column.replace(/ \[.*/, '');
       table.columns[name] = new Float32Array(bytes.slice(next, next + 4 * rows).buffer);
@@ -79,7 +79,6 @@ function chartsOf(run, tables) {
 class CurvePanel {
   constructor(run, tables, jump) {
     this.run = run;
-    this.tables = tables;
     this.jump = jump;
     this.charts = chartsOf(run, tables);
     this.plots = document.getElementById('plots');
@@ -107,7 +106,6 @@ class CurvePanel {
 
   /** Takes later tables of the same run. */
   update(tables) {
-    this.tables = tables;
     const before = this.charts, charts = chartsOf(this.run, tables);
     if (charts.length === before.length && charts.every((chart, k) => chart.title === before[k].title)) {
       before.forEach((chart, k) => {

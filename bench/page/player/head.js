@@ -52,9 +52,6 @@ function warningsOf(run) {
     warnings.push({text: `Bodies overlap by up to ${textOf(100 * share, 3)} % of the smaller radius (step ${step}). ` +
       'A smaller time step makes it smaller.', time});
   }
-  for (const text of summary?.warnings || []) {
-    if (typeof text === 'string') warnings.push({text});
-  }
   for (const text of about.notes) warnings.push({text});
   return warnings;
 }

@@ -32,7 +32,6 @@ async function takeUpdate(player, update) {
     player.showLegend();
   }
   player.curves.update(tables);
-  player.tables = tables;
   $('scrub').max = last;
   player.drawMarks();
   player.showHead();

@@ -320,7 +320,7 @@ class PlaneView {
   /** Lines from centre to centre, the strongest last; of a pair across the border of a cell from both. */
   drawChains(frame, look, colours) {
     const {run, ratio, raster, s} = this, n = frame.count, q = run.quantum, full = fullForce(run);
-    const thick = this.thickest = Math.min(11, Math.max(2.5, 0.75 * this.pxRadius)) * ratio;
+    const thick = Math.min(11, Math.max(2.5, 0.75 * this.pxRadius)) * ratio;
     const [open] = pixelColour(colours.open), [stick] = pixelColour(colours.stick), [slip] = pixelColour(colours.slip);
     const [tension] = pixelColour(colours.tension);
     const trace = (k, draw) => {

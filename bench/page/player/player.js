@@ -238,7 +238,7 @@ class Player {
   /** Rows of text on a body or contact. */
   facts(picked) {
     const {run, frame} = this, D = run.dim;
-    const vector = (x, unit) => `${D === 2 ? '' : ''}(${x.map(c => textOf(c)).join(', ')}) ${unit}`;
+    const vector = (x, unit) => `(${x.map(c => textOf(c)).join(', ')}) ${unit}`;
     if (picked.body !== undefined) {
       const k = indexOf(frame, picked.body), b = picked.body;
       if (k < 0) return {title: `Body ${b}`, rows: [['', 'is not there at this time']]};
@@ -453,7 +453,6 @@ async function start() {
     view.resize();
     view.fit();
     player = new Player(run, view, curves);
-    player.tables = tables;
     player.showHead();
     fillFoot(run);
     const asked = window.matchMedia('(prefers-color-scheme: dark)');

@@ -160,11 +160,9 @@ class SpaceView {
     this.moved = false;
     this.middle = lower.map((x, c) => (x + upper[c]) / 2);
     this.reach = Math.hypot(...sub3(upper, lower)) / 2;
-    const {width, height} = this.size();
     this.angle = 0.5;  // of view, in the shorter direction
     this.distance = this.reach / Math.sin(this.angle / 2) * 1.02;
     this.fitted = this.distance;
-    this.aspect = width / height;
   }
   size() { return {width: this.canvas.clientWidth, height: this.canvas.clientHeight}; }
   resize() {
