@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/python/arrays.h"
-#include "bench/python/python_problem.h"
+#include "bench/python/bindings.h"
 #include "solvers/registry.h"
 
 namespace bipot {

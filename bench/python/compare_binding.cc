@@ -15,7 +15,6 @@
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
 #include "bench/python/callable_solver.h"
-#include "bench/python/python_problem.h"
 #include "bench/python/python_watch.h"
 #include "bench/report/chart.h"
 #include "core/base/file_error.h"

@@ -6,7 +6,6 @@
 
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
-#include "bench/python/python_problem.h"
 #include "core/criterion/impulse_verdict.h"
 
 namespace bipot {

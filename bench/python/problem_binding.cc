@@ -12,7 +12,6 @@
 
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
-#include "bench/python/python_problem.h"
 #include "core/base/counted.h"
 #include "core/base/file_error.h"
 #include "core/files/atomic_file.h"

@@ -18,8 +18,6 @@
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
 #include "bench/python/callable_solver.h"
-#include "bench/python/python_problem.h"
-#include "bench/python/python_state.h"
 #include "bench/python/python_watch.h"
 #include "core/base/counted.h"
 #include "core/base/nearest_name.h"

@@ -9,7 +9,6 @@
 
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
-#include "bench/python/python_state.h"
 #include "core/motion/population.h"
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
