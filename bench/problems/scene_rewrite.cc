@@ -1,6 +1,7 @@
 #include "bench/problems/scene_rewrite.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -14,29 +15,6 @@
 
 namespace bipot {
 namespace {
-
-/// A text by lines, edited from the bottom up so that positions stay valid.
-class Lines {
- public:
-  explicit Lines(const std::string& text) {
-    std::istringstream in(text);
-    for (std::string line; std::getline(in, line);) lines_.push_back(line);
-  }
-  std::string& at(std::size_t line) { return lines_.at(line - 1); }  // counted from 1, as TOML does
-  void insert_above(std::size_t line, const std::string& text) {
-    lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(line - 1), text);
-  }
-  void append(const std::string& text) { lines_.push_back(text); }
-  std::size_t count() const { return lines_.size(); }
-  std::string text() const {
-    std::string all;
-    for (const std::string& line : lines_) all += line + '\n';
-    return all;
-  }
-
- private:
-  std::vector<std::string> lines_;
-};
 
 /// TOML counts columns in characters, strings in bytes.
 std::size_t byte_of(const std::string& line, std::size_t column) {
@@ -69,14 +47,17 @@ struct Edit {
   bool only_if_present = false;
 };
 
+/// A text by lines, edited from the bottom up so that positions stay valid.
 class Editor {
  public:
-  Editor(const std::string& text, std::string comment)
-      : lines_(text), comment_(std::move(comment)) {}
+  Editor(const std::string& text, std::string comment) : comment_(std::move(comment)) {
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines_.push_back(line);
+  }
 
   void apply(const Edit& edit) {
     // Parsed again each time: positions move.
-    const toml::table root = toml::parse(lines_.text());
+    const toml::table root = toml::parse(text());
     const toml::table* table = root[edit.table].as_table();
     const toml::node* node = table != nullptr ? table->get(edit.key) : nullptr;
     if (node != nullptr) return replace(edit, *node);
@@ -85,7 +66,7 @@ class Editor {
     insert(edit, *table);
   }
 
-  std::string text() const { return lines_.text(); }
+  std::string text() const { return fmt::format("{}\n", fmt::join(lines_, "\n")); }
 
  private:
   [[noreturn]] static void give_up(const Edit& edit, std::size_t line) {
@@ -94,37 +75,43 @@ class Editor {
         line, edit.table, edit.key));
   }
 
+  /// Counted from 1, as TOML does.
+  std::string& at(std::size_t line) { return lines_.at(line - 1); }
+  void insert_below(std::size_t line, const std::string& text) {
+    lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(line), text);
+  }
+
   /// Writes the former text of a line as a comment above it.
   void comment(std::size_t line, const std::string& was) {
-    const std::string indent = indent_of(lines_.at(line));
-    lines_.insert_above(line, fmt::format("{}# {}; {}", indent, comment_, was));
+    insert_below(line - 1, fmt::format("{}# {}; {}", indent_of(at(line)), comment_, was));
   }
 
   void replace(const Edit& edit, const toml::node& node) {
-    const toml::source_region& at = node.source();
+    const toml::source_region& place = node.source();
     const bool sub_table = node.is_table() && !node.as_table()->is_inline();
-    if (at.begin.line != at.end.line || sub_table) give_up(edit, at.begin.line);
-    std::string& line = lines_.at(at.begin.line);
-    const std::size_t begin = byte_of(line, at.begin.column), end = byte_of(line, at.end.column);
+    if (place.begin.line != place.end.line || sub_table) give_up(edit, place.begin.line);
+    std::string& line = at(place.begin.line);
+    const std::size_t begin = byte_of(line, place.begin.column);
+    const std::size_t end = byte_of(line, place.end.column);
     const std::string old = line.substr(begin, end - begin);
     if (old == edit.value) return;
     line.replace(begin, end - begin, edit.value);
-    comment(at.begin.line, fmt::format("{} was {}", edit.key, old));
+    comment(place.begin.line, fmt::format("{} was {}", edit.key, old));
   }
 
   /// Inserts beside the table's other keys, with the same prefix ("solver." or none) and
   /// indentation.
   void insert(const Edit& edit, const toml::table& table) {
     if (table.is_inline()) {
-      const toml::source_region& at = table.source();
-      std::string& line = lines_.at(at.begin.line);
-      const std::size_t brace = byte_of(line, at.begin.column);
-      if (at.begin.line != at.end.line || brace >= line.size() || line[brace] != '{') {
-        give_up(edit, at.begin.line);
+      const toml::source_region& place = table.source();
+      std::string& line = at(place.begin.line);
+      const std::size_t brace = byte_of(line, place.begin.column);
+      if (place.begin.line != place.end.line || brace >= line.size() || line[brace] != '{') {
+        give_up(edit, place.begin.line);
       }
       line.insert(brace + 1,
                   fmt::format(" {} = {}{}", edit.key, edit.value, table.empty() ? " " : ","));
-      comment(at.begin.line, fmt::format("{} was not set", edit.key));
+      comment(place.begin.line, fmt::format("{} was not set", edit.key));
       return;
     }
     const toml::node* last = nullptr;
@@ -142,29 +129,20 @@ class Editor {
       return;
     }
     const std::size_t line = last->source().begin.line, below = last->source().end.line;
-    const std::string& text = lines_.at(line);
+    const std::string& text = at(line);
     const std::size_t key = text.find(last_key);
     if (key == std::string::npos || key > text.find('=')) give_up(edit, line);
     insert_below(below, fmt::format("{}{} = {}", text.substr(0, key), edit.key, edit.value));
     comment(below + 1, fmt::format("{} was not set", edit.key));
   }
 
-  void insert_below(std::size_t line, const std::string& text) {
-    if (line < lines_.count()) {
-      lines_.insert_above(line + 1, text);
-    } else {
-      lines_.append(text);
-    }
-  }
-
   void append_table(const Edit& edit) {
-    lines_.append("");
-    lines_.append(fmt::format("[{}]", edit.table));
-    lines_.append(fmt::format("{} = {}", edit.key, edit.value));
-    comment(lines_.count(), fmt::format("{} was not set", edit.key));
+    lines_.insert(lines_.end(), {"", fmt::format("[{}]", edit.table),
+                                 fmt::format("{} = {}", edit.key, edit.value)});
+    comment(lines_.size(), fmt::format("{} was not set", edit.key));
   }
 
-  Lines lines_;
+  std::vector<std::string> lines_;
   std::string comment_;
 };
 
