@@ -171,27 +171,12 @@ Sparse from_dense(py::handle given, std::string_view name) {
     throw std::invalid_argument(
         fmt::format("{} has shape {}, expected a matrix", name, shape_of(array)));
   }
-  const py::array_t<double, py::array::forcecast> dense(array);  // any strides
-  const auto at = dense.unchecked<2>();
-  require_extent(at.shape(0), at.shape(1), 0, name);
-  Sparse made(at.shape(0), at.shape(1));
-  const auto entry = [&](Eigen::Index outer, Eigen::Index inner) {
-    return Sparse::IsRowMajor ? at(outer, inner) : at(inner, outer);
-  };
-  std::int64_t entries = 0;
-  for (Eigen::Index k = 0; k < made.outerSize(); ++k) {
-    for (Eigen::Index i = 0; i < made.innerSize(); ++i) entries += entry(k, i) != 0;
-  }
-  require_extent(at.shape(0), at.shape(1), entries, name);
-  made.reserve(entries);
-  for (Eigen::Index k = 0; k < made.outerSize(); ++k) {
-    made.startVec(k);
-    for (Eigen::Index i = 0; i < made.innerSize(); ++i) {
-      if (entry(k, i) != 0) made.insertBackByOuterInner(k, i) = entry(k, i);
-    }
-  }
-  made.finalize();
-  return made;
+  require_extent(array.shape(0), array.shape(1), 0, name);  // before a copy of other strides
+  const Numbers rows(array);
+  const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
+      dense(rows.data(), rows.shape(0), rows.shape(1));
+  require_extent(dense.rows(), dense.cols(), (dense.array() != 0).count(), name);
+  return dense.sparseView();
 }
 
 /// Looks like a matrix of scipy.sparse: the module itself is not needed for it.
@@ -199,17 +184,6 @@ template <class Sparse>
 Sparse to_sparse(py::handle given, std::string_view name) {
   if (!is_plain(given) && py::hasattr(given, "tocoo")) return from_scipy<Sparse>(given, name);
   return from_dense<Sparse>(given, name);
-}
-
-template <class Sparse>
-py::object to_scipy(const Sparse& matrix, py::handle owner, const char* kind) {
-  const Eigen::Index count = matrix.outerIndexPtr()[matrix.outerSize()];
-  const py::tuple parts = py::make_tuple(
-      view_of(matrix.valuePtr(), count, owner), view_of(matrix.innerIndexPtr(), count, owner),
-      view_of(matrix.outerIndexPtr(), matrix.outerSize() + 1, owner));
-  return py::module_::import("scipy.sparse")
-      .attr(kind)(parts, py::arg("shape") = py::make_tuple(matrix.rows(), matrix.cols()),
-                  py::arg("copy") = false);
 }
 
 }  // namespace
@@ -262,16 +236,23 @@ Sparse from_parts(const py::tuple& parts, std::string_view name) {
                          to_indices(parts[3], name, "indices"), data, name));
 }
 
+template <class Sparse>
+py::object scipy_view(const Sparse& matrix, py::handle owner) {
+  const Eigen::Index count = matrix.outerIndexPtr()[matrix.outerSize()];
+  const py::tuple parts = py::make_tuple(
+      view_of(matrix.valuePtr(), count, owner), view_of(matrix.innerIndexPtr(), count, owner),
+      view_of(matrix.outerIndexPtr(), matrix.outerSize() + 1, owner));
+  return py::module_::import("scipy.sparse")
+      .attr(Sparse::IsRowMajor ? "csr_matrix" : "csc_matrix")(
+          parts, py::arg("shape") = py::make_tuple(matrix.rows(), matrix.cols()),
+          py::arg("copy") = false);
+}
+
 template py::tuple parts_of(const SparseMatrix&);
 template py::tuple parts_of(const SparseRows&);
 template SparseMatrix from_parts(const py::tuple&, std::string_view);
 template SparseRows from_parts(const py::tuple&, std::string_view);
-
-py::object scipy_view(const SparseMatrix& matrix, py::handle owner) {
-  return to_scipy(matrix, owner, "csc_matrix");
-}
-py::object scipy_view(const SparseRows& matrix, py::handle owner) {
-  return to_scipy(matrix, owner, "csr_matrix");
-}
+template py::object scipy_view(const SparseMatrix&, py::handle);
+template py::object scipy_view(const SparseRows&, py::handle);
 
 }  // namespace bipot

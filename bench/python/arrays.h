@@ -56,7 +56,7 @@ template <class Sparse>
 Sparse from_parts(const pybind11::tuple& parts, std::string_view name);
 
 /// scipy.sparse.csc_matrix or csr_matrix, of read-only views.
-pybind11::object scipy_view(const SparseMatrix& matrix, pybind11::handle owner);
-pybind11::object scipy_view(const SparseRows& matrix, pybind11::handle owner);
+template <class Sparse>
+pybind11::object scipy_view(const Sparse& matrix, pybind11::handle owner);
 
 }  // namespace bipot
