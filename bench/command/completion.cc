@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "bench/report/text_lines.h"
 #include "core/base/nearest_name.h"
 
 namespace bipot {
@@ -32,12 +33,7 @@ Words words_after(const CommandNode& command) {
 }
 
 /// Text between single quotes of a shell.
-std::string quoted(std::string text) {
-  for (std::size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4) {
-    text.replace(at, 1, "'\\''");
-  }
-  return "'" + text + "'";
-}
+std::string quoted(const std::string& text) { return "'" + replaced(text, "'", "'\\''") + "'"; }
 
 std::string escaped(const std::string& text, const std::string& special) {
   std::string out;

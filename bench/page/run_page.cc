@@ -154,17 +154,7 @@ std::string fitted_frames(RunFrames<D>& run, std::size_t most, Json& about) {
 }
 
 /// JSON that may stand in a script element.
-std::string script_json(const Json& json) {
-  std::string text;
-  for (const char c : json_text(json)) {
-    if (c == '<') {
-      text += "\\u003c";
-    } else {
-      text += c;
-    }
-  }
-  return text;
-}
+std::string script_json(const Json& json) { return replaced(json_text(json), "<", "\\u003c"); }
 
 struct PageText {
   std::string text;

@@ -387,12 +387,6 @@ std::uint64_t hash_of(std::string_view text) {
   return (hash ^ (hash >> 32)) & 0xffffffffu;
 }
 
-void replace_all(std::string& text, std::string_view from, std::string_view to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
-    text.replace(at, from.size(), to);
-  }
-}
-
 /// Note of the point with the label "n<series>_<point>"; else where it stands.
 std::string note_of(const Chart& chart, std::string_view label) {
   const std::string text(label);
@@ -429,13 +423,13 @@ std::string page_element(const Chart& chart, std::string_view document, const Pl
   for (std::size_t at; (at = svg.find(" id=\"gnuplot_")) != std::string::npos;) {
     svg.erase(at, svg.find('"', at + 5) + 1 - at);
   }
-  replace_all(svg, " id='", " id='" + plan.prefix);
-  replace_all(svg, "xlink:href='#", "href='#" + plan.prefix);
-  replace_all(svg, "url(#", "url(#" + plan.prefix);
+  svg = replaced(std::move(svg), " id='", " id='" + plan.prefix);
+  svg = replaced(std::move(svg), "xlink:href='#", "href='#" + plan.prefix);
+  svg = replaced(std::move(svg), "url(#", "url(#" + plan.prefix);
   // What holds anyway.
   for (const char* idle : {" stroke-linecap=\"butt\" stroke-linejoin=\"miter\"",
                            " stroke-width=\"1.00\"", " class=\"gridline\" "}) {
-    replace_all(svg, idle, "");
+    svg = replaced(std::move(svg), idle, "");
   }
   // Groups that draw nothing have colours of the chart before.
   for (std::size_t end = 0; (end = svg.find(">\n</g>", end)) != std::string::npos;) {

@@ -30,13 +30,6 @@ std::string plain(std::string_view text) {
   return out;
 }
 
-std::string one_line(std::string text) {
-  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) {
-    text.replace(at, 1, ", ");
-  }
-  return text;
-}
-
 void write_paragraph(std::string& out, std::string_view text) {
   for (const std::string& line : wrapped_lines(plain(text), kTextWidth)) out += line + '\n';
 }
@@ -235,7 +228,7 @@ std::string to_text(const Table& table) {
     if (title) texts.push_back(plain(text_of(row.cells[0], table.columns[0])));
     for (std::size_t k = 0; k < shown.size() && !title; ++k) {
       const std::size_t at = shown[k];
-      texts.push_back(one_line(plain(text_of(row.cells[at], table.columns[at]))));
+      texts.push_back(replaced(plain(text_of(row.cells[at], table.columns[at])), "\n", ", "));
       if (row.cells[at].look == "over") texts.back() += '*';  // bold on pages
       widths[k] = std::max(widths[k], letters(texts[k]));
     }

@@ -75,8 +75,7 @@ std::string class_of(std::string_view look, bool numeric) {
 std::string prose(std::string_view text) {
   std::string out;
   for (const Span& span : spans_of(text)) {
-    std::string piece;
-    for (const char c : escape_markup(span.text)) piece += c == '\n' ? "<br>" : std::string(1, c);
+    std::string piece = replaced(escape_markup(span.text), "\n", "<br>");
     if (span.code) piece = "<code>" + piece + "</code>";
     if (!span.aim.empty()) piece = fmt::format("<a href=\"{}\">{}</a>", span.aim, piece);
     out += span.strong ? "<strong>" + piece + "</strong>" : piece;

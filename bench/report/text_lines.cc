@@ -30,6 +30,13 @@ std::string first_characters(const std::string& text, std::size_t count) {
   return text.substr(0, at);
 }
 
+std::string replaced(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
 std::string short_reason(const std::string& message) {
   constexpr std::string_view kStages = "stages: ", kNext = "; ";
   constexpr std::size_t kLongest = 240;
@@ -111,9 +118,7 @@ std::string shell_word(std::string_view text) {
            std::string_view("_-+=.,/:@%").find(c) != std::string_view::npos;
   };
   if (!text.empty() && std::ranges::all_of(text, plain)) return std::string(text);
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + '\'';
+  return "'" + replaced(std::string(text), "'", "'\\''") + "'";
 }
 
 std::string escape_markup(std::string_view text) {

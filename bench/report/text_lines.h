@@ -12,6 +12,9 @@ std::size_t letters(std::string_view utf8);
 /// The first so many characters of UTF-8.
 std::string first_characters(const std::string& text, std::size_t count);
 
+/// With each `from` replaced.
+std::string replaced(std::string text, std::string_view from, std::string_view to);
+
 /// The reason of a solver in one line: of a list of stages their number and the last one.
 std::string short_reason(const std::string& message);
 
