@@ -1,5 +1,4 @@
 #include "solvers/auto/auto_solver.h"
-#include "solvers/kernels/predictor_steps.h"
 #include "solvers/methods/accelerated_gradient.h"
 #include "solvers/methods/accelerated_ssor.h"
 #include "solvers/methods/admm.h"

@@ -17,7 +17,7 @@ inline constexpr ParameterSpec kUzawaParameters[] = {
 ///
 ///     tau = s - rho (u + mu |u_t| n),   s <- proj(tau, K_mu).
 ///
-/// rho = paper and rho = stable: see predictor_steps.h.
+/// rho = paper and rho = stable: see uzawa.cc.
 ///
 /// The paper does not say when velocities are refreshed; both orders are offered. Impulses replace
 /// the paper's forces (s = h r), which removes 1/h from rho.
@@ -36,5 +36,8 @@ void solve_uzawa(SolveRun& run);
 /// All else is as in uzawa. The stop test of the classical method in the paper is the relative
 /// change of s between iterations: SolverOptions::stop = kImpulse.
 void solve_classical(SolveRun& run);
+
+/// Jacobi's order runs on all processes.
+Parallel jacobi_in_parallel(const Parameters& parameters);
 
 }  // namespace bipot
