@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
 #include "core/base/portable_random.h"
+#include "core/criterion/extended_error.h"
 #include "core/linear/dense_factor.h"
 #include "core/problem/delassus.h"
-#include "solvers/analysis/cancel_rounding.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/registry.h"
 #include "solvers/solve_run.h"
@@ -34,6 +35,9 @@ constexpr int kPolish = 4;
 // rounding, which is then reduced.
 constexpr double kNearlyThere = 10;
 constexpr int kCancellations = 20;
+// From this friction on, the rounding of a single impulse may keep an answer from the tolerance.
+constexpr double kLargeFriction = 1e4;
+constexpr int kRounds = 10;
 // An impulse of more than this many times the energy of the free violation comes from a singular
 // step.
 constexpr double kWild = 1e16;
@@ -187,6 +191,42 @@ Vector redrawn(Vector y, double share, PortableRandom& random, int dim) {
     for (Eigen::Index k = n + 1; k < n + dim; ++k) y[k] = random.symmetric();
   }
   return y;
+}
+
+/// Replaces s, entry by entry, by neighbouring doubles while that lowers the guarded error (the
+/// larger one of both precisions), in at most kRounds rounds. The error of an exact answer rounded
+/// to double is mu times the rounding of sliding velocities; another double for one impulse may
+/// cancel it. For few contacts: a round evaluates the criterion twice for each row. Below
+/// kLargeFriction s is unchanged.
+void cancel_rounding(const ContactProblem& p, const SolverOptions& options,
+                     ContactErrorEvaluator& evaluate, Vector& s) {
+  if (!(p.mu.maxCoeff() >= kLargeFriction)) return;
+  // An error not below `best` in double precision is not evaluated in extended precision.
+  const auto judge = [&](const Vector& x, double best) {
+    const double error = evaluate(x).guarded();
+    if (!(error < best)) return error;
+    return std::max(error, extended_guarded_error(p, evaluate.impulse()));
+  };
+  double error = judge(s, kInfinity);
+  bool better = true;
+  for (int round = 0; round < kRounds && better && error > options.tol; ++round) {
+    better = false;
+    if (options.cancelled && options.cancelled()) break;
+    for (double& entry : s) {
+      if (entry == 0) continue;
+      for (const double towards : {-kInfinity, kInfinity}) {
+        const double before = entry;
+        entry = std::nextafter(before, towards);
+        const double changed = judge(s, error);
+        if (changed < error) {
+          error = changed;
+          better = true;
+        } else {
+          entry = before;
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
