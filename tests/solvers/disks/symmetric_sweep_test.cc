@@ -1,7 +1,5 @@
 #include "solvers/disks/symmetric_sweep.h"
 
-#include <initializer_list>
-
 #include "core/problem/delassus.h"
 #include "solvers/disks/contact_order.h"
 #include "solvers/kernels/contact_sweep.h"
@@ -24,7 +22,7 @@ struct Prepared {
 
 template <int D>
 Vector iterated(const Prepared& at, const Execution& execution, double& turn, int sweeps = 1) {
-  SymmetricSweep<D> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, sweeps, execution);
+  SymmetricSweep<D> sweep(at.problem, *at.delassus.bodies<D>(), at.scaling, 1.3, sweeps, execution);
   sweep.reset(Vector::Zero(at.problem.num_rows()));
   for (int k = 0; k < 20; ++k) turn = sweep.iterate(0.1 * (k % 5));
   return sweep.impulse();
@@ -190,70 +188,41 @@ TEST(SymmetricSweep, IsTheScalarSweepForthAndBackFromY) {
   }
 }
 
+const std::vector<Execution> kPaths = {
+    {1, SimdPath::kPortable}, {1, SimdPath::kAvx2}, {1, SimdPath::kAvx512}};
+const std::vector<Execution> kTeams = {{2}, {3}, {4}};
+
 template <int D>
-void check_paths(int rows) {
-  const Prepared at{leaning(D, rows)};
-  double turn = 0;
-  const Vector portable = iterated<D>(at, {1, SimdPath::kPortable}, turn, 2);
-  ASSERT_GT(portable.norm(), 0);
-  for (const SimdPath path : {SimdPath::kAvx2, SimdPath::kAvx512}) {
-    if (!has_path(path)) continue;
-    double other = 0;
-    EXPECT_TRUE(same_bits(iterated<D>(at, {1, path}, other, 2), portable)) << to_string(path);
-    EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << to_string(path);
+void check_bits(const ContactProblem& p, const std::vector<Execution>& others,
+                const std::vector<int>& all_sweeps) {
+  const Prepared at{p};
+  for (const int sweeps : all_sweeps) {
+    double turn = 0;
+    const Vector alone = iterated<D>(at, {}, turn, sweeps);
+    ASSERT_GT(alone.norm(), 0);
+    for (const Execution& execution : others) {
+      if (!has_path(execution.path)) continue;
+      SCOPED_TRACE(fmt::format("{} contacts, {} sweeps, {}, threads {}", p.num_contacts(), sweeps,
+                               to_string(execution.path), execution.threads));
+      double other = 0;
+      EXPECT_TRUE(same_bits(iterated<D>(at, execution, other, sweeps), alone));
+      EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0);
+    }
   }
 }
 
 TEST(SymmetricSweep, HasTheSameBitsFromEveryPath) {
   for (const int rows : {12, 40}) {
-    check_paths<1>(rows);
-    check_paths<2>(rows);
-  }
-}
-
-/// `rows`: 30 as they fill the lanes, 40 along the rows, kWide in strips.
-void check_threads(int rows, std::initializer_list<int> all_sweeps) {
-  SCOPED_TRACE(rows);
-  const Prepared at{leaning(2, rows)};
-  for (const int sweeps : all_sweeps) {
-    double turn = 0;
-    const Vector alone = iterated<2>(at, {}, turn, sweeps);
-    for (const int threads : {2, 3, 4}) {
-      double other = 0;
-      const Vector s = iterated<2>(at, {threads, SimdPath::kAuto}, other, sweeps);
-      EXPECT_TRUE(same_bits(s, alone)) << sweeps << ", " << threads;
-      EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << sweeps << ", " << threads;
-    }
+    check_bits<1>(leaning(1, rows), kPaths, {2});
+    check_bits<2>(leaning(2, rows), kPaths, {2});
   }
 }
 
 TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
-  check_threads(30, {1, 2, 5});
-  check_threads(40, {1, 2, 5});
-  check_threads(kWide, {2});
-}
-
-TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreadsInSpace) {
-  const ContactProblem p = cubic_lattice(24, {.dim = 3, .tilt = 0.2});  // in strips
-  const DelassusOperator delassus(p);
-  const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  Vector alone;
-  double turn = 0;
-  for (const int threads : {1, 2, 3, 4}) {
-    SymmetricSweep<3> sweep(p, *delassus.bodies<3>(), scaling, 1.3, 2, {threads, SimdPath::kAuto});
-    sweep.reset(Vector::Zero(p.num_rows()));
-    double last = 0;
-    for (int k = 0; k < 6; ++k) last = sweep.iterate(0.1 * k);
-    if (threads == 1) {
-      alone = sweep.impulse();
-      turn = last;
-      continue;
-    }
-    EXPECT_EQ(sweep.impulse(), alone) << threads;
-    EXPECT_EQ(last, turn) << threads;
-    sweep.refresh();
-    EXPECT_EQ(sweep.impulse(), alone) << threads;
-  }
+  check_bits<2>(leaning(2, 30), kTeams, {1, 2, 5});  // as they fill the lanes
+  check_bits<2>(leaning(2, 40), kTeams, {1, 2, 5});  // along the rows
+  check_bits<2>(leaning(2, kWide), kTeams, {2});     // in strips
+  check_bits<3>(cubic_lattice(24, {.dim = 3, .tilt = 0.2}), kTeams, {2});
 }
 
 TEST(SymmetricSweep, RefreshKeepsTheImpulse) {
