@@ -126,6 +126,18 @@ TEST(ExactSolvers, AgreeOnRandomNetworksWithGaussSeidel) {
   }
 }
 
+// In space the direction of sliding must be found as well: b_t = (3, 4), W = 1, so that s_t = -mu
+// (0.6, 0.8), whatever the start.
+TEST(ExactSolvers, FindTheDirectionOfSliding) {
+  const ContactProblem p = one_contact_problem(3, 1, 1, 0.5, -1, Vector{{3, 4}});
+  for (const char* solver : {"pdas", "ptc"}) {
+    const SolveResult r =
+        converged(solve(solver, p, {.tol = 1e-10, .s0 = Vector{{1, 0.3, -0.2}}}), solver);
+    EXPECT_NEAR(r.s[1], -0.3, 1e-9) << solver;
+    EXPECT_NEAR(r.s[2], -0.4, 1e-9) << solver;
+  }
+}
+
 // W is singular and every vertex of the pyramid's path is degenerate; Siconos' Lemke goes wrong
 // from 55 contacts (square lattice of 5 rows).
 TEST(ExactSolvers, SolveHyperstaticAndSymmetricScenes) {

@@ -21,15 +21,6 @@ TEST(PseudoTransient, SolvesOneContactInAStepForEachDelta) {
   }
 }
 
-// In space the direction of sliding must be found as well: b_t = (3, 4), W = 1, so that s_t = -mu
-// (0.6, 0.8), whatever the start.
-TEST(PseudoTransient, FindsTheDirectionOfSliding) {
-  const ContactProblem p = one_contact_problem(3, 1, 1, 0.5, -1, Vector{{3, 4}});
-  const SolveResult r = converged(solve("ptc", p, {.tol = 1e-10, .s0 = Vector{{1, 0.3, -0.2}}}));
-  EXPECT_NEAR(r.s[1], -0.3, 1e-9);
-  EXPECT_NEAR(r.s[2], -0.4, 1e-9);
-}
-
 // From an error of some 1e-3 steps converge superlinearly: a hundred contacts, more rows than
 // degrees of freedom, known velocity.
 TEST(PseudoTransient, EndsWhatSweepsBegan) {
