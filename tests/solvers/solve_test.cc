@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 
-#include "core/base/triplets.h"
 #include "core/criterion/rounding_bound.h"
 #include "solvers/solve_run.h"
 #include "tests/support/converged.h"
@@ -15,33 +14,6 @@ namespace {
 #define EXPECT_MESSAGE(result, part) EXPECT_TRUE(says((result).message, part))
 
 ContactProblem some_problem(int dim = 2) { return manufactured_problem(dim, 12, 14, 3).problem; }
-
-/// A column of disks on a floor, mu large: sticking, W_tt = 3 W_nn at the floor.
-ContactProblem sticking_column(int disks) {
-  ContactProblem p{.dim = 2};
-  Triplets a, h;
-  for (int k = 0; k < disks; ++k) {
-    for (int dof = 0; dof < 3; ++dof) {
-      a.emplace_back(3 * k + dof, 3 * k + dof, dof == 2 ? 0.5 : 1.0);
-    }
-    // Disk k of radius 1 stands on disk k - 1 or on the floor.
-    h.emplace_back(3 * k + 1, 2 * k, 1);
-    h.emplace_back(3 * k, 2 * k + 1, -1);
-    h.emplace_back(3 * k + 2, 2 * k + 1, -1);
-    if (k > 0) {
-      h.emplace_back(3 * k - 2, 2 * k, -1);
-      h.emplace_back(3 * k - 3, 2 * k + 1, 1);
-      h.emplace_back(3 * k - 1, 2 * k + 1, -1);
-    }
-  }
-  p.A = from_triplets(3 * disks, 3 * disks, a);
-  p.H = from_triplets(3 * disks, 2 * disks, h);
-  p.v_free = Vector::Zero(3 * disks);
-  for (int k = 0; k < disks; ++k) p.v_free.segment<2>(3 * k) << 0.1, -1;  // a push to the side
-  p.u_free = p.H.transpose() * p.v_free;
-  p.mu = Vector::Constant(disks, 5.0);
-  return p;
-}
 
 TEST(Solve, EnergiesBeyondTheRangeOfSquaresAreSolved) {
   // s = -u_free / W. The energy u²/W is 1e-620, 1e450, 1e-500: no doubles, s and u are.
@@ -165,19 +137,6 @@ TEST(Solve, StatusDivergedWhenTheIterateIsNotANumber) {
   }
 }
 
-TEST(Solve, ThePapersStepCyclesOnStickingContactsAndSaysSo) {
-  // rho = 1/W_nn, W_tt = 3 W_nn: 1 - rho W_tt = -2.
-  SolverOptions options{.max_iterations = 2000, .parameters = {{"rho", "paper"}}};
-  const ContactProblem p = sticking_column(10);
-  const SolveResult r = solve("uzawa", p, options);
-  EXPECT_FALSE(is_success(r.status)) << r.message;
-  EXPECT_NE(r.status, SolveStatus::kNumericalFailure) << r.message;
-  EXPECT_GT(r.error.guarded(), 0.1);
-  options.parameters.clear();
-  options.max_iterations = 100000;
-  EXPECT_EQ(solve("uzawa", p, options).status, SolveStatus::kConverged);
-}
-
 TEST(Solve, StatusNumericalFailureForAnIndefiniteMassMatrix) {
   ContactProblem p = some_problem();
   p.W = SparseRows();
@@ -232,6 +191,9 @@ TEST(Solve, ParameterValuesAreCheckedAgainstTheirRange) {
   };
   for (const char* value : {"2.5", "0", "-1", "nan", "inf", "1.2x", "", " 1", "1e"}) {
     EXPECT_TRUE(says(message("pgs", "omega", value), "omega = '" + std::string(value) + "'"));
+  }
+  for (const char* value : {"0", "1.5"}) {
+    EXPECT_TRUE(says(message("pgs", "local_iterations", value), "an integer in [1, 1000]"));
   }
   EXPECT_TRUE(says(message("uzawa", "rho", "papers"), "stable|paper"));
   EXPECT_TRUE(says(message("uzawa", "rho", ""), "stable|paper"));

@@ -62,15 +62,6 @@ TEST(GaussSeidel, OneContactTakesOneExactSweep) {
   }
 }
 
-TEST(GaussSeidel, RefusesParametersOutOfRange) {
-  const ContactProblem p = square_lattice(2);
-  for (const auto& [name, value] : std::map<std::string, std::string>{
-           {"omega", "2"}, {"order", "backward"}, {"local_iterations", "0"}, {"seed", "1.5"}}) {
-    const SolveResult r = ended(SolveStatus::kInvalidInput, run_pgs(p, {{name, value}}, 10), name);
-    EXPECT_TRUE(says(r.message, name));
-  }
-}
-
 // A ring of disks that jammed in an impact and has come to rest: its free velocity is rounding, and
 // the impulses that it starts from are those of the impact, 1e25 times the energy. They say
 // nothing, and are no divergence.
