@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "solvers/systems/every_width.h"
+#include "core/base/instruction_sets.h"
 
 namespace bipot {
 namespace {
@@ -28,8 +28,9 @@ template <class Real>
 
 }  // namespace
 
-BIPOT_EVERY_WIDTH bool any_nearer(const double* bound, const double* value, const double* x,
-                                  double direction, double step, int n) {
+BIPOT_CLONES("avx512f", "avx2", "default")
+bool any_nearer(const double* bound, const double* value, const double* x, double direction,
+                double step, int n) {
   const Numbers zero{}, directions = zero + direction, steps = zero + step;
   Numbers most{};
   int k = 0;
