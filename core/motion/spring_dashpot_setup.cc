@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <stdexcept>
 
+#include "core/base/disjoint_sets.h"
 #include "core/scene/contact_detection.h"
 
 namespace bipot {
@@ -212,18 +212,13 @@ double shortest_half_period(const Scene<D>& scene, double k_n, double k_t) {
 
 template <int D>
 bool supported_by_walls(const Scene<D>& scene, double touching) {
-  const std::size_t n = scene.bodies.size();
-  std::vector<std::size_t> parent(n + 1);  // the last: all walls together
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  const int n = static_cast<int>(scene.bodies.size());
+  DisjointSets held(n + 1);  // the last: all walls together
   for (const Contact<D>& c : detect_contacts<D>(scene.bodies, scene.walls, touching)) {
-    parent[root(static_cast<std::size_t>(c.i))] = root(std::min(static_cast<std::size_t>(c.j), n));
+    held.unite(c.i, std::min(c.j, n));
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    if (root(i) != root(n)) return false;
+  for (int i = 0; i < n; ++i) {
+    if (held.find(i) != held.find(n)) return false;
   }
   return true;
 }

@@ -5,10 +5,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
+#include "core/base/disjoint_sets.h"
 #include "core/base/triplets.h"
 #include "core/linear/dense_factor.h"
 #include "core/problem/delassus.h"
@@ -22,27 +22,6 @@ constexpr double kDependent = 1e-9;    // pivot of a row of unit norm
 constexpr double kContradicts = 1e-6;  // of the largest b
 constexpr double kNoMotion = 1e-12;    // of a column of H in the norm of A⁻¹
 constexpr std::size_t kLargestPart = 5000;
-
-/// Which degrees of freedom belong together; each set is named by its smallest member.
-class Coupling {
- public:
-  explicit Coupling(Eigen::Index size) : parent_(to_size(size)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int set_of(Eigen::Index dof) {
-    int k = static_cast<int>(dof);
-    while (parent_[to_size(k)] != k)
-      k = parent_[to_size(k)] = parent_[to_size(parent_[to_size(k)])];
-    return k;
-  }
-  void join(Eigen::Index a, Eigen::Index b) {
-    const int k = set_of(a), l = set_of(b);
-    parent_[to_size(std::max(k, l))] = std::min(k, l);
-  }
-
- private:
-  std::vector<int> parent_;
-};
 
 void check_sizes(const ContactProblem& given, const SparseRows& G, const Vector& b) {
   if (given.A.rows() == 0) {
@@ -71,10 +50,10 @@ void check_sizes(const ContactProblem& given, const SparseRows& G, const Vector&
 /// Parts with their degrees of freedom and rows; the other degrees of freedom go into rows.free.
 void find_parts(EqualityRows& rows) {
   const SparseMatrix& A = rows.given.A;
-  Coupling coupling(A.rows());
+  DisjointSets coupled(static_cast<int>(A.rows()));
   for (int k = 0; k < A.outerSize(); ++k) {
     for (SparseMatrix::InnerIterator it(A, k); it; ++it) {
-      if (it.value() != 0) coupling.join(it.row(), k);
+      if (it.value() != 0) coupled.unite(static_cast<int>(it.row()), k);
     }
   }
   std::vector<int> first_dof(to_size(rows.G.rows()), -1);
@@ -82,14 +61,15 @@ void find_parts(EqualityRows& rows) {
     for (SparseRows::InnerIterator it(rows.G, row); it; ++it) {
       if (it.value() == 0) continue;
       int& first = first_dof[to_size(row)];
-      if (first < 0) first = static_cast<int>(it.col());
-      coupling.join(first, it.col());
+      const int dof = static_cast<int>(it.col());
+      if (first < 0) first = dof;
+      coupled.unite(first, dof);
     }
   }
   std::vector<int> part_of(to_size(A.rows()), -1);  // of each set
   for (int row = 0; row < rows.G.rows(); ++row) {
     if (first_dof[to_size(row)] < 0) continue;  // zero
-    int& part = part_of[to_size(coupling.set_of(first_dof[to_size(row)]))];
+    int& part = part_of[to_size(coupled.find(first_dof[to_size(row)]))];
     if (part < 0) {
       part = static_cast<int>(rows.parts.size());
       rows.parts.emplace_back();
@@ -97,7 +77,7 @@ void find_parts(EqualityRows& rows) {
     rows.parts[to_size(part)].rows.push_back(row);
   }
   for (int dof = 0; dof < A.rows(); ++dof) {
-    const int part = part_of[to_size(coupling.set_of(dof))];
+    const int part = part_of[to_size(coupled.find(dof))];
     (part < 0 ? rows.free : rows.parts[to_size(part)].dofs).push_back(dof);
   }
 }

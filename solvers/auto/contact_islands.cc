@@ -1,38 +1,11 @@
 #include "solvers/auto/contact_islands.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "core/base/disjoint_sets.h"
 
 namespace bipot {
 namespace {
-
-/// Disjoint sets of 0 ... n - 1; the smallest member stands for its set.
-class DisjointSets {
- public:
-  explicit DisjointSets(int n) : parent_(to_size(n)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int find(int k) {
-    while (parent_[to_size(k)] != k) {
-      int& up = parent_[to_size(k)];
-      up = parent_[to_size(up)];
-      k = up;
-    }
-    return k;
-  }
-  void unite(int a, int b) {
-    a = find(a);
-    b = find(b);
-    if (a < b) {
-      parent_[to_size(b)] = a;
-    } else {
-      parent_[to_size(a)] = b;
-    }
-  }
-
- private:
-  std::vector<int> parent_;
-};
 
 /// Rows of a contact with possible impulses.
 int live_rows(const ContactProblem& p, int contact) {
