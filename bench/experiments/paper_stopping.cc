@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <set>
 
@@ -84,13 +83,6 @@ std::string short_number(double x) {
   return short_exponent(fmt::format("{:.0e}", x));
 }
 
-std::vector<StopTestRow> select(const std::vector<StopTestRow>& rows,
-                                const std::function<bool(const StopTestRow&)>& wanted) {
-  std::vector<StopTestRow> chosen;
-  std::ranges::copy_if(rows, std::back_inserter(chosen), wanted);
-  return chosen;
-}
-
 /// Largest and smallest velocity error of the scenes and solvers of one group, one pair of curves for
 /// each test. Errors of exactly 0 (one contact, solved by one sweep) are not informative and left
 /// out.
@@ -142,11 +134,9 @@ Findings::Table scenes_table(const std::vector<StopTestRow>& rows,
   for (const StopTestScene& scene : scenes) {
     table.rows.push_back({scene.name});
     for (const Test& test : kTests) {
-      const Prediction p = predict(select(rows,
-                                          [&](const StopTestRow& row) {
-                                            return row.stop == test.stop && row.scene == scene.name;
-                                          }),
-                                   &StopTestRow::velocity);
+      const Prediction p = predict(rows, [&](const StopTestRow& row) {
+        return row.stop == test.stop && row.scene == scene.name;
+      });
       table.rows.back().push_back(
           p.met == 0 ? "never met"
                      : fmt::format("{} to {}", short_number(p.smallest), short_number(p.largest)));
@@ -163,12 +153,9 @@ Predictions forecast(const std::vector<StopTestRow>& rows) {
   Predictions made;
   for (const Group& group : kGroups) {
     for (const Test& test : kTests) {
-      made[fmt::format("{}_{}", test.key, group.key)] =
-          predict(select(rows,
-                         [&](const StopTestRow& row) {
-                           return row.stop == test.stop && row.dynamic == group.dynamic;
-                         }),
-                  &StopTestRow::velocity);
+      made[fmt::format("{}_{}", test.key, group.key)] = predict(rows, [&](const StopTestRow& row) {
+        return row.stop == test.stop && row.dynamic == group.dynamic;
+      });
     }
   }
   return made;

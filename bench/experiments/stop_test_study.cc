@@ -7,28 +7,14 @@
 #include "solvers/solve.h"
 
 namespace bipot {
-namespace {
-
-/// Largest approach velocity at s = 0, physical.
-double free_approach(const ContactProblem& p) {
-  double largest = 0;
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    const double scale = p.row_scale.size() != 0 ? p.row_scale[c * p.dim] : 1.0;
-    largest = std::max(largest, -p.u_free[c * p.dim] / scale);
-  }
-  return largest;
-}
-
-}  // namespace
 
 std::vector<StopTestRow> study_stop_tests(const StopTestScene& scene,
                                           const ReferenceSolution& reference,
                                           const StopTestOptions& options) {
   const TrueErrorEvaluator true_error(scene.given, reference);
-  const double approach = free_approach(scene.given.problem);
   std::vector<StopTestRow> rows;
   for (const SolverVariant& variant : options.solvers) {
-    for (StopTest stop : options.stops) {
+    for (StopTest stop : {StopTest::kGuarded, StopTest::kRaw42, StopTest::kImpulse}) {
       bool out_of_reach = false;
       for (double tol : options.tols) {
         if (options.interrupted && options.interrupted()) return {};
@@ -45,14 +31,9 @@ std::vector<StopTestRow> study_stop_tests(const StopTestScene& scene,
                                .max_iterations = options.max_iterations,
                                .parameters = variant.parameters};
           const SolveResult result = solve(variant.solver, scene.given.problem, solver);
-          row.status = result.status;
           row.met = is_success(result.status);
           row.iterations = result.iterations;
-          row.guarded = result.error.guarded();
-          const TrueError error = true_error(result.s);
-          row.velocity = error.velocity;
-          row.force = error.force;
-          if (approach > 0) row.penetration = error.penetration_velocity / approach;
+          row.velocity = true_error(result.s).velocity;
           out_of_reach = !row.met;
         }
         rows.push_back(row);
@@ -63,7 +44,7 @@ std::vector<StopTestRow> study_stop_tests(const StopTestScene& scene,
 }
 
 Prediction predict(const std::vector<StopTestRow>& rows,
-                   const std::function<double(const StopTestRow&)>& error) {
+                   const std::function<bool(const StopTestRow&)>& wanted) {
   Prediction p;
   double sum = 0, squares = 0;
   int counted = 0;
@@ -75,6 +56,7 @@ Prediction predict(const std::vector<StopTestRow>& rows,
   };
   const StopTestRow* before = nullptr;
   for (const StopTestRow& row : rows) {
+    if (wanted && !wanted(row)) continue;
     if (before != nullptr &&
         (row.scene != before->scene || row.solver != before->solver || row.stop != before->stop)) {
       fit();
@@ -83,14 +65,14 @@ Prediction predict(const std::vector<StopTestRow>& rows,
     ++p.asked;
     if (!row.met) continue;
     ++p.met;
-    const double ratio = error(row) / row.tol;
+    const double ratio = row.velocity / row.tol;
     if (!std::isfinite(ratio)) continue;
     if (ratio > 10) ++p.too_early;
     if (ratio < 0.1) ++p.too_late;
     if (!(ratio > 0)) continue;
     ++counted;
     tols.push_back(row.tol);
-    errors.push_back(error(row));
+    errors.push_back(row.velocity);
     sum += std::log(ratio);
     squares += std::log(ratio) * std::log(ratio);
     p.smallest = std::fmin(p.smallest, ratio);

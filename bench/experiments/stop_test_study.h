@@ -26,32 +26,27 @@ struct StopTestRow {
   StopTest stop = StopTest::kGuarded;
   double tol = kNaN;
   bool met = false;
-  SolveStatus status = SolveStatus::kNotRun;
   int iterations = 0;
   double velocity = kNaN;  ///< TrueError's                                            [-]
-  double force = kNaN;     ///< TrueError's                                            [-]
-  /// Largest remaining approach velocity over the largest one without contact impulses. [-]
-  double penetration = kNaN;
-  double guarded = kNaN;  ///< shared criterion of the returned impulse                   [-]
 };
 
 struct StopTestOptions {
   std::vector<SolverVariant> solvers;
-  std::vector<StopTest> stops = {StopTest::kGuarded, StopTest::kRaw42, StopTest::kImpulse};
   std::vector<double> tols;  ///< from loose to tight
   int max_iterations = 30000;
   std::function<bool()> interrupted;  ///< asked between solves; may be empty
 };
 
-/// Solves the scene once for each solver, stop test and tolerance, cold. A test that is not met
-/// within the iterations is not met at tighter tolerances either (the solvers' iterates must not
-/// depend on the tolerance). Those rows are filled in without a solve, with the same status. Empty
-/// if interrupted.
+/// Solves the scene once for each solver, stop test (guarded, raw (42), difference) and tolerance,
+/// cold. A test that is not met within the iterations is not met at tighter tolerances either (the
+/// solvers' iterates must not depend on the tolerance). Those rows are filled in without a solve.
+/// Empty if interrupted.
 std::vector<StopTestRow> study_stop_tests(const StopTestScene& scene,
                                           const ReferenceSolution& reference,
                                           const StopTestOptions& options);
 
-/// How well a test's number predicts an error: statistics of error / tol over rows that were met.
+/// How well a test's number predicts the velocity error: statistics of error / tol over rows that
+/// were met.
 struct Prediction {
   int asked = 0, met = 0;
   int too_early = 0;       ///< met rows with error > 10 tol
@@ -62,10 +57,10 @@ struct Prediction {
   double largest = kNaN;
   double slope = kNaN;  ///< median exponent of error against tol, one per scene and solver
 };
-/// `error` selects the measure of a row. Errors of exactly 0 count as too late and stay out of the
+/// Of the wanted rows; empty: of all. Errors of exactly 0 count as too late and stay out of the
 /// logarithms; errors that are not finite are left out. A slope needs three met rows of one scene
 /// and solver, which must be consecutive.
 Prediction predict(const std::vector<StopTestRow>& rows,
-                   const std::function<double(const StopTestRow&)>& error);
+                   const std::function<bool(const StopTestRow&)>& wanted = {});
 
 }  // namespace bipot
