@@ -84,11 +84,6 @@ const Comparison::Row* fastest_to(const Comparison::Problem& problem,
   return loosest;
 }
 
-double PerformanceProfile::share(double ratio) const {
-  const auto within = std::ranges::upper_bound(ratios, ratio) - ratios.begin();
-  return problems == 0 ? 0 : static_cast<double>(within) / problems;
-}
-
 std::vector<PerformanceProfile> performance_profiles(const Comparison& comparison,
                                                      const CostOf& cost) {
   const auto races = [](const Comparison::Problem& problem) { return problem.contacts > 0; };

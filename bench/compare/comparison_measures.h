@@ -60,8 +60,6 @@ struct PerformanceProfile {
   std::string solver;
   std::vector<double> ratios;  ///< sorted, >= 1, of the problems that it solved
   int problems = 0;            ///< all of them
-  /// Share of the problems that it solved within `ratio` times the best.
-  double share(double ratio) const;
 };
 /// `cost` is positive, or NaN if the solver has no result.
 using CostOf = std::function<double(const Comparison::Problem&, const std::string& solver)>;

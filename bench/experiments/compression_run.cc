@@ -127,20 +127,18 @@ Compression::Phase summarise(std::span<const Sample> samples) {
 
 Compression::WindowStatistics window_statistics(const std::vector<double>& pressures) {
   Compression::WindowStatistics result;
-  double sum = 0, squares = 0, right = 0, upper = 0;
+  double sum = 0, squares = 0, right = 0;
   for (int i = 0; i < kWindows; ++i) {
     for (int j = 0; j < kWindows; ++j) {
       const double p = pressures[to_size(i * kWindows + j)];
       sum += p;
       squares += p * p;
       right += i < kWindows / 2 ? -p : p;
-      upper += j < kWindows / 2 ? -p : p;
     }
   }
   const double n = static_cast<double>(pressures.size()), mean = sum / n;
   result.variation = std::sqrt(std::max(0.0, squares / n - mean * mean)) / mean;
   result.horizontal = right / sum;
-  result.vertical = upper / sum;
   return result;
 }
 

@@ -18,7 +18,6 @@ struct Compression {
   struct WindowStatistics {
     double variation = 0;   ///< coefficient of variation over the windows
     double horizontal = 0;  ///< (right half - left half) / sum
-    double vertical = 0;    ///< (upper half - lower half) / sum
   };
   /// Means of a stretch of a compression.
   struct Phase {

@@ -60,7 +60,6 @@ Chart::Series force_histogram(const std::string& name, int style, const std::vec
 class MeanContacts {
  public:
   void add(const State<2>& state);
-  int steps() const { return steps_; }
   /// A copy of `state` with the mean impulses as its contacts.
   State<2> in(const State<2>& state) const;
 
