@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <set>
 
+#include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
 #include "core/base/portable_random.h"
 #include "core/motion/spring_dashpot_setup.h"
@@ -295,15 +297,6 @@ Trade::Options trade_options(bool quick) {
 
 namespace {
 
-/// Repeated values would count as further replicas.
-void remove_repeats(std::vector<double>& values) {
-  std::vector<double> kept;
-  for (const double x : values) {
-    if (std::ranges::find(kept, x) == kept.end()) kept.push_back(x);
-  }
-  values = std::move(kept);
-}
-
 /// The scenes, checked as the settings are.
 Trade planned_trade(const Trade::Options& options) {
   require_solvers(options.solvers);
@@ -334,7 +327,7 @@ Trade run_trade(const Trade::Options& given) {
   Trade::Options options = given;
   for (auto* values : {&options.tols, &options.step_factors, &options.accuracies, &options.overlaps,
                        &options.stiffness}) {
-    remove_repeats(*values);
+    *values = distinct_in_order(*values, std::identity());  // others would be further replicas
   }
   Trade trade = planned_trade(options);
   Runner runner(options, trade);

@@ -89,11 +89,16 @@ void time_step_error(const SceneTrade& s, std::size_t q, SceneTrade::Errors& e) 
   const double value = own->means[q];
   e.reference = value;
   e.reference_kind = "the scene's step, no shorter one was completed";
-  double shortest = 1;
+  const auto usable = [&](const SceneTrade::Cell* c) {
+    return c != nullptr && c->done() && std::isfinite(c->means[q]);
+  };
+  double shortest = 1, apart = 0;  // the latter: from shorter steps, at most
   for (const SceneTrade::Cell& cell : s.cells) {
     const RunSetting& setting = cell.setting;
     if (!setting.equal_steps() || setting.solver != s.solver || setting.tol != s.step_tol) continue;
-    if (!cell.done() || setting.step_factor >= shortest || !std::isfinite(cell.means[q])) continue;
+    if (setting.step_factor >= 1 || !usable(&cell)) continue;
+    apart = std::max(apart, std::abs(value - cell.means[q]));
+    if (setting.step_factor >= shortest) continue;
     shortest = setting.step_factor;
     e.reference = cell.means[q];
     e.reference_kind = fmt::format("h/{:g}, tol {}", 1 / shortest, tolerance_label(s.step_tol));
@@ -108,9 +113,6 @@ void time_step_error(const SceneTrade& s, std::size_t q, SceneTrade::Errors& e) 
   const double scale = quantity.scale(e.reference);
   const SceneTrade::Cell *half = at_step(s, 0.5), *quarter = at_step(s, 0.25),
                          *twice = at_step(s, 2);
-  const auto usable = [&](const SceneTrade::Cell* c) {
-    return c != nullptr && c->done() && std::isfinite(c->means[q]);
-  };
   if (usable(half) && usable(quarter)) {
     const double first = value - half->means[q], second = half->means[q] - quarter->means[q];
     const double ratio = first / second;
@@ -122,14 +124,7 @@ void time_step_error(const SceneTrade& s, std::size_t q, SceneTrade::Errors& e) 
     }
   }
   if (shortest < 1) {
-    e.step_error = 0;
-    for (const SceneTrade::Cell& cell : s.cells) {
-      const RunSetting& setting = cell.setting;
-      if (!setting.equal_steps() || setting.solver != s.solver || setting.tol != s.step_tol)
-        continue;
-      if (setting.step_factor >= 1 || !usable(&cell)) continue;
-      e.step_error = std::max(e.step_error, std::abs(value - cell.means[q]) / scale);
-    }
+    e.step_error = apart / scale;
     e.step_error_kind = "largest difference to shorter steps";
   } else if (usable(twice)) {
     e.step_error = std::abs(value - twice->means[q]) / scale;
@@ -146,8 +141,7 @@ void choice_error(const SceneTrade& s, std::size_t q, SceneTrade::Errors& e) {
     if (!setting.equal_steps() || setting.solver == s.solver || setting.step_factor != 1) continue;
     if (setting.tol != s.tols.back() || !cell.done()) continue;
     const double apart = std::abs(cell.means[q] - own->means[q]) / scale;
-    if (!std::isfinite(apart)) continue;
-    if (apart <= e.choice) continue;
+    if (!std::isfinite(apart) || apart <= e.choice) continue;
     e.choice = apart;
     e.other_solver = setting.solver;
   }
