@@ -17,13 +17,12 @@ class OwnCache {
  public:
   OwnCache() { setenv("BIPOT_CACHE", folder_.path().c_str(), 1); }
   ~OwnCache() { unsetenv("BIPOT_CACHE"); }
-  const TemporaryFolder& folder() const { return folder_; }
-  std::size_t files() const {
-    std::size_t count = 0;
+  std::vector<fs::path> files() const {
+    std::vector<fs::path> paths;
     for (const auto& entry : fs::directory_iterator(folder_.path())) {
-      count += entry.path().extension() == ".hdf5" ? 1 : 0;
+      if (entry.path().extension() == ".hdf5") paths.push_back(entry.path());
     }
-    return count;
+    return paths;
   }
 
  private:
@@ -66,7 +65,7 @@ TEST(MovingProblems, AreStepsOfOneRunWithTheirStart) {
   const MovingRunRequest request{"pour", 6, {}, steps};
   const std::vector<TestProblem> made = moving_problems(request);
   ASSERT_EQ(made.size(), 3u);
-  EXPECT_EQ(cache.files(), 3u);
+  EXPECT_EQ(cache.files().size(), 3u);
   for (const TestProblem& p : made) {
     EXPECT_EQ(validate(p.problem), "");
     EXPECT_GT(p.problem.num_contacts(), 0);
@@ -121,23 +120,15 @@ TEST(MovingProblems, TheCacheGivesTheSameBits) {
   MovingRunRequest other = request;
   other.options.seed = 4;
   EXPECT_NE(moving_problems(other)[0].problem.u_free, fresh[0].problem.u_free);
-  EXPECT_EQ(cache.files(), 4u);
+  EXPECT_EQ(cache.files().size(), 4u);
 }
 
 TEST(MovingProblems, DoNotDependOnWhatOthersDoToTheCache) {
   const OwnCache cache;
-  const auto cached = [&] {
-    std::vector<fs::path> paths;
-    for (const auto& entry : fs::directory_iterator(cache.folder().path())) {
-      const std::string name = entry.path().filename().string();
-      if (name.starts_with("pour") && name.ends_with(".hdf5")) paths.push_back(entry.path());
-    }
-    return paths;
-  };
   std::atomic<bool> done = false;
   std::thread other([&] {
     while (!done) {
-      for (const fs::path& path : cached()) fs::remove(path);
+      for (const fs::path& path : cache.files()) fs::remove(path);
     }
   });
   const auto made =
@@ -156,9 +147,9 @@ TEST(MovingProblems, AreTargetsAndFamilies) {
   EXPECT_EQ(sources[0].series, "pour@1/2");
   EXPECT_EQ(sources[3].series, "tilt:angle=45:mu=0.5@2/2");
   EXPECT_EQ(sources[3].size, 5);
-  EXPECT_EQ(cache.files(), 0u);  // nothing runs before a problem is asked for
+  EXPECT_EQ(cache.files().size(), 0u);  // nothing runs before a problem is asked for
   EXPECT_GT(sources[1].load().problem.num_contacts(), 0);
-  EXPECT_EQ(cache.files(), 2u);
+  EXPECT_EQ(cache.files().size(), 2u);
   for (const char* bad : {"pour:5:ratio=2", "pour:5:angle=3", "pour", "strike:0"}) {
     EXPECT_THROW(expand_targets({bad}), std::invalid_argument) << bad;
   }
