@@ -8,7 +8,7 @@
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/report/labels.h"
-#include "bench/study/study_parts.h"
+#include "bench/study/study.h"
 #include "core/motion/force_balance.h"
 #include "core/scene/generators.h"
 #include "solvers/simulation/step_solver.h"

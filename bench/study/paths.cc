@@ -11,7 +11,7 @@
 #include <set>
 
 #include "bench/report/labels.h"
-#include "bench/study/study_parts.h"
+#include "bench/study/study.h"
 #include "core/motion/push_apart.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"

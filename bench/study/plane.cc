@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/report/labels.h"
-#include "bench/study/study_parts.h"
+#include "bench/study/study.h"
 
 namespace bipot {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "bench/measure/stopwatch.h"
 #include "bench/report/csv_text.h"
-#include "bench/study/study_parts.h"
 #include "core/base/file_error.h"
 #include "core/base/number_text.h"
 

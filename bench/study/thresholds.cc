@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "bench/report/labels.h"
-#include "bench/study/study_parts.h"
+#include "bench/study/study.h"
 
 namespace bipot {
 

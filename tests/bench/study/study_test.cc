@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "bench/study/study_parts.h"
 #include "core/files/atomic_file.h"
 #include "core/files/input_file.h"
 #include "tests/support/temporary_folder.h"
@@ -11,6 +10,10 @@ namespace bipot {
 namespace {
 
 const Study::Stopped kNever = [] { return false; };
+
+const Study::Part& part_called(const std::string& name) {
+  return *std::ranges::find(Study::parts(), name, &Study::Part::name);
+}
 
 Study::Job job(int seed, int& runs, double value = 0) {
   return {{"thresholds", "pour", 9, seed, "apgd", 0.1, 0.5}, [&runs, value](const Study::Stopped&) {
@@ -83,14 +86,11 @@ TEST(Study, GeometricMeansHaveTheIntervalOfTheLogarithms) {
 TEST(Study, PathsTellTheErrorOfTheStepFromTheSolvers) {
   std::map<std::pair<double, double>, Study::Values> rigid;
   Study::Values springs;
-  for (const Study::Part& part : Study::parts()) {
-    if (part.name != "paths") continue;
-    for (const Study::Job& j : part.jobs(true)) {
-      if (j.of.scene != "collapse" || j.of.seed != 1) continue;
-      const Study::Values values = j.run(kNever);
-      ASSERT_FALSE(values.contains("failed")) << j.of.method;
-      (j.of.method == "dem" ? springs : rigid[{j.of.x, j.of.tol}]) = values;
-    }
+  for (const Study::Job& j : part_called("paths").jobs(true)) {
+    if (j.of.scene != "collapse" || j.of.seed != 1) continue;
+    const Study::Values values = j.run(kNever);
+    ASSERT_FALSE(values.contains("failed")) << j.of.method;
+    (j.of.method == "dem" ? springs : rigid[{j.of.x, j.of.tol}]) = values;
   }
   ASSERT_EQ(rigid.size(), 4u);
   const auto solver_error = [&](double factor, double tol) {
@@ -132,10 +132,7 @@ TEST(Study, PathsAreBalancedAndComparedAtEqualError) {
                                                                   {"cpu", 3e-5 / overlap}};
     }
   }
-  Json told;
-  for (const Study::Part& part : Study::parts()) {
-    if (part.name == "paths") told = to_json(part.report(measured));
-  }
+  const Json told = to_json(part_called("paths").report(measured));
   ASSERT_EQ(told["balance"].size(), 3u);
   for (const Json& row : told["balance"]) {
     EXPECT_NEAR(row.at("balance").get<double>(), 5 * row.at("step_factor").get<double>(), 1e-9);
@@ -182,16 +179,12 @@ TEST(Study, QuantitiesOfAPourAreThoseOfAPackingAtRest) {
 // where the walls have no friction, and the sweeps grow with the height.
 TEST(Study, ColumnsWithoutFrictionStandOnTheirFloor) {
   std::map<double, double> sweeps;
-  for (const Study::Part& part : Study::parts()) {
-    if (part.name != "depth") continue;
-    for (const Study::Job& j : part.jobs(true)) {
-      if (j.of.scene != "crystalline:mu_wall=0" || j.of.method != "pgs" || j.of.tol != 1e-4)
-        continue;
-      const Study::Values values = j.run(kNever);
-      EXPECT_NEAR(values.at("floor_share"), 1, 1e-2);
-      EXPECT_EQ(values.at("unsolved"), 0);
-      sweeps[j.of.x] = values.at("iterations");
-    }
+  for (const Study::Job& j : part_called("depth").jobs(true)) {
+    if (j.of.scene != "crystalline:mu_wall=0" || j.of.method != "pgs" || j.of.tol != 1e-4) continue;
+    const Study::Values values = j.run(kNever);
+    EXPECT_NEAR(values.at("floor_share"), 1, 1e-2);
+    EXPECT_EQ(values.at("unsolved"), 0);
+    sweeps[j.of.x] = values.at("iterations");
   }
   ASSERT_EQ(sweeps.size(), 3u);
   // N²: four times the height, sixteen times the sweeps, less the criterion's cadence.
