@@ -188,9 +188,9 @@ TEST(SymmetricSweep, IsTheScalarSweepForthAndBackFromY) {
   }
 }
 
-const std::vector<Execution> kPaths = {
+const std::vector<Execution> kEveryPath = {
     {1, SimdPath::kPortable}, {1, SimdPath::kAvx2}, {1, SimdPath::kAvx512}};
-const std::vector<Execution> kTeams = {{2}, {3}, {4}};
+const std::vector<Execution> kEveryTeam = {{2}, {3}, {4}};
 
 template <int D>
 void check_bits(const ContactProblem& p, const std::vector<Execution>& others,
@@ -213,16 +213,16 @@ void check_bits(const ContactProblem& p, const std::vector<Execution>& others,
 
 TEST(SymmetricSweep, HasTheSameBitsFromEveryPath) {
   for (const int rows : {12, 40}) {
-    check_bits<1>(leaning(1, rows), kPaths, {2});
-    check_bits<2>(leaning(2, rows), kPaths, {2});
+    check_bits<1>(leaning(1, rows), kEveryPath, {2});
+    check_bits<2>(leaning(2, rows), kEveryPath, {2});
   }
 }
 
 TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
-  check_bits<2>(leaning(2, 30), kTeams, {1, 2, 5});  // as they fill the lanes
-  check_bits<2>(leaning(2, 40), kTeams, {1, 2, 5});  // along the rows
-  check_bits<2>(leaning(2, kWide), kTeams, {2});     // in strips
-  check_bits<3>(cubic_lattice(24, {.dim = 3, .tilt = 0.2}), kTeams, {2});
+  check_bits<2>(leaning(2, 30), kEveryTeam, {1, 2, 5});  // as they fill the lanes
+  check_bits<2>(leaning(2, 40), kEveryTeam, {1, 2, 5});  // along the rows
+  check_bits<2>(leaning(2, kWide), kEveryTeam, {2});     // in strips
+  check_bits<3>(cubic_lattice(24, {.dim = 3, .tilt = 0.2}), kEveryTeam, {2});
 }
 
 TEST(SymmetricSweep, RefreshKeepsTheImpulse) {
