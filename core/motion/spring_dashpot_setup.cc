@@ -90,6 +90,13 @@ double impact_speed(const Scene<D>& scene, const Body<D>& disk) {
   return speed;
 }
 
+/// The largest factor of a driven or moving wall, whenever that is: parameters do not depend on the
+/// duration.
+template <int D>
+double largest_factor(const Wall<D>& wall) {
+  return wall.time_factor.largest(-kInfinity, kInfinity);
+}
+
 template <int D>
 Load estimate_load(const Scene<D>& scene, double smallest) {
   Load load;
@@ -100,7 +107,10 @@ Load estimate_load(const Scene<D>& scene, double smallest) {
     all += size_of(d);
     disk_speed = std::max(disk_speed, impact_speed(scene, d));
   }
-  for (const Wall<D>& w : scene.walls) wall_speed = std::max(wall_speed, w.v.norm());
+  for (const Wall<D>& w : scene.walls) {
+    const bool moves = w.motion == Wall<D>::Motion::kMoving;
+    wall_speed = std::max(wall_speed, (moves ? largest_factor(w) : 1) * w.v.norm());
+  }
   const double diameter = diameters / static_cast<double>(scene.bodies.size());
   const double column = std::pow(diameter, D - 1);
   const bool supported = supported_by_walls(scene, 1e-3 * smallest);
@@ -114,12 +124,11 @@ Load estimate_load(const Scene<D>& scene, double smallest) {
   }
   for (const Wall<D>& w : scene.walls) {
     if (w.motion != Wall<D>::Motion::kDriven || w.force == 0) continue;
-    const double across = base(scene, w.direction);
-    load.force =
-        std::max(load.force, std::abs(w.force) / std::max(1.0, std::floor(across / column)));
+    const double across = base(scene, w.direction), force = largest_factor(w) * std::abs(w.force);
+    load.force = std::max(load.force, force / std::max(1.0, std::floor(across / column)));
     const double slack = std::max(0.0, extent(scene, w.direction) - all / (kDense<D> * across));
     if (!supported) {
-      speed2 = std::max(speed2, 2 * std::abs(w.force) * slack / (w.mass + mass));
+      speed2 = std::max(speed2, 2 * force * slack / (w.mass + mass));
     }
   }
   load.speed = std::sqrt(speed2);

@@ -2,6 +2,7 @@
 
 #include "core/scene/generators.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/scene_text.h"
 #include "tests/support/small_scenes.h"
 
 namespace bipot {
@@ -420,6 +421,23 @@ TEST(SpringDashpot, AnUnstableSubstepIsRefused) {
       says(refusal_of<std::invalid_argument>([&] { spring_dashpot_setup(scene); }), "unstable"));
   scene.dem.substep /= 1.02;
   EXPECT_LE(spring_dashpot_setup(scene).substep, scene.dem.substep);
+}
+
+// The same lid and the same floor, written with a factor of 100 and of 10.
+TEST(SpringDashpot, TheDefaultStiffnessKnowsTheFactorsOfWalls) {
+  const auto stiffness = [](const std::string& motion) {
+    return spring_dashpot_setup(scene_of("gravity = [0, 0]\nmodel = 'dem'\n"
+                                         "disks = [{position = [0, 0.1], radius = 0.1, mass = 1}]\n"
+                                         "walls = [{point = [0, 0], normal = [0, 1]},\n"
+                                         "{point = [0, 0.2], normal = [0, -1], " +
+                                         motion + "}]\ntime = {step = 1e-3, steps = 9}\n"))
+        .stiffness;
+  };
+  EXPECT_EQ(
+      stiffness("direction = [0, -1], mass = 1, force = 1, times = [0, 1], factors = [2, -100]"),
+      stiffness("direction = [0, -1], mass = 1, force = 100"));
+  EXPECT_EQ(stiffness("velocity = [0, -1], times = [0, 1], factors = [10, 0]"),
+            stiffness("velocity = [0, -10]"));
 }
 
 TEST(SpringDashpot, ASceneWithoutLoadNeedsAStiffness) {
