@@ -85,9 +85,7 @@ Vec2 image_acceleration(const Accelerations<D>& a, int kx, int ky) {
 /// What moves along with a body of that cell.
 template <int D>
 Vec<D> own_velocity(const Body<D>& body, const PeriodicCell& cell, const Vec<D>& common) {
-  if (!cell.deforms()) return body.v - common;
-  const CellNumber k = cell_number(cell, body.x.template head<2>());
-  return body.v - in_dimensions<D>(cell.shift_velocity(k.kx, k.ky));
+  return cell.deforms() ? body.v - image_velocity(cell, body.x) : body.v - common;
 }
 
 }  // namespace
@@ -103,7 +101,9 @@ Accelerations<D> free_accelerations(const Scene<D>& scene, const State<D>& state
                           : Vec<D>(wall.factor_rate * scene.walls[w].v));
   }
   a.bodies.assign(state.bodies.size(), gravity_at(scene, state.time));
-  if (has_body_forces(scene)) add_force_accelerations<D>(scene, state.time, state.bodies, a.bodies);
+  if (has_body_forces(scene)) {
+    add_force_accelerations<D>(scene, state.cell, state.time, state.bodies, a.bodies);
+  }
   for (std::size_t k = 0; k < state.bodies.size(); ++k) {
     const int wall = state.bodies[k].wall;
     if (wall >= 0) a.bodies[k] = a.walls[to_size(wall)];

@@ -72,7 +72,8 @@ void free_bodies(const Scene<D>& scene, double middle, Midpoint<D>& mid, int thr
       mid.disk_v_free[i] = mid.bodies[i].v + h * mid.gravity;
     }
   });
-  if (has_body_forces(scene)) add_body_forces<D>(scene, middle, mid.bodies, mid.disk_v_free);
+  if (has_body_forces(scene))
+    add_body_forces<D>(scene, mid.cell, middle, mid.bodies, mid.disk_v_free);
   mid.wall_v_free.assign(mid.walls.size(), 0.0);
   for (std::size_t w = 0; w < mid.walls.size(); ++w) {
     const Wall<D>& wall = mid.walls[w];
@@ -163,6 +164,8 @@ template <int D>
 Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state, int threads) {
   Midpoint<D> mid;
   place_bodies(scene, state, mid, threads);
+  mid.cell = state.cell;
+  move_cell(mid.cell, 0.5 * scene.step);
   free_bodies(scene, state.time + 0.5 * scene.step, mid, threads);
   free_clusters(mid, scene.step);
   return mid;
@@ -174,8 +177,6 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
   const double h = scene.step;
   Midpoint<D> mid = free_midpoint(scene, state, threads);
   if (state.cell.periodic()) {
-    mid.cell = state.cell;
-    move_cell(mid.cell, 0.5 * h);
     for (int k = 0; k < 3; ++k) {
       const CellSide& side = mid.cell.side(k);
       mid.side_v_free[k] = side.speed;

@@ -17,9 +17,16 @@ OutsideChanges<D> outside_changes(const Scene<D>& scene, const State<D>& before,
     changes.impulse += wall_momentum(walls[w]) - wall_momentum(before.walls[w]);
   }
   if (has_body_forces(scene)) {
+    const double half = 0.5 * scene.step;
+    PeriodicCell cell = before.cell;
+    move_cell(cell, half);
+    std::vector<Body<D>> bodies = before.bodies;
     std::vector<Vec<D>> v_free;
-    for (const Body<D>& d : before.bodies) v_free.emplace_back(d.v + scene.step * gravity);
-    add_body_forces<D>(scene, before.time + 0.5 * scene.step, before.bodies, v_free);
+    for (Body<D>& d : bodies) {
+      d.x += half * d.v;
+      v_free.emplace_back(d.v + scene.step * gravity);
+    }
+    add_body_forces<D>(scene, cell, before.time + half, bodies, v_free);
     for (std::size_t i = 0; i < after.bodies.size(); ++i) {
       const Body<D>& d = before.bodies[i];
       const Vec<D> impulse = d.mass * (v_free[i] - d.v - scene.step * gravity);

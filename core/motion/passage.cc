@@ -162,19 +162,28 @@ void for_near_pairs(const std::vector<BodyPath<D>>& ways, bool periodic, F&& vis
 
 }  // namespace
 
+namespace {
+
+/// The larger speed of a body at the two ends, against its cell. [m/s]
+template <int D>
+double larger_speed(const State<D>& before, const State<D>& after, std::size_t k) {
+  const auto speed = [k](const State<D>& s) {
+    return (s.bodies[k].v - image_velocity(s.cell, s.bodies[k].x)).norm();
+  };
+  return std::max(speed(before), speed(after));
+}
+
+}  // namespace
+
 template <int D>
 StepTravel step_travel(const State<D>& before, const State<D>& after, double h) {
   StepTravel travel;
-  double fastest = 0, relative = 0;  // squared
   for (std::size_t k = 0; k < after.bodies.size(); ++k) {
-    const Body<D>&a = before.bodies[k], &b = after.bodies[k];
-    const double speed = std::max(a.v.squaredNorm(), b.v.squaredNorm());
-    fastest = std::max(fastest, speed);
-    relative = std::max(relative, speed / (b.radius * b.radius));
-    travel.least = std::min(travel.least, b.radius);
+    const double way = h * larger_speed(before, after, k), radius = after.bodies[k].radius;
+    travel.way = std::max(travel.way, way);
+    travel.radii = std::max(travel.radii, way / radius);
+    travel.least = std::min(travel.least, radius);
   }
-  travel.way = h * std::sqrt(fastest);
-  travel.radii = h * std::sqrt(relative);
   for (const Wall<D>& wall : after.walls) {
     if (!has_far_side(wall)) continue;
     travel.wall_way = std::max(travel.wall_way, h * wall.v.norm());
@@ -197,7 +206,7 @@ std::vector<BodyPath<D>> paths_of(const State<D>& before, const State<D>& after,
                .radius = b.radius,
                .wall = b.wall,
                .cluster = b.cluster,
-               .fast = h * std::max(a.v.norm(), b.v.norm()) + travel.wall_way > travel.least};
+               .fast = h * larger_speed(before, after, k) + travel.wall_way > travel.least};
   }
   return ways;
 }

@@ -8,7 +8,8 @@
 
 namespace bipot {
 
-/// How far things move in a step, at the faster of their velocities at its two ends.
+/// How far things move in a step, at the faster of their velocities at its two ends. Bodies move
+/// against the cell that they are in (image_velocity()).
 struct StepTravel {
   double radii = 0;          ///< largest of the bodies, over the radius of the body
   double way = 0;            ///< largest of the bodies                                    [m]

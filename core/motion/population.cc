@@ -107,15 +107,32 @@ int number_due(const Inlet<D>& inlet, double time) {
   return static_cast<int>(std::min(due, most));
 }
 
-/// The outlet that takes a body at a place with a velocity; the number of outlets if none does.
+/// The outlet that takes a body at a place with a velocity, or an image of it that reaches a box;
+/// the number of outlets if none does.
 template <int D>
-std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x, const Vec<D>& v) {
-  if (state.cell.periodic()) x.template head<2>() = wrapped(state.cell, x.template head<2>());
+std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x, Vec<D> v) {
+  const PeriodicCell& cell = state.cell;
+  if (cell.periodic()) {
+    v -= image_velocity(cell, x);
+    x.template head<2>() = wrapped(cell, x.template head<2>());
+  }
   // The parts of a step bend the way.
-  const Vec<D> way = (scene.accuracy > 0 ? 0.0 : 0.5 * scene.step) * v;
-  const auto found = std::find_if(scene.outlets.begin(), scene.outlets.end(),
-                                  [&](const Outlet<D>& outlet) { return outlet.takes(x, way); });
-  return static_cast<std::size_t>(found - scene.outlets.begin());
+  const double half_step = scene.accuracy > 0 ? 0.0 : 0.5 * scene.step;
+  const Vec<D> way = half_step * v;
+  Box<2> along;
+  along.include((x - way).template head<2>());
+  along.include((x + way).template head<2>());
+  const auto takes = [&](const Outlet<D>& outlet) {
+    if (!outlet.box || !cell.periodic()) return outlet.takes(x, way);
+    return std::ranges::any_of(
+        images_over(cell, along, Box<D>{outlet.lower, outlet.upper}.flat()),
+        [&](const CellNumber& k) {
+          const Vec<D> of_image = half_step * in_dimensions<D>(cell.shift_velocity(k.kx, k.ky));
+          return outlet.takes(x + in_dimensions<D>(cell.shift(k.kx, k.ky)), way + of_image);
+        });
+  };
+  return static_cast<std::size_t>(std::ranges::find_if(scene.outlets, takes) -
+                                  scene.outlets.begin());
 }
 
 /// Removes clusters by their centres of mass. Returns new indices of the clusters, -1: removed.

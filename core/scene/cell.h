@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/base/types.h"
 
@@ -83,6 +84,19 @@ CellNumber cell_number(const PeriodicCell& cell, const Vec2& x);
 CellNumber nearest_corner(const PeriodicCell& cell, const Vec2& x);
 /// The image of x in the cell (0, 0).
 Vec2 wrapped(const PeriodicCell& cell, const Vec2& x);
+
+/// Velocity of the cell that contains x against the cell (0, 0). [m/s]
+template <int D>
+Vec<D> image_velocity(const PeriodicCell& cell, const Vec<D>& x) {
+  if (!cell.deforms()) return Vec<D>::Zero();
+  const CellNumber k = cell_number(cell, x.template head<2>());
+  return in_dimensions<D>(cell.shift_velocity(k.kx, k.ky));
+}
+
+/// Images with which contents of that extent may reach into the box, the sample itself first. The
+/// box may be longer than the cell. [m]
+std::vector<CellNumber> images_over(const PeriodicCell& cell, const Box<2>& contents,
+                                    const Box<2>& box);
 
 /// Length of the shortest way from a body to an image of itself. [m]
 double shortest_period(const PeriodicCell& cell);

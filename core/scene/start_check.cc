@@ -16,11 +16,20 @@ namespace {
 /// Deeper overlaps count, over the smaller radius. Springs of the model dem need overlaps.
 constexpr double kTouching = 1e-6, kSpringsTouch = 0.1;
 
-/// How far x is inside; negative: outside.                                                 [m]
+/// How far x, or an image of it in a box, is inside; negative: outside.                    [m]
 template <int D>
-double depth_inside(const Outlet<D>& outlet, const Vec<D>& x) {
+double depth_inside(const Outlet<D>& outlet, const PeriodicCell& cell, Vec<D> x) {
+  if (cell.periodic()) x.template head<2>() = wrapped(cell, x.template head<2>());
   if (!outlet.box) return -outlet.normal.dot(x - outlet.point);
-  return std::min((x - outlet.lower).minCoeff(), (outlet.upper - x).minCoeff());
+  Box<2> at;
+  at.include(x.template head<2>());
+  double depth = -kInfinity;
+  for (const auto& [kx, ky] : images_over(cell, at, Box<D>{outlet.lower, outlet.upper}.flat())) {
+    const Vec<D> image = x + in_dimensions<D>(cell.shift(kx, ky));
+    depth = std::max(
+        depth, std::min((image - outlet.lower).minCoeff(), (outlet.upper - image).minCoeff()));
+  }
+  return depth;
 }
 
 template <int D>
@@ -32,10 +41,7 @@ void find_in_outlets(const Scene<D>& scene, std::vector<StartOverlap<D>>& overla
       if (body.wall >= 0) continue;
       Vec<D> x = body.x;
       if (body.cluster >= 0) x = scene.clusters.bodies[to_size(body.cluster)].x;
-      if (scene.cell.periodic()) {
-        x.template head<2>() = wrapped(scene.cell, x.template head<2>());
-      }
-      const double depth = depth_inside(scene.outlets[k], x);
+      const double depth = depth_inside(scene.outlets[k], scene.cell, x);
       if (depth < 0) continue;
       overlaps.push_back(
           {{.i = static_cast<int>(i), .j = static_cast<int>(first + k), .gap = -depth},

@@ -97,11 +97,15 @@ int travel_halvings(const Scene<D>& scene, const State<D>& state) {
   const Vec<D> gained = scene.step * gravity_at(scene, middle);
   std::vector<Vec<D>> v_free;
   for (const Body<D>& d : state.bodies) v_free.emplace_back(d.v + gained);
-  if (has_body_forces(scene)) add_body_forces<D>(scene, middle, state.bodies, v_free);
+  if (has_body_forces(scene)) {
+    add_body_forces<D>(scene, state.cell, middle, state.bodies, v_free);
+  }
   double speed = 0, radius = kInfinity;
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     const Body<D>& d = state.bodies[i];
-    speed = std::max({speed, d.v.norm(), d.wall < 0 ? v_free[i].norm() : 0.0});
+    const Vec<D> of_image = image_velocity(state.cell, d.x);
+    speed = std::max(
+        {speed, (d.v - of_image).norm(), d.wall < 0 ? (v_free[i] - of_image).norm() : 0.0});
     radius = std::min(radius, d.radius);
   }
   const std::vector<Wall<D>> walls = walls_at(scene.walls, state.walls, middle);

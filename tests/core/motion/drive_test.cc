@@ -94,6 +94,25 @@ TEST(Drive, DragIsExactInDecayAndAtTheTerminalSpeed) {
   drag_as_derived<3>();
 }
 
+// In a cell that shears the fluid shears with it. A disk and its image in the cell above, which
+// moves at 0.2 m/s more, do the same, and the books close.
+TEST(Drive, TheFluidDeformsWithTheCell) {
+  const auto after = [](int k) {
+    Scene<2> scene = one_law<2>({});
+    scene.step = kDriveStep;
+    scene.cell.in_x = scene.cell.in_y = true;
+    scene.cell.width.length = scene.cell.height.length = 2;
+    scene.cell.offset = {.motion = CellSide::Motion::kMoving, .speed = 0.2};
+    scene.drag.coefficient = 20;
+    scene.bodies = {round_body<2>(Vec2(0.7, 0.5 + 2 * k), 0.5, 2, Vec2(0.3 + 0.2 * k, 0.1))};
+    return after_steps(scene, 40, kDriveBound);
+  };
+  const State<2> here = after(0), above = after(3);
+  EXPECT_LT((above.bodies[0].x - here.bodies[0].x - here.cell.shift(0, 3)).norm(), 1e-12);
+  EXPECT_LT((above.bodies[0].v - here.bodies[0].v - Vec2(0.6, 0)).norm(), 1e-12);
+  EXPECT_GT(here.bodies[0].v[0], 0.04);  // by the fluid at the height of 0.5 m, 0.05 m/s
+}
+
 // Quantiles (k + ½)/n: of a log-normal law the middle one is the median, and logarithms are
 // symmetric about its logarithm; their variance is σ² but for the tails. Of a table linear from 1 to
 // 2 they are 1 + (k + ½)/n.

@@ -402,6 +402,45 @@ TEST(Population, ASceneFileSaysWhereAndContradictionsAreRefused) {
   EXPECT_EQ(state.bodies[0].spin, Vec3(0, 1, 0));
 }
 
+/// One disk in a cell 0.1 m wide and high, whose upper images move to the right at 0.2 m/s; a box
+/// that lets out.
+Scene<2> in_a_cell(const Vec2& x, const Vec2& v, const Vec2& lower, const Vec2& upper) {
+  Scene<2> scene = falling_scene<2>();
+  scene.gravity = Vec2::Zero();
+  scene.step = 1e-3;
+  scene.cell.in_x = scene.cell.in_y = true;
+  scene.cell.width.length = scene.cell.height.length = 0.1;
+  scene.cell.offset = {.motion = CellSide::Motion::kMoving, .speed = 0.2};
+  scene.bodies = {round_body<2>(x, 0.005, 1)};
+  scene.bodies[0].v = v;
+  scene.outlets = {{.name = "slot", .box = true, .lower = lower, .upper = upper}};
+  return scene;
+}
+int let_out_in_30_steps(const Scene<2>& scene) {
+  return solved_run(scene, 30).population.outlets[0].count;
+}
+
+// The disk goes 5 mm a step: from the right edge back to the box at the left one, or into a box
+// beyond the edge, which is one of the images.
+TEST(Population, BoxesAtAndBeyondTheEdgeOfACellAct) {
+  const Vec2 x(0.064, 0.05), left(-5, 0);
+  for (const double at : {0.0, 0.05, -0.1, 0.1, 0.3}) {
+    const Vec2 lower(at, 0), upper(at + 5e-4, 0.1);
+    EXPECT_EQ(let_out_in_30_steps(in_a_cell(x, left, lower, upper)), 1) << at;
+    EXPECT_EQ(let_out_in_30_steps(in_a_cell(x, Vec2::Zero(), lower, upper)), 0) << at;
+  }
+  EXPECT_EQ(let_out_in_30_steps(in_a_cell(x, left, Vec2(-0.029, 0), Vec2(-0.001, 0.1))), 1);
+}
+
+// At rest 1 mm beside the box, in whatever image it is written.
+TEST(Population, ABoxInADeformingCellTakesABodyInAnyImageAlike) {
+  for (const int k : {0, 1, 20}) {
+    const Vec2 x = Vec2(0.03, 0.02 + 0.1 * k), v(0.2 * k, 0);
+    EXPECT_EQ(let_out_in_30_steps(in_a_cell(x, v, Vec2(0.031, 0), Vec2(0.0313, 0.05))), 0) << k;
+    EXPECT_EQ(let_out_in_30_steps(in_a_cell(x, v, Vec2(0.029, 0), Vec2(0.031, 0.05))), 1) << k;
+  }
+}
+
 TEST(Population, ABoxIsNotJumpedOver) {
   // 1 cm thick; 10 m/s in steps of 10 ms are 10 cm.
   Outlet<2> outlet{.name = "slot", .box = true, .lower = Vec2(0, 0), .upper = Vec2(0.01, 1)};
