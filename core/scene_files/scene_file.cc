@@ -70,12 +70,16 @@ void read_materials(const SceneTable& root, Scene<D>& scene) {
     root.fail("materials", "names must differ");
   }
   scene.laws.assign(count * count, base);
+  std::set<std::pair<std::size_t, std::size_t>> seen;
   for (const SceneTable& table : root.tables("pairs")) {
     const std::vector<std::string> between = table.words("between");
     if (between.size() != 2) table.fail("between", "expected two material names");
     std::array<std::size_t, 2> index{};
     for (std::size_t k = 0; k < 2; ++k) {
       index[k] = table.index_of("between", "material", between[k], scene.materials);
+    }
+    if (!seen.emplace(std::minmax(index[0], index[1])).second) {
+      table.fail("between", "an earlier entry has these materials");
     }
     const ContactLaw law = read_law(table, base);
     scene.laws[index[0] * count + index[1]] = scene.laws[index[1] * count + index[0]] = law;

@@ -230,6 +230,20 @@ std::string unknown_key_message(std::string_view typed, const std::vector<std::s
                        fmt::join(valid, ", "));
   }
   if (nearest_name(typed, valid).empty()) {
+    if (std::ranges::any_of(all_tables(), [&](const TableKeys& table) {
+          return lists(table.keys, typed) && std::ranges::all_of(valid, [&](const auto& key) {
+                   return lists(table.keys, key);
+                 });
+        })) {
+      return fmt::format(
+          "unknown key '{}' here; it does not go with this arrangement, shape or motion. Valid: {}",
+          typed, fmt::join(valid, ", "));
+    }
+    if (std::ranges::find(valid, "parameters") != valid.end()) {
+      return fmt::format(
+          "unknown key '{}'; parameters of a solver stand in parameters = {{ {} = ... }}. Valid: {}",
+          typed, typed, fmt::join(valid, ", "));
+    }
     if (const std::string place = other_place(typed); !place.empty()) {
       return fmt::format("unknown key '{}' here; {}. Valid: {}", typed, place,
                          fmt::join(valid, ", "));

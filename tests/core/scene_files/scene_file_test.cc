@@ -482,6 +482,9 @@ TEST(SceneFile, MissingKeysAreNamed) {
   expect_refused("[[walls]]\nfrom = [0, 0]\nto = [1, 0]\nforce = 1\nmass = 1\n",
                  {"'direction'", "missing"});
   expect_refused("materials = ['a']\n[[pairs]]\nmu = 1\n", {"'between'"});
+  expect_refused(
+      "materials = ['a', 'b']\n[[pairs]]\nbetween = ['a', 'b']\n[[pairs]]\nbetween = ['b', 'a']\n",
+      {"test.toml:5", "[pairs[1]]", "an earlier entry"});
 }
 
 TEST(SceneFile, ContradictionsAreRefused) {

@@ -56,6 +56,15 @@ TEST(SceneKeys, UnknownKeysAreToldBeforeMissingOnes) {
                      {"test.toml:1", "'mu' belongs to [contact]"});
 }
 
+TEST(SceneKeys, KeysOfAnotherArrangementOrShapeOrSolverAreToldSo) {
+  expect_key_refused("[[disks]]\nposition = [0, 0]\nradius = 1\nmass = 1\ncolumns = 3\n",
+                     {"test.toml:5", "'columns' here; it does not go with this arrangement"});
+  expect_key_refused("[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\nhollow = true\n",
+                     {"'hollow' here; it does not go with this arrangement, shape or motion"});
+  expect_key_refused("[solver]\nname = 'pgs'\nomega = 1.2\n",
+                     {"test.toml:3", "parameters = { omega = ... }"});
+}
+
 TEST(SceneKeys, WhatIsNotModelledIsSaid) {
   expect_key_refused("[[boxes]]\nsize = 1\n", {"'boxes'", "rigid clusters of disks"});
   expect_key_refused("[[disks]]\ndiameter = 1\n", {"radius"});
