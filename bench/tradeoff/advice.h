@@ -78,6 +78,7 @@ struct Advice {
     int steps_planned = 0, steps_run = 0;
     int contact_steps = 0;  ///< of those run, with contacts
     int contacts_max = 0;
+    int unsolved = 0;             ///< of those run
     int stretches = 0;            ///< to choose from
     double overhead_seconds = 0;  ///< CPU of a step besides its solve: detection, assembly   [s]
     double overlap = 0;           ///< largest, over the smaller radius

@@ -53,6 +53,13 @@ std::string what_helps(const Advice::Options& options, const Advice& advice) {
 
 void conclude(const Advice::Options& options, Advice& advice) {
   const std::string more = fmt::format("give --time-limit {:g}", 4 * options.time_limit);
+  if (advice.choice < 0 && advice.sample.unsolved > 0) {
+    advice.status = Advice::Status::kNotMet;
+    advice.message = fmt::format(
+        "{} of {} steps of the run were not solved: `bipot run` says why, mend the scene first",
+        advice.sample.unsolved, advice.sample.steps_run);
+    return;
+  }
   if (advice.choice < 0) {
     advice.status = Advice::Status::kUndecided;
     advice.message = !advice.trials.empty() && !advice.out_of_time

@@ -199,6 +199,7 @@ void Adviser<D>::run_to_sample(double tol, double part) {
   } else if (seen.steps_run < scene_.num_steps) {
     seen.note = fmt::format("time for the run was up after {} steps", seen.steps_run);
   }
+  seen.unsolved = run.steps - run.steps_converged;
   seen.stretches = static_cast<int>(starts_.size());
   if (seen.steps_run > 0) {
     seen.overhead_seconds = std::max(0.0, run.cpu - run.solve_cpu) / seen.steps_run;

@@ -1,5 +1,7 @@
 #include "bench/tradeoff/trade_outcome.h"
 
+#include <utility>
+
 #include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"
@@ -276,8 +278,9 @@ void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report
   friction_loss_ = report.energy.friction_loss;
   lost_ = report.energy.friction_loss + report.energy.shock_loss;
   if (state.step >= scene_.num_steps) last_ = state;
-  if (state.step <= (1 - kWindow) * scene_.num_steps) return;
-  ++window_steps_;
+  const int before = std::exchange(step_, state.step);
+  const double window = (1 - kWindow) * scene_.num_steps;
+  if (state.step + (state.step - before) <= window) return;  // nor does the next one count
   const std::size_t n = state.bodies.size();
   double load = 0, worst = 0, impulses = 0, speed2 = 0;
   std::size_t bodies = state.clusters.bodies.size();
@@ -287,7 +290,17 @@ void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report
     speed2 += d.v.squaredNorm();
     ++bodies;
   }
-  speed2_ += bodies > 0 ? speed2 / static_cast<double>(bodies) : 0;
+  if (bodies > 0) speed2 /= static_cast<double>(bodies);
+  MeanStress<D> stress;  // over one square metre; values() knows the area
+  if (n > 0) stress = sample_stress(state, scene_.step, 1, contact_moments(state));
+  const double kinetic = stress.kinetic.trace() / D;
+  // Velocities are those at the end of a step. Over it they count by the mean of both ends.
+  const double speed2_before = std::exchange(last_speed2_, speed2);
+  const double kinetic_before = std::exchange(last_kinetic_, kinetic);
+  if (state.step <= window) return;
+  ++window_steps_;
+  speed2_ += before > 0 ? 0.5 * (speed2_before + speed2) : speed2;
+  pressure_ += stress.pressure() + (before > 0 ? 0.5 * (kinetic_before - kinetic) : 0);
   std::vector<double> below(load_above_.size(), 0.0);
   for (const ContactOutcome<D>& c : state.contacts) {
     const auto j = static_cast<std::size_t>(c.contact.j);
@@ -305,8 +318,6 @@ void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report
     const double least = kCarries * impulses / report.active;
     for (const ContactOutcome<D>& c : state.contacts) contacts_ += c.s_n > least ? 1 : 0;
   }
-  // Over one square metre; values() knows the area.
-  if (n > 0) pressure_ += sample_stress(state, scene_.step, 1, contact_moments(state)).pressure();
   const double weight = scene_.has_gates() ? weight_of(state) : weight_;
   floor_load_ += weight > 0 ? load / weight : 0;
   for (std::size_t k = 0; k < below.size(); ++k) {

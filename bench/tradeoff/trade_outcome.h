@@ -62,8 +62,9 @@ class OutcomeRecorder {
   double floor_ = 0;
   double slowing_ = 0, rolls_from_ = kNaN;  // slider: of its contact [m/s²]; when it stops sliding
   // Sample.
-  int window_steps_ = 0;
+  int step_ = 0, window_steps_ = 0;
   double pressure_ = 0, floor_load_ = 0, contacts_ = 0, speed2_ = 0, column_error_ = 0;
+  double last_speed2_ = 0, last_kinetic_ = 0;  // at the end of the step before
   double friction_loss_ = 0, lost_ = 0;
   bool has_floor_ = false;
   std::vector<double> load_above_;  // weight on the lower contact of each disk; empty: no columns

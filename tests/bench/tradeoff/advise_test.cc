@@ -6,6 +6,7 @@
 #include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/run_setting.h"
 #include "core/scene/scene_family.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/simulation/scene_run.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/test.h"
@@ -204,6 +205,21 @@ TEST(Advise, ASceneThatFailsBeforeAContactIsNamed) {
   EXPECT_EQ(advice.status, Advice::Status::kUndecided);
   EXPECT_TRUE(says(advice.message, "went through"));
   EXPECT_TRUE(says(advice.message, "mend the scene first"));
+}
+
+// A lid that comes down on a disk: no step has a solution. More time is no help.
+TEST(Advise, AStepWithoutSolutionIsNoQuestionOfTime) {
+  Scene<2> scene = drop();
+  scene.bodies[0].x[1] = scene.bodies[0].radius;
+  scene.walls.push_back(half_space<2>(2 * scene.bodies[0].x, Vec2(0, -1), "lid"));
+  move_at(scene.walls.back(), Vec2(0, -0.1));
+  scene.num_steps = 20;
+  Advice::Options options = quick(1e-2);
+  options.time_limit = 4;
+  const Advice advice = advise(scene, options);
+  EXPECT_EQ(advice.status, Advice::Status::kNotMet);
+  EXPECT_TRUE(says(advice.message, "were not solved"));
+  EXPECT_FALSE(says(advice_summary(advice), "--accuracy"));
 }
 
 TEST(Advise, TakesMoreStretchesWhereOneHasNoBar) {

@@ -318,6 +318,23 @@ TEST_F(TradeRun, AccuraciesCutStepsOfOneFrame) {
   EXPECT_TRUE(says(s.answer(), "--accuracy 0.01"));
 }
 
+// Free flight is exact with any step. Over the last tenth the mean of v² = (g t)² is
+// g² (1 - 0.9³)/0.3 times the end's t², however few steps it is seen in.
+TEST_F(TradeRun, MeansOverTheLastTenthDoNotDependOnTheSteps) {
+  Trade::Options options = options_of(
+      scene_file(
+          folder, "thrown",
+          "disks = [{position = [0, 10], radius = 0.1, mass = 1},\n"
+          "{position = [1, 10], radius = 0.1, mass = 1}]\ntime = {step = 1e-3, steps = 1000}\n"),
+      {1e-2});
+  options.accuracies = {0.1};
+  const Trade trade = run_trade(options);
+  const auto speed = std::ranges::find(trade.scenes[0].quantities, "speed", &TradeQuantity::name);
+  const auto k = to_size(speed - trade.scenes[0].quantities.begin());
+  const double steps = trade.rows[0].values.at(k), cut = trade.rows[1].values.at(k);
+  EXPECT_NEAR(cut / steps, 1, 1e-3);
+}
+
 TEST_F(TradeRun, FailuresAndTimeOutsStayInTheTable) {
   Trade::Options options{.targets = {scene_file(folder, "falling", kFalling)},
                          .tols = {1e-1, 1e-6},
