@@ -171,7 +171,8 @@ CommandDeclaration add_extremes(CommandLine& line, ExtremesFlags& flags) {
   command.option("--random-problems N", flags.random_problems,
                  "So many problems: the first solver sees all, the others share them",
                  {.group = group, .positive = true});
-  command.option("--random-scenes N", flags.random_scenes, "So many scenes, 20 steps each",
+  command.option("--random-scenes N", flags.random_scenes,
+                 "So many scenes, 20 steps each, by the first solver",
                  {.group = group, .positive = true});
   command.option("--seed", flags.seed, "Of the sets", {.show_default = true, .group = group});
   command.option("--first", flags.first, "Index to begin with",
@@ -200,6 +201,8 @@ void require_effect(const ExtremesFlags& flags) {
   refuse(random && flags.quick, "--quick", "on random sets");
   refuse(!random && flags.seed != none.seed, "--seed", "without random sets");
   refuse(!random && flags.first != none.first, "--first", "without random sets");
+  refuse(flags.random_scenes > 0 && flags.random_problems == 0 && flags.solvers.size() > 1,
+         "a second --solver", "on random scenes: the first one runs them all");
   refuse(dumps && !flags.out.empty(), "--out", "with --dump-problem");
   refuse(dumps && !flags.json.empty(), "--json", "with --dump-problem");
 }

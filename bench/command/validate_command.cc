@@ -74,7 +74,7 @@ CommandDeclaration add_validate(CommandLine& line, ValidateFlags& flags) {
       "Each row has its source, the expected value, what is measured at several tolerances, the\n"
       "error bar, and the loosest tolerance from which on it is right to 1 %.\n"
       "Ends with 1 when a row is refuted at the tightest tolerance: off by more than two error bars\n"
-      "and what is allowed. With 0 otherwise (between, a row is undecided).\n"
+      "and what is allowed, or without a value. With 0 otherwise (between, a row is undecided).\n"
       "Examples:\n"
       "  bipot validate --quick --out out/validate\n"
       "  bipot validate --only disk,four_spheres\n"

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -130,6 +131,7 @@ Family parse_family(const std::string& target) {
   }
   family.side = static_cast<int>(side);
   const std::vector<std::string> known = options_of(family);
+  std::set<std::string> given;
   for (std::size_t i = 2; i < parts.size(); ++i) {
     const std::size_t equals = parts[i].find('=');
     const std::string key = parts[i].substr(0, equals);
@@ -139,6 +141,9 @@ Family parse_family(const std::string& target) {
     if (!contains(known, key)) {
       throw std::invalid_argument(fmt::format("target {}: {} takes {}, not '{}'", target,
                                               family.name, fmt::join(known, ", "), key));
+    }
+    if (!given.insert(key == "angle" ? "tilt" : key).second) {
+      throw std::invalid_argument(fmt::format("target {}: {} is given twice", target, key));
     }
     if (key == "mu" && value >= 0) {
       o.mu = value;
@@ -324,6 +329,14 @@ ProblemSource file_source(const fs::path& path) {
           }};
 }
 
+/// By the content: problems are HDF5 or begin with a number.
+bool is_scene_file(const fs::path& path) {
+  if (path.extension() == ".toml") return true;
+  char first = 0;
+  std::ifstream(path) >> first;
+  return (first >= 'a' && first <= 'z') || first == '#' || first == '[';
+}
+
 void add_folder(const std::string& target, std::vector<ProblemSource>& sources) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(target)) {
@@ -400,7 +413,7 @@ void add_target(const std::string& target, const TargetOptions& options,
   }
   if (fs::is_directory(target)) return add_folder(target, sources);
   if (fs::is_regular_file(target)) {
-    if (fs::path(target).extension() == ".toml") return add_scene(target, options, sources);
+    if (is_scene_file(target)) return add_scene(target, options, sources);
     sources.push_back(file_source(target));
     return;
   }

@@ -28,6 +28,9 @@ TEST(CommandLine, UnknownCommandsAndFlagsNameTheNearest) {
     expect_said(std::string(command) + " --out ''", 2, {"--out: expected ", "an empty text"});
   }
   expect_said("compare pile:3:ratio=2", 2, {"pile takes mu, tilt, seed, not 'ratio'"});
+  expect_said("compare pile:3:mu=0.3:mu=0.5", 2, {"mu is given twice"});
+  expect_said("extremes --random-scenes 2 --solver auto,pgs", 2,
+              {"a second --solver has no effect"});
 }
 
 TEST(CommandLine, ASceneThatIsMissedIsPointedOut) {
