@@ -30,7 +30,7 @@ struct Midpoint {
 template <int D>
 void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid, int threads = 1);
 
-/// The same without contacts: positions, velocities and forces alone. Not for periodic scenes.
+/// The same without contacts: positions, velocities and forces alone.
 template <int D>
 Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state, int threads = 1);
 

@@ -160,17 +160,18 @@ void for_near_pairs(const std::vector<BodyPath<D>>& ways, bool periodic, F&& vis
   }
 }
 
-}  // namespace
-
-namespace {
-
-/// The larger speed of a body at the two ends, against its cell. [m/s]
+/// The square of the larger speed of a body at the two ends, against its cell.        [m²/s²]
 template <int D>
-double larger_speed(const State<D>& before, const State<D>& after, std::size_t k) {
-  const auto speed = [k](const State<D>& s) {
-    return (s.bodies[k].v - image_velocity(s.cell, s.bodies[k].x)).norm();
+double larger_speed2(const State<D>& before, const State<D>& after, std::size_t k) {
+  const auto speed2 = [k](const State<D>& s) {
+    return (s.bodies[k].v - image_velocity(s.cell, s.bodies[k].x)).squaredNorm();
   };
-  return std::max(speed(before), speed(after));
+  return std::max(speed2(before), speed2(after));
+}
+
+/// How fast neighbouring cells move against each other at most.                        [m/s]
+double jump_of(const PeriodicCell& cell) {
+  return cell.shift_velocity(1, 0).norm() + cell.shift_velocity(0, 1).norm();
 }
 
 }  // namespace
@@ -178,12 +179,15 @@ double larger_speed(const State<D>& before, const State<D>& after, std::size_t k
 template <int D>
 StepTravel step_travel(const State<D>& before, const State<D>& after, double h) {
   StepTravel travel;
+  double fastest = 0, relative = 0;  // squared
   for (std::size_t k = 0; k < after.bodies.size(); ++k) {
-    const double way = h * larger_speed(before, after, k), radius = after.bodies[k].radius;
-    travel.way = std::max(travel.way, way);
-    travel.radii = std::max(travel.radii, way / radius);
+    const double speed2 = larger_speed2(before, after, k), radius = after.bodies[k].radius;
+    fastest = std::max(fastest, speed2);
+    relative = std::max(relative, speed2 / (radius * radius));
     travel.least = std::min(travel.least, radius);
   }
+  travel.way = h * (std::sqrt(fastest) + jump_of(after.cell));
+  travel.radii = h * std::sqrt(relative);
   for (const Wall<D>& wall : after.walls) {
     if (!has_far_side(wall)) continue;
     travel.wall_way = std::max(travel.wall_way, h * wall.v.norm());
@@ -196,6 +200,7 @@ template <int D>
 std::vector<BodyPath<D>> paths_of(const State<D>& before, const State<D>& after, double h,
                                   const StepTravel& travel, const std::function<int(int)>& number) {
   std::vector<BodyPath<D>> ways(after.bodies.size());
+  const double jump = jump_of(after.cell);
   for (std::size_t k = 0; k < ways.size(); ++k) {
     const Body<D>&a = before.bodies[k], &b = after.bodies[k];
     ways[k] = {.number = number(static_cast<int>(k)),
@@ -206,7 +211,8 @@ std::vector<BodyPath<D>> paths_of(const State<D>& before, const State<D>& after,
                .radius = b.radius,
                .wall = b.wall,
                .cluster = b.cluster,
-               .fast = h * larger_speed(before, after, k) + travel.wall_way > travel.least};
+               .fast = h * (std::sqrt(larger_speed2(before, after, k)) + jump) + travel.wall_way >
+                       travel.least};
   }
   return ways;
 }

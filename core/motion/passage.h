@@ -9,7 +9,8 @@
 namespace bipot {
 
 /// How far things move in a step, at the faster of their velocities at its two ends. Bodies move
-/// against the cell that they are in (image_velocity()).
+/// against the cell that they are in (image_velocity()); `way` adds how far cells move against each
+/// other.
 struct StepTravel {
   double radii = 0;          ///< largest of the bodies, over the radius of the body
   double way = 0;            ///< largest of the bodies                                    [m]

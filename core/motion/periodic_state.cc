@@ -93,4 +93,21 @@ std::vector<Vec2> image_shifts(const PeriodicCell& cell) {
   return shifts;
 }
 
+std::vector<CellNumber> images_over(const PeriodicCell& cell, const Box<2>& contents,
+                                    const Box<2>& box) {
+  std::vector<CellNumber> images = {{}};
+  if (!cell.periodic() || contents.empty()) return images;
+  const Vec2 low = box.lower - contents.upper, high = box.upper - contents.lower;  // of a shift
+  const auto first = [](double at) { return static_cast<int>(std::ceil(at)); };
+  const auto last = [](double at) { return static_cast<int>(std::floor(at)); };
+  const double height = cell.in_y ? cell.height.length : kInfinity;
+  for (int ky = first(low[1] / height); ky <= last(high[1] / height); ++ky) {
+    const double aside = ky * cell.offset.length, width = cell.width.length;
+    for (int kx = first((low[0] - aside) / width); kx <= last((high[0] - aside) / width); ++kx) {
+      if (kx != 0 || ky != 0) images.push_back({kx, ky});
+    }
+  }
+  return images;
+}
+
 }  // namespace bipot

@@ -30,6 +30,10 @@ std::vector<std::pair<Vec3, Vec3>> cell_outline(const PeriodicCell& cell, const 
 /// [m]
 std::vector<Vec2> image_shifts(const PeriodicCell& cell);
 
+/// Images with which contents of that extent may reach into the box, the sample itself first. The
+/// box may be longer than the cell. [m]
+std::vector<CellNumber> images_over(const PeriodicCell& cell, const Box<2>& contents,
+                                    const Box<2>& box);
 /// The extent of the bodies, in the plane of the cell. [m]
 template <int D>
 Box<2> extent_of_bodies(const State<D>& state) {

@@ -119,13 +119,13 @@ std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x, Ve
   // The parts of a step bend the way.
   const double half_step = scene.accuracy > 0 ? 0.0 : 0.5 * scene.step;
   const Vec<D> way = half_step * v;
-  Box<2> along;
-  along.include((x - way).template head<2>());
-  along.include((x + way).template head<2>());
   const auto takes = [&](const Outlet<D>& outlet) {
     if (!outlet.box || !cell.periodic()) return outlet.takes(x, way);
+    Box<2> along;
+    along.include((x - way).template head<2>());
+    along.include((x + way).template head<2>());
     return std::ranges::any_of(
-        images_over(cell, along, Box<D>{outlet.lower, outlet.upper}.flat()),
+        first_images_over(cell, along, half_step, Box<D>{outlet.lower, outlet.upper}.flat()),
         [&](const CellNumber& k) {
           const Vec<D> of_image = half_step * in_dimensions<D>(cell.shift_velocity(k.kx, k.ky));
           return outlet.takes(x + in_dimensions<D>(cell.shift(k.kx, k.ky)), way + of_image);

@@ -62,18 +62,35 @@ Vec2 wrapped(const PeriodicCell& cell, const Vec2& x) {
   return x - cell.shift(number.kx, number.ky);
 }
 
-std::vector<CellNumber> images_over(const PeriodicCell& cell, const Box<2>& contents,
-                                    const Box<2>& box) {
-  std::vector<CellNumber> images = {{}};
-  if (!cell.periodic() || contents.empty()) return images;
-  const Vec2 low = box.lower - contents.upper, high = box.upper - contents.lower;  // of a shift
-  const auto first = [](double at) { return static_cast<int>(std::ceil(at)); };
-  const auto last = [](double at) { return static_cast<int>(std::floor(at)); };
-  const double height = cell.in_y ? cell.height.length : kInfinity;
-  for (int ky = first(low[1] / height); ky <= last(high[1] / height); ++ky) {
-    const double aside = ky * cell.offset.length, width = cell.width.length;
-    for (int kx = first((low[0] - aside) / width); kx <= last((high[0] - aside) / width); ++kx) {
-      if (kx != 0 || ky != 0) images.push_back({kx, ky});
+std::vector<CellNumber> first_images_over(const PeriodicCell& cell, const Box<2>& contents,
+                                          double time, Box<2> box) {
+  const double width = cell.width.length, height = cell.in_y ? cell.height.length : kInfinity;
+  const Vec2 farthest = kMostCells * Vec2(width, height);
+  box.lower = box.lower.cwiseMax(-farthest);
+  box.upper = box.upper.cwiseMin(farthest);
+  // Images move with their cells, none that reaches the box faster than this.
+  const double fastest = homogeneous_velocity(cell, box.lower).norm() +
+                         homogeneous_velocity(cell, box.size()).norm() +
+                         2 * cell.shift_velocity(1, 1).norm();
+  Box<2> reach = contents;
+  reach.widen(time * fastest);
+  const Vec2 low = box.lower - reach.upper, high = box.upper - reach.lower;  // of a shift
+  // After one image that reaches the box there is one wholly inside, if the box is longer than the
+  // cell and the contents; else there are no more than twice the contents and two.
+  const auto last = [](double first, double end, double extents_in_period) {
+    return std::min(end, first + 2 + 2 * std::ceil(extents_in_period));
+  };
+  const double lowest = std::ceil(low[1] / height);
+  double highest = std::floor(high[1] / height);
+  if (box.size()[0] > width + reach.size()[0]) {  // each row has one
+    highest = last(lowest, highest, reach.size()[1] / height);
+  }
+  std::vector<CellNumber> images;
+  for (double ky = lowest; ky <= highest; ++ky) {
+    const double aside = ky * cell.offset.length, first = std::ceil((low[0] - aside) / width);
+    const double end = last(first, std::floor((high[0] - aside) / width), reach.size()[0] / width);
+    for (double kx = first; kx <= end; ++kx) {
+      images.push_back({static_cast<int>(kx), static_cast<int>(ky)});
     }
   }
   return images;

@@ -93,10 +93,11 @@ Vec<D> image_velocity(const PeriodicCell& cell, const Vec<D>& x) {
   return in_dimensions<D>(cell.shift_velocity(k.kx, k.ky));
 }
 
-/// Images with which contents of that extent may reach into the box, the sample itself first. The
-/// box may be longer than the cell. [m]
-std::vector<CellNumber> images_over(const PeriodicCell& cell, const Box<2>& contents,
-                                    const Box<2>& box);
+/// Images whose contents, moved by their cells for up to that time, may reach into the box; of a box
+/// longer than the cell so many that one of them does if any does. No farther away than kMostCells.
+std::vector<CellNumber> first_images_over(const PeriodicCell& cell, const Box<2>& contents,
+                                          double time, Box<2> box);
+inline constexpr double kMostCells = 1000;
 
 /// Length of the shortest way from a body to an image of itself. [m]
 double shortest_period(const PeriodicCell& cell);

@@ -323,6 +323,15 @@ std::string check_gates(const Scene<D>& scene) {
   }
   for (const Outlet<D>& outlet : scene.outlets) {
     if (auto e = check_outlet(outlet); !e.empty()) return e;
+    const PeriodicCell& cell = scene.cell;
+    const auto is_far = [&](int axis, double period) {
+      return std::max(outlet.lower[axis], -outlet.upper[axis]) > kMostCells * period;
+    };
+    if (outlet.box && ((cell.in_x && is_far(0, cell.width.length)) ||
+                       (cell.in_y && is_far(1, cell.height.length)))) {
+      return fmt::format("outlet '{}': its box lies more than {} cells away", outlet.name,
+                         kMostCells);
+    }
   }
   for (std::size_t k = 0; k < scene.inlets.size(); ++k) {
     const Inlet<D>& inlet = scene.inlets[k];

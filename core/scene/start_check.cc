@@ -24,7 +24,8 @@ double depth_inside(const Outlet<D>& outlet, const PeriodicCell& cell, Vec<D> x)
   Box<2> at;
   at.include(x.template head<2>());
   double depth = -kInfinity;
-  for (const auto& [kx, ky] : images_over(cell, at, Box<D>{outlet.lower, outlet.upper}.flat())) {
+  for (const auto& [kx, ky] :
+       first_images_over(cell, at, 0, Box<D>{outlet.lower, outlet.upper}.flat())) {
     const Vec<D> image = x + in_dimensions<D>(cell.shift(kx, ky));
     depth = std::max(
         depth, std::min((image - outlet.lower).minCoeff(), (outlet.upper - image).minCoeff()));

@@ -63,10 +63,10 @@ TEST(Travel, IsMeasuredAgainstTheCell) {
   scene.walls.clear();
   scene.travel = 0.01;
   scene.cell.in_x = scene.cell.in_y = true;
-  scene.cell.width.length = scene.cell.height.length = 2;
+  scene.cell.width.length = scene.cell.height.length = 2.5;
   scene.cell.offset = {.motion = CellSide::Motion::kMoving, .speed = 0.2};
   for (const int k : {0, 50}) {
-    scene.bodies = {round_body<2>(Vec2(0.7, 0.6 + 2 * k), 0.5, 2, Vec2(0.2 * k, 0))};
+    scene.bodies = {round_body<2>(Vec2(0.7, 0.6 + 2.5 * k), 0.5, 2, Vec2(0.2 * k, 0))};
     State<2> state = initial_state(scene);
     EXPECT_EQ(travel_halvings(scene, state), 0) << k;
     EXPECT_LT(SceneStepper<2>(scene, {}).advance(state).travel, 1e-12) << k;

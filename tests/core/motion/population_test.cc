@@ -441,6 +441,27 @@ TEST(Population, ABoxInADeformingCellTakesABodyInAnyImageAlike) {
   }
 }
 
+// A disk at rest in its cell: its image in the fifth row above moves at 1 m/s, 1 mm a step, and
+// comes by every half second.
+TEST(Population, AThinBoxTakesAnImageThatMovesWithItsCell) {
+  Scene<2> scene = in_a_cell(Vec2(0.03, 0.02), Vec2::Zero(), Vec2(0.0771, 0.5), Vec2(0.0774, 0.55));
+  scene.num_steps = 100;
+  int taken = 0;
+  solved_run(scene, [&](const State<2>& state, const StepReport<2>&) {
+    if (taken == 0 && state.population.outlets[0].count > 0) taken = state.step;
+  });
+  EXPECT_NEAR(taken, 48, 1.5);  // (77.2 - 30) mm, and out before the next step
+}
+
+TEST(Population, ABoxFarWiderThanTheCellActsAtOnce) {
+  const Scene<2> scene =
+      in_a_cell(Vec2(0.03, 0.02), Vec2::Zero(), Vec2(-1e12, -1e12), Vec2(1e12, 1e12));
+  EXPECT_EQ(let_out_in_30_steps(scene), 1);
+  const Scene<2> beside =
+      in_a_cell(Vec2(0.03, 0.02), Vec2::Zero(), Vec2(-1e9, 0.05), Vec2(1e9, 0.06));
+  EXPECT_EQ(let_out_in_30_steps(beside), 0);
+}
+
 TEST(Population, ABoxIsNotJumpedOver) {
   // 1 cm thick; 10 m/s in steps of 10 ms are 10 cm.
   Outlet<2> outlet{.name = "slot", .box = true, .lower = Vec2(0, 0), .upper = Vec2(0.01, 1)};
