@@ -329,7 +329,7 @@ ProblemSource file_source(const fs::path& path) {
           }};
 }
 
-/// By the content: problems are HDF5 or begin with a number.
+/// By its name, or by its content: problems are HDF5 or begin with a number.
 bool is_scene_file(const fs::path& path) {
   if (path.extension() == ".toml") return true;
   char first = 0;

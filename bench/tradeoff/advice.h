@@ -84,6 +84,8 @@ struct Advice {
     double overlap = 0;           ///< largest, over the smaller radius
     std::string note;             ///< why the run ended early; empty: it did not
     bool failed = false;          ///< for another reason than time
+
+    bool mostly_unsolved() const { return 2 * unsolved > contact_steps; }
   };
   /// The run as advised, from its start as far as time allowed.
   struct Run {

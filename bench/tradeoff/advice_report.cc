@@ -222,7 +222,7 @@ std::vector<std::pair<std::string, std::string>> five_lines(const Advice& a) {
   if (a.choice < 0) {
     line("asked for", error_text(a.goal, a.goal) + whose);
     line("verdict", fmt::format("{}: {}", to_string(a.status), a.message));
-    if (a.cut > 0 && a.sample.unsolved == 0) {
+    if (a.cut > 0 && !a.sample.mostly_unsolved()) {
       // Each step begins with a tenth of its size: longer ones cost less.
       const double steps = std::max(1.0, std::round(0.1 * a.duration / a.scene_step));
       line("or", fmt::format("bipot run {} --accuracy {:.2g} --step-size {:g} --steps {:g}",

@@ -184,6 +184,19 @@ const TableKeys* table_with(std::string_view key) {
   return it == tables.end() ? nullptr : &*it;
 }
 
+/// True if the valid keys are some of a table, and none whole table, that takes the key otherwise.
+bool is_part_of_its_table(std::string_view key, const std::vector<std::string>& valid) {
+  bool takes = false;
+  for (const TableKeys& table : all_tables()) {
+    if (!std::ranges::all_of(valid, [&](const auto& known) { return lists(table.keys, known); })) {
+      continue;
+    }
+    if (table.keys.size() == valid.size()) return false;
+    takes = takes || lists(table.keys, key);
+  }
+  return takes;
+}
+
 /// " 'mu' belongs to [contact]", where the key or what it means has its place; empty: nowhere.
 std::string other_place(std::string_view typed) {
   KeyWords meanings = {typed};
@@ -230,16 +243,12 @@ std::string unknown_key_message(std::string_view typed, const std::vector<std::s
                        fmt::join(valid, ", "));
   }
   if (nearest_name(typed, valid).empty()) {
-    if (std::ranges::any_of(all_tables(), [&](const TableKeys& table) {
-          return lists(table.keys, typed) && std::ranges::all_of(valid, [&](const auto& key) {
-                   return lists(table.keys, key);
-                 });
-        })) {
+    if (is_part_of_its_table(typed, valid)) {
       return fmt::format(
           "unknown key '{}' here; it does not go with this arrangement, shape or motion. Valid: {}",
           typed, fmt::join(valid, ", "));
     }
-    if (std::ranges::find(valid, "parameters") != valid.end()) {
+    if (std::ranges::find(valid, "parameters") != valid.end() && table_with(typed) == nullptr) {
       return fmt::format(
           "unknown key '{}'; parameters of a solver stand in parameters = {{ {} = ... }}. Valid: {}",
           typed, typed, fmt::join(valid, ", "));
