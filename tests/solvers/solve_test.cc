@@ -189,7 +189,7 @@ TEST(Solve, ParameterValuesAreCheckedAgainstTheirRange) {
               solve(solver, some_problem(), {.parameters = {{name, value}}}), value);
     return r.message;
   };
-  for (const char* value : {"2.5", "0", "-1", "nan", "inf", "1.2x", "", " 1", "1e"}) {
+  for (const char* value : {"2.5", "2", "0", "-1", "nan", "inf", "1.2x", "", " 1", "1e"}) {
     EXPECT_TRUE(says(message("pgs", "omega", value), "omega = '" + std::string(value) + "'"));
   }
   for (const char* value : {"0", "1.5"}) {

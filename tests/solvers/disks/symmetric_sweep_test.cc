@@ -239,6 +239,14 @@ TEST(SymmetricSweep, RefreshKeepsTheImpulse) {
   other.reset(before);
   other.iterate(0);
   EXPECT_LT((sweep.impulse() - other.impulse()).norm(), 1e-13 * before.norm());
+  // Of spheres, in strips.
+  const Prepared space{cubic_lattice(24, {.dim = 3, .tilt = 0.2})};
+  SymmetricSweep<3> strips(space.problem, *space.delassus.bodies<3>(), space.scaling, 1.3, 2, {2});
+  strips.reset(Vector::Zero(space.problem.num_rows()));
+  for (int k = 0; k < 2; ++k) strips.iterate(0.1);
+  const Vector kept = strips.impulse();
+  strips.refresh();
+  EXPECT_EQ(strips.impulse(), kept);
 }
 
 }  // namespace

@@ -379,6 +379,23 @@ TEST(TiledKernels, ATiledGradientStepOfSpheresIsThatOfTheDelassusOperator) {
   check_gradient<3>(shipped_file("3d_sphere_pyramid_4.hdf5"));
 }
 
+// Whole solves. Few iterations: on a busy machine threads wait for each other at every wave.
+TEST(TiledKernels, SolversReturnTheSameBitsForAllThreads) {
+  const ContactProblem p = packing(2);
+  for (const auto& [solver, parameters] :
+       std::vector<std::pair<std::string, std::map<std::string, std::string>>>{
+           {"pgs", {{"order", "tiled"}, {"omega", "1.7"}}}, {"apgd", {}}}) {
+    SolverOptions options{.tol = 1e-6, .max_iterations = 50, .parameters = parameters};
+    const SolveResult one = ended(SolveStatus::kIterationLimit, solve(solver, p, options));
+    for (options.execution.threads = 2; options.execution.threads <= 4;
+         ++options.execution.threads) {
+      const SolveResult many = solve(solver, p, options);
+      EXPECT_TRUE(same_bits(many.s, one.s)) << solver << options.execution.threads;
+      EXPECT_EQ(many.iterations, one.iterations);
+    }
+  }
+}
+
 TEST(TiledKernels, TheTiledOrderNeedsAsManySweepsAsTheGivenOne) {
   for (const bool square : {false, true}) {
     const ContactProblem p = packing(2, square);

@@ -2,6 +2,7 @@
 
 #include "core/problem/delassus.h"
 #include "tests/support/converged.h"
+#include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -31,6 +32,13 @@ TEST_P(Siconos, OneContactTakesOffSticksAndSlipsInEveryDimension) {
       EXPECT_NEAR(r.u[dim - 1], 2.4, 1e-6);
     }
     EXPECT_EQ(run(one_contact_problem(dim, 2, 3, 0.4, 1, pull)).status, SolveStatus::kNothingToDo);
+  }
+}
+
+TEST_P(Siconos, FindsManufacturedSolutions) {
+  for (int dim = 1; dim <= max_dim(); ++dim) {
+    const Manufactured m = manufactured_problem(dim, 12, 12, 7);
+    EXPECT_LT((converged(run(m.problem), dim).u - m.u).norm(), 1e-6 * m.u.norm()) << dim;
   }
 }
 

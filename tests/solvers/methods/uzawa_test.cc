@@ -40,6 +40,7 @@ TEST(Uzawa, ThePapersStepFailsWhereDisksStick) {
       const SolveResult r = run_uzawa(solver, p, {{"rho", "paper"}, {"refresh", refresh}}, o);
       EXPECT_FALSE(is_success(r.status)) << solver << refresh << r.message;
       EXPECT_NE(r.status, SolveStatus::kNumericalFailure) << solver << refresh << r.message;
+      EXPECT_GT(r.error.guarded(), 0.1) << solver << refresh;
       EXPECT_TRUE(r.s.allFinite());
       EXPECT_EQ(run_uzawa(solver, p, {{"refresh", refresh}}, o).status, SolveStatus::kConverged);
     }
