@@ -283,6 +283,11 @@ std::string to_text(const RunSummary<D>& s) {
     fmt::format_to(add, "  passages     {} pair{}, first in step {}: {}\n", t.passages,
                    t.passages == 1 ? "" : "s", t.passage_step, t.passage);
   }
+  if (scene.observables && !(s.state.time >= scene.observables->starts)) {
+    fmt::format_to(add, "  observables  no means: these begin at {:g} s\n",
+                   scene.observables->starts);
+  }
+  if (!scene.joints.empty()) text += "  stresses     without the forces of pins and ropes\n";
   if (scene.has_gates()) text += gates_text(scene, s.state);
   fmt::format_to(add,
                  "  energy       kinetic {:.4e} J, potential {:.4e} J, work of walls {:.4e} J,\n"

@@ -184,5 +184,14 @@ TEST_F(Command, ARunKeepsALogAndSaysWhatIsOdd) {
   EXPECT_TRUE(says(log, "completed: 20 of 20 steps"));
 }
 
+TEST_F(Command, ARunSaysWhatItsMeansAndStressesLack) {
+  write("scene.toml",
+        "time = {step = 1e-3, steps = 5}\nobservables = {starts = 0.01}\n"
+        "disks = [{position = [0, 1], radius = 0.1, mass = 1}]\n"
+        "ropes = [{bodies = [0], to = [0, 2]}]\n");
+  expect_said("run scene.toml --out out", 0,
+              {"no means: these begin at 0.01 s", "without the forces of pins and ropes"});
+}
+
 }  // namespace
 }  // namespace bipot
