@@ -24,7 +24,7 @@ struct JudgeFlags : OutputFlags {
   std::string problem;   ///< FCLIB HDF5 or Siconos text
   std::string impulses;  ///< empty: /solution of the problem file
   double tol = 1e-8;
-  std::string order = "contact";  ///< or "component"
+  std::string order;  ///< "contact", "component"; empty: of the shape, else "contact"
   ImpulseLayout layout;
   int worst = 5;                   ///< contacts that are named
   bool accept_indefinite = false;  ///< take a W that is no Delassus operator
@@ -37,6 +37,7 @@ ImpulseVerdict verdict_of(const JudgeFlags& flags, const ProblemFile& file) {
                                 ": no /solution to judge; name a file with --impulses");
   }
   ImpulseLayout layout = flags.layout;
+  if (flags.order == "contact") layout.order = ImpulseLayout::Order::kContact;
   if (flags.order == "component") layout.order = ImpulseLayout::Order::kComponent;
   const Vector s = readable(path, [&] { return read_impulses(path, file.problem, layout); });
   try {
@@ -124,8 +125,9 @@ CommandDeclaration add_judge(CommandLine& line, JudgeFlags& flags) {
   const char* group = "How the file has the impulses";
   command.option("--order", flags.order,
                  "contact: all components of a contact together, as in FCLIB; component: all "
-                 "contacts' first components, then the second ones",
-                 {.show_default = true, .group = group, .one_of = {"contact", "component"}});
+                 "contacts' first components, then the second ones (that of a table's shape, else "
+                 "contact)",
+                 {.group = group, .one_of = {"contact", "component"}});
   command.option("--components LETTERS", flags.layout.components,
                  "Order of the components, n normal, t and s tangential (nts; LMGC90's: tns)",
                  {.group = group});

@@ -405,8 +405,11 @@ void write_fclib(const std::filesystem::path& path, const ContactProblem& proble
   if (p.has_velocities()) {
     write_matrix(file, root + "/M", p.A);
     write_matrix(file, root + "/H", p.H);
-    file.write(root + "/vectors/f", span(Vector(p.A * p.v_free)));
-    file.write(root + "/vectors/w", span(Vector(p.u_free - p.H.transpose() * p.v_free)));
+    const Vector f = p.A * p.v_free;
+    file.write(root + "/vectors/f", span(f));
+    // With the v_free that a reader has of f: it gets this u_free again.
+    const Vector w = p.u_free - p.H.transpose() * velocity_of(p.A, f);
+    file.write(root + "/vectors/w", span(w));
   } else {
     write_matrix(file, root + "/W", p.W);
     file.write(root + "/vectors/q", span(p.u_free));

@@ -42,13 +42,20 @@ std::vector<std::string_view> words_of(std::string_view line) {
   }
 }
 
-/// The numbers of "size = 6; data= [1, 2, ...]"; other text as it is.
-std::string_view without_brackets(const std::filesystem::path& path, std::string_view text) {
-  if (!text.starts_with("size")) return text;
+/// The numbers of "size = 6; data= [1, 2, ...]", and how many they are said to be; other text as it
+/// is.
+std::string_view without_brackets(const std::filesystem::path& path, std::string_view text,
+                                  std::optional<std::size_t>& size) {
+  const std::string_view begin =
+      text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  if (!begin.starts_with("size")) return text;
+  text = begin;
   const std::size_t open = text.find('['), close = text.rfind(']');
   if (open == std::string_view::npos || close == std::string_view::npos || close < open) {
     throw FileError(path, "", "begins with 'size', but has no [...] with numbers");
   }
+  const std::vector<std::string_view> words = words_of(text.substr(0, open));
+  if (words.size() > 2 && words[1] == "=") size = whole_number<std::size_t>(words[2]);
   return text.substr(open + 1, close - open - 1);
 }
 
@@ -57,7 +64,8 @@ TextTable read_text(const std::filesystem::path& path) {
   if (content.find('\0') != std::string::npos) {
     throw FileError(path, "", "neither a text file nor .npy nor HDF5");
   }
-  const std::string_view text = without_brackets(path, content);
+  std::optional<std::size_t> size;
+  const std::string_view text = without_brackets(path, content, size);
   TextTable table;
   bool even = true;
   std::size_t columns = 0, number = 0;
@@ -83,6 +91,10 @@ TextTable read_text(const std::filesystem::path& path) {
       table.values.push_back(*x);
     }
   }
+  if (size && *size != table.values.size()) {
+    throw FileError(path, "",
+                    fmt::format("{} numbers, where size is {}", table.values.size(), *size));
+  }
   if (even) table.columns = std::max<std::size_t>(1, columns);
   return table;
 }
@@ -101,7 +113,8 @@ TextTable read_table(const std::filesystem::path& path) {
     if (!file.exists("/solution/r")) {
       throw FileError(path, "/solution/r", "is missing: the file has no impulses");
     }
-    return {file.read_doubles("/solution/r"), 1, {}};
+    const std::vector<std::size_t> shape = file.shape("/solution/r");
+    return {file.read_doubles("/solution/r"), shape.size() == 2 ? shape[1] : 1, {}};
   }
   return read_text(path);
 }
@@ -116,13 +129,36 @@ bool counts(const TextTable& table) {
   return true;
 }
 
-/// True for contact numbers and normals of a frictionless problem, not normals and inert tangents.
-bool numbers_normals(const TextTable& table, std::size_t contacts) {
+/// The component in the name of a column: "n", "s_n", "rn", "Normal"; t1 and t2 are t and s.
+std::optional<char> component_of(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (name.starts_with("normal")) return 'n';
+  if (name.starts_with("tangent") || name == "t1") return name.ends_with('2') ? 's' : 't';
+  if (name == "t2") return 's';
+  const bool known =
+      name.size() <= 3 && std::string_view("nts").find(name.back()) != std::string::npos;
+  return known ? std::optional(name.back()) : std::nullopt;
+}
+
+/// True for contact numbers, or a size, and normals of a frictionless problem, not normals and inert
+/// tangents.
+bool numbers_normals(const std::filesystem::path& path, const TextTable& table,
+                     std::size_t contacts) {
+  if (table.columns == 1) {
+    return table.values.size() == contacts + 1 && table.values[0] == static_cast<double>(contacts);
+  }
   if (table.columns != 2 || table.rows() != contacts || !counts(table)) return false;
   for (std::size_t row = 0; row < contacts; ++row) {
     if (table.values[2 * row + 1] != 0) return true;
   }
-  return false;
+  if (is_npy(path) || Hdf5File::is_hdf5(path)) return false;
+  if (table.names.size() < 2) {
+    throw FileError(path, "",
+                    "numbers of the contacts and normal impulses 0, or normals and tangents 0: "
+                    "name the columns in a line before them");
+  }
+  return component_of(table.names.back()) == 'n';
 }
 
 /// Removes a column of contact numbers and a leading size.
@@ -139,18 +175,6 @@ void strip(TextTable& table, std::size_t contacts, std::size_t dim) {
     x.erase(x.begin());
     table.columns = 1;
   }
-}
-
-/// The component in the name of a column: "n", "s_n", "rn", "Normal"; t1 and t2 are t and s.
-std::optional<char> component_of(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (name.starts_with("normal")) return 'n';
-  if (name.starts_with("tangent") || name == "t1") return name.ends_with('2') ? 's' : 't';
-  if (name == "t2") return 's';
-  const bool known =
-      name.size() <= 3 && std::string_view("nts").find(name.back()) != std::string::npos;
-  return known ? std::optional(name.back()) : std::nullopt;
 }
 
 /// Names that say another order than the one the columns are read in are refused.
@@ -192,13 +216,21 @@ std::vector<std::size_t> component_places(const ImpulseLayout& layout, std::size
   return places;
 }
 
+/// The order that the shape of a table gives, if it gives one.
+std::optional<ImpulseLayout::Order> order_of(const TextTable& table, std::size_t contacts,
+                                             std::size_t dim) {
+  using Order = ImpulseLayout::Order;
+  if (contacts == dim) return {};
+  if (table.columns == contacts && contacts != 1) return Order::kComponent;
+  if (table.columns == dim && dim != 1) return Order::kContact;
+  return {};
+}
+
 Vector arrange(const TextTable& table, std::size_t contacts, std::size_t dim,
                const ImpulseLayout& layout) {
   const std::vector<std::size_t> place = component_places(layout, dim);
-  bool by_contact = layout.order == ImpulseLayout::Order::kContact;
-  // The shape of a table gives the order.
-  if (table.columns == dim && dim != 1 && contacts != dim) by_contact = true;
-  if (table.columns == contacts && contacts != 1 && contacts != dim) by_contact = false;
+  const auto order = layout.order ? layout.order : order_of(table, contacts, dim);
+  const bool by_contact = order != ImpulseLayout::Order::kComponent;
   Vector s(static_cast<Eigen::Index>(contacts * dim));
   for (std::size_t c = 0; c < contacts; ++c) {
     for (std::size_t k = 0; k < dim; ++k) {
@@ -226,7 +258,7 @@ Vector read_impulses(const std::filesystem::path& path, const ContactProblem& pr
   TextTable table = read_table(path);
   const std::size_t contacts = to_size(problem.num_contacts()), dim = to_size(problem.dim);
   const bool with_tangents = dim == 1 && table.values.size() >= 2 * contacts && contacts > 0 &&
-                             !numbers_normals(table, contacts);
+                             !numbers_normals(path, table, contacts);
   const std::size_t file_dim = with_tangents ? 2 : dim;
   strip(table, contacts, file_dim);
   if (table.values.size() != contacts * file_dim) {
@@ -237,7 +269,14 @@ Vector read_impulses(const std::filesystem::path& path, const ContactProblem& pr
             table.values.empty() ? "no numbers" : fmt::format("s has size {}", table.values.size()),
             problem.num_rows(), contacts, dim));
   }
-  if (is_npy(path) && contacts > 0) {
+  const auto shape = order_of(table, contacts, file_dim);
+  if (layout.order && shape && layout.order != shape) {
+    throw FileError(path, "",
+                    fmt::format("rows of {} numbers are in the other order; for a list, write one "
+                                "number a line",
+                                table.columns));
+  }
+  if ((is_npy(path) || Hdf5File::is_hdf5(path)) && contacts > 0) {
     const std::size_t m = table.values.size(), columns = table.columns;
     if (columns != 1 && columns != file_dim && columns != contacts && columns != m) {
       throw FileError(path, "",

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "core/base/types.h"
@@ -15,7 +16,7 @@ struct ImpulseLayout {
     kContact,   ///< all components of a contact together
     kComponent  ///< all contacts' first components, then all second ones, ...
   };
-  Order order = Order::kContact;
+  std::optional<Order> order;  ///< none: that of the shape of a table, else kContact
   /// Order of the components: a permutation of "n", "nt" or "nts"; empty: that order. Moments of
   /// rolling in space follow.
   std::string components;
@@ -26,13 +27,15 @@ struct ImpulseLayout {
 
 /// Reads impulses from a file of another code, in the problem's variables. The content decides the
 /// kind:
-///   - .npy: m values; or c x d or d x c, whose shape gives the order unless c = d;
-///   - FCLIB HDF5: /solution/r;
+///   - .npy: m values; or c x d or d x c, whose shape gives the order unless c = d. A layout with
+///     the other order is refused, for text too;
+///   - FCLIB HDF5: /solution/r, likewise;
 ///   - text: m numbers between spaces, commas or semicolons. Allowed are a line of names before
 ///     them, lines that begin with #, and a first column that counts contacts from 0 or 1 (CSV).
 ///     Names of normal and tangential columns must be in the order of the components;
 ///   - text of Siconos: the size before the numbers, or "size = m; data= [...]".
-/// A frictionless problem takes m = c values, or 2c with tangential values 0 (FCLIB's form). Throws
+/// A frictionless problem takes m = c values, or 2c with tangential values 0 (FCLIB's form); rows
+/// that may be either, with the numbers of the contacts, need names. Throws
 /// FileError for any other file or other sizes, and std::invalid_argument for an inconsistent
 /// layout.
 Vector read_impulses(const std::filesystem::path& path, const ContactProblem& problem,

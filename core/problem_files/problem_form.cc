@@ -124,6 +124,13 @@ ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Ve
   return from_local_form(dim, SparseRows(W + correction), std::move(q_left), std::move(mu));
 }
 
+Vector velocity_of(const SparseMatrix& M, const Vector& f) {
+  if (is_diagonal(M)) return f.cwiseQuotient(M.diagonal());
+  SparseCholesky factor;
+  if (!factor.factor(M)) throw std::invalid_argument("M is not positive definite");
+  return factor.solve(f);
+}
+
 ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatrix& H,
                                 const Vector& f, const Vector& w, Vector mu, Vector mu_r,
                                 Vector mu_spin) {
@@ -145,14 +152,8 @@ ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatr
   p.v_free = Vector::Zero(p.A.rows());
   p.u_free = w;
   p = checked(std::move(p));
-  if (is_diagonal(p.A)) {
-    p.v_free = f.cwiseQuotient(p.A.diagonal());
-  } else {
-    SparseCholesky factor;
-    if (!factor.factor(p.A)) throw std::invalid_argument("M is not positive definite");
-    p.v_free = factor.solve(f);
-    if (p.num_rows() > 0) p.W = assemble_delassus(p.A, p.H, p.dim);
-  }
+  p.v_free = velocity_of(p.A, f);
+  if (!is_diagonal(p.A) && p.num_rows() > 0) p.W = assemble_delassus(p.A, p.H, p.dim);
   p.u_free = p.H.transpose() * p.v_free + w;
   return checked(std::move(p));
 }

@@ -29,6 +29,9 @@ ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu
 ContactProblem from_local_form(int dim, const SparseRows& W, const Vector& q, Vector mu,
                                const SparseRows& V, const SparseMatrix& R, const Vector& s);
 
+/// v = M⁻¹ f. Throws std::invalid_argument if M is not positive definite.
+Vector velocity_of(const SparseMatrix& M, const Vector& f);
+
 /// The global form M v = H r + f, u = Hᵀ v + w. Hence A = M, v_free = M⁻¹ f, u_free = Hᵀ v_free +
 /// w. For a diagonal M, W stays empty (two passes through H are cheaper); else it is assembled.
 /// Throws std::invalid_argument for an unsound problem.

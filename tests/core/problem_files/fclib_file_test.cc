@@ -422,6 +422,22 @@ TEST_F(FclibFile, AGeneralMassMatrixIsSolvedWithAndItsDelassusOperatorAssembled)
   EXPECT_LT((p.u_free - Vector::Unit(2, 1)).norm(), 1e-15);
 }
 
+// Hilbert's matrix of order 8 has a condition of 1.5e10: M⁻¹ (M v) is not v, yet the problem comes
+// back.
+TEST_F(FclibFile, AnIllConditionedMassMatrixKeepsTheVelocitiesOfContacts) {
+  ContactProblem p{.dim = 2, .mu = Vector::Constant(1, 0.5)};
+  MatrixXd hilbert(8, 8);
+  for (int i = 0; i < 8; ++i) {
+    for (int j = 0; j < 8; ++j) hilbert(i, j) = 1.0 / (i + j + 1);
+  }
+  p.A = hilbert.sparseView();
+  p.H = MatrixXd::Identity(8, 2).sparseView();
+  p.v_free = Vector{{-1, 0.1, 0, 0, 0, 0, 0, 0}};
+  p.u_free = Vector{{-1, 0.1}};
+  write_fclib(folder / "p.hdf5", p, kInfo);
+  EXPECT_LT((read_problem(folder / "p.hdf5").problem.u_free - p.u_free).norm(), 1e-15);
+}
+
 TEST_F(FclibFile, UnsoundProblemsAreNotWritten) {
   ContactProblem p = manufactured_problem(2, 4, 4, 1).problem;
   p.mu[2] = -1;

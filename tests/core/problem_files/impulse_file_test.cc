@@ -62,10 +62,19 @@ TEST_F(ImpulseFile, LayoutsOfOtherCodesAreUndone) {
   EXPECT_EQ(read("2 3 1 5 6 4", problem(3, 2), {.components = "tsn"}), vec({1, 2, 3, 4, 5, 6}));
   // A table of d rows with a column a contact speaks for itself.
   EXPECT_EQ(read("1 3 5\n-2 -4 -6\n", kThree), kImpulses);
-  EXPECT_EQ(read("1 -2\n3 -4\n5 -6\n", kThree, {.order = Order::kComponent}), kImpulses);
+  // A list that is wrapped alike cannot be told from it.
+  EXPECT_TRUE(says(refusal("1 -2\n3 -4\n5 -6\n", kThree, {.order = Order::kComponent}),
+                   "rows of 2 numbers are in the other order"));
+  EXPECT_EQ(read("1 -2 3 -4 5 -6", kThree, {.order = Order::kContact}), kImpulses);
   // Unless it is square.
   EXPECT_EQ(read("1 3\n-2 -4\n", problem(2, 2), {.order = Order::kComponent}), vec({1, -2, 3, -4}));
   EXPECT_EQ(read("1 -2\n3 -4\n", problem(2, 2)), vec({1, -2, 3, -4}));
+}
+
+TEST_F(ImpulseFile, TheSizeThatIsSaidIsThatOfTheNumbers) {
+  EXPECT_EQ(read(" \nsize = 6; data= [1 -2 3 -4 5 -6]", kThree), kImpulses);
+  EXPECT_TRUE(
+      says(refusal("size = 7; data= [1 -2 3 -4 5 -6]", kThree), "6 numbers, where size is 7"));
 }
 
 TEST_F(ImpulseFile, NamesOfColumnsMustSayTheOrder) {
@@ -95,7 +104,11 @@ TEST_F(ImpulseFile, FrictionlessProblemsTakeNormalsOrInertTangents) {
   // Numbers of the contacts beside the normals.
   EXPECT_EQ(read("contact,n\n0,5\n1,0\n2,7\n", problem(1, 3)), vec({5, 0, 7}));
   EXPECT_EQ(read("1 5\n2 6\n3 7\n", problem(1, 3)), vec({5, 6, 7}));
-  EXPECT_EQ(read("1 0\n2 0\n3 0\n", problem(1, 3)), vec({1, 2, 3}));  // inert tangents
+  // Inert tangents, or three zeros.
+  EXPECT_TRUE(says(refusal("1 0\n2 0\n3 0\n", problem(1, 3)), "name the columns"));
+  EXPECT_EQ(read("n,t\n1 0\n2 0\n3 0\n", problem(1, 3)), vec({1, 2, 3}));
+  EXPECT_EQ(read("contact,n\n1 0\n2 0\n3 0\n", problem(1, 3)), vec({0, 0, 0}));
+  EXPECT_EQ(read("1\n7\n", problem(1, 1)), vec({7}));  // the size before
   EXPECT_EQ(read("", problem(2, 0)).size(), 0);
 }
 
