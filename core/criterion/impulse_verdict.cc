@@ -244,6 +244,22 @@ std::string sentence(const JudgedContact& c) {
   return text;
 }
 
+namespace {
+
+// Squares lose digits below, without a word of the numbers.
+constexpr double kLeastEnergy = 1e-290;
+
+/// True if there is an impulse, or one is needed.
+bool acts(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
+  if (!s.isZero(0)) return true;
+  for (Eigen::Index k = 0; k < p.u_free.size(); k += p.dim) {
+    if (p.u_free[k] < 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 double ImpulseVerdict::guarded() const { return cone > accurate ? cone : accurate; }
 
 ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vector>& s, int worst) {
@@ -253,6 +269,9 @@ ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vecto
   verdict.error = evaluate(s);
   if (!std::isfinite(verdict.error.energy)) {
     throw std::invalid_argument("the energy of these impulses is beyond double precision");
+  }
+  if (verdict.error.energy < kLeastEnergy && acts(problem, s)) {
+    throw std::invalid_argument("the energy of these impulses is below double precision");
   }
   verdict.s = evaluate.impulse();
   verdict.accurate = accurate_guarded_error(problem, verdict.s, verdict.error);

@@ -193,7 +193,7 @@ TEST(ImpulseVerdict, JudgesInHigherPrecisionWhereRoundingDecides) {
 }
 
 TEST(ImpulseVerdict, RefusesWhatIsNoImpulse) {
-  const ContactProblem p = one_contact(1, -1, 0);
+  ContactProblem p = one_contact(1, -1, 0);
   const auto refusal = [&](const Vector& s) -> std::string {
     return refusal_of<std::invalid_argument>([&] { judge(p, s); });
   };
@@ -201,6 +201,11 @@ TEST(ImpulseVerdict, RefusesWhatIsNoImpulse) {
   EXPECT_EQ(refusal(vec({1, kNaN})), "s[1] = nan is not finite");
   EXPECT_EQ(refusal(vec({kInfinity, 0})), "s[0] = inf is not finite");
   EXPECT_EQ(refusal(vec({1e200, 0})), "the energy of these impulses is beyond double precision");
+  p.u_free *= 1e-165;
+  EXPECT_EQ(refusal(vec({1e-165, 1e-165})),
+            "the energy of these impulses is below double precision");
+  p.u_free = vec({1e-165, 0});  // it opens without an impulse
+  EXPECT_EQ(judge(p, vec({0, 0})).guarded(), 0);
 }
 
 TEST(ImpulseVerdict, NoContactsAreNoError) {
