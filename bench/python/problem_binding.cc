@@ -163,18 +163,21 @@ bool has_velocities_before(const py::kwargs& options) {
 }
 
 /// Value of u at s = 0 in the symmetric variables (data/manual/explanation/method.md, §3), from the
-/// physical one and the velocities before the impact.
+/// physical one and the velocities before the impact. `dofs`: those given; compliance adds more,
+/// which are at rest.
 Vector symmetric_velocity(const PythonProblem& given, const ContactProblem& p,
-                          const py::kwargs& options) {
+                          const py::kwargs& options, Eigen::Index dofs) {
   const py::object at_bodies = option(options, "v_before");
   const py::object before = option(options, "v_before", "u_before");
   if (before.is_none()) {
     throw std::invalid_argument(
         "restitution needs the velocities before the impact: v_before (n) or u_before (m)");
   }
-  const Vector u = at_bodies.is_none()
-                       ? to_vector(before, "u_before")
-                       : at_contacts(given, p, to_vector(before, "v_before"), "v_before");
+  Vector u = to_vector(before, at_bodies.is_none() ? "u_before" : "v_before");
+  if (!at_bodies.is_none()) {
+    if (u.size() == dofs) u.conservativeResizeLike(Vector::Zero(p.H.rows()));
+    u = at_contacts(given, p, u, "v_before");
+  }
   require_size("u_before", u.size(), p.num_rows());
   return (p.u_free + given.restitution.cwiseProduct(u)).cwiseQuotient(p.row_scale);
 }
@@ -195,7 +198,8 @@ Vector rolling_coefficient(const py::object& given, const char* name, Eigen::Ind
 }
 
 /// From physical variables to the symmetric ones.
-void take_restitution(PythonProblem& given, ContactProblem& p, const py::kwargs& options) {
+void take_restitution(PythonProblem& given, ContactProblem& p, const py::kwargs& options,
+                      Eigen::Index dofs) {
   given.restitution = restitution_by_row(option(options, "restitution", "e"), p);
   p.row_scale = (1 + given.restitution.array()).sqrt();
   const Vector inverse = p.row_scale.cwiseInverse();
@@ -207,7 +211,7 @@ void take_restitution(PythonProblem& given, ContactProblem& p, const py::kwargs&
       it.valueRef() *= inverse[it.row()] * inverse[it.col()];
     }
   }
-  p.u_free = symmetric_velocity(given, p, options);
+  p.u_free = symmetric_velocity(given, p, options, dofs);
   scale_friction(p, 1, p.mu);
   scale_friction(p, p.plain_dim(), p.mu_r);
   scale_friction(p, p.dim - 1, p.mu_spin);
@@ -279,13 +283,14 @@ HeldProblem make_problem(const py::args& arguments, const py::kwargs& options) {
   p.mu_spin = rolling_coefficient(option(options, "mu_spin"), "mu_spin", p.mu.size());
   if (!row_scale.is_none()) p.row_scale = to_vector(row_scale, "row_scale");
   require_sound(validate(p));
+  const Eigen::Index dofs = p.num_dofs();
   if (const py::object R = option(options, "R"); !R.is_none()) {
     if (!option(options, "G").is_none()) throw std::invalid_argument("R is given with G");
     p = with_compliance(std::move(p), compliance(R));
   }
   if (shocks) {
     if (!row_scale.is_none()) throw std::invalid_argument("row_scale is given with restitution");
-    take_restitution(*made, p, options);
+    take_restitution(*made, p, options, dofs);
     require_sound(validate(p));
   } else if (has_velocities_before(options)) {
     throw std::invalid_argument("velocities before the impact are given without restitution");
@@ -346,7 +351,7 @@ HeldProblem update(const PythonProblem& self, const py::args& arguments,
     p.u_free =
         u_free.is_none() ? at_contacts(*made, p, p.v_free, "v_free") : to_vector(u_free, "u_free");
     require_size("u_free", p.u_free.size(), self.problem->num_rows());
-    if (shocks) p.u_free = symmetric_velocity(*made, p, options);
+    if (shocks) p.u_free = symmetric_velocity(*made, p, options, p.H.rows());
   } else if (has_velocities_before(options)) {
     throw std::invalid_argument("give v_free or u_free with the velocities before the impact");
   }

@@ -566,6 +566,8 @@ def test_compliance_is_taken_kept_and_refused():
     slower = p.update(v_free=[-0.5, 0.2, 0, 0])
     np.testing.assert_allclose(bipot.solve(slower, tol=1e-11).s, r.s / 2, atol=1e-9)
     both = dict(A=2 * np.eye(2), H=np.eye(2), **data)
+    shock = [bipot.Problem(R=[0.5, 1.5], e=0.5, **{name: [-1, 0.4]}, **both) for name in ("v_before", "u_before")]
+    np.testing.assert_array_equal(shock[0].u_free, shock[1].u_free)
     assert "R of contact 0 is not symmetric and positive" in refusal(R=[-1, 0], **both)
     assert "R is 3 x 3, expected 2 x 2" in refusal(R=[1, 1, 1], **both)
     assert "R is given with G" in refusal(R=[1, 1], G=[[1, 0]], **both)
