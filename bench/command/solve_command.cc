@@ -21,6 +21,7 @@
 #include "core/base/interrupt.h"
 #include "core/base/stopwatch.h"
 #include "core/base/version.h"
+#include "core/criterion/contact_error.h"
 #include "core/files/atomic_file.h"
 #include "core/problem/delassus.h"
 #include "core/problem/equality_rows.h"
@@ -288,20 +289,32 @@ SolveTask prepare(const SolveFlags& given) {
   return task;
 }
 
+/// The file of --history.
+struct HistoryFile {
+  std::ofstream file;
+  int last = -1;  ///< iteration of the last row
+
+  void add(int iteration, double seconds, const ContactError& error, double step,
+           const ContactCount& count) {
+    if (!file.is_open()) return;  // another process writes
+    file << fmt::format("{},{:.6e},{:.9e},{:.9e},{:.9e},{:.9e},{:.9e},{},{},{}\n", iteration,
+                        seconds, error.epsilon, error.eta, error.raw42, error.natural_map, step,
+                        count.take_off, count.stick, count.slip);
+    last = iteration;
+  }
+};
+
 /// Opens the file of --history, which the solve fills.
-void record_history(const std::string& path, std::ofstream& history, SolverOptions& options) {
+void record_history(const std::string& path, HistoryFile& history, SolverOptions& options) {
   if (path.empty()) return;
   if (is_speaker()) {
-    history.open(path);
-    if (!history) throw FileError(path, "", "cannot be written");
-    history << "iteration,seconds,epsilon,eta,epsilon_raw,natural_map,step,take_off,stick,slip\n";
+    history.file.open(path);
+    if (!history.file) throw FileError(path, "", "cannot be written");
+    history.file
+        << "iteration,seconds,epsilon,eta,epsilon_raw,natural_map,step,take_off,stick,slip\n";
   }
   options.on_iteration = [&history](const IterationRecord& r) {
-    const ContactCount count = r.count();
-    if (!history.is_open()) return;  // another process writes
-    history << fmt::format("{},{:.6e},{:.9e},{:.9e},{:.9e},{:.9e},{:.9e},{},{},{}\n", r.iteration,
-                           r.seconds, r.error.epsilon, r.error.eta, r.error.raw42,
-                           r.error.natural_map, r.step, count.take_off, count.stick, count.slip);
+    history.add(r.iteration, r.seconds, r.error, r.step, r.count());
   };
 }
 
@@ -335,7 +348,7 @@ int run_solve(const SolveFlags& typed) {
     return several_command(given, read_file(given));
   }
   SolveTask task;
-  std::ofstream history;
+  HistoryFile history;
   together([&] {
     task = prepare(given);
     // Taking part in recording depends on the flags, not on the folder, so that all processes
@@ -368,8 +381,13 @@ int run_solve(const SolveFlags& typed) {
                                     &InterruptGuard::requested);
   }
   if (!flags.history.empty()) {
-    history.close();
-    if (!history) throw FileError(flags.history, "", "cannot be written");
+    // Solvers that look at their answer in the end alone; refused problems have none.
+    if (result.iterations > history.last && result.s.size() > 0) {
+      history.add(result.iterations, result.setup_seconds + result.solve_seconds, result.error,
+                  kNaN, count_contacts(problem, result.s));
+    }
+    history.file.close();
+    if (!history.file) throw FileError(flags.history, "", "cannot be written");
   }
   const bool refused = result.status == SolveStatus::kInvalidInput;
   if (!refused) write_solution(task, result);  // before the JSON, which a failure would double

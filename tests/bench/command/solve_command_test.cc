@@ -27,6 +27,12 @@ TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
   EXPECT_LE(error.guarded(), 1e-9);
   EXPECT_NEAR(j["epsilon"].get<double>(), error.epsilon, 1e-14);
   EXPECT_EQ(content("history.csv").substr(0, 26), "iteration,seconds,epsilon,");
+  // Pivots are not judged one by one, the answer is.
+  const json lemke = json_of("solve " + problem + " --solver lemke --json - --history lemke.csv");
+  const std::string rows = content("lemke.csv");
+  const std::string last = rows.substr(rows.rfind('\n', rows.size() - 2) + 1);
+  EXPECT_TRUE(last.starts_with(fmt::format("{},", lemke["iterations"].get<int>()))) << last;
+  EXPECT_TRUE(says(last, fmt::format(",{:.9e},", lemke["epsilon"].get<double>()))) << last;
 }
 
 TEST_F(Command, EqualityRowsAreSolvedReportedJudgedAndCompared) {
