@@ -171,7 +171,8 @@ double larger_speed2(const State<D>& before, const State<D>& after, std::size_t 
 
 /// How fast neighbouring cells move against each other at most.                        [m/s]
 double jump_of(const PeriodicCell& cell) {
-  return cell.shift_velocity(1, 0).norm() + cell.shift_velocity(0, 1).norm();
+  const double aside = cell.in_y ? std::round(cell.offset.length / cell.width.length) : 0;
+  return cell.shift_velocity(1, 0).norm() + cell.shift_velocity(-aside, 1).norm();
 }
 
 }  // namespace

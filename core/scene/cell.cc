@@ -69,11 +69,13 @@ std::vector<CellNumber> first_images_over(const PeriodicCell& cell, const Box<2>
   box.lower = box.lower.cwiseMax(-farthest);
   box.upper = box.upper.cwiseMin(farthest);
   // Images move with their cells, none that reaches the box faster than this.
-  const double fastest = homogeneous_velocity(cell, box.lower).norm() +
-                         homogeneous_velocity(cell, box.size()).norm() +
-                         2 * cell.shift_velocity(1, 1).norm();
+  const Vec2 way =
+      (box.lower - contents.upper).cwiseAbs().cwiseMax((box.upper - contents.lower).cwiseAbs());
+  const double rows = cell.in_y ? way[1] / height + 1 : 0;
+  const double columns = (way[0] + rows * std::abs(cell.offset.length)) / width + 1;
   Box<2> reach = contents;
-  reach.widen(time * fastest);
+  reach.widen(time * (columns * cell.shift_velocity(1, 0).norm() +
+                      rows * cell.shift_velocity(0, 1).norm()));
   const Vec2 low = box.lower - reach.upper, high = box.upper - reach.lower;  // of a shift
   // After one image that reaches the box there is one wholly inside, if the box is longer than the
   // cell and the contents; else there are no more than twice the contents and two.

@@ -325,7 +325,7 @@ std::string check_gates(const Scene<D>& scene) {
     if (auto e = check_outlet(outlet); !e.empty()) return e;
     const PeriodicCell& cell = scene.cell;
     const auto is_far = [&](int axis, double period) {
-      return std::max(outlet.lower[axis], -outlet.upper[axis]) > kMostCells * period;
+      return std::max(outlet.lower[axis], -outlet.upper[axis]) > (kMostCells - 1) * period;
     };
     if (outlet.box && ((cell.in_x && is_far(0, cell.width.length)) ||
                        (cell.in_y && is_far(1, cell.height.length)))) {

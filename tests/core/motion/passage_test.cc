@@ -24,6 +24,7 @@ Seen free_step(Scene<D> scene, bool bounced = false) {
     if (bounced) body.v = -body.v;
     drift(body, 0.5 * kFreeStep);
   }
+  move_cell(after.cell, kFreeStep);
   for (Wall<D>& wall : after.walls) {
     wall.a += kFreeStep * wall.v;
     wall.b += kFreeStep * wall.v;
@@ -63,6 +64,21 @@ TEST(Passage, ADiskBesideAPlateOrThrownBackByItDoesNotGoThrough) {
   // It went through one at 0.04 and came back through it: once.
   scene.walls = {plate(Vec2(0.04, -1), Vec2(0.04, 1))};
   EXPECT_EQ(free_step(scene, true).passages.size(), 1u);
+}
+
+// Both rest in their cells. The upper cells move at 60 m/s, 6 radii a step: the image above of disk 1
+// comes from 20 mm before disk 0 and is 10 mm beyond it in the middle of the step.
+TEST(Passage, ADiskGoesThroughAnImageThatMovesWithItsCell) {
+  Scene<2> scene = one_law<2>({});
+  scene.cell.in_x = scene.cell.in_y = true;
+  scene.cell.width.length = scene.cell.height.length = 0.1;
+  scene.cell.offset = {.motion = CellSide::Motion::kMoving, .speed = 60};
+  scene.bodies = {disk(Vec2(0.05, 0.099)), disk(Vec2(0.03, 0.001))};
+  const Seen seen = free_step(scene);
+  EXPECT_EQ(seen.travel.radii, 0);
+  EXPECT_EQ(seen.passages.size(), 1u);
+  scene.cell.offset.speed = 5;  // 0.3 mm a step
+  EXPECT_FALSE(free_step(scene).travel.may_pass());
 }
 
 TEST(Passage, TwoDisksThatExchangePlacesPassEachOther) {

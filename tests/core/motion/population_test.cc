@@ -453,6 +453,38 @@ TEST(Population, AThinBoxTakesAnImageThatMovesWithItsCell) {
   EXPECT_NEAR(taken, 48, 1.5);  // (77.2 - 30) mm, and out before the next step
 }
 
+// All images that may reach a thin box are among the few, also where sides move against each other.
+TEST(Population, TheFewImagesOfABoxHoldOneThatItTakes) {
+  PeriodicCell cell{.in_x = true, .in_y = true};
+  cell.width = {.motion = CellSide::Motion::kMoving, .length = 0.1, .speed = -0.2};
+  cell.height = {.length = 0.1};
+  cell.offset = {.motion = CellSide::Motion::kMoving, .length = 0.03, .speed = 0.2};
+  constexpr double kHalf = 5e-3;
+  const Vec2 x(0.09, 0.004);
+  Box<2> at;
+  at.include(x);
+  for (int kx = -6; kx <= 6; ++kx) {
+    for (int ky = -6; ky <= 6; ++ky) {
+      const Vec2 way = kHalf * cell.shift_velocity(kx, ky), image = x + cell.shift(kx, ky);
+      for (const double part : {-0.99, 0.0, 0.99}) {
+        const Vec2 place = image + part * way;
+        Outlet<2> outlet{.name = "thin", .box = true};
+        outlet.lower = place - Vec2(1e-6, 2e-3);
+        outlet.upper = place + Vec2(1e-6, 2e-3);
+        ASSERT_TRUE(outlet.takes(image, way));
+        const auto images = first_images_over(cell, at, kHalf, {outlet.lower, outlet.upper});
+        EXPECT_TRUE(std::ranges::any_of(images,
+                                        [&](const CellNumber& k) {
+                                          return outlet.takes(
+                                              x + cell.shift(k.kx, k.ky),
+                                              kHalf * cell.shift_velocity(k.kx, k.ky));
+                                        }))
+            << kx << ' ' << ky;
+      }
+    }
+  }
+}
+
 TEST(Population, ABoxFarWiderThanTheCellActsAtOnce) {
   const Scene<2> scene =
       in_a_cell(Vec2(0.03, 0.02), Vec2::Zero(), Vec2(-1e12, -1e12), Vec2(1e12, 1e12));
