@@ -246,10 +246,10 @@ std::string sentence(const JudgedContact& c) {
 
 namespace {
 
-// Squares lose digits below, without a word of the numbers.
+// Below, squares of numbers that are whole themselves lose digits.
 constexpr double kLeastEnergy = 1e-290;
 
-/// True if there is an impulse, or one is needed.
+/// True if there is an impulse in the cone, or one is needed.
 bool acts(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
   if (!s.isZero(0)) return true;
   for (Eigen::Index k = 0; k < p.u_free.size(); k += p.dim) {
@@ -270,7 +270,7 @@ ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vecto
   if (!std::isfinite(verdict.error.energy)) {
     throw std::invalid_argument("the energy of these impulses is beyond double precision");
   }
-  if (verdict.error.energy < kLeastEnergy && acts(problem, s)) {
+  if (verdict.error.energy < kLeastEnergy && acts(problem, evaluate.impulse())) {
     throw std::invalid_argument("the energy of these impulses is below double precision");
   }
   verdict.s = evaluate.impulse();

@@ -74,7 +74,7 @@ struct ImpulseVerdict {
 /// Judges any impulse of a valid problem: s has m finite entries in the problem's variables. Names
 /// at most `worst` contacts. They are ranked by their terms of epsilon or of eta², whichever of
 /// epsilon and eta is larger. Throws std::invalid_argument for a wrong size, an entry that is not
-/// finite, or an energy beyond double precision.
+/// finite, or an energy beyond double precision, or below it where impulses act.
 ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                      int worst = 5);
 

@@ -408,8 +408,13 @@ void write_fclib(const std::filesystem::path& path, const ContactProblem& proble
     const Vector f = p.A * p.v_free;
     file.write(root + "/vectors/f", span(f));
     // With the v_free that a reader has of f: it gets this u_free again.
-    const Vector w = p.u_free - p.H.transpose() * velocity_of(p.A, f);
-    file.write(root + "/vectors/w", span(w));
+    Vector v_free;
+    try {
+      v_free = velocity_of(p.A, f);
+    } catch (const std::invalid_argument& e) {
+      throw FileError(path, "", std::string("refused to write: ") + e.what());
+    }
+    file.write(root + "/vectors/w", span(Vector(p.u_free - p.H.transpose() * v_free)));
   } else {
     write_matrix(file, root + "/W", p.W);
     file.write(root + "/vectors/q", span(p.u_free));

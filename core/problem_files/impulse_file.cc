@@ -141,24 +141,33 @@ std::optional<char> component_of(std::string name) {
   return known ? std::optional(name.back()) : std::nullopt;
 }
 
-/// True for contact numbers, or a size, and normals of a frictionless problem, not normals and inert
-/// tangents.
+/// True for contact numbers, or a size, and normals of a frictionless problem; false for normals and
+/// inert tangents.
 bool numbers_normals(const std::filesystem::path& path, const TextTable& table,
                      std::size_t contacts) {
-  if (table.columns == 1) {
-    return table.values.size() == contacts + 1 && table.values[0] == static_cast<double>(contacts);
-  }
-  if (table.columns != 2 || table.rows() != contacts || !counts(table)) return false;
-  for (std::size_t row = 0; row < contacts; ++row) {
-    if (table.values[2 * row + 1] != 0) return true;
-  }
-  if (is_npy(path) || Hdf5File::is_hdf5(path)) return false;
-  if (table.names.size() < 2) {
+  const std::vector<double>& x = table.values;
+  const bool is_text = !is_npy(path) && !Hdf5File::is_hdf5(path);
+  const auto refuse = [&] {
     throw FileError(path, "",
-                    "numbers of the contacts and normal impulses 0, or normals and tangents 0: "
-                    "name the columns in a line before them");
+                    "a size or numbers of the contacts with normal impulses 0, or normals with "
+                    "tangents 0: name two columns in a line before them");
+  };
+  if (table.columns == 1 && x.size() == contacts + 1) {  // of one contact two numbers
+    if (!is_text || x[0] != static_cast<double>(contacts)) return false;
+    if (x[1] == 0) refuse();
+    return true;
   }
-  return component_of(table.names.back()) == 'n';
+  if (table.columns != 2 || table.rows() != contacts) return false;
+  if (table.names.size() >= 2) {
+    if (component_of(table.names.back()) == 'n') return counts(table);
+    if (component_of(table.names[table.names.size() - 2]) == 'n') return false;
+  }
+  if (!counts(table)) return false;
+  for (std::size_t row = 0; row < contacts; ++row) {
+    if (x[2 * row + 1] != 0) return true;
+  }
+  if (is_text && (contacts > 1 || x[0] != 0)) refuse();
+  return false;
 }
 
 /// Removes a column of contact numbers and a leading size.
@@ -220,9 +229,9 @@ std::vector<std::size_t> component_places(const ImpulseLayout& layout, std::size
 std::optional<ImpulseLayout::Order> order_of(const TextTable& table, std::size_t contacts,
                                              std::size_t dim) {
   using Order = ImpulseLayout::Order;
-  if (contacts == dim) return {};
-  if (table.columns == contacts && contacts != 1) return Order::kComponent;
-  if (table.columns == dim && dim != 1) return Order::kContact;
+  if (contacts == dim || contacts <= 1 || dim == 1) return {};  // square, or both are the same
+  if (table.columns == contacts) return Order::kComponent;
+  if (table.columns == dim) return Order::kContact;
   return {};
 }
 

@@ -4,6 +4,7 @@
 #include "core/problem_files/fclib_file.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/random_vector.h"
+#include "tests/support/small_problems.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -105,10 +106,22 @@ TEST_F(ImpulseFile, FrictionlessProblemsTakeNormalsOrInertTangents) {
   EXPECT_EQ(read("contact,n\n0,5\n1,0\n2,7\n", problem(1, 3)), vec({5, 0, 7}));
   EXPECT_EQ(read("1 5\n2 6\n3 7\n", problem(1, 3)), vec({5, 6, 7}));
   // Inert tangents, or three zeros.
-  EXPECT_TRUE(says(refusal("1 0\n2 0\n3 0\n", problem(1, 3)), "name the columns"));
+  EXPECT_TRUE(says(refusal("1 0\n2 0\n3 0\n", problem(1, 3)), "name two columns"));
   EXPECT_EQ(read("n,t\n1 0\n2 0\n3 0\n", problem(1, 3)), vec({1, 2, 3}));
   EXPECT_EQ(read("contact,n\n1 0\n2 0\n3 0\n", problem(1, 3)), vec({0, 0, 0}));
   EXPECT_EQ(read("1\n7\n", problem(1, 1)), vec({7}));  // the size before
+  EXPECT_TRUE(says(refusal("1\n0\n", problem(1, 1)), "name two columns"));
+  EXPECT_EQ(read("0 0\n", problem(1, 1)), vec({0}));
+  EXPECT_TRUE(says(refusal("n,t\n1 0.5\n2 0\n3 0\n", problem(1, 3)), "tangential impulse 0.5"));
+  // FCLIB's form of one contact.
+  const ContactProblem one = one_contact_problem(1, 2, 3, 0, -2, {});
+  write_fclib(path(), one, {});
+  write_fclib_solution(path(), vec({1}), vec({0}));
+  EXPECT_EQ(read_impulses(path(), one), vec({1}));
+  // The order of one row is no order.
+  EXPECT_EQ(read("1 2 3", problem(1, 3), {.order = ImpulseLayout::Order::kContact}),
+            vec({1, 2, 3}));
+  EXPECT_EQ(read("1 2", problem(2, 1), {.order = ImpulseLayout::Order::kComponent}), vec({1, 2}));
   EXPECT_EQ(read("", problem(2, 0)).size(), 0);
 }
 
