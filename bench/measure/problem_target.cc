@@ -329,9 +329,9 @@ ProblemSource file_source(const fs::path& path) {
           }};
 }
 
-/// By its name, or by its content: problems are HDF5 or begin with a number.
+/// By its name; without an ending by its content: problems are HDF5 or begin with a number.
 bool is_scene_file(const fs::path& path) {
-  if (path.extension() == ".toml") return true;
+  if (path.has_extension()) return path.extension() == ".toml";
   char first = 0;
   std::ifstream(path) >> first;
   return (first >= 'a' && first <= 'z') || first == '#' || first == '[';

@@ -53,7 +53,7 @@ std::string what_helps(const Advice::Options& options, const Advice& advice) {
 
 void conclude(const Advice::Options& options, Advice& advice) {
   const std::string more = fmt::format("give --time-limit {:g}", 4 * options.time_limit);
-  if (advice.choice < 0 && !advice.out_of_time && advice.sample.mostly_unsolved()) {
+  if (advice.choice < 0 && advice.sample.mostly_unsolved()) {
     advice.status = Advice::Status::kNotMet;
     advice.message = fmt::format(
         "{} of {} steps of the run were not solved: `bipot run` says why, mend the scene first",

@@ -248,7 +248,8 @@ std::string unknown_key_message(std::string_view typed, const std::vector<std::s
           "unknown key '{}' here; it does not go with this arrangement, shape or motion. Valid: {}",
           typed, fmt::join(valid, ", "));
     }
-    if (std::ranges::find(valid, "parameters") != valid.end() && table_with(typed) == nullptr) {
+    const bool of_a_solver = table_with(typed) == nullptr || typed == "seed";
+    if (of_a_solver && std::ranges::find(valid, "parameters") != valid.end()) {
       return fmt::format(
           "unknown key '{}'; parameters of a solver stand in parameters = {{ {} = ... }}. Valid: {}",
           typed, typed, fmt::join(valid, ", "));

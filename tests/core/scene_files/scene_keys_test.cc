@@ -63,6 +63,7 @@ TEST(SceneKeys, KeysOfAnotherArrangementOrShapeOrSolverAreToldSo) {
                      {"'hollow' here; it does not go with this arrangement, shape or motion"});
   expect_key_refused("[solver]\nname = 'pgs'\nomega = 1.2\n",
                      {"test.toml:3", "parameters = { omega = ... }"});
+  expect_key_refused("[solver]\nname = 'pgs'\nseed = 3\n", {"parameters = { seed = ... }"});
   expect_key_refused("[solver]\nname = 'pgs'\ngravity = [0, 0]\n", {"belongs to the top level"});
   expect_key_refused("[start]\nmu = 0.3\n", {"'mu' belongs to [contact]"});
 }
