@@ -34,8 +34,8 @@ struct ImpulseLayout {
 ///     them, lines that begin with #, and a first column that counts contacts from 0 or 1 (CSV).
 ///     Names of normal and tangential columns must be in the order of the components;
 ///   - text of Siconos: the size before the numbers, or "size = m; data= [...]".
-/// A frictionless problem takes m = c values, or 2c with tangential values 0 (FCLIB's form); rows
-/// that may be either, with the numbers of the contacts, need names. Throws
+/// A frictionless problem takes m = c values, or 2c with tangential values 0 (FCLIB's form). Rows
+/// that may be these or the numbers of contacts with impulses 0 need names. Throws
 /// FileError for any other file or other sizes, and std::invalid_argument for an inconsistent
 /// layout.
 Vector read_impulses(const std::filesystem::path& path, const ContactProblem& problem,

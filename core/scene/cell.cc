@@ -64,6 +64,7 @@ Vec2 wrapped(const PeriodicCell& cell, const Vec2& x) {
 
 std::vector<CellNumber> first_images_over(const PeriodicCell& cell, const Box<2>& contents,
                                           double time, Box<2> box) {
+  if (!cell.periodic()) return {{}};  // the sample itself
   const double width = cell.width.length, height = cell.in_y ? cell.height.length : kInfinity;
   const Vec2 farthest = kMostCells * Vec2(width, height);
   box.lower = box.lower.cwiseMax(-farthest);

@@ -93,8 +93,8 @@ Vec<D> image_velocity(const PeriodicCell& cell, const Vec<D>& x) {
   return in_dimensions<D>(cell.shift_velocity(k.kx, k.ky));
 }
 
-/// Images whose contents, moved by their cells for up to that time, may reach into the box; of a box
-/// longer than the cell so many that one of them does if any does. No farther away than kMostCells.
+/// Images that, moved by their cells for up to that time, may reach the box within kMostCells.
+/// Of a box longer than the cell only some are listed: if any image reaches it, one of them does.
 std::vector<CellNumber> first_images_over(const PeriodicCell& cell, const Box<2>& contents,
                                           double time, Box<2> box);
 inline constexpr double kMostCells = 1000;

@@ -16,8 +16,8 @@ namespace {
 /// Deeper overlaps count, over the smaller radius. Springs of the model dem need overlaps.
 constexpr double kTouching = 1e-6, kSpringsTouch = 0.1;
 
-/// How far x, or an image of it in a box, is inside, of a box longer than the cell at least; negative:
-/// outside.                                                                                [m]
+/// How far x, or an image of it in a box, is inside; negative: outside. For a box longer than the
+/// cell it is a lower bound.                                                               [m]
 template <int D>
 double depth_inside(const Outlet<D>& outlet, const PeriodicCell& cell, Vec<D> x) {
   if (cell.periodic()) x.template head<2>() = wrapped(cell, x.template head<2>());

@@ -184,7 +184,7 @@ const TableKeys* table_with(std::string_view key) {
   return it == tables.end() ? nullptr : &*it;
 }
 
-/// True if the valid keys are some of a table, and none whole table, that takes the key otherwise.
+/// True if the valid keys are a part of some table that has this key too, and no whole table.
 bool is_part_of_its_table(std::string_view key, const std::vector<std::string>& valid) {
   bool takes = false;
   for (const TableKeys& table : all_tables()) {

@@ -333,6 +333,8 @@ TEST_F(TradeRun, MeansOverTheLastTenthDoNotDependOnTheSteps) {
   const auto k = to_size(speed - trade.scenes[0].quantities.begin());
   const double steps = trade.rows[0].values.at(k), cut = trade.rows[1].values.at(k);
   EXPECT_NEAR(cut / steps, 1, 1e-3);
+  // In units of √(g r) at t = 1 s.
+  EXPECT_NEAR(steps, std::sqrt(9.81 / 0.1 * (1 - 0.9 * 0.9 * 0.9) / 0.3), 1e-3 * steps);
 }
 
 TEST_F(TradeRun, FailuresAndTimeOutsStayInTheTable) {

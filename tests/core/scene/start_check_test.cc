@@ -91,6 +91,17 @@ TEST(StartCheck, BodiesInOutletsWouldLeaveAtOnce) {
                       "[[walls]]\nname = 'floor'\nfrom = [1, -2]\nto = [2, -2]\n"
                       "[[outlets]]\nname = 'hole'\npoint = [0, 0]\nnormal = [0, 1]\n")),
             "1 disk overlaps at the start, worst disk 0 and outlet 'hole': 6 mm, 1.5 radii");
+  // A box, 8 mm below its upper edge; in a cell the image 10 mm from both sides of a box beyond it.
+  EXPECT_EQ(said(flat(disk("0", "0.002") +
+                      "[[outlets]]\nname = 'box'\nlower = [-1, -1]\nupper = [1, 0.01]\n")),
+            "1 disk overlaps at the start, worst disk 0 and outlet 'box': 8 mm, 2 radii");
+  EXPECT_EQ(said(flat(disk("0.06", "0") + "[cell]\nwidth = 0.1\n"
+                                          "[[outlets]]\nname = 'box'\nlower = [0.15, -1]\n"
+                                          "upper = [0.17, 1]\n")),
+            "1 disk overlaps at the start, worst disk 0 and outlet 'box': 10 mm, 2.5 radii");
+  EXPECT_TRUE(start_overlaps(flat(disk("0", "0.003") + "[[outlets]]\nname = 'box'\n"
+                                                       "lower = [1, -1]\nupper = [2, 0.01]\n"))
+                  .empty());
 }
 
 TEST(StartCheck, AWallThatHasPassedABody) {
