@@ -9,6 +9,7 @@
 
 #include "core/base/number_buffer.h"
 #include "core/motion/population.h"
+#include "core/scene/periodic_detection.h"
 #include "core/scene/triangle_mesh.h"
 
 namespace bipot {
@@ -17,12 +18,15 @@ namespace {
 /// A pair with a smaller overlap than this part of the smaller radius grazes.
 constexpr double kGrazing = 0.5;
 
-/// Whether a pair at p and then at q, one against the other, changed sides nearer than `clear`.
+/// Whether a pair at p and then at q, one against the other, changed sides nearer than `clear`, or
+/// was farther at both ends.
 template <class V>
 bool changed_sides(const V& p, const V& q, double clear) {
-  if (!(p.dot(q) < 0)) return false;
   const V d = q - p;
-  return (p - p.dot(d) / d.squaredNorm() * d).norm() < clear;
+  const double t = -p.dot(d) / d.squaredNorm();  // where they are nearest; NaN without a way
+  if (!(t > 0 && t < 1)) return false;
+  const bool chord = p.norm() >= clear && q.norm() >= clear;
+  return (chord || p.dot(q) < 0) && (p + t * d).norm() < clear;
 }
 
 /// The same over a step from mid-step before to mid to the end, past a thing of that size. A step
@@ -233,7 +237,13 @@ std::vector<Passage> find_passages(const State<D>& before, const State<D>& after
       const Wall<D>& then = before.walls[w];
       const Vec<D> earlier = way.before - (then.a - 0.5 * h * then.v), from = way.from - then.a,
                    mid = way.mid - (wall.a - 0.5 * h * wall.v), to = way.to - wall.a;
-      if (!through_wall<D>(earlier, from, mid, to, way.radius, wall)) continue;
+      bool through = false;
+      visit_wall_images<D>(after.cell, wall, way.mid, [&](int kx, int ky) {
+        const Vec<D> image = in_dimensions<D>(after.cell.shift(kx, ky));
+        through = through || through_wall<D>(earlier - image, from - image, mid - image, to - image,
+                                             way.radius, wall);
+      });
+      if (!through) continue;
       passages.push_back({way.number, -1, static_cast<int>(w), speed(from, mid, to)});
     }
   }

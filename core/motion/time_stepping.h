@@ -119,6 +119,8 @@ struct StepFailure : std::runtime_error {
       : StepFailure(k, before.step, before.time, why) {}
   /// A smaller step may cure it, whatever the scene's rule for passages.
   bool may_yield() const { return kind == Kind::kNumerical || kind == Kind::kPlaces; }
+  /// The way of a body passes, or ends on, another or a wall.
+  bool is_of_places() const { return kind == Kind::kPassage || kind == Kind::kPlaces; }
   Kind kind;
 
  private:

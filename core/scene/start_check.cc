@@ -119,7 +119,7 @@ std::string start_sentence(const Scene<D>& scene, const std::vector<StartOverlap
   std::string text = fmt::format("{} {}{} overlap{} at the start, worst {}: {}, {:.2g} radii",
                                  count, kBodyName<D>, count == 1 ? "" : "s", count == 1 ? "s" : "",
                                  overlap_name<D>(scene, worst.contact),
-                                 length_text(-worst.contact.gap), worst.radii);
+                                 length_text(0 - worst.contact.gap), worst.radii + 0.0);
   for (const Wall<D>& wall : scene.walls) {
     if (all_behind(scene, wall)) {
       text += fmt::format("; all lie behind wall '{}': turn its normal, which points to the bodies",

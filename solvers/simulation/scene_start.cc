@@ -107,7 +107,10 @@ template <int D>
   }
   Scene<D> pushed = scene;
   pushed.start = StartChoice::kPushApart;
-  const bool can_push = scene.start == StartChoice::kRefuse && validate(pushed).empty();
+  const auto outlets = static_cast<int>(scene.bodies.size() + scene.walls.size());  // keep theirs
+  const bool can_push =
+      scene.start == StartChoice::kRefuse && validate(pushed).empty() &&
+      std::ranges::all_of(overlaps, [&](const auto& o) { return o.contact.j < outlets; });
   throw std::invalid_argument(fmt::format("{}. Move them, or set [start] overlaps to {}\"allow\"",
                                           message, can_push ? "\"push apart\" or " : ""));
 }

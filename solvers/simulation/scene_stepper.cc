@@ -218,7 +218,7 @@ StepReport<D> SceneStepper<D>::take_rigid(State<D>& state) {
       throw StepFailure(StepFailure::Kind::kNotConverged, state, whole.message);
     }
   } catch (const StepFailure& failure) {
-    const bool passed = failure.kind == StepFailure::Kind::kPassage && splits_passages;
+    const bool passed = failure.is_of_places() && splits_passages;
     unsolved = failure.may_yield() && splits_unsolved;
     if (!passed && !unsolved) throw;
   }

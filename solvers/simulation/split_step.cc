@@ -48,9 +48,9 @@ class Parts {
       sums_.add_rejected(report);
       why = report.message;
     } catch (const StepFailure& failure) {
-      const bool splits = failure.kind == StepFailure::Kind::kPassage
-                              ? options_.on_tunnel == OnTunnel::kSmallerStep
-                              : failure.may_yield() && !accept;
+      const bool splits =
+          (failure.is_of_places() && options_.on_tunnel == OnTunnel::kSmallerStep) ||
+          (failure.may_yield() && !accept);
       const bool unsolved = failure.kind == StepFailure::Kind::kNumerical;
       if (!splits || (halvings == most_halvings && !unsolved)) throw;
       why = failure.what();

@@ -278,6 +278,9 @@ TEST_F(RunCommand, ADiskThatGoesThroughAWallEndsTheRun) {
   const State<2> end = read_state<2>("out/shot");
   EXPECT_NEAR(end.bodies[0].x[0], -0.01, 0.005);
   EXPECT_NEAR(end.bodies[0].v[0], 0, 1e-6);
+  // Half a step has its middle where the centre lies on the plate: only smaller ones have a normal.
+  write("on.toml", changed(kShot, {{"-0.1", "-0.075"}}));
+  EXPECT_EQ(json_of("run on.toml --on-tunnel smaller-step --json -")["status"], "completed");
 }
 
 // A disk of 0.5 m falls at 10 m/s, h = 10 ms: at the middle of the second step its centre is at

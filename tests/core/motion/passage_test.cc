@@ -138,6 +138,35 @@ TEST(Passage, AcrossTheBorderOfACell) {
   EXPECT_EQ(free_step(scene).passages.size(), 1u);
 }
 
+TEST(Passage, WallsOfACellAreItsImagesToo) {
+  // The same flight a period on or back, through a plate, a circle and a plate across the seam.
+  for (const double period : {-1.0, 0.0, 1.0, 2.0}) {
+    Scene<2> scene = one_law<2>({});
+    scene.cell.in_x = scene.cell.in_y = true;
+    scene.cell.width.length = scene.cell.height.length = 1;
+    scene.bodies = {disk(Vec2(0.35, 0.5 + period), Vec2(300, 0))};
+    scene.walls = {plate(Vec2(0.5, 0.4), Vec2(0.5, 0.6))};
+    EXPECT_EQ(free_step(scene).passages.size(), 1u) << period;
+    scene.walls = {{.shape = Wall<2>::Shape::kSolidCircle, .a = Vec2(0.5, 0.5), .radius = 0.05}};
+    EXPECT_EQ(free_step(scene).passages.size(), 1u) << period;
+    scene.walls = {plate(Vec2(0.95, 0.5), Vec2(1.05, 0.5))};
+    scene.bodies = {disk(Vec2(1 + period, 0.35), Vec2(0, 300))};
+    EXPECT_EQ(free_step(scene).passages.size(), 1u) << period;
+    scene.bodies = {disk(Vec2(1.06 + period, 0.35), Vec2(0, 300))};
+    EXPECT_TRUE(free_step(scene).passages.empty()) << period;
+  }
+}
+
+TEST(Passage, AChordThroughALargeDiskIsOneUpToGrazing) {
+  // In the first half from (-0.08, h) to (0.07, h), which the centre at 0 sees under less than 90°.
+  // They touch at a distance of 0.11, and graze down to 0.105; both ends lie beyond that.
+  for (const double height : {0.079, 0.1049, 0.1051}) {
+    Scene<2> scene = one_law<2>({});
+    scene.bodies = {disk(Vec2(-0.08, height), Vec2(300, 0)), round_body<2>(Vec2(0, 0), 0.1, 1)};
+    EXPECT_EQ(free_step(scene).passages.size(), height < 0.105 ? 1u : 0u) << height;
+  }
+}
+
 TEST(Passage, ASphereThroughASphereAndThroughARod) {
   Scene<3> scene = one_law<3>({});
   scene.bodies = {round_body<3>(Vec3(-0.15, 0, 0), 0.01, 1, Vec3(400, 0, 0)),
