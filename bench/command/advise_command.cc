@@ -9,6 +9,7 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
+#include "bench/command/say.h"
 #include "bench/command/tune_run.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/scene_rewrite.h"
@@ -137,7 +138,7 @@ int run_advise(const AdviseFlags& flags) {
   // Refused before the work, not after it.
   if (flags.tune) tuned_variants(flags.solvers);
   const bool quiet = flags.silent();
-  if (!quiet) options.say = [](const std::string& stage) { fmt::print(stderr, "{} ...\n", stage); };
+  if (!quiet) options.say = [](const std::string& stage) { say("{} ...\n", stage); };
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
   Advice advice = advise(scene, options);
@@ -154,7 +155,7 @@ int run_advise(const AdviseFlags& flags) {
   flags.deliver(json, flags.all ? to_text(advice_document(advice)) : advice_summary(advice),
                 (folder / "advice.html").string());
   if (advice.choice < 0 && (flags.tune || !flags.write.empty())) {
-    fmt::print(stderr, "bipot: no solver was chosen: neither a scene nor a plan is written\n");
+    say("bipot: no solver was chosen: neither a scene nor a plan is written\n");
   }
   if (!flags.write.empty() && advice.choice >= 0) {
     write_scene(flags, text, path.string(), advice);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "bench/command/command_line.h"
 #include "bench/command/commands.h"
 #include "bench/command/run_processes.h"
+#include "bench/command/say.h"
 #include "bench/report/json_output.h"
 #include "core/base/printable_text.h"
 #include "core/base/version.h"
@@ -66,8 +68,10 @@ std::string command_name(const std::vector<ProgramCommand>& commands, int argc,
 void write_refusal(const std::string& destination, const std::string& command,
                    const std::string& message, ExitCode code) {
   if (destination.empty() || !is_speaker() || (destination == "-" && !std::cout)) return;
-  if (destination != "-" && std::filesystem::exists(destination)) {
-    fmt::print(stderr, "bipot: {} is kept as it was\n", destination);
+  std::error_code none;
+  const auto status = std::filesystem::status(destination, none);
+  if (std::filesystem::is_regular_file(status) || std::filesystem::is_directory(status)) {
+    say("bipot: {} is kept as it was\n", destination);
     return;
   }
   try {
@@ -78,8 +82,21 @@ void write_refusal(const std::string& destination, const std::string& command,
                 {"exit_code", static_cast<int>(code)}},
                destination);
   } catch (const std::exception& e) {
-    fmt::print(stderr, "bipot: {}\n", e.what());
+    say("bipot: {}\n", e.what());
   }
+}
+
+/// The JSON of an earlier command may be replaced, a scene or a table must not.
+void require_json_or_nothing(const std::string& destination) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(destination, none) ||
+      std::filesystem::file_size(destination) == 0) {
+    return;
+  }
+  std::ifstream file(destination);
+  if (!file || Json::accept(file)) return;
+  throw std::invalid_argument("--json " + destination +
+                              ": there is a file that is not JSON: name another one");
 }
 
 int run_command_line(int argc, const char* const* argv) {
@@ -117,7 +134,7 @@ int run_command_line(int argc, const char* const* argv) {
   const auto say_and_refuse = [&](const std::exception& e, ExitCode code) {
     const bool full = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
     const std::string message = full ? "not enough memory" : printable(e.what());
-    fmt::print(stderr, "bipot: {}\n", message);
+    say("bipot: {}\n", message);
     return refuse(message, code);
   };
   try {
@@ -133,6 +150,7 @@ int run_command_line(int argc, const char* const* argv) {
         throw std::invalid_argument(
             fmt::format("{} runs on one process; run and solve take several", name));
       }
+      require_json_or_nothing(json);
       return c.run();
     }
     throw std::logic_error("no command was parsed");
@@ -154,8 +172,8 @@ int with_written_output(int exit_code) {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return exit_code;
   if (exit_code != kExitIo) {  // else it was said
-    fmt::print(stderr, "bipot: standard output: {}\n",
-               errno != 0 ? std::strerror(errno) : "not everything was written");
+    say("bipot: standard output: {}\n",
+        errno != 0 ? std::strerror(errno) : "not everything was written");
   }
   // What is left in its buffer would fail again, in each library that flushes it.
   [[maybe_unused]] const std::FILE* nowhere = std::freopen("/dev/null", "w", stdout);

@@ -9,6 +9,7 @@
 
 #include "bench/command/completion.h"
 #include "bench/command/manual_page.h"
+#include "bench/command/say.h"
 #include "bench/report/text_lines.h"
 #include "core/base/nearest_name.h"
 
@@ -331,7 +332,7 @@ CommandLine::Parsed CommandLine::parse(int argc, const char* const* argv) {
   if (words == std::vector<std::string>{"help"}) words = {"--help"};
   if (words.size() == 2 && words[0] == "help" && !words[1].starts_with('-')) {
     if (const std::string unknown = unknown_name(tree(), {words[1]}); !unknown.empty()) {
-      fmt::print(stderr, "{}\n", unknown);
+      say("{}\n", unknown);
       return {Parsed::Outcome::kRefused, unknown};
     }
     words = {words[1], "--help"};
@@ -354,7 +355,7 @@ CommandLine::Parsed CommandLine::answered_or_refused(std::vector<std::string> wo
       const std::string name = named_command(tree(), in_order);
       refusal = fmt::format("{}: {} ({} --help explains)", name, e.what(), name);
     }
-    fmt::print(stderr, "{}\n", refusal);
+    say("{}\n", refusal);
     return {Parsed::Outcome::kRefused, refusal};
   }
   if (manual_page_) fmt::print("{}", manual_page(tree(), version_));

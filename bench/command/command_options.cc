@@ -6,6 +6,7 @@
 #include <set>
 #include <system_error>
 
+#include "bench/command/say.h"
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
 #include "solvers/auto/plan.h"
@@ -22,7 +23,7 @@ constexpr const char* kSolverGroup =
 
 void warn_once(const std::string& text) {
   static std::set<std::string> said;
-  if (!text.empty() && said.insert(text).second) fmt::print(stderr, "bipot: warning: {}\n", text);
+  if (!text.empty() && said.insert(text).second) say("bipot: warning: {}\n", text);
 }
 
 void OutputFlags::prepare(bool charts) const {

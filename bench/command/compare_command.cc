@@ -10,6 +10,7 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
+#include "bench/command/say.h"
 #include "bench/command/watched.h"
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_report.h"
@@ -220,14 +221,13 @@ int run_compare(const CompareFlags& flags) {
   bool any = comparison.problems.empty();
   for (const Comparison::Problem& p : comparison.problems) {
     any = any || p.defect.empty();
-    if (!p.defect.empty()) fmt::print(stderr, "bipot: {}: {}\n", p.name, p.defect);
+    if (!p.defect.empty()) say("bipot: {}: {}\n", p.name, p.defect);
     if (nothing_to_solve(comparison, p)) {
-      fmt::print(stderr, "bipot: {}: no impulse is needed there, which compares nothing{}\n",
-                 p.name,
-                 p.name.find('@') != std::string::npos
-                     ? "; other steps of the scene: --scene-steps, --scene-problems"
-                 : p.name.starts_with("random:") ? "; its disks are loose: pile has them at rest"
-                                                 : "");
+      say("bipot: {}: no impulse is needed there, which compares nothing{}\n", p.name,
+          p.name.find('@') != std::string::npos
+              ? "; other steps of the scene: --scene-steps, --scene-problems"
+          : p.name.starts_with("random:") ? "; its disks are loose: pile has them at rest"
+                                          : "");
     }
   }
   if (!any) return kExitBadInput;

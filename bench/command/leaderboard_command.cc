@@ -8,6 +8,7 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/commands.h"
+#include "bench/command/say.h"
 #include "bench/command/watched.h"
 #include "bench/compare/leaderboard_report.h"
 #include "bench/problems/scene_catalogue.h"
@@ -74,7 +75,7 @@ int run_leaderboard(const LeaderboardFlags& flags) {
   flags.deliver(to_json(page), to_text(summary));
   for (const Leaderboard::Entry& e : board.entries) {
     if (!e.defect.empty() && e.defect != Leaderboard::Entry::kNoImpulse) {
-      fmt::print(stderr, "bipot: {}, {}: {}\n", e.who, e.problem, e.defect);
+      say("bipot: {}, {}: {}\n", e.who, e.problem, e.defect);
     }
   }
   return board.complete ? kExitConverged : kExitInterrupted;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "bench/command/say.h"
 #include "bench/report/text_lines.h"
 #include "core/base/printable_text.h"
 #include "core/base/types.h"
@@ -41,7 +42,7 @@ ProgressBar::ProgressBar(long total, bool quiet)
       remaining_(total_) {}
 
 ProgressBar::~ProgressBar() {
-  if (!quiet_ && terminal_) fmt::print(stderr, "\r\033[K");
+  if (!quiet_ && terminal_) bipot::say("\r\033[K");
 }
 
 void ProgressBar::update(long done, const std::string& note) {
@@ -51,21 +52,19 @@ void ProgressBar::update(long done, const std::string& note) {
   if (terminal_) {
     if (elapsed - drawn_ < 0.1 && done < total_) return;
     drawn_ = elapsed;
-    fmt::print(stderr, "\r\033[K{}",
-               progress_line(done, total_, done > 0 ? remaining_.seconds() : kNaN, note,
-                             terminal_columns()));
+    bipot::say("\r\033[K{}", progress_line(done, total_, done > 0 ? remaining_.seconds() : kNaN,
+                                           note, terminal_columns()));
   } else {
     const long tenths = 10 * done / total_;
     if (tenths <= tenths_ || elapsed < 1) return;
     tenths_ = tenths;
-    fmt::print(stderr, "{:3} %  {} left  {}\n", 10 * tenths, about(remaining_.seconds()),
-               printable(note));
+    bipot::say("{:3} %  {} left  {}\n", 10 * tenths, about(remaining_.seconds()), printable(note));
   }
   std::fflush(stderr);
 }
 
 void ProgressBar::say(const std::string& lines) {
-  if (!quiet_) fmt::print(stderr, "{}{}", terminal_ ? "\r\033[K" : "", lines);
+  if (!quiet_) bipot::say("{}{}", terminal_ ? "\r\033[K" : "", lines);
 }
 
 void ProgressBar::RemainingTime::add(long done, double seconds) {

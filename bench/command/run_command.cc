@@ -20,6 +20,7 @@
 #include "bench/command/run_processes.h"
 #include "bench/command/run_progress.h"
 #include "bench/command/run_summary.h"
+#include "bench/command/say.h"
 #include "bench/measure/peak_memory.h"
 #include "bench/page/run_page.h"
 #include "bench/page/watch_server.h"
@@ -33,8 +34,8 @@
 #include "core/base/interrupt.h"
 #include "core/base/stopwatch.h"
 #include "core/base/version.h"
-#include "core/files/folder_lock.h"
 #include "core/files/input_file.h"
+#include "core/files/path_lock.h"
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/opposite_walls.h"
@@ -167,7 +168,7 @@ RunFolderOptions folder_options(const RunFlags& flags, const std::string& scene_
 
 /// Makes the folder of the results and holds it. Throws std::invalid_argument if another run writes
 /// into it, or if an earlier one lies there and the flags do not say what becomes of it.
-std::unique_ptr<FolderLock> claim_folder(const RunFlags& flags, const RunFolderOptions& options) {
+std::unique_ptr<PathLock> claim_folder(const RunFlags& flags, const RunFolderOptions& options) {
   const fs::path& folder = options.folder;
   if (flags.overwrite && options.resume) {
     throw std::invalid_argument("--restart goes on in " + folder.string() +
@@ -176,7 +177,7 @@ std::unique_ptr<FolderLock> claim_folder(const RunFlags& flags, const RunFolderO
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileError(folder, "", "cannot create: " + error.message());
-  auto lock = std::make_unique<FolderLock>(folder);
+  auto lock = std::make_unique<PathLock>(folder);
   const std::vector<int> steps = steps_in_folder(folder);
   if (!steps.empty() && !options.resume && !flags.overwrite) {
     throw std::invalid_argument(
@@ -192,8 +193,8 @@ bool lacks_results(const fs::path& folder, int last_step) {
   const fs::path path = folder / "summary.json";
   if (!fs::exists(path)) return true;
   const Json summary = Json::parse(read_text_file(path), nullptr, false);
-  return !summary.is_object() || summary.value("last_step", -1) != last_step ||
-         summary.value("status", "") == "interrupted";
+  return !summary.is_object() || summary.value("last_step", Json()) != Json(last_step) ||
+         summary.value("status", Json()) == Json("interrupted");
 }
 
 /// True if the ledger has each of these steps, solved.
@@ -246,7 +247,7 @@ void write_page_or_say(const fs::path& folder) {
   try {
     write_run_page(folder);
   } catch (const std::exception& e) {
-    fmt::print(stderr, "bipot: the page of the run is not written: {}\n", e.what());
+    say("bipot: the page of the run is not written: {}\n", e.what());
   }
 }
 
@@ -256,7 +257,7 @@ bool can_draw(bool quiet) {
     require_plotting_tool();
     return true;
   } catch (const FileError& e) {
-    if (!quiet) fmt::print(stderr, "bipot: warning: charts are left out: {}\n", e.what());
+    if (!quiet) say("bipot: warning: charts are left out: {}\n", e.what());
     return false;
   }
 }
@@ -299,7 +300,7 @@ struct PreparedRun {
   Scene<D> scene;
   State<D> state;
   SceneRunOptions<D> options;
-  std::unique_ptr<FolderLock> lock;     // of the folder of the results, on the speaker
+  std::unique_ptr<PathLock> lock;       // of the folder of the results, on the speaker
   std::unique_ptr<WatchServer> server;  // likewise, with --watch
   StartReport start;
   bool finished = false;    // before, with all its results
@@ -412,7 +413,7 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
     options.before_step = [&, serves = false](State<D>&) mutable {
       if (std::exchange(serves, true)) return;
       prepared.server->serve(options.folder.folder);
-      fmt::print(stderr, "watch the run: {}\n", prepared.server->address());
+      say("watch the run: {}\n", prepared.server->address());
     };
   }
   // The root process needs the bodies of the scene for its files.
@@ -444,7 +445,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
 
   if (!flags.common.quiet) {
     if (const std::string walls = unbalanced_walls(scene); !walls.empty()) {
-      fmt::print(stderr, "bipot: warning: {}", walls);
+      say("bipot: warning: {}", walls);
     }
     warn_once(scene.caution);
   }
@@ -463,7 +464,7 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   if (!is_speaker()) return exit_code;
   if (scene.observables) write_observable_charts(folder, scene.observables->profile, draws);
   if (run.failure) {
-    fmt::print(stderr, "bipot: {}\n", short_reason(run.failure->what()));
+    say("bipot: {}\n", short_reason(run.failure->what()));
     using Kind = StepFailure::Kind;
     if (!quiet && run.failure->kind == Kind::kPassage) {
       taken.advice =
@@ -480,8 +481,8 @@ int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   const bool cut = run.failure ? run.failure->kind == StepFailure::Kind::kCutShort
                                : run.end == SceneRun<D>::End::kCancelled;
   if (cut && !quiet) taken.advice = fmt::format("  --restart {} goes on\n", folder.string());
-  fmt::print(stderr, "{}", taken.advice);
-  if (!flags.common.quiet) fmt::print(stderr, "{}", taken.warning);
+  say("{}", taken.advice);
+  if (!flags.common.quiet) say("{}", taken.warning);
   const RunSummary<D> summary{.scene = scene,
                               .state = state,
                               .run = run,

@@ -11,6 +11,7 @@
 #include "bench/command/commands.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/run_processes.h"
+#include "bench/command/say.h"
 #include "bench/command/several_command.h"
 #include "bench/measure/problem_target.h"
 #include "bench/problems/scene_catalogue.h"
@@ -396,7 +397,7 @@ int run_solve(const SolveFlags& typed) {
                flags.common.json);
   }
   if (refused) {
-    fmt::print(stderr, "bipot: {}: {}\n", flags.problem, result.message);
+    say("bipot: {}: {}\n", flags.problem, result.message);
     return kExitBadInput;
   }
   if (!flags.common.quiet && flags.common.json != "-") {

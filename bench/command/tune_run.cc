@@ -6,6 +6,7 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
+#include "bench/command/say.h"
 #include "bench/command/watched.h"
 #include "bench/report/document.h"
 #include "bench/report/json_output.h"
@@ -32,7 +33,11 @@ int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
     options.file = plan;
     options.file.replace_extension(".csv");
   }
-  require_apart({{"--rows", options.file.string()}}, {{"--out", plan.string()}});
+  std::vector<NamedFile> read;
+  for (const std::string& target : targets) {
+    read.push_back({"a target", target.substr(0, target.find(':', target.find(".toml")))});
+  }
+  require_apart({{"--out", plan.string()}, {"--rows", options.file.string()}}, read);
   options.warn = &warn_once;
   if (!quiet) scenes.warn = &warn_once;
   const std::vector<ProblemSource> sources = expand_targets(targets, scenes);
@@ -49,14 +54,13 @@ int tune_targets(const std::vector<std::string>& targets, TargetOptions scenes,
     return measure_rows(sources, options);
   });
   if (InterruptGuard::requested()) {
-    fmt::print(stderr, "bipot: stopped; the same command goes on from {}\n", options.file.string());
+    say("bipot: stopped; the same command goes on from {}\n", options.file.string());
     return kExitInterrupted;
   }
   if (rows.empty()) throw no_rows();
   const TunedPlan made = tune_plan(rows, options.variants, least_rows);
   if (made.classes.empty()) {
-    fmt::print(stderr, "bipot: {}: none of the solvers for a plan solved any problem\n",
-               options.file.string());
+    say("bipot: {}: none of the solvers for a plan solved any problem\n", options.file.string());
     return kExitNotConverged;
   }
   const std::string commit = provenance("tune", typed_command()).build.commit;

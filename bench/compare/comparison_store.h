@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "bench/compare/comparison.h"
 #include "bench/measure/problem_target.h"
 #include "bench/measure/reference_solution.h"
+#include "core/files/path_lock.h"
 
 namespace bipot {
 
@@ -18,7 +20,7 @@ namespace bipot {
 class ComparisonStore {
  public:
   /// Throws FileError, and std::invalid_argument if the rows of the folder were made under other
-  /// limits.
+  /// limits or another comparison writes into it.
   explicit ComparisonStore(const Comparison::Options& options);
 
   /// An existing row; null without one.
@@ -41,6 +43,7 @@ class ComparisonStore {
   std::filesystem::path folder_;
   std::map<std::string, Comparison::Row> rows_;
   std::map<std::pair<std::string, std::string>, Comparison::History> histories_;
+  std::unique_ptr<PathLock> lock_;
   std::ofstream rows_file_, history_file_;
 };
 

@@ -107,6 +107,9 @@ CsvFile::CsvFile(fs::path path, const std::string& columns, int keep_up_to)
       const bool torn = before.eof();  // the end of a line is written last
       int step = 0;
       const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), step);
+      if (failure != std::errc() && !torn) {
+        throw FileError(path_, "", "has a row without the number of its step");
+      }
       if (failure != std::errc() || step > keep_up_to) continue;
       if (torn && end == line.data() + line.size()) continue;  // its step is not known
       if (!known) throw FileError(path_, "", "has other columns than this run: name another --out");

@@ -228,6 +228,82 @@ TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
   EXPECT_EQ(code_of(solve + " --solution s.hdf5"), 0);  // the same problem
 }
 
+TEST_F(Command, NothingIsWrittenOverWhatIsRead) {
+  const std::string scene = content(shipped_scene("sliding_cylinder"));
+  write("s.toml", scene);
+  fs::create_directory("z");
+  write("z/plan.toml", scene);
+  for (const char* words :
+       {"run s.toml --steps 2 --json s.toml", "advise s.toml --json s.toml",
+        "trade s.toml:steps=5 --json=s.toml", "compare s.toml:steps=20 --json s.toml"}) {
+    expect_said(words, 2, {"there is a file that is not JSON", "kept as it was"});
+  }
+  for (const char* words : {"tune s.toml --out s.toml", "tune z/plan.toml",
+                            "tune s.toml:steps=5 --out p.toml --rows s.toml"}) {
+    EXPECT_EQ(code_of(std::string(words) + " --solvers apgd --tols 1e-2"), 2) << words;
+  }
+  EXPECT_EQ(content("s.toml"), scene);
+  EXPECT_EQ(content("z/plan.toml"), scene);
+  // JSON of before may be replaced, as an empty file.
+  write("old.json", "[1, 2]");
+  EXPECT_EQ(code_of("list solvers --json old.json"), 0);
+  EXPECT_EQ(json_in("old.json")[0]["name"], "auto");
+  write("empty", "");
+  EXPECT_EQ(code_of("list solvers --json empty"), 0);
+}
+
+TEST_F(Command, MessagesThatCannotBeWrittenStopNothing) {
+  for (const char* nowhere : {" 2>&- #", " 2>/dev/full #"}) {
+    const auto code = [&](const std::string& words) {
+      return run_command_line(BIPOT_COMMAND, words + nowhere).exit_code;
+    };
+    EXPECT_EQ(code("solve no_such_file.hdf5"), 4);
+    EXPECT_EQ(code("solve square:4 --solver nonsense"), 2);
+    EXPECT_EQ(code("run compaction_100 --steps 20 --overwrite --out run"), 0);
+    EXPECT_TRUE(fs::exists("run/index.html"));
+    EXPECT_EQ(json_in("run/summary.json")["status"], "completed");
+  }
+  // The progress of a closed stream must not end in the file that was opened next.
+  EXPECT_EQ(code_of("tune square:6 pile:6 --tols 1e-2 --out p.toml 2>&- #"), 0);
+  EXPECT_FALSE(says(content("p.csv"), "left"));
+  EXPECT_EQ(code_of("tune square:6 pile:6 --tols 1e-2 --out p.toml"), 0);
+  EXPECT_EQ(code_of("list solvers >&- #"), 4);
+}
+
+TEST_F(Command, ARefusalReachesAPipe) {
+  const Outcome refused = run_command_line(
+      "sh", "-c 'mkfifo pipe; " BIPOT_COMMAND " solve no_such_file.hdf5 --json pipe & cat pipe' #");
+  EXPECT_EQ(json::parse(refused.out)["exit_code"], 4);
+}
+
+TEST_F(Command, OneFolderHasOneComparison) {
+  const Outcome both =
+      run_command_line("sh", "-c '" BIPOT_COMMAND
+                             " compare pile:24 --tols 1e-2,1e-10 --min-time 1 -q --out c & "
+                             "p=$!; sleep 2; " BIPOT_COMMAND
+                             " compare square:4 -q --out c 2>&1; code=$?; "
+                             "kill -INT $p; wait $p; exit $code' 2>&1 #");
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_TRUE(says(both.out, "another run writes into"));
+}
+
+TEST_F(Command, ADamagedLedgerIsNotContinued) {
+  ASSERT_EQ(code_of("run compaction_100 --steps 20 --no-page --out run"), 0);
+  const std::string ledger = content("run/ledger.csv");
+  const std::size_t row = ledger.find("\n7,");
+  write("run/ledger.csv", changed(ledger, {{"\n7,", "\nabc,"}}));
+  EXPECT_NE(row, std::string::npos);
+  expect_said("run compaction_100 --restart run --steps 1 --no-page", 4,
+              {"ledger.csv", "without the number of its step"});
+  write("run/ledger.csv", ledger);
+  // A summary of another kind is as good as none.
+  for (const char* summary :
+       {"{\"last_step\": \"x\"}", "{\"last_step\": 20, \"status\": 3}", "[]"}) {
+    write("run/summary.json", summary);
+    EXPECT_NE(code_of("run compaction_100 --restart run --no-page"), 3) << summary;
+  }
+}
+
 TEST_F(Command, ASolverOfAnotherBuildNamesItsOption) {
   if (bipot("list solvers").out.find("siconos:nsgs") != std::string::npos) {
     GTEST_SKIP() << "built with Siconos";
