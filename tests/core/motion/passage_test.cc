@@ -144,15 +144,15 @@ TEST(Passage, WallsOfACellAreItsImagesToo) {
     Scene<2> scene = one_law<2>({});
     scene.cell.in_x = scene.cell.in_y = true;
     scene.cell.width.length = scene.cell.height.length = 1;
-    scene.bodies = {disk(Vec2(0.35, 0.5 + period), Vec2(300, 0))};
+    scene.bodies = {disk(Vec2(0.37, 0.5 + period), Vec2(300, 0))};
     scene.walls = {plate(Vec2(0.5, 0.4), Vec2(0.5, 0.6))};
     EXPECT_EQ(free_step(scene).passages.size(), 1u) << period;
     scene.walls = {{.shape = Wall<2>::Shape::kSolidCircle, .a = Vec2(0.5, 0.5), .radius = 0.05}};
     EXPECT_EQ(free_step(scene).passages.size(), 1u) << period;
     scene.walls = {plate(Vec2(0.95, 0.5), Vec2(1.05, 0.5))};
-    scene.bodies = {disk(Vec2(1 + period, 0.35), Vec2(0, 300))};
+    scene.bodies = {disk(Vec2(1 + period, 0.37), Vec2(0, 300))};
     EXPECT_EQ(free_step(scene).passages.size(), 1u) << period;
-    scene.bodies = {disk(Vec2(1.06 + period, 0.35), Vec2(0, 300))};
+    scene.bodies = {disk(Vec2(1.06 + period, 0.37), Vec2(0, 300))};
     EXPECT_TRUE(free_step(scene).passages.empty()) << period;
   }
 }
