@@ -70,7 +70,8 @@ void write_refusal(const std::string& destination, const std::string& command,
   if (destination.empty() || !is_speaker() || (destination == "-" && !std::cout)) return;
   std::error_code none;
   const auto status = std::filesystem::status(destination, none);
-  if (std::filesystem::is_regular_file(status) || std::filesystem::is_directory(status)) {
+  if (std::filesystem::is_directory(status)) return;  // said by who wanted to write there
+  if (std::filesystem::is_regular_file(status)) {
     say("bipot: {} is kept as it was\n", destination);
     return;
   }
@@ -82,7 +83,7 @@ void write_refusal(const std::string& destination, const std::string& command,
                 {"exit_code", static_cast<int>(code)}},
                destination);
   } catch (const std::exception& e) {
-    say("bipot: {}\n", e.what());
+    if (e.what() != message) say("bipot: {}\n", e.what());
   }
 }
 
