@@ -1,6 +1,8 @@
 #include "bench/command/bipot_command.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -64,6 +66,16 @@ std::string command_name(const std::vector<ProgramCommand>& commands, int argc,
   return {};
 }
 
+/// Opens a pipe if somebody reads it within two seconds, else -1: a refusal does not wait for ever.
+int opened_for_a_reader(const std::string& pipe) {
+  for (int k = 0; k < 100; ++k) {
+    const int file = ::open(pipe.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+    if (file >= 0 || errno != ENXIO) return file;
+    ::usleep(20000);
+  }
+  return -1;
+}
+
 /// Writes a refusal into the JSON file as well. The result of an earlier command stays there.
 void write_refusal(const std::string& destination, const std::string& command,
                    const std::string& message, ExitCode code) {
@@ -71,10 +83,13 @@ void write_refusal(const std::string& destination, const std::string& command,
   std::error_code none;
   const auto status = std::filesystem::status(destination, none);
   if (std::filesystem::is_directory(status)) return;  // said by who wanted to write there
-  if (std::filesystem::is_regular_file(status)) {
+  if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(destination, none)) {
     say("bipot: {} is kept as it was\n", destination);
     return;
   }
+  const bool pipe = std::filesystem::is_fifo(status);
+  const int reader = pipe ? opened_for_a_reader(destination) : -1;
+  if (pipe && reader < 0) return;
   try {
     write_json({{"command", command},
                 {"version", program_version()},
@@ -85,13 +100,14 @@ void write_refusal(const std::string& destination, const std::string& command,
   } catch (const std::exception& e) {
     if (e.what() != message) say("bipot: {}\n", e.what());
   }
+  if (pipe) ::close(reader);
 }
 
 /// The JSON of an earlier command may be replaced, a scene or a table must not.
 void require_json_or_nothing(const std::string& destination) {
   std::error_code none;
   if (!std::filesystem::is_regular_file(destination, none) ||
-      std::filesystem::file_size(destination) == 0) {
+      std::filesystem::file_size(destination, none) == 0) {
     return;
   }
   std::ifstream file(destination);

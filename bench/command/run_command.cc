@@ -34,8 +34,8 @@
 #include "core/base/interrupt.h"
 #include "core/base/stopwatch.h"
 #include "core/base/version.h"
+#include "core/files/folder_lock.h"
 #include "core/files/input_file.h"
-#include "core/files/path_lock.h"
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/opposite_walls.h"
@@ -168,7 +168,7 @@ RunFolderOptions folder_options(const RunFlags& flags, const std::string& scene_
 
 /// Makes the folder of the results and holds it. Throws std::invalid_argument if another run writes
 /// into it, or if an earlier one lies there and the flags do not say what becomes of it.
-std::unique_ptr<PathLock> claim_folder(const RunFlags& flags, const RunFolderOptions& options) {
+std::unique_ptr<FolderLock> claim_folder(const RunFlags& flags, const RunFolderOptions& options) {
   const fs::path& folder = options.folder;
   if (flags.overwrite && options.resume) {
     throw std::invalid_argument("--restart goes on in " + folder.string() +
@@ -177,7 +177,7 @@ std::unique_ptr<PathLock> claim_folder(const RunFlags& flags, const RunFolderOpt
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileError(folder, "", "cannot create: " + error.message());
-  auto lock = std::make_unique<PathLock>(folder);
+  auto lock = std::make_unique<FolderLock>(folder);
   const std::vector<int> steps = steps_in_folder(folder);
   if (!steps.empty() && !options.resume && !flags.overwrite) {
     throw std::invalid_argument(
@@ -300,7 +300,7 @@ struct PreparedRun {
   Scene<D> scene;
   State<D> state;
   SceneRunOptions<D> options;
-  std::unique_ptr<PathLock> lock;       // of the folder of the results, on the speaker
+  std::unique_ptr<FolderLock> lock;     // of the folder of the results, on the speaker
   std::unique_ptr<WatchServer> server;  // likewise, with --watch
   StartReport start;
   bool finished = false;    // before, with all its results

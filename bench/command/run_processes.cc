@@ -63,8 +63,9 @@ void keep_others_quiet() {
 
 void say_from_here(const std::string& message) {
   std::FILE* voice = own_voice != nullptr ? own_voice : stderr;
-  fmt::print(voice, "bipot: process {} of {}: {}\n", launched_rank() + 1, launched_processes(),
-             message);
+  const std::string text = fmt::format("bipot: process {} of {}: {}\n", launched_rank() + 1,
+                                       launched_processes(), message);
+  std::fputs(text.c_str(), voice);  // throws nothing
   std::fflush(voice);
 }
 

@@ -40,7 +40,7 @@ RunProgress::RunProgress(long steps, Options options)
     std::unique_lock lock(mutex_);
     try {
       while (!end_.wait_for(lock, pause, [this] { return over_; })) look_at_the_step();
-    } catch (const std::exception&) {  // no standard error or log: the run itself meets it
+    } catch (const std::exception&) {  // no log: the run itself meets it
     }
   });
 }

@@ -66,7 +66,7 @@ ComparisonStore::ComparisonStore(const Comparison::Options& options) : folder_(o
   fs::create_directories(folder_ / "references", failed);
   if (!failed) fs::create_directories(folder_ / "problems", failed);
   if (failed) throw FileError(folder_, "", failed.message());
-  lock_ = std::make_unique<PathLock>(folder_);
+  lock_ = std::make_unique<FolderLock>(folder_);
   const fs::path limits = folder_ / "limits.json";
   const std::string now = json_text(limits_json(options));
   if (fs::exists(limits)) {

@@ -11,7 +11,7 @@
 #include "bench/compare/comparison.h"
 #include "bench/measure/problem_target.h"
 #include "bench/measure/reference_solution.h"
-#include "core/files/path_lock.h"
+#include "core/files/folder_lock.h"
 
 namespace bipot {
 
@@ -43,7 +43,7 @@ class ComparisonStore {
   std::filesystem::path folder_;
   std::map<std::string, Comparison::Row> rows_;
   std::map<std::pair<std::string, std::string>, Comparison::History> histories_;
-  std::unique_ptr<PathLock> lock_;
+  std::unique_ptr<FolderLock> lock_;
   std::ofstream rows_file_, history_file_;
 };
 

@@ -9,7 +9,6 @@
 #include "bench/report/csv_text.h"
 #include "core/base/file_error.h"
 #include "core/base/number_text.h"
-#include "core/files/path_lock.h"
 
 namespace bipot {
 namespace {
@@ -53,7 +52,6 @@ bool Study::measure(const std::filesystem::path& rows, const std::vector<Job>& j
                     const Watch& watch) {
   const Measured known = read(rows);
   std::ofstream file = open_csv_table(rows, kRowsHeader);
-  const PathLock lock(rows);
   const long total = static_cast<long>(jobs.size());
   long done = 0;
   for (const Job& job : jobs) {

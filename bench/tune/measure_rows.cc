@@ -14,7 +14,6 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/report/csv_text.h"
 #include "core/base/file_error.h"
-#include "core/files/path_lock.h"
 #include "core/motion/time_stepping.h"
 #include "solvers/auto/auto_plan.h"
 #include "solvers/registry.h"
@@ -265,7 +264,6 @@ std::vector<MeasuredRow> measure_rows(const std::vector<ProblemSource>& sources,
     }
   }
   std::ofstream file = open_csv_table(options.file, measured_csv_header());
-  const PathLock lock(options.file);
   std::vector<double> tols = options.tols;
   std::ranges::sort(tols, std::greater<>());
   tols.erase(std::unique(tols.begin(), tols.end()), tols.end());

@@ -18,23 +18,32 @@ namespace {
 /// A pair with a smaller overlap than this part of the smaller radius grazes.
 constexpr double kGrazing = 0.5;
 
-/// Whether a pair at p and then at q, one against the other, changed sides nearer than `clear`, or
-/// was farther at both ends.
+/// A pair of which one goes through the other.
+struct Pair {
+  double touch = 0;  ///< distance of the centres in contact                             [m]
+  double clear = 0;  ///< nearer, they do not only graze                                 [m]
+
+  Pair(double radius, double other)
+      : touch(radius + other), clear(touch - kGrazing * std::min(radius, other)) {}
+};
+
+/// Whether the pair, at p and then at q one against the other, came nearer than `clear` in between.
+/// At its ends it is on other sides, or apart: pins may hold two bodies that overlap.
 template <class V>
-bool changed_sides(const V& p, const V& q, double clear) {
+bool came_through(const V& p, const V& q, const Pair& pair) {
   const V d = q - p;
   const double t = -p.dot(d) / d.squaredNorm();  // where they are nearest; NaN without a way
   if (!(t > 0 && t < 1)) return false;
-  const bool chord = p.norm() >= clear && q.norm() >= clear;
-  return (chord || p.dot(q) < 0) && (p + t * d).norm() < clear;
+  const bool apart = p.norm() >= pair.touch && q.norm() >= pair.touch;
+  return (apart || p.dot(q) < 0) && (p + t * d).norm() < pair.clear;
 }
 
-/// The same over a step from mid-step before to mid to the end, past a thing of that size. A step
-/// that began on the thing is judged by the mid-steps around its begin.
+/// The same over a step from mid-step before to mid to the end. A step that began on the other body
+/// is judged by the mid-steps around its begin.
 template <class V>
-bool passes(const V& before, const V& from, const V& mid, const V& to, double clear) {
-  if (changed_sides(from, mid, clear) || changed_sides(mid, to, clear)) return true;
-  return before.dot(mid) < 0 && before.dot(from) >= 0 && from.dot(mid) >= 0 && from.norm() < clear;
+bool passes(const V& before, const V& from, const V& mid, const V& to, const Pair& pair) {
+  if (came_through(from, mid, pair) || came_through(mid, to, pair)) return true;
+  return before.dot(from) >= 0 && from.norm() < pair.clear && came_through(before, mid, pair);
 }
 
 /// Whether the way from p to q crosses the segment from 0 to `along`, or ends on it.
@@ -84,7 +93,7 @@ bool through_wall(const Vec<D>& before, const Vec<D>& from, const Vec<D>& mid, c
       return leaves([&](const Vec<D>& x) { return wall.radius - across(x).norm(); });
     case Shape::kSolidCircle:
       return passes<Vec<D>>(across(before), across(from), across(mid), across(to),
-                            wall.radius + radius - kGrazing * std::min(radius, wall.radius));
+                            Pair(radius, wall.radius));
     case Shape::kSegment:
       if constexpr (D == 2) {
         return crosses(from, mid, wall.b - wall.a) || crosses(mid, to, wall.b - wall.a);
@@ -249,9 +258,9 @@ std::vector<Passage> find_passages(const State<D>& before, const State<D>& after
   }
   for_near_pairs(ways, after.cell.periodic(), [&](const BodyPath<D>& a, const BodyPath<D>& b) {
     if (joined(a, b)) return;
-    const double clear = a.radius + b.radius - kGrazing * std::min(a.radius, b.radius);
     const Against<D> pair(a, b, before.cell, after.cell);
-    if (!passes<Vec<D>>(pair.earlier, pair.from, pair.mid, pair.to, clear)) return;
+    const Pair size(a.radius, b.radius);
+    if (!passes<Vec<D>>(pair.earlier, pair.from, pair.mid, pair.to, size)) return;
     passages.push_back({a.number, b.number, -1, speed(pair.from, pair.mid, pair.to)});
   });
   std::sort(passages.begin(), passages.end(), [](const Passage& a, const Passage& b) {

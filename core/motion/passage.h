@@ -50,8 +50,8 @@ struct Passage {
 };
 
 /// The passages of a step of size h. In each half of it the ways are straight. Two bodies passed
-/// each other if they came closer than half the smaller radius below touching, and parted again or
-/// turned up on the other side. A step may end in between: then the mid-steps around it tell. A
+/// each other if they came closer than half the smaller radius below touching, and parted or turned
+/// up on the other side. A step may end in between: then the mid-steps around it tell. A
 /// plate, half-plane or hollow circle is passed where a centre crosses it. `ways`: of the bodies
 /// here and the fast ones elsewhere; a pair of two processes is found on one. Sorted.
 template <int D>

@@ -105,10 +105,11 @@ CsvFile::CsvFile(fs::path path, const std::string& columns, int keep_up_to)
     }
     while (std::getline(before, line)) {
       const bool torn = before.eof();  // the end of a line is written last
+      if (line.empty()) continue;
       int step = 0;
       const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), step);
       if (failure != std::errc() && !torn) {
-        throw FileError(path_, "", "has a row without the number of its step");
+        throw FileError(path_, "", "has a row without the number of its step: " + line);
       }
       if (failure != std::errc() || step > keep_up_to) continue;
       if (torn && end == line.data() + line.size()) continue;  // its step is not known

@@ -56,7 +56,7 @@ class CsvFile {
   /// Begins a file with the names in `columns`, without their units. Rows of an existing file whose
   /// first number is at most `keep_up_to` are kept, if its columns are the first of these, with or
   /// without units. Columns that it lacks are nan in those rows. Such rows under other columns are
-  /// not lost: FileError.
+  /// not lost: FileError, as for a row without a number.
   CsvFile(std::filesystem::path path, const std::string& columns, int keep_up_to);
   void row(const std::string& line);
 

@@ -167,12 +167,18 @@ std::string check_periodic(const Scene<D>& scene) {
     if (D == 3 && wall.is_circle() && !(wall.normal.cwiseAbs().maxCoeff() > 1 - 1e-12)) {
       return fmt::format("wall {}: a cylinder in a periodic scene lies along an axis", w);
     }
-    const bool along = D == 3 && wall.is_circle() && std::abs(wall.normal[0]) > 0.5;
-    const double reach = plane || along    ? 0
-                         : wall.radius > 0 ? 2 * wall.radius
-                                           : std::abs(wall.b[0] - wall.a[0]) * (1 - 1e-12);
-    if (reach > cell.width.length) {
-      return fmt::format("wall {}: it is {} m wide, the cell {} m", w, reach, cell.width.length);
+    for (int axis = 0; axis < (cell.in_y ? 2 : 1); ++axis) {
+      const bool along = D == 3 && wall.is_circle() && std::abs(wall.normal[axis]) > 0.5;
+      const double reach = plane || along    ? 0
+                           : wall.radius > 0 ? 2 * wall.radius
+                                             : std::abs(wall.b[axis] - wall.a[axis]) * (1 - 1e-12);
+      const double length = cell.side(axis).length;
+      if (reach <= length) continue;
+      return fmt::format("wall {}: it is {} m {}, the cell {} m", w, reach,
+                         axis == 0 ? "wide"
+                         : D == 2  ? "high"
+                                   : "deep",
+                         length);
     }
     if (!plane && cell.deforms()) {
       return fmt::format("wall {}: a cell that deforms has no place for segments and circles", w);

@@ -107,7 +107,7 @@ template <int D>
   }
   Scene<D> pushed = scene;
   pushed.start = StartChoice::kPushApart;
-  const auto outlets = static_cast<int>(scene.bodies.size() + scene.walls.size());  // keep theirs
+  const auto outlets = static_cast<int>(scene.bodies.size() + scene.walls.size());
   const bool can_push =
       scene.start == StartChoice::kRefuse && validate(pushed).empty() &&
       std::ranges::all_of(overlaps, [&](const auto& o) { return o.contact.j < outlets; });

@@ -271,20 +271,22 @@ TEST_F(Command, MessagesThatCannotBeWrittenStopNothing) {
 }
 
 TEST_F(Command, ARefusalReachesAPipe) {
-  const Outcome refused = run_command_line(
-      "sh", "-c 'mkfifo pipe; " BIPOT_COMMAND " solve no_such_file.hdf5 --json pipe & cat pipe' #");
+  const Outcome refused =
+      run_command_line("sh", "-c 'mkfifo pipe; " BIPOT_COMMAND
+                             " solve no_such_file.hdf5 --json pipe & timeout 60 cat pipe' #");
   EXPECT_EQ(json::parse(refused.out)["exit_code"], 4);
 }
 
 TEST_F(Command, OneFolderHasOneComparison) {
-  const Outcome both =
-      run_command_line("sh", "-c '" BIPOT_COMMAND
-                             " compare pile:24 --tols 1e-2,1e-10 --min-time 1 -q --out c & "
-                             "p=$!; sleep 2; " BIPOT_COMMAND
-                             " compare square:4 -q --out c 2>&1; code=$?; "
-                             "kill -INT $p; wait $p; exit $code' 2>&1 #");
+  const Outcome both = run_command_line(
+      "sh",
+      "-c '" BIPOT_COMMAND
+      " compare pile:24 --tols 1e-2,1e-10 --min-time 1 -q --out c & "
+      "p=$!; for k in $(seq 300); do [ -e c/limits.json ] && break; sleep 0.1; done; " BIPOT_COMMAND
+      " compare square:4 -q --out c 2>&1; code=$?; "
+      "kill -INT $p; wait $p; exit $code' 2>&1 #");
   EXPECT_EQ(both.exit_code, 2);
-  EXPECT_TRUE(says(both.out, "another run writes into"));
+  EXPECT_TRUE(says(both.out, "another command writes into"));
 }
 
 TEST_F(Command, ADamagedLedgerIsNotContinued) {

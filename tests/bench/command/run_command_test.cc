@@ -165,7 +165,7 @@ TEST_F(RunCommand, TwoRunsDoNotWriteIntoOneFolder) {
       "sh", "-c '" BIPOT_COMMAND " " + run + " & p=$!; sleep 2; " BIPOT_COMMAND " " + run +
                 " --overwrite 2>&1; code=$?; kill -INT $p; wait $p; exit $code' 2>&1 #");
   EXPECT_EQ(second.exit_code, 2);
-  EXPECT_TRUE(says(second.out, "another run writes into"));
+  EXPECT_TRUE(says(second.out, "another command writes into"));
 }
 
 TEST_F(RunCommand, TheStepSizeLeavesTheDurationOfTheScene) {

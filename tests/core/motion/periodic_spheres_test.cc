@@ -163,6 +163,9 @@ TEST(PeriodicSpheres, PlanesAcrossTheCellAndObliqueCylindersAreRefused) {
   refused("[[walls]]\ncenter = [0, 0, 0]\naxis = [1, 0, 1]\nradius = 0.5\n", "along an axis");
   refused("[[walls]]\ncenter = [0, 0, 0]\naxis = [0, 1, 0]\nradius = 1.5\n", "3 m wide");
   parse_any_scene(rest + "[[walls]]\ncenter = [0, 0, 0]\naxis = [1, 0, 0]\nradius = 9\n", "t");
+  const auto refused_in_y = refused_scenes(
+      "", "dim = 3\ncell = { width = 9, depth = 2 }\n" + rest.substr(rest.find("[time]")));
+  refused_in_y("[[walls]]\ncenter = [0, 0, 0]\naxis = [1, 0, 0]\nradius = 1.5\n", "3 m deep");
   refused("[[spheres]]\nposition = [0, 0, 0]\nradius = 0.6\nmass = 1\n", "diameters");
 }
 
