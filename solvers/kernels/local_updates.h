@@ -13,6 +13,9 @@ struct LocalSettings {
   bool exact = false;        ///< solve_local() instead of improve_local()
   int local_iterations = 1;  ///< of improve_local()
   double omega = 1;          ///< relaxation
+
+  /// Without relaxation one round of projections solves a diagonal block.
+  bool one_round() const { return omega == 1 || (!exact && local_iterations == 1); }
 };
 
 /// Local problems of all contacts and the update of one of them.
@@ -57,8 +60,8 @@ template <ContactRows D, class F>
 void with_local_updates(const ContactProblem& p, const DelassusOperator& delassus,
                         const LocalSettings& settings, bool explicit_delassus, F&& f) {
   if constexpr (D < 3) {
-    if (delassus.disks() && !explicit_delassus) {
-      // For diagonal blocks with omega = 1, one round of projections is the exact solution.
+    // For diagonal blocks with omega = 1, one round of projections is the exact solution.
+    if (delassus.disks() && !explicit_delassus && settings.one_round()) {
       DiskSweep<D> sweep(p, *delassus.disks());
       const Vector diagonal = delassus.diagonal();
       for (int c = 0; c < p.num_contacts(); ++c) {

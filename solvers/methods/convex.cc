@@ -81,6 +81,10 @@ void iterate_associated(SolveRun& run) {
 }  // namespace
 
 void solve_convex(SolveRun& run) {
+  if (run.options().stop == StopTest::kImpulse) {
+    return run.end(SolveStatus::kInvalidInput,
+                   "convex obeys another law: two like iterates are no answer, stop = impulse");
+  }
   dispatch_rows(run.problem(), [&](auto d) { iterate_associated<d()>(run); });
 }
 

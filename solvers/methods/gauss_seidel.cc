@@ -108,9 +108,13 @@ void solve_gauss_seidel(SolveRun& run) {
   const bool explicit_delassus = parameters.choice("operator") == "explicit";
   const bool tiled = parameters.choice("order") == "tiled";
   // Spheres in the given order: vectors do the same contact after contact, if one round is all.
-  const bool one_round = settings.omega == 1 || (!settings.exact && settings.local_iterations == 1);
-  const bool forward =
-      parameters.choice("order") == "forward" && one_round && run.space().parts() == nullptr;
+  const bool forward = parameters.choice("order") == "forward" && settings.one_round() &&
+                       run.space().parts() == nullptr;
+  if (tiled && (explicit_delassus || !settings.one_round())) {
+    return run.end(SolveStatus::kInvalidInput,
+                   "order = tiled is one round of projections on bodies: without operator = "
+                   "explicit, and local = exact or local_iterations only with omega = 1");
+  }
   dispatch_rows(run.problem(), [&](auto d) {
     constexpr ContactRows D = d();
     const bool in_vectors = (tiled || (forward && !D.in_plane())) && !explicit_delassus;

@@ -393,6 +393,15 @@ TEST(StopTests, ImpulseComparesConsecutiveIterates) {
   ASSERT_GE(r.iterations, 1);
 }
 
+TEST(Solve, AStartBeyondAllNumbersIsReplacedByZero) {
+  const ContactProblem p = some_problem();
+  const SolveResult from_zero = converged(solve("pgs", p));
+  for (const double size : {1e120, 1e160, 1e200}) {
+    const SolveResult r = converged(solve("pgs", p, {.s0 = Vector::Constant(p.num_rows(), size)}));
+    EXPECT_EQ(r.iterations, from_zero.iterations) << size;
+  }
+}
+
 TEST(StopTests, AnExactStartDoesNotMeetTheImpulseTestByItself) {
   // One impulse says nothing about successive ones: at least one iteration.
   const Manufactured m = manufactured_problem(2, 12, 14, 3);

@@ -17,6 +17,7 @@ TEST(Convex, ASlidingBlockLiftsWithMuTimesItsVelocity) {
     const SolveResult r = ended(SolveStatus::kStalled, solve("convex", p, {.tol = 1e-10}));
     EXPECT_TRUE(says(r.message, "another law: the associated one holds"));
     EXPECT_TRUE(says(r.message, "1 of 1 contacts slide, and open with mu |u_t| up to 1.4 m/s"));
+    ended(SolveStatus::kInvalidInput, solve("convex", p, {.stop = StopTest::kImpulse}));
     EXPECT_NEAR(r.s[0], 2.4, 1e-9);
     EXPECT_NEAR(r.u[0], 1.4, 1e-9);
     EXPECT_NEAR(r.u[0], 0.5 * r.u.tail(dim - 1).norm(), 1e-9);

@@ -51,6 +51,25 @@ TEST(GaussSeidel, ProjectionIsExactForDisks) {
   EXPECT_LT((projected - exact).norm(), 1e-10 * exact.norm());
 }
 
+// Relaxed they differ: either operator does what is asked for.
+TEST(GaussSeidel, RelaxedLocalSolutionsDoNotDependOnTheOperator) {
+  const ContactProblem p = triangular_lattice(6, {.tilt = 0.3});
+  using Choice = std::map<std::string, std::string>;
+  const Vector plain = run_pgs(p, {{"omega", "1.5"}}, 7).s;
+  for (const Choice& local : {Choice{{"local", "exact"}}, Choice{{"local_iterations", "50"}}}) {
+    Choice choice = local;
+    choice["omega"] = "1.5";
+    const Vector bodies = run_pgs(p, choice, 7).s;
+    EXPECT_GT((bodies - plain).norm(), 1e-3 * plain.norm()) << choice.begin()->first;
+    choice["operator"] = "explicit";
+    EXPECT_LT((bodies - run_pgs(p, choice, 7).s).norm(), 1e-10 * plain.norm());
+    choice.erase("operator");
+    choice["order"] = "tiled";
+    ended(SolveStatus::kInvalidInput, run_pgs(p, choice, 7));
+  }
+  ended(SolveStatus::kInvalidInput, run_pgs(p, {{"order", "tiled"}, {"operator", "explicit"}}, 7));
+}
+
 TEST(GaussSeidel, OneContactTakesOneExactSweep) {
   for (int dim = 2; dim <= 3; ++dim) {
     for (unsigned seed = 1; seed <= 20; ++seed) {

@@ -1,6 +1,7 @@
 #include "solvers/methods/tresca.h"
 
 #include "tests/support/converged.h"
+#include "tests/support/lattice_problem.h"
 
 namespace bipot {
 namespace {
@@ -20,6 +21,13 @@ TEST(Tresca, BoundsApproachThoseOfCoulombsLaw) {
   EXPECT_NEAR(r.s[0], 2.0 / 3, 1e-11);
   EXPECT_NEAR(r.s[1], 2.0 / 3, 1e-11);
   EXPECT_TRUE(says(r.message, "sets of bounds"));
+}
+
+// Without friction the bounds are 0 and stand: a slow start is no cycle.
+TEST(Tresca, BoundsThatStandKeepTheMomentum) {
+  const ContactProblem p = square_lattice(40, {.mu = 0});
+  const int plain = converged(solve("apgd", p, {.tol = 1e-3})).iterations;
+  EXPECT_LT(converged(solve("tresca", p, {.tol = 1e-3})).iterations, 3 * plain);
 }
 
 // mu = 3: the bounds are 0, 3, 0, 3, ... Coulomb's law has the solution s_n = 2/5, s_t = 6/5.
