@@ -219,7 +219,7 @@ SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const Solver
     const auto run_with = [&](const SolverOptions& how) { result = run(space, entry, how); };
     // Impulses of jammed bodies at rest in the previous step may be huge beside this one: no solver
     // recovers from there with significant digits.
-    if (start && start->energy > kDivergenceFactor * none.energy) {
+    if (start && !(start->energy <= kDivergenceFactor * none.energy)) {  // NaN: beyond all numbers
       SolverOptions from_zero = options;
       from_zero.s0 = Vector();
       run_with(from_zero);

@@ -28,7 +28,7 @@ void iterate_bounds(SolveRun& run) {
   run.end_setup();
   kernel.reset(run.start());
   kernel.hold_disks();
-  StagnationTest stagnation(100);
+  StagnationTest stagnation(10000);
   int bounds = 1;
   bool settled = false;
   for (int iteration = 0;;) {
@@ -44,8 +44,9 @@ void iterate_bounds(SolveRun& run) {
     run.judge_next();
     const auto [change, size] = kernel.hold_disks();
     settled = change <= kBoundsStand * size;
+    if (settled) continue;  // the same problem: it keeps its momentum
     control.t = 1;
-    if (++bounds > 2 && stagnation.stagnates(bounds, run.best_error())) {
+    if (++bounds > 2 && stagnation.stagnates(iteration, run.best_error())) {
       run.end(
           SolveStatus::kStalled,
           fmt::format("the bounds of friction do not settle, best error {:.2e}", run.best_error()));

@@ -342,8 +342,8 @@ TEST(SceneFile, PeriodicCells) {
                  {"wall 0", "lies along x"});
   expect_refused("[cell]\nwidth = 5\n[[walls]]\nfrom = [0, 0]\nto = [5.1, 1]\n",
                  {"wall 0", "m wide, the cell 5 m"});
-  expect_refused(both + "[[walls]]\nfrom = [0, 0]\nto = [1, 5.1]\n",
-                 {"wall 0", "m high, the cell 5 m"});
+  expect_refused(both + "[[walls]]\nfrom = [0, 0]\nto = [1, 6.1]\n",
+                 {"wall 0", "m high, the cell 6 m"});
 }
 
 TEST(SceneFile, DisksGluedToAWall) {
