@@ -66,6 +66,12 @@ std::string command_name(const std::vector<ProgramCommand>& commands, int argc,
   return {};
 }
 
+/// Standard output under any of its names, and other open files: they are not replaced.
+bool is_open_file(const std::string& destination) {
+  const auto begins = [&](const char* with) { return destination.starts_with(with); };
+  return destination == "-" || begins("/dev/std") || begins("/dev/fd/") || begins("/proc/");
+}
+
 /// Opens a pipe if somebody reads it within two seconds, else -1: a refusal does not wait for ever.
 int opened_for_a_reader(const std::string& pipe) {
   for (int k = 0; k < 100; ++k) {
@@ -81,7 +87,8 @@ void write_refusal(const std::string& destination, const std::string& command,
                    const std::string& message, ExitCode code) {
   if (destination.empty() || !is_speaker() || (destination == "-" && !std::cout)) return;
   std::error_code none;
-  const auto status = std::filesystem::status(destination, none);
+  const auto status = is_open_file(destination) ? std::filesystem::file_status()
+                                                : std::filesystem::status(destination, none);
   if (std::filesystem::is_directory(status)) return;  // said by who wanted to write there
   if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(destination, none)) {
     say("bipot: {} is kept as it was\n", destination);
@@ -89,7 +96,7 @@ void write_refusal(const std::string& destination, const std::string& command,
   }
   const bool pipe = std::filesystem::is_fifo(status);
   const int reader = pipe ? opened_for_a_reader(destination) : -1;
-  if (pipe && reader < 0) return;
+  if (pipe && reader < 0) return say("bipot: nobody reads {}\n", destination);
   try {
     write_json({{"command", command},
                 {"version", program_version()},
@@ -106,7 +113,7 @@ void write_refusal(const std::string& destination, const std::string& command,
 /// The JSON of an earlier command may be replaced, a scene or a table must not.
 void require_json_or_nothing(const std::string& destination) {
   std::error_code none;
-  if (!std::filesystem::is_regular_file(destination, none) ||
+  if (is_open_file(destination) || !std::filesystem::is_regular_file(destination, none) ||
       std::filesystem::file_size(destination, none) == 0) {
     return;
   }

@@ -105,7 +105,7 @@ CsvFile::CsvFile(fs::path path, const std::string& columns, int keep_up_to)
     }
     while (std::getline(before, line)) {
       const bool torn = before.eof();  // the end of a line is written last
-      if (line.empty()) continue;
+      if (line.empty() || line == "\r") continue;
       int step = 0;
       const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), step);
       if (failure != std::errc() && !torn) {

@@ -110,17 +110,14 @@ void solve_gauss_seidel(SolveRun& run) {
   // Spheres in the given order: vectors do the same contact after contact, if one round is all.
   const bool forward = parameters.choice("order") == "forward" && settings.one_round() &&
                        run.space().parts() == nullptr;
-  if (tiled && (explicit_delassus || !settings.one_round())) {
-    return run.end(SolveStatus::kInvalidInput,
-                   "order = tiled is one round of projections on bodies: without operator = "
-                   "explicit, and local = exact or local_iterations only with omega = 1");
-  }
   dispatch_rows(run.problem(), [&](auto d) {
     constexpr ContactRows D = d();
-    const bool in_vectors = (tiled || (forward && !D.in_plane())) && !explicit_delassus;
+    const bool in_vectors =
+        ((tiled && settings.one_round()) || (forward && !D.in_plane())) && !explicit_delassus;
     const auto bodies = in_vectors ? kernel_bodies<D>(run.problem(), run.delassus()) : nullptr;
     if (bodies) return sweep_vectors<kKernelOf<D>>(run, *bodies, settings.omega, tiled);
     sweep_contacts<D>(run, explicit_delassus, order, settings);
+    if (tiled) run.remark("; contacts as they stand, not tiled");
   });
 }
 

@@ -32,9 +32,9 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
 /// both choices are the same.
 ///
 /// order = tiled: a sweep over disks or spheres in vectors and on threads
-/// (solvers/disks/tiled_sweep.h), with the same bits for any number of them; other problems take
-/// their contacts as they stand. Spheres do so in vectors too, contacts without a common body at
-/// once.
+/// (solvers/disks/tiled_sweep.h), with the same bits for any number of them. Other problems, and
+/// more than one round, take their contacts as they stand. Spheres do so in vectors too, contacts
+/// without a common body at once.
 ///
 /// For mu = 0 and 0 < omega < 2 each update decreases a convex quadratic and the sweep converges
 /// (Luo and Tseng 1992); with friction there is no proof, exact local solutions can cycle where

@@ -248,6 +248,8 @@ TEST_F(Command, NothingIsWrittenOverWhatIsRead) {
   write("old.json", "[1, 2]");
   EXPECT_EQ(code_of("list solvers --json old.json"), 0);
   EXPECT_EQ(json_in("old.json")[0]["name"], "auto");
+  write("-", "no JSON");
+  EXPECT_EQ(json_of("list solvers --json -")[0]["name"], "auto");
   write("empty", "");
   EXPECT_EQ(code_of("list solvers --json empty"), 0);
 }
