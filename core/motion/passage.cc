@@ -27,8 +27,9 @@ struct Pair {
       : touch(radius + other), clear(touch - kGrazing * std::min(radius, other)) {}
 };
 
-/// Whether the pair, at p and then at q one against the other, came nearer than `clear` in between.
-/// At its ends it is on other sides, or apart: pins may hold two bodies that overlap.
+/// Whether the pair, at p and then at q one against the other, came nearer than `clear` in between
+/// and ends on the other side. Without contact at both ends any side will do: bodies that overlap
+/// may be held by pins, and turn.
 template <class V>
 bool came_through(const V& p, const V& q, const Pair& pair) {
   const V d = q - p;

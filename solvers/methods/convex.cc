@@ -83,7 +83,7 @@ void iterate_associated(SolveRun& run) {
 void solve_convex(SolveRun& run) {
   if (run.options().stop == StopTest::kImpulse) {
     return run.end(SolveStatus::kInvalidInput,
-                   "convex obeys another law: two like iterates are no answer, stop = impulse");
+                   "convex solves another law, which the stop test impulse does not see");
   }
   dispatch_rows(run.problem(), [&](auto d) { iterate_associated<d()>(run); });
 }
