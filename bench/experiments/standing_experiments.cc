@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_row.h"
@@ -96,7 +97,10 @@ void hollow_threshold(Experiment& e) {
       for (const Vec2& x : {Vec2(-1, 0), Vec2(1, 0), Vec2(0, std::sqrt(3.0))}) {
         scene.bodies.push_back(round_body<2>(x, 1, 1));
       }
-      scene.bodies[0].wall = scene.bodies[1].wall = 0;
+      for (Disk& d : std::span(scene.bodies).first(2)) {
+        d.mass = d.inertia = 0;
+        d.wall = 0;
+      }
       scene.walls = {half_space<2>(Vec2(0, -1), Vec2(0, 1), "rough")};
       scene.num_steps = 20;
       return motion_of(scene, trial) <= kMoves;

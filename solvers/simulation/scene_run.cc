@@ -1,6 +1,7 @@
 #include "solvers/simulation/scene_run.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "core/base/stopwatch.h"
 #include "solvers/simulation/run_folder.h"
@@ -73,6 +74,9 @@ template <int D>
 SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
                       const std::type_identity_t<SceneRunOptions<D>>& options) {
   using End = typename SceneRun<D>::End;
+  for (const std::string& defect : {validate(scene), restart_mismatch(scene, state)}) {
+    if (!defect.empty()) throw std::invalid_argument(defect);
+  }
   SceneRun<D> run;
   run.planned = options.steps.value_or(scene.num_steps);
   SceneStepper<D> stepper(scene, options);
