@@ -30,7 +30,14 @@ bool has_room(std::size_t bytes) {
   return true;
 }
 
+std::recursive_mutex& dense_kernels() {
+  static std::recursive_mutex mutex;
+  return mutex;
+}
+
 }  // namespace
+
+DenseTurn::DenseTurn() : turn_(dense_kernels()) {}
 
 void take_dense_buffer() {
   thread_local bool taken = false;
@@ -39,6 +46,7 @@ void take_dense_buffer() {
   const int one = 1;  // the smallest call: OpenBLAS allocates its buffer now
   double a = 1;
   int info = 0;
+  const DenseTurn turn;
   dpotrf_("L", &one, &a, &one, &info);
   taken = true;
 }

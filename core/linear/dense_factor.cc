@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/linear/dense_buffer.h"
+
 extern "C" {
 void dgetrf_(const int* m, const int* n, double* a, const int* lda, int* ipiv, int* info);
 void dgecon_(const char* norm, const int* n, const double* a, const int* lda, const double* anorm,
@@ -30,6 +32,7 @@ template <class Routine>
 void with_workspace(Routine&& routine) {
   int length = -1, info = 0;
   double wish = 0;
+  const DenseTurn turn;
   routine(&wish, &length, &info);
   length = std::max(1, static_cast<int>(wish));
   std::vector<double> work(to_size(length));
@@ -53,6 +56,7 @@ DenseLu::DenseLu(const Eigen::MatrixXd& A) : factors_(A), exchanges_(to_size(A.r
   if (n == 0 || !A.allFinite()) return;
   norm_ = A.cwiseAbs().colwise().sum().maxCoeff();
   int info = 0;
+  const DenseTurn turn;
   dgetrf_(&n, &n, factors_.data(), &n, exchanges_.data(), &info);
   ok_ = info == 0;
 }
@@ -63,6 +67,7 @@ double DenseLu::reciprocal_condition() const {
   std::vector<int> integers(to_size(n));
   double reciprocal = 0;
   int info = 0;
+  const DenseTurn turn;
   dgecon_("1", &n, factors_.data(), &n, &norm_, &reciprocal, work.data(), integers.data(), &info);
   return reciprocal;
 }
@@ -70,6 +75,7 @@ double DenseLu::reciprocal_condition() const {
 Vector DenseLu::solve(Vector b) const {
   const int n = static_cast<int>(factors_.rows()), one = 1;
   int info = 0;
+  const DenseTurn turn;
   dgetrs_("N", &n, &one, factors_.data(), &n, exchanges_.data(), b.data(), &n, &info);
   return b;
 }

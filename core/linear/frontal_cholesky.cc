@@ -7,6 +7,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "core/linear/dense_buffer.h"
 #include "core/linear/front_stack.h"
 
 extern "C" {
@@ -130,6 +131,7 @@ bool FrontalCholesky::factor(const SparseMatrix& A) {
 }
 
 bool FrontalCholesky::factor(const AddColumn& add, const Vector& diagonal) {
+  const DenseTurn turn;
   factored_ = false;
   if (!tree_) throw std::logic_error("FrontalCholesky::factor without an analysis");
   scale_ = diagonal.unaryExpr([](double d) {

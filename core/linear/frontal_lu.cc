@@ -8,6 +8,7 @@
 
 #include "core/base/large_pages.h"
 #include "core/linear/block_pattern.h"
+#include "core/linear/dense_buffer.h"
 #include "core/linear/eight_right_sides.h"
 #include "core/linear/front_stack.h"
 #include "core/linear/frontal_kernels.h"
@@ -393,6 +394,7 @@ bool FrontalLU::factor(const MatrixByLines& A) {
   Impl& f = *impl_;
   if (!f.tree) throw std::logic_error("FrontalLU::factor without an analysis");
   f.sign = 0;
+  const DenseTurn turn;
   try {
     f.factor.resize(f.tree->factor_size);
     f.stack.resize(f.tree->stack_size);

@@ -8,6 +8,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/triplets.h"
+#include "core/linear/dense_buffer.h"
 #include "core/linear/long_columns.h"
 
 namespace bipot {
@@ -59,6 +60,7 @@ SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
 bool SparseCholesky::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
+  const DenseTurn turn;
   const OneThread one_thread;  // CHOLMOD's loops ask for four each
   f.positive_definite = false;
   if (!f.matrix.assign(A, true) || f.factor == nullptr) {
@@ -78,6 +80,7 @@ bool SparseCholesky::factor(const SparseMatrix& A) {
 
 Vector SparseCholesky::solve(const Eigen::Ref<const Vector>& b) const {
   if (!impl_->positive_definite) throw std::logic_error("SparseCholesky::solve without a factor");
+  const DenseTurn turn;
   const OneThread one_thread;
   Vector rhs = b;
   cholmod_dense view{};

@@ -3,6 +3,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "core/linear/dense_buffer.h"
 #include "core/linear/long_columns.h"
 #include "core/linear/sparse_factor.h"
 
@@ -38,6 +39,7 @@ SparseLU& SparseLU::operator=(SparseLU&&) noexcept = default;
 
 bool SparseLU::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
+  const DenseTurn turn;
   const bool same = f.matrix.assign(A, false);
   umfpack_dl_free_numeric(&f.numeric);
   const LongColumns& m = f.matrix;
@@ -61,6 +63,7 @@ bool SparseLU::factor(const SparseMatrix& A) {
 Vector SparseLU::solve(const Eigen::Ref<const Vector>& b, int refinements) const {
   Impl& f = *impl_;
   if (f.numeric == nullptr) throw std::logic_error("SparseLU::solve without a factor");
+  const DenseTurn turn;
   Vector rhs = b;
   Vector x(rhs.size());
   f.control[UMFPACK_IRSTEP] = refinements;

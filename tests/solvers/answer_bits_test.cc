@@ -2,6 +2,8 @@
 // bits on every machine, with every compiler, and for any number of threads. A change of these
 // numbers is a change of answers. It must be wanted.
 
+#include <thread>
+
 #include "solvers/solve.h"
 #include "tests/support/bit_hash.h"
 #include "tests/support/small_problems.h"
@@ -65,6 +67,26 @@ TEST(AnswerBits, AreThoseOfEveryMachineCompilerAndNumberOfThreads) {
                             bits_of("apgd", p, threads),
                             bits_of("assor", p, threads)};
       EXPECT_EQ(row(found), row(known)) << threads << " threads";
+    }
+  }
+}
+
+// Dense kernels of factors take turns: OpenBLAS's serial build shares buffers between threads.
+TEST(AnswerBits, AreThoseOfOneCallerWhereSeveralSolveAtOnce) {
+  for (const char* solver : {"pdas", "ptc", "ipm", "auto"}) {
+    SCOPED_TRACE(solver);
+    const ContactProblem p = shipped_file("2d_pile_300_mu03.hdf5");
+    const std::uint64_t alone = bits_of(solver, p, 1);
+    std::array<std::array<std::uint64_t, 4>, 3> found{};
+    std::vector<std::thread> callers;
+    for (auto& mine : found) {
+      callers.emplace_back([&] {
+        for (std::uint64_t& bits : mine) bits = bits_of(solver, p, 1);
+      });
+    }
+    for (std::thread& caller : callers) caller.join();
+    for (const auto& of_caller : found) {
+      for (const std::uint64_t bits : of_caller) EXPECT_EQ(bits, alone);
     }
   }
 }
