@@ -140,6 +140,9 @@ SolveResult solve_in_other_units(const SolverEntry& entry, ContactProblem proble
   SolveResult result = solve(entry, problem, options);
   scale(result.s, -exponent);
   scale(result.u, -exponent);
+  for (double* energy : {&result.error.energy, &result.error.friction_power}) {
+    *energy = std::ldexp(*energy, -2 * exponent);
+  }
   return result;
 }
 

@@ -279,7 +279,9 @@ void solve_load_path(SolveRun& run) {
   run.end_setup();
   if (refused.empty()) {
     if (run.stop(1, s)) return;
-    refused = fmt::format("an error of {:.1e} is left", run.last_error());
+    refused = run.options().stop == StopTest::kImpulse
+                  ? "one iterate, where the stop test compares two"
+                  : fmt::format("an error of {:.1e} is left", run.last_error());
   }
   if (run.end_if_out_of_time(0)) return;
   run.end(SolveStatus::kStalled, "no path of the load: " + refused);

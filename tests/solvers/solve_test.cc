@@ -16,14 +16,20 @@ namespace {
 ContactProblem some_problem(int dim = 2) { return manufactured_problem(dim, 12, 14, 3).problem; }
 
 TEST(Solve, EnergiesBeyondTheRangeOfSquaresAreSolved) {
-  // s = -u_free / W. The energy u²/W is 1e-620, 1e450, 1e-500: no doubles, s and u are.
+  // s = -u_free / W. The energy u²/W is 1e-620, 1e450, 1e-500: no doubles, s and u are. Two more
+  // have energies that doubles hold, but not their squares.
   struct Data {
     double w, b;
   };
-  for (const Data& d : {Data{1, -1e-310}, Data{1e-150, -1e150}, Data{1e100, -1e-200}}) {
+  for (const Data& d : {Data{1, -1e-310}, Data{1e-150, -1e150}, Data{1e100, -1e-200},
+                        Data{1, -1e130}, Data{1, -1e-130}}) {
     const ContactProblem p = one_contact_problem(1, d.w, 1, 0, d.b, Vector());
     for (const SolverEntry& entry : solver_table()) {
-      EXPECT_NEAR(converged(solve(entry, p), entry.name).s[0] * d.w / d.b, -1, 1e-7) << entry.name;
+      const SolveResult r = converged(solve(entry, p), entry.name);
+      EXPECT_NEAR(r.s[0] * d.w / d.b, -1, 1e-7) << entry.name;
+      if (d.w == 1 && std::isnormal(d.b * d.b)) {
+        EXPECT_NEAR(r.error.energy / (0.5 * d.b * d.b), 1, 1e-6) << entry.name;
+      }
     }
   }
 }
