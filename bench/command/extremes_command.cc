@@ -81,6 +81,30 @@ int random_sets(const ExtremesFlags& flags) {
   Document page{.made = provenance("extremes", typed_command())};
   Table findings{.columns = {{"set"}, {"kind"}, {"index"}, {"solver"}, {"message"}, {"again"}},
                  .key = "findings"};
+  Table sets{.columns = {{"set"},
+                         {"done"},
+                         {"certificates"},
+                         {"false_certificates"},
+                         {"poor_plants"},
+                         {"energy_grew"}},
+             .key = "sets"};
+  Table tallies{.columns = {{"set"},
+                            {"solver"},
+                            {"tried"},
+                            {"planted"},
+                            {"planted_solved"},
+                            {"other"},
+                            {"other_solved"},
+                            {"none_proved"},
+                            {"exists_unsolved"},
+                            {"undecided"},
+                            {"missed_by_first"},
+                            {"false_claims"},
+                            {"not_finite"},
+                            {"crashed"},
+                            {"hung"},
+                            {"cpu_seconds"}},
+                .key = "tallies"};
   const auto run = [&](int count, const char* what, const char* flag, auto* measure) {
     if (count == 0) return;
     options.count = count;
@@ -90,6 +114,13 @@ int random_sets(const ExtremesFlags& flags) {
     });
     sound = sound && result.sound() && result.energy_grew == 0;
     if (!flags.silent()) fmt::print("{}", to_text(result, what));
+    sets.add({what, result.done, result.certificates, result.false_certificates, result.poor_plants,
+              result.energy_grew});
+    for (const RandomSets::Tally& t : result.tallies) {
+      tallies.add({what, t.solver, t.tried - t.refused, t.planted, t.planted_solved, t.other,
+                   t.other_solved, t.none_proved, t.exists_unsolved, t.undecided, t.missed_by_first,
+                   t.false_claims, t.not_finite, t.crashed, t.hung, t.cpu_seconds});
+    }
     for (const RandomSets::Finding& f : result.findings) {
       const std::string again =
           fmt::format("bipot extremes --{} 1 --seed {} --first {} --tol {} --time-limit {}{}", flag,
@@ -104,6 +135,8 @@ int random_sets(const ExtremesFlags& flags) {
   run(flags.random_problems, "random problems", "random-problems", &run_random_problems);
   run(flags.random_scenes, "random scenes", "random-scenes", &run_random_scenes);
   if (!flags.out.empty()) write_text_file(fs::path(flags.out) / "random.csv", to_csv(findings));
+  page.add(std::move(sets));
+  page.add(std::move(tallies));
   page.add(std::move(findings));
   Json json = to_json(page);
   json["complete"] = !InterruptGuard::requested();
@@ -204,6 +237,10 @@ void require_effect(const ExtremesFlags& flags) {
   refuse(flags.random_scenes > 0 && flags.random_problems == 0 && flags.solvers.size() > 1,
          "a second --solver", "on random scenes: the first one runs them all");
   refuse(dumps && !flags.out.empty(), "--out", "with --dump-problem");
+  refuse(dumps && flags.random_scenes > 0, "--random-scenes", "with --dump-problem");
+  refuse(dumps && !flags.solvers.empty(), "--solver", "with --dump-problem");
+  refuse(dumps && flags.tol != none.tol, "--tol", "with --dump-problem");
+  refuse(dumps && flags.time_limit, "--time-limit", "with --dump-problem");
   refuse(dumps && !flags.json.empty(), "--json", "with --dump-problem");
 }
 

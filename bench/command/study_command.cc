@@ -47,6 +47,9 @@ CommandDeclaration add_study(CommandLine& line, StudyFlags& flags) {
 }
 
 int run_study(const StudyFlags& flags) {
+  if (flags.draw && flags.quick) {
+    throw std::invalid_argument("--quick has no effect with --draw, which measures nothing");
+  }
   flags.prepare(true);
   const fs::path folder = flags.out;
   const fs::path rows = flags.rows.empty() ? folder / "rows.csv" : fs::path(flags.rows);
@@ -65,10 +68,12 @@ int run_study(const StudyFlags& flags) {
     complete = watched(flags.silent(),
                        [&](const Watch& watch) { return Study::measure(rows, jobs, watch); });
   }
+  if (flags.draw && !fs::exists(rows)) throw FileError(rows, "", "No such file or directory");
   const Study::Measured measured = Study::read(rows);
   Document page{.title = "How exact must a contact solver be?",
                 .made = provenance("study", typed_command()),
                 .contents = true};
+  if (!complete) page.say("**Interrupted: rows are missing. The same command goes on.**");
   bool empty = true;
   for (const Study::Part& part : parts) {
     const bool any = std::ranges::any_of(
@@ -81,7 +86,9 @@ int run_study(const StudyFlags& flags) {
   if (flags.draw && empty) throw FileError(rows, "", "has no measurements of these parts");
   write_figures(folder, page);
   write_text_file(folder / "index.html", to_html(page));
-  flags.deliver(to_json(page), to_text(page), (folder / "index.html").string());
+  Json json = to_json(page);
+  json["complete"] = complete;
+  flags.deliver(json, to_text(page), (folder / "index.html").string());
   return complete ? kExitConverged : kExitInterrupted;
 }
 

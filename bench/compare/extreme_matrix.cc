@@ -206,8 +206,11 @@ ExtremeMatrix measure_extremes(const ExtremeMatrix::Options& options) {
   require_solvers(options.solvers);
   std::vector<std::string> names;
   for (const ExtremeCase& c : extreme_cases()) {
+    if (options.quick && c.large) {
+      if (c.name != options.only) continue;
+      throw std::invalid_argument(options.only + " has no short form: leave out --quick");
+    }
     names.push_back(c.name);
-    if (options.quick && c.large) continue;
     if (c.name == options.only) {  // a whole name is that case alone
       matrix.cases = {{c}};
       break;

@@ -55,8 +55,16 @@ int shortened(const Scene<D>& scene, const Trade::Options& options) {
   const RunRecord run =
       run_setting(scene, state, {.solver = options.solvers.front(), .tol = tol}, limits, {});
   const double fits = run.completed() ? scene.num_steps : kReserve * run.steps * shortest / kPart;
-  return std::clamp(static_cast<int>(fits), std::max(1, static_cast<int>(kLeast * scene.num_steps)),
-                    scene.num_steps);
+  const int steps =
+      std::clamp(static_cast<int>(fits), std::max(1, static_cast<int>(kLeast * scene.num_steps)),
+                 scene.num_steps);
+  // Of which longer steps are whole parts, where the scene's are.
+  int longest = 1;
+  for (const double factor : options.step_factors) {
+    const auto whole = static_cast<int>(factor);
+    if (whole == factor && scene.num_steps % whole == 0) longest = std::lcm(longest, whole);
+  }
+  return std::max(steps / longest, 1) * longest;
 }
 
 Trade::Scene load_target(const std::string& target, const Trade::Options& options) {
@@ -188,6 +196,11 @@ double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& 
 std::string refusal(const Trade::Scene& scene, const RunSetting& setting) {
   return std::visit(
       [&](const auto& in) {
+        const double steps = in.num_steps / setting.step_factor;
+        if (std::abs(steps - std::round(steps)) > 1e-6 || steps < 0.5) {
+          return fmt::format("{} steps of h are not a whole number of steps of {:g} h",
+                             in.num_steps, setting.step_factor);
+        }
         std::string refused = validate(with_setting(in, setting));
         return refused.empty() && setting.dem() ? no_springs(in) : refused;
       },
@@ -306,6 +319,9 @@ Trade planned_trade(const Trade::Options& options) {
   }
   if (std::ranges::any_of(options.overlaps, [](double x) { return x >= 0.1; })) {
     throw std::invalid_argument("--overlaps: contacts that overlap by a tenth of the radius fail");
+  }
+  if (!std::ranges::all_of(options.accuracies, [](double x) { return x >= 1e-6 && x <= 0.3; })) {
+    throw std::invalid_argument("--accuracies: of a radius, in [1e-6, 0.3]");
   }
   Trade trade{.negligible = options.negligible};
   std::set<std::string> names;

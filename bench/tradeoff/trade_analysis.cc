@@ -308,8 +308,8 @@ std::string SceneTrade::answer() const {
   }
   if (!sufficient_tol) {
     return fmt::format(
-        "Undecided: no time step beside the scene's was completed, so that its error is not "
-        "known{}.",
+        "Undecided: neither a shorter time step nor twice the scene's was completed, so that its "
+        "error is not known{}.",
         what_is_needed());
   }
   bool all_same = true;

@@ -124,7 +124,7 @@ void OutcomeRecorder<D>::plan_sample() {
     measure({.name = "height", .unit = "m", .meaning = "of the sample at the end, bottom to top"},
             [this] {
               const auto [low, high] = span_along(last_.bodies, up_);
-              return high - low;
+              return last_.bodies.empty() ? kNaN : high - low;
             });
     measure({.name = "centre of mass",
              .unit = "m",
@@ -139,7 +139,10 @@ void OutcomeRecorder<D>::plan_sample() {
             });
   }
   measure({.name = "pressure", .unit = "Pa", .meaning = "mean pressure of the sample, last tenth"},
-          [this] { return pressure_ / window_steps_ / sample_measure(last_, scene_.step); });
+          [this] {
+            if (last_.bodies.empty()) return kNaN;
+            return pressure_ / window_steps_ / sample_measure(last_, scene_.step);
+          });
   bool has_driven = false;
   for (const Wall<D>& w : scene_.walls) {
     has_floor_ |= g_ > 0 && w.shape == Wall<D>::Shape::kHalfPlane && w.normal.dot(up_) > 0.5;
@@ -272,12 +275,12 @@ void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report
     if (!state.contacts.empty() && state.contacts[0].status == ContactStatus::kSlip) {
       rolls_from_ = report.time + magnitude(state.contacts[0].u_t) / slowing_;
     }
-    if (state.step >= scene_.num_steps) last_ = state;
+    end_with(state);
     return;
   }
   friction_loss_ = report.energy.friction_loss;
   lost_ = report.energy.friction_loss + report.energy.shock_loss;
-  if (state.step >= scene_.num_steps) last_ = state;
+  end_with(state);
   const int before = std::exchange(step_, state.step);
   const double window = (1 - kWindow) * scene_.num_steps;
   if (state.step + (state.step - before) <= window) return;  // nor does the next one count
@@ -294,13 +297,16 @@ void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report
   MeanStress<D> stress;  // over one square metre; values() knows the area
   if (n > 0) stress = sample_stress(state, scene_.step, 1, contact_moments(state));
   const double kinetic = stress.kinetic.trace() / D;
-  // Velocities are those at the end of a step. Over it they count by the mean of both ends.
+  // Velocities are those at the end of a step. Between both ends they are taken as straight, and of
+  // the step in which the last tenth begins a part counts.
   const double speed2_before = std::exchange(last_speed2_, speed2);
   const double kinetic_before = std::exchange(last_kinetic_, kinetic);
   if (state.step <= window) return;
-  ++window_steps_;
-  speed2_ += before > 0 ? 0.5 * (speed2_before + speed2) : speed2;
-  pressure_ += stress.pressure() + (before > 0 ? 0.5 * (kinetic_before - kinetic) : 0);
+  const double part = std::min((state.step - window) / (state.step - before), 1.0);
+  const double of_start = before > 0 ? 0.5 * part : 0;
+  window_steps_ += part;
+  speed2_ += part * (of_start * speed2_before + (1 - of_start) * speed2);
+  pressure_ += part * (stress.pressure() + of_start * (kinetic_before - kinetic));
   std::vector<double> below(load_above_.size(), 0.0);
   for (const ContactOutcome<D>& c : state.contacts) {
     const auto j = static_cast<std::size_t>(c.contact.j);
@@ -316,14 +322,21 @@ void OutcomeRecorder<D>::step(const State<D>& state, const StepReport<D>& report
   }
   if (report.active > 0) {
     const double least = kCarries * impulses / report.active;
-    for (const ContactOutcome<D>& c : state.contacts) contacts_ += c.s_n > least ? 1 : 0;
+    for (const ContactOutcome<D>& c : state.contacts) contacts_ += c.s_n > least ? part : 0;
   }
   const double weight = scene_.has_gates() ? weight_of(state) : weight_;
-  floor_load_ += weight > 0 ? load / weight : 0;
+  floor_load_ += weight > 0 ? part * load / weight : 0;
   for (std::size_t k = 0; k < below.size(); ++k) {
     worst = std::max(worst, std::abs(below[k] - load_above_[k]) / base_load_);
   }
-  column_error_ += worst;
+  column_error_ += part * worst;
+}
+
+template <int D>
+void OutcomeRecorder<D>::end_with(const State<D>& state) {
+  if (state.step < scene_.num_steps) return;
+  last_ = state;
+  ended_ = true;
 }
 
 template <int D>
@@ -334,7 +347,7 @@ void OutcomeRecorder<D>::measure(TradeQuantity quantity, std::function<double()>
 
 template <int D>
 std::vector<double> OutcomeRecorder<D>::values() const {
-  const bool ended = kind_ == Kind::kBall || !last_.bodies.empty();
+  const bool ended = kind_ == Kind::kBall || ended_;
   std::vector<double> values;
   for (const auto& value : values_) values.push_back(ended ? value() : kNaN);
   return values;

@@ -37,12 +37,14 @@ class OutcomeRecorder {
   const std::vector<TradeQuantity>& quantities() const { return quantities_; }
 
   void step(const State<D>& state, const StepReport<D>& report);
-  /// In the order of quantities(); NaN for events that the run did not reach.
+  /// In the order of quantities(); NaN for events that the run did not reach, and for places and
+  /// pressure if all bodies have left.
   std::vector<double> values() const;
 
  private:
   enum class Kind { kBall, kSlider, kSample };
   double weight_of(const State<D>& state) const;
+  void end_with(const State<D>& state);
   void measure(TradeQuantity quantity, std::function<double()> value);
   void plan_ball(double gap);
   void plan_slider();
@@ -62,7 +64,8 @@ class OutcomeRecorder {
   double floor_ = 0;
   double slowing_ = 0, rolls_from_ = kNaN;  // slider: of its contact [m/s²]; when it stops sliding
   // Sample.
-  int step_ = 0, window_steps_ = 0;
+  int step_ = 0;
+  double window_steps_ = 0;
   double pressure_ = 0, floor_load_ = 0, contacts_ = 0, speed2_ = 0, column_error_ = 0;
   double last_speed2_ = 0, last_kinetic_ = 0;  // at the end of the step before
   double friction_loss_ = 0, lost_ = 0;
@@ -70,6 +73,7 @@ class OutcomeRecorder {
   std::vector<double> load_above_;  // weight on the lower contact of each disk; empty: no columns
   double base_load_ = 0;
   State<D> last_;
+  bool ended_ = false;
 };
 
 }  // namespace bipot

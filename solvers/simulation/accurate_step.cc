@@ -104,9 +104,16 @@ struct AccurateStepper<D>::Error {
   const char* smooth_kind() const { return drift > acceleration ? "drift" : "acceleration"; }
 };
 
-/// A step under way.
+/// A step under way. Accelerations are judged against those of the part before: from the start, or
+/// the last impact, on. Until a second part has been judged, the step can go back there.
 template <int D>
 struct AccurateStepper<D>::Step {
+  /// Where accelerations begin.
+  struct Mark {
+    State<D> now;
+    double done, shortest, last, misplaced = 0, misplaced_sum = 0, smallest = kInfinity;
+    std::string limited_by;
+  };
   Step(const Scene<D>& scene, const State<D>& state)
       : start(state),
         now(state),
@@ -114,25 +121,38 @@ struct AccurateStepper<D>::Step {
         last(scene.step),
         smooth(kFirst * scene.step) {
     cut.smallest = kInfinity;
+    set_mark();
   }
-  void begin_again(double whole) {
-    now = start;
-    sums.reject_all();
-    done = cut.misplaced = cut.misplaced_sum = 0;
+  void set_mark() {
+    sums.add(since);
+    since = {};
+    first = smooth;
+    mark = {now,          done,          shortest, last, cut.misplaced, cut.misplaced_sum,
+            cut.smallest, cut.limited_by};
+  }
+  void go_back() {
+    now = mark.now;
+    since.reject_all();
+    done = mark.done;
+    shortest = mark.shortest;
+    last = mark.last;
+    cut.misplaced = mark.misplaced;
+    cut.misplaced_sum = mark.misplaced_sum;
+    cut.smallest = mark.smallest;
+    cut.limited_by = mark.limited_by;
     smooth = first = std::min(smooth, 0.5 * first);
-    last = shortest = whole;
-    cut.smallest = kInfinity;
     a.reset();
   }
   const State<D> start;
   State<D> now;
-  SummedParts<D> sums;
+  Mark mark;
+  SummedParts<D> sums, since;  // parts up to the mark, and since
   StepParts cut;
   double done = 0;                    // time of the parts so far
   double shortest;                    // of all parts
   double last;                        // size of the last one, of its impulses
   double smooth;                      // size that smooth motion allows
-  double first = smooth;              // of the first part
+  double first = 0;                   // of the first part after the mark
   std::string smooth_by = "none";     // why
   double shrink = 1;                  // after rejected parts
   std::string shrunk_by;              // why
@@ -383,7 +403,10 @@ void AccurateStepper<D>::go_on(const Part& taken, const Error& error, const Acce
   cut.misplaced_sum += x * error.misplaced;
   step.shrink = 1;
   step.a.reset();
-  if (error.hit) return;
+  if (error.hit) {
+    step.smooth = std::min(step.smooth, std::max(kFirst * whole, kGrowth * h));
+    return;
+  }
   step.a = a;
   if (error.smooth() > kAim) {
     step.smooth = h * kAim / error.smooth();
@@ -406,7 +429,7 @@ StepReport<D> AccurateStepper<D>::advance(State<D>& state) {
     State<D> next = step.now;
     StepReport<D> report;
     if (const std::string failed = take(step, chosen.h, next, report); !failed.empty()) {
-      step.sums.add_rejected(report);
+      step.since.add_rejected(report);
       ++step.cut.failed;
       step.shrink *= 0.5;
       step.shrunk_by = "failure";
@@ -415,19 +438,19 @@ StepReport<D> AccurateStepper<D>::advance(State<D>& state) {
     const Accelerations<D> a = mean_accelerations(scene_, step.now, next, chosen.h);
     const Error error = measure(step, chosen, next, a);
     if (rejects(error, chosen.h, next, step)) {
-      step.sums.add_rejected(report);
+      step.since.add_rejected(report);
       // The first part was not judged by its acceleration, and the second one against it alone. By
       // this change both may have been too long.
       const double of_last = error.acceleration * std::pow(step.last / chosen.h, 2);
-      if (step.sums.count() > 0 && step.sums.count() <= 2 && of_last > kSlack) {
-        step.begin_again(scene_.step);
-      }
+      if (step.since.count() > 0 && step.since.count() <= 2 && of_last > kSlack) step.go_back();
       continue;
     }
     step.now = std::move(next);
     go_on(chosen, error, a, step);
-    step.sums.add(report, step.now.contacts);
+    step.since.add(report, step.now.contacts);
+    if (error.hit) step.set_mark();
   }
+  step.sums.add(step.since);
   step.cut.parts = step.sums.count();
   if (!std::isfinite(step.cut.smallest)) {
     step.cut.smallest = step.shortest;

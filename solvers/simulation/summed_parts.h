@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "core/motion/time_stepping.h"
@@ -33,6 +34,12 @@ class SummedParts {
  public:
   /// `contacts`: of the state after the part.
   void add(const StepReport<D>& part, const std::vector<ContactOutcome<D>>& contacts);
+  /// Parts that follow those so far.
+  void add(const SummedParts& later) {
+    if (later.count_ > 0) add(later.total_, later.contacts_);
+    count_ += std::max(later.count_ - 1, 0);
+    attempts_.add_cost(later.attempts_);
+  }
   void add_rejected(const StepReport<D>& attempt) { attempts_.add_cost(attempt); }
   /// Rejects all parts so far.
   void reject_all() {
