@@ -25,6 +25,12 @@ endforeach()
 
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${BUILD}/consumer_test -G Ninja
   -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${FLAGS} ${check})
+execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_LIBDIR=${BUILD} ${CMAKE_COMMAND}
+  -S ${SOURCE}/consumer -B ${BUILD}/consumer_without -G Ninja -DCMAKE_PREFIX_PATH=${prefix}
+  -DCMAKE_CXX_COMPILER=${CXX} OUTPUT_QUIET ERROR_VARIABLE refused RESULT_VARIABLE failed)
+if(NOT failed OR NOT refused MATCHES "pkg-config does not find")
+  message(FATAL_ERROR "a missing library is not named: ${refused}")
+endif()
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${BUILD}/consumer_test ${check})
 execute_process(COMMAND ${BUILD}/consumer_test/solve_problem
   ${prefix}/share/bipot/problems/2d_pile_300_mu03.hdf5 ${check})
@@ -49,11 +55,14 @@ endforeach()
 find_program(needed dpkg-shlibdeps)
 if(needed)
   file(REMOVE_RECURSE ${BUILD}/package_test)
-  execute_process(COMMAND ${CMAKE_CPACK_COMMAND} -G DEB -B ${BUILD}/package_test
+  execute_process(COMMAND sh -c "umask 077; ${CMAKE_CPACK_COMMAND} -G DEB -B ${BUILD}/package_test"
     WORKING_DIRECTORY ${BUILD} OUTPUT_QUIET ${check})
   file(GLOB package ${BUILD}/package_test/*.deb)
   execute_process(COMMAND dpkg-deb -c ${package} OUTPUT_VARIABLE packed ${check})
-  foreach(file man/man1/bipot.1.gz doc/bipot/changelog.gz)
+  if(packed MATCHES "drwx------")
+    message(FATAL_ERROR "folders of the package are for root alone: ${packed}")
+  endif()
+  foreach(file man/man1/bipot.1.gz doc/bipot/changelog.gz zsh/vendor-completions/_bipot)
     if(NOT packed MATCHES "/share/${file}\n")
       message(FATAL_ERROR "${file} is not in the package: ${packed}")
     endif()

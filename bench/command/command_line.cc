@@ -10,6 +10,7 @@
 #include "bench/command/completion.h"
 #include "bench/command/manual_page.h"
 #include "bench/command/say.h"
+#include "bench/report/build_info.h"
 #include "bench/report/text_lines.h"
 #include "core/base/nearest_name.h"
 
@@ -302,7 +303,9 @@ CommandLine::CommandLine(const std::string& program, const std::string& descript
     : app_(std::make_unique<CLI::App>(description)), version_(version) {
   app_->name(program);
   app_->formatter(std::make_shared<ScreenHelp>());  // commands inherit it
-  app_->set_version_flag("-V,--version", program + " " + version);
+  app_->set_version_flag("-V,--version", [program, version] {
+    return fmt::format("{} {} ({})", program, version, build_info().commit);
+  });
   app_->require_subcommand(1);
   app_->footer(footer);
 }

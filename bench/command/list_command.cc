@@ -196,6 +196,7 @@ int run_list(const ListFlags& flags) {
     }
     return kExitConverged;
   }
+  if (!solvers) require_shipped_data();
   if (!flags.json.empty()) {
     const auto rows_of = [](const std::string& what) {
       return what == "solvers"  ? solvers_json()

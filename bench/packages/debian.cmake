@@ -18,7 +18,17 @@ set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libopenblas0-serial, gnuplot-nox")
 # What find_package(bipot) asks for; for bipot movie and several processes, ffmpeg and openmpi-bin.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cmake, coinor-libclp-dev, ffmpeg, libcairo2-dev, libeigen3-dev, libfmt-dev, libhdf5-dev, libpetsc-real-dev, libsuitesparse-dev, libtomlplusplus-dev, openmpi-bin, pkg-config")
 set(components program library)
-if(BIPOT_WITH_PYTHON)
+set(debian_python /usr/bin/python3)
+set(debian_module ${BIPOT_WITH_PYTHON})
+if(debian_module)
+  file(REAL_PATH ${debian_python} debian_python)
+  file(REAL_PATH ${BIPOT_PYTHON} module_python)
+  if(NOT module_python STREQUAL debian_python)
+    message(STATUS "cpack -G DEB leaves the Python module out: it is for ${BIPOT_PYTHON}, not Debian's")
+    set(debian_module OFF)
+  endif()
+endif()
+if(debian_module)
   # Debian's Python looks for packages in another folder below /usr than below /usr/local.
   list(APPEND components debian_python)
   execute_process(COMMAND ${BIPOT_PYTHON} -c "import sys; v = sys.version_info

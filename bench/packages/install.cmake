@@ -32,8 +32,18 @@ foreach(page "help --man|bipot.1|man/man1"
 endforeach()
 # Who holds which rights: of the program, and of what stands in its pages or is linked with it.
 file(READ bench/page/uplot/LICENSE uplot_licence)
+file(READ bench/packages/notices.txt notices)
 if(BIPOT_WITH_GPL)
   file(READ bench/packages/gpl_note.txt gpl_note)
+  if(BIPOT_WITH_CLP)
+    string(APPEND gpl_note "
+It is linked with CLP as well, under the Eclipse Public License 1.0, which the GNU licence does not
+admit beside it. Such a binary may be used, but not passed on. One to be passed on is configured with
+-DBIPOT_WITH_CLP=OFF, or without those parts of SuiteSparse by -DBIPOT_WITH_GPL=OFF.
+")
+  endif()
+elseif(BIPOT_WITH_CLP)
+  set(gpl_note "\nThis build is linked with CLP, which is under the Eclipse Public License 1.0.\n")
 endif()
 configure_file(bench/packages/copyright.in ${pages}/copyright @ONLY)
 install(FILES ${pages}/copyright DESTINATION ${share}/doc/bipot COMPONENT program)

@@ -42,7 +42,9 @@ std::vector<std::filesystem::path> shipped_files(const char* folder, const char*
 }  // namespace
 
 std::filesystem::path data_folder() {
-  if (const char* folder = std::getenv("BIPOT_DATA")) return folder;
+  if (const char* folder = std::getenv("BIPOT_DATA"); folder != nullptr && *folder != '\0') {
+    return folder;
+  }
   std::error_code none;
   std::filesystem::path installed = install_prefix() / "share/bipot";
   if (std::filesystem::is_directory(installed, none)) return installed;
@@ -57,6 +59,12 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& file
   std::vector<std::string> names;
   for (const auto& file : files) names.push_back(file.stem().string());
   return names;
+}
+
+void require_shipped_data() {
+  if (!shipped_scenes().empty()) return;
+  throw FileError(data_folder(), "",
+                  "has no shipped scenes; the environment variable BIPOT_DATA names their folder");
 }
 
 std::filesystem::path find_problem(const std::string& path_or_name) {
@@ -82,8 +90,9 @@ std::filesystem::path find_scene(const std::string& path_or_name) {
     throw std::invalid_argument(
         path_or_name + ": no such file; " +
         (std::filesystem::exists(file_name) ? "did you mean '" + file_name + "'?"
-         : is_template
-             ? "a template: bipot new " + path_or_name + " > " + file_name
+         : is_template ? "a template: bipot new " + path_or_name + " > " + file_name
+         : shipped_scenes().empty()
+             ? data_folder().string() + " has no shipped scenes either (BIPOT_DATA)"
              : unknown_name_message("shipped scene", path_or_name, names_of(shipped_scenes()))));
   }
   try {
