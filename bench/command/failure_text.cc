@@ -261,10 +261,10 @@ std::string EnergyGrowth<D>::warning(const Scene<D>& scene) const {
       scene.model == Model::kSpringDashpot
           ? "It is the error of the substeps: try a smaller --substep"
       : scene.project_overlaps
-          ? "Lifting bodies out of overlaps is booked there: data/manual/explanation/method.md §4"
+          ? "Lifting bodies out of overlaps is booked there (manual: explanation/method.md §4)"
       : scene.impact != ContactLaw::Impact::kFremond && coefficients_differ(scene)
           ? "Newton's and Poisson's laws may do so where e_n, e_t or those of materials differ, "
-            "[contact] impact = \"fremond\" does not: data/manual/explanation/method.md §3"
+            "[contact] impact = \"fremond\" does not (manual: explanation/method.md §3)"
           : "No coefficients differ: it is the error of steps that were not solved");
 }
 

@@ -14,6 +14,11 @@ install(TARGETS bipot RUNTIME DESTINATION ${bin} COMPONENT program)
 install(DIRECTORY data/ DESTINATION ${share}/bipot COMPONENT program
   PATTERN collection EXCLUDE PATTERN study EXCLUDE PATTERN fuzz EXCLUDE
   REGEX "/make_[^/]*$" EXCLUDE)
+foreach(folder collection fuzz)  # the manual shows these
+  install(FILES data/${folder}/README.md DESTINATION ${share}/bipot/${folder} COMPONENT program)
+endforeach()
+install(DIRECTORY data/study DESTINATION ${share}/bipot COMPONENT program
+  FILES_MATCHING PATTERN *.md PATTERN *.svg)
 # The command writes its own manual page and the completion of shells, from what it declares.
 set(pages ${CMAKE_BINARY_DIR}/generated_pages)
 file(MAKE_DIRECTORY ${pages})
