@@ -40,7 +40,7 @@ execute_process(COMMAND ${prefix}/bin/bipot list scenes OUTPUT_VARIABLE scenes $
 if(NOT scenes MATCHES "compaction")
   message(FATAL_ERROR "the installed command does not list the installed scenes: ${scenes}")
 endif()
-foreach(name fuzz/corpus make_problems.sh make_collection.py collection/1d_random_02.hdf5)  # of the sources alone
+foreach(name fuzz/hdf5 make_problems.sh make_collection.py collection/1d_random_02.hdf5)  # of the sources alone
   if(EXISTS ${prefix}/share/bipot/${name})
     message(FATAL_ERROR "${name} is installed")
   endif()
