@@ -322,6 +322,24 @@ TEST(AccurateStep, ASlidingCylinderStartsToRollWithTheErrorOfOnePart) {
   EXPECT_NEAR(end.state.bodies[0].x[0], exact, mu * 9.81 * step * step / 8);
 }
 
+TEST(AccurateStep, MotionAfterAnImpactIsJudgedFromThereOn) {
+  // A disk falls 1 m at 2 m/s, lands, slides and rolls. With J = mu g t1 the impact takes J from v and
+  // leaves a slip of 2 - 3 J, which friction ends after (2 - 3 J)/(3 mu g).
+  const double mu = 0.1, g = 9.81, fall = std::sqrt(2 / g), impulse = mu * g * fall;
+  const double v = 2 - impulse, slides = (2 - 3 * impulse) / (3 * mu * g);
+  const double exact = 2 * fall + v * slides - 0.5 * mu * g * slides * slides +
+                       (v - mu * g * slides) * (2 - fall - slides);
+  for (const int steps : {1, 4}) {
+    for (const double x : {1e-2, 1e-3, 1e-4}) {
+      Scene<2> scene = heavy_scene({.mu = mu});
+      scene.walls = {flat_floor<2>()};
+      scene.bodies = {round_body<2>(Vec2(0, 1.1), 0.1, 1, Vec2(2, 0))};
+      const Ended<2> end = run(with_accuracy(scene, x, 2.0 / steps, steps));
+      EXPECT_NEAR(end.state.bodies[0].x[0], exact, x * (exact + 0.1)) << steps << " steps, " << x;
+    }
+  }
+}
+
 TEST(AccurateStep, SlidingInABowlIsOfTheSecondOrder) {
   const double length = 0.09, start = std::numbers::pi / 3;
   Scene<2> scene = heavy_scene({});

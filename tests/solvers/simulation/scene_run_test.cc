@@ -47,6 +47,16 @@ TEST(SceneRun, TakesTheScenesStepsWithItsOwnSolver) {
   EXPECT_EQ(state.step, 40);
 }
 
+TEST(SceneRun, RefusesWhatReadersOfScenesRefuse) {
+  Scene<2> scene = falling_disks(4);
+  State<2> state = initial_state(scene);
+  scene.bodies[0].material = 7;
+  EXPECT_THROW(run_scene(scene, state), std::invalid_argument);
+  scene = falling_disks(4);
+  state.bodies.pop_back();
+  EXPECT_THROW(run_scene(scene, state), std::invalid_argument);
+}
+
 TEST(SceneRun, NamesAPairOnlyWhereTheOverlapGrows) {
   const Scene<2> scene = falling_disks(40);
   State<2> state = initial_state(scene);
