@@ -194,7 +194,8 @@ inline V onto_cone(const V& tau, const RollingFriction<Real>& friction) {
 
 /// onto_cone() for expressions of Eigen. `friction`: mu, or a RollingFriction.
 template <int D, class Friction>
-inline Local<D> project_coulomb_cone(const Local<D>& tau, const Friction& friction) {
+[[gnu::always_inline]] inline Local<D> project_coulomb_cone(const Local<D>& tau,
+                                                            const Friction& friction) {
   return onto_cone<D>(tau, friction);
 }
 

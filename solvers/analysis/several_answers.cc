@@ -152,7 +152,8 @@ class AnswerSearch {
     for (const Recipe& r :
          {Recipe{"pgs", kSweeps}, Recipe{"apgd", kGradients}, Recipe{"ipm", kInteriors},
           Recipe{"newton", kNewtons}, Recipe{"admm", kSplittings}, Recipe{"homotopy", kPivots},
-          Recipe{"anderson", kSweeps}, Recipe{"convex", kGradients}}) {
+          Recipe{"anderson", kSweeps}, Recipe{"apgd", kGradients, {{"map", "split"}}},
+          Recipe{"convex", kGradients}}) {
       if (usable(r.solver)) list.push_back(r);
     }
     if (guess && k < kFromGuess) {
