@@ -18,7 +18,7 @@ Scene<2> empty_scene(double mu, double e_n, double e_t) {
 }
 
 ContactProblem first_step(const Scene<2>& scene) {
-  return step_problem(scene, initial_state(scene), false);
+  return step_problem(scene, initial_state(scene));
 }
 
 std::function<ContactProblem()> step_of(const Scene<2>& scene) {

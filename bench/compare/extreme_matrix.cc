@@ -96,7 +96,7 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
   ExtremeCell cell{.guarded = 0, .energy_error = 0, .steps = of.steps};
   const Scene<2> scene = of.scene();
   const SolverEntry& entry = require_solver(solver);
-  SceneRunOptions<2> run{.steps = of.steps, .explicit_delassus = entry.needs_delassus};
+  SceneRunOptions<2> run{.steps = of.steps};
   bool wrong = false, beyond = false;
   const auto fail = [&](bool is_wrong, const std::string& status, const std::string& message) {
     if (cell.message.empty() || (is_wrong && !wrong)) {

@@ -25,7 +25,7 @@ Scene<D> flow_of(Scene<D> scene, double share, const std::function<bool()>& inte
   const int steps = static_cast<int>(share * scene.num_steps);
   run_scene<D>(scene, state, {.steps = steps, .cancelled = interrupted});
   scene.bodies = state.bodies;
-  push_apart(scene, make_step_solver(require_solver("auto"), {.tol = 1e-10}), false);
+  push_apart(scene, make_step_solver(require_solver("auto"), {.tol = 1e-10}));
   return scene;
 }
 
@@ -47,14 +47,12 @@ Scene<2> column_at_rest() {
 
 template <int D>
 SettingStudy::Overlap overlap_after(const Scene<D>& start, const StepSolver& solver,
-                                    bool explicit_delassus,
                                     const std::function<bool()>& interrupted) {
   SettingStudy::Overlap overlap;
   State<D> state = initial_state(start);
   const SceneRun<D> run = run_scene<D>(start, state,
                                        {.steps = SettingStudy::Overlap::kSteps,
                                         .solver = solver,
-                                        .explicit_delassus = explicit_delassus,
                                         .on_tunnel = OnTunnel::kWarn,
                                         .cancelled = interrupted});
   if (run.end != SceneRun<D>::End::kCompleted) {
@@ -76,18 +74,16 @@ SettingStudy::Overlap overlap_after(const Scene<D>& start, const StepSolver& sol
 template <int D>
 void add_overlaps(const std::string& name, const Scene<D>& start,
                   const SettingStudy::Options& options, std::vector<SettingStudy::Overlap>& all) {
-  const auto add = [&](const std::string& code, const StepSolver& solver, bool explicit_delassus) {
-    all.push_back(overlap_after<D>(start, solver, explicit_delassus, options.watch.interrupted));
+  const auto add = [&](const std::string& code, const StepSolver& solver) {
+    all.push_back(overlap_after<D>(start, solver, options.watch.interrupted));
     all.back().code = code;
     all.back().scene = name;
   };
   add(SettingStudy::Overlap::kExact,
       make_step_solver(require_solver("auto"),
-                       {.tol = kExactTol, .time_limit = options.time_limit}),
-      false);
+                       {.tol = kExactTol, .time_limit = options.time_limit}));
   for (const PopularSetting& setting : popular_settings()) {
-    add(setting.code, popular_step_solver(setting, options),
-        require_solver(setting.solver).needs_delassus);
+    add(setting.code, popular_step_solver(setting, options));
   }
 }
 

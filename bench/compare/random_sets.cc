@@ -211,7 +211,6 @@ JobRecord scene_job(const RandomSets::Options& options, int index) {
     record.solves.push_back(std::move(solve));
     return step;
   };
-  run.explicit_delassus = entry.needs_delassus;
   // Impulses act through the mean of the velocities before and after: the energy taken by contacts
   // is the loss.
   const bool must_dissipate = contacts_must_dissipate(scene);

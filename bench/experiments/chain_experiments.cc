@@ -13,6 +13,7 @@
 #include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_row.h"
 #include "bench/measure/statistics.h"
+#include "core/problem/delassus.h"
 #include "solvers/solve.h"
 
 namespace bipot {
@@ -65,10 +66,11 @@ StepSolver plain_sweeps(int sweeps) {
   return [sweeps](const ContactProblem& problem, const Vector& start) {
     StepSolution solution{
         .s = start.size() == problem.num_rows() ? start : Vector::Zero(problem.num_rows())};
+    const SparseRows W = assemble_delassus(problem.A, problem.H, problem.dim);
     for (int k = 0; k < sweeps; ++k) {
       for (int row = 0; row < problem.num_rows(); ++row) {
-        const double u = problem.W.row(row).dot(solution.s) + problem.u_free[row];
-        solution.s[row] = std::max(0.0, solution.s[row] - u / problem.W.coeff(row, row));
+        const double u = W.row(row).dot(solution.s) + problem.u_free[row];
+        solution.s[row] = std::max(0.0, solution.s[row] - u / W.coeff(row, row));
       }
     }
     solution.converged = true;
@@ -119,7 +121,6 @@ void speed_of_sound(Experiment& e) {
       State<2> state = initial_state(scene);
       double farthest = 0, turns = 0;
       SceneRunOptions<2> options{.solver = plain_sweeps(sweeps),
-                                 .explicit_delassus = true,
                                  .cancelled = trial.context.stopped};
       options.on_step = [&](const SceneStep<2>& step) {
         const double way = kDisks - step.state.walls[1].a[0];
@@ -158,7 +159,7 @@ void sweeps_needed(Experiment& e) {
     for (const int n : {20, 40, 80, 160}) {
       trial.go_on();
       const Scene<2> scene = chain_scene(n, 1, trial);
-      const ContactProblem problem = step_problem(scene, initial_state(scene), false);
+      const ContactProblem problem = step_problem(scene, initial_state(scene));
       int sweeps[2] = {0, 0};
       for (const int k : {0, 1}) {
         const SolveResult result = solve(

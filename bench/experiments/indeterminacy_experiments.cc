@@ -54,7 +54,7 @@ void groove_forces(Experiment& e) {
           {1e-6, "a hundred times the tightest tolerance", "discretisation: the worst of all"})};
   e.run = [](Experiment::Trial& trial) {
     const Scene<2> scene = groove(kGrooveMu, trial);
-    const ContactProblem problem = step_problem(scene, initial_state(scene), false);
+    const ContactProblem problem = step_problem(scene, initial_state(scene));
     const double weight = kWeight * scene.step;
     const std::vector<ForceRange> ranges = admissible_forces(problem);
     if (ranges.size() != 2) throw std::runtime_error("the groove has two contacts");
@@ -102,7 +102,7 @@ double spread_of(Scene<2> scene, State<2> state, double mu) {
     d.v.setZero();
     d.spin = 0;
   }
-  return force_spread(admissible_forces(step_problem(scene, state, false)));
+  return force_spread(admissible_forces(step_problem(scene, state)));
 }
 
 /// Without friction a generic pile has as many contacts as equations, so that its forces are

@@ -39,7 +39,7 @@ Rest one_step(const std::string& family, int side, double mu, const std::string&
   Rest rest{make_family_scene(family, side, {.mu = mu}), {}};
   SolverOptions options{.tol = 1e-10, .max_iterations = 200000};
   const SolverEntry& entry = require_solver(solver);
-  TimeStepper<2> stepper(rest.scene, make_step_solver(entry, options), entry.needs_delassus);
+  TimeStepper<2> stepper(rest.scene, make_step_solver(entry, options));
   rest.state = initial_state(rest.scene);
   const StepReport<2> report = stepper.advance(rest.state);
   if (!report.converged) {
@@ -78,7 +78,7 @@ Scene<2> pyramid_scene(int rows, double mu, double mu_floor) {
 
 ContactProblem pyramid_problem(int rows, double mu, double mu_floor) {
   const Scene<2> scene = pyramid_scene(rows, mu, mu_floor);
-  return step_problem(scene, initial_state(scene), false);
+  return step_problem(scene, initial_state(scene));
 }
 
 /// The contacts of a pyramid at rest, with the impulses that hold it.
@@ -87,7 +87,7 @@ State<2> held_pyramid(const Scene<2>& scene, const StaticEquilibrium& equilibriu
     return StepSolution{.converged = true, .s = equilibrium.s};
   };
   State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, held, false);
+  TimeStepper<2> stepper(scene, held);
   stepper.advance(state);
   return state;
 }
@@ -184,8 +184,7 @@ void triangular(const PaperItem::Context& context, Findings& result) {
     difference = std::max(difference, std::abs(a.state.contacts[k].s_n - b.state.contacts[k].s_n));
     largest = std::max(largest, a.state.contacts[k].s_n);
   }
-  result.state("self_stresses", self_stresses(step_problem(a.scene, initial_state(a.scene), false)),
-               "",
+  result.state("self_stresses", self_stresses(step_problem(a.scene, initial_state(a.scene))), "",
                "triangular 10 × 10, μ = 0.3: independent sets of contact forces that balance "
                "without any load");
   result.state("force_difference", 100 * difference / largest, "%",
@@ -297,7 +296,7 @@ void pictures(const PaperItem::Context& context, Findings& result) {
     context.report(fmt::format("pyramid of {} rows", rows));
     const Scene<2> scene = make_family_scene("pyramid", rows, {.mu = kStandingMu});
     const StaticEquilibrium equilibrium =
-        static_equilibrium(step_problem(scene, initial_state(scene), false));
+        static_equilibrium(step_problem(scene, initial_state(scene)));
     if (!equilibrium.exists) throw std::runtime_error("no equilibrium of the drawn pyramid");
     const State<2> state = held_pyramid(scene, equilibrium);
     const ForceBalance<2> b = force_balance(scene, state);
@@ -337,8 +336,7 @@ void selection(const PaperItem::Context& context, Findings& result) {
       for (const double mu : mus) {
         context.report(fmt::format("{} rows, {}, μ = {:g}", rows, solver, mu));
         const Scene<2> scene = make_family_scene("pyramid", rows, {.mu = mu});
-        const ContactProblem problem =
-            step_problem(scene, initial_state(scene), entry->needs_delassus);
+        const ContactProblem problem = step_problem(scene, initial_state(scene));
         SolverOptions options;
         const bool second = entry->name == "ipm" || entry->name == "newton";
         options.max_iterations = second ? kSecondOrder : kFirstOrder;
@@ -398,8 +396,7 @@ void falling(const PaperItem::Context& context, Findings& result) {
     Scene<2> scene = make_family_scene("pyramid", 10, {.mu = c.mu});
     State<2> state = initial_state(scene);
     if (c.held) {
-      state =
-          held_pyramid(scene, static_equilibrium(step_problem(scene, initial_state(scene), false)));
+      state = held_pyramid(scene, static_equilibrium(step_problem(scene, initial_state(scene))));
     }
     const SolverEntry& entry = require_solver(c.solver);
     SolverOptions options{.tol = 1e-6, .max_iterations = 200000, .cancelled = context.interrupted};
@@ -408,7 +405,6 @@ void falling(const PaperItem::Context& context, Findings& result) {
     const int steps = context.quick ? 20 : 100;
     SceneRunOptions<2> fall{.steps = steps,
                             .solver = make_step_solver(entry, options),
-                            .explicit_delassus = entry.needs_delassus,
                             .cancelled = context.interrupted};
     fall.before_step = [&](const State<2>&) {
       context.report(fmt::format("{}, step {}", c.name, series.points.size()));

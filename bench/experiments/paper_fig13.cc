@@ -54,7 +54,7 @@ History history(const ErrorMethod& method, int side, double mu, double tilt, int
                 const PaperItem::Context& context) {
   const Scene<2> scene = make_family_scene("square", side, {.mu = mu, .tilt_degrees = tilt});
   const SolverEntry& entry = require_solver(method.solver);
-  const ContactProblem problem = step_problem(scene, initial_state(scene), entry.needs_delassus);
+  const ContactProblem problem = step_problem(scene, initial_state(scene));
   History h{.side = side};
   SolverOptions options{.tol = kExactTol,
                         .max_iterations = max_iterations,

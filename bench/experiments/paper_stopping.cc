@@ -51,7 +51,7 @@ TestProblem sliding_layer() {
   }
   scene.walls.resize(1);  // the floor alone
   return {.origin = "30 disks slide on a floor",
-          .problem = step_problem(scene, initial_state(scene), false),
+          .problem = step_problem(scene, initial_state(scene)),
           .step = scene.step,
           .smallest_radius = smallest_radius(scene)};
 }

@@ -238,7 +238,7 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
   }
   made.origin += fmt::format(", mu = {:g}, tilt {:g} degrees, mass ratio {:g}, e = {:g}, seed {}",
                              o.mu, o.tilt_degrees, o.mass_ratio, o.e_n, o.seed);
-  made.problem = step_problem(scene, state, false);
+  made.problem = step_problem(scene, state);
   made.step = scene.step;
   made.bodies = scene.bodies.size();
   made.smallest_radius = smallest_radius_of(scene);

@@ -87,7 +87,7 @@ struct Packing : PackedProblem<2> {
   State<2> state;
 
   explicit Packing(const Scene<2>& given)
-      : PackedProblem(step_problem(given, initial_state(given), false)),
+      : PackedProblem(step_problem(given, initial_state(given))),
         scene(given),
         state(initial_state(scene)) {}
 };
@@ -217,7 +217,7 @@ void detection(benchmark::State& state, const Packing& p, int threads) {
 void assembly(benchmark::State& state, const Packing& p, int threads) {
   const Midpoint<2> mid = make_midpoint(p.scene, p.state);
   for ([[maybe_unused]] auto _ : state)
-    benchmark::DoNotOptimize(assemble_step(p.scene, mid, false, threads));
+    benchmark::DoNotOptimize(assemble_step(p.scene, mid, threads));
   report(state, p.problem.num_contacts(), 1, {});
 }
 
@@ -405,7 +405,7 @@ void add_rows(const Flags& flags, int side, const std::vector<SimdPath>& paths) 
     return shared_packing<PackedProblem<kRollingDisks>>(family, side, [&] {
       Scene<2> rolling = scene();
       for (ContactLaw& law : rolling.laws) law.mu_r = 0.025;  // a twentieth of a radius
-      return step_problem(rolling, initial_state(rolling), false);
+      return step_problem(rolling, initial_state(rolling));
     });
   });
   for (const int threads : flags.threads) {

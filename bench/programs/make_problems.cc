@@ -22,12 +22,12 @@ using namespace bipot;
 
 ContactProblem family_step(const char* family, int side, const FamilyOptions& options) {
   const Scene<2> scene = make_family_scene(family, side, options);
-  return step_problem(scene, initial_state(scene), false);
+  return step_problem(scene, initial_state(scene));
 }
 
 ContactProblem pile_step(int count, double mu) {
   const SettledPile pile = settle_pile({.count = count, .mu = mu});
-  return step_problem(pile.scene, pile.state, false);
+  return step_problem(pile.scene, pile.state);
 }
 
 /// Steps of one run of a moving family.

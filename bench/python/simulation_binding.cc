@@ -202,8 +202,7 @@ class PythonSimulation {
     SolverOptions options = to_options(own);
     options.cancelled = cancelled;
     stepper_.emplace(
-        scene_, SceneRunOptions<D>{.solver = make_step_solver(chosen_.entry, std::move(options)),
-                                   .explicit_delassus = chosen_.entry.needs_delassus});
+        scene_, SceneRunOptions<D>{.solver = make_step_solver(chosen_.entry, std::move(options))});
   }
 
   Scene<D> scene_;

@@ -78,7 +78,7 @@ Flow make_flow(const Study::Sample& sample, const Study::Stopped& stopped) {
   scene.num_steps = kHorizon;
   if (!scene.cell.periodic() && !scene.bodies.empty()) {  // springs start without overlaps
     const StepSolver solver = make_step_solver(require_solver("auto"), {.tol = 1e-10});
-    push_apart(scene, solver, false);
+    push_apart(scene, solver);
   }
   flow.exact = follow(scene, to_tightest(kExactFactor), stopped).first;
   return flow;

@@ -100,7 +100,6 @@ RunRecord run_setting(const Scene<D>& made, State<D>& state, const RunSetting& s
                                  .parameters = setting.parameters,
                                  .plan = named_plan(setting.parameters),
                                  .cancelled = out_of_time}};
-    options.explicit_delassus = require_solver(setting.solver).needs_delassus;
     options.solver = [&, solver](const ContactProblem& p, const Vector& s0) mutable {
       solver.watch = Stopwatch();
       if (limits.seconds_left) solver.time_limit = limits.seconds_left();

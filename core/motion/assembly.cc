@@ -397,7 +397,7 @@ void fill_clusters(const StepInput<D>& in, const DofMap& dofs, Vector& mass, Vec
 }  // namespace
 
 template <int D>
-AssembledStep assemble_step(const StepInput<D>& input, bool explicit_delassus, int threads) {
+AssembledStep assemble_step(const StepInput<D>& input, int threads) {
   StepInput<D> in = input;
   if (in.cell.cell != nullptr && !in.cell.cell->deforms()) in.cell = {};  // its images stand still
   const Scene<D>& scene = in.scene;
@@ -469,11 +469,10 @@ AssembledStep assemble_step(const StepInput<D>& input, bool explicit_delassus, i
   if (!scene.joints.empty()) add_ropes<D>(scene, in.bodies, in.clusters, step);
   if (!in.cohesion.empty()) add_cohesion(scene.step, in.cohesion, step);
   if (!scene.joints.empty()) add_pins<D>(scene, in.bodies, in.clusters, step);
-  if (explicit_delassus) p.W = assemble_delassus(p.A, p.H, d);
   return step;
 }
 
-template AssembledStep assemble_step(const StepInput<2>&, bool, int);
-template AssembledStep assemble_step(const StepInput<3>&, bool, int);
+template AssembledStep assemble_step(const StepInput<2>&, int);
+template AssembledStep assemble_step(const StepInput<3>&, int);
 
 }  // namespace bipot

@@ -103,6 +103,6 @@ struct AssembledStep {
 /// moving walls enter the right-hand side. Restitution applies to every candidate alike. [ours,
 /// data/manual/explanation/method.md §3]
 template <int D>
-AssembledStep assemble_step(const StepInput<D>& in, bool explicit_delassus, int threads = 1);
+AssembledStep assemble_step(const StepInput<D>& in, int threads = 1);
 
 }  // namespace bipot

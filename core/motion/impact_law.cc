@@ -161,7 +161,7 @@ Vector returned_impulses(const Scene<D>& scene, const State<D>& start, const Mid
 }
 
 ContactProblem expansion_problem(const ContactProblem& step, const Vector& compression,
-                                 const Vector& returned, bool explicit_delassus) {
+                                 const Vector& returned) {
   ContactProblem p = step;
   act(given_impulses(step, compression, returned), p);
   drop_rounding(step.v_free.cwiseAbs() + p.v_free.cwiseAbs(), p);
@@ -194,7 +194,6 @@ ContactProblem expansion_problem(const ContactProblem& step, const Vector& compr
   q.v_free = joined(p.v_free, v);
   q.u_free = joined(p.u_free, u);
   q.mu = joined(p.mu, mu);
-  if (explicit_delassus) q.W = assemble_delassus(q.A, q.H, d);
   return q;
 }
 

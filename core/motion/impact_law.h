@@ -44,7 +44,7 @@ Vector returned_impulses(const Scene<D>& scene, const State<D>& start, const Mid
 ///   -(1+e) μ s_n^c|u_t^c| - ½(1-e²) s^c·W s^c + Σ (e - e_n) μ s_n^c|u_t⁺|,
 /// hence never increase it where one e_n holds for all. Without friction see method.md.
 ContactProblem expansion_problem(const ContactProblem& step, const Vector& compression,
-                                 const Vector& returned, bool explicit_delassus);
+                                 const Vector& returned);
 
 /// The impulses of both phases, m values; `expansion`: those of expansion_problem().
 Vector impulses_of_phases(const ContactProblem& step, const Vector& compression,

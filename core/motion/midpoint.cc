@@ -201,8 +201,7 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
 }
 
 template <int D>
-AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, bool explicit_delassus,
-                            int threads) {
+AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, int threads) {
   return assemble_step<D>({.scene = scene,
                            .bodies = mid.bodies,
                            .walls = mid.walls,
@@ -212,7 +211,7 @@ AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, bool 
                            .cell = {&mid.cell, mid.side_v_free},
                            .clusters = {mid.clusters.bodies, mid.cluster_v_free},
                            .cohesion = mid.cohesion},
-                          explicit_delassus, threads);
+                          threads);
 }
 
 template <int D>
@@ -259,8 +258,8 @@ template Midpoint<2> free_midpoint(const Scene<2>&, const State<2>&, int);
 template Midpoint<3> free_midpoint(const Scene<3>&, const State<3>&, int);
 template Midpoint<2> make_midpoint(const Scene<2>&, const State<2>&, int, KeptContacts<2>*);
 template Midpoint<3> make_midpoint(const Scene<3>&, const State<3>&, int, KeptContacts<3>*);
-template AssembledStep assemble_step(const Scene<2>&, const Midpoint<2>&, bool, int);
-template AssembledStep assemble_step(const Scene<3>&, const Midpoint<3>&, bool, int);
+template AssembledStep assemble_step(const Scene<2>&, const Midpoint<2>&, int);
+template AssembledStep assemble_step(const Scene<3>&, const Midpoint<3>&, int);
 template State<2> update_bodies(Midpoint<2>&, const DofMap&, const Vector&, double);
 template State<3> update_bodies(Midpoint<3>&, const DofMap&, const Vector&, double);
 

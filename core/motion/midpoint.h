@@ -41,8 +41,7 @@ Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int thre
 
 /// The step's contact problem, see core/motion/assembly.h.
 template <int D>
-AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, bool explicit_delassus,
-                            int threads = 1);
+AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, int threads = 1);
 
 /// Velocities after the step, then positions: q <- q_m + h/2 v⁺ (43). `v`: velocities after the
 /// step in the degrees of freedom of the problem; bodies without any continue without contact

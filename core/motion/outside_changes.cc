@@ -9,7 +9,8 @@ template <int D>
 OutsideChanges<D> outside_changes(const Scene<D>& scene, const State<D>& before,
                                   const std::vector<Wall<D>>& walls,
                                   const std::type_identity_t<Vec<D>>& gravity,
-                                  const State<D>& after, double time) {
+                                  std::span<const std::type_identity_t<Vec<D>>> v_free,
+                                  const State<D>& after) {
   OutsideChanges<D> changes;
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (!has_schedule(scene.walls[w])) continue;
@@ -17,16 +18,6 @@ OutsideChanges<D> outside_changes(const Scene<D>& scene, const State<D>& before,
     changes.impulse += wall_momentum(walls[w]) - wall_momentum(before.walls[w]);
   }
   if (has_body_forces(scene)) {
-    const double half = 0.5 * scene.step;
-    PeriodicCell cell = before.cell;
-    move_cell(cell, half);
-    std::vector<Body<D>> bodies = before.bodies;
-    std::vector<Vec<D>> v_free;
-    for (Body<D>& d : bodies) {
-      d.x += half * d.v;
-      v_free.emplace_back(d.v + scene.step * gravity);
-    }
-    add_body_forces<D>(scene, cell, before.time + half, bodies, v_free);
     for (std::size_t i = 0; i < after.bodies.size(); ++i) {
       const Body<D>& d = before.bodies[i];
       const Vec<D> impulse = d.mass * (v_free[i] - d.v - scene.step * gravity);
@@ -36,7 +27,7 @@ OutsideChanges<D> outside_changes(const Scene<D>& scene, const State<D>& before,
   }
   if (scene.tilt.rate == 0) return changes;
   const Vec<D> at_start = gravity - gravity_at(scene, before.time);
-  const Vec<D> at_end = gravity_at(scene, time) - gravity;
+  const Vec<D> at_end = gravity_at(scene, after.time) - gravity;
   for (std::size_t i = 0; i < after.bodies.size(); ++i) {
     changes.work -=
         after.bodies[i].mass * (at_start.dot(before.bodies[i].x) + at_end.dot(after.bodies[i].x));
@@ -50,9 +41,9 @@ OutsideChanges<D> outside_changes(const Scene<D>& scene, const State<D>& before,
 
 template OutsideChanges<2> outside_changes(const Scene<2>&, const State<2>&,
                                            const std::vector<Wall<2>>&, const Vec2&,
-                                           const State<2>&, double);
+                                           std::span<const Vec2>, const State<2>&);
 template OutsideChanges<3> outside_changes(const Scene<3>&, const State<3>&,
                                            const std::vector<Wall<3>>&, const Vec3&,
-                                           const State<3>&, double);
+                                           std::span<const Vec3>, const State<3>&);
 
 }  // namespace bipot

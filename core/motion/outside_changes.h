@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -17,8 +18,8 @@ struct OutsideChanges {
 };
 
 /// `before`: the state before the step. `walls`: those in the step, with their speeds before it
-/// (walls_at). `gravity`: that of the step. `after`: positions of the bodies after it. `time`:
-/// then.
+/// (walls_at). `gravity`: that of the step. `v_free`: of the bodies, where forces act on them. `after`:
+/// the state after it.
 ///
 /// Turning gravity from g to g' with fixed disks is work Σ m (g - g')·x, as is turning the box the
 /// other way. The potential energy of a state uses gravity at its time, the step that of its
@@ -27,6 +28,7 @@ template <int D>
 OutsideChanges<D> outside_changes(const Scene<D>& scene, const State<D>& before,
                                   const std::vector<Wall<D>>& walls,
                                   const std::type_identity_t<Vec<D>>& gravity,
-                                  const State<D>& after, double time);
+                                  std::span<const std::type_identity_t<Vec<D>>> v_free,
+                                  const State<D>& after);
 
 }  // namespace bipot

@@ -44,8 +44,8 @@ void displace(const AssembledStep& assembled, const Vector& way, State<D>& state
 }  // namespace
 
 template <int D>
-Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
-                            int threads, State<D>& state, double reach) {
+Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, int threads,
+                            State<D>& state, double reach) {
   Projection result;
   const std::vector<Contact<D>> contacts = detect_contacts<D>(
       state.bodies, state.walls, std::max(scene.contact_distance, reach), threads);
@@ -58,8 +58,8 @@ Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, boo
   const std::vector<Vec<D>> still(state.bodies.size(), Vec<D>::Zero());
   const std::vector<double> still_walls(state.walls.size(), 0.0);
   // With the state's velocities: u_before then tells which pairs move apart.
-  AssembledStep assembled = assemble_step<D>(
-      {flat, state.bodies, state.walls, contacts, still, still_walls}, explicit_delassus, threads);
+  AssembledStep assembled =
+      assemble_step<D>({flat, state.bodies, state.walls, contacts, still, still_walls}, threads);
   ContactProblem& p = assembled.problem;
   p.v_free.setZero();
   for (std::size_t c = 0; c < contacts.size(); ++c) {
@@ -79,9 +79,7 @@ Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, boo
   return result;
 }
 
-template Projection project_overlaps(const Scene<2>&, const StepSolver&, bool, int, State<2>&,
-                                     double);
-template Projection project_overlaps(const Scene<3>&, const StepSolver&, bool, int, State<3>&,
-                                     double);
+template Projection project_overlaps(const Scene<2>&, const StepSolver&, int, State<2>&, double);
+template Projection project_overlaps(const Scene<3>&, const StepSolver&, int, State<3>&, double);
 
 }  // namespace bipot

@@ -28,7 +28,7 @@ struct Projection {
 /// With a `reach` > 0 [m], pairs up to it apart stay clear of each other as well, and an overlap gets
 /// smaller by it at most. Not in the scheme of the paper. [ours]
 template <int D>
-Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
-                            int threads, State<D>& state, double reach = 0);
+Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, int threads,
+                            State<D>& state, double reach = 0);
 
 }  // namespace bipot

@@ -24,8 +24,7 @@ double deepest(const Scene<D>& scene, int threads) {
 }  // namespace
 
 template <int D>
-PushApart push_apart(Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
-                     int threads) {
+PushApart push_apart(Scene<D>& scene, const StepSolver& solver, int threads) {
   PushApart done;
   const std::vector<Body<D>> before = scene.bodies;
   double largest = 0;
@@ -43,8 +42,8 @@ PushApart push_apart(Scene<D>& scene, const StepSolver& solver, bool explicit_de
   for (; done.rounds < kMostRounds; ++done.rounds) {
     const double depth = deepest(scene, threads);
     if (depth == 0) break;
-    const Projection round = project_overlaps(still, solver, explicit_delassus, threads, state,
-                                              std::min(depth, largest));
+    const Projection round =
+        project_overlaps(still, solver, threads, state, std::min(depth, largest));
     if (!round.solved) {
       done.message = round.message;
       break;
@@ -59,7 +58,7 @@ PushApart push_apart(Scene<D>& scene, const StepSolver& solver, bool explicit_de
   return done;
 }
 
-template PushApart push_apart(Scene<2>&, const StepSolver&, bool, int);
-template PushApart push_apart(Scene<3>&, const StepSolver&, bool, int);
+template PushApart push_apart(Scene<2>&, const StepSolver&, int);
+template PushApart push_apart(Scene<3>&, const StepSolver&, int);
 
 }  // namespace bipot

@@ -20,7 +20,6 @@ struct PushApart {
 /// a round is not solved: start_overlaps() then still finds overlaps.
 /// Outlets do not count. `solver` solves problems without friction. Not for cells and clusters.
 template <int D>
-PushApart push_apart(Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
-                     int threads = 1);
+PushApart push_apart(Scene<D>& scene, const StepSolver& solver, int threads = 1);
 
 }  // namespace bipot

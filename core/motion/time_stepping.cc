@@ -63,16 +63,16 @@ StepFailure::StepFailure(Kind k, int steps_before, double time_before, const std
                   fmt::format("step {} at t = {:.9g} s: {}", steps_before + 1, time_before, why)) {}
 
 template <int D>
-ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool explicit_delassus) {
+ContactProblem step_problem(const Scene<D>& scene, const State<D>& state) {
   if (scene.has_gates()) {
     Scene<D> open = scene;
     open.outlets.clear();
     open.inlets.clear();
-    return step_problem(open, with_changed_population(scene, state), explicit_delassus);
+    return step_problem(open, with_changed_population(scene, state));
   }
   const Midpoint<D> mid = make_midpoint(scene, state);
-  if (scene.impact == Impact::kNewton) return assemble_step(scene, mid, explicit_delassus).problem;
-  AssembledStep step = assemble_step(with_step_laws(scene), mid, explicit_delassus);
+  if (scene.impact == Impact::kNewton) return assemble_step(scene, mid).problem;
+  AssembledStep step = assemble_step(with_step_laws(scene), mid);
   if (scene.impact == Impact::kPoisson) return compression_problem(state, mid, step);
   add_mean_restitution(scene, state, mid, step);
   return step.problem;
@@ -82,7 +82,6 @@ template <int D>
 struct TimeStepper<D>::Inside {
   const Scene<D>& scene;
   StepSolver solver;
-  bool explicit_delassus = false;
   int threads = 1;
   Neighbours<D>* neighbours = nullptr;  // none: the state lies on this process alone
   bool refuse_passages = false;
@@ -130,7 +129,7 @@ template <int D>
 void TimeStepper<D>::Inside::assemble(const State<D>& start, const Midpoint<D>& mid) {
   if (scene.impact != Impact::kNewton && !step_laws) step_laws = with_step_laws(scene);
   try {
-    assembled = assemble_step(laws(), mid, explicit_delassus, threads);
+    assembled = assemble_step(laws(), mid, threads);
   } catch (const std::invalid_argument& e) {  // pins that couple too many bodies
     throw StepFailure(StepFailure::Kind::kInvalidInput, start, e.what());
   }
@@ -219,7 +218,7 @@ Vector TimeStepper<D>::Inside::solve_phases(const State<D>& state, const Midpoin
     compression = solve_phase(state, Vector(), first);
   }
   const Vector returned = returned_impulses(scene, state, mid, p, compression);
-  phase = expansion_problem(p, compression, returned, explicit_delassus);
+  phase = expansion_problem(p, compression, returned);
   Vector s0 = start_of(state, mid);
   if (s0.size() > 0) s0.conservativeResizeLike(Vector::Zero(phase->num_rows()));
   const Vector expansion = solve_phase(state, std::move(s0), report);
@@ -341,7 +340,7 @@ void TimeStepper<D>::Inside::take_out_overlaps(State<D>& next, StepOutcome<D>& o
                                                StepReport<D>& report) {
   const Vec<D> gravity = gravity_at(scene, next.time);
   const double before = potential_energy(next, gravity);
-  const Projection done = project_overlaps(scene, solver, explicit_delassus, threads, next);
+  const Projection done = project_overlaps(scene, solver, threads, next);
   report.iterations += done.iterations;
   if (!done.solved) {
     report.converged = false;
@@ -434,7 +433,7 @@ StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
                       step, s, v, next, counts_walls());
   if (!counts_walls()) mid.walls.clear();
   const OutsideChanges<D> changes =
-      outside_changes(scene, start, mid.walls, mid.gravity, next, next.time);
+      outside_changes<D>(scene, start, mid.walls, mid.gravity, mid.disk_v_free, next);
   outcome.wall_work += changes.work;
   outcome.external += changes.impulse;
   if (scene.project_overlaps) take_out_overlaps(next, outcome, report);
@@ -453,12 +452,8 @@ StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
 }
 
 template <int D>
-TimeStepper<D>::TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus,
-                            int threads)
-    : inside_(new Inside{.scene = scene,
-                         .solver = std::move(solver),
-                         .explicit_delassus = explicit_delassus,
-                         .threads = threads}) {}
+TimeStepper<D>::TimeStepper(const Scene<D>& scene, StepSolver solver, int threads)
+    : inside_(new Inside{.scene = scene, .solver = std::move(solver), .threads = threads}) {}
 
 template <int D>
 TimeStepper<D>::TimeStepper(const Scene<D>& scene, Neighbours<D>& neighbours)
@@ -491,7 +486,7 @@ const ContactProblem& TimeStepper<D>::problem() const {
 
 template class TimeStepper<2>;
 template class TimeStepper<3>;
-template ContactProblem step_problem(const Scene<2>&, const State<2>&, bool);
-template ContactProblem step_problem(const Scene<3>&, const State<3>&, bool);
+template ContactProblem step_problem(const Scene<2>&, const State<2>&);
+template ContactProblem step_problem(const Scene<3>&, const State<3>&);
 
 }  // namespace bipot

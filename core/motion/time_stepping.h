@@ -97,7 +97,7 @@ struct StepReport {
 /// The contact problem of the step that would come next, with Poisson's law of its first phase;
 /// bodies that are to leave or come in before have.
 template <int D>
-ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool explicit_delassus);
+ContactProblem step_problem(const Scene<D>& scene, const State<D>& state);
 
 /// A step that was not taken; the message says why.
 struct StepFailure : std::runtime_error {
@@ -138,9 +138,9 @@ class Neighbours;  // core/motion/neighbours.h
 template <int D>
 class TimeStepper {
  public:
-  /// The scene must outlive the stepper. `explicit_delassus`: assemble W for every step. `threads`:
+  /// The scene must outlive the stepper. `threads`:
   /// of detection and assembly; they change no bit.
-  TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus, int threads = 1);
+  TimeStepper(const Scene<D>& scene, StepSolver solver, int threads = 1);
   /// For the bodies of one of several processes; `neighbours` must outlive the stepper and knows
   /// the state that is advanced. Not for scenes with gates or projected overlaps.
   TimeStepper(const Scene<D>& scene, Neighbours<D>& neighbours);

@@ -175,7 +175,7 @@ AccurateStepper<D>::AccurateStepper(const Scene<D>& scene, const SceneRunOptions
       options_(options),
       is_over_(std::move(is_over)),
       part_(part_of(scene)),
-      stepper_(part_, std::move(solver), options.explicit_delassus, options.threads),
+      stepper_(part_, std::move(solver), options.threads),
       closings_(part_, options.threads),
       longest_(quarter_period(scene)),
       radius_(smallest_radius(scene)) {

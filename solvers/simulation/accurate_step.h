@@ -19,7 +19,7 @@ namespace bipot {
 template <int D>
 class AccurateStepper {
  public:
-  /// `options`: explicit_delassus, threads, on_failure. `is_over` is polled before each part. The
+  /// `options`: threads, on_failure. `is_over` is polled before each part. The
   /// scene must outlive the stepper.
   AccurateStepper(const Scene<D>& scene, const SceneRunOptions<D>& options, StepSolver solver,
                   std::function<bool()> is_over);

@@ -97,7 +97,7 @@ DomainPiece assemble_piece(const Scene<D>& scene, const LocalBodies<D>& local,
                            ProcessGroup& group) {
   DomainPiece out;
   StepInput<D> input{scene, mid.bodies, mid.walls, contacts.own, mid.disk_v_free, mid.wall_v_free};
-  out.own = assemble_step(input, false);
+  out.own = assemble_step(input);
   // With the halo no wall has a row of its own: its terms are summed over all processes
   // (everywhere).
   std::vector<Wall<D>> standing = mid.walls;
@@ -106,7 +106,7 @@ DomainPiece assemble_piece(const Scene<D>& scene, const LocalBodies<D>& local,
   }
   input.walls = standing;
   input.contacts = contacts.all;
-  AssembledStep with_halo = assemble_step(input, false);
+  AssembledStep with_halo = assemble_step(input);
   ProblemPiece& piece = out.piece;
   piece.whole_contacts = contacts.whole;
   exchange(piece.own, out.own.problem);

@@ -96,8 +96,7 @@ struct SceneRunOptions {
   /// Solves the problems of the steps, with rigid contacts whatever the scene's model is; empty:
   /// the model and the solver are those of the scene.
   StepSolver solver;
-  bool explicit_delassus = false;  ///< `solver` needs W
-  int threads = 1;                 ///< of detection, assembly and the scene's own solver
+  int threads = 1;  ///< of detection, assembly and the scene's own solver
   OnFailure on_failure = OnFailure::kContinue;  ///< rigid contacts only
   /// Wall time, in all, to seek proofs that unsolved steps have no solution; 0: none is sought. For
   /// the scene's own solver; of smaller steps where the smallest failed.               [s]

@@ -89,7 +89,7 @@ PushApart part_bodies(Scene<D>& scene, int threads, double time_limit) {
       [&](const ContactProblem& problem, Vector s0) {
         return to_step_solution(solver.solve(problem, std::move(s0)));
       },
-      require_solver(solver.solver).needs_delassus, threads);
+      threads);
 }
 
 template <int D>

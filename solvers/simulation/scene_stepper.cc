@@ -71,8 +71,6 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
       own_.options.max_iterations = kAttemptIterations;
     }
     own_.options.execution.threads = options_.threads;
-    options_.explicit_delassus =
-        options_.processes == nullptr && require_solver(own_.solver).needs_delassus;
     own_.check();
     if (needs_whole_state(scene, options_).empty()) return;  // begin() goes on
     options_.solver = [this](const ContactProblem& problem, Vector s0) {
@@ -91,7 +89,7 @@ SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
     accurate_.emplace(scene, options_, remembering, [this] { return is_over(); });
     return;
   }
-  rigid_.emplace(scene, remembering, options_.explicit_delassus, options_.threads);
+  rigid_.emplace(scene, remembering, options_.threads);
   if (options_.on_tunnel != OnTunnel::kWarn) rigid_->refuse_passages();
 }
 

@@ -27,7 +27,7 @@ class Parts {
   void take(double h, int halvings, int most_halvings) {
     Scene<D> part = part_of(scene_);
     part.step = h;
-    TimeStepper<D> stepper(part, options_.solver, options_.explicit_delassus, options_.threads);
+    TimeStepper<D> stepper(part, options_.solver, options_.threads);
     if (options_.on_tunnel != OnTunnel::kWarn) stepper.refuse_passages();
     const bool accept = options_.takes_unsolved();
     State<D> next = state_;

@@ -29,7 +29,7 @@ struct SplitStep {
 /// Parts in which bodies went through each other are halved likewise, if on_tunnel says so. Each
 /// solve starts from the impulses of the part before, times the ratio of both lengths.
 ///
-/// `options`: solver, explicit_delassus, threads, on_failure, on_tunnel.
+/// `options`: solver, threads, on_failure, on_tunnel.
 template <int D>
 SplitStep<D> advance_in_parts(const Scene<D>& scene, const SceneRunOptions<D>& options,
                               State<D>& state, int halvings, int most_halvings);

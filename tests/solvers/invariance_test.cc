@@ -46,7 +46,7 @@ Scene<2> turned(Scene<2> scene, double degrees) {
 }
 
 SolveResult solve_first_step(const std::string& solver, const Scene<2>& scene) {
-  return solve(solver, step_problem(scene, initial_state(scene), false), {.tol = 1e-6});
+  return solve(solver, step_problem(scene, initial_state(scene)), {.tol = 1e-6});
 }
 
 class Invariance : public testing::TestWithParam<std::string> {};

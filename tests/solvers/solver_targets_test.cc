@@ -8,7 +8,7 @@ namespace bipot {
 namespace {
 
 ContactProblem first_step(const Scene<2>& scene) {
-  return step_problem(scene, initial_state(scene), false);
+  return step_problem(scene, initial_state(scene));
 }
 
 SolverOptions to_tolerance(double tol) { return SolverOptions{.tol = tol, .time_limit = 60}; }
@@ -21,7 +21,7 @@ TEST(InteriorPointTargets, SettledPilesTakeAtMost150Iterations) {
         const SettledPile pile =
             settle_pile({.count = count, .mu = mu, .seed = seed, .rest = 1e-7});
         EXPECT_TRUE(pile.at_rest) << count << " disks, mu " << mu << ", seed " << seed;
-        const ContactProblem p = step_problem(pile.scene, pile.state, false);
+        const ContactProblem p = step_problem(pile.scene, pile.state);
         const SolveResult r = solve("ipm", p, to_tolerance(1e-8));
         ++runs;
         solved += is_success(r.status) && r.iterations <= 150 ? 1 : 0;
@@ -74,7 +74,7 @@ TEST(AutoTargets, PilesOfTenThousandDisksReach1em7) {
     SolverOptions options = to_tolerance(1e-7);
     options.time_limit = 20;
     const SolveResult r =
-        converged(solve("auto", step_problem(pile.scene, pile.state, false), options), mu);
+        converged(solve("auto", step_problem(pile.scene, pile.state), options), mu);
   }
 }
 

@@ -8,8 +8,7 @@ State<D> solved_run(const Scene<D>& scene, const OnStep<D>& on_step, const std::
   const SolverEntry& entry = require_solver(solver.empty() ? scene.solver.name : solver);
   SolverOptions options = to_options(scene.solver);
   if (!solver.empty()) options.parameters.clear();
-  SceneRunOptions<D> run{.solver = make_step_solver(entry, options),
-                         .explicit_delassus = entry.needs_delassus};
+  SceneRunOptions<D> run{.solver = make_step_solver(entry, options)};
   run.on_step = [&](const SceneStep<D>& step) {
     EXPECT_TRUE(step.report.converged)
         << "step " << step.report.step << ": " << step.report.message;

@@ -45,7 +45,7 @@ template <int D>
 TimeStepper<D> stepper_of(const Scene<D>& scene, const std::string& solver,
                           const SolverOptions& options) {
   const SolverEntry& entry = require_solver(solver);
-  return TimeStepper<D>(scene, make_step_solver(entry, options), entry.needs_delassus);
+  return TimeStepper<D>(scene, make_step_solver(entry, options));
 }
 template <int D>
 TimeStepper<D> stepper_of(const Scene<D>& scene, const std::string& solver = "auto") {

@@ -14,7 +14,7 @@ ContactProblem pyramid_problem(int rows, double mu, double mu_floor) {
   scene.materials = {"disk", "floor"};
   scene.laws = {{mu, 0, 0}, {mu_floor, 0, 0}, {mu_floor, 0, 0}, {mu, 0, 0}};
   scene.walls[0].material = 1;
-  return step_problem(scene, initial_state(scene), false);
+  return step_problem(scene, initial_state(scene));
 }
 
 // Three disks, by hand: at rest the force on a lower disk from the top one must pass through its

@@ -250,7 +250,7 @@ TEST(Validate, QuickRowsHaveBarsAndRefutePlantedValues) {
 
 ContactProblem three_disks(double mu) {
   const Scene<2> scene = make_family_scene("pyramid", 2, {.mu = mu});
-  return step_problem(scene, initial_state(scene), false);
+  return step_problem(scene, initial_state(scene));
 }
 
 // Three disks stand iff mu >= tan 15° = 0.268. At that mu the force between the top disk and a

@@ -23,7 +23,7 @@ TEST(Threads, DetectAndAssembleTheSameBits) {
   const Scene<2> scene = packing();
   const State<2> state = initial_state(scene);
   const Midpoint<2> one = make_midpoint(scene, state);
-  const ContactProblem p = assemble_step(scene, one, false).problem;
+  const ContactProblem p = assemble_step(scene, one).problem;
   ASSERT_GT(p.num_contacts(), 3 * kPieceItems);
   ASSERT_GT(state.bodies.size(), 4 * to_size(kPieceItems));  // sorted in four parts
   for (int threads = 2; threads <= 4; ++threads) {
@@ -35,7 +35,7 @@ TEST(Threads, DetectAndAssembleTheSameBits) {
       ASSERT_EQ(many.contacts[c].n, one.contacts[c].n);
       ASSERT_EQ(many.contacts[c].gap, one.contacts[c].gap);
     }
-    const ContactProblem q = assemble_step(scene, many, false, threads).problem;
+    const ContactProblem q = assemble_step(scene, many, threads).problem;
     EXPECT_TRUE(same_bits(q.u_free, p.u_free));
     EXPECT_TRUE(same_bits(q.mu, p.mu));
     EXPECT_TRUE(same_bits(q.row_scale, p.row_scale));
@@ -46,8 +46,7 @@ TEST(Threads, DetectAndAssembleTheSameBits) {
 
 TEST(Threads, JudgeAndMultiplyTheSameBits) {
   const Scene<2> scene = packing();
-  const ContactProblem p =
-      assemble_step(scene, make_midpoint(scene, initial_state(scene)), false).problem;
+  const ContactProblem p = assemble_step(scene, make_midpoint(scene, initial_state(scene))).problem;
   Vector s(p.num_rows());
   for (Eigen::Index k = 0; k < s.size(); ++k) {
     s[k] = 0.01 * (1 + std::sin(3.0 * static_cast<double>(k)));

@@ -83,7 +83,7 @@ TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
   scene.contact_distance = 0.4;  // many candidates
   ASSERT_EQ(validate(scene), "");
   const Midpoint<2> mid = make_midpoint(scene, initial_state(scene));
-  const AssembledStep step = assemble_step(scene, mid, true);
+  const AssembledStep step = assemble_step(scene, mid);
   const ContactProblem& p = step.problem;
   ASSERT_GT(mid.contacts.size(), 20u);
   Vector v = Vector::Zero(p.num_dofs());

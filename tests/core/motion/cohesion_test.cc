@@ -254,7 +254,7 @@ Scene<2> sticky_heap() {
 
 TEST(Cohesion, EverySolverFindsTheSameStep) {
   const Scene<2> scene = sticky_heap();
-  const ContactProblem p = step_problem(scene, initial_state(scene), true);
+  const ContactProblem p = step_problem(scene, initial_state(scene));
   const SolveResult exact = converged(solve("pgs", p, {.tol = 1e-13}));
   for (const std::string& name : solver_names()) {
     const SolverEntry& entry = require_solver(name);

@@ -92,7 +92,7 @@ TEST(Grain, ARatioOfOneIsCoulombsLaw) {
 TEST(Grain, EverySolverAgrees) {
   Scene<3> scene = tripod("[0.3, 0.2, 0]");
   set_slope(scene, 0.3, 70);
-  const ContactProblem p = step_problem(scene, initial_state(scene), true);
+  const ContactProblem p = step_problem(scene, initial_state(scene));
   EXPECT_FALSE(sphere_structure(p));
   const Vector u = solve("pgs", p, {.tol = 1e-12}).u;
   int able = 0;

@@ -283,13 +283,10 @@ TEST(ImpactLaw, WhatTheToleranceLeftIsNotCompressed) {
     scene.gravity = Vec2(0, -kGravity);
     scene.solver.tol = 1e-8;
     int solves = 0;
-    TimeStepper<2> stepper(
-        scene,
-        [&](const ContactProblem& p, const Vector& s0) {
-          ++solves;
-          return make_step_solver(require_solver("pgs"), to_options(scene.solver))(p, s0);
-        },
-        false);
+    TimeStepper<2> stepper(scene, [&](const ContactProblem& p, const Vector& s0) {
+      ++solves;
+      return make_step_solver(require_solver("pgs"), to_options(scene.solver))(p, s0);
+    });
     State<2> state = initial_state(scene);
     stepper.advance(state);
     EXPECT_EQ(solves, v > 1e-6 ? 2 : 1);

@@ -278,13 +278,10 @@ TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
     stepper.advance(kept);
     const State<2> before = fresh;
     Vector start;
-    TimeStepper<2> once(
-        scene,
-        [&](const ContactProblem& p, const Vector& s0) {
-          start = s0;
-          return sweeps(p, s0);
-        },
-        false);
+    TimeStepper<2> once(scene, [&](const ContactProblem& p, const Vector& s0) {
+      start = s0;
+      return sweeps(p, s0);
+    });
     once.advance(fresh);
     ASSERT_EQ(bits_of_bodies(kept), bits_of_bodies(fresh));
     if (fresh.population.numbers == before.population.numbers) continue;

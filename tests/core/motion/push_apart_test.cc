@@ -14,7 +14,7 @@ template <int D>
 PushApart pushed(Scene<D>& scene) {
   scene.step = 1e-3;
   SolverChoice choice{.tol = 1e-9};
-  return push_apart(scene, make_step_solver(require_solver("auto"), to_options(choice)), false);
+  return push_apart(scene, make_step_solver(require_solver("auto"), to_options(choice)));
 }
 
 TEST(PushApart, TheLighterDiskGoesFarther) {

@@ -203,7 +203,7 @@ TEST(SpaceCluster, EnergyAndMomentumBalanceWhereClumpsCollide) {
 TEST(SpaceCluster, SolversAgreeOnClumps) {
   Scene<3> scene = space_scene(kHeap);
   for (ContactLaw& law : scene.laws) law.mu_r = 0;
-  const ContactProblem problem = step_problem(scene, solved_run(scene, 100), true);
+  const ContactProblem problem = step_problem(scene, solved_run(scene, 100));
   ASSERT_GT(problem.num_contacts(), 5);
   EXPECT_FALSE(sphere_structure(problem).has_value());
   EXPECT_EQ(validate(problem), "");

@@ -49,7 +49,7 @@ TEST(Spheres, RelativeVelocityIsThatOfTheTouchingPoints) {
   scene.contact_distance = 1;
   scene.step = 1e-9;
   const auto mid = make_midpoint(scene, initial_state(scene));
-  const AssembledStep step = assemble_step(scene, mid, false);
+  const AssembledStep step = assemble_step(scene, mid);
   ASSERT_EQ(mid.contacts.size(), 3u);
   Vector v(12);
   for (int k = 0; k < 2; ++k) {
@@ -318,7 +318,7 @@ TEST(Spheres, CylindersTouchAndTurnAboutTheirAxes) {
   scene.contact_distance = 1e-9;
   scene.step = 1e-9;
   const auto mid = make_midpoint(scene, initial_state(scene));
-  const AssembledStep step = assemble_step(scene, mid, false);
+  const AssembledStep step = assemble_step(scene, mid);
   ASSERT_EQ(mid.contacts.size(), 2u);
   EXPECT_EQ(mid.contacts[0].j, 2);
   EXPECT_EQ(mid.contacts[1].j, 3);

@@ -179,13 +179,10 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
   State<2> state = initial_state(scene);
   Vector start;
   const StepSolver inner = make_step_solver(*find_solver("pgs"), {.tol = 1e-4});
-  TimeStepper<2> stepper(
-      scene,
-      [&](const ContactProblem& p, const Vector& s0) {
-        start = p.row_scale.size() == 0 ? s0 : Vector(s0.cwiseQuotient(p.row_scale));
-        return inner(p, s0);
-      },
-      false);
+  TimeStepper<2> stepper(scene, [&](const ContactProblem& p, const Vector& s0) {
+    start = p.row_scale.size() == 0 ? s0 : Vector(s0.cwiseQuotient(p.row_scale));
+    return inner(p, s0);
+  });
   int carried = 0, fresh = 0, lost = 0;
   for (int step = 0; step < 150; ++step) {
     std::map<std::pair<int, int>, Vec2> before;
@@ -219,13 +216,10 @@ TEST(TimeStepping, WithoutWarmStartTheSolverGetsNoStart) {
   Scene<2> scene = row_of_disks(2, 0, Vec2(1, 0));
   scene.solver.warm_start = false;
   State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(
-      scene,
-      [](const ContactProblem& p, const Vector& s0) {
-        EXPECT_EQ(s0.size(), 0);
-        return StepSolution{.converged = true, .s = Vector::Zero(p.num_rows())};
-      },
-      false);
+  TimeStepper<2> stepper(scene, [](const ContactProblem& p, const Vector& s0) {
+    EXPECT_EQ(s0.size(), 0);
+    return StepSolution{.converged = true, .s = Vector::Zero(p.num_rows())};
+  });
   stepper.advance(state);
   stepper.advance(state);
 }
@@ -235,7 +229,7 @@ TEST(TimeStepping, FailureLeavesTheStateAsItWas) {
   State<2> state = initial_state(scene);
   state.step = 7;
   const auto expect_failure = [&](const StepSolver& solver, const std::string& message) {
-    TimeStepper<2> stepper(scene, solver, false);
+    TimeStepper<2> stepper(scene, solver);
     const std::string said = refusal_of<StepFailure>([&] { stepper.advance(state); });
     EXPECT_TRUE(says(said, message));
     EXPECT_TRUE(says(said, "step 8"));
@@ -263,7 +257,7 @@ TEST(TimeStepping, AStepThatDidNotConvergeIsTakenAndSaysSo) {
   Scene<2> scene = row_of_disks(8, 0, Vec2(1, 0));
   SolverOptions options{.max_iterations = 1};
   State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), options), false);
+  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), options));
   const StepReport<2> report = stepper.advance(state);
   EXPECT_FALSE(report.converged);
   EXPECT_TRUE(says(report.message, "iteration limit"));

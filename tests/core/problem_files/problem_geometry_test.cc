@@ -18,7 +18,7 @@ namespace {
 struct Written {
   Scene<2> scene = make_family_scene("square", 3);
   State<2> state = initial_state(scene);
-  ContactProblem problem = step_problem(scene, state, false);
+  ContactProblem problem = step_problem(scene, state);
   TemporaryFolder folder;
   fs::path path = folder / "p.hdf5";
 

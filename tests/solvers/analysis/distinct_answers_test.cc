@@ -72,7 +72,7 @@ TEST(DistinctAnswers, InaccurateAnswersAreNotSeveral) {
   for (const double ratio : {1.0, 1e4}) {
     const Scene<2> scene =
         make_family_scene("triangular", 8, {.mu = 0.3, .tilt_degrees = 5, .mass_ratio = ratio});
-    const ContactProblem p = step_problem(scene, initial_state(scene), false);
+    const ContactProblem p = step_problem(scene, initial_state(scene));
     DistinctAnswers distinct(p);
     ASSERT_EQ(distinct.add(solved("ipm", p, 1e-12), "ipm"), 0) << ratio;
     const Vector exact = distinct.answers()[0].s;

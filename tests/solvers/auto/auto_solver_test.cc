@@ -49,7 +49,7 @@ SolveResult auto_solves(const char* file, double tol) {
 
 ContactProblem first_step(const char* family, int side) {
   const Scene<2> scene = make_family_scene(family, side);
-  return step_problem(scene, initial_state(scene), false);
+  return step_problem(scene, initial_state(scene));
 }
 
 TEST(AutoSolver, ExplainsEveryStageInALine) {
@@ -509,7 +509,7 @@ TEST(AutoSolver, SaysWhatDoublesAllow) {
       part("0.2", "0.27320508075688773", "1e9") +
       "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n[[walls]]\npoint = [0, 0]\nnormal = [1, 0]\n"
       "[[walls]]\npoint = [0.4, 0]\nnormal = [-1, 0]\n[time]\nstep = 0.0166\nsteps = 1\n");
-  const ContactProblem p = step_problem(scene, initial_state(scene), false);
+  const ContactProblem p = step_problem(scene, initial_state(scene));
   SolverOptions options;
   const SolveResult result = ended(SolveStatus::kStalled, solve("auto", p, options));
   EXPECT_EQ(result.message.rfind("as exact as doubles allow: ", 0), 0u) << result.message;

@@ -37,13 +37,13 @@ Scene<2> two_disks(Wall<2> floor) {
 TEST(ContactIslands, AFixedFloorConnectsNothingAndADrivenOneDoes) {
   Wall<2> floor = half_space<2>(Vec2(0, 0), Vec2(0, 1));
   const Scene<2> fixed = two_disks(floor);
-  EXPECT_EQ(lists(step_problem(fixed, initial_state(fixed), false)), (Lists{{0}, {1}}));
+  EXPECT_EQ(lists(step_problem(fixed, initial_state(fixed))), (Lists{{0}, {1}}));
   move_at(floor, Vec2(0, 1));  // no degree of freedom either
   const Scene<2> moving = two_disks(floor);
-  EXPECT_EQ(lists(step_problem(moving, initial_state(moving), false)), (Lists{{0}, {1}}));
+  EXPECT_EQ(lists(step_problem(moving, initial_state(moving))), (Lists{{0}, {1}}));
   drive(floor, Vec2(0, 1), 1);
   const Scene<2> driven = two_disks(floor);
-  EXPECT_EQ(lists(step_problem(driven, initial_state(driven), false)), (Lists{{0, 1}}));
+  EXPECT_EQ(lists(step_problem(driven, initial_state(driven))), (Lists{{0, 1}}));
 }
 
 /// A disk in a corner: contact 0 with the floor, 1 with the wall, normals (0, 1) and (1, 0).

@@ -429,7 +429,7 @@ ContactProblem pyramids(int small) {
     }
   }
   for (Disk& d : scene.bodies) d.v = Vec2(0, -1);
-  return step_problem(scene, initial_state(scene), false);
+  return step_problem(scene, initial_state(scene));
 }
 
 using Sizes = std::vector<std::pair<int, int>>;  // dimensions and contacts

@@ -11,9 +11,9 @@ namespace {
 
 TEST(RollingBodies, DisksAreThoseWhoseThirdRowsHaveTheDifferenceOfTheSpins) {
   Scene<2> scene = make_family_scene("triangular", 4);
-  EXPECT_FALSE(rolling_bodies<kRollingDisks>(step_problem(scene, initial_state(scene), false)));
+  EXPECT_FALSE(rolling_bodies<kRollingDisks>(step_problem(scene, initial_state(scene))));
   for (ContactLaw& law : scene.laws) law.mu_r = 0.02;
-  const ContactProblem p = step_problem(scene, initial_state(scene), false);
+  const ContactProblem p = step_problem(scene, initial_state(scene));
   const auto disks = rolling_bodies<kRollingDisks>(p);
   ASSERT_TRUE(disks);
   EXPECT_EQ(disks->surroundings(), 14);  // rows of 4 and 3
@@ -31,7 +31,7 @@ TEST(RollingBodies, DisksAreThoseWhoseThirdRowsHaveTheDifferenceOfTheSpins) {
   }
   EXPECT_FALSE(rolling_bodies<kRollingDisks>(local_form(p)));
   drive(scene.walls[0], scene.walls[0].normal, 1);  // it has no spin
-  const ContactProblem pressed = step_problem(scene, initial_state(scene), false);
+  const ContactProblem pressed = step_problem(scene, initial_state(scene));
   ASSERT_EQ(pressed.num_dofs() % 3, 1);
   EXPECT_FALSE(rolling_bodies<kRollingDisks>(pressed));
 }
@@ -40,9 +40,9 @@ TEST(RollingBodies, SpheresAreThoseWhoseLastRowsTurnAboutTheTangentsAndTheNormal
   Scene<3> scene = one_law<3>({.mu = 0.3});
   scene.bodies = {round_body<3>({0, 0, 0.5}, 0.5, 1), round_body<3>({0.6, 0.48, 1.14}, 0.5, 2)};
   scene.walls = {flat_floor<3>()};
-  EXPECT_FALSE(rolling_bodies<kRollingSpheres>(step_problem(scene, initial_state(scene), false)));
+  EXPECT_FALSE(rolling_bodies<kRollingSpheres>(step_problem(scene, initial_state(scene))));
   scene.laws[0] = {.mu = 0.3, .e_t = 0.5, .mu_r = 0.02, .mu_spin = 0.01};
-  const ContactProblem p = step_problem(scene, initial_state(scene), false);
+  const ContactProblem p = step_problem(scene, initial_state(scene));
   ASSERT_EQ(p.dim, 6);
   const auto spheres = rolling_bodies<kRollingSpheres>(p);
   ASSERT_TRUE(spheres);

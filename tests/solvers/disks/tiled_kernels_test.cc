@@ -38,7 +38,7 @@ ContactProblem rolling_packing(bool square, int side) {
   Scene<2> scene = make_family_scene(square ? "square" : "triangular", side,
                                      {.e_n = 0.2, .e_t = 0.7, .tilt_degrees = 11});
   for (ContactLaw& law : scene.laws) law.mu_r = 0.02;
-  ContactProblem p = step_problem(scene, initial_state(scene), false);
+  ContactProblem p = step_problem(scene, initial_state(scene));
   p.mu_r[0] = 0;
   for (int c = 0; c < p.num_contacts(); ++c) {
     for (SparseMatrix::InnerIterator it(p.H, 3 * c + 1); it; ++it) {

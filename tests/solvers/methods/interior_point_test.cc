@@ -22,7 +22,7 @@ SolverOptions with(std::map<std::string, std::string> parameters, double tol = 1
 
 /// The problem of the first step of a scene at rest.
 ContactProblem first_problem(const Scene<2>& scene) {
-  return step_problem(scene, initial_state(scene), false);
+  return step_problem(scene, initial_state(scene));
 }
 
 Scene<2> heap_of(std::vector<Disk> disks, double mu, double tilt_degrees) {
@@ -331,7 +331,7 @@ TEST(InteriorPoint, RandomPilesAreReachedFromStartsOfAnyScale) {
     return StepSolution{.converged = true, .s = r.s};
   };
   State<2> state = initial_state(scene);
-  TimeStepper<2> stepper(scene, step, false);
+  TimeStepper<2> stepper(scene, step);
   for (int k = 0; k < 400; ++k) stepper.advance(state);
   ContactProblem p = stepper.problem();
   ASSERT_GT(p.num_contacts(), 100);

@@ -46,17 +46,13 @@ struct Spread {
 /// The same with the state of the whole on one process.
 template <int D>
 TimeStepper<D> whole_stepper(const Scene<D>& scene, const Way& way) {
-  return TimeStepper<D>(
-      scene,
-      [way](const ContactProblem& problem, const Vector& s0) {
-        const auto lone = lone_process();
-        SolverOptions options = options_of(way);
-        options.s0 = s0;
-        return to_step_solution(
-            distributed_solve(way.solver, problem, options, *lone, {.reproducible = way.exact})
-                .result);
-      },
-      false);
+  return TimeStepper<D>(scene, [way](const ContactProblem& problem, const Vector& s0) {
+    const auto lone = lone_process();
+    SolverOptions options = options_of(way);
+    options.s0 = s0;
+    return to_step_solution(
+        distributed_solve(way.solver, problem, options, *lone, {.reproducible = way.exact}).result);
+  });
 }
 
 /// Steps of one scene on all processes and on one.

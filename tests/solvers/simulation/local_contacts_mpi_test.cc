@@ -48,7 +48,7 @@ struct CutProblem : CutStep<D> {
 
   CutProblem(const Scene<D>& scene, ProcessGroup& group)
       : CutStep<D>(scene, group),
-        problem(assemble_step(scene, this->mid, false).problem),
+        problem(assemble_step(scene, this->mid).problem),
         piece(assemble_piece(scene, this->local, this->local_mid, this->contacts,
                              this->state.bodies, group)
                   .piece) {}
