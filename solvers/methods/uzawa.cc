@@ -51,7 +51,7 @@ template <ContactRows D, bool kClassical>
 struct Corrector {
   const PredictorSteps& steps;
 
-  Local<D> operator()(int c, const Local<D>& s, const Local<D>& u) const {
+  [[gnu::always_inline]] Local<D> operator()(int c, const Local<D>& s, const Local<D>& u) const {
     const ContactScaling& scaling = steps.scaling;
     const Local<D> to_x = scaling.impulse.segment<D>(c * D);
     const Local<D> x = s.cwiseProduct(to_x);
