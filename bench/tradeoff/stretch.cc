@@ -49,12 +49,8 @@ std::map<int, std::pair<Vec<D>, double>> momenta(const State<D>& state) {
 /// Adds the impulses on the walls, those of their glued disks included, over h.
 template <int D>
 void add_loads(const State<D>& state, double weight, std::vector<Vec3>& load) {
-  const auto wall_of = [&](int body) {
-    const int bodies = static_cast<int>(state.bodies.size());
-    return body < bodies ? state.bodies[to_size(body)].wall : body - bodies;
-  };
   for (const ContactOutcome<D>& o : state.contacts) {
-    const int wall = wall_of(o.contact.j);
+    const int wall = wall_of(state.bodies, o.contact.j);
     if (wall < 0) continue;
     const Vec<D> impulse = o.s_n * o.contact.n + tangent_vector(o.contact.n, o.s_t);
     load[to_size(wall)] -= weight * in_space<D>(impulse);

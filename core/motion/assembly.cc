@@ -17,13 +17,6 @@ namespace bipot {
 
 namespace {
 
-/// The wall that a contact acts on, also through a disk glued to it; -1 for a free disk.
-template <int D>
-int wall_of(const Contact<D>& contact, std::span<const Body<D>> disks) {
-  const std::size_t j = to_size(contact.j);
-  return j < disks.size() ? disks[j].wall : static_cast<int>(j - disks.size());
-}
-
 /// Sets the first dofs of the disks in contact (marked by 0); all disks of a cluster share one set.
 template <int D>
 void number_disks(std::span<const Body<D>> disks, std::size_t clusters, DofMap& dofs) {
@@ -49,7 +42,7 @@ DofMap number_dofs(const StepInput<D>& in) {
   dofs.wall.assign(in.walls.size(), -1);
   for (const Contact<D>& c : in.contacts) {
     dofs.disk[to_size(c.i)] = 0;
-    const int w = wall_of<D>(c, in.bodies);
+    const int w = wall_of(in.bodies, c.j);
     if (w < 0) {
       dofs.disk[to_size(c.j)] = 0;
     } else if (in.walls[to_size(w)].motion == Wall<D>::Motion::kDriven) {
@@ -136,7 +129,7 @@ int entries_of(const StepInput<D>& in, const Contact<D>& contact, const DofMap& 
   const int turning = std::max(0, d - D);  // rows of rolling
   d -= turning;
   int of_disk = D + (d - 1) * (D + kSpins<D>)+turning * kSpins<D>;
-  const int w = wall_of<D>(contact, disks);
+  const int w = wall_of(disks, contact.j);
   const int of_cell = d * sides_of(contact, dofs, in.cell.cell);
   // In a cluster the normal force turns the body as well.
   const int of_normal = kSpins<D> * ((disks[to_size(contact.i)].cluster >= 0 ? 1 : 0) +
@@ -190,7 +183,7 @@ Vec<D> pull_of(const ClusterInput<D>& clusters, const Body<D>& disk) {
 /// Acceleration of the surface of the wall that a contact acts on, where it is prescribed.
 template <int D>
 Vec<D> wall_acceleration(const StepInput<D>& in, const Contact<D>& contact) {
-  const int w = wall_of<D>(contact, in.bodies);
+  const int w = wall_of(in.bodies, contact.j);
   if (w < 0 || in.walls[to_size(w)].factor_rate == 0) return Vec<D>::Zero();
   const Wall<D>& whole = in.scene.walls[to_size(w)];
   const bool glued = to_size(contact.j) < in.bodies.size();
@@ -276,7 +269,7 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   ContactProblem& p = step.problem;
   const int d = p.dim;
   const std::size_t i = to_size(contact.i), j = to_size(contact.j);
-  const int at_wall = wall_of<D>(contact, in.bodies);
+  const int at_wall = wall_of(in.bodies, contact.j);
   const bool with_disk = at_wall < 0;
   const std::size_t w = with_disk ? 0 : to_size(at_wall);
   const Body<D>& a = in.bodies[i];

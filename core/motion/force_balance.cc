@@ -39,11 +39,10 @@ void balance_clusters(const Scene<D>& scene, const State<D>& state,
 template <int D>
 std::vector<Vec<D>> wall_reactions(const State<D>& state, double step) {
   std::vector<Vec<D>> reactions(state.walls.size(), Vec<D>::Zero());
-  const auto bodies = static_cast<int>(state.bodies.size());
   for (const ContactOutcome<D>& c : state.contacts) {
     const Vec<D> f = (c.s_n * c.contact.n + tangent_vector(c.contact.n, c.s_t)) / step;
     const auto add = [&](int body, const Vec<D>& force) {
-      const int wall = body < bodies ? state.bodies[to_size(body)].wall : body - bodies;
+      const int wall = wall_of(state.bodies, body);
       if (wall >= 0) reactions[to_size(wall)] += force;
     };
     add(c.contact.i, f);

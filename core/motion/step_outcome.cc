@@ -98,7 +98,6 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
                                 std::span<const std::type_identity_t<Body<D>>> disks,
                                 const ContactProblem& p, const AssembledStep& assembled,
                                 const Vector& s, const Vector& v) {
-  const std::size_t num_disks = disks.size();
   StepOutcome<D> outcome;
   outcome.contacts.resize(mid.contacts.size());
   const ContactProblem& given = without_equality_rows(p);  // in which v is
@@ -107,9 +106,8 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
   if (assembled.shift.size() > 0) u -= assembled.shift;
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
     const Contact<D>& contact = mid.contacts[c];
-    const std::size_t j = to_size(contact.j);
-    const bool with_disk = j < num_disks;
-    const int w = with_disk ? disks[j].wall : static_cast<int>(j - num_disks);
+    const bool with_disk = to_size(contact.j) < disks.size();
+    const int w = wall_of(disks, contact.j);
     const Wall<D>* wall = w < 0 ? nullptr : &mid.walls[to_size(w)];
     const ContactLaw& law = pair_law(scene, disks, mid.walls, contact.i, contact.j);
     const ContactValues<D> values = contact_values<D>(p, assembled, law, static_cast<int>(c), s, u);

@@ -143,12 +143,10 @@ void TimeStepper<D>::Inside::refuse_driven_pins(const State<D>& start,
                                                 const Midpoint<D>& mid) const {
   constexpr double kAlong = 1e-9;
   if (!assembled.problem.equality) return;
-  const std::size_t bodies = mid.bodies.size();
   for (const int k : assembled.problem.equality->blocked) {
     if (to_size(k) >= mid.contacts.size()) break;  // ropes
     const Contact<D>& c = mid.contacts[to_size(k)];
-    const std::size_t j = to_size(c.j);
-    const int w = j < bodies ? mid.bodies[j].wall : static_cast<int>(j - bodies);
+    const int w = wall_of(mid.bodies, c.j);
     if (w < 0) continue;
     const Wall<D>& wall = mid.walls[to_size(w)];
     if (c.n.dot(wall.v) <= kAlong * wall.v.norm()) continue;

@@ -349,6 +349,12 @@ struct Scene {
 /// From here on an overlap over the smaller radius is worth a warning.
 inline constexpr double kDeepOverlap = 0.05;
 
+/// The wall that `k` is, or that the body `k` is glued to; -1: neither. k = bodies.size() + wall.
+template <class Bodies>
+int wall_of(const Bodies& bodies, int k) {
+  const int count = static_cast<int>(bodies.size());
+  return k < count ? bodies[to_size(k)].wall : k - count;
+}
 /// The smaller radius of the pair of a body with another one or with a wall: j = bodies.size() +
 /// wall.
 template <class Bodies, class Walls>
