@@ -3,7 +3,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 set(prefix ${BUILD}/install_test)
-file(REMOVE_RECURSE ${prefix} ${BUILD}/consumer_test)
+file(REMOVE_RECURSE ${prefix} ${BUILD}/consumer_test ${BUILD}/consumer_without)
 set(check COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}
   OUTPUT_QUIET ${check})
@@ -25,7 +25,7 @@ endforeach()
 
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${BUILD}/consumer_test -G Ninja
   -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${FLAGS} ${check})
-execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_LIBDIR=${BUILD} ${CMAKE_COMMAND}
+execute_process(COMMAND ${CMAKE_COMMAND} -E env PKG_CONFIG_LIBDIR=${BUILD} PKG_CONFIG_PATH= ${CMAKE_COMMAND}
   -S ${SOURCE}/consumer -B ${BUILD}/consumer_without -G Ninja -DCMAKE_PREFIX_PATH=${prefix}
   -DCMAKE_CXX_COMPILER=${CXX} OUTPUT_QUIET ERROR_VARIABLE refused RESULT_VARIABLE failed)
 if(NOT failed OR NOT refused MATCHES "pkg-config does not find")
@@ -55,12 +55,13 @@ endforeach()
 find_program(needed dpkg-shlibdeps)
 if(needed)
   file(REMOVE_RECURSE ${BUILD}/package_test)
-  execute_process(COMMAND sh -c "umask 077; ${CMAKE_CPACK_COMMAND} -G DEB -B ${BUILD}/package_test"
+  execute_process(COMMAND sh -c "umask 077; exec \"$@\"" sh ${CMAKE_CPACK_COMMAND} -G DEB
+      -B ${BUILD}/package_test
     WORKING_DIRECTORY ${BUILD} OUTPUT_QUIET ${check})
   file(GLOB package ${BUILD}/package_test/*.deb)
   execute_process(COMMAND dpkg-deb -c ${package} OUTPUT_VARIABLE packed ${check})
-  if(packed MATCHES "drwx------")
-    message(FATAL_ERROR "folders of the package are for root alone: ${packed}")
+  if(packed MATCHES "(drwx|-rw-)------")
+    message(FATAL_ERROR "parts of the package are for root alone: ${packed}")
   endif()
   foreach(file man/man1/bipot.1.gz doc/bipot/changelog.gz zsh/vendor-completions/_bipot)
     if(NOT packed MATCHES "/share/${file}\n")

@@ -13,6 +13,7 @@
 #include "bench/report/json_output.h"
 #include "bench/report/text_lines.h"
 #include "core/base/counted.h"
+#include "core/base/file_error.h"
 #include "core/problem_files/problem_file.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
@@ -196,7 +197,11 @@ int run_list(const ListFlags& flags) {
     }
     return kExitConverged;
   }
-  if (!solvers) require_shipped_data();
+  if ((flags.what == "scenes" && shipped_scenes().empty()) ||
+      (flags.what == "problems" && shipped_problems().empty())) {
+    throw FileError(data_folder(), "",
+                    fmt::format("has no shipped {}; BIPOT_DATA names their folder", flags.what));
+  }
   if (!flags.json.empty()) {
     const auto rows_of = [](const std::string& what) {
       return what == "solvers"  ? solvers_json()

@@ -61,12 +61,6 @@ std::vector<std::string> names_of(const std::vector<std::filesystem::path>& file
   return names;
 }
 
-void require_shipped_data() {
-  if (!shipped_scenes().empty()) return;
-  throw FileError(data_folder(), "",
-                  "has no shipped scenes; the environment variable BIPOT_DATA names their folder");
-}
-
 std::filesystem::path find_problem(const std::string& path_or_name) {
   if (std::filesystem::exists(path_or_name)) return path_or_name;
   for (const std::filesystem::path& problem : shipped_problems()) {

@@ -14,9 +14,6 @@ std::filesystem::path data_folder();
 /// Scene files in data/scenes, sorted by name.
 std::vector<std::filesystem::path> shipped_scenes();
 
-/// Throws FileError if the folder has no scenes: the data are elsewhere.
-void require_shipped_data();
-
 /// Commented scenes to begin with, in data/templates, sorted by name.
 std::vector<std::filesystem::path> scene_templates();
 

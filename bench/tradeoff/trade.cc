@@ -42,6 +42,12 @@ void perturb(Scene<D>& scene, int replica) {
   place_members(scene.clusters, scene.bodies);
 }
 
+/// Whether so many steps last as long as a whole number of steps that are `factor` times as long.
+bool is_whole(int steps, double factor) {
+  const double others = steps / factor;
+  return others > 0.5 && std::abs(others - std::round(others)) <= 1e-6 * others;
+}
+
 /// Steps of Trade::Options::shorten.
 template <int D>
 int shortened(const Scene<D>& scene, const Trade::Options& options) {
@@ -58,13 +64,15 @@ int shortened(const Scene<D>& scene, const Trade::Options& options) {
   const int steps =
       std::clamp(static_cast<int>(fits), std::max(1, static_cast<int>(kLeast * scene.num_steps)),
                  scene.num_steps);
-  // Of which longer steps are whole parts, where the scene's are.
-  int longest = 1;
-  for (const double factor : options.step_factors) {
-    const auto whole = static_cast<int>(factor);
-    if (whole == factor && scene.num_steps % whole == 0) longest = std::lcm(longest, whole);
+  // A factor that divides the scene's steps divides these.
+  for (int fewer = steps; 2 * fewer > steps; --fewer) {
+    if (std::ranges::all_of(options.step_factors, [&](double factor) {
+          return is_whole(fewer, factor) || !is_whole(scene.num_steps, factor);
+        })) {
+      return fewer;
+    }
   }
-  return std::max(steps / longest, 1) * longest;
+  return steps;
 }
 
 Trade::Scene load_target(const std::string& target, const Trade::Options& options) {
@@ -196,8 +204,7 @@ double mean_cpu(const Trade& trade, const std::string& scene, const RunSetting& 
 std::string refusal(const Trade::Scene& scene, const RunSetting& setting) {
   return std::visit(
       [&](const auto& in) {
-        const double steps = in.num_steps / setting.step_factor;
-        if (std::abs(steps - std::round(steps)) > 1e-6 || steps < 0.5) {
+        if (!is_whole(in.num_steps, setting.step_factor)) {
           return fmt::format("{} steps of h are not a whole number of steps of {:g} h",
                              in.num_steps, setting.step_factor);
         }

@@ -37,7 +37,7 @@ OutcomeRecorder<D>::OutcomeRecorder(const Scene<D>& scene) : scene_(scene) {
   if (g_ > 0) up_ = -scene.gravity / g_;
   end_ = scene.num_steps * scene.step;
   weight_ = weight_of(initial_state(scene));
-  if (scene.bodies.size() == 1 && scene.walls.size() == 1 && g_ > 0 &&
+  if (scene.bodies.size() == 1 && scene.walls.size() == 1 && !scene.has_gates() && g_ > 0 &&
       scene.walls[0].shape == Wall<D>::Shape::kHalfPlane &&
       scene.walls[0].motion == Wall<D>::Motion::kFixed &&
       scene.walls[0].normal.dot(up_) > 1 - 1e-12) {
@@ -116,7 +116,7 @@ void OutcomeRecorder<D>::plan_sample() {
   } else {
     mean_radius /= static_cast<double>(scene_.bodies.size());
   }
-  // Of the last tenth, where all steps are counted.
+  // Of the last tenth.
   const auto mean = [this](const double& sum) {
     return [this, &sum] { return sum / window_steps_; };
   };

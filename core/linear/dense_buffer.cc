@@ -42,11 +42,11 @@ DenseTurn::DenseTurn() : turn_(dense_kernels()) {}
 void take_dense_buffer() {
   thread_local bool taken = false;
   if (taken) return;
+  const DenseTurn turn;
   if (!has_room(kBuffer)) throw NoDenseBuffer();
   const int one = 1;  // the smallest call: OpenBLAS allocates its buffer now
   double a = 1;
   int info = 0;
-  const DenseTurn turn;
   dpotrf_("L", &one, &a, &one, &info);
   taken = true;
 }

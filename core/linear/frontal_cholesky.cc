@@ -80,6 +80,7 @@ void add_to_rest(const FrontStack<float>::Child& child, int columns, int h, floa
 /// definite.
 bool eliminate_columns(int columns, int rows, const float* diagonal, float* panel) {
   int info = 0;
+  const DenseTurn turn;
   spotrf_("L", &columns, panel, &rows, &info);
   if (info != 0) return false;
   for (int j = 0; j < columns; ++j) {
@@ -131,7 +132,6 @@ bool FrontalCholesky::factor(const SparseMatrix& A) {
 }
 
 bool FrontalCholesky::factor(const AddColumn& add, const Vector& diagonal) {
-  const DenseTurn turn;
   factored_ = false;
   if (!tree_) throw std::logic_error("FrontalCholesky::factor without an analysis");
   scale_ = diagonal.unaryExpr([](double d) {
@@ -180,6 +180,7 @@ bool FrontalCholesky::eliminate(const AddColumn& add) {
     if (h > 0) {
       float* const own = contributions.own();
       const float minus = -1, none = 0;
+      const DenseTurn turn;
       ssyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
       for (const FrontStack<float>::Child& child : children) add_to_rest(child, columns, h, own);
       pack(own, h, contributions.bottom());

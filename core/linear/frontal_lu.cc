@@ -35,6 +35,7 @@ constexpr int kBlock = 16;  // columns that are eliminated by vectors before a m
 void subtract_product(bool transposed, int m, int n, int k, const double* A, int lda,
                       const double* B, int ldb, double beta, double* C, int ldc) {
   const double alpha = -1;
+  const DenseTurn turn;
   dgemm_("N", transposed ? "T" : "N", &m, &n, &k, &alpha, A, &lda, B, &ldb, &beta, C, &ldc);
 }
 /// A front in the factor. First the panel of `rows` x `columns`, by columns, with the inverses of
@@ -394,7 +395,6 @@ bool FrontalLU::factor(const MatrixByLines& A) {
   Impl& f = *impl_;
   if (!f.tree) throw std::logic_error("FrontalLU::factor without an analysis");
   f.sign = 0;
-  const DenseTurn turn;
   try {
     f.factor.resize(f.tree->factor_size);
     f.stack.resize(f.tree->stack_size);

@@ -60,7 +60,6 @@ SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
 bool SparseCholesky::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
-  const DenseTurn turn;
   const OneThread one_thread;  // CHOLMOD's loops ask for four each
   f.positive_definite = false;
   if (!f.matrix.assign(A, true) || f.factor == nullptr) {
@@ -73,6 +72,7 @@ bool SparseCholesky::factor(const SparseMatrix& A) {
     return false;  // CHOLMOD takes NaN for a positive pivot
   }
   cholmod_sparse view = f.view();
+  const DenseTurn turn;
   f.positive_definite = f.factor != nullptr && cholmod_l_factorize(&view, f.factor, &f.common) &&
                         f.common.status == CHOLMOD_OK && f.factor->minor == f.factor->n;
   return f.positive_definite;

@@ -39,7 +39,6 @@ SparseLU& SparseLU::operator=(SparseLU&&) noexcept = default;
 
 bool SparseLU::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
-  const DenseTurn turn;
   const bool same = f.matrix.assign(A, false);
   umfpack_dl_free_numeric(&f.numeric);
   const LongColumns& m = f.matrix;
@@ -52,6 +51,7 @@ bool SparseLU::factor(const SparseMatrix& A) {
       return false;
     }
   }
+  const DenseTurn turn;
   if (umfpack_dl_numeric(m.start.data(), m.row.data(), m.value.data(), f.symbolic, &f.numeric,
                          f.control, f.info) != UMFPACK_OK) {
     umfpack_dl_free_numeric(&f.numeric);  // a singular matrix leaves a factor that must not be used

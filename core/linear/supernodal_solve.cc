@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/instruction_sets.h"
+#include "core/linear/dense_buffer.h"
 
 #define BIPOT_SLICES BIPOT_CLONES("arch=x86-64-v3", "default")
 
@@ -155,7 +156,10 @@ void SupernodalSolve::add(const Supernode& s) {
     std::copy(given + s.columns, given + s.rows, column + s.columns);
   }
   const float one = 1;
-  strsm_("R", "L", "N", "N", &s.rows, &s.columns, &one, s.values, &s.rows, M, &s.rows);
+  {
+    const DenseTurn turn;
+    strsm_("R", "L", "N", "N", &s.rows, &s.columns, &one, s.values, &s.rows, M, &s.rows);
+  }
   value_.resize(value_.size() + num_entries(s.columns, s.rows), 0.0F);
   float* out = value_.data() + blocks_.back().value;
   for (int i = 0; i < s.rows; i += kStrip) {

@@ -446,7 +446,7 @@ void SpringDashpotStepper<D>::close_ledger(const State<D>& state, const Elastic&
   const double friction_loss = -work_t_ - (elastic_after.tangential - elastic_before.tangential);
   const double shock_loss = -work_n_ - (elastic_after.normal - elastic_before.normal);
   const OutsideChanges<D> changes =
-      outside_changes<D>(scene_, state, walls_before_, gravity_, {}, next);
+      outside_changes<D>(scene_, state, walls_before_, gravity_, {}, next);  // no forces on bodies
   wall_work_ += changes.work;
   external_ += changes.impulse;
   next.wall_work = state.wall_work + wall_work_;

@@ -64,7 +64,7 @@ Spin<D> angular_momentum(const State<D>& state) {
 }
 
 template <int D>
-std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
+std::string count_mismatch(const Scene<D>& scene, const State<D>& state) {
   const Population<D>& there = state.population;
   if (there.outlets.size() != scene.outlets.size() || there.inlets.size() != scene.inlets.size()) {
     return fmt::format("it has {} outlets and {} inlets, the scene has {} and {}",
@@ -76,6 +76,21 @@ std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
     return fmt::format("it has {} {}s and {} walls, the scene has {} and {}", state.bodies.size(),
                        kBodyName<D>, state.walls.size(), scene.bodies.size(), scene.walls.size());
   }
+  const std::size_t joined = state.clusters.bodies.size(), planned = scene.clusters.bodies.size();
+  if (!scene.has_gates() && joined != planned) {
+    return fmt::format("it has {} clusters, the scene has {}", joined, planned);
+  }
+  if (scene.has_gates() && there.numbers.size() != state.bodies.size()) {
+    return fmt::format("it has numbers for {} of {} {}s", there.numbers.size(), state.bodies.size(),
+                       kBodyName<D>);
+  }
+  return {};
+}
+
+template <int D>
+std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
+  if (std::string counts = count_mismatch(scene, state); !counts.empty()) return counts;
+  const Population<D>& there = state.population;
   for (std::size_t k = 0; k < state.bodies.size(); ++k) {
     const std::size_t i = scene.has_gates() ? to_size(there.numbers[k]) : k;
     if (i >= scene.bodies.size()) break;  // came in
@@ -91,9 +106,6 @@ std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
     if ((a.cluster < 0) != (b.cluster < 0)) return differs("cluster", a.cluster, b.cluster);
   }
   const std::vector<Cluster<D>>&joined = state.clusters.bodies, &planned = scene.clusters.bodies;
-  if (!scene.has_gates() && joined.size() != planned.size()) {
-    return fmt::format("it has {} clusters, the scene has {}", joined.size(), planned.size());
-  }
   for (std::size_t c = 0; c < joined.size() && !scene.has_gates(); ++c) {
     if (joined[c].mass != planned[c].mass || joined[c].inertia != planned[c].inertia) {
       return fmt::format("cluster {}: mass or inertia is not that of the scene", c);
@@ -137,10 +149,12 @@ std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
 template State<2> initial_state(const Scene<2>&);
 template StateSums<2> state_sums<2>(const State<2>&, const Vec2&, bool);
 template double angular_momentum(const State<2>&);
+template std::string count_mismatch(const Scene<2>&, const State<2>&);
 template std::string restart_mismatch(const Scene<2>&, const State<2>&);
 template State<3> initial_state(const Scene<3>&);
 template StateSums<3> state_sums<3>(const State<3>&, const Vec3&, bool);
 template Vec3 angular_momentum(const State<3>&);
+template std::string count_mismatch(const Scene<3>&, const State<3>&);
 template std::string restart_mismatch(const Scene<3>&, const State<3>&);
 
 }  // namespace bipot

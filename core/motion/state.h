@@ -91,6 +91,11 @@ Vec<D> momentum(const State<D>& state) {
 template <int D>
 Spin<D> angular_momentum(const State<D>& state);
 
+/// Empty if a state has the bodies, walls, clusters and gates of a scene, by number, else one
+/// sentence.
+template <int D>
+std::string count_mismatch(const Scene<D>& scene, const State<D>& state);
+
 /// Empty if a state can continue under a scene, else one sentence that names the difference. Disks
 /// that have not left must be the same (radius, mass, inertia, material). So must outlets, inlets
 /// and walls (shape, motion, force, mass, direction, material).

@@ -17,9 +17,9 @@ struct TableKeys {
   KeyWords keys;
 };
 
-// Besides its reader and checks, a key of a wall that changes with time is looked at by has_schedule()
-// and walls_at() (wall_motion), next_change() and a_wall_jumps() (accurate_step.cc), travel_halvings()
-// (split_step.cc), no_springs() and restart_mismatch(). A vector turns in rotate().
+// A key of a wall that changes with time has further readers: has_schedule() and walls_at()
+// (wall_motion), next_change() and a_wall_jumps() (accurate_step.cc), travel_halvings()
+// (split_step.cc), no_springs(), restart_mismatch(). A vector turns in rotate().
 const std::vector<TableKeys>& all_tables() {
   static const std::vector<TableKeys> tables = {
       {"", {"title",  "dim",    "gravity", "rotate_degrees", "materials",   "model", "contact",

@@ -124,8 +124,9 @@ class AnswerSearch {
     Vector s0;
     Recipe recipe = recipe_of(k, made.from, s0);
     made.solver = recipe.solver;
-    if (const auto order = recipe.parameters.find("order"); order != recipe.parameters.end()) {
-      made.solver += ", " + order->second;
+    for (const char* told : {"order", "map"}) {
+      const auto given = recipe.parameters.find(told);
+      if (given != recipe.parameters.end()) made.solver += ", " + given->second;
     }
     drive(recipe, s0, made);
     return made;

@@ -448,7 +448,7 @@ StepReport<D> AccurateStepper<D>::advance(State<D>& state) {
     step.now = std::move(next);
     go_on(chosen, error, a, step);
     step.since.add(report, step.now.contacts);
-    if (error.hit) step.set_mark();
+    if (error.hit && step.done < scene_.step) step.set_mark();
   }
   step.sums.add(step.since);
   step.cut.parts = step.sums.count();

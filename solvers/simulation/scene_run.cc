@@ -75,8 +75,9 @@ SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
                       const std::type_identity_t<SceneRunOptions<D>>& options) {
   using End = typename SceneRun<D>::End;
   if (options.processes == nullptr) {  // others may have given up their bodies
-    for (const std::string& defect : {validate(scene), restart_mismatch(scene, state)}) {
-      if (!defect.empty()) throw std::invalid_argument(defect);
+    if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
+    if (auto other = count_mismatch(scene, state); !other.empty()) {
+      throw std::invalid_argument("the state does not fit the scene: " + other);
     }
   }
   SceneRun<D> run;

@@ -2,6 +2,7 @@
 // bits on every machine, with every compiler, and for any number of threads. A change of these
 // numbers is a change of answers. It must be wanted.
 
+#include <array>
 #include <thread>
 
 #include "solvers/solve.h"

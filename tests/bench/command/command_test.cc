@@ -659,15 +659,22 @@ TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
     EXPECT_EQ(row["steps_solved"] == row["steps"], row["end"] == "solved") << row;
   }
   EXPECT_EQ(code_of("extremes --only no_such_case"), 2);
-  expect_said("extremes --random-problems 6 --random-scenes 2 --solver auto --out out", 0,
-              {"6 random problems"}, &bipot);
+  expect_said(
+      "extremes --random-problems 6 --random-scenes 2 --solver auto --out out --json r.json", 0,
+      {"6 random problems"}, &bipot);
+  const json random = json_in("r.json");
+  EXPECT_EQ(random["sets"][0]["done"], 6);
+  EXPECT_EQ(random["tallies"][0]["tried"], 6);
+  EXPECT_EQ(random["tallies"][0]["false_claims"], 0);
   EXPECT_TRUE(fs::exists("out/random.csv"));
   // One of the set, on its own.
   ASSERT_EQ(code_of("extremes --random-problems 1 --first 4 --dump-problem 4.hdf5"), 0);
   EXPECT_EQ(code_of("solve 4.hdf5 -q"), 0);
   for (const char* without_effect :
        {"--random-problems 2 --only wedge", "--only wedge --seed 9", "--only wedge --first 5",
-        "--random-problems 1 --dump-problem 5.hdf5 --out out", "--random-problems 0"}) {
+        "--random-problems 1 --dump-problem 5.hdf5 --out out", "--random-problems 0",
+        "--random-problems 1 --dump-problem 5.hdf5 --random-scenes 3",
+        "--random-problems 1 --dump-problem 5.hdf5 --solver pgs", "--only column_1000 --quick"}) {
     EXPECT_EQ(code_of(fmt::format("extremes {}", without_effect)), 2) << without_effect;
   }
 }
@@ -679,8 +686,9 @@ TEST_F(Command, StudyDrawsItsRowsAgain) {
   ASSERT_EQ(code_of("study --draw -q --rows out/rows.csv --out again"), 0);
   EXPECT_EQ(read_text_file("again/answers_speed.svg"), drawn);
   EXPECT_EQ(code_of("study --only no_such_part"), 2);
+  EXPECT_EQ(code_of("study --draw --quick --rows out/rows.csv --out none"), 2);
   EXPECT_EQ(code_of("study --draw --only depth --rows out/rows.csv --out none"), 4);
-  EXPECT_EQ(code_of("study --draw --rows none.csv --out none"), 4);
+  expect_said("study --draw --rows none.csv --out none", 4, {"none.csv", "No such file"}, &bipot);
 }
 
 TEST_F(Command, ValidateLeavesAPageAndAnExitCode) {

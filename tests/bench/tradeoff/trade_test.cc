@@ -319,8 +319,8 @@ TEST_F(TradeRun, AccuraciesCutStepsOfOneFrame) {
 }
 
 // Free flight is exact with any step. Over the last tenth the mean of v² = (g t)² is
-// g² (1 - 0.9³)/0.3 times the end's t², however few steps it is seen in: with accuracies 20, and 6, of
-// which the last one holds the tenth in a part.
+// g² (1 - 0.9³)/0.3 times the end's t², however few steps it is seen in. With accuracies these are 20
+// or 6. The last of 6 is longer than a tenth.
 TEST_F(TradeRun, MeansOverTheLastTenthDoNotDependOnTheSteps) {
   for (const auto& [steps, bound] : {std::pair(1000, 1e-3), {60, 4e-3}}) {
     Trade::Options options = options_of(

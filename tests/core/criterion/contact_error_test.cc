@@ -188,7 +188,7 @@ TEST(ContactError, DoesNotDependOnTheOrientationOfTheScene) {
     scene.walls = w;
     const std::vector<double> wall_free = {0, 0.25};
     const AssembledStep step =
-        assemble_step<2>({scene, d, w, detect_contacts(d, w, 0), v_free, wall_free}, false);
+        assemble_step<2>({scene, d, w, detect_contacts(d, w, 0), v_free, wall_free});
     EXPECT_GT(step.problem.num_contacts(), 60);
     PortableRandom impulses(7);
     return contact_error(step.problem, random_impulse(2, step.problem.num_contacts(), impulses));
