@@ -132,6 +132,7 @@ struct AccurateStepper<D>::Step {
   }
   void go_back() {
     now = mark.now;
+    cut.accelerating += since.count();
     since.reject_all();
     done = mark.done;
     shortest = mark.shortest;
