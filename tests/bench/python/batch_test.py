@@ -9,7 +9,7 @@ import pytest
 import scipy.sparse as sparse
 
 import bipot
-from conftest import chain, foreign_scene, gauss_seidel, one_contact, refused
+from conftest import DATA, chain, foreign_scene, gauss_seidel, one_contact, refused
 
 
 def family(count=20):
@@ -82,6 +82,14 @@ def test_every_solver_takes_lists(solver):
     problems = [chain(k) for k in (1, 2, 3, 4)]
     for a, b in zip(problems, bipot.solve(problems, solver=solver, tol=1e-6, threads=3)):
         same_result(bipot.solve(a, solver=solver, tol=1e-6), b)
+
+
+def test_factors_in_several_threads_are_those_of_one():
+    problems = [bipot.read(path) for path in sorted((DATA / "problems").glob("2d_*.hdf5"))[:8]]
+    alone = bipot.solve(problems, solver="ipm", tol=1e-6)
+    for _ in range(2):
+        for a, b in zip(alone, bipot.solve(problems, solver="ipm", tol=1e-6, threads=3)):
+            same_result(a, b)
 
 
 def test_python_solvers_take_lists():
