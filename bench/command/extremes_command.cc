@@ -237,6 +237,7 @@ void require_effect(const ExtremesFlags& flags) {
   refuse(flags.random_scenes > 0 && flags.random_problems == 0 && flags.solvers.size() > 1,
          "a second --solver", "on random scenes: the first one runs them all");
   refuse(dumps && !flags.out.empty(), "--out", "with --dump-problem");
+  refuse(dumps && flags.quick, "--quick", "with --dump-problem");
   refuse(dumps && flags.random_scenes > 0, "--random-scenes", "with --dump-problem");
   refuse(dumps && !flags.solvers.empty(), "--solver", "with --dump-problem");
   refuse(dumps && flags.tol != none.tol, "--tol", "with --dump-problem");

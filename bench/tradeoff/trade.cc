@@ -45,7 +45,7 @@ void perturb(Scene<D>& scene, int replica) {
 /// Whether so many steps last as long as a whole number of steps that are `factor` times as long.
 bool is_whole(int steps, double factor) {
   const double others = steps / factor;
-  return others > 0.5 && std::abs(others - std::round(others)) <= 1e-6 * others;
+  return others > 0.5 && std::abs(others - std::round(others)) <= std::min(1e-6 * others, 0.01);
 }
 
 /// Steps of Trade::Options::shorten.
@@ -61,17 +61,15 @@ int shortened(const Scene<D>& scene, const Trade::Options& options) {
   const RunRecord run =
       run_setting(scene, state, {.solver = options.solvers.front(), .tol = tol}, limits, {});
   const double fits = run.completed() ? scene.num_steps : kReserve * run.steps * shortest / kPart;
-  const int steps =
-      std::clamp(static_cast<int>(fits), std::max(1, static_cast<int>(kLeast * scene.num_steps)),
-                 scene.num_steps);
+  int steps = std::clamp(static_cast<int>(fits),
+                         std::max(1, static_cast<int>(kLeast * scene.num_steps)), scene.num_steps);
   // A factor that divides the scene's steps divides these.
-  for (int fewer = steps; 2 * fewer > steps; --fewer) {
-    if (std::ranges::all_of(options.step_factors, [&](double factor) {
-          return is_whole(fewer, factor) || !is_whole(scene.num_steps, factor);
-        })) {
-      return fewer;
-    }
-  }
+  const auto fits_all = [&](int some) {
+    return std::ranges::all_of(options.step_factors, [&](double factor) {
+      return is_whole(some, factor) || !is_whole(scene.num_steps, factor);
+    });
+  };
+  while (!fits_all(steps)) ++steps;
   return steps;
 }
 

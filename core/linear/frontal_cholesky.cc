@@ -180,8 +180,10 @@ bool FrontalCholesky::eliminate(const AddColumn& add) {
     if (h > 0) {
       float* const own = contributions.own();
       const float minus = -1, none = 0;
-      const DenseTurn turn;
-      ssyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
+      {
+        const DenseTurn turn;
+        ssyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
+      }
       for (const FrontStack<float>::Child& child : children) add_to_rest(child, columns, h, own);
       pack(own, h, contributions.bottom());
     }

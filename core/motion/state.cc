@@ -84,6 +84,17 @@ std::string count_mismatch(const Scene<D>& scene, const State<D>& state) {
     return fmt::format("it has numbers for {} of {} {}s", there.numbers.size(), state.bodies.size(),
                        kBodyName<D>);
   }
+  const auto beyond = [](int index, std::size_t count) {
+    return index >= 0 && to_size(index) >= count;
+  };
+  for (std::size_t k = 0; k < state.bodies.size(); ++k) {
+    const Body<D>& body = state.bodies[k];
+    if (body.material < 0 || beyond(body.material, scene.materials.size()) ||
+        beyond(body.cluster, joined) || beyond(body.wall, scene.walls.size())) {
+      return fmt::format("{} {} has material {}, cluster {} and wall {}", kBodyName<D>, k,
+                         body.material, body.cluster, body.wall);
+    }
+  }
   return {};
 }
 

@@ -91,8 +91,8 @@ Vec<D> momentum(const State<D>& state) {
 template <int D>
 Spin<D> angular_momentum(const State<D>& state);
 
-/// Empty if a state has the bodies, walls, clusters and gates of a scene, by number, else one
-/// sentence.
+/// Empty if a state has as many bodies, walls, clusters and gates as a scene, and no index beyond
+/// its own, else one sentence.
 template <int D>
 std::string count_mismatch(const Scene<D>& scene, const State<D>& state);
 

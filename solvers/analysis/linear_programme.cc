@@ -7,18 +7,24 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/linear/dense_buffer.h"
+
 namespace bipot {
 namespace {
 
 /// Ends the pivoting when told to. (CLP's own limit of time is looked at rarely.)
 class StopHandler : public ClpEventHandler {
  public:
-  explicit StopHandler(const std::function<bool()>& stopped) : stopped_(stopped) {}
-  int event(Event happened) override { return happened == endOfIteration && stopped_() ? 0 : -1; }
+  StopHandler(const std::function<bool()>& stopped, DenseTurn& turn)
+      : stopped_(stopped), turn_(turn) {}
+  int event(Event happened) override {
+    return happened == endOfIteration && turn_.outside(stopped_) ? 0 : -1;
+  }
   ClpEventHandler* clone() const override { return new StopHandler(*this); }
 
  private:
   const std::function<bool()>& stopped_;
+  DenseTurn& turn_;  // CLP factors by LAPACK
 };
 
 }  // namespace
@@ -38,7 +44,8 @@ LinearProgramme::Optimum solve(const LinearProgramme& programme,
                     upper.data(), programme.cost.data(), zero.data(), zero.data());
   model.setPrimalTolerance(1e-9);
   model.setDualTolerance(1e-9);
-  const StopHandler handler(stopped);
+  DenseTurn turn;
+  const StopHandler handler(stopped, turn);
   model.passInEventHandler(&handler);
   model.dual();
 

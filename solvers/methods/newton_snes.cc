@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/linear/dense_buffer.h"
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/petsc/newton_system.h"
@@ -30,6 +31,7 @@ constexpr const char* kPrefix = "bipot_newton_";
 struct NewtonRun {
   NewtonSystem* system = nullptr;
   SolveRun* solve = nullptr;
+  DenseTurn* turn = nullptr;   // of the running proximal step
   int iterations = 0;          // Newton steps of all proximal steps
   std::vector<Vector> recent;  // last iterates of this proximal step, the oldest is overwritten
   bool stop = false;           // the solve is over
@@ -110,7 +112,8 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
                     : SNES_DIVERGED_LOCAL_MIN;
       return 0;
     }
-    if (run->solve->stop(run->iterations, s, run->system->kappa())) {
+    if (run->turn->outside(
+            [&] { return run->solve->stop(run->iterations, s, run->system->kappa()); })) {
       run->stop = true;
       *reason = SNES_CONVERGED_FNORM_ABS;
       return 0;
@@ -264,6 +267,8 @@ class Snes {
     const Vector start = run_.system->unknowns(anchor);
     set(start);
     const int before = run_.iterations;
+    DenseTurn turn;
+    run_.turn = &turn;
     const int failed = SNESSolve(snes_, nullptr, z_);
     if (elsewhere_) elsewhere_->rethrow();
     check_petsc(failed, "SNESSolve");

@@ -674,6 +674,7 @@ TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
        {"--random-problems 2 --only wedge", "--only wedge --seed 9", "--only wedge --first 5",
         "--random-problems 1 --dump-problem 5.hdf5 --out out", "--random-problems 0",
         "--random-problems 1 --dump-problem 5.hdf5 --random-scenes 3",
+        "--only wedge --dump-problem 5.hdf5 --quick",
         "--random-problems 1 --dump-problem 5.hdf5 --solver pgs", "--only column_1000 --quick"}) {
     EXPECT_EQ(code_of(fmt::format("extremes {}", without_effect)), 2) << without_effect;
   }

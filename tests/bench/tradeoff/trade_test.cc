@@ -482,8 +482,10 @@ TEST_F(TradeRun, QuickShortensTheScene) {
   text.replace(text.find("steps = 80"), 10, "steps = 400000");
   options.targets = {scene_file(folder, "long", text)};
   options.time_limit = 1;
+  options.step_factors = {8, 1, 0.5};
   const Trade trade = run_trade(options);
   EXPECT_LT(trade.scenes[0].num_steps, 400000);
+  EXPECT_EQ(trade.scenes[0].num_steps % 8, 0);
   EXPECT_EQ(trade.scenes[0].whole_steps, 400000);
 }
 

@@ -74,7 +74,7 @@ TEST(SeveralAnswers, FindsOneWhereThereIsOne) {
   // From zero, each solver of the list once.
   std::vector<std::string> solvers;
   for (const SeveralAnswers::Start& start : found.starts) solvers.push_back(start.solver);
-  for (const char* name : {"pgs", "apgd", "ipm", "admm", "homotopy", "convex"}) {
+  for (const char* name : {"pgs", "apgd", "ipm", "admm", "homotopy", "apgd, split", "convex"}) {
     EXPECT_TRUE(std::find(solvers.begin(), solvers.end(), name) != solvers.end()) << name;
   }
 }

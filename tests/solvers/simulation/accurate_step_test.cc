@@ -336,6 +336,7 @@ TEST(AccurateStep, MotionAfterAnImpactIsJudgedFromThereOn) {
       scene.bodies = {round_body<2>(Vec2(0, 1.1), 0.1, 1, Vec2(2, 0))};
       const Ended<2> end = run(with_accuracy(scene, x, 2.0 / steps, steps));
       EXPECT_NEAR(end.state.bodies[0].x[0], exact, x * (exact + 0.1)) << steps << " steps, " << x;
+      EXPECT_GT(end.totals.cut.accelerating, 0);
     }
   }
 }

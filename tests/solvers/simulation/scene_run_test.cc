@@ -47,14 +47,35 @@ TEST(SceneRun, TakesTheScenesStepsWithItsOwnSolver) {
   EXPECT_EQ(state.step, 40);
 }
 
-TEST(SceneRun, RefusesWhatReadersOfScenesRefuse) {
-  Scene<2> scene = falling_disks(4);
-  State<2> state = initial_state(scene);
-  scene.bodies[0].material = 7;
-  EXPECT_THROW(run_scene(scene, state), std::invalid_argument);
-  scene = falling_disks(4);
-  state.bodies.pop_back();
-  EXPECT_THROW(run_scene(scene, state), std::invalid_argument);
+TEST(SceneRun, RefusesFaultyScenesAndStatesOfOthers) {
+  const auto refused = [](const Scene<2>& scene, State<2> state) -> std::string {
+    try {
+      run_scene(scene, state);
+    } catch (const std::invalid_argument& e) {
+      return e.what();
+    }
+    return {};
+  };
+  const Scene<2> scene = falling_disks(2);
+  const State<2> start = initial_state(scene);
+  Scene<2> faulty = scene;
+  faulty.bodies[0].material = 7;
+  EXPECT_TRUE(says(refused(faulty, start), "material index 7"));
+  State<2> other = start;
+  other.bodies.pop_back();
+  EXPECT_TRUE(says(refused(scene, other), "the state does not fit the scene: it has 15 disks"));
+  other = start;
+  other.walls.clear();
+  EXPECT_TRUE(says(refused(scene, other), "0 walls"));
+  other = start;
+  other.bodies[0].material = 7;
+  EXPECT_TRUE(says(refused(scene, other), "disk 0 has material 7"));
+  other = start;
+  other.clusters.bodies.emplace_back();
+  EXPECT_TRUE(says(refused(scene, other), "1 clusters"));
+  other = start;  // what a caller may change between runs
+  other.bodies[0].mass *= 2;
+  EXPECT_EQ(refused(scene, other), "");
 }
 
 TEST(SceneRun, NamesAPairOnlyWhereTheOverlapGrows) {
