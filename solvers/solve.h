@@ -12,8 +12,8 @@ namespace bipot {
 /// of convergence that does not hold there is withdrawn (kNumericalFailure, with both figures in
 /// the message). Never throws, neither for bad input nor a failing solver nor for lack of memory,
 /// that of OpenBLAS's buffer included: the status and the message report it. The options are passed
-/// by value, so that a start that is moved in is not stored twice. Several threads may solve at once
-/// (not by Siconos' solvers, which call dense kernels without a DenseTurn).
+/// by value, so that a start that is moved in is not stored twice. Several threads may solve at
+/// once (not by Siconos' solvers, which call dense kernels without a DenseTurn).
 ///
 /// Precondition: W, if given, is a Delassus operator. For one of unknown origin ask
 /// delassus_defect() (core/problem/contact_problem.h) first: with another W an impulse can meet the

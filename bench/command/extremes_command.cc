@@ -79,32 +79,18 @@ int random_sets(const ExtremesFlags& flags) {
                               .solvers = solvers_of(flags)};
   bool sound = true;
   Document page{.made = provenance("extremes", typed_command())};
-  Table findings{.columns = {{"set"}, {"kind"}, {"index"}, {"solver"}, {"message"}, {"again"}},
-                 .key = "findings"};
-  Table sets{.columns = {{"set"},
-                         {"done"},
-                         {"certificates"},
-                         {"false_certificates"},
-                         {"poor_plants"},
-                         {"energy_grew"}},
-             .key = "sets"};
-  Table tallies{.columns = {{"set"},
-                            {"solver"},
-                            {"tried"},
-                            {"planted"},
-                            {"planted_solved"},
-                            {"other"},
-                            {"other_solved"},
-                            {"none_proved"},
-                            {"exists_unsolved"},
-                            {"undecided"},
-                            {"missed_by_first"},
-                            {"false_claims"},
-                            {"not_finite"},
-                            {"crashed"},
-                            {"hung"},
-                            {"cpu_seconds"}},
-                .key = "tallies"};
+  const auto table = [](const char* key, std::initializer_list<const char*> columns) {
+    Table made{.key = key};
+    for (const char* name : columns) made.columns.push_back({name});
+    return made;
+  };
+  Table findings = table("findings", {"set", "kind", "index", "solver", "message", "again"});
+  Table sets = table(
+      "sets", {"set", "done", "certificates", "false_certificates", "poor_plants", "energy_grew"});
+  Table tallies = table(
+      "tallies", {"set", "solver", "tried", "planted", "planted_solved", "other", "other_solved",
+                  "none_proved", "exists_unsolved", "undecided", "missed_by_first", "false_claims",
+                  "not_finite", "crashed", "hung", "cpu_seconds"});
   const auto run = [&](int count, const char* what, const char* flag, auto* measure) {
     if (count == 0) return;
     options.count = count;

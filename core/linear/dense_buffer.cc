@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <new>
 
+#include "core/linear/dense_turn.h"
+
 extern "C" {
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 }
@@ -30,14 +32,7 @@ bool has_room(std::size_t bytes) {
   return true;
 }
 
-std::recursive_mutex& dense_kernels() {
-  static std::recursive_mutex mutex;
-  return mutex;
-}
-
 }  // namespace
-
-DenseTurn::DenseTurn() : turn_(dense_kernels()) {}
 
 void take_dense_buffer() {
   thread_local bool taken = false;

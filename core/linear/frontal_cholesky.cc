@@ -7,7 +7,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "core/linear/dense_buffer.h"
+#include "core/linear/dense_turn.h"
 #include "core/linear/front_stack.h"
 
 extern "C" {

@@ -8,7 +8,7 @@
 
 #include "core/base/large_pages.h"
 #include "core/linear/block_pattern.h"
-#include "core/linear/dense_buffer.h"
+#include "core/linear/dense_turn.h"
 #include "core/linear/eight_right_sides.h"
 #include "core/linear/front_stack.h"
 #include "core/linear/frontal_kernels.h"

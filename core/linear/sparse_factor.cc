@@ -8,7 +8,7 @@
 
 #include "core/base/parallel.h"
 #include "core/base/triplets.h"
-#include "core/linear/dense_buffer.h"
+#include "core/linear/dense_turn.h"
 #include "core/linear/long_columns.h"
 
 namespace bipot {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "core/linear/dense_buffer.h"
+#include "core/linear/dense_turn.h"
 #include "core/linear/long_columns.h"
 #include "core/linear/sparse_factor.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/instruction_sets.h"
-#include "core/linear/dense_buffer.h"
+#include "core/linear/dense_turn.h"
 
 #define BIPOT_SLICES BIPOT_CLONES("arch=x86-64-v3", "default")
 

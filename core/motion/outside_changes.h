@@ -18,7 +18,7 @@ struct OutsideChanges {
 };
 
 /// `before`: the state before the step. `walls`: those in the step, with their speeds before it
-/// (walls_at). `gravity`: that of the step. `v_free`: of the bodies, where forces act on them. `after`:
+/// (walls_at). `gravity`: that of the step. `v_free`: of the bodies, if forces act on them. `after`:
 /// the state after it.
 ///
 /// Turning gravity from g to g' with fixed disks is work Σ m (g - g')·x, as is turning the box the

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/linear/dense_buffer.h"
+#include "core/linear/dense_turn.h"
 
 namespace bipot {
 namespace {

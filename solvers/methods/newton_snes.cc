@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/linear/dense_buffer.h"
+#include "core/linear/dense_turn.h"
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/petsc/newton_system.h"

@@ -29,7 +29,7 @@ namespace {
 Parallel in_parallel(const Parameters&) { return Parallel::kYes; }
 Parallel reproducible(const Parameters&) { return Parallel::kReproducible; }
 
-// A new row is seen by the command, Python, completions, comparisons and the tests over the table. By
+// A new row is seen by the command, Python, completions, comparisons and tests over the table. By
 // hand: tests/CMakeLists.txt and first_order_test.cc (first-order methods), the manual
 // (reference/solvers.md, explanation/parallel.md), README's number of solvers, SOLVERS of
 // results_pages.py, kVariants of bench/tune/measure_rows.cc.

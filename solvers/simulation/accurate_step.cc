@@ -108,50 +108,39 @@ struct AccurateStepper<D>::Error {
 /// the last impact, on. Until a second part has been judged, the step can go back there.
 template <int D>
 struct AccurateStepper<D>::Step {
-  /// Where accelerations begin.
-  struct Mark {
+  /// How far it is.
+  struct Reached {
     State<D> now;
-    double done, shortest, last, misplaced = 0, misplaced_sum = 0, smallest = kInfinity;
-    std::string limited_by;
+    StepParts cut;
+    double shortest = 0;  // of all parts
+    double last = 0;      // size of the last one, of its impulses
+    double done = 0;      // time of the parts so far
   };
   Step(const Scene<D>& scene, const State<D>& state)
       : start(state),
-        now(state),
-        shortest(scene.step),
-        last(scene.step),
+        at{state, {.smallest = kInfinity}, scene.step, scene.step},
         smooth(kFirst * scene.step) {
-    cut.smallest = kInfinity;
     set_mark();
   }
   void set_mark() {
     sums.add(since);
     since = {};
     first = smooth;
-    mark = {now,          done,          shortest, last, cut.misplaced, cut.misplaced_sum,
-            cut.smallest, cut.limited_by};
+    mark = at;
   }
   void go_back() {
-    now = mark.now;
-    cut.accelerating += since.count();
+    const StepParts tried = std::exchange(at, mark).cut;
+    at.cut.misplacing = tried.misplacing;
+    at.cut.drifting = tried.drifting;
+    at.cut.accelerating = tried.accelerating + since.count();
+    at.cut.failed = tried.failed;
     since.reject_all();
-    done = mark.done;
-    shortest = mark.shortest;
-    last = mark.last;
-    cut.misplaced = mark.misplaced;
-    cut.misplaced_sum = mark.misplaced_sum;
-    cut.smallest = mark.smallest;
-    cut.limited_by = mark.limited_by;
     smooth = first = std::min(smooth, 0.5 * first);
     a.reset();
   }
   const State<D> start;
-  State<D> now;
-  Mark mark;
-  SummedParts<D> sums, since;  // parts up to the mark, and since
-  StepParts cut;
-  double done = 0;                    // time of the parts so far
-  double shortest;                    // of all parts
-  double last;                        // size of the last one, of its impulses
+  Reached at, mark;
+  SummedParts<D> sums, since;         // parts up to the mark, and since
   double smooth;                      // size that smooth motion allows
   double first = 0;                   // of the first part after the mark
   std::string smooth_by = "none";     // why
@@ -237,8 +226,8 @@ template <int D>
 auto AccurateStepper<D>::measure(const Step& step, const Part& taken, const State<D>& after,
                                  const Accelerations<D>& a_after) -> Error {
   const double h = taken.h;
-  const State<D>& before = step.now;
-  const double x = scene_.accuracy, last = step.done > 0 ? step.last : kFirst * scene_.step;
+  const State<D>& before = step.at.now;
+  const double x = scene_.accuracy, last = step.at.done > 0 ? step.at.last : kFirst * scene_.step;
   using Pair = typename NearPairs<D>::Pair;
   const auto gap = [&](const State<D>& state, const Pair& pair) {
     return pair_place<D>(state.bodies, state.walls, state.cell, pair).gap;
@@ -312,11 +301,11 @@ auto AccurateStepper<D>::measure(const Step& step, const Part& taken, const Stat
 template <int D>
 auto AccurateStepper<D>::next_part(const Step& step) -> Part {
   const double whole = scene_.step, smallest = kSmallest * whole;
-  const State<D>& now = step.now;
+  const State<D>& now = step.at.now;
   if (is_over_()) {
     throw StepFailure(StepFailure::Kind::kCutShort, step.start, "ended within the step");
   }
-  double left = whole - step.done;
+  double left = whole - step.at.done;
   const double change = next_change(scene_, now.time, kEnd * whole) - now.time;
   if (change < left - kEnd * whole) left = change;  // one at the end of the step, but for rounding
   double h = std::min({step.smooth, left, longest_});
@@ -349,7 +338,7 @@ template <int D>
 std::string AccurateStepper<D>::take(const Step& step, double h, State<D>& next,
                                      StepReport<D>& report) {
   const bool halves = 0.5 * h >= kSmallest * scene_.step;
-  scale_impulses(next.contacts, h / step.last);
+  scale_impulses(next.contacts, h / step.at.last);
   part_.step = h;
   try {
     report = stepper_.advance(next);
@@ -373,13 +362,13 @@ template <int D>
 bool AccurateStepper<D>::rejects(const Error& error, double h, const State<D>& next,
                                  Step& step) const {
   if (error.misplaced > kSlack) {
-    ++step.cut.misplacing;
+    ++step.at.cut.misplacing;
     step.shrink *= std::clamp(0.8 / error.misplaced, 0.1, 0.7);
     step.shrunk_by = impact(next, error.i, error.j);
     return true;
   }
   if (error.smooth() <= kSlack) return false;
-  ++(error.drift > error.acceleration ? step.cut.drifting : step.cut.accelerating);
+  ++(error.drift > error.acceleration ? step.at.cut.drifting : step.at.cut.accelerating);
   step.smooth = h * std::max(kDrop, kAim / error.smooth());
   step.smooth_by = error.smooth_kind();
   return true;
@@ -390,12 +379,12 @@ template <int D>
 void AccurateStepper<D>::go_on(const Part& taken, const Error& error, const Accelerations<D>& a,
                                Step& step) const {
   const double whole = scene_.step, x = scene_.accuracy, h = taken.h;
-  step.done = h == whole - step.done ? whole : step.done + h;
-  step.now.time = step.start.time + step.done;
-  step.now.step = step.start.step;
-  step.last = h;
-  step.shortest = std::min(step.shortest, h);
-  StepParts& cut = step.cut;
+  step.at.done = h == whole - step.at.done ? whole : step.at.done + h;
+  step.at.now.time = step.start.time + step.at.done;
+  step.at.now.step = step.start.step;
+  step.at.last = h;
+  step.at.shortest = std::min(step.at.shortest, h);
+  StepParts& cut = step.at.cut;
   if (!taken.ends && h < cut.smallest) {
     cut.smallest = h;
     cut.limited_by = taken.by;
@@ -423,49 +412,49 @@ template <int D>
 StepReport<D> AccurateStepper<D>::advance(State<D>& state) {
   Step step(scene_, with_changed_population(scene_, state));
   if (scene_.has_gates()) closings_.forget();
-  while (step.done < scene_.step) {
-    step.jump = a_wall_jumps(scene_, step.now.time, kEnd * scene_.step);
+  while (step.at.done < scene_.step) {
+    step.jump = a_wall_jumps(scene_, step.at.now.time, kEnd * scene_.step);
     if (step.jump) step.a.reset();
     const Part chosen = next_part(step);
-    State<D> next = step.now;
+    State<D> next = step.at.now;
     StepReport<D> report;
     if (const std::string failed = take(step, chosen.h, next, report); !failed.empty()) {
       step.since.add_rejected(report);
-      ++step.cut.failed;
+      ++step.at.cut.failed;
       step.shrink *= 0.5;
       step.shrunk_by = "failure";
       continue;
     }
-    const Accelerations<D> a = mean_accelerations(scene_, step.now, next, chosen.h);
+    const Accelerations<D> a = mean_accelerations(scene_, step.at.now, next, chosen.h);
     const Error error = measure(step, chosen, next, a);
     if (rejects(error, chosen.h, next, step)) {
       step.since.add_rejected(report);
       // The first part was not judged by its acceleration, and the second one against it alone. By
       // this change both may have been too long.
-      const double of_last = error.acceleration * std::pow(step.last / chosen.h, 2);
+      const double of_last = error.acceleration * std::pow(step.at.last / chosen.h, 2);
       if (step.since.count() > 0 && step.since.count() <= 2 && of_last > kSlack) step.go_back();
       continue;
     }
-    step.now = std::move(next);
+    step.at.now = std::move(next);
     go_on(chosen, error, a, step);
-    step.since.add(report, step.now.contacts);
-    if (error.hit && step.done < scene_.step) step.set_mark();
+    step.since.add(report, step.at.now.contacts);
+    if (error.hit && step.at.done < scene_.step) step.set_mark();
   }
   step.sums.add(step.since);
-  step.cut.parts = step.sums.count();
-  if (!std::isfinite(step.cut.smallest)) {
-    step.cut.smallest = step.shortest;
-    step.cut.limited_by = "none";
+  step.at.cut.parts = step.sums.count();
+  if (!std::isfinite(step.at.cut.smallest)) {
+    step.at.cut.smallest = step.at.shortest;
+    step.at.cut.limited_by = "none";
   }
-  const std::vector<ContactOutcome<D>> of_last_part = step.now.contacts;
-  StepReport<D> report = step.sums.finish(step.start, scene_.step, step.now);
-  for (ContactOutcome<D>& c : step.now.contacts) {
+  const std::vector<ContactOutcome<D>> of_last_part = step.at.now.contacts;
+  StepReport<D> report = step.sums.finish(step.start, scene_.step, step.at.now);
+  for (ContactOutcome<D>& c : step.at.now.contacts) {
     if (find_pair(of_last_part, c.contact.i, c.contact.j) == nullptr) {
       c.status = ContactStatus::kTakeOff;
     }
   }
-  report.cut = std::move(step.cut);
-  state = std::move(step.now);
+  report.cut = std::move(step.at.cut);
+  state = std::move(step.at.now);
   return report;
 }
 

@@ -150,8 +150,8 @@ std::string needs_whole_state(const Scene<D>& scene,
 /// Takes the steps of a scene: `state` becomes that at the end of the last whole step. A
 /// distributed state ends on the root process, elsewhere without bodies. Throws
 /// std::invalid_argument before the first step if the scene's solver or springs are refused. Where
-/// `options.processes` is null, also for a fault by validate() or count_mismatch(). Throws FileError
-/// if the folder cannot be written. Later failures are part of the result.
+/// `options.processes` is null, also for a fault by validate() or count_mismatch(). FileError if the
+/// folder cannot be written. Later failures are part of the result.
 template <int D>
 SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
                       const std::type_identity_t<SceneRunOptions<D>>& options = {});

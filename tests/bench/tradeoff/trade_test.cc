@@ -319,8 +319,8 @@ TEST_F(TradeRun, AccuraciesCutStepsOfOneFrame) {
 }
 
 // Free flight is exact with any step. Over the last tenth the mean of v² = (g t)² is
-// g² (1 - 0.9³)/0.3 times the end's t², however few steps it is seen in. With accuracies these are 20
-// or 6. The last of 6 is longer than a tenth.
+// g² (1 - 0.9³)/0.3 times the end's t², however few steps it is seen in. With accuracies these are
+// 20 or 6. The last of 6 is longer than a tenth.
 TEST_F(TradeRun, MeansOverTheLastTenthDoNotDependOnTheSteps) {
   for (const auto& [steps, bound] : {std::pair(1000, 1e-3), {60, 4e-3}}) {
     Trade::Options options = options_of(
@@ -524,8 +524,8 @@ disks = [{position = [0, 0.1], radius = 0.1, mass = 1, velocity = [10, 0]},
 time = {step = 1e-3, steps = 61}
 )";
 
-// After 60 steps both have left: the mass is known, places are not. The scene's 61 steps are no whole
-// number of twice as long ones.
+// After 60 steps both have left: the mass is known, places are not. The scene's 61 steps are no
+// whole number of twice as long ones.
 TEST_F(TradeRun, WhatHasLeftIsCountedAndDurationsAreEqual) {
   Trade::Options options = options_of(scene_file(folder, "leaves", kLeaves), {1e-2, 1e-6});
   options.step_factors = {2, 1, 0.5};

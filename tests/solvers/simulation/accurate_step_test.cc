@@ -323,8 +323,8 @@ TEST(AccurateStep, ASlidingCylinderStartsToRollWithTheErrorOfOnePart) {
 }
 
 TEST(AccurateStep, MotionAfterAnImpactIsJudgedFromThereOn) {
-  // A disk falls 1 m at 2 m/s, lands, slides and rolls. The impact takes J = mu g t1 from v and leaves
-  // a slip of 2 - 3 J. Friction ends it after (2 - 3 J)/(3 mu g).
+  // A disk falls 1 m at 2 m/s, lands, slides and rolls. The impact takes J = mu g t1 from v and
+  // leaves a slip of 2 - 3 J. Friction ends it after (2 - 3 J)/(3 mu g).
   const double mu = 0.1, g = 9.81, fall = std::sqrt(2 / g), impulse = mu * g * fall;
   const double v = 2 - impulse, slides = (2 - 3 * impulse) / (3 * mu * g);
   const double exact = 2 * fall + v * slides - 0.5 * mu * g * slides * slides +
