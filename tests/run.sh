@@ -5,4 +5,4 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bash .ci/install.sh
 cmake --preset release
 cmake --build --preset release
-ctest --preset release -j "$(nproc)"
+ctest --preset release -j "$(($(nproc) + 1))"  # some wait, for time limits and signals

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -20,6 +23,7 @@
 #include "core/files/atomic_file.h"
 #include "core/motion/periodic_state.h"
 #include "core/pictures/colour_map.h"
+#include "core/pictures/png_file.h"
 #include "core/scene/joints.h"
 
 namespace bipot {
@@ -550,6 +554,27 @@ void require(cairo_status_t status, const std::filesystem::path& path) {
   }
 }
 
+/// Pixels of an image surface of the format RGB24: 32 bits each, the upper eight unused.
+RgbImage pixels_of(cairo_surface_t* surface) {
+  RgbImage image{.width = cairo_image_surface_get_width(surface),
+                 .height = cairo_image_surface_get_height(surface),
+                 .bytes = {}};
+  image.bytes.resize(3 * static_cast<std::size_t>(image.width) *
+                     static_cast<std::size_t>(image.height));
+  const unsigned char* row = cairo_image_surface_get_data(surface);
+  unsigned char* out = image.bytes.data();
+  for (int i = 0; i < image.height; ++i, row += cairo_image_surface_get_stride(surface)) {
+    for (int j = 0; j < image.width; ++j, out += 3) {
+      std::uint32_t pixel = 0;
+      std::memcpy(&pixel, row + 4 * j, sizeof pixel);
+      out[0] = static_cast<unsigned char>(pixel >> 16);
+      out[1] = static_cast<unsigned char>(pixel >> 8);
+      out[2] = static_cast<unsigned char>(pixel);
+    }
+  }
+  return image;
+}
+
 }  // namespace
 
 Box<2> whole_view(const Scene<2>& scene, const State<2>& state) {
@@ -612,7 +637,8 @@ void draw_force_picture(const std::filesystem::path& path, const Scene<2>& scene
     require(cairo_status(canvas.get()), path);
   }
   if (format == ".png") {
-    require(cairo_surface_write_to_png(surface.get(), target.draft().c_str()), path);
+    cairo_surface_flush(surface.get());
+    write_png(target.draft(), pixels_of(surface.get()));
   }
   cairo_surface_finish(surface.get());
   require(cairo_surface_status(surface.get()), path);

@@ -1,5 +1,12 @@
 #include "core/pictures/force_picture.h"
 
+#include <cairo.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <memory>
 #include <regex>
 
 #include "core/base/file_error.h"
@@ -165,11 +172,24 @@ TEST_F(ForcePicture, PngsAreWrittenWithTheChosenResolution) {
   const Scene<2> scene = column(3, 0.5);
   draw_force_picture(folder_ / "picture.png", scene, loaded_column(scene), "caption",
                      {.width = 400, .resolution = 1.5});
-  const std::string bytes = file_text(folder_ / "picture.png");
-  ASSERT_GT(bytes.size(), 24u);
-  EXPECT_EQ(bytes.substr(1, 3), "PNG");
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(bytes[k]); };
-  EXPECT_EQ(byte(18) * 256 + byte(19), 600);  // width, IHDR
+  const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> read(
+      cairo_image_surface_create_from_png((folder_ / "picture.png").c_str()),
+      cairo_surface_destroy);
+  ASSERT_EQ(cairo_surface_status(read.get()), CAIRO_STATUS_SUCCESS);
+  EXPECT_EQ(cairo_image_surface_get_width(read.get()), 600);
+  ASSERT_GT(cairo_image_surface_get_height(read.get()), 600);
+  std::map<std::uint32_t, int> colours;
+  for (int i = 0; i < cairo_image_surface_get_height(read.get()); ++i) {
+    std::vector<std::uint32_t> row(600);
+    std::memcpy(row.data(),
+                cairo_image_surface_get_data(read.get()) +
+                    i * std::ptrdiff_t{cairo_image_surface_get_stride(read.get())},
+                2400);
+    for (std::uint32_t pixel : row) ++colours[pixel & 0xffffffu];
+  }
+  EXPECT_GT(colours[0xffffff], 600 * 100);  // the ground
+  EXPECT_GT(colours[0x05457a], 100);        // kStick: 2, 27 and 48 hundredths
+  EXPECT_EQ(colours[0x7a4505], 0);          // red and blue in turn
 }
 
 TEST_F(ForcePicture, ALongCaptionMakesThePictureHigher) {
