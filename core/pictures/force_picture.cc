@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -23,7 +24,7 @@
 #include "core/files/atomic_file.h"
 #include "core/motion/periodic_state.h"
 #include "core/pictures/colour_map.h"
-#include "core/pictures/png_file.h"
+#include "core/pictures/png_image.h"
 #include "core/scene/joints.h"
 
 namespace bipot {
@@ -620,15 +621,15 @@ void draw_force_picture(const std::filesystem::path& path, const Scene<2>& scene
   }
   const State<2> inside = wrapped_state(state);
   const Picture picture(scene, inside, caption, options);
-  AtomicFile target(path);
+  std::optional<AtomicFile> svg;  // written while it is drawn
+  if (format == ".svg") svg.emplace(path);
   const double width = options.width, height = picture.height();
   const double zoom = format == ".png" ? options.resolution : 1.0;
-  const Surface surface(
-      format == ".svg" ? cairo_svg_surface_create(target.draft().c_str(), width, height)
-                       : cairo_image_surface_create(CAIRO_FORMAT_RGB24,
-                                                    static_cast<int>(std::lround(zoom * width)),
-                                                    static_cast<int>(std::lround(zoom * height))),
-      cairo_surface_destroy);
+  const Surface surface(svg ? cairo_svg_surface_create(svg->draft().c_str(), width, height)
+                            : cairo_image_surface_create(
+                                  CAIRO_FORMAT_RGB24, static_cast<int>(std::lround(zoom * width)),
+                                  static_cast<int>(std::lround(zoom * height))),
+                        cairo_surface_destroy);
   require(cairo_surface_status(surface.get()), path);
   {
     const Canvas canvas(cairo_create(surface.get()), cairo_destroy);
@@ -636,13 +637,14 @@ void draw_force_picture(const std::filesystem::path& path, const Scene<2>& scene
     picture.draw(canvas.get());
     require(cairo_status(canvas.get()), path);
   }
-  if (format == ".png") {
+  if (!svg) {
     cairo_surface_flush(surface.get());
-    write_png(target.draft(), pixels_of(surface.get()));
+    write_text_file(path, encode_png(pixels_of(surface.get())));
+    return;
   }
   cairo_surface_finish(surface.get());
   require(cairo_surface_status(surface.get()), path);
-  target.commit();
+  svg->commit();
 }
 
 }  // namespace bipot

@@ -176,20 +176,21 @@ TEST_F(ForcePicture, PngsAreWrittenWithTheChosenResolution) {
       cairo_image_surface_create_from_png((folder_ / "picture.png").c_str()),
       cairo_surface_destroy);
   ASSERT_EQ(cairo_surface_status(read.get()), CAIRO_STATUS_SUCCESS);
-  EXPECT_EQ(cairo_image_surface_get_width(read.get()), 600);
-  ASSERT_GT(cairo_image_surface_get_height(read.get()), 600);
-  std::map<std::uint32_t, int> colours;
-  for (int i = 0; i < cairo_image_surface_get_height(read.get()); ++i) {
-    std::vector<std::uint32_t> row(600);
+  ASSERT_EQ(cairo_image_surface_get_width(read.get()), 600);
+  const int height = cairo_image_surface_get_height(read.get());
+  ASSERT_GT(height, 600);
+  std::map<std::uint32_t, int> pixels;  // of each colour
+  std::vector<std::uint32_t> row(600);
+  for (int i = 0; i < height; ++i) {
     std::memcpy(row.data(),
                 cairo_image_surface_get_data(read.get()) +
                     i * std::ptrdiff_t{cairo_image_surface_get_stride(read.get())},
-                2400);
-    for (std::uint32_t pixel : row) ++colours[pixel & 0xffffffu];
+                row.size() * sizeof(std::uint32_t));
+    for (std::uint32_t pixel : row) ++pixels[pixel & 0xffffffu];
   }
-  EXPECT_GT(colours[0xffffff], 600 * 100);  // the ground
-  EXPECT_GT(colours[0x05457a], 100);        // kStick: 2, 27 and 48 hundredths
-  EXPECT_EQ(colours[0x7a4505], 0);          // red and blue in turn
+  EXPECT_GT(pixels[0xffffff], 600 * height / 2);  // white ground
+  EXPECT_GT(pixels[0x05457a], 100);               // kStick: 2, 27 and 48 hundredths
+  EXPECT_EQ(pixels[0x7a4505], 0);                 // the same, red and blue exchanged
 }
 
 TEST_F(ForcePicture, ALongCaptionMakesThePictureHigher) {
@@ -213,6 +214,10 @@ TEST_F(ForcePicture, OtherFormatsAndUnwritablePlacesAreRefused) {
   EXPECT_THROW(draw_force_picture(folder_ / "no/picture.png", scene, state, ""), FileError);
   EXPECT_THROW(draw_force_picture(folder_ / "no/picture.svg", scene, state, ""), FileError);
   EXPECT_TRUE(fs::is_empty(folder_.path()));
+  // A full disk is an error; what the name stands for is not removed.
+  fs::create_symlink("/dev/full", folder_ / "full.png");
+  EXPECT_THROW(draw_force_picture(folder_ / "full.png", scene, state, ""), FileError);
+  EXPECT_TRUE(fs::exists("/dev/full"));
 }
 
 TEST(Scales, AreRoundAndNotTooLong) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <filesystem>
+#include <string>
 #include <vector>
 
 namespace bipot {
@@ -12,8 +12,8 @@ struct RgbImage {
   std::vector<unsigned char> bytes;
 };
 
-/// Writes `image` as a PNG. Rows are compressed as they are: drawings of few colours lose size and
-/// time by the filters that suit photographs. Throws FileError.
-void write_png(const std::filesystem::path& path, const RgbImage& image);
+/// The bytes of a PNG file. Rows are compressed as they are: filters, which suit photographs, cost
+/// drawings of few colours time and size. Throws std::runtime_error.
+std::string encode_png(const RgbImage& image);
 
 }  // namespace bipot
