@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -209,6 +211,21 @@ SolveResult SolveRun::nested(std::string_view solver, double tol, int max_iterat
                                          .cancelled = options_.cancelled});
 }
 
+void SolveRun::perform() {
+  try {
+    entry_.run(*this);
+  } catch (const FactorStopped&) {
+    if (!end_if_out_of_time(iterations_)) throw;
+  } catch (const std::bad_alloc& e) {
+    if (space_.whole() == nullptr) throw;  // the other processes would wait
+    const std::string_view said = e.what();
+    end(SolveStatus::kNumericalFailure,
+        fmt::format("{}; {} iterations, best error {:.2e}",
+                    said.starts_with("out of memory") ? said : "out of memory", iterations_,
+                    best_error_));
+  }
+}
+
 SolveResult SolveRun::finish() {
   if (taken_) return *std::move(taken_);
   return SolveResult{.status = status_,
@@ -224,7 +241,7 @@ SolveResult run_solver(const SolverEntry& entry, ContactSpace& space, const Solv
   const auto in = [&](ContactSpace& where) {
     SolveRun run(where, entry, options);
     run.set_factor(factor);
-    entry.run(run);
+    run.perform();
     return run.finish();
   };
   if (space.whole() == nullptr) {

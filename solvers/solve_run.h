@@ -52,6 +52,10 @@ class SolveRun {
     factor_asked_ = true;
     return factor_;
   }
+  /// Ends factorisations when out_of_time() would; finish() then tells why.
+  FactorStop factor_stop() {
+    return FactorStop([this] { return cancelled_here() || late_here(); });
+  }
   void set_factor(SystemFactor* factor) { factor_ = factor; }
   bool factor_was_asked() const { return factor_asked_; }
 
@@ -122,6 +126,8 @@ class SolveRun {
   /// The same for a row of the table with default parameters; it ends with the run.
   SolveResult nested(std::string_view solver, double tol, int max_iterations, Vector s0);
 
+  /// The solver, until it ends. A factorisation that was stopped or lacks memory ends it, too.
+  void perform();
   /// Status, message, iterations, timings and the impulse: the last one if it converged, else the
   /// best.
   SolveResult finish();

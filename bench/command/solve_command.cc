@@ -226,38 +226,50 @@ struct SolveTask {
   DistributedOptions distributed;
 };
 
-/// The problem of a target that is no file.
-ProblemFile problem_of(const std::string& target, const CommonFlags& common) {
+/// The problem of a target that is no file. `watch`: of the command.
+ProblemFile problem_of(const std::string& target, const CommonFlags& common,
+                       const Stopwatch& watch) {
   refuse_on_several_processes(common, "a target that is no file");
   TargetOptions options;
   if (!common.quiet) options.warn = &warn_once;
+  options.cancelled = [&] {
+    return InterruptGuard::requested() || watch.seconds() >= common.time_limit;
+  };
   const std::vector<ProblemSource> sources = expand_targets({target}, options);
   if (sources.size() > 1) {
     const std::string& name = sources.back().name;
     throw std::invalid_argument(fmt::format("{}: {} problems; name one, as {}{}", target,
                                             sources.size(), target, name.substr(name.rfind('@'))));
   }
-  TestProblem made = sources.front().load();
+  TestProblem made;
+  try {
+    made = sources.front().load();
+  } catch (const Interrupted&) {
+    if (InterruptGuard::requested()) throw;
+    throw CommonCommandFailure(
+        kExitNotConverged, fmt::format("{}: time limit {} s reached before the problem was made",
+                                       target, common.time_limit));
+  }
   ProblemFile file{.problem = std::move(made.problem), .info = {.title = made.origin}};
   if (made.start.size() != 0) file.guesses.push_back(std::move(made.start));
   return file;
 }
 
-ProblemFile read_file(const SolveFlags& flags) {
+ProblemFile read_file(const SolveFlags& flags, const Stopwatch& watch) {
   const bool exists = std::filesystem::exists(flags.problem);
   if (!exists && (flags.problem.find_first_of(":@") != std::string::npos ||
                   std::ranges::count(names_of(shipped_scenes()), flags.problem) > 0)) {
-    return problem_of(flags.problem, flags.common);
+    return problem_of(flags.problem, flags.common, watch);
   }
   return readable(flags.problem,
                   [&] { return read_problem(flags.problem, flags.accept_indefinite); });
 }
 
 /// Reads and checks; files are made by the root process.
-SolveTask prepare(const SolveFlags& given) {
+SolveTask prepare(const SolveFlags& given, const Stopwatch& watch) {
   SolveTask task;
   refuse_on_several_processes(given.common, given.explain ? "--explain" : "");
-  task.file = read_file(given);
+  task.file = read_file(given, watch);
   task.flags = is_speaker() ? with_folder(given) : given;
   const ContactProblem& problem = task.file.problem;
   if (is_speaker()) {
@@ -272,7 +284,8 @@ SolveTask prepare(const SolveFlags& given) {
   task.choice = merged(SolverChoice{}, given.solver);
   task.entry = &require_solver(task.choice.name);
   task.options = to_options(task.choice);
-  task.options.time_limit = given.common.time_limit / (given.certify ? 2 : 1);
+  const double left = std::max(1e-9, given.common.time_limit - watch.seconds());
+  task.options.time_limit = left / (given.certify ? 2 : 1);
   task.options.execution.threads = given.common.threads;
   if (given.warm) {
     if (task.file.guesses.empty()) {
@@ -342,16 +355,17 @@ std::string explanation_of(const SolveTask& task) {
 
 int run_solve(const SolveFlags& typed) {
   const Stopwatch watch;
+  const InterruptGuard interrupt;
   SolveFlags given = typed;
   given.problem = find_problem(typed.problem).string();
   if (given.several) {
     together([&] { refuse_on_several_processes(given.common, "--several"); });
-    return several_command(given, read_file(given));
+    return several_command(given, read_file(given, watch));
   }
   SolveTask task;
   HistoryFile history;
   together([&] {
-    task = prepare(given);
+    task = prepare(given, watch);
     // Taking part in recording depends on the flags, not on the folder, so that all processes
     // agree.
     const bool recorded = !given.history.empty() || !given.common.out.empty();
@@ -360,7 +374,6 @@ int run_solve(const SolveFlags& typed) {
   });
   const ContactProblem& problem = task.file.problem;
   const SolveFlags& flags = task.flags;
-  const InterruptGuard interrupt;
   task.options.cancelled = &InterruptGuard::requested;
   const std::string explanation = flags.explain ? explanation_of(task) : "";
   if (flags.common.json != "-") fmt::print("{}", explanation);

@@ -86,10 +86,9 @@ double smallest_radius_of(const Scene<D>& scene) {
 class Piles {
  public:
   const SettledPile& get(const SettledPile::Options& options) {
-    const auto [place, fresh] =
-        piles_.try_emplace({options.count, options.mu, options.seed}, SettledPile());
-    if (fresh) place->second = settle_pile(options);
-    return place->second;
+    const std::tuple key{options.count, options.mu, options.seed};
+    if (!piles_.contains(key)) piles_[key] = settle_pile(options);
+    return piles_[key];
   }
 
  private:
@@ -199,7 +198,8 @@ void throw_disk(Scene<2>& scene, State<2>& state) {
   scene.bodies.push_back(disk);
 }
 
-TestProblem make_family_problem(const Family& family, Piles& piles) {
+TestProblem make_family_problem(const Family& family, Piles& piles,
+                                const std::function<bool()>& cancelled) {
   const FamilyOptions& o = family.options;
   TestProblem made;
   if (is_of_spheres(family)) {
@@ -215,8 +215,8 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
   Scene<2> scene;
   State<2> state;
   if (is_pile(family)) {
-    const SettledPile& pile =
-        piles.get({.count = family.side * family.side, .mu = o.mu, .seed = o.seed});
+    const SettledPile& pile = piles.get(
+        {.count = family.side * family.side, .mu = o.mu, .seed = o.seed, .cancelled = cancelled});
     scene = pile.scene;
     state = pile.state;
     made.origin = fmt::format("{} disks {} after {} steps", scene.bodies.size(),
@@ -430,7 +430,10 @@ void add_target(const std::string& target, const TargetOptions& options,
     }
     const Family f = parse_family(target);
     if (is_moving(f)) return add_moving(target, f, options, sources);
-    sources.push_back({target, target, [f, piles] { return make_family_problem(f, *piles); },
+    sources.push_back({target, target,
+                       [f, piles, cancelled = options.cancelled] {
+                         return make_family_problem(f, *piles, cancelled);
+                       },
                        series_of(target), static_cast<double>(f.side)});
     return;
   }

@@ -15,7 +15,7 @@ namespace bipot {
 struct ProblemSource {
   std::string name;    ///< unique in a comparison
   std::string target;  ///< target of the command line that gives this problem
-  /// Throws FileError, std::invalid_argument or StepFailure.
+  /// Throws FileError, std::invalid_argument, StepFailure or Interrupted.
   std::function<TestProblem()> load;
   /// Problems of one series differ in size alone ("square:tilt=10", sizes 10 and 32); empty: none.
   std::string series = {};
@@ -27,7 +27,7 @@ struct TargetOptions {
   int scene_steps = std::numeric_limits<int>::max();             ///< a run is cut there
   std::optional<int> step;                                       ///< the only one, of one run
   bool quick = false;                                            ///< the small benchmark
-  std::function<bool()> cancelled = &InterruptGuard::requested;  ///< ends a scene's run
+  std::function<bool()> cancelled = &InterruptGuard::requested;  ///< ends the runs behind problems
   std::function<void(const std::string&)> warn;  ///< told what scenes leave out; may be empty
 };
 

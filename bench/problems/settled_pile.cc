@@ -15,7 +15,7 @@ SettledPile settle_pile(const SettledPile::Options& options) {
   pile.scene = make_family_scene("random", side, {.mu = options.mu, .seed = options.seed});
   pile.scene.bodies.resize(options.count);
   pile.state = initial_state(pile.scene);
-  SolverOptions solver{.tol = options.tol, .max_iterations = 1000};
+  SolverOptions solver{.tol = options.tol, .max_iterations = 1000, .cancelled = options.cancelled};
   double initial = 0;
   SceneRunOptions<2> to_rest;
   to_rest.steps = 3000;
@@ -26,7 +26,9 @@ SettledPile settle_pile(const SettledPile::Options& options) {
     pile.at_rest = pile.steps > 10 && energy.kinetic < options.rest * initial;
     return !pile.at_rest;
   };
+  to_rest.cancelled = options.cancelled;
   const SceneRun<2> run = run_scene(pile.scene, pile.state, to_rest);
+  if (options.cancelled()) throw Interrupted();
   if (run.failure) throw *run.failure;
   pile.scene.bodies = pile.state.bodies;
   return pile;

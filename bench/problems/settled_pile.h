@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
+#include "core/base/interrupt.h"
 #include "core/motion/time_stepping.h"
 
 namespace bipot {
@@ -17,12 +19,14 @@ struct SettledPile {
     std::uint64_t seed = 1;
     double rest = 1e-9;
     double tol = 1e-3;
+    std::function<bool()> cancelled = &InterruptGuard::requested;
   };
   Scene<2> scene;  ///< disks at their settled places, velocities kept
   State<2> state;
   int steps = 0;
   bool at_rest = false;
 };
+/// Throws StepFailure, and Interrupted once `cancelled` is true.
 SettledPile settle_pile(const SettledPile::Options& options);
 
 }  // namespace bipot

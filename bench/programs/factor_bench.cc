@@ -118,7 +118,11 @@ Method by(std::string name, const SparseMatrix& K, bool fronts, Arguments... arg
   Method method{.name = std::move(name),
                 .factor = [&K, factor] { return factor->factor(K); },
                 .entries = [factor] { return factor->num_entries(); }};
-  if (fronts) method.analyse = [&K] { return FrontalTree::analyse(K) != nullptr; };
+  if (fronts)
+    method.analyse = [&K] {
+      FrontalTree::analyse(K);
+      return true;
+    };
   method.solve = [factor](const Vector& b, Vector& x) {
     if constexpr (requires { factor->solve(b, x); }) {
       factor->solve(b, x);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "core/linear/dense_turn.h"
 #include "core/linear/front_stack.h"
@@ -17,6 +17,9 @@ void strsm_(const char* side, const char* uplo, const char* transa, const char* 
             const int* ldb);
 void ssyrk_(const char* uplo, const char* trans, const int* n, const int* k, const float* alpha,
             const float* a, const int* lda, const float* beta, float* c, const int* ldc);
+void sgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
+            const float* alpha, const float* a, const int* lda, const float* b, const int* ldb,
+            const float* beta, float* c, const int* ldc);
 }
 
 namespace bipot {
@@ -24,6 +27,7 @@ namespace {
 
 // Of the diagonal of A: a pivot of four units in its last place has no digit.
 constexpr float kSmallestPivot = 4 * std::numeric_limits<float>::epsilon();
+constexpr int kColumnsAtOnce = 512;  // columns that are eliminated at once
 
 /// Column j of a child's contribution: a lower triangle, packed by columns. Entry (i, j) is
 /// packed_column(child, j)[i], i >= j.
@@ -76,52 +80,80 @@ void add_to_rest(const FrontStack<float>::Child& child, int columns, int h, floa
   }
 }
 
+/// The lower part of C = beta C - A Aᵀ, `columns` of `rows`. A: k columns of `lda` numbers.
+void subtract_square(int rows, int columns, int k, const float* A, int lda, float beta, float* C,
+                     int ldc, FactorStop& stop) {
+  const float minus = -1;
+  const int most = FactorStop::columns_at_once(2.0 * rows * k, columns);
+  for (int j = 0; j < columns; j += most) {
+    const int n = std::min(most, columns - j), m = rows - j - n;
+    float* const diagonal = C + static_cast<std::ptrdiff_t>(j) * (ldc + 1);
+    {
+      const DenseTurn turn;
+      ssyrk_("L", "N", &n, &k, &minus, A + j, &lda, &beta, diagonal, &ldc);
+      if (m > 0) {
+        sgemm_("N", "T", &m, &n, &k, &minus, A + j + n, &lda, A + j, &lda, &beta, diagonal + n,
+               &ldc);
+      }
+    }
+    stop.count(2.0 * m * n * k + 1.0 * n * n * k);
+  }
+}
+
 /// [T; R] of the pivots' columns, T lower triangular. `diagonal`: theirs in A. False: not positive
 /// definite.
-bool eliminate_columns(int columns, int rows, const float* diagonal, float* panel) {
-  int info = 0;
-  const DenseTurn turn;
-  spotrf_("L", &columns, panel, &rows, &info);
-  if (info != 0) return false;
-  for (int j = 0; j < columns; ++j) {
-    const float root = panel[static_cast<std::ptrdiff_t>(j) * (rows + 1)];
-    if (!(root * root > kSmallestPivot * diagonal[j] && std::isfinite(root))) return false;
+bool eliminate_columns(int columns, int rows, const float* diagonal, float* panel,
+                       FactorStop& stop) {
+  for (int begin = 0; begin < columns; begin += kColumnsAtOnce) {
+    const int n = std::min(kColumnsAtOnce, columns - begin), below = rows - begin - n;
+    float* const block = panel + static_cast<std::ptrdiff_t>(begin) * (rows + 1);
+    {
+      int info = 0;
+      const DenseTurn turn;
+      spotrf_("L", &n, block, &rows, &info);
+      if (info != 0) return false;
+      for (int j = 0; j < n; ++j) {
+        const float root = block[static_cast<std::ptrdiff_t>(j) * (rows + 1)];
+        if (!(root * root > kSmallestPivot * diagonal[begin + j] && std::isfinite(root))) {
+          return false;
+        }
+      }
+      const float one = 1;
+      if (below > 0) strsm_("R", "L", "T", "N", &below, &n, &one, block, &rows, block + n, &rows);
+    }
+    stop.count(1.0 * below * n * n);
+    const int rest = columns - begin - n;
+    if (rest == 0) break;
+    subtract_square(below, rest, n, block + n, rows, 1,
+                    block + static_cast<std::ptrdiff_t>(n) * (rows + 1), rows, stop);
   }
-  const int h = rows - columns;
-  const float one = 1;
-  if (h > 0) strsm_("R", "L", "T", "N", &h, &columns, &one, panel, &rows, panel + columns, &rows);
   return true;
 }
 
 }  // namespace
 
-bool FrontalCholesky::analyse(const SymmetricPattern& A) {
-  if (tree_ && tree_->is_of(A)) return true;
+void FrontalCholesky::analyse(const SymmetricPattern& A) {
+  if (tree_ && tree_->is_of(A)) return;
   factored_ = false;
-  tree_ = FrontalTree::of(A);
-  if (!tree_) return false;
+  tree_ = nullptr;
+  auto tree = FrontalTree::of(A);
   std::size_t largest = 0;
   entries_ = 0;
-  for (int s = 0; s < tree_->num_fronts(); ++s) {
-    largest = std::max(largest, to_size(tree_->columns(s)) * to_size(tree_->rows(s)));
-    entries_ += SupernodalSolve::num_entries(tree_->columns(s), tree_->rows(s));
+  for (int s = 0; s < tree->num_fronts(); ++s) {
+    largest = std::max(largest, to_size(tree->columns(s)) * to_size(tree->rows(s)));
+    entries_ += SupernodalSolve::num_entries(tree->columns(s), tree->rows(s));
   }
-  try {
-    panel_.resize(largest);
-    stack_.resize(packed_stack(*tree_));
-    permuted_.resize(to_size(tree_->size()));
-    place_.resize(to_size(tree_->size()));
-    position_.resize(to_size(tree_->size()));
-  } catch (const std::bad_alloc&) {
-    tree_ = nullptr;
-    return false;
-  }
-  for (int k = 0; k < tree_->size(); ++k) place_[to_size(tree_->order[to_size(k)])] = k;
-  return true;
+  panel_.resize(largest);
+  stack_.resize(packed_stack(*tree));
+  permuted_.resize(to_size(tree->size()));
+  place_.resize(to_size(tree->size()));
+  position_.resize(to_size(tree->size()));
+  for (int k = 0; k < tree->size(); ++k) place_[to_size(tree->order[to_size(k)])] = k;
+  tree_ = std::move(tree);
 }
 
 bool FrontalCholesky::factor(const SparseMatrix& A) {
-  if (!analyse(A)) return false;
+  analyse(A);
   const auto add = [&](int column, const Column& to) {
     for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
       const int row = static_cast<int>(it.row());
@@ -137,12 +169,7 @@ bool FrontalCholesky::factor(const AddColumn& add, const Vector& diagonal) {
   scale_ = diagonal.unaryExpr([](double d) {
     return d > 0 && std::isfinite(d) ? std::ldexp(1.0, -(std::ilogb(d) >> 1)) : 1;
   });
-  try {
-    factored_ = eliminate(add);
-  } catch (const std::bad_alloc&) {
-    return false;
-  }
-  return factored_;
+  return factored_ = eliminate(add);
 }
 
 /// Sets a panel to the entries that the front takes, of the lower triangle; sums are in double.
@@ -174,16 +201,12 @@ bool FrontalCholesky::eliminate(const AddColumn& add) {
     assemble(s, add, panel);
     const std::vector<FrontStack<float>::Child>& children = contributions.enter(s);
     for (const FrontStack<float>::Child& child : children) add_to_pivots(child, rows, panel);
-    if (!eliminate_columns(columns, rows, diagonal_.data(), panel)) return false;
+    if (!eliminate_columns(columns, rows, diagonal_.data(), panel, stop_)) return false;
     supernodes_.add(
         {t.first[to_size(s)], columns, rows, t.below.data() + t.below_start[to_size(s)], panel});
     if (h > 0) {
       float* const own = contributions.own();
-      const float minus = -1, none = 0;
-      {
-        const DenseTurn turn;
-        ssyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
-      }
+      subtract_square(h, h, columns, panel + columns, rows, 0, own, h, stop_);
       for (const FrontStack<float>::Child& child : children) add_to_rest(child, columns, h, own);
       pack(own, h, contributions.bottom());
     }

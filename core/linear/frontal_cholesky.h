@@ -2,9 +2,11 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/base/types.h"
+#include "core/linear/factor_stop.h"
 #include "core/linear/frontal_tree.h"
 #include "core/linear/supernodal_solve.h"
 
@@ -31,12 +33,14 @@ class FrontalCholesky {
       value[position[place[row]]] += number * scale[row] * own_scale;
     }
   };
+  /// factor() asks it now and then.
+  void stop_by(FactorStop stop) { stop_ = std::move(stop); }
   /// The symbolic analysis alone, for callers who check their clock before the first factor().
-  /// False: memory ran out.
-  [[nodiscard]] bool analyse(const SymmetricPattern& A);
+  /// Throws std::bad_alloc.
+  void analyse(const SymmetricPattern& A);
   /// A: symmetric, both triangles stored, compressed, rows ascending, with the diagonal in its
-  /// pattern. False if A is not positive definite in single precision or not finite, or memory ran
-  /// out.
+  /// pattern. False if A is not positive definite in single precision or not finite. Throws
+  /// std::bad_alloc, FactorStopped.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// The same for a matrix that is not stored, with the pattern of the analysis. `add(j, to)` adds
   /// the entries (i, j) with to.takes(i) by to.add(i, entry); each column once. `diagonal`: positive
@@ -61,6 +65,7 @@ class FrontalCholesky {
   std::vector<double> column_;   // scratch of a column of the front
   std::vector<float> diagonal_;  // of A in its pivots
   std::vector<float> stack_;     // contributions
+  FactorStop stop_;
   bool factored_ = false;
   std::size_t entries_ = 0;
   mutable SupernodalSolve supernodes_;

@@ -3,8 +3,8 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
-#include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "core/base/large_pages.h"
 #include "core/linear/block_pattern.h"
@@ -33,10 +33,19 @@ constexpr int kBlock = 16;  // columns that are eliminated by vectors before a m
 
 /// C = beta C - A op(B), m x n, inner size k.
 void subtract_product(bool transposed, int m, int n, int k, const double* A, int lda,
-                      const double* B, int ldb, double beta, double* C, int ldc) {
-  const double alpha = -1;
-  const DenseTurn turn;
-  dgemm_("N", transposed ? "T" : "N", &m, &n, &k, &alpha, A, &lda, B, &ldb, &beta, C, &ldc);
+                      const double* B, int ldb, double beta, double* C, int ldc, FactorStop& stop) {
+  const double alpha = -1, column = 2.0 * m * k;
+  const int most = FactorStop::columns_at_once(column, n);
+  for (int j = 0; j < n; j += most) {
+    const int columns = std::min(most, n - j);
+    const double* const right = B + j * static_cast<std::ptrdiff_t>(transposed ? 1 : ldb);
+    {
+      const DenseTurn turn;
+      dgemm_("N", transposed ? "T" : "N", &m, &columns, &k, &alpha, A, &lda, right, &ldb, &beta,
+             C + j * static_cast<std::ptrdiff_t>(ldc), &ldc);
+    }
+    stop.count(column * columns);
+  }
 }
 /// A front in the factor. First the panel of `rows` x `columns`, by columns, with the inverses of
 /// the pivots on its diagonal. Below it the transpose of the part right of the pivots, `rows -
@@ -90,7 +99,7 @@ double eliminate_columns(const Front& f, int begin, int end, int* exchange) {
 
 /// Eliminates the columns of a front. Returns the largest multiplier in the rows below the pivots';
 /// a negative number: no pivot.
-double eliminate(const Front& f, int* exchange) {
+double eliminate(const Front& f, int* exchange, FactorStop& stop) {
   double factors[kBlock], largest = 0;
   for (int begin = 0; begin < f.columns; begin += kBlock) {
     const int end = std::min(begin + kBlock, f.columns);
@@ -110,10 +119,10 @@ double eliminate(const Front& f, int* exchange) {
       solve_unit_lower(end - begin, f.column(begin) + begin, f.rows, other + begin);
     }
     subtract_product(false, f.rows - end, rest, end - begin, f.column(begin) + end, f.rows,
-                     f.column(end) + begin, f.rows, 1, f.column(end) + end, f.rows);
+                     f.column(end) + begin, f.rows, 1, f.column(end) + end, f.rows, stop);
     if (f.height() > 0) {
       subtract_product(true, f.height(), rest, end - begin, f.right_of(begin), f.height(),
-                       f.column(begin) + end, f.rows, 1, f.right_of(end), f.height());
+                       f.column(begin) + end, f.rows, 1, f.right_of(end), f.height(), stop);
     }
   }
   return largest;
@@ -221,6 +230,7 @@ struct FrontalLU::Impl {
   std::vector<int> position;  // of the same in a front, -1: eliminated
   StoredPositions positions;  // of a stored A
   std::vector<int> exchange;
+  FactorStop stop;
   int sign = 0;  // 0: no factor
   double largest = 0;
   std::vector<double> x, below;
@@ -248,7 +258,7 @@ struct FrontalLU::Impl {
     fetch(f.upper, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height());
   }
 
-  bool analyse(const SymmetricPattern& pattern);
+  void analyse(const SymmetricPattern& pattern);
   bool scale_by_diagonal(const FrontalLU::MatrixByLines& A);
   bool scale_by_largest(const FrontalLU::MatrixByLines& A);
   bool look_at_entries(const FrontalLU::MatrixByLines& A, double most, double* sizes);
@@ -260,27 +270,22 @@ struct FrontalLU::Impl {
   void substitute_backward(double* all, double* beside);
 };
 
-bool FrontalLU::Impl::analyse(const SymmetricPattern& pattern) {
+void FrontalLU::Impl::analyse(const SymmetricPattern& pattern) {
   sign = 0;
-  if (tree && tree->is_of(pattern)) return true;
+  if (tree && tree->is_of(pattern)) return;
   positions = {};
-  tree = FrontalTree::of(pattern);
-  if (!tree) return false;
-  const std::size_t n = to_size(tree->size());
+  tree = nullptr;
+  auto made = FrontalTree::of(pattern);
+  const std::size_t n = to_size(made->size());
   factor.clear();
-  try {
-    scale.resize(n);
-    place.resize(n);
-    position.resize(n);
-    exchange.resize(n);
-    x.resize(n);
-    below.resize(n);
-  } catch (const std::bad_alloc&) {
-    tree = nullptr;
-    return false;
-  }
-  for (std::size_t k = 0; k < n; ++k) place[to_size(tree->order[k])] = static_cast<int>(k);
-  return true;
+  scale.resize(n);
+  place.resize(n);
+  position.resize(n);
+  exchange.resize(n);
+  x.resize(n);
+  below.resize(n);
+  for (std::size_t k = 0; k < n; ++k) place[to_size(made->order[k])] = static_cast<int>(k);
+  tree = std::move(made);
 }
 
 /// True if all scaled entries are numbers up to `most`. `sizes`, if given, is raised to the largest
@@ -363,7 +368,7 @@ bool FrontalLU::Impl::run(const FrontalLU::MatrixByLines& A, double most) {
     const std::vector<FrontStack<double>::Child>& children = contributions.enter(s);
     for (const FrontStack<double>::Child& child : children) add_to_pivots(child, f);
     int* own_exchange = exchange.data() + t.first[to_size(s)];
-    const double multiplier = eliminate(f, own_exchange);
+    const double multiplier = eliminate(f, own_exchange, stop);
     if (!(multiplier >= 0)) return false;
     largest = std::max(largest, multiplier);
     for (int j = 0; j < f.columns; ++j) {
@@ -373,7 +378,8 @@ bool FrontalLU::Impl::run(const FrontalLU::MatrixByLines& A, double most) {
     const std::size_t size = to_size(h) * to_size(h);
     if (h > 0) {
       double* own = contributions.own();
-      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0, own, h);
+      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0, own, h,
+                       stop);
       for (const FrontStack<double>::Child& child : children) add_to_contribution(child, f, own);
       if (!children.empty()) std::memmove(contributions.bottom(), own, sizeof(double) * size);
     }
@@ -389,18 +395,16 @@ FrontalLU::~FrontalLU() = default;
 FrontalLU::FrontalLU(FrontalLU&&) noexcept = default;
 FrontalLU& FrontalLU::operator=(FrontalLU&&) noexcept = default;
 
-bool FrontalLU::analyse(const SymmetricPattern& pattern) { return impl_->analyse(pattern); }
+void FrontalLU::stop_by(FactorStop stop) { impl_->stop = std::move(stop); }
+
+void FrontalLU::analyse(const SymmetricPattern& pattern) { impl_->analyse(pattern); }
 
 bool FrontalLU::factor(const MatrixByLines& A) {
   Impl& f = *impl_;
   if (!f.tree) throw std::logic_error("FrontalLU::factor without an analysis");
   f.sign = 0;
-  try {
-    f.factor.resize(f.tree->factor_size);
-    f.stack.resize(f.tree->stack_size);
-  } catch (const std::bad_alloc&) {
-    return false;
-  }
+  f.factor.resize(f.tree->factor_size);
+  f.stack.resize(f.tree->stack_size);
   const bool by_diagonal = f.scale_by_diagonal(A);
   if (by_diagonal && f.run(A, kDiagonalScales)) return true;
   // A pivot alone is no reason for other scales.
@@ -410,7 +414,7 @@ bool FrontalLU::factor(const MatrixByLines& A) {
 
 bool FrontalLU::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
-  if (!f.analyse(A)) return false;
+  f.analyse(A);
   if (f.positions.diagonal.empty()) f.positions = StoredPositions(A);
   return factor(StoredMatrix(A, f.positions));
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/types.h"
+#include "core/linear/factor_stop.h"
 #include "core/linear/frontal_tree.h"
 
 namespace bipot {
@@ -84,9 +85,12 @@ class FrontalLU {
   FrontalLU(FrontalLU&&) noexcept;
   FrontalLU& operator=(FrontalLU&&) noexcept;
 
-  /// The symbolic analysis alone, of a symmetric pattern with the diagonal. False: memory ran out.
-  [[nodiscard]] bool analyse(const SymmetricPattern& pattern);
-  /// A: with the pattern of the analysis. False: a pivot is zero or not finite, or memory ran out.
+  /// factor() asks it now and then.
+  void stop_by(FactorStop stop);
+  /// The symbolic analysis alone, of a symmetric pattern with the diagonal. Throws std::bad_alloc.
+  void analyse(const SymmetricPattern& pattern);
+  /// A: with the pattern of the analysis. False: a pivot is zero or not finite. Throws
+  /// std::bad_alloc, FactorStopped.
   [[nodiscard]] bool factor(const MatrixByLines& A);
   /// Both for a compressed matrix, rows ascending.
   [[nodiscard]] bool factor(const SparseMatrix& A);

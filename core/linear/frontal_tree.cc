@@ -87,7 +87,7 @@ std::vector<int> equal_columns(const SymmetricPattern& A) {
   return groups;
 }
 
-/// A fill-reducing order of the groups, column by column, new to old. Empty: memory ran out.
+/// A fill-reducing order of the groups, column by column, new to old.
 std::vector<SuiteSparse_long> fill_reducing_columns(const SymmetricPattern& A,
                                                     const std::vector<int>& groups) {
   const int nodes = static_cast<int>(groups.size()) - 1;
@@ -112,7 +112,7 @@ std::vector<SuiteSparse_long> fill_reducing_columns(const SymmetricPattern& A,
   cholmod_sparse view = graph.view();
   cholmod_factor* analysis = cholmod_l_analyze(&view, &session.common);
   std::vector<SuiteSparse_long> order;
-  if (analysis == nullptr) return order;
+  if (analysis == nullptr) throw std::bad_alloc();
   order.reserve(to_size(A.size));
   for (int k = 0; k < nodes; ++k) {
     const auto g = to_size(static_cast<const SuiteSparse_long*>(analysis->Perm)[k]);
@@ -168,7 +168,7 @@ std::shared_ptr<const FrontalTree> FrontalTree::of(const SymmetricPattern& A) {
   }
   auto made = analyse(A);
   const std::lock_guard<std::mutex> lock(kept.mutex);
-  if (made && !find()) {
+  if (!find()) {
     kept.make_room(made->num_bytes());
     std::rotate(kept.tree.begin(), kept.tree.end() - 1, kept.tree.end());
     kept.tree.front() = made;
@@ -199,7 +199,6 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SymmetricPattern& 
   }
   pattern.group.shrink_to_fit();
   std::vector<SuiteSparse_long> order = fill_reducing_columns(A, pattern.first);
-  if (order.empty() && A.size > 0) return nullptr;
   UpperPattern upper;
   upper.row.reserve(to_size(A.entries() + A.size) / 2);
   for (int j = 0; j < A.size; ++j) {
@@ -212,7 +211,7 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SymmetricPattern& 
   session.common.method[0].ordering = CHOLMOD_GIVEN;
   cholmod_sparse view = upper.view();
   cholmod_factor* L = cholmod_l_analyze_p(&view, order.data(), nullptr, 0, &session.common);
-  if (L == nullptr) return nullptr;
+  if (L == nullptr) throw std::bad_alloc();
   const auto* perm = static_cast<const SuiteSparse_long*>(L->Perm);
   const auto* counts = static_cast<const SuiteSparse_long*>(L->ColCount);
   tree->order.assign(perm, perm + A.size);

@@ -31,7 +31,7 @@ class FrontalTree {
  public:
   /// The tree of a pattern. The last trees are cached, for instance for a later step with the same
   /// contacts: always the latest, others within 2 MB in all. The result depends on the pattern
-  /// alone. Thread-safe. Null if memory ran out.
+  /// alone. Thread-safe. Throws std::bad_alloc.
   static std::shared_ptr<const FrontalTree> of(const SymmetricPattern& A);
   /// A new tree that is not cached.
   static std::shared_ptr<const FrontalTree> analyse(const SymmetricPattern& A);

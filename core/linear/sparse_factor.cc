@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <stdexcept>
 
 #include "core/base/parallel.h"
@@ -75,6 +76,7 @@ bool SparseCholesky::factor(const SparseMatrix& A) {
   const DenseTurn turn;
   f.positive_definite = f.factor != nullptr && cholmod_l_factorize(&view, f.factor, &f.common) &&
                         f.common.status == CHOLMOD_OK && f.factor->minor == f.factor->n;
+  if (f.common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
   return f.positive_definite;
 }
 

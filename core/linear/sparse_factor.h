@@ -19,7 +19,8 @@ class SparseCholesky {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// Factors the symmetric A (both triangles stored). False if A is not positive definite.
+  /// Factors the symmetric A (both triangles stored). False if A is not positive definite. Throws
+  /// std::bad_alloc.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b. Requires a successful factor().
   Vector solve(const Eigen::Ref<const Vector>& b) const;
@@ -46,7 +47,7 @@ class SparseLU {
   SparseLU(SparseLU&&) noexcept;
   SparseLU& operator=(SparseLU&&) noexcept;
 
-  /// False if A is singular to working precision or memory ran out.
+  /// False if A is singular to working precision. Throws std::bad_alloc.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b, with `refinements` steps of iterative refinement. Requires a successful factor().
   Vector solve(const Eigen::Ref<const Vector>& b, int refinements = 0) const;

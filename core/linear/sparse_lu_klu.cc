@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <new>
 #include <stdexcept>
 
 #include "core/base/types.h"
@@ -58,11 +59,16 @@ bool SparseLU::factor(const SparseMatrix& A) {
   for (const double value : m.value) {
     if (!std::isfinite(value)) return false;
   }
+  const auto require_memory = [&] {
+    if (f.common.status == KLU_OUT_OF_MEMORY) throw std::bad_alloc();
+  };
+  require_memory();
   if (f.symbolic == nullptr) return false;
   f.numeric = klu_l_factor(m.start.data(), m.row.data(), m.value.data(), f.symbolic, &f.common);
   if (f.numeric != nullptr && f.common.status != KLU_OK) {
     klu_l_free_numeric(&f.numeric, &f.common);  // singular: a factor that must not be used
   }
+  require_memory();
   return f.numeric != nullptr;
 }
 

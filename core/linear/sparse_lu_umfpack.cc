@@ -1,6 +1,7 @@
 #include <umfpack.h>
 
 #include <memory>
+#include <new>
 #include <stdexcept>
 
 #include "core/linear/dense_turn.h"
@@ -46,18 +47,18 @@ bool SparseLU::factor(const SparseMatrix& A) {
     umfpack_dl_free_symbolic(&f.symbolic);
     // METIS is better from a few thousand unknowns on; AMD is quicker below.
     f.control[UMFPACK_ORDERING] = m.size > 4000 ? UMFPACK_ORDERING_METIS : UMFPACK_ORDERING_AMD;
-    if (umfpack_dl_symbolic(m.size, m.size, m.start.data(), m.row.data(), m.value.data(),
-                            &f.symbolic, f.control, f.info) != UMFPACK_OK) {
-      return false;
-    }
+    const auto said = umfpack_dl_symbolic(m.size, m.size, m.start.data(), m.row.data(),
+                                          m.value.data(), &f.symbolic, f.control, f.info);
+    if (said == UMFPACK_ERROR_out_of_memory) throw std::bad_alloc();
+    if (said != UMFPACK_OK) return false;
   }
   const DenseTurn turn;
-  if (umfpack_dl_numeric(m.start.data(), m.row.data(), m.value.data(), f.symbolic, &f.numeric,
-                         f.control, f.info) != UMFPACK_OK) {
-    umfpack_dl_free_numeric(&f.numeric);  // a singular matrix leaves a factor that must not be used
-    return false;
-  }
-  return true;
+  const auto said = umfpack_dl_numeric(m.start.data(), m.row.data(), m.value.data(), f.symbolic,
+                                       &f.numeric, f.control, f.info);
+  if (said == UMFPACK_OK) return true;
+  umfpack_dl_free_numeric(&f.numeric);  // a singular matrix leaves a factor that must not be used
+  if (said == UMFPACK_ERROR_out_of_memory) throw std::bad_alloc();
+  return false;
 }
 
 Vector SparseLU::solve(const Eigen::Ref<const Vector>& b, int refinements) const {

@@ -11,7 +11,9 @@ constexpr double kLargestFrontMultiplier = 1e8;
 
 bool LocalFactor::factor(const SparseMatrix& A) {
   by_fronts_ = fronts_.factor(A) && fronts_.largest_multiplier() <= kLargestFrontMultiplier;
-  return by_fronts_ || lu_.factor(A);
+  if (by_fronts_) return true;
+  stop_.ask();
+  return lu_.factor(A);
 }
 
 void LocalFactor::solve(const Vector& b, Vector& x) {

@@ -14,7 +14,7 @@ class SystemFactor {
   SystemFactor& operator=(const SystemFactor&) = delete;
 
   /// A: compressed, rows ascending; for LocalFactor of symmetric pattern with the diagonal. False:
-  /// singular to working precision, not finite, or memory ran out.
+  /// singular to working precision or not finite. Throws std::bad_alloc, FactorStopped.
   [[nodiscard]] virtual bool factor(const SparseMatrix& A) = 0;
   /// x = A⁻¹ b without refinement. Requires a successful factor().
   virtual void solve(const Vector& b, Vector& x) = 0;
@@ -28,8 +28,11 @@ class SystemFactor {
 /// Multifrontal (frontal_lu.h), by SparseLU if its pivots are too small.
 class LocalFactor final : public SystemFactor {
  public:
-  /// `strategy`: of SparseLU.
-  explicit LocalFactor(SparseLU::Strategy strategy) : lu_(strategy) {}
+  /// `strategy`: of SparseLU. `stop`: ends factorisations, SparseLU's only before they begin.
+  explicit LocalFactor(SparseLU::Strategy strategy, const FactorStop& stop = {})
+      : lu_(strategy), stop_(stop) {
+    fronts_.stop_by(stop);
+  }
 
   [[nodiscard]] bool factor(const SparseMatrix& A) override;
   void solve(const Vector& b, Vector& x) override;
@@ -40,6 +43,7 @@ class LocalFactor final : public SystemFactor {
  private:
   FrontalLU fronts_;
   SparseLU lu_;
+  FactorStop stop_;
   bool by_fronts_ = false;
 };
 

@@ -11,22 +11,26 @@ namespace {
 constexpr double kLargestMultiplier = 1e8;
 // Fewer candidates are solved for one by one.
 constexpr std::size_t kFewCandidates = 3;
+
 }  // namespace
 
-CellBasis::CellBasis(const LawProblem& problem) : problem_(problem), matrix_(problem) {
+CellBasis::CellBasis(const LawProblem& problem, const FactorStop& stop)
+    : problem_(problem), matrix_(problem), stop_(stop) {
+  fronts_.stop_by(stop);
   rhs_.setZero(problem.num_rows());
 }
 
 bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
   matrix_.set(point.column, proximal);
   exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
-  if (!analysed_) analysed_ = fronts_.analyse(symmetric_block_pattern(problem_.W, problem_.dim));
-  by_fronts_ =
-      analysed_ && fronts_.factor(matrix_) && fronts_.largest_multiplier() <= kLargestMultiplier;
+  if (!analysed_) fronts_.analyse(symmetric_block_pattern(problem_.W, problem_.dim));
+  analysed_ = true;
+  by_fronts_ = fronts_.factor(matrix_) && fronts_.largest_multiplier() <= kLargestMultiplier;
   return by_fronts_ || factor_with_exchanges();
 }
 
 bool CellBasis::factor_with_exchanges() {
+  stop_.ask();
   const int m = problem_.num_rows();
   SparseMatrix B(m, m);
   for (int slot = 0; slot < m; ++slot) {

@@ -18,10 +18,11 @@ namespace bipot {
 /// Between factorisations columns are exchanged as in exchanged_columns.h.
 class CellBasis {
  public:
-  explicit CellBasis(const LawProblem& problem);
+  /// `stop`: ends factorisations.
+  explicit CellBasis(const LawProblem& problem, const FactorStop& stop = {});
 
   /// Factors B of the point, whose columns must be sorted; `proximal`: the diagonal of D, m, which
-  /// is referred to. False: singular.
+  /// is referred to. False: singular. Throws std::bad_alloc, FactorStopped.
   [[nodiscard]] bool factor(const LawPoint& point, const Vector& proximal);
   /// True if B should be factored again before another exchange.
   bool full() const { return exchanged_.full(); }
@@ -76,6 +77,7 @@ class CellBasis {
   CellMatrix matrix_;  // of the columns that were factored
   FrontalLU fronts_;
   SparseLU rows_exchanged_{SparseLU::Strategy::kSymmetric};
+  FactorStop stop_;
   bool by_fronts_ = false;  // which of them holds the factor
   bool analysed_ = false;
   ExchangedColumns exchanged_;

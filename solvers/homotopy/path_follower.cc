@@ -40,7 +40,7 @@ constexpr int kGroup = 64;
 }  // namespace
 
 PathFollower::PathFollower(const LawProblem& problem, std::function<bool()> stop)
-    : problem_(problem), stop_(std::move(stop)), basis_(problem) {}
+    : problem_(problem), stop_(std::move(stop)), basis_(problem, FactorStop(stop_)) {}
 
 PathFollower::End PathFollower::follow(LawPoint& point, const Vector& anchor,
                                        const Vector& proximal, int longest) {
@@ -50,10 +50,15 @@ PathFollower::End PathFollower::follow(LawPoint& point, const Vector& anchor,
   target_ = problem_.b - proximal.cwiseProduct(anchor);
   factored_ = false;
   t_ = turning_t_ = 0;
-  End end = approach(point);
-  if (end == kLong) {
-    residual(point, r_);
-    end = r_.isZero(0) ? kSolved : pursue(point, longest);
+  End end = kStopped;
+  try {
+    end = approach(point);
+    if (end == kLong) {
+      residual(point, r_);
+      end = r_.isZero(0) ? kSolved : pursue(point, longest);
+    }
+  } catch (const FactorStopped&) {
+    end = kStopped;
   }
   if (end != kSolved) ++counts_.failed;
   return end;

@@ -1,6 +1,7 @@
 #include "solvers/interior/interior_state.h"
 
 #include <Eigen/LU>
+#include <utility>
 
 #include "solvers/kernels/contact_scaling.h"
 
@@ -13,10 +14,11 @@ constexpr double kRefined = 1e-7;  // correction of a direction after which no o
 
 template <ContactRows D>
 InteriorSystem<D>::InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
-                                  ShiftedDelassus::Form form, SystemFactor* elsewhere)
+                                  ShiftedDelassus::Form form, SystemFactor* elsewhere,
+                                  FactorStop stop)
     : problem_(problem),
       delassus_(delassus),
-      shifted_(problem, form, elsewhere),
+      shifted_(problem, form, elsewhere, std::move(stop)),
       parts_(to_size(problem.num_contacts())),
       mobility_(mean_diagonal(problem, delassus.diagonal())) {
   for (int c = 0; c < num_contacts(); ++c) {

@@ -39,9 +39,10 @@ class InteriorSystem {
   using Pairs = typename Jordan::Pairs;
   static constexpr int P = Jordan::P;
 
-  /// `elsewhere`: factors the linear systems; null: LocalFactor does.
+  /// `elsewhere`: factors the linear systems; null: LocalFactor does. `stop`: of ShiftedDelassus.
   InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
-                 ShiftedDelassus::Form form, SystemFactor* elsewhere = nullptr);
+                 ShiftedDelassus::Form form, SystemFactor* elsewhere = nullptr,
+                 FactorStop stop = {});
 
   /// X, Y with all eigenvalue products equal to `energy[c]`, s_t = 0, s_n = impulse[c].
   State central_state(const Vector& impulse, const Vector& energy) const;

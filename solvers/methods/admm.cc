@@ -40,7 +40,8 @@ constexpr double kOverRelaxation = 1.6;
 template <ContactRows D>
 class Resolvent {
  public:
-  Resolvent(const ContactProblem& p, const Vector& scale) : rows_(p.num_rows()) {
+  Resolvent(const ContactProblem& p, const Vector& scale, FactorStop stop) : rows_(p.num_rows()) {
+    factor_.stop_by(std::move(stop));
     if (p.has_velocities()) {
       body_.emplace(p, scale);
       velocity_ = Vector::Zero(p.num_dofs());
@@ -55,11 +56,11 @@ class Resolvent {
     skew_.prune(0.0);
   }
 
-  /// First part of factor(): callers check their clock in between. False: memory ran out.
-  bool analyse(const ContactPenalties<D>& penalties) {
+  /// First part of factor(): callers check their clock in between.
+  void analyse(const ContactPenalties<D>& penalties) {
     if (!body_) return factor_.analyse(shifted(penalties));
-    if (!analysed_) analysed_ = factor_.analyse(body_->pattern());
-    return analysed_;
+    if (!analysed_) factor_.analyse(body_->pattern());
+    analysed_ = true;
   }
   bool factor(const ContactPenalties<D>& penalties) {
     if (!body_) return factor_.factor(shifted(penalties));
@@ -129,7 +130,7 @@ class Resolvent {
 template <ContactRows D>
 bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vector& y,
                     SolveRun& run) {
-  if (!run.out_of_time() && !resolvent.analyse(penalties)) return false;
+  if (!run.out_of_time()) resolvent.analyse(penalties);
   for (int k = 0; k < kRaises && !run.out_of_time(); ++k) {
     if (resolvent.factor(penalties)) return true;
     penalties.scale(10);
@@ -168,7 +169,7 @@ class Stages {
 template <ContactRows D>
 void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, Vector s0,
              double rho, SolveRun& run) {
-  Resolvent<D> resolvent(p, scaling.velocity);
+  Resolvent<D> resolvent(p, scaling.velocity, run.factor_stop());
   std::vector<FrictionOf<D>> friction;
   for (int c = 0; c < p.num_contacts(); ++c) friction.push_back(friction_of<D>(scaling, c));
   ContactPenalties<D> penalties(std::move(friction), rho);

@@ -67,7 +67,7 @@ class Driver {
   Driver(SolveRun& run, const Parameters& parameters)
       : p_(run.problem()),
         run_(run),
-        system_(p_, run.delassus(), form(parameters), run.factor()),
+        system_(p_, run.delassus(), form(parameters), run.factor(), run.factor_stop()),
         stages_(run),
         starts_{system_},
         interior_{system_, stages_},

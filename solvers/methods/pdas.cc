@@ -40,7 +40,7 @@ class ActiveSets {
       : p_(run.problem()),
         delassus_(run.delassus()),
         weights_(weights),
-        system_(p_, ShiftedDelassus::Form::kAuto, run.factor()),
+        system_(p_, ShiftedDelassus::Form::kAuto, run.factor(), run.factor_stop()),
         sets_(to_size(p_.num_contacts()), ' '),
         R_(to_size(p_.num_contacts() * D * D)),
         residual_(p_.num_rows()) {}

@@ -12,7 +12,7 @@ namespace bipot {
 void solve_pseudo_transient(SolveRun& run) {
   const ContactProblem& p = run.problem();
   const Vector weights = mean_diagonal(p, run.delassus().diagonal());
-  ShiftedDelassus system(p, ShiftedDelassus::Form::kAuto, run.factor());
+  ShiftedDelassus system(p, ShiftedDelassus::Form::kAuto, run.factor(), run.factor_stop());
   const Vector start = run.start();
   run.end_setup();
   if (run.stop(0, start)) return;

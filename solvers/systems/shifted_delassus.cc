@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "core/linear/block_pattern.h"
 
 namespace bipot {
-ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, Form form, SystemFactor* elsewhere)
-    : problem_(problem), factor_(elsewhere) {
+
+ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, Form form, SystemFactor* elsewhere,
+                                 FactorStop stop)
+    : problem_(problem), factor_(elsewhere), stop_(std::move(stop)) {
   const bool can_body = problem.has_velocities() && is_diagonal(problem.A);
   if (form == Form::kBody && !can_body) {
     throw std::invalid_argument("the body form needs H and a diagonal A");
@@ -22,8 +25,8 @@ ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, Form form, Syste
     build_contact_pattern();
   }
   if (factor_ != nullptr) return;
-  here_ = std::make_unique<LocalFactor>(body_form_ ? SparseLU::Strategy::kSymmetric
-                                                   : SparseLU::Strategy::kAuto);
+  here_ = std::make_unique<LocalFactor>(
+      body_form_ ? SparseLU::Strategy::kSymmetric : SparseLU::Strategy::kAuto, stop_);
   factor_ = here_.get();
 }
 
@@ -75,6 +78,7 @@ void ShiftedDelassus::assemble_contact_form() {
 }
 
 bool ShiftedDelassus::factor(const std::vector<double>& R) {
+  stop_.ask();
   R_ = R;
   if (body_form_) {
     body_->assemble(R_.data());

@@ -26,11 +26,13 @@ class ShiftedDelassus {
   enum class Form { kAuto, kBody, kContact };
 
   /// Keeps references to the problem and to `elsewhere`, the factorisation to use instead of
-  /// LocalFactor; may be null. Throws std::invalid_argument for an impossible form.
+  /// LocalFactor; may be null. `stop` is asked before each factorisation, and in those of
+  /// LocalFactor. Throws std::invalid_argument for an impossible form.
   explicit ShiftedDelassus(const ContactProblem& problem, Form form = Form::kAuto,
-                           SystemFactor* elsewhere = nullptr);
+                           SystemFactor* elsewhere = nullptr, FactorStop stop = {});
 
   /// R: row-major d x d blocks, contact after contact, [kg]. False: singular to working precision.
+  /// Throws std::bad_alloc, FactorStopped.
   [[nodiscard]] bool factor(const std::vector<double>& R);
   /// x = (I + R W)⁻¹ g.
   void solve(const Vector& g, Vector& x) const;
@@ -53,6 +55,7 @@ class ShiftedDelassus {
   SparseMatrix matrix_;                // I + R W of the contact form, fixed pattern
   std::unique_ptr<LocalFactor> here_;  // null where another factors
   SystemFactor* factor_ = nullptr;
+  FactorStop stop_;
   std::vector<double> R_;
   mutable Vector wrench_, velocity_, change_;
 

@@ -242,6 +242,16 @@ TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   EXPECT_TRUE(read_problem("out/solution.hdf5").r.has_value());
 }
 
+/// The run to a step is part of the command's time, and ends as a solve does.
+TEST_F(Command, MakingAProblemKeepsTheTimeLimitAndCanBeInterrupted) {
+  for (const char* target : {"drum@1400", "pour3d:22@512", "pile:80"}) {
+    const json refused = json_of(fmt::format("solve {} --time-limit 0.1 --json -", target), 1);
+    EXPECT_EQ(refused["exit_code"], 1);
+    EXPECT_TRUE(says(refused["message"], "time limit 0.1 s reached before the problem was made"));
+  }
+  expect_interrupted("solve pile:80");
+}
+
 TEST_F(Command, CertifiesWhetherASolutionExists) {
   ASSERT_EQ(code_of("extremes --only wall_into_row --dump-problem none.hdf5"), 0);
   const Outcome none = bipot("solve none.hdf5 --certify --time-limit 1 --json -");

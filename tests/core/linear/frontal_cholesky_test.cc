@@ -1,5 +1,6 @@
 #include "core/linear/frontal_cholesky.h"
 
+#include "tests/support/full_matrix.h"
 #include "tests/support/grid_matrix.h"
 #include "tests/support/random_vector.h"
 #include "tests/support/test.h"
@@ -44,6 +45,29 @@ TEST(FrontalCholesky, SolvesWithOtherValuesAndOtherPatterns) {
     ASSERT_TRUE(factor.factor(A)) << side;
     expect_solves(factor, A);
   }
+}
+
+/// A front of more columns than are eliminated at once.
+TEST(FrontalCholesky, SolvesWithOneLargeFront) {
+  const SparseMatrix A = full_matrix(1300);
+  FrontalCholesky factor;
+  ASSERT_TRUE(factor.factor(A));
+  expect_solves(factor, A);
+}
+
+TEST(FrontalCholesky, StopsWithinAFrontAndRecovers) {
+  const SparseMatrix A = full_matrix(1500);
+  int questions = 0, answered = 2;
+  FrontalCholesky factor;
+  factor.stop_by(FactorStop([&] { return ++questions > answered; }));
+  EXPECT_THROW((void)factor.factor(A), FactorStopped);
+  EXPECT_EQ(questions, 3);
+  Vector x = random_vector(1500, 1);
+  EXPECT_THROW(factor.solve(x, x), std::logic_error);
+  answered = 1000;
+  ASSERT_TRUE(factor.factor(A));
+  EXPECT_GT(questions, 5);
+  expect_solves(factor, A);
 }
 
 /// Rows and columns in units from 1e-40 to 1e40, beyond the range of single precision.

@@ -69,7 +69,7 @@ TEST(BodyColumns, AreThoseOfTheDenseMatrix) {
       }
     }
     FrontalCholesky factor;
-    ASSERT_TRUE(factor.analyse(pattern));
+    factor.analyse(pattern);
     const auto add = [&](int j, const FrontalCholesky::Column& to) {
       columns.add(j, blocks.data(), to);
     };
