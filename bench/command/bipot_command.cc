@@ -50,6 +50,8 @@ std::string_view status_of(ExitCode code) {
       return "invalid input";
     case kExitInterrupted:
       return "interrupted";
+    case kExitNotConverged:
+      return to_string(SolveStatus::kTimeLimit);
     default:
       return "numerical failure";
   }

@@ -283,7 +283,7 @@ class Homotopy {
   bool stopped() {
     const bool by_caller = run_.cancelled();
     const std::string cause =
-        by_caller ? "interrupted" : fmt::format("time limit {} s reached", options_.time_limit);
+        by_caller ? "interrupted" : fmt::format("time limit {:.3g} s reached", options_.time_limit);
     return end(by_caller ? SolveStatus::kInterrupted : SolveStatus::kTimeLimit,
                fmt::format("{} after {}, best error {:.2e}", cause, counted(), run_.best_error()));
   }

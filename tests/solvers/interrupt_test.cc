@@ -4,6 +4,7 @@
 
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "tests/support/converged.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/machine_slowness.h"
 #include "tests/support/siconos_limits.h"
@@ -144,6 +145,22 @@ TEST_P(EveryRow, KeepsToItsTime) {
   }
   RecordProperty("seconds", std::to_string(seconds));
   EXPECT_LE(seconds, options_.time_limit + patience_);
+}
+
+/// Of a cubic lattice, whose last front is full: between two judgements the caller is asked more
+/// often than solvers ask by themselves.
+TEST(Interrupt, ComesThroughWithinAFactorisation) {
+  const ContactProblem p = cubic_lattice(15, {.mu = 0.4, .tilt = 0.1});
+  for (const char* solver : {"ipm", "pdas", "ptc", "admm"}) {
+    int questions = 0;
+    SolverOptions options{.tol = 1e-9};
+    options.on_iteration = [&](const IterationRecord&) { questions = 0; };
+    options.cancelled = [&] { return ++questions > 7; };
+    const SolveResult r = ended(SolveStatus::kInterrupted, solve(solver, p, options), solver);
+    EXPECT_TRUE(says(r.message, "interrupted")) << solver << ": " << r.message;
+    EXPECT_LE(r.iterations, 1) << solver;
+    EXPECT_TRUE(r.s.allFinite()) << solver;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, EveryRow,
