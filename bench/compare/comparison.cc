@@ -331,6 +331,20 @@ class TableFiller {
 
   /// False if it was interrupted.
   bool fill(const ProblemSource& source) {
+    try {
+      return fill_problem(source);
+    } catch (const Interrupted&) {  // in the run that makes the problem
+      return false;
+    }
+  }
+
+  Comparison& finish() {
+    store_.finish();
+    return table_;
+  }
+
+ private:
+  bool fill_problem(const ProblemSource& source) {
     ProblemRows problem(source, options_, store_, commit_);
     const std::size_t first = table_.rows.size(), first_warm = table_.warm_rows.size();
     for (const SolverEntry* entry : entries_) {
@@ -349,12 +363,6 @@ class TableFiller {
     return true;
   }
 
-  Comparison& finish() {
-    store_.finish();
-    return table_;
-  }
-
- private:
   bool fill_rows(const ProblemSource& source, ProblemRows& problem, const SolverEntry& entry,
                  bool warm) {
     std::vector<Comparison::Row>& rows = warm ? table_.warm_rows : table_.rows;

@@ -112,7 +112,13 @@ Leaderboard make_leaderboard(const std::vector<fs::path>& folders,
   }
   for (const ProblemSource& source : problems) {
     const std::string& name = source.name;
-    const ContactProblem p = source.load().problem;
+    ContactProblem p;
+    try {
+      p = source.load().problem;
+    } catch (const Interrupted&) {  // in the run that makes the problem
+      board.complete = false;
+      break;
+    }
     board.problems.push_back(name);
     const auto entry_of = [&](const std::string& who) {
       return Leaderboard::Entry{

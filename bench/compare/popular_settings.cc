@@ -277,6 +277,8 @@ SettingStudy study_settings(const std::vector<ProblemSource>& sources,
       if (problem->problem.rolls()) {
         throw std::invalid_argument("popular settings know no rolling friction");
       }
+    } catch (const Interrupted&) {  // in the run that makes the problem
+      return study;
     } catch (const std::exception& e) {
       study.defects.push_back(fmt::format("{}: {}", source.name, e.what()));
       continue;

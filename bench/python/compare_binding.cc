@@ -140,10 +140,9 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
   report_rows_to(on_row, watch, options);
   const std::vector<ProblemSource> sources =
       sources_of(targets, target_options(scene_problems, scene_steps, watch));
-  try {
+  {
     const py::gil_scoped_release release;
     made.comparison = compare(sources, options);
-  } catch (const Interrupted&) {  // in the run of a scene
   }
   watch.rethrow();
   // The options as the report shows them; none of them runs again.

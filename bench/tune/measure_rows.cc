@@ -175,10 +175,12 @@ void require_same(const std::vector<MeasuredRow>& rows, const ProblemSource& sou
   }
 }
 
-/// Without contacts where the run of its scene fails before.
+/// Without contacts where the run of its scene fails before, or is interrupted.
 TestProblem loaded(const ProblemSource& source, const MeasureOptions& options) {
   try {
     return source.load();
+  } catch (const Interrupted&) {
+    return {};
   } catch (const StepFailure& e) {
     if (options.warn) options.warn(fmt::format("{} is left out: {}", source.name, e.what()));
     return {};
