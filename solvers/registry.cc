@@ -42,6 +42,12 @@ std::vector<ParameterSpec> all_parameters(const SolverEntry& entry) {
 
 std::vector<std::string> solver_names() { return names_of(solver_table()); }
 
+std::vector<std::string> all_solver_names() {
+  std::vector<std::string> names = solver_names();
+  for (const SolverEntry& entry : special_solvers()) names.emplace_back(entry.name);
+  return names;
+}
+
 std::string unknown_solver_message(std::string_view name) {
   [[maybe_unused]] const auto lacks = [&](const char* option, const char* package) {
     return fmt::format("solver '{}' is not in this build: configure with -D{}=ON (needs {})", name,
@@ -53,9 +59,7 @@ std::string unknown_solver_message(std::string_view name) {
 #ifndef BIPOT_WITH_PETSC
   if (name == "newton") return lacks("BIPOT_WITH_PETSC", "petsc-dev");
 #endif
-  std::vector<std::string> names = solver_names();
-  for (const SolverEntry& entry : special_solvers()) names.emplace_back(entry.name);
-  return unknown_name_message("solver", name, names);
+  return unknown_name_message("solver", name, all_solver_names());
 }
 
 }  // namespace bipot

@@ -28,8 +28,9 @@ void require_solvers(std::span<const std::string> names);
 /// The solver's own parameters, then the one that all solvers take.
 std::vector<ParameterSpec> all_parameters(const SolverEntry& entry);
 
-/// Of solver_table().
+/// Of solver_table(); of all rows.
 std::vector<std::string> solver_names();
+std::vector<std::string> all_solver_names();
 
 /// The same solver on each uncoupled part of a problem, one by one (auto/islands.h).
 SolverEntry on_islands(const SolverEntry& entry);

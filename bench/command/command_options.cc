@@ -76,7 +76,7 @@ void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
   command.option("--solver NAME", flags.name,
                  "One of `bipot list solvers` (the scene's, else auto)",
-                 {.group = kSolverGroup, .suggest = solver_names()});
+                 {.group = kSolverGroup, .suggest = all_solver_names()});
   command.option("--tol NUMBER", flags.tol, "Tolerance of the stop test (the scene's, else 1e-8)",
                  {.group = kSolverGroup, .positive = true});
   command.option("--stop NAME", flags.stop, "Stop test: guarded, raw42 or impulse",

@@ -1,7 +1,10 @@
 #include "core/criterion/contact_error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <vector>
 
 #include "core/base/large_pages.h"
@@ -202,6 +205,10 @@ ErrorSums ContactErrorEvaluator::part(int contact) const {
 }
 
 ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s) {
+  if (s.size() != problem.num_rows()) {
+    throw std::invalid_argument(fmt::format(
+        "contact_error: {} rows of the impulse, {} of the problem", s.size(), problem.num_rows()));
+  }
   return ContactErrorEvaluator(problem)(s);
 }
 

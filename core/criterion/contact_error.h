@@ -153,7 +153,7 @@ class ContactErrorEvaluator {
   Vector s_, u_;
 };
 
-/// One evaluation.
+/// One evaluation. Throws std::invalid_argument if s has not m rows.
 ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
 
 /// Number of contacts that take off (s_n = 0), stick (inside the cone) and slip or roll (on its

@@ -157,7 +157,7 @@ class Race {
     const double allowed = options_.max_iterations - iterations_;
     inner_.max_iterations = static_cast<int>(std::min(forecast.budget(), allowed));
     inner_.also_judged = stage.max_iterations;
-    const auto history = history_after(options_, iterations_, run_.seconds(), iterations_ == 0);
+    const auto history = history_after(options_, iterations_, run_.seconds(), trail_.empty());
     inner_.on_iteration = [&](const IterationRecord& r) {
       forecast.record(r);
       if (history) history(r);

@@ -75,8 +75,7 @@ bool has_ended(const SolveResult& r, const std::string& solver) {
 using Row = std::tuple<std::string, bool>;
 
 std::vector<std::string> row_names() {
-  std::vector<std::string> names = solver_names();
-  for (const SolverEntry& entry : special_solvers()) names.emplace_back(entry.name);
+  std::vector<std::string> names = all_solver_names();
   for (const char* inner : {"apgd", "newton", "ipm"}) {
     if (find_solver(inner) != nullptr) names.push_back(std::string("ppa around ") + inner);
   }

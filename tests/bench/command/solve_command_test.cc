@@ -229,6 +229,11 @@ TEST_F(Command, SolvesWhatAComparisonNames) {
   expect_said("solve pyramid:4@2", 2, {"only the run of a scene or a moving family has steps"});
   expect_said("solve four_spheres@0", 2, {"no step, from 1 on, behind '@'"});
   expect_said("solve four_spheres:steps=20@21", 2, {"the run has 20 steps"});
+  // Of the first two stages of auto, one has no iterations: the start is in the history once.
+  ASSERT_EQ(code_of("solve four_spheres@10 --history stages.csv -q"), 0);
+  const std::string history = content("stages.csv");
+  EXPECT_NE(history.find("\n0,"), std::string::npos);
+  EXPECT_EQ(history.find("\n0,"), history.rfind("\n0,"));
   // Steps behind the length of quick runs.
   EXPECT_EQ(code_of("compare four_spheres@0120 --quick --solvers pgs --tols 1e-1 -q"), 0);
 }

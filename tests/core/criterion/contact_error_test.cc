@@ -113,6 +113,12 @@ TEST(ContactError, AgreesWithTheNaiveImplementation) {
   }
 }
 
+TEST(ContactError, RefusesAnImpulseOfAnotherProblem) {
+  const ContactProblem p = one_contact(Vector::Ones(2), Vector::Ones(2), 0.3);
+  EXPECT_THROW(contact_error(p, Vector::Ones(1)), std::invalid_argument);
+  EXPECT_THROW(contact_error(p, Vector::Ones(3)), std::invalid_argument);
+}
+
 TEST(ContactError, DoesNotDependOnUnits) {
   // Lengths x 1000, masses x 1000, times x 10: velocities x 100, impulses x 1e5, lever arms x 1000.
   const double length = 1000, mass = 1000, time = 10;
