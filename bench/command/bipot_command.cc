@@ -157,9 +157,12 @@ int run_command_line(int argc, const char* const* argv) {
     write_refusal(json, command_name(commands, argc, argv), message, code);
     return static_cast<int>(code);
   };
-  const auto say_and_refuse = [&](const std::exception& e, ExitCode code) {
+  const auto words_of = [](const std::exception& e) {
     const bool full = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
-    const std::string message = full ? "not enough memory" : printable(e.what());
+    return full ? std::string("not enough memory") : printable(e.what());
+  };
+  const auto say_and_refuse = [&](const std::exception& e, ExitCode code) {
+    const std::string message = words_of(e);
     say("bipot: {}\n", message);
     return refuse(message, code);
   };
@@ -186,8 +189,8 @@ int run_command_line(int argc, const char* const* argv) {
     const ExitCode code = exit_code_for(e);
     if (!processes_have_met()) return say_and_refuse(e, code);
     // The other processes do not know, and wait.
-    say_from_here(e.what());
-    if (is_speaker()) refuse(e.what(), code);
+    say_from_here(words_of(e));
+    if (is_speaker()) refuse(words_of(e), code);
     end_all_processes(code);
   }
 }

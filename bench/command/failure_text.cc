@@ -265,7 +265,7 @@ std::string EnergyGrowth<D>::warning(const Scene<D>& scene) const {
       : scene.impact != ContactLaw::Impact::kFremond && coefficients_differ(scene)
           ? "Newton's and Poisson's laws may do so where e_n, e_t or those of materials differ, "
             "[contact] impact = \"fremond\" does not (manual: explanation/method.md §3)"
-          : "No coefficients differ: it is the error of steps that were not solved");
+          : "No coefficients differ: it is the error of the solves, which follows the tolerance");
 }
 
 template std::string failure_text<2>(const Scene<2>&, const State<2>&,

@@ -198,7 +198,8 @@ class Race {
     // Loops inside a solver do not distinguish a stop from the end of their time.
     const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
     const bool by_caller = stopped && run_.cancelled();
-    const bool given_up = stopped && !by_caller && forecast.failed() && !run_.late();
+    // One process alone knows the records of a stage that runs on it: all must decide alike.
+    const bool given_up = stopped && !by_caller && space_.any(forecast.failed()) && !run_.late();
     if (by_caller) last_ = SolveStatus::kInterrupted;
     if (given_up) last_ = SolveStatus::kIterationLimit;
     const bool early = given_up && result.iterations < stage.max_iterations;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "core/base/stopwatch.h"
 #include "solvers/parallel/cell_tree.h"
@@ -14,12 +15,24 @@
 namespace bipot {
 namespace {
 
+const std::string kIslands(kIslandsParameter.name);
+
+/// The same options without `islands = off`, which is how several processes solve anyway; empty
+/// if they are without it.
+std::optional<SolverOptions> without_islands(const SolverOptions& options) {
+  const auto named = options.parameters.find(kIslands);
+  if (named == options.parameters.end() || named->second != "off") return std::nullopt;
+  SolverOptions others = options;
+  others.parameters.erase(kIslands);
+  return others;
+}
+
 /// A sentence if the solve is refused, else empty. `p`: the whole, or the part of this process.
 std::string refuse_input(std::string_view name, const ContactProblem& p, const SolverOptions& o,
                          const DistributedOptions& extra) {
   const SolverEntry* const entry = find_solver(name);
   if (entry == nullptr) return unknown_solver_message(name);
-  if (o.islands.value_or(false) || o.parameters.count(std::string(kIslandsParameter.name)) > 0) {
+  if (o.islands.value_or(false) || o.parameters.contains(kIslands)) {
     return "islands are solved one by one on one process only";
   }
   if (auto defect = refusal(*entry, p, o); !defect.empty()) return defect;
@@ -104,6 +117,9 @@ SolveResult without_contacts(const ContactProblem& p) {
 DistributedResult distributed_solve(std::string_view name, const ContactProblem& problem,
                                     const SolverOptions& options, ProcessGroup& group,
                                     const DistributedOptions& extra) {
+  if (const auto others = without_islands(options)) {
+    return distributed_solve(name, problem, *others, group, extra);
+  }
   DistributedResult out;
   out.counts.processes = group.size();
   if (is_refused(refuse_input(name, problem, options, extra), group, out.result)) return out;
@@ -131,6 +147,9 @@ DistributedResult distributed_solve(std::string_view name, const ContactProblem&
 PieceResult distributed_solve(std::string_view name, const ProblemPiece& piece,
                               const SolverOptions& options, ProcessGroup& group,
                               const DistributedOptions& extra) {
+  if (const auto others = without_islands(options)) {
+    return distributed_solve(name, piece, *others, group, extra);
+  }
   PieceResult out;
   out.counts.processes = group.size();
   if (is_refused(refuse_input(name, piece.own, options, extra), group, out.result)) return out;

@@ -109,12 +109,25 @@ TEST_F(MpiCommand, ReproducibleSolvesHaveTheSameBits) {
             2);
 }
 
+/// The records of a stage on the root process are known there alone: when it gives the stage up, the
+/// others must go on with it.
+TEST_F(MpiCommand, AutoGivesUpAStageOfTheRootProcessOnAll) {
+  EXPECT_EQ(on(4, "solve " + shipped_problem("2d_pyramid_10") + " --time-limit 60").exit_code, 0);
+  EXPECT_EQ(on(2, "solve " + shipped_problem("2d_compaction_rest") + " --time-limit 60").exit_code,
+            0);
+  EXPECT_EQ(
+      on(2, "solve " + shipped_problem("2d_pour12_170") + " --tol 1e-15 --time-limit 2").exit_code,
+      1);
+}
+
 TEST_F(MpiCommand, ExitCodesAreThoseOfOneProcessAndOneProcessSpeaks) {
   const std::string solve = "solve " + shipped_problem("2d_pour12_170") + " ";
   EXPECT_EQ(on(3, solve + "--solver apgd --tol 1e-12 --max-iterations 20").exit_code, 1);
   EXPECT_EQ(on(3, solve + "--solver none").exit_code, 2);
   EXPECT_EQ(on(2, solve + "--solver apgd --threads 2").exit_code, 2);
   EXPECT_EQ(on(2, solve + "--several 3").exit_code, 2);
+  EXPECT_EQ(on(2, solve + "--solver apgd --islands off --tol 1e-3").exit_code, 0);
+  EXPECT_EQ(on(2, solve + "--solver apgd --islands on --tol 1e-3").exit_code, 2);
   EXPECT_EQ(on(2, "solve pour:4@20").exit_code, 2);  // each would make it
   EXPECT_EQ(on(2, "run square_lattice --model dem").exit_code, 2);
   const Outcome compare = both_streams(3, "compare " + shipped_problem("2d_pour12_170"));
